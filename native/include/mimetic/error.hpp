@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <stdexcept>
+
+namespace mimetic {
+
+/// An argument that cannot be worked with; the text says what, where and what to do. ValueError in Python.
+class InvalidInput : public std::invalid_argument {
+public:
+    using std::invalid_argument::invalid_argument;
+};
+
+/// A file that cannot be read as what it should be. OSError in Python.
+class UnreadableMedia : public std::runtime_error {
+public:
+    using std::runtime_error::runtime_error;
+};
+
+}  // namespace mimetic

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <cstddef>
+#include <cstdint>
+
+namespace mimetic {
+
+/// An 8-bit image that somebody else owns: rows x cols x Channels, rows `stride` bytes apart.
+template <int Channels>
+struct ImageView {
+    const std::uint8_t* data = nullptr;
+    int rows = 0;
+    int cols = 0;
+    std::ptrdiff_t stride = 0;
+
+    const std::uint8_t* row(int y) const { return data + y * stride; }
+};
+
+using GrayView = ImageView<1>;
+using ColorView = ImageView<3>;  ///< red, green, blue
+
+/// Throws InvalidInput unless both sides lie within [16, 16384] pixels.
+void check_image_size(int rows, int cols, const char* name);
+
+}  // namespace mimetic

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "arrays.hpp"
+
+namespace mimetic::bindings {
+void bind_camera(pybind11::module_& m);
+}  // namespace mimetic::bindings
+
+PYBIND11_MODULE(_core, m) {
+    using namespace mimetic;
+    m.doc() = "Mimetic's core: units are SI, images are uint8, arrays are C order.";
+    m.attr("__version__") = MIMETIC_VERSION;
+    pybind11::register_exception<InvalidInput>(m, "InvalidInput", PyExc_ValueError);
+    pybind11::register_exception<UnreadableMedia>(m, "UnreadableMedia", PyExc_OSError);
+    // In the order of the stages
+    bindings::bind_camera(m);
+}
