@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Reading numpy archives from strangers: headers first, no pickles."""
+
+from __future__ import annotations
+
+import zipfile
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib import format as npy
+
+from mimetic import InvalidInput
+
+LARGEST_BYTES = 4 << 30
+
+
+@dataclass(frozen=True)
+class ArrayHeader:
+    shape: tuple[int, ...]
+    dtype: np.dtype
+
+
+def read_headers(archive: zipfile.ZipFile) -> dict[str, ArrayHeader]:
+    """Shape and type of every array of an .npz, without reading one; raises InvalidInput."""
+    headers = {}
+    total = 0
+    for member in archive.infolist():
+        name, dot, suffix = member.filename.rpartition(".")
+        if suffix != "npy" or not dot:
+            raise InvalidInput(f"holds {member.filename}, which is not a numpy array")
+        if member.flag_bits & 1:
+            raise InvalidInput("is encrypted")
+        with archive.open(member) as stream:
+            headers[name] = header = _read_header(stream, name)
+        total += int(np.prod(header.shape, dtype=object)) * header.dtype.itemsize
+    if total > LARGEST_BYTES:
+        raise InvalidInput(f"claims {total} bytes of arrays; at most {LARGEST_BYTES} are read")
+    return headers
+
+
+def read_array(archive: zipfile.ZipFile, name: str) -> np.ndarray:
+    """One array of an .npz whose header has been checked; raises InvalidInput."""
+    with archive.open(f"{name}.npy") as stream:
+        try:
+            return npy.read_array(stream, allow_pickle=False)
+        except ValueError as error:
+            raise InvalidInput(f"array {name} cannot be read: {error}") from None
+
+
+def _read_header(stream, name: str) -> ArrayHeader:
+    try:
+        version = npy.read_magic(stream)
+        read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
+        if version not in ((1, 0), (2, 0)):
+            raise ValueError(f"version {version} of the format")
+        shape, _, dtype = read(stream)
+    except ValueError as error:
+        raise InvalidInput(f"array {name} cannot be read: {error}") from None
+    if dtype.hasobject or dtype.names is not None:
+        raise InvalidInput(f"array {name} holds Python objects, which are never read")
+    if any(length < 0 for length in shape):
+        raise InvalidInput(f"array {name} claims a negative length")
+    return ArrayHeader(tuple(shape), dtype)
