@@ -3,6 +3,7 @@
 
 namespace mimetic::bindings {
 void bind_camera(pybind11::module_& m);
+void bind_surface(pybind11::module_& m);
 }  // namespace mimetic::bindings
 
 PYBIND11_MODULE(_core, m) {
@@ -13,4 +14,5 @@ PYBIND11_MODULE(_core, m) {
     pybind11::register_exception<UnreadableMedia>(m, "UnreadableMedia", PyExc_OSError);
     // In the order of the stages
     bindings::bind_camera(m);
+    bindings::bind_surface(m);
 }
