@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Packs the add-on and its wheels into the extension's zip with Blender's own tool, and validates it."""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import importlib.util
+import re
+import shutil
+import sys
+import tomllib
+from pathlib import Path
+
+import wheels
+
+ADDON = wheels.ROOT / "blender_addon" / "mimetic"
+SHIPPED = ("3.11", "3.13")  # Blender 4.2 to 5.0, and 5.1 on; the first is .venv's own
+
+
+def blender_tool() -> Path:
+    """Blender's blender_ext.py; the bpy module brings it though not the blender program."""
+    found = importlib.util.find_spec("bpy")
+    if found is None or found.origin is None:
+        raise SystemExit("extension: bpy is not in .venv; run scripts/setup")
+    return next(Path(found.origin).parent.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"))
+
+
+def ffmpeg_wheel() -> Path:
+    """The wheel of imageio-ffmpeg, the only other part that Blender does not have."""
+    lines = tomllib.loads((wheels.ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
+    pinned = next(line for line in lines if line.startswith("imageio-ffmpeg=="))
+    version = pinned.split("==")[1]
+    pattern = f"imageio_ffmpeg-{version}-*.whl"
+    if not list(wheels.WHEELS.glob(pattern)):
+        wheels.WHEELS.mkdir(parents=True, exist_ok=True)
+        pip = [sys.executable, "-m", "pip", "download", "--no-deps", "--only-binary", ":all:"]
+        wheels.run([*pip, "--dest", wheels.WHEELS, pinned])
+    return next(wheels.WHEELS.glob(pattern))
+
+
+def write_manifest(folder: Path, version: str, bundled: list[Path]) -> None:
+    """The committed manifest with the version of pyproject.toml and the wheels that lie beside it."""
+    path = folder / "blender_manifest.toml"
+    text = re.sub(r"(?ms)^wheels\s*=\s*\[.*?\]\s*$", "", path.read_text())
+    text = re.sub(r"(?m)^version\s*=.*$", f'version = "{version}"', text)
+    listed = "".join(f'  "./wheels/{wheel.name}",\n' for wheel in bundled)
+    head, table, tail = text.partition("\n[")
+    path.write_text(f"{head}\nwheels = [\n{listed}]\n{table}{tail}")
+    written = tomllib.loads(path.read_text())
+    if written["version"] != version or len(written["wheels"]) != len(bundled):
+        raise SystemExit(f"extension: {path} could not be given its version and wheels")
+
+
+def stage(version: str, bundled: list[Path]) -> Path:
+    folder = wheels.ROOT / "build" / "extension" / "mimetic"
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(ADDON, folder, ignore=shutil.ignore_patterns("__pycache__", "wheels", "*.pyc"))
+    (folder / "wheels").mkdir()
+    for wheel in bundled:
+        shutil.copy(wheel, folder / "wheels")
+    write_manifest(folder, version, bundled)
+    return folder
+
+
+def state_of(bundled: list[Path]) -> str:
+    digest = hashlib.sha256(Path(__file__).read_bytes())
+    sources = [path for path in sorted(ADDON.rglob("*")) if "__pycache__" not in path.parts]
+    for path in [*sources, *bundled]:
+        if path.is_file():
+            digest.update(path.name.encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
+def pack(target: Path, version: str, bundled: list[Path]) -> None:
+    stamp = wheels.ROOT / "build" / "extension" / f"{target.stem}.state"
+    state = state_of(bundled)
+    if target.exists() and stamp.exists() and stamp.read_text() == state:
+        return
+    print(f"extension: packing {target.relative_to(wheels.ROOT)}", flush=True)
+    source = stage(version, bundled)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    aside = target.with_suffix(".partial.zip")
+    tool = [sys.executable, blender_tool()]
+    wheels.run([*tool, "build", "--source-dir", source, "--output-filepath", aside])
+    wheels.run([*tool, "validate", aside])
+    aside.replace(target)
+    stamp.write_text(state)
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    chosen = parser.add_mutually_exclusive_group()
+    chosen.add_argument("--window", action="store_true", help="add the window tests' Python")
+    chosen.add_argument("--wheels", action="store_true", help="build the wheels only")
+    options = parser.parse_args()
+
+    others = {}
+    for version in SHIPPED[1:]:
+        if python := wheels.find_other_python(version):
+            others[python.tag] = python
+        else:
+            print(
+                f"extension: no headers of Python {version}, so no wheel for Blender 5.1 and later; "
+                f"an installed python{version} gives them, or tests/window/prepare",
+                file=sys.stderr,
+            )
+    shipped_tags = {"cp311", *others}
+    # One set of wheels serves both zips, so that making one does not unmake the other.
+    if wheels.window_folder() or options.window:
+        python = wheels.window_python()
+        others.setdefault(python.tag, python)
+    built = wheels.build(list(others.values()))
+    if options.wheels:
+        print(wheels.WHEELS)
+        return 0
+    shipped = [wheel for wheel in built if wheel.name.split("-")[2] in shipped_tags]
+    version = tomllib.loads((wheels.ROOT / "pyproject.toml").read_text())["project"]["version"]
+    if options.window:
+        target = wheels.ROOT / "build" / "extension" / f"mimetic-{version}-window.zip"
+        pack(target, version, [*built, ffmpeg_wheel()])
+    else:
+        target = wheels.ROOT / "dist" / f"mimetic-{version}-linux_x64.zip"
+        pack(target, version, [*shipped, ffmpeg_wheel()])
+    print(target)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A screen without a monitor, and a Blender on it that walks by a script and is photographed."""
+
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+HERE = Path(__file__).parent
+SIZE = (1280, 800)
+
+
+class Screen:
+    """An Xvfb display of its own, on a free number."""
+
+    def __enter__(self) -> Screen:
+        reader, writer = os.pipe()
+        geometry = f"{SIZE[0]}x{SIZE[1]}x24"
+        arguments = ["-screen", "0", geometry, "+extension", "GLX", "-nolisten", "tcp"]
+        self._process = subprocess.Popen(
+            ["Xvfb", "-displayfd", str(writer), *arguments],
+            pass_fds=[writer],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+        os.close(writer)
+        with os.fdopen(reader) as stream:
+            number = stream.readline().strip()
+        if not number:
+            raise RuntimeError("Xvfb did not start; is its package xvfb whole?")
+        self.display = f":{number}"
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._process.terminate()
+        self._process.wait(timeout=10)
+
+    def photograph(self, path: Path) -> None:
+        aside = path.with_suffix(".partial.png")
+        command = ["import", "-display", self.display, "-window", "root", str(aside)]
+        subprocess.run(command, check=True, timeout=30)
+        aside.replace(path)
+
+
+@dataclass(frozen=True)
+class Findings:
+    """What a walk brought home."""
+
+    checks: list[dict]
+    arrays: dict[str, list]
+    pictures: dict[str, Path]
+    log: str
+
+    def failures(self) -> list[str]:
+        """Every claim that does not hold: Blender's exit status says nothing about them."""
+        failed = [f"{c['claim']}: {c['found']}" for c in self.checks if not c["holds"]]
+        if not self.checks:
+            failed.append("the walk checked nothing")
+        if "Traceback (most recent call last)" in self.log:
+            failed.append("Blender's log holds a traceback:\n" + self.log[-4000:])
+        return failed
+
+
+@dataclass(frozen=True)
+class BlenderFolder:
+    """A Debian folder with Blender, made by `prepare`."""
+
+    root: Path
+    blender: str
+    python: str
+
+    @classmethod
+    def prepared(cls) -> BlenderFolder:
+        done = subprocess.run(
+            [str(HERE / "prepare")], check=True, stdout=subprocess.PIPE, text=True, timeout=1800
+        )
+        root = Path(done.stdout.splitlines()[-1])
+        facts = json.loads((root / "mimetic-window.json").read_text())
+        return cls(root, facts["blender"], facts["python"])
+
+    def walk(
+        self, screen: Screen, script: str, work: Path, pictures: Path, settings: dict, seconds: float
+    ) -> Findings:
+        """Run a walk in a new Blender. `work` must lie in /tmp, which the folder shares."""
+        for source in (HERE / "walk.py", HERE / script):
+            shutil.copy(source, work)
+        (work / "settings.json").write_text(json.dumps(settings))
+        resources = work / "resources"
+        resources.mkdir()
+        log_path = work / "blender.log"
+        with log_path.open("w") as log:
+            process = subprocess.Popen(
+                [str(HERE / "enter"), str(self.root), *self._command(work, script)],
+                env=self._environment(screen, resources),
+                stdout=log,
+                stderr=subprocess.STDOUT,
+                start_new_session=True,
+            )
+            taken = _serve(process, screen, work, pictures, seconds)
+        text = log_path.read_text(errors="replace")
+        shutil.copy(log_path, pictures / f"{Path(script).stem}.log")
+        result = work / "result.json"
+        if not result.exists():
+            raise AssertionError(f"Blender ended without a result within {seconds:g} s:\n{text[-4000:]}")
+        found = json.loads(result.read_text())
+        return Findings(found["checks"], found["arrays"], taken, text)
+
+    @staticmethod
+    def _command(work: Path, script: str) -> list[str]:
+        geometry = ["--window-geometry", "0", "0", str(SIZE[0]), str(SIZE[1])]
+        start = ["blender", "--factory-startup", *geometry, "--enable-event-simulate"]
+        return [*start, "--python-exit-code", "1", "--python", str(work / script), "--", str(work)]
+
+    @staticmethod
+    def _environment(screen: Screen, resources: Path) -> dict[str, str]:
+        return os.environ | {
+            "DISPLAY": screen.display,
+            "LIBGL_ALWAYS_SOFTWARE": "1",
+            "BLENDER_USER_RESOURCES": str(resources),
+            "HOME": str(resources),
+            "XDG_RUNTIME_DIR": str(resources),
+        }
+
+
+def _serve(
+    process: subprocess.Popen, screen: Screen, work: Path, pictures: Path, seconds: float
+) -> dict[str, Path]:
+    """Take the pictures that the walk asks for, until Blender ends or its time is over."""
+    taken: dict[str, Path] = {}
+    deadline = time.monotonic() + seconds
+    while process.poll() is None and time.monotonic() < deadline:
+        for request in work.glob("*.request"):
+            picture = pictures / f"{request.stem}.png"
+            screen.photograph(picture)
+            taken[request.stem] = picture
+            request.unlink()
+        time.sleep(0.1)
+    if process.poll() is None:
+        screen.photograph(pictures / "out-of-time.png")
+        process.terminate()
+    process.wait(timeout=30)
+    return taken

@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import shutil
+
+
+def test_zip_installs_and_shows_its_panel(folder, screen, extension, work, pictures):
+    shutil.copy(extension, work)
+    found = folder.walk(
+        screen, "walk_install.py", work, pictures, {"extension": extension.name}, seconds=120
+    )
+    assert not found.failures()
+    assert found.pictures["panel"].stat().st_size > 10_000

@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs inside Blender's window: steps a walk (a generator) by a timer, and writes what it found.
+
+A walk yields seconds to wait, or nothing to go on at the next redraw. It may use `yield from` on
+`picture` and `until`. Its checks go to result.json, which appears whole and only when the walk is over.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+import traceback
+from collections.abc import Callable, Generator
+from pathlib import Path
+
+import bpy
+
+Steps = Generator[float | None, None, None]
+
+
+class Walk:
+    """What a walk is given: where its files are, and where its findings go."""
+
+    def __init__(self, folder: Path, settings: dict) -> None:
+        self.folder = folder
+        self.settings = settings
+        self.checks: list[dict] = []
+        self.arrays: dict[str, list] = {}
+
+    def check(self, claim: str, holds: bool, found: object = "") -> None:
+        self.checks.append({"claim": claim, "holds": bool(holds), "found": str(found)})
+        print(f"walk: {'ok' if holds else 'FAILED'}: {claim} {found}", flush=True)
+
+    def until(self, condition: Callable[[], bool], seconds: float, claim: str) -> Steps:
+        """Wait until the condition holds; that it does within the time is a check of its own."""
+        start = time.monotonic()
+        while not condition():
+            if time.monotonic() - start > seconds:
+                self.check(claim, False, f"not within {seconds:g} s")
+                return
+            yield 0.1
+        self.check(claim, True, f"after {time.monotonic() - start:.1f} s")
+
+    def picture(self, name: str) -> Steps:
+        """Have the test outside photograph the screen; Blender's own screenshot is black in a timer."""
+        yield 0.5  # let the last change be drawn
+        request = self.folder / f"{name}.request"
+        request.touch()
+        yield from self.until(lambda: not request.exists(), 30, f"picture {name} was taken")
+
+    def close(self) -> None:
+        aside = self.folder / "result.partial"
+        aside.write_text(json.dumps({"checks": self.checks, "arrays": self.arrays}))
+        aside.replace(self.folder / "result.json")
+
+
+def area_of(kind: str) -> tuple[bpy.types.Window, bpy.types.Area]:
+    """The first area of a kind in the window, for example 'VIEW_3D'."""
+    window = bpy.context.window_manager.windows[0]
+    return window, next(area for area in window.screen.areas if area.type == kind)
+
+
+def override(kind: str) -> dict:
+    """Context for an operator that is called as from the main region of an area."""
+    window, area = area_of(kind)
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    return {"window": window, "screen": window.screen, "area": area, "region": region}
+
+
+def install(walk: Walk, package: str) -> Steps:
+    """Install the extension's zip as a user does, from disk."""
+    bpy.context.preferences.view.show_splash = False
+    bpy.ops.extensions.package_install_files(
+        filepath=str(walk.folder / walk.settings["extension"]),
+        repo="user_default",
+        enable_on_install=True,
+    )
+    yield 0.5
+    walk.check("the extension is enabled", package in bpy.context.preferences.addons.keys())
+
+
+def open_sidebar(walk: Walk, kind: str, category: str) -> Steps:
+    """Show a sidebar with a category's tab; the tab exists only after a first drawing."""
+    _, area = area_of(kind)
+    area.spaces.active.show_region_ui = True
+    yield 0.5
+    sidebar = next(region for region in area.regions if region.type == "UI")
+    area.tag_redraw()
+    yield 0.5
+    try:
+        sidebar.active_panel_category = category
+        walk.check(f"{kind} has the tab {category}", sidebar.active_panel_category == category)
+    except (AttributeError, TypeError) as reason:
+        walk.check(f"{kind} has the tab {category}", False, reason)
+
+
+def start(steps: Callable[[Walk], Steps]) -> None:
+    """Step the walk by a timer until it ends, then write the findings and leave Blender."""
+    folder = Path(sys.argv[sys.argv.index("--") + 1])
+    walk = Walk(folder, json.loads((folder / "settings.json").read_text()))
+    running = steps(walk)
+
+    def step() -> float | None:
+        try:
+            return next(running) or 0.01
+        except StopIteration:
+            pass
+        except Exception:  # whatever went wrong is a finding, and Blender must close
+            walk.check("the walk ended without an exception", False, traceback.format_exc())
+        walk.close()
+        bpy.ops.wm.quit_blender()
+        return None
+
+    bpy.app.timers.register(step, first_interval=1.0)
