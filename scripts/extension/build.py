@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Packs the add-on and its wheels into the extension's zip with Blender's own tool, and validates it."""
+"""Packs the add-on and its wheels with Blender's own tool into a zip, and validates it."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def ffmpeg_wheel() -> Path:
 
 
 def write_manifest(folder: Path, version: str, bundled: list[Path]) -> None:
-    """The committed manifest with the version of pyproject.toml and the wheels that lie beside it."""
+    """The committed manifest with pyproject.toml's version and the wheels that lie beside it."""
     path = folder / "blender_manifest.toml"
     text = re.sub(r"(?ms)^wheels\s*=\s*\[.*?\]\s*$", "", path.read_text())
     text = re.sub(r"(?m)^version\s*=.*$", f'version = "{version}"', text)
@@ -101,8 +101,8 @@ def main() -> int:
             others[python.tag] = python
         else:
             print(
-                f"extension: no headers of Python {version}, so no wheel for Blender 5.1 and later; "
-                f"an installed python{version} gives them, or tests/window/prepare",
+                f"extension: no headers of Python {version}, so no wheel for Blender 5.1 and later;"
+                f" an installed python{version} gives them, or tests/window/prepare",
                 file=sys.stderr,
             )
     shipped_tags = {"cp311", *others}

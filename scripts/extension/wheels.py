@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One wheel for each Python that a Blender runs, from one compiled core.
 
-The wheel of .venv's own Python is built as any other. For the other Pythons only the bindings are compiled,
-against that Python's headers, and take their place in a copy of the wheel: neither an interpreter nor a
-second core is needed. Every wheel is then made self-contained by auditwheel.
+The wheel of .venv's own Python is built as any other. For the other Pythons only the bindings are
+compiled, against that Python's headers, and take their place in a copy of the wheel: neither an
+interpreter nor a second core is needed. auditwheel then makes every wheel self-contained.
 """
 
 from __future__ import annotations
@@ -100,7 +100,8 @@ def state_of_inputs(pythons: list[OtherPython]) -> str:
 
 
 def build_own(folder: Path) -> Path:
-    run([sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation", "-w", folder, ROOT])
+    pip = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
+    run([*pip, "--wheel-dir", folder, ROOT])
     return next(folder.glob("mimetic-*.whl"))
 
 

@@ -84,7 +84,13 @@ class BlenderFolder:
         return cls(root, facts["blender"], facts["python"])
 
     def walk(
-        self, screen: Screen, script: str, work: Path, pictures: Path, settings: dict, seconds: float
+        self,
+        screen: Screen,
+        script: str,
+        work: Path,
+        pictures: Path,
+        settings: dict,
+        seconds: float,
     ) -> Findings:
         """Run a walk in a new Blender. `work` must lie in /tmp, which the folder shares."""
         for source in (HERE / "walk.py", HERE / script):
@@ -106,7 +112,7 @@ class BlenderFolder:
         shutil.copy(log_path, pictures / f"{Path(script).stem}.log")
         result = work / "result.json"
         if not result.exists():
-            raise AssertionError(f"Blender ended without a result within {seconds:g} s:\n{text[-4000:]}")
+            raise AssertionError(f"no result within {seconds:g} s; Blender's log:\n{text[-4000:]}")
         found = json.loads(result.read_text())
         return Findings(found["checks"], found["arrays"], taken, text)
 

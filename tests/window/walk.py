@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Runs inside Blender's window: steps a walk (a generator) by a timer, and writes what it found.
 
-A walk yields seconds to wait, or nothing to go on at the next redraw. It may use `yield from` on
-`picture` and `until`. Its checks go to result.json, which appears whole and only when the walk is over.
+A walk yields seconds to wait, or nothing to go on at once. It may use `yield from` on `picture` and
+`until`. Its checks go to result.json, which appears whole and only when the walk is over.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class Walk:
         self.check(claim, True, f"after {time.monotonic() - start:.1f} s")
 
     def picture(self, name: str) -> Steps:
-        """Have the test outside photograph the screen; Blender's own screenshot is black in a timer."""
+        """Have the test outside photograph the screen: Blender's own is black in a timer."""
         yield 0.5  # let the last change be drawn
         request = self.folder / f"{name}.request"
         request.touch()
@@ -77,7 +77,7 @@ def install(walk: Walk, package: str) -> Steps:
         enable_on_install=True,
     )
     yield 0.5
-    walk.check("the extension is enabled", package in bpy.context.preferences.addons.keys())
+    walk.check("the extension is enabled", package in bpy.context.preferences.addons)
 
 
 def open_sidebar(walk: Walk, kind: str, category: str) -> Steps:
