@@ -46,7 +46,9 @@ def write_manifest(folder: Path, version: str, bundled: list[Path]) -> None:
     text = re.sub(r"(?m)^version\s*=.*$", f'version = "{version}"', text)
     listed = "".join(f'  "./wheels/{wheel.name}",\n' for wheel in bundled)
     head, table, tail = text.partition("\n[")
-    path.write_text(f"{head}\nwheels = [\n{listed}]\n{table}{tail}")
+    # The wheels are of one platform, so the zip is.
+    platform = 'platforms = ["linux-x64"]'
+    path.write_text(f"{head}\n{platform}\nwheels = [\n{listed}]\n{table}{tail}")
     written = tomllib.loads(path.read_text())
     if written["version"] != version or len(written["wheels"]) != len(bundled):
         raise SystemExit(f"extension: {path} could not be given its version and wheels")
