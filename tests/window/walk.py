@@ -68,9 +68,22 @@ def override(kind: str) -> dict:
     return {"window": window, "screen": window.screen, "area": area, "region": region}
 
 
+def invoke(kind: str, operator: Callable, **properties: object) -> set[str]:
+    """Start an operator as a button in an area's main region does."""
+    with bpy.context.temp_override(**override(kind)):
+        return operator("INVOKE_DEFAULT", **properties)
+
+
+def press(kind: str, key: str) -> None:
+    """Press and release a key with the mouse over the middle of an area."""
+    window, area = area_of(kind)
+    x, y = area.x + area.width // 2, area.y + area.height // 2
+    for value in ("PRESS", "RELEASE"):
+        window.event_simulate(type=key, value=value, x=x, y=y)
+
+
 def install(walk: Walk, package: str) -> Steps:
     """Install the extension's zip as a user does, from disk."""
-    bpy.context.preferences.view.show_splash = False
     bpy.ops.extensions.package_install_files(
         filepath=str(walk.folder / walk.settings["extension"]),
         repo="user_default",
@@ -97,6 +110,7 @@ def open_sidebar(walk: Walk, kind: str, category: str) -> Steps:
 
 def start(steps: Callable[[Walk], Steps]) -> None:
     """Step the walk by a timer until it ends, then write the findings and leave Blender."""
+    bpy.context.preferences.view.show_splash = False
     folder = Path(sys.argv[sys.argv.index("--") + 1])
     walk = Walk(folder, json.loads((folder / "settings.json").read_text()))
     running = steps(walk)
