@@ -4,6 +4,7 @@
 namespace mimetic::bindings {
 void bind_camera(pybind11::module_& m);
 void bind_surface(pybind11::module_& m);
+void bind_flow(pybind11::module_& m);
 }  // namespace mimetic::bindings
 
 PYBIND11_MODULE(_core, m) {
@@ -15,4 +16,5 @@ PYBIND11_MODULE(_core, m) {
     // In the order of the stages
     bindings::bind_camera(m);
     bindings::bind_surface(m);
+    bindings::bind_flow(m);
 }

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/flow.hpp>
+#include <optional>
+
+#include "arrays.hpp"
+
+namespace mimetic::bindings {
+
+namespace py = pybind11;
+using namespace pybind11::literals;
+
+namespace {
+
+using FloatArray = py::array_t<float, py::array::c_style>;
+
+/// A numpy view that keeps the field alive.
+py::array view_plane(const py::object& owner, const std::vector<float>& values, int channels) {
+    const auto& field = owner.cast<const FlowField&>();
+    return FloatArray({field.rows, field.cols, channels}, values.data(), owner);
+}
+
+FlowField compute(const ImageArray& from, const ImageArray& to, const FlowOptions& options,
+                  const std::optional<FloatArray>& initial) {
+    const GrayView from_view = view_image<1>(from, "the first image");
+    const GrayView to_view = view_image<1>(to, "the second image");
+    FlowField start;
+    if (initial) {
+        if (initial->ndim() != 3 || initial->shape(2) != 2) {
+            throw InvalidInput("the initial flow must have the shape (height, width, 2) and be float32");
+        }
+        start = {static_cast<int>(initial->shape(0)),
+                 static_cast<int>(initial->shape(1)),
+                 std::vector<float>(initial->data(), initial->data() + initial->size()),
+                 {}};
+    }
+    const py::gil_scoped_release release;
+    return compute_flow(from_view, to_view, options, initial ? &start : nullptr);
+}
+
+}  // namespace
+
+void bind_flow(py::module_& m) {
+    py::enum_<FlowMethod>(m, "FlowMethod", "How flow is computed.")
+        .value("probabilistic", FlowMethod::probabilistic, "Simoncelli, Adelson and Heeger 1991")
+        .value("dis", FlowMethod::dis, "OpenCV's dense inverse search");
+    py::class_<FlowOptions>(m, "FlowOptions", "Settings of compute_flow; see flow.hpp for units.")
+        .def(py::init<>())
+        .def_readwrite("method", &FlowOptions::method)
+        .def_readwrite("num_levels", &FlowOptions::num_levels)
+        .def_readwrite("finest_level", &FlowOptions::finest_level)
+        .def_readwrite("iterations", &FlowOptions::iterations)
+        .def_readwrite("gradient_noise", &FlowOptions::gradient_noise)
+        .def_readwrite("temporal_noise", &FlowOptions::temporal_noise)
+        .def_readwrite("prior_variance", &FlowOptions::prior_variance)
+        .def_readwrite("process_variance", &FlowOptions::process_variance)
+        .def("check", &FlowOptions::check, "Raises InvalidInput: field, value, limit.");
+    py::class_<FlowField>(m, "FlowField", "Where the pixels of one image are in another.")
+        .def_readonly("rows", &FlowField::rows)
+        .def_readonly("cols", &FlowField::cols)
+        .def_property_readonly(
+            "flow",
+            [](const py::object& self) { return view_plane(self, self.cast<const FlowField&>().flow, 2); },
+            "(H, W, 2) float32, x right and y down, pixels")
+        .def_property_readonly(
+            "covariance",
+            [](const py::object& self) {
+                return view_plane(self, self.cast<const FlowField&>().covariance, 3);
+            },
+            "(H, W, 3) float32, xx, xy, yy, pixels^2");
+    m.def("compute_flow", &compute, py::arg("from_image").noconvert(), py::arg("to_image").noconvert(),
+          "options"_a = FlowOptions{}, py::arg("initial").noconvert() = py::none(),
+          "Flow of every pixel of one image to another, with its 2x2 covariance.\n\n"
+          "from_image, to_image: (H, W) uint8 of one size; initial: (H, W, 2) float32, pixels, or None\n"
+          "returns: FlowField; raises InvalidInput on images that do not match");
+}
+
+}  // namespace mimetic::bindings

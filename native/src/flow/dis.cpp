@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/video/tracking.hpp>
+
+#include "flow/methods.hpp"
+
+namespace mimetic::flow {
+namespace {
+
+constexpr int kWindow = 9;              // pixels, of the structure tensor and of the residual's variance
+constexpr double kWindowSigma = 1.7;    // pixels
+constexpr float kImageVariance = 4.0f;  // grey levels^2 of a sensor's noise
+constexpr float kLoopScale = 0.5f;      // the error is shared by the two flows
+constexpr float kSmallestTensor =
+    1e-3f;  // grey levels^2 a pixel^2: a flat window has a large covariance, not infinite
+
+cv::Mat run_dis(const cv::Mat& from, const cv::Mat& to, const FlowOptions& options, const cv::Mat& initial) {
+    const auto dis = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_FAST);
+    // Skin moves by fractions of a pixel: the preset's last level, a quarter of the size, is too coarse. The
+    // full size costs six times the half, from which OpenCV interpolates.
+    dis->setFinestScale(options.finest_level + 1);
+    cv::Mat flow = initial.clone();
+    dis->calc(from, to, flow);
+    return flow;
+}
+
+/// Absolute pixel positions that a flow leads to.
+cv::Mat targets_of(const cv::Mat& flow) {
+    cv::Mat targets(flow.size(), CV_32FC2);
+    for (int y = 0; y < flow.rows; ++y) {
+        const auto* from = flow.ptr<cv::Vec2f>(y);
+        auto* to = targets.ptr<cv::Vec2f>(y);
+        for (int x = 0; x < flow.cols; ++x) {
+            to[x] = from[x] + cv::Vec2f(static_cast<float>(x), static_cast<float>(y));
+        }
+    }
+    return targets;
+}
+
+cv::Mat blur(const cv::Mat& plane) {
+    cv::Mat blurred;
+    cv::GaussianBlur(plane, blurred, {kWindow, kWindow}, kWindowSigma);
+    return blurred;
+}
+
+}  // namespace
+
+FlowField compute_dis(const cv::Mat& from, const cv::Mat& to, const FlowOptions& options,
+                      const cv::Mat& initial) {
+    const cv::Mat forward = run_dis(from, to, options, initial);
+    const cv::Mat backward = run_dis(to, from, options, initial.empty() ? initial : cv::Mat(-initial));
+    const cv::Mat targets = targets_of(forward);
+    cv::Mat returned;
+    cv::Mat warped;
+    cv::remap(backward, returned, targets, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    cv::remap(to, warped, targets, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+
+    cv::Mat gx;
+    cv::Mat gy;
+    cv::Mat residual;
+    cv::Scharr(from, gx, CV_32F, 1, 0, 1.0 / 32);
+    cv::Scharr(from, gy, CV_32F, 0, 1, 1.0 / 32);
+    cv::subtract(warped, from, residual, cv::noArray(), CV_32F);
+    const cv::Mat tensor_xx = blur(gx.mul(gx));
+    const cv::Mat tensor_xy = blur(gx.mul(gy));
+    const cv::Mat tensor_yy = blur(gy.mul(gy));
+    const cv::Mat variance = blur(residual.mul(residual));
+
+    // How far a pixel lands from itself there and back, direction kept: along an edge it may wander, across
+    // not.
+    const cv::Mat loop = forward + returned;
+    std::array<cv::Mat, 2> loops;
+    cv::split(loop, loops.data());
+    const cv::Mat loop_xx = blur(loops[0].mul(loops[0]));
+    const cv::Mat loop_xy = blur(loops[0].mul(loops[1]));
+    const cv::Mat loop_yy = blur(loops[1].mul(loops[1]));
+
+    FlowField field{from.rows, from.cols, {}, {}};
+    field.flow.assign(forward.ptr<float>(), forward.ptr<float>() + 2 * forward.total());
+    field.covariance.resize(3 * forward.total());
+    cv::Mat covariance(from.rows, from.cols, CV_32FC3, field.covariance.data());
+    for (int y = 0; y < from.rows; ++y) {
+        auto* out = covariance.ptr<cv::Vec3f>(y);
+        for (int x = 0; x < from.cols; ++x) {
+            const float xx = tensor_xx.at<float>(y, x) + kSmallestTensor;
+            const float yy = tensor_yy.at<float>(y, x) + kSmallestTensor;
+            const float xy = tensor_xy.at<float>(y, x);
+            const float noise = std::max(variance.at<float>(y, x), 2 * kImageVariance);
+            const float scale = kDisScale * noise / (xx * yy - xy * xy);
+            out[x] = {scale * yy + kLoopScale * loop_xx.at<float>(y, x),
+                      -scale * xy + kLoopScale * loop_xy.at<float>(y, x),
+                      scale * xx + kLoopScale * loop_yy.at<float>(y, x)};
+        }
+    }
+    return field;
+}
+
+}  // namespace mimetic::flow

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+#include <mimetic/error.hpp>
+#include <mimetic/flow.hpp>
+#include <string>
+
+#include "flow/methods.hpp"
+
+namespace mimetic {
+namespace {
+
+void check_range(const char* name, double value, double lowest, double highest) {
+    if (!(value >= lowest && value <= highest)) {
+        throw InvalidInput(std::string("flow option ") + name + " is " + std::to_string(value) +
+                           "; it must lie in " + std::to_string(lowest) + " to " + std::to_string(highest));
+    }
+}
+
+cv::Mat wrap(const GrayView& view) {
+    // OpenCV has no read-only matrix; nothing here writes to it.
+    return cv::Mat(view.rows, view.cols, CV_8U, const_cast<std::uint8_t*>(view.data),
+                   static_cast<std::size_t>(view.stride));
+}
+
+void check_initial(const FlowField& initial, const GrayView& from) {
+    const auto num_pixels = static_cast<std::size_t>(from.rows) * static_cast<std::size_t>(from.cols);
+    if (initial.rows != from.rows || initial.cols != from.cols || initial.flow.size() != 2 * num_pixels) {
+        throw InvalidInput("the initial flow is " + std::to_string(initial.cols) + " x " +
+                           std::to_string(initial.rows) + ", the images " + std::to_string(from.cols) +
+                           " x " + std::to_string(from.rows) + "; they must have one size");
+    }
+    for (const float value : initial.flow) {
+        if (!std::isfinite(value)) {
+            throw InvalidInput("the initial flow is not finite");
+        }
+    }
+}
+
+}  // namespace
+
+void FlowOptions::check() const {
+    check_range("num_levels", num_levels, 0, 12);
+    check_range("finest_level", finest_level, 0, 4);
+    check_range("iterations", iterations, 1, 20);
+    check_range("gradient_noise", gradient_noise, 0, 100);
+    check_range("temporal_noise", temporal_noise, 1e-3, 1e4);
+    check_range("prior_variance", prior_variance, 1e-3, 1e4);
+    check_range("process_variance", process_variance, 1e-6, 1e3);
+}
+
+FlowField compute_flow(const GrayView& from, const GrayView& to, const FlowOptions& options,
+                       const FlowField* initial) {
+    options.check();
+    check_image_size(from.rows, from.cols, "the first image");
+    check_image_size(to.rows, to.cols, "the second image");
+    if (from.rows != to.rows || from.cols != to.cols) {
+        throw InvalidInput("flow needs two images of one size; they are " + std::to_string(from.cols) +
+                           " x " + std::to_string(from.rows) + " and " + std::to_string(to.cols) + " x " +
+                           std::to_string(to.rows));
+    }
+    cv::Mat start;
+    if (initial != nullptr) {
+        check_initial(*initial, from);
+        start = cv::Mat(from.rows, from.cols, CV_32FC2, const_cast<float*>(initial->flow.data()));
+    }
+    return options.method == FlowMethod::dis
+               ? flow::compute_dis(wrap(from), wrap(to), options, start)
+               : flow::compute_probabilistic(wrap(from), wrap(to), options, start);
+}
+
+}  // namespace mimetic
