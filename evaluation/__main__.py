@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders clips and prints one line for each: name, footage, truth, separated by tabs."""
+
+from __future__ import annotations
+
+import argparse
+import shutil
+import sys
+from pathlib import Path
+
+from mimetic.face_template import load_template
+
+from .clips import CannotRender, Clip, clip
+from .recipes import ALL, SETS
+
+
+def main(arguments: list[str] | None = None) -> int:
+    parser = argparse.ArgumentParser(
+        prog="render_truth", description="Render heads that move in a known way."
+    )
+    which = parser.add_mutually_exclusive_group()
+    which.add_argument("--set", choices=SETS, default="held-out", help="default: held-out")
+    which.add_argument("--small", action="store_true", help="the clips of the tests and the demo")
+    which.add_argument("--name", choices=ALL, action="append", help="these alone")
+    parser.add_argument("--out", type=Path, help="copy the clips into this folder")
+    options = parser.parse_args(arguments)
+    recipes = SETS["small" if options.small else options.set]
+    if options.name:
+        recipes = [ALL[name] for name in options.name]
+    try:
+        template = load_template()
+        for recipe in recipes:
+            made = clip(recipe, template, lambda line: print(line, file=sys.stderr, flush=True))
+            if options.out:
+                made = _copied(made, options.out)
+            print(made.name, made.footage, made.truth, sep="\t", flush=True)
+    except (CannotRender, OSError, ValueError) as error:
+        print(f"render_truth: {error}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        return 130
+    return 0
+
+
+def _copied(made: Clip, folder: Path) -> Clip:
+    folder.mkdir(parents=True, exist_ok=True)
+    for path in (made.footage, made.truth):
+        aside = folder / f".{path.name}.part"
+        shutil.copyfile(path, aside)
+        aside.replace(folder / path.name)
+    return Clip(made.name, folder / made.footage.name, folder / made.truth.name)
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,177 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The truth file: what a clip really shows. docs/truth-file.md describes it for others."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+import zipfile
+import zlib
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, UnreadableMedia
+from mimetic.array_file import read_array, read_headers
+
+SCHEMA = 1
+LARGEST = {"N": 1_000_000, "K": 100_000, "M": 1000, "A": 1000, "U": 1000, "V": 2_000_000}
+# key: (kind of number, shape); equal letters are equal lengths
+REQUIRED = {
+    "frame": ("i", ("N",)),
+    "fps": ("f", (1,)),
+    "image_size": ("i", (2,)),
+    "intrinsics": ("f", (3, 3)),
+    "head_pose": ("f", ("N", 4, 4)),
+    "points": ("f", ("N", "K", 3)),
+    "tracks": ("f", ("N", "K", 2)),
+    "visible": ("b", ("N", "K")),
+}
+OPTIONAL = {
+    "neutral_points": ("f", ("K", 3)),
+    "points_face": ("i", ("K", 3)),
+    "points_bary": ("f", ("K", 3)),
+    "neutral_vertices": ("f", ("V", 3)),
+    "muscles": ("U", ("M",)),
+    "groups": ("i", ("M",)),
+    "activations": ("f", ("N", "M")),
+    "articulators": ("U", ("A",)),
+    "articulator_values": ("f", ("N", "A")),
+    "units": ("U", ("U",)),
+    "unit_values": ("f", ("N", "U")),
+}
+KEYS = REQUIRED | OPTIONAL
+ACCEPTED = {"f": "fiu", "i": "iu", "b": "b", "U": "U"}
+DTYPES = {"f": np.float64, "i": np.int64, "b": np.bool_}
+NAMED = {"muscles": "activations", "articulators": "articulator_values", "units": "unit_values"}
+
+
+@dataclass
+class Truth:
+    """N frames, K points of the surface. Metres and pixels, frames as in a `Performance`."""
+
+    frame: NDArray[np.int64]  # N, numbers in the footage, first = 1
+    fps: float
+    image_size: NDArray[np.int64]  # width, height
+    intrinsics: NDArray[np.float64]  # 3 x 3
+    head_pose: NDArray[np.float64]  # N x 4 x 4, camera from head
+    points: NDArray[np.float64]  # N x K x 3, head frame
+    tracks: NDArray[np.float64]  # N x K x 2, pixels
+    visible: NDArray[np.bool_]  # N x K
+    neutral_points: NDArray[np.float64] | None = None  # K x 3
+    points_face: NDArray[np.int64] | None = None  # K x 3, vertices of each point's triangle
+    points_bary: NDArray[np.float64] | None = None  # K x 3
+    neutral_vertices: NDArray[np.float64] | None = None  # V x 3
+    muscles: list[str] | None = None  # M
+    groups: NDArray[np.int64] | None = None  # M, 1 to 7
+    activations: NDArray[np.float64] | None = None  # N x M
+    articulators: list[str] | None = None  # A
+    articulator_values: NDArray[np.float64] | None = None  # N x A
+    units: list[str] | None = None  # U
+    unit_values: NDArray[np.float64] | None = None  # N x U
+
+    def __post_init__(self) -> None:
+        for key, (kind, _) in KEYS.items():
+            value = getattr(self, key)
+            if value is None:
+                continue
+            if kind == "U":
+                setattr(self, key, [str(name) for name in np.atleast_1d(value)])
+            elif key == "fps":
+                self.fps = float(np.asarray(value, np.float64).reshape(-1)[0])
+            else:
+                setattr(self, key, np.ascontiguousarray(value, DTYPES[kind]))
+        self.check()
+
+    def check(self) -> None:
+        """Raises InvalidInput: which key, what is wrong."""
+        lengths: dict[str, int] = {}
+        for key, (kind, shape) in KEYS.items():
+            value = getattr(self, key)
+            if value is None:
+                continue
+            _check_shape(key, (1,) if key == "fps" else np.shape(value), shape, lengths)
+            if kind == "f" and not np.isfinite(value).all():
+                raise InvalidInput(f"truth {key} is not finite")
+        if lengths["N"] < 2 or lengths["K"] < 1:
+            raise InvalidInput("truth needs two frames and one point at least")
+        if self.frame[0] < 1 or (np.diff(self.frame) <= 0).any():
+            raise InvalidInput("truth frame must count upwards from 1 or later")
+        if self.fps <= 0 or (self.image_size < 1).any():
+            raise InvalidInput("truth fps and image_size must be above 0")
+        for names, values in NAMED.items():
+            if (getattr(self, names) is None) != (getattr(self, values) is None):
+                raise InvalidInput(f"truth needs both or none of {names} and {values}")
+        rotation = self.head_pose[:, :3, :3]
+        if np.abs(rotation @ rotation.transpose(0, 2, 1) - np.eye(3)).max() > 1e-4:
+            raise InvalidInput("truth head_pose is not a rigid motion")
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the file whole or not at all."""
+        path = Path(path)
+        arrays = {"schema": np.array([SCHEMA])}
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is not None:
+                text = KEYS[field.name][0] == "U"
+                arrays[field.name] = np.array(value, np.str_) if text else np.atleast_1d(value)
+        handle, aside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+        try:
+            with os.fdopen(handle, "wb") as stream:
+                np.savez_compressed(stream, **arrays)
+            os.chmod(aside, 0o644)
+            os.replace(aside, path)
+        except BaseException:
+            os.unlink(aside)
+            raise
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Truth:
+        """Reads and checks a truth file; raises UnreadableMedia or InvalidInput."""
+        try:
+            with zipfile.ZipFile(path) as archive:
+                return cls(**_read(archive))
+        except FileNotFoundError:
+            raise UnreadableMedia(f"{path}: there is no such file") from None
+        except (OSError, zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError) as error:
+            raise UnreadableMedia(f"{path} is no truth file or is damaged ({error})") from None
+        except InvalidInput as error:
+            raise InvalidInput(f"{path}: {error}; docs/truth-file.md has the format") from None
+
+
+def _check_shape(
+    key: str, actual: tuple[int, ...], shape: tuple[int | str, ...], lengths: dict[str, int]
+) -> None:
+    fits = len(actual) == len(shape)
+    for length, wanted in zip(actual, shape, strict=False):
+        if isinstance(wanted, str):
+            fits &= length <= LARGEST[wanted] and lengths.setdefault(wanted, length) == length
+        else:
+            fits &= length == wanted
+    if not fits:
+        expected = " x ".join(str(length) for length in shape)
+        met = ", ".join(f"{name} = {length}" for name, length in lengths.items())
+        raise InvalidInput(f"truth {key} has the shape {actual}, expected {expected} ({met})")
+
+
+def _read(archive: zipfile.ZipFile) -> dict[str, np.ndarray]:
+    headers = read_headers(archive)
+    schema = headers.get("schema")
+    if schema is None or schema.dtype.kind not in "iu" or schema.shape not in ((), (1,)):
+        raise InvalidInput("is no truth file: it has no schema number")
+    number = int(read_array(archive, "schema").reshape(-1)[0])
+    if number != SCHEMA:
+        raise InvalidInput(f"has schema {number}, this version reads {SCHEMA}")
+    lengths: dict[str, int] = {}
+    for key, (kind, shape) in KEYS.items():
+        if key not in headers:
+            if key in REQUIRED:
+                raise InvalidInput(f"truth lacks the key {key}")
+            continue
+        header = headers[key]
+        if header.dtype.kind not in ACCEPTED[kind] or header.dtype.itemsize > 4096:
+            raise InvalidInput(f"truth {key} has the type {header.dtype}")
+        _check_shape(key, header.shape, shape, lengths)
+    return {key: read_array(archive, key) for key in KEYS if key in headers}
