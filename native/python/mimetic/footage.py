@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Video by an ffmpeg process of its own: hostile files cannot crash us, memory stays constant."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import subprocess
+import threading
+from collections import deque
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import UnreadableMedia
+
+SMALLEST, LARGEST = 16, 16384  # pixels, each side
+# Containers of moving pictures only: play lists and image patterns can open other files.
+CONTAINERS = (
+    "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm,avi,mpegts,mpeg,mpegvideo,flv,asf,ogg,mxf,gif,"
+    "yuv4mpegpipe,nut,ivf,h264,hevc,av1,obu,m4v,dv,apng,rm,swf,wtv"
+)
+FRAME_RATE = re.compile(rb"config in time_base: (\d+)/(\d+), frame_rate: (\d+)/(\d+)")
+FIRST_FRAME = re.compile(rb" n: +0 .* sar:(\d+)/(\d+) s:(\d+)x(\d+) ")
+# ffmpeg's words -> ours
+REASONS = (
+    ("not on whitelist", "is not a video file; convert it to MP4, MOV, MKV, WebM or AVI"),
+    ("moov atom not found", "is no video or is cut off before its index; copy or record it again"),
+    ("matches no streams", "has no video stream"),
+    ("max_pixels", f"has frames larger than {LARGEST} x {LARGEST} pixels; scale it down"),
+    ("Permission denied", "cannot be opened: no permission to read it"),
+    ("Invalid data found", "is not video that can be read; convert it to MP4 (H.264)"),
+)
+
+
+class Footage:
+    """A video file: its size, rate and frames.
+
+    `size` is (width, height) in pixels with the file's rotation applied; `fps` an exact fraction;
+    `num_frames` what the file lists, which a damaged file may not hold; `times` the seconds of each
+    listed frame since the first. Frame numbers start at 1. `warnings` says what the user should
+    know and grows while frames are read. Raises UnreadableMedia.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self.warnings: list[str] = []
+        self._check_file()
+        report, times, ticks = self._probe()
+        self._read_report(report)
+        self.num_frames = max(1, len(times))
+        self.times = times
+        self._set_rate(report, ticks)
+
+    def __iter__(self) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+        return self.frames()
+
+    def frames(
+        self, first: int = 1, last: int | None = None
+    ) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+        """Yields (frame number, H x W x 3 uint8 red, green, blue), `first` to `last` included.
+
+        Decodes from the start of the file and drops what comes before `first`: seeking lands on the
+        right frame in no format for certain. The array is the caller's to keep.
+        """
+        width, height = self.size
+        until = "" if last is None else f"*lte(n\\,{last - 1})"
+        command = [
+            *self._command("-v", "error"),
+            *("-vf", f"select=gte(n\\,{first - 1}){until},scale={width}:{height}"),
+            *("-fps_mode", "passthrough", "-pix_fmt", "rgb24", "-f", "rawvideo"),
+            *(() if last is None else ("-frames:v", str(last - first + 1))),
+            "pipe:1",
+        ]
+        frame = first - 1
+        with _run(command) as (process, errors):
+            while True:
+                image = np.empty((height, width, 3), np.uint8)
+                if not _fill(process.stdout, image):
+                    break
+                frame += 1
+                yield frame, image
+            process.wait()
+        if process.returncode != 0 or frame < min(last or self.num_frames, self.num_frames):
+            self._warn_of_early_end(frame, errors)
+
+    def read(self, frame: int) -> NDArray[np.uint8]:
+        """One frame by its number, H x W x 3 uint8."""
+        for _, image in self.frames(frame, frame):
+            return image
+        raise UnreadableMedia(f"{self.path} has no frame {frame} that can be read")
+
+    def _warn_of_early_end(self, frame: int, errors: deque[bytes]) -> None:
+        reason = f" ({_shorten(errors[-1])})" if errors else ""
+        warning = (
+            f"{self.path.name} ends early or is damaged: "
+            f"{frame} of {self.num_frames} frames could be read{reason}"
+        )
+        if warning not in self.warnings:
+            self.warnings.append(warning)
+
+    def _check_file(self) -> None:
+        try:
+            if not self.path.exists():
+                raise UnreadableMedia(f"{self.path}: there is no such file")
+            if not self.path.is_file():
+                raise UnreadableMedia(f"{self.path} is not a file; give a video file")
+            if self.path.stat().st_size == 0:
+                raise UnreadableMedia(f"{self.path} is empty; copy or record it again")
+        except (PermissionError, ValueError) as error:
+            raise UnreadableMedia(f"{str(self.path)!r} cannot be opened: {error}") from None
+
+    def _command(self, *options: str) -> list[str]:
+        from imageio_ffmpeg import get_ffmpeg_exe
+
+        # "file:" before an absolute path: no name can be taken for an option or a protocol.
+        return [
+            *(get_ffmpeg_exe(), "-nostdin", "-hide_banner", *options),
+            *("-protocol_whitelist", "file", "-format_whitelist", CONTAINERS),
+            *("-max_pixels", str(LARGEST * LARGEST)),
+            *("-i", f"file:{self.path.absolute()}", "-map", "0:V:0"),
+        ]
+
+    def _probe(self) -> tuple[bytes, NDArray[np.float64], Fraction]:
+        """ffmpeg's report on the first frame; each packet's time and the clock's tick, seconds."""
+        command = [
+            *self._command("-v", "info", "-nostats"),
+            *("-vf", "showinfo", "-frames:v", "1", "-f", "null", "-"),
+            *("-map", "0:V:0", "-c", "copy", "-f", "framecrc", "pipe:1"),
+        ]
+        tick = Fraction(0)
+        stamps = []
+        with _run(command, longest=400) as (process, report):
+            for line in process.stdout:
+                if line.startswith(b"#tb 0:"):
+                    tick = Fraction(line.split(b":", 1)[1].decode().strip())
+                elif not line.startswith(b"#"):
+                    stamps.append(int(line.split(b",")[2]))
+            process.wait()
+        stamps = np.sort(np.array(stamps, dtype=np.int64))
+        return b"\n".join(report), (stamps - stamps[:1]) * float(tick), tick
+
+    def _read_report(self, report: bytes) -> None:
+        match = FIRST_FRAME.search(report)
+        if match is None:
+            text = report.decode(errors="replace")
+            for word, reason in REASONS:
+                if word in text:
+                    raise UnreadableMedia(f"{self.path} {reason}")
+            raise UnreadableMedia(
+                f"{self.path} holds no frame that can be decoded; convert it to MP4"
+            )
+        aspect_x, aspect_y, width, height = (int(group) for group in match.groups())
+        if min(width, height) < SMALLEST or max(width, height) > LARGEST:
+            raise UnreadableMedia(
+                f"{self.path} has frames of {width} x {height} pixels; "
+                f"each side must be {SMALLEST} to {LARGEST}: scale the footage"
+            )
+        self.size = (width, height)
+        if aspect_x != aspect_y and aspect_x > 0:
+            self.warnings.append(
+                f"{self.path.name} has pixels of aspect {aspect_x}:{aspect_y}; "
+                "they are taken as square"
+            )
+
+    def _set_rate(self, report: bytes, tick: Fraction) -> None:
+        match = FRAME_RATE.search(report)
+        nominal = Fraction(0)
+        if match and int(match[4]) > 0:
+            nominal = Fraction(int(match[3]), int(match[4]))
+        steps = np.diff(self.times)
+        mean = float(steps.mean()) if len(steps) and steps.mean() > 0 else 0.0
+        expected = 1 / float(nominal) if nominal > 0 else mean
+        # A clock of milliseconds rounds 41.7 to 41 or 42: a tick to either side is still constant.
+        slack = 1.5 * float(tick) + 0.02 * expected
+        # A file cut off mid-group lists its last frames with gaps.
+        trusted = steps[:-16] if len(steps) > 32 else steps
+        self.variable_rate = bool((np.abs(trusted - expected) > slack).any())
+        if nominal <= 0 or self.variable_rate:
+            nominal = Fraction(1 / mean).limit_denominator(1001) if mean > 0 else Fraction(25)
+        self.fps = nominal
+        if self.variable_rate:
+            self.warnings.append(
+                f"{self.path.name} has a variable rate ({1000 * steps.min():.0f} to "
+                f"{1000 * steps.max():.0f} ms a frame, {float(nominal):.2f} frames/s on average): "
+                "frames are counted as stored; convert it to a constant rate for exact timing"
+            )
+
+
+@contextlib.contextmanager
+def _run(command: list[str], longest: int = 50):
+    """The process and its last lines of errors; killed however the block is left."""
+    # A session of its own: Ctrl-C is ours to handle, the child ends by the block below.
+    process = subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    )
+    errors: deque[bytes] = deque(maxlen=longest)
+    reader = threading.Thread(target=_collect, args=(process.stderr, errors), daemon=True)
+    reader.start()
+    try:
+        yield process, errors
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.wait()
+        reader.join()
+        process.stdout.close()
+        process.stderr.close()
+
+
+def _collect(stream, lines: deque[bytes]) -> None:
+    while line := stream.readline(4096):
+        lines.append(line.rstrip())
+
+
+def _fill(stream, image: NDArray[np.uint8]) -> bool:
+    view = memoryview(image).cast("B")
+    while len(view):
+        count = stream.readinto(view)
+        if not count:
+            return False
+        view = view[count:]
+    return True
+
+
+def _shorten(line: bytes) -> str:
+    return re.sub(r"^\[[^]]*\] *", "", line.decode(errors="replace"))[:120]
