@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mimetic: facial performance capture, from video to muscle curves."""
+
+from . import jobs, operators, panels, preferences, properties
+
+# In this order: panels and operators refer to the properties
+PARTS = (preferences, properties, operators, panels)
+
+
+def register() -> None:
+    for part in PARTS:
+        part.register()
+
+
+def unregister() -> None:
+    jobs.stop_running()
+    for part in reversed(PARTS):
+        part.unregister()

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What differs between Blender 4.2 and 5.2: facts with names, decided here alone."""
+
+from __future__ import annotations
+
+import bpy
+
+ACTIONS_HAVE_SLOTS = bpy.app.version >= (4, 4, 0)
+
+
+def new_action(name: str, id_block: bpy.types.ID) -> bpy.types.Action:
+    """An empty action, assigned to `id_block`."""
+    action = bpy.data.actions.new(name)
+    animation = id_block.animation_data or id_block.animation_data_create()
+    animation.action = action
+    if ACTIONS_HAVE_SLOTS:
+        slot = action.slots.new(id_block.id_type, id_block.name)
+        strip = action.layers.new("Layer").strips.new(type="KEYFRAME")
+        strip.channelbag(slot, ensure=True)
+        animation.action_slot = slot
+    return action
+
+
+def curves(id_block: bpy.types.ID):
+    """The holder of `fcurves` and `groups` that moves `id_block`, or None."""
+    animation = id_block.animation_data
+    if animation is None or animation.action is None:
+        return None
+    if not ACTIONS_HAVE_SLOTS:
+        return animation.action
+    for layer in animation.action.layers:
+        for strip in layer.strips:
+            if animation.action_slot and (bag := strip.channelbag(animation.action_slot)):
+                return bag
+    return None
+
+
+def new_curve(holder, data_path: str, index: int, group: str) -> bpy.types.FCurve:
+    """A curve in what `curves` gave, listed under a group."""
+    curve = holder.fcurves.new(data_path, index=index)
+    curve.group = holder.groups.get(group) or holder.groups.new(group)
+    return curve

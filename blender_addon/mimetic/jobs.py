@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Long work: read the scene, work in a thread that knows no Blender, write once."""
+
+from __future__ import annotations
+
+import queue
+import threading
+from dataclasses import dataclass, field
+
+from . import native
+
+TICK_SECONDS = 0.05
+
+
+@dataclass
+class Run:
+    """One job at work. The worker posts, the main thread reads."""
+
+    label: str
+    posts: queue.SimpleQueue = field(default_factory=queue.SimpleQueue)
+    stop: threading.Event = field(default_factory=threading.Event)
+    thread: threading.Thread | None = None
+    fraction: float = 0.0
+    what: str = ""
+    result: object = None
+    error: BaseException | None = None
+
+    def start(self, work, inputs) -> None:
+        def target() -> None:
+            try:
+                self.posts.put(("result", work(inputs, self.progress)))
+            except BaseException as error:
+                self.posts.put(("error", error))
+
+        # A daemon: Blender must be able to quit while the work goes on
+        self.thread = threading.Thread(target=target, name=self.label, daemon=True)
+        self.thread.start()
+
+    def progress(self, fraction: float, what: str = "") -> bool:
+        """Called by the worker; says whether to go on."""
+        self.posts.put(("progress", (fraction, what)))
+        return not self.stop.is_set()
+
+    def is_done(self) -> bool:
+        """Takes in what the worker posted; true once it ended."""
+        while True:
+            try:
+                kind, value = self.posts.get_nowait()
+            except queue.Empty:
+                return False
+            if kind == "progress":
+                self.fraction, self.what = value
+            else:
+                setattr(self, kind, value)
+                self.thread.join()
+                return True
+
+    def text(self) -> str:
+        return f"{self.label}: {self.fraction:.0%} {self.what}".rstrip()
+
+
+running: Run | None = None
+
+
+def busy() -> str:
+    """Why no other job may start, or the empty string."""
+    return f"{running.label} is running; Esc stops it" if running else ""
+
+
+def stop_running() -> None:
+    """Asks the job at work to end and waits for it: the extension is going away."""
+    global running
+    if running:
+        running.stop.set()
+        running.thread.join()
+        running = None
+
+
+class Job:
+    """Mixin of operators. Subclasses give read, work and write.
+
+    `read(context)` and `write(context, result)` run on the main thread; `work(inputs, progress)`
+    anywhere, without bpy, and returns what it has when `progress` answers False. `write` returns
+    what to tell the user. No reference to Blender's data may pass from read to write.
+    """
+
+    _timer = None
+
+    def execute(self, context):
+        """Blocks until done: scripts, batch and tests."""
+        if reason := busy():
+            self.report({"ERROR"}, reason)
+            return {"CANCELLED"}
+        try:
+            result = self.work(self.read(context), lambda fraction, what="": True)
+            return self._write(context, result, False)
+        except native.known_errors() as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+
+    def invoke(self, context, event):
+        global running
+        if context.window is None:
+            return self.execute(context)
+        if reason := busy():
+            self.report({"ERROR"}, reason)
+            return {"CANCELLED"}
+        try:
+            inputs = self.read(context)
+        except native.known_errors() as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        running = Run(self.bl_label)
+        running.start(self.work, inputs)
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(TICK_SECONDS, window=context.window)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if running is None:  # the extension was switched off underneath
+            self._leave(context)
+            return {"CANCELLED"}
+        if event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS":
+            running.stop.set()
+        if event.type == "TIMER":
+            try:
+                done = running.is_done()
+            except BaseException:
+                self._leave(context)
+                raise
+            self._show(context)
+            if done:
+                return self._end(context)
+        # Everything else is held back: an undo in here would pull the scene from under the job
+        return {"RUNNING_MODAL"}
+
+    def cancel(self, context):
+        """Blender ends the operator, as on loading a file."""
+        if running:
+            running.stop.set()
+        self._leave(context)
+
+    def _end(self, context):
+        run = running
+        self._leave(context)
+        try:
+            if run.error:
+                raise run.error
+            return self._write(context, run.result, run.stop.is_set())
+        except native.known_errors() as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+
+    def _write(self, context, result, stopped: bool):
+        if result is None:
+            self.report({"WARNING"}, "Stopped; nothing was changed")
+            return {"CANCELLED"}
+        told = self.write(context, result)
+        self.report({"WARNING" if stopped else "INFO"}, f"Stopped. {told}" if stopped else told)
+        return {"FINISHED"}
+
+    def _show(self, context) -> None:
+        stopping = "stopping" if running.stop.is_set() else "Esc stops"
+        context.workspace.status_text_set(f"{running.text()}   |   {stopping}")
+        for window in context.window_manager.windows:
+            for area in window.screen.areas:
+                if area.type in {"CLIP_EDITOR", "VIEW_3D"}:
+                    area.tag_redraw()
+
+    def _leave(self, context) -> None:
+        global running
+        running = None
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)

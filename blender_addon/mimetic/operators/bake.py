@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from pathlib import Path
+
+import bpy
+from bpy.props import BoolProperty, IntProperty
+from bpy.types import Operator
+
+from .. import native, scene_in, scene_out
+from ..jobs import Job
+
+
+class MIMETIC_OT_bake(Job, Operator):
+    """Put the performance into the scene: face, muscle curves, head motion, footage and camera"""
+
+    bl_idname = "mimetic.bake"
+    bl_label = "Bake"
+    bl_options = {"REGISTER", "UNDO"}
+
+    subdivision: IntProperty(
+        name="Subdivision", default=1, min=0, max=3, description="Levels in the viewport"
+    )
+    use_texture: BoolProperty(
+        name="Footage as Skin", default=True, description="Project a frame of the clip on the skin"
+    )
+    use_view: BoolProperty(
+        name="Look Through Camera", default=True, description="Turn 3D views to the footage"
+    )
+
+    @classmethod
+    def poll(cls, context):
+        if reason := scene_in.no_performance(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def read(self, context):
+        clip = scene_in.clip_of(context)
+        footage = scene_in.footage(context).path if clip and self.use_texture else None
+        return scene_in.performance_path(context.scene), footage, clip.name if clip else ""
+
+    def work(self, inputs, progress):
+        path, footage, clip_name = inputs
+        performance = native.part("performance").Performance.load(path)
+        if not progress(0.3, "projecting the texture" if footage else "painting"):
+            return None
+        appearance = native.part("appearance").appearance_of(performance, footage)
+        return performance, appearance, Path(clip_name or path).name.split(".")[0], clip_name
+
+    def write(self, context, result):
+        performance, appearance, take, clip_name = result
+        clip = bpy.data.movieclips.get(clip_name)
+        baked = scene_out.bake(context.scene, performance, take, appearance, clip, self.subdivision)
+        if self.use_view:
+            scene_out.camera.look_through(context)
+        return (
+            f"{baked.num_curves} curves from frame {baked.first:.6g} to {baked.last:.6g} "
+            f"on {context.scene.mimetic.face.name}"
+        )

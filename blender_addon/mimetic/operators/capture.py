@@ -1,0 +1,45 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from bpy.props import StringProperty
+from bpy.types import Operator
+
+from .. import native, scene_in, scene_out
+from ..jobs import Job
+
+
+class MIMETIC_OT_capture(Job, Operator):
+    """Follow the head and solve the muscles through the clip; stopping keeps what is done"""
+
+    bl_idname = "mimetic.capture"
+    bl_label = "Capture"
+    bl_options = {"UNDO"}
+
+    filepath: StringProperty(
+        name="Performance",
+        subtype="FILE_PATH",
+        description="File to write (.npz); empty: beside the .blend, a new one for each take",
+    )
+
+    @classmethod
+    def poll(cls, context):
+        if reason := scene_in.no_clip(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def read(self, context):
+        footage = scene_in.footage(context)
+        path = self.filepath or scene_in.capture_path(footage.clip_name)
+        fit = scene_out.face_fit.stored(context.scene)
+        return footage.path, scene_in.frame_range(context.scene), fit, path
+
+    def work(self, inputs, progress):
+        footage_path, frames, fit, path = inputs
+        performance = native.part("pipeline").capture(
+            footage_path, frames=frames, fit=fit, progress=progress
+        )
+        performance.save(path)
+        return path, int(performance.frame[0]), int(performance.frame[-1])
+
+    def write(self, context, result):
+        path, first, last = result
+        context.scene.mimetic.performance_path = path
+        return f"Captured frames {first} to {last}"

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
+from bpy.props import StringProperty
+from bpy.types import Operator
+from bpy_extras.io_utils import ImportHelper
+
+from .. import native, scene_in, scene_out
+
+
+class MIMETIC_OT_load_clip(Operator, ImportHelper):
+    """Load footage of a face, and show it in the clip editor"""
+
+    bl_idname = "mimetic.load_clip"
+    bl_label = "Load Clip"
+    bl_options = {"REGISTER", "UNDO"}
+
+    filter_glob: StringProperty(default="*.mp4;*.mov;*.avi;*.mkv;*.webm;*.m4v", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context):
+        if reason := scene_in.no_start():
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context):
+        path = bpy.path.abspath(self.filepath)
+        try:
+            footage = native.part("footage").Footage(path)
+        except native.known_errors() as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        clip = scene_out.clip.load(context.scene, path)
+        for window in context.window_manager.windows:
+            for area in window.screen.areas:
+                if area.type == "CLIP_EDITOR":
+                    area.spaces.active.clip = clip
+        width, height = footage.size
+        told = f"{clip.name}: {width} x {height}, {float(footage.fps):.6g} frames/s"
+        self.report(
+            {"WARNING" if footage.warnings else "INFO"}, "; ".join([told, *footage.warnings])
+        )
+        return {"FINISHED"}

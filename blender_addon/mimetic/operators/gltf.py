@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
+from bpy.props import StringProperty
+from bpy.types import Operator
+from bpy_extras.io_utils import ExportHelper
+
+from .. import native, scene_in, scene_out
+
+
+class MIMETIC_OT_export_gltf(Operator, ExportHelper):
+    """Write the face with its muscles and motion as a .glb file that plays anywhere"""
+
+    bl_idname = "mimetic.export_gltf"
+    bl_label = "Export glTF"
+
+    filename_ext = ".glb"
+    filter_glob: StringProperty(default="*.glb", options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context):
+        if reason := scene_in.no_face(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context):
+        path = bpy.path.ensure_ext(bpy.path.abspath(self.filepath), ".glb")
+        try:
+            scene_out.gltf.export(context.scene, path)
+        except native.known_errors() as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Wrote {path}")
+        return {"FINISHED"}

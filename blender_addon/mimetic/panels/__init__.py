@@ -1,0 +1,18 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The tab Mimetic in the sidebars of the clip editor and the 3D view."""
+
+import bpy
+
+from . import capture, muscles
+
+CLASSES = (*capture.CLASSES, *muscles.CLASSES)
+
+
+def register() -> None:
+    for panel in CLASSES:
+        bpy.utils.register_class(panel)
+
+
+def unregister() -> None:
+    for panel in reversed(CLASSES):
+        bpy.utils.unregister_class(panel)

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The way from footage to file, top to bottom, the same in both editors."""
+
+from bpy.types import Panel
+
+from .. import jobs, native
+
+
+class Capture:
+    bl_label = "Mimetic"
+    bl_region_type = "UI"
+    bl_category = "Mimetic"
+
+    def draw(self, context):
+        layout = self.layout
+        if reason := native.problem():
+            for line in wrapped(reason, 44):
+                layout.label(text=line, icon="NONE")
+            return
+        if jobs.running:
+            layout.progress(factor=jobs.running.fraction, text=jobs.running.text())
+            layout.label(text="Esc or right-click stops and keeps what is done")
+        settings = context.scene.mimetic
+        self.draw_footage(layout, context, settings)
+        self.draw_capture(layout, settings)
+        self.draw_bake(layout, settings)
+
+    def draw_footage(self, layout, context, settings):
+        layout.operator("mimetic.load_clip", icon="FILE_MOVIE")
+        if getattr(context, "edit_movieclip", None) is None:
+            layout.prop(settings, "clip", text="")
+        row = layout.row(align=True)
+        row.operator("mimetic.find_face", icon="VIEWZOOM")
+        row.operator("mimetic.find_face", text="", icon="TIME").use_shown_frame = True
+        if settings.face_fit:
+            layout.label(text=settings.face_fit.name, icon="CHECKMARK")
+
+    def draw_capture(self, layout, settings):
+        layout.prop(settings, "use_frame_range")
+        if settings.use_frame_range:
+            row = layout.row(align=True)
+            row.prop(settings, "frame_first")
+            row.prop(settings, "frame_last")
+        layout.operator("mimetic.capture", icon="REC")
+
+    def draw_bake(self, layout, settings):
+        row = layout.row(align=True)
+        row.prop(settings, "performance_path", text="")
+        row.operator("mimetic.load_performance", text="", icon="FILEBROWSER")
+        layout.operator("mimetic.bake", icon="ACTION")
+        layout.operator("mimetic.export_gltf", icon="EXPORT")
+
+
+def wrapped(text: str, width: int) -> list[str]:
+    """Lines of at most `width` letters: a label never breaks its line."""
+    lines = [""]
+    for word in text.split():
+        if lines[-1] and len(lines[-1]) + len(word) >= width:
+            lines.append("")
+        lines[-1] = f"{lines[-1]} {word}".strip()
+    return lines
+
+
+class MIMETIC_PT_capture_clip(Capture, Panel):
+    bl_idname = "MIMETIC_PT_capture_clip"
+    bl_space_type = "CLIP_EDITOR"
+
+
+class MIMETIC_PT_capture_view(Capture, Panel):
+    bl_idname = "MIMETIC_PT_capture_view"
+    bl_space_type = "VIEW_3D"
+
+
+CLASSES = (MIMETIC_PT_capture_clip, MIMETIC_PT_capture_view)

@@ -1,0 +1,123 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender to plain values. Functions named `no_...` say why a button is grey, or nothing."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+
+from . import jobs, native
+
+
+@dataclass(frozen=True)
+class Footage:
+    path: str
+    clip_name: str
+
+
+@dataclass(frozen=True)
+class Timing:
+    """How the scene's timeline and the clip hang together."""
+
+    scene_rate: float  # frames a second
+    frame_start: int  # scene frame of the clip's first frame
+    frame_offset: int  # footage frames that the clip skips
+
+
+def clip_of(context) -> bpy.types.MovieClip | None:
+    """The clip on show in the clip editor, else the scene's."""
+    return getattr(context, "edit_movieclip", None) or context.scene.mimetic.clip
+
+
+def no_start() -> str:
+    return native.problem() or jobs.busy()
+
+
+def no_clip(context) -> str:
+    if reason := no_start():
+        return reason
+    clip = clip_of(context)
+    if clip is None:
+        return "Load the footage first (Load Clip)"
+    if clip.source != "MOVIE":
+        return f"{clip.name} is an image sequence; Mimetic reads movie files"
+    return ""
+
+
+def no_performance(context) -> str:
+    if reason := no_start():
+        return reason
+    if not context.scene.mimetic.performance_path:
+        return "Capture the clip or load a performance first"
+    return ""
+
+
+def no_face(context) -> str:
+    if reason := no_start():
+        return reason
+    face = context.scene.mimetic.face
+    if face is None or face.name not in context.scene.objects:
+        return "Bake a performance first: the scene has no face"
+    return ""
+
+
+def footage(context) -> Footage:
+    clip = clip_of(context)
+    return Footage(bpy.path.abspath(clip.filepath, library=clip.library), clip.name)
+
+
+def timing(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None) -> Timing:
+    return Timing(
+        scene.render.fps / scene.render.fps_base,
+        clip.frame_start if clip else 1,
+        clip.frame_offset if clip else 0,
+    )
+
+
+def shown_frame(context) -> int:
+    """The footage frame on show. Blender shows one clip frame a scene frame, whatever the rates."""
+    clip = clip_of(context)
+    shown = context.scene.frame_current - clip.frame_start + 1 + clip.frame_offset
+    return min(max(shown, 1), max(clip.frame_duration, 1))
+
+
+def frame_range(scene: bpy.types.Scene) -> tuple[int, int] | None:
+    settings = scene.mimetic
+    return (settings.frame_first, settings.frame_last) if settings.use_frame_range else None
+
+
+def performance_path(scene: bpy.types.Scene) -> str:
+    return bpy.path.abspath(scene.mimetic.performance_path)
+
+
+def capture_path(clip_name: str) -> str:
+    """Where a capture goes: beside the .blend, or with the user's files if there is none yet."""
+    if bpy.data.filepath:
+        folder = Path(bpy.path.abspath("//"))
+    else:
+        folder = Path(bpy.utils.extension_path_user(__package__, path="captures", create=True))
+    stem = bpy.path.clean_name(Path(clip_name).stem)
+    taken = folder / f"{stem}.performance.npz"
+    take = 1
+    while taken.exists():  # a take never overwrites the one before
+        take += 1
+        taken = folder / f"{stem}.{take:03d}.performance.npz"
+    return str(taken)
+
+
+def picture_size(scene: bpy.types.Scene) -> tuple[int, int]:
+    return scene.render.resolution_x, scene.render.resolution_y
+
+
+def pixel_aspect(scene: bpy.types.Scene) -> float:
+    return scene.render.pixel_aspect_y / scene.render.pixel_aspect_x
+
+
+def camera_matrix(scene: bpy.types.Scene) -> list[list[float]] | None:
+    """Where the footage's camera stands, world from camera; None before the first bake."""
+    camera = scene.mimetic.camera
+    if camera is None or camera.name not in scene.objects:
+        return None
+    return [list(row) for row in camera.matrix_world]

@@ -1,0 +1,66 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A performance into a scene. `bake` is what the operator and the command line both call."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+
+from .. import native, scene_in
+from . import actions, camera, clip, face, face_fit, gltf, materials
+
+__all__ = ["Baked", "bake", "camera", "clip", "face_fit", "gltf"]
+
+
+@dataclass(frozen=True)
+class Baked:
+    first: float  # scene frames of the first and the last key
+    last: float
+    num_curves: int
+
+
+def bake(
+    scene: bpy.types.Scene,
+    performance,
+    take: str,
+    appearance=None,
+    footage: bpy.types.MovieClip | None = None,
+    subdivision: int = 1,
+) -> Baked:
+    """Puts the face, its curves, its camera and the footage behind it into the scene.
+
+    performance: mimetic.performance.Performance; take: names the new actions; appearance: of
+    mimetic.appearance, colours of the face, or None to leave materials alone;
+    footage: what the performance was captured from.
+    The scene's rate, frame range and resolution stay as they are.
+    """
+    placement = native.part("placement")
+    timing = scene_in.timing(scene, footage)
+    frames = native.part("timing").scene_frames(
+        performance.frame,
+        performance.fps,
+        timing.scene_rate,
+        timing.frame_start,
+        timing.frame_offset,
+    )
+    shapes = native.part("shapes").shapes_of(performance)
+    shown = face.ensure(scene, performance, shapes, subdivision)
+    if appearance is not None:
+        materials.dress(shown, appearance)
+    world_from_camera = scene_in.camera_matrix(scene)
+    if world_from_camera is None:
+        world_from_camera = placement.WORLD_FROM_SCENE_CAMERA
+    motion = placement.head_motion(performance, world_from_camera)
+    num_curves = actions.key_shapes(shown, take, frames, shapes)
+    num_curves += actions.key_motion(shown, take, frames, motion)
+    lens = placement.lens(
+        performance.intrinsics,
+        performance.image_size,
+        scene_in.picture_size(scene),
+        scene_in.pixel_aspect(scene),
+    )
+    seen_through = camera.ensure(scene, lens, world_from_camera)
+    if footage is not None:
+        camera.show_footage(seen_through, footage, timing, performance, take)
+    return Baked(float(frames[0]), float(frames[-1]), num_curves)

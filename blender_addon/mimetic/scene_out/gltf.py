@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The face as a binary glTF file: morph targets, their weights' animation, the head's motion."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from contextlib import contextmanager
+from pathlib import Path
+
+import bpy
+
+from .. import native, scene_in
+
+
+def export(scene: bpy.types.Scene, path: str | os.PathLike[str]) -> None:
+    """Writes the scene's face, whole or not at all; raises OSError where that is impossible."""
+    path = Path(path)
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
+        aside = Path(folder, "face.glb")
+        with _only_selected(scene.mimetic.face):
+            bpy.ops.export_scene.gltf(
+                filepath=str(aside),
+                export_format="GLB",
+                use_selection=True,
+                export_yup=True,
+                export_apply=False,
+                export_image_format="JPEG",
+                export_image_quality=90,
+                export_morph=True,
+                export_morph_normal=True,
+                export_morph_animation=True,
+                export_animations=True,
+                export_animation_mode="ACTIVE_ACTIONS",
+                export_nla_strips_merged_animation_name="Performance",
+                export_force_sampling=True,
+                export_frame_range=False,
+                export_anim_slide_to_zero=True,
+                export_optimize_animation_size=False,
+            )
+        # Blender's exporter multiplies by the rate's base where it should divide: at 23.976 frames
+        # a second a minute would come out 120 ms short
+        rate = scene_in.timing(scene, None).scene_rate
+        files = native.part("gltf")
+        aside.write_bytes(files.split_negative(files.retime(aside.read_bytes(), rate)))
+        os.replace(aside, path)
+
+
+@contextmanager
+def _only_selected(face: bpy.types.Object):
+    view_layer = bpy.context.view_layer
+    selected = [shown.name for shown in view_layer.objects if shown.select_get()]
+    active = view_layer.objects.active
+    for shown in view_layer.objects:
+        shown.select_set(shown == face)
+    view_layer.objects.active = face
+    try:
+        yield
+    finally:
+        for shown in view_layer.objects:
+            shown.select_set(shown.name in selected)
+        view_layer.objects.active = active

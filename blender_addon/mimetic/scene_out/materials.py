@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the face looks like: a material for each part, the footage's own texture on the skin."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+
+def dress(face, appearance) -> None:
+    """Gives the face the materials and texture of a `mimetic.appearance.Appearance`."""
+    mesh = face.data
+    layer = mesh.uv_layers.get("UVMap") or mesh.uv_layers.new(name="UVMap")
+    layer.uv.foreach_set("vector", appearance.uv.astype(np.float32).reshape(-1))
+    mesh.materials.clear()
+    for surface in appearance.surfaces:
+        mesh.materials.append(_material(surface))
+    mesh.polygons.foreach_set("material_index", appearance.surface_of_face.astype(np.int32))
+    mesh.update()
+
+
+def _material(surface) -> bpy.types.Material:
+    material = bpy.data.materials.new(f"Face {surface.name}")
+    material.use_nodes = True
+    nodes = material.node_tree.nodes
+    shader = nodes["Principled BSDF"]
+    shader.inputs["Base Color"].default_value = (*surface.colour, 1.0)
+    shader.inputs["Roughness"].default_value = surface.roughness
+    if surface.texture is not None:
+        texture = nodes.new("ShaderNodeTexImage")
+        texture.location = (-320, 300)
+        texture.image = _image(f"Face {surface.name}", surface.texture)
+        material.node_tree.links.new(texture.outputs["Color"], shader.inputs["Base Color"])
+    material.diffuse_color = (*surface.colour, 1.0)
+    return material
+
+
+def _image(name: str, pixels) -> bpy.types.Image:
+    """A packed image; pixels: H x W x 3 uint8, first row on top."""
+    height, width = pixels.shape[:2]
+    image = bpy.data.images.new(name, width, height, alpha=False)
+    rgba = np.ones((height, width, 4), dtype=np.float32)
+    rgba[..., :3] = pixels[::-1] / np.float32(255)
+    image.pixels.foreach_set(rgba.reshape(-1))
+    image.pack()
+    return image

@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A performance as named shapes with a curve each, the form that keyed characters carry."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic.performance import Performance
+
+GROUPS = {
+    1: "Lip Corners",
+    2: "Upper Lip and Nose",
+    3: "Lip Depressors",
+    4: "Chin and Lip Ring",
+    5: "Brow Raisers",
+    6: "Brow Lowerers",
+    7: "Eye Ring",
+}
+ARTICULATORS = "Jaw and Lids"
+DETAIL = "Detail"
+
+
+@dataclass(frozen=True)
+class Shape:
+    """One shape: V control vertices, N frames."""
+
+    name: str
+    group: str  # what curves are listed under
+    offsets: NDArray[np.float64]  # V x 3, metres in the head frame at value 1
+    values: NDArray[np.float64]  # N
+    lowest: float  # range of the values' slider; every value lies inside
+    highest: float
+
+
+def shapes_of(performance: Performance) -> list[Shape]:
+    """Muscles, articulators and detail of a performance, in this order.
+
+    At every frame the neutral vertices plus the sum of value times offsets are
+    `performance.surface(i)`.
+    """
+    shapes = [
+        _shape(name, GROUPS[int(group)], modes, values, 0.0)
+        for name, group, modes, values in zip(
+            performance.muscles,
+            performance.groups,
+            performance.muscle_modes,
+            performance.activations.T,
+            strict=True,
+        )
+    ]
+    if performance.articulator_modes is not None:
+        shapes += [
+            _shape(name, ARTICULATORS, modes, values, -1.0)
+            for name, modes, values in zip(
+                performance.articulators,
+                performance.articulator_modes,
+                performance.articulator_values.T,
+                strict=True,
+            )
+        ]
+    if performance.detail_modes is not None and performance.detail_coefficients is not None:
+        shapes += [
+            _detail(i, modes, values)
+            for i, (modes, values) in enumerate(
+                zip(performance.detail_modes, performance.detail_coefficients.T, strict=True)
+            )
+        ]
+    return shapes
+
+
+def _shape(name: str, group: str, offsets, values, lowest: float) -> Shape:
+    return Shape(
+        name,
+        group,
+        np.asarray(offsets, dtype=np.float64),
+        values,
+        min(lowest, float(values.min())),
+        max(1.0, float(values.max())),
+    )
+
+
+def _detail(i: int, offsets, values) -> Shape:
+    # Coefficients have any size; a slider wants -1 to 1
+    scale = float(np.abs(values).max()) or 1.0
+    return _shape(f"detail.{i:03d}", DETAIL, offsets * scale, values / scale, -1.0)

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Time of footage against time of a scene that plays at a rate of its own."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mimetic import InvalidInput
+
+# Rates arrive in single precision (24 / 1.001 as 23.976023); broadcast rates are exact fractions
+RATE_TOLERANCE = 1e-5
+
+
+@dataclass(frozen=True)
+class FrameSteps:
+    """Which footage frame whole scene frames show: see `frame_steps`."""
+
+    scene_frames: NDArray[np.int64]  # K
+    offsets: NDArray[np.int64]  # K, to add to the frame that plain counting would show
+
+
+def exact_rate(frames_a_second: float) -> Fraction:
+    """The rate meant by a rounded number: 25, 24000/1001, ...; else the number itself.
+
+    Raises InvalidInput unless the rate is finite and above 0.
+    """
+    if not np.isfinite(frames_a_second) or frames_a_second <= 0:
+        raise InvalidInput(f"a frame rate is {frames_a_second}; it must be above 0")
+    for exact in (
+        Fraction(round(frames_a_second)),
+        Fraction(1000 * round(frames_a_second * 1.001), 1001),
+    ):
+        if abs(float(exact) - frames_a_second) <= RATE_TOLERANCE * frames_a_second:
+            return exact
+    return Fraction(frames_a_second).limit_denominator(1_000_000)
+
+
+def scene_frames(
+    frames: ArrayLike,
+    clip_rate: float,
+    scene_rate: float,
+    frame_start: int = 1,
+    frame_offset: int = 0,
+) -> NDArray[np.float64]:
+    """Where footage frames fall on a scene's timeline, so that seconds stay seconds.
+
+    frames: N numbers in the footage, first = 1; clip_rate, scene_rate: frames a second;
+    frame_start: the scene frame that shows the clip's first frame; frame_offset: frames of the
+    footage that the clip skips, as a movie clip in Blender has it.
+    returns: N scene frames, fractional where the rates differ.
+    """
+    step = float(exact_rate(scene_rate) / exact_rate(clip_rate))
+    elapsed_frames = np.asarray(frames, dtype=np.float64) - 1 - frame_offset
+    return frame_start + elapsed_frames * step
+
+
+def footage_frames(
+    scene: ArrayLike,
+    clip_rate: float,
+    scene_rate: float,
+    frame_start: int = 1,
+    frame_offset: int = 0,
+) -> NDArray[np.float64]:
+    """The inverse of `scene_frames`: footage frames, fractional, at scene frames."""
+    step = float(exact_rate(clip_rate) / exact_rate(scene_rate))
+    elapsed_frames = np.asarray(scene, dtype=np.float64) - frame_start
+    return 1 + frame_offset + elapsed_frames * step
+
+
+def frame_steps(
+    frames: ArrayLike,
+    clip_rate: float,
+    scene_rate: float,
+    frame_start: int = 1,
+    frame_offset: int = 0,
+) -> FrameSteps | None:
+    """How a player that counts one footage frame a scene frame must jump to keep to the seconds.
+
+    Counting shows footage frame 1 at `frame_start`. Arguments as of `scene_frames`.
+    returns: None where counting is right: at equal rates.
+    """
+    if exact_rate(clip_rate) == exact_rate(scene_rate):
+        return None
+    placed = scene_frames(frames, clip_rate, scene_rate, frame_start, frame_offset)
+    shown_at = np.arange(np.floor(placed[0]), np.ceil(placed[-1]) + 1).astype(np.int64)
+    shown = footage_frames(shown_at, clip_rate, scene_rate, frame_start, frame_offset)
+    # The frame on screen is the last that has begun; 1e-6 keeps whole frames whole
+    shown = np.clip(np.floor(shown + 1e-6), np.min(frames), np.max(frames)).astype(np.int64)
+    return FrameSteps(shown_at, shown - (shown_at - frame_start + 1))

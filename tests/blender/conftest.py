@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender as a module, an empty file around each test, and the extension as Blender loads it."""
+
+import importlib
+import os
+import tempfile
+from pathlib import Path
+
+# Before bpy: no settings of the user's, and no writing to them
+os.environ["BLENDER_USER_RESOURCES"] = tempfile.mkdtemp(prefix="mimetic-blender-")
+
+import bpy
+import numpy as np
+import pytest
+
+ADDONS = Path(__file__).resolve().parents[2] / "blender_addon"
+REPOSITORY = "mimetic_tests"
+MODULE = f"bl_ext.{REPOSITORY}.mimetic"
+
+
+def enable() -> None:
+    repositories = bpy.context.preferences.extensions.repos
+    repositories.new(name="Tests", module=REPOSITORY, custom_directory=str(ADDONS), source="USER")
+    assert bpy.ops.preferences.addon_enable(module=MODULE) == {"FINISHED"}
+
+
+@pytest.fixture(autouse=True)
+def empty_file():
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    enable()
+    yield
+    if MODULE in bpy.context.preferences.addons:
+        bpy.ops.preferences.addon_disable(module=MODULE)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+
+
+@pytest.fixture
+def extension():
+
+    def part(name: str):
+        return importlib.import_module(f"{MODULE}.{name}" if name else MODULE)
+
+    return part
+
+
+@pytest.fixture
+def scene():
+    return bpy.context.scene
+
+
+@pytest.fixture(scope="session")
+def performance():
+    """Forty frames of a head that turns, nods and comes nearer while every shape moves."""
+    return make_performance(40)
+
+
+def make_performance(num_frames: int, fps: float = 25.0, seed: int = 0):
+    from mimetic.face_template import load_template
+    from mimetic.performance import Performance
+
+    random = np.random.default_rng(seed)
+    template = load_template()
+    t = np.linspace(0, 1, num_frames)
+    articulators = ["jaw_open", "jaw_side", "jaw_thrust", "lid_upper.L", "lid_upper.R"]
+    cycles = np.linspace(0.5, 2, 36)
+    values = 0.5 + 0.5 * np.sin(2 * np.pi * (np.outer(t, cycles) + random.random(36)))
+    return Performance(
+        frame=np.arange(1, num_frames + 1),
+        fps=fps,
+        image_size=np.array([400, 300]),
+        intrinsics=np.array([[520.0, 0, 203.5], [0, 520, 141.25], [0, 0, 1]]),
+        head_pose=np.array([head_pose(s) for s in t]),
+        head_pose_cov=np.tile(np.eye(6) * 1e-6, (num_frames, 1, 1)),
+        muscles=[f"muscle_{i // 2:02d}.{'LR'[i % 2]}" for i in range(36)],
+        muscle_modes=smooth_modes(template, 36, random),
+        groups=np.arange(36) % 7 + 1,
+        activations=values,
+        activations_std=np.full((num_frames, 36), 0.02),
+        articulators=articulators,
+        articulator_values=np.outer(np.sin(2 * np.pi * t), [1.0, -0.8, 0.4, -0.3, 0.9]),
+        articulator_modes=smooth_modes(template, 5, random),
+        neutral_vertices=template.vertices,
+        faces=template.faces,
+        quality=np.ones(num_frames),
+    )
+
+
+def head_pose(s: float) -> np.ndarray:
+    """Camera from head: faces the camera half a metre away, turned by up to 40 degrees."""
+    yaw, pitch, roll = 0.7 * np.sin(6 * s), 0.3 * np.sin(4 * s), 0.25 * s
+    turn_y = [[np.cos(yaw), 0, np.sin(yaw)], [0, 1, 0], [-np.sin(yaw), 0, np.cos(yaw)]]
+    turn_x = [[1, 0, 0], [0, np.cos(pitch), -np.sin(pitch)], [0, np.sin(pitch), np.cos(pitch)]]
+    turn_z = [[np.cos(roll), -np.sin(roll), 0], [np.sin(roll), np.cos(roll), 0], [0, 0, 1]]
+    pose = np.eye(4)
+    pose[:3, :3] = np.diag([1.0, -1, -1]) @ turn_z @ turn_x @ turn_y
+    pose[:3, 3] = [0.02 * np.cos(5 * s), 0.01 + 0.02 * s, 0.6 - 0.15 * s]
+    return pose
+
+
+def smooth_modes(template, count: int, random) -> np.ndarray:
+    """Bumps of a few millimetres at random places of the face."""
+    centres = template.vertices[random.choice(template.num_skin_vertices, count)]
+    squared = ((template.vertices[None] - centres[:, None]) ** 2).sum(axis=2)
+    pushes = random.normal(scale=0.004, size=(count, 1, 3))
+    return (np.exp(-squared / (2 * 0.02**2))[..., None] * pushes).astype(np.float32)

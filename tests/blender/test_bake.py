@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is baked is what was captured."""
+
+import dataclasses
+
+import bpy
+import numpy as np
+import pytest
+
+METRES = 2e-6  # single precision at arm's length, over some forty shapes
+
+
+def evaluated_vertices(face, frame: float) -> np.ndarray:
+    """Control vertices in the world at a scene frame, as Blender evaluates them."""
+    scene = bpy.context.scene
+    whole = int(np.floor(frame))
+    scene.frame_set(whole, subframe=frame - whole)
+    for modifier in face.modifiers:
+        modifier.show_viewport = False
+    evaluated = face.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    points = np.empty(len(face.data.vertices) * 3, dtype=np.float32)
+    evaluated.data.vertices.foreach_get("co", points)
+    matrix = np.array(evaluated.matrix_world)
+    return points.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def world_from_camera_points(points: np.ndarray) -> np.ndarray:
+    """Camera frame (x right, y down, z forward) to a world whose camera looks along +y."""
+    return np.column_stack([points[:, 0], points[:, 2], -points[:, 1]])
+
+
+@pytest.fixture
+def baked(extension, scene, performance):
+    scene.render.fps, scene.render.fps_base = 25, 1.0
+    extension("scene_out").bake(scene, performance, "take")
+    return scene.mimetic.face
+
+
+def test_the_evaluated_surface_is_the_captured_one(baked, performance):
+    for i in (0, 7, 20, 39):
+        expected = world_from_camera_points(performance.surface_in_camera(i))
+        actual = evaluated_vertices(baked, performance.frame[i])
+        assert np.abs(actual - expected).max() < METRES
+
+
+def test_every_shape_has_a_curve_with_a_key_a_frame(baked, performance, extension):
+    keys = baked.data.shape_keys
+    names = [*performance.muscles, *performance.articulators]
+    assert [block.name for block in keys.key_blocks] == ["Basis", *names]
+    curves = extension("compat").curves(keys).fcurves
+    paths = {curve.data_path for curve in curves}
+    assert paths == {f'key_blocks["{name}"].value' for name in names}
+    assert len(curves) == len(names)
+    assert {len(curve.keyframe_points) for curve in curves} == {performance.num_frames}
+    motion = extension("compat").curves(baked).fcurves
+    assert len(motion) == 7
+    assert keys.key_blocks["jaw_side"].slider_min <= -0.8
+
+
+def test_head_rotation_does_not_flip(baked, extension):
+    curves = extension("compat").curves(baked).fcurves
+    rotation = np.array(
+        [
+            [point.co[1] for point in curve.keyframe_points]
+            for curve in curves
+            if curve.data_path == "rotation_quaternion"
+        ]
+    )
+    assert (np.einsum("in,in->n", rotation[:, 1:], rotation[:, :-1]) > 0.9).all()
+
+
+def test_nothing_of_the_scene_is_changed(extension, scene, performance):
+    def settings():
+        render = scene.render
+        return (
+            *(render.fps, render.fps_base, scene.frame_start, scene.frame_end),
+            *(render.resolution_x, render.resolution_y, scene.frame_current),
+        )
+
+    scene.render.fps, scene.render.fps_base = 24, 1.001
+    before = settings()
+    extension("scene_out").bake(scene, performance, "take")
+    assert settings() == before
+
+
+def test_baking_again_keeps_the_take_before_and_the_face(baked, extension, scene, performance):
+    keys = baked.data.shape_keys
+    before = keys.animation_data.action
+    extension("scene_out").bake(scene, performance, "take")
+    assert scene.mimetic.face == baked
+    assert len([o for o in scene.objects if o.type == "MESH"]) == 1
+    assert keys.animation_data.action != before
+    assert before.use_fake_user
+    after = evaluated_vertices(baked, 8)
+    expected = world_from_camera_points(performance.surface_in_camera(7))
+    assert np.abs(after - expected).max() < METRES
+
+
+def test_the_users_action_survives(baked, extension, scene, performance):
+    mine = bpy.data.actions.new("mine")
+    baked.animation_data.action = mine
+    extension("scene_out").bake(scene, performance, "take")
+    assert "mine" in bpy.data.actions
+    assert mine.use_fake_user
+    assert baked.animation_data.action != mine
+
+
+def test_detail_is_baked_and_silenced_by_a_take_without(extension, scene, performance):
+    random = np.random.default_rng(5)
+    detailed = dataclasses.replace(
+        performance,
+        detail_modes=performance.muscle_modes[:3] * 40,
+        detail_coefficients=0.02 * random.normal(size=(performance.num_frames, 3)),
+    )
+    scene.render.fps = 25
+    extension("scene_out").bake(scene, detailed, "take")
+    face = scene.mimetic.face
+    expected = world_from_camera_points(detailed.surface_in_camera(11))
+    assert np.abs(evaluated_vertices(face, 12) - expected).max() < METRES
+    extension("scene_out").bake(scene, performance, "take")
+    expected = world_from_camera_points(performance.surface_in_camera(11))
+    assert np.abs(evaluated_vertices(face, 12) - expected).max() < METRES
+
+
+def test_another_mesh_gets_a_face_of_its_own(baked, extension, scene, performance):
+    other = dataclasses.replace(performance, faces=performance.faces[:-10])
+    extension("scene_out").bake(scene, other, "take")
+    assert scene.mimetic.face != baked
+    assert baked.name in scene.objects
+
+
+def test_a_moved_camera_takes_the_face_along(baked, extension, scene, performance):
+    from mathutils import Matrix
+
+    camera = scene.mimetic.camera
+    camera.matrix_world = Matrix.Translation((1, 2, 3)) @ camera.matrix_world
+    extension("scene_out").bake(scene, performance, "take")
+    expected = world_from_camera_points(performance.surface_in_camera(7)) + np.array([1, 2, 3])
+    assert np.abs(evaluated_vertices(baked, 8) - expected).max() < 2 * METRES
