@@ -21,6 +21,7 @@ from .head import (
 from .identity import identity_modes
 from .regions import REGION_NAMES, paint_regions
 from .source import Source
+from .unfold import unfold
 from .units import unit_modes
 
 # The hinge axis point lies 13 mm from the tragus on the line to the eye's outer corner and 5 mm
@@ -74,7 +75,7 @@ def build_template(source: Source) -> dict[str, np.ndarray]:
         "num_skin_faces": np.int64(cut.num_skin_faces),
         "part": cut.part.astype(np.int8),
         "part_names": np.array(PART_NAMES),
-        "uv": cut.uv.astype(np.float32),
+        "uv": unfold(vertices, cut).astype(np.float32),
         "mirror": cut.mirror.astype(np.int32),
         "region": paint_regions(cut, vertices, landmarks).astype(np.int8),
         "region_names": np.array(REGION_NAMES),

@@ -154,6 +154,23 @@ def test_no_gap_between_lids_and_eyeballs(template):
         assert gap[own & (ring == 3)].max() < 0
 
 
+def test_eyes_and_lashes_unfold_onto_any_picture(template):
+    for side, center in zip("LR", template.eye_centers, strict=True):
+        on_eye = template.part_faces(f"eye.{side}")
+        away = template.vertices[template.faces[on_eye]] - center
+        straight = np.arccos(away[..., 2] / np.linalg.norm(away, axis=-1))
+        from_middle = np.linalg.norm(template.uv[on_eye] - 0.5, axis=-1)
+        np.testing.assert_allclose(from_middle, straight / (2 * np.pi), atol=1e-5)
+        lashes = template.part_faces(f"lashes.{side}")
+        corner, uv = template.vertices[template.faces[lashes]], template.uv[lashes]
+        assert uv.min() == 0
+        assert uv.max() == 1
+        gap = np.linalg.norm(corner - center, axis=-1)
+        assert gap[uv[..., 1] == 0].mean() < gap[uv[..., 1] == 1].mean() - 0.002
+        inward = np.abs(corner[..., 0])
+        assert inward[uv[..., 0] == 0].mean() < inward[uv[..., 0] == 1].mean() - 0.015
+
+
 def test_identity_modes_keep_frame_and_scale(template):
     tragi = [template.landmark("tragus.L"), template.landmark("tragus.R")]
     np.testing.assert_allclose(template.identity_modes[:, tragi].mean(1), 0, atol=1e-6)

@@ -58,7 +58,7 @@ class FaceTemplate:
     num_skin_faces: int  # visible skin, then the linings of the mouth and the eye sockets
     part: NDArray[np.int8]  # F, into part_names
     part_names: list[str]
-    uv: NDArray[np.float32]  # F x 4 x 2
+    uv: NDArray[np.float32]  # F x 4 x 2; eyes and lashes as `scripts/face/unfold.py` says
     mirror: NDArray[np.int32]  # V, the vertex at the same place on the other side
     region: NDArray[np.int8]  # S, into region_names
     region_names: list[str]
