@@ -5,6 +5,7 @@ namespace mimetic::bindings {
 void bind_camera(pybind11::module_& m);
 void bind_surface(pybind11::module_& m);
 void bind_flow(pybind11::module_& m);
+void bind_solve(pybind11::module_& m);
 }  // namespace mimetic::bindings
 
 PYBIND11_MODULE(_core, m) {
@@ -17,4 +18,5 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_camera(m);
     bindings::bind_surface(m);
     bindings::bind_flow(m);
+    bindings::bind_solve(m);
 }

@@ -1,0 +1,155 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/solve.hpp>
+
+#include "arrays.hpp"
+
+namespace mimetic::bindings {
+
+namespace py = pybind11;
+using namespace pybind11::literals;
+
+namespace {
+
+using ModesArray = py::array_t<double, py::array::c_style>;
+
+FaceMotion make_motion(Points neutral, const ModesArray& modes, int num_muscles, Eigen::VectorXd lower,
+                       Eigen::VectorXd upper, Eigen::VectorXd prior_std) {
+    if (modes.ndim() != 3 || modes.shape(1) != neutral.rows() || modes.shape(2) != 3) {
+        throw InvalidInput("modes must have the shape (values, " + std::to_string(neutral.rows()) +
+                           ", 3): one displacement a vertex of neutral");
+    }
+    FaceMotion motion{std::move(neutral),  {}, num_muscles, std::move(lower), std::move(upper),
+                      std::move(prior_std)};
+    motion.modes = Eigen::Map<const MatrixRows>(modes.data(), modes.shape(0), 3 * modes.shape(1));
+    return motion;
+}
+
+Eigen::Isometry3d to_isometry(const Eigen::Matrix4d& matrix) {
+    Eigen::Isometry3d pose;
+    pose.matrix() = matrix;
+    return pose;
+}
+
+void bind_options(py::module_& m) {
+    py::class_<TrackerOptions>(m, "TrackerOptions", "How a face is followed; the defaults suit webcams.")
+        .def(py::init<>())
+        .def_readwrite("crop_height", &TrackerOptions::crop_height,
+                       "pixels of the face in the reference texture")
+        .def_readwrite("sample_spacing", &TrackerOptions::sample_spacing, "reference pixels between samples")
+        .def_readwrite("max_iterations", &TrackerOptions::max_iterations)
+        .def_readwrite("max_key_views", &TrackerOptions::max_key_views)
+        .def_readwrite("model_error", &TrackerOptions::model_error, "metres")
+        .def_readwrite("shape_error", &TrackerOptions::shape_error, "metres")
+        .def_readwrite("correlation_time", &TrackerOptions::correlation_time, "frames")
+        .def_readwrite("held_quality", &TrackerOptions::held_quality, "below it a frame is held, 0 to 1")
+        .def_readwrite("relative_flow", &TrackerOptions::relative_flow);
+    py::class_<SmootherOptions>(m, "SmootherOptions", "How smooth a clip's states are, standard deviations.")
+        .def(py::init<>())
+        .def_readwrite("value_acceleration", &SmootherOptions::value_acceleration, "1 a frame squared")
+        .def_readwrite("rotation_acceleration", &SmootherOptions::rotation_acceleration,
+                       "rad a frame squared")
+        .def_readwrite("translation_acceleration", &SmootherOptions::translation_acceleration,
+                       "metres a frame squared")
+        .def_readwrite("max_iterations", &SmootherOptions::max_iterations);
+}
+
+void bind_model(py::module_& m) {
+    py::class_<FaceMotion>(m, "FaceMotion", "How a face moves: neutral + sum of values_j modes_j, metres.")
+        .def(py::init(&make_motion), "neutral"_a, py::arg("modes").noconvert(), "num_muscles"_a, "lower"_a,
+             "upper"_a, "prior_std"_a,
+             "neutral: (V, 3); modes: (M, V, 3) float64, displacement at the value 1, muscles first; lower, "
+             "upper,\n"
+             "prior_std: (M,), how far a value strays from 0. Raises InvalidInput.")
+        .def_readonly("num_muscles", &FaceMotion::num_muscles)
+        .def_readonly("lower", &FaceMotion::lower)
+        .def_readonly("upper", &FaceMotion::upper);
+    py::class_<EyeSlit>(m, "EyeSlit",
+                        "One eye's opening: vertices of its corners and lid margins, indices of its lids.")
+        .def(py::init([](int inner, int outer, int upper, int lower, int lid_upper, int lid_lower) {
+                 return EyeSlit{inner, outer, upper, lower, lid_upper, lid_lower};
+             }),
+             "inner"_a, "outer"_a, "upper"_a, "lower"_a, "lid_upper"_a = -1, "lid_lower"_a = -1,
+             "inner, outer, upper, lower: vertices; lid_upper, lid_lower: indices among the values, -1: "
+             "none.");
+    py::class_<StageTimes>(m, "StageTimes", "Milliseconds of one frame's stages.")
+        .def_readonly("predict_ms", &StageTimes::predict_ms)
+        .def_readonly("warp_ms", &StageTimes::warp_ms)
+        .def_readonly("flow_ms", &StageTimes::flow_ms)
+        .def_readonly("solve_ms", &StageTimes::solve_ms)
+        .def_readonly("total_ms", &StageTimes::total_ms);
+}
+
+void bind_estimate(py::module_& m) {
+    py::class_<FrameEstimate>(m, "FrameEstimate", "Pose and values of one frame with their covariance.")
+        .def_property_readonly(
+            "camera_from_head", [](const FrameEstimate& e) { return e.camera_from_head.matrix(); },
+            "(4, 4), metres")
+        .def_property_readonly("pose_cov", &FrameEstimate::pose_cov,
+                               "(6, 6) of (rotation vector, translation): exp(r) R, t + d; rad, metres")
+        .def_readonly("values", &FrameEstimate::values, "(M,)")
+        .def_property_readonly("values_std", &FrameEstimate::values_std, "(M,), model error included")
+        .def_readonly("covariance", &FrameEstimate::covariance, "(6 + M, 6 + M), pose first")
+        .def_readonly("quality", &FrameEstimate::quality, "0 lost to 1 well explained")
+        .def_readonly("held", &FrameEstimate::held, "nothing was measured: the last good state")
+        .def_readonly("num_samples", &FrameEstimate::num_samples)
+        .def_readonly("num_explained", &FrameEstimate::num_explained)
+        .def_readonly("residual_px", &FrameEstimate::residual_px)
+        .def_readonly("correlation", &FrameEstimate::correlation)
+        .def_readonly("num_views", &FrameEstimate::num_views)
+        .def_readonly("times", &FrameEstimate::times);
+}
+
+void bind_tracker(py::module_& m) {
+    py::class_<FaceTracker>(
+        m, "FaceTracker",
+        "Follows one face: pose, muscles and articulators together, against reference textures.")
+        .def(py::init([](const Camera& camera, QuadsIn faces, VectorIn weights, const FaceMotion& motion,
+                         const ImageArray& image, const Eigen::Matrix4d& camera_from_head,
+                         const std::vector<EyeSlit>& eyes, const TrackerOptions& options, int levels) {
+                 const ColorView view = view_image<3>(image, "the reference image");
+                 const py::gil_scoped_release unlocked;
+                 return FaceTracker(camera, refine_for_tracking(faces, weights, levels), motion, view,
+                                    to_isometry(camera_from_head), eyes, options);
+             }),
+             "camera"_a, py::arg("faces").noconvert(), py::arg("weights").noconvert(), "motion"_a,
+             py::arg("image").noconvert(), "camera_from_head"_a, "eyes"_a = std::vector<EyeSlit>{},
+             "options"_a = TrackerOptions{}, "levels"_a = 1,
+             "faces: (F, 4) int32 quads of the skin's vertices; weights: (V,) 0 to 1, 0 keeps a vertex out "
+             "of the\n"
+             "measurement; image: (H, W, 3) uint8, the reference frame, where the face is at "
+             "camera_from_head (4, 4)\n"
+             "with all values 0; levels: of subdivision. Raises InvalidInput.")
+        .def(
+            "advance",
+            [](FaceTracker& tracker, const ImageArray& image, const std::optional<Eigen::Matrix4d>& guess) {
+                const ColorView view = view_image<3>(image, "the frame");
+                const auto pose = guess ? std::optional(to_isometry(*guess)) : std::nullopt;
+                const py::gil_scoped_release unlocked;
+                return tracker.advance(view, pose);
+            },
+            py::arg("image").noconvert(), "guess"_a = py::none(),
+            "FrameEstimate of the next frame.\n\nimage: (H, W, 3) uint8; guess: (4, 4) where a detector sees "
+            "the head,\n"
+            "used when the face was lost.")
+        .def(
+            "restart",
+            [](FaceTracker& tracker, const ImageArray& image, const FrameEstimate& estimate) {
+                tracker.restart(view_image<3>(image, "the frame"), estimate);
+            },
+            py::arg("image").noconvert(), "estimate"_a,
+            "Goes back to a frame's state, to follow the clip the other way; reference textures are kept.");
+    m.def("smooth", &smooth, "estimates"_a, "motion"_a, "options"_a = SmootherOptions{},
+          "progress"_a = Progress{}, py::call_guard<py::gil_scoped_release>(),
+          "The most probable states of a whole clip, without lag and within the bounds, one per estimate.");
+}
+
+}  // namespace
+
+void bind_solve(py::module_& m) {
+    bind_options(m);
+    bind_model(m);
+    bind_estimate(m);
+    bind_tracker(m);
+}
+
+}  // namespace mimetic::bindings

@@ -1,0 +1,61 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <Eigen/Geometry>
+#include <mimetic/camera.hpp>
+#include <mimetic/solve.hpp>
+
+namespace mimetic {
+
+using FloatPoints = Rows<float, 3>;
+using FloatPixels = Rows<float, 2>;
+
+/// A point fixed to the skin, and how it moves with the values.
+struct SkinPoint {
+    Eigen::Vector3f neutral;
+    Eigen::Matrix3Xf modes;  ///< 3 x M
+};
+
+/// The refined skin with its modes carried over from the control vertices, head frame, metres.
+class FaceSurface {
+public:
+    FaceSurface(const TrackedSurface& surface, const FaceMotion& motion);
+
+    void evaluate(const Eigen::VectorXd& values, FloatPoints& points) const;
+    SkinPoint at(int triangle, const Eigen::Vector3f& barycentric) const;
+    const Triangles& triangles() const { return triangles_; }
+    const Eigen::VectorXf& weights() const { return weights_; }
+    int num_values() const { return static_cast<int>(modes_.cols()); }
+
+private:
+    Triangles triangles_;
+    Eigen::VectorXf weights_;  // R
+    Eigen::VectorXf neutral_;  // 3R
+    Eigen::MatrixXf modes_;    // 3R x M
+};
+
+/// Refined vertices in an image; depth is z, and what lies behind the camera has depth 0.
+struct ProjectedSurface {
+    FloatPixels pixels;
+    Eigen::VectorXf depths;
+    FloatPoints points_in_head;
+
+    void update(const FaceSurface& surface, const Camera& camera, const Eigen::Isometry3d& camera_from_head,
+                const Eigen::VectorXd& values);
+};
+
+/// Which triangle each pixel of a small image sees.
+struct SurfaceRaster {
+    int rows = 0;
+    int cols = 0;
+    std::vector<int> triangle;  ///< -1: none
+    std::vector<float> depth;   ///< of the triangle; infinity: none
+
+    /// Pixel (x, y) of the raster is image pixel (x, y) / scale + origin.
+    void update(const ProjectedSurface& projected, const Triangles& triangles, const Eigen::Vector2d& origin,
+                double scale, int num_rows, int num_cols);
+};
+
+/// Barycentric coordinates of a pixel in a projected triangle; false when the triangle has no area.
+bool barycentric_of(const Eigen::Vector2f& pixel, const Eigen::Vector2f corners[3], Eigen::Vector3f& weights);
+
+}  // namespace mimetic

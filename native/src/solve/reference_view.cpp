@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "reference_view.hpp"
+
+#include <mimetic/error.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace mimetic {
+
+namespace {
+
+constexpr int kMargin = 8;           // crop pixels round the skin
+constexpr float kMinimumSkin = .5f;  // vertex weight from which a pixel counts as skin
+constexpr int kNormaliserWindow = 25;
+
+struct Box {
+    Eigen::Vector2d low = Eigen::Vector2d::Constant(1e9);
+    Eigen::Vector2d high = Eigen::Vector2d::Constant(-1e9);
+};
+
+Box box_of_measured(const FaceSurface& surface, const ProjectedSurface& projected) {
+    Box box;
+    for (Eigen::Index i = 0; i < projected.pixels.rows(); ++i) {
+        if (surface.weights()[i] >= kMinimumSkin && projected.depths[i] > 0) {
+            const Eigen::Vector2d pixel = projected.pixels.row(i).transpose().cast<double>();
+            box.low = box.low.cwiseMin(pixel);
+            box.high = box.high.cwiseMax(pixel);
+        }
+    }
+    return box;
+}
+
+}  // namespace
+
+void PreparedFrame::update(const cv::Mat1b& full, double wanted_scale) {
+    if (wanted_scale > .8) {
+        scale = 1;
+        full.copyTo(gray);
+        return;
+    }
+    scale = wanted_scale;
+    cv::resize(full, gray, cv::Size(), scale, scale, cv::INTER_AREA);
+}
+
+LocalNormaliser::LocalNormaliser(const cv::Mat1b& mask, int window) : window_(window) {
+    mask.convertTo(mask_, CV_32F, 1. / 255);
+    cv::Mat1f count;
+    cv::boxFilter(mask_, count, CV_32F, {window_, window_}, {-1, -1}, true, cv::BORDER_CONSTANT);
+    inverse_count_ = 1 / (count + 1e-3f);
+    // Without the soft edge, the mask's own outline is texture that never moves.
+    cv::GaussianBlur(mask_, soft_mask_, {0, 0}, 2);
+    soft_mask_ = (soft_mask_ - .5f) * 2;
+    cv::max(soft_mask_, 0, soft_mask_);
+}
+
+void LocalNormaliser::apply(const cv::Mat1f& image, cv::Mat1f& values) {
+    constexpr float kNoise = 5;  // grey levels: flat skin is not blown up to texture
+    const auto mean_in_mask = [this](const cv::Mat1f& in, cv::Mat1f& out) {
+        cv::boxFilter(in, out, CV_32F, {window_, window_}, {-1, -1}, true, cv::BORDER_CONSTANT);
+        cv::multiply(out, inverse_count_, out);
+    };
+    cv::multiply(image, mask_, masked_);
+    mean_in_mask(masked_, mean_);
+    cv::multiply(masked_, masked_, squared_);
+    mean_in_mask(squared_, variance_);
+    values.create(image.size());
+    for (int y = 0; y < image.rows; ++y) {
+        for (int x = 0; x < image.cols; ++x) {
+            const float mean = mean_(y, x);
+            const float deviation = std::sqrt(std::max(0.f, variance_(y, x) - mean * mean));
+            values(y, x) = soft_mask_(y, x) * kContrast * (image(y, x) - mean) / (deviation + kNoise);
+        }
+    }
+}
+
+ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera,
+                             const Eigen::Isometry3d& camera_from_head, const Eigen::VectorXd& values,
+                             const cv::Mat1b& gray, int crop_height, int spacing)
+    : camera_from_head_(camera_from_head), values_(values) {
+    ProjectedSurface projected;
+    projected.update(surface, camera, camera_from_head, values);
+    const Box box = box_of_measured(surface, projected);
+    const Eigen::Vector2d size = box.high - box.low;
+    if (!(size.minCoeff() >= 16) || size.maxCoeff() > 4 * std::max(camera.width, camera.height)) {
+        throw InvalidInput(
+            "the face's skin does not project into the reference image: it must be at least 16 pixels wide "
+            "and "
+            "high, in front of the camera; check the pose and the vertex weights");
+    }
+    scale_ = crop_height / size.y();
+    origin_ = box.low - Eigen::Vector2d::Constant(kMargin / scale_);
+    const int rows = crop_height + 2 * kMargin;
+    const int cols = std::min(4 * crop_height, static_cast<int>(size.x() * scale_) + 2 * kMargin);
+    SurfaceRaster raster;
+    raster.update(projected, surface.triangles(), origin_, scale_, rows, cols);
+
+    triangle_ = cv::Mat1i(rows, cols, -1);
+    barycentric_ = cv::Mat3f::zeros(rows, cols);
+    mask_ = cv::Mat1b::zeros(rows, cols);
+    const Eigen::Vector2f origin = origin_.cast<float>();
+    const auto inverse_scale = static_cast<float>(1 / scale_);
+    for (int y = 0; y < rows; ++y) {
+        for (int x = 0; x < cols; ++x) {
+            const int index = raster.triangle[static_cast<std::size_t>(y) * cols + x];
+            if (index < 0) {
+                continue;
+            }
+            Eigen::Vector2f corners[3];
+            Eigen::Vector3f skin;
+            for (int k = 0; k < 3; ++k) {
+                const int vertex = surface.triangles()(index, k);
+                corners[k] = projected.pixels.row(vertex);
+                skin[k] = surface.weights()[vertex];
+            }
+            const Eigen::Vector2f pixel = Eigen::Vector2f(x, y) * inverse_scale + origin;
+            Eigen::Vector3f weights;
+            const bool inside =
+                pixel.minCoeff() >= 0 && pixel.x() < camera.width - 1 && pixel.y() < camera.height - 1;
+            if (inside && barycentric_of(pixel, corners, weights) && weights.dot(skin) >= kMinimumSkin) {
+                triangle_(y, x) = index;
+                barycentric_(y, x) = {weights[0], weights[1], weights[2]};
+                mask_(y, x) = 255;
+            }
+        }
+    }
+    normaliser_ = std::make_unique<LocalNormaliser>(mask_, kNormaliserWindow);
+    PreparedFrame frame;
+    frame.update(gray, scale_);
+    cv::Mat2f map;
+    stabilise(surface.triangles(), projected, frame, map, texture_);
+    texture_ = texture_.clone();
+    choose_samples(surface, projected, spacing);
+}
+
+void ReferenceView::stabilise(const Triangles& triangles, const ProjectedSurface& projected,
+                              const PreparedFrame& frame, cv::Mat2f& map, cv::Mat1f& texture) {
+    map.create(triangle_.size());
+    scaled_map_.create(triangle_.size());
+    const auto scale = static_cast<float>(frame.scale);
+    const float shift = (scale - 1) / 2;
+    for (int y = 0; y < map.rows; ++y) {
+        for (int x = 0; x < map.cols; ++x) {
+            const int index = triangle_(y, x);
+            if (index < 0) {
+                map(y, x) = {-1e6f, -1e6f};
+                scaled_map_(y, x) = {-1, -1};
+                continue;
+            }
+            const cv::Vec3f& weights = barycentric_(y, x);
+            Eigen::RowVector2f pixel = Eigen::RowVector2f::Zero();
+            for (int k = 0; k < 3; ++k) {
+                pixel += weights[k] * projected.pixels.row(triangles(index, k));
+            }
+            map(y, x) = {pixel.x(), pixel.y()};
+            scaled_map_(y, x) = {pixel.x() * scale + shift, pixel.y() * scale + shift};
+        }
+    }
+    cv::Mat1b fetched;
+    cv::remap(frame.gray, fetched, scaled_map_, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    fetched.convertTo(raw_, CV_32F);
+    cv::GaussianBlur(raw_, raw_, {3, 3}, .7);
+    normaliser_->apply(raw_, texture);
+}
+
+void ReferenceView::choose_samples(const FaceSurface& surface, const ProjectedSurface& projected,
+                                   int spacing) {
+    cv::Mat1b inner;
+    cv::erode(mask_, inner, cv::getStructuringElement(cv::MORPH_ELLIPSE, {5, 5}));
+    const Eigen::Vector3d eye = -(camera_from_head_.linear().transpose() * camera_from_head_.translation());
+    for (int y = spacing / 2; y < mask_.rows; y += spacing) {
+        for (int x = spacing / 2; x < mask_.cols; x += spacing) {
+            if (inner(y, x) == 0) {
+                continue;
+            }
+            ReferenceSample sample;
+            sample.x = x;
+            sample.y = y;
+            sample.triangle = triangle_(y, x);
+            const cv::Vec3f& weights = barycentric_(y, x);
+            sample.barycentric = {weights[0], weights[1], weights[2]};
+            const auto corner = [&](int k) -> Eigen::Vector3f {
+                return projected.points_in_head.row(surface.triangles()(sample.triangle, k));
+            };
+            const Eigen::Vector3f normal = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+            const Eigen::Vector3f to_camera = (eye.cast<float>() - corner(0)).normalized();
+            const float frontality = normal.dot(to_camera);
+            constexpr float kGrazing = .25f;
+            if (frontality < kGrazing) {
+                continue;
+            }
+            sample.skin = surface.at(sample.triangle, sample.barycentric);
+            sample.weight = std::min(1.f, (frontality - kGrazing) / .3f);
+            samples_.push_back(std::move(sample));
+        }
+    }
+}
+
+}  // namespace mimetic

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <opencv2/core.hpp>
+
+#include "face_surface.hpp"
+
+namespace mimetic {
+
+/// A grey frame, made smaller when the face in it has many more pixels than the reference textures.
+struct PreparedFrame {
+    cv::Mat1b gray;
+    double scale = 1;  ///< of gray to the camera's image
+
+    void update(const cv::Mat1b& full, double wanted_scale);
+};
+
+/// Takes out local brightness and contrast inside a mask, so that lighting may change.
+class LocalNormaliser {
+public:
+    explicit LocalNormaliser(const cv::Mat1b& mask, int window);
+    /// values: about zero mean, standard deviation kContrast where there is texture; 0 outside the mask.
+    void apply(const cv::Mat1f& image, cv::Mat1f& values);
+    static constexpr float kContrast = 40;
+
+private:
+    int window_;
+    cv::Mat1f mask_, soft_mask_, inverse_count_;
+    cv::Mat1f masked_, squared_, mean_, variance_;
+};
+
+/// Where a reference texture is measured.
+struct ReferenceSample {
+    int x = 0;  ///< crop pixel
+    int y = 0;
+    int triangle = 0;
+    Eigen::Vector3f barycentric;
+    SkinPoint skin;
+    float weight = 1;
+};
+
+/// The face's texture as one frame showed it, each pixel tied to the skin.
+class ReferenceView {
+public:
+    ReferenceView(const FaceSurface& surface, const Camera& camera, const Eigen::Isometry3d& camera_from_head,
+                  const Eigen::VectorXd& values, const cv::Mat1b& gray, int crop_height, int spacing);
+
+    /// Fetches the texture of a frame under the hypothesis `projected`; map: frame pixel of each crop pixel.
+    void stabilise(const Triangles& triangles, const ProjectedSurface& projected, const PreparedFrame& frame,
+                   cv::Mat2f& map, cv::Mat1f& texture);
+
+    const Eigen::Isometry3d& camera_from_head() const { return camera_from_head_; }
+    const Eigen::VectorXd& values() const { return values_; }
+    const cv::Mat1f& texture() const { return texture_; }  ///< normalised
+    const cv::Mat1b& mask() const { return mask_; }
+    const std::vector<ReferenceSample>& samples() const { return samples_; }
+    double scale() const { return scale_; }  ///< crop pixels an image pixel
+    const Eigen::Vector2d& origin() const { return origin_; }
+
+private:
+    void choose_samples(const FaceSurface& surface, const ProjectedSurface& projected, int spacing);
+
+    Eigen::Isometry3d camera_from_head_;
+    Eigen::VectorXd values_;
+    Eigen::Vector2d origin_;  // image pixel of crop pixel (0, 0)
+    double scale_ = 1;
+    cv::Mat1i triangle_;  // -1 where the skin is not seen or not measured
+    cv::Mat3f barycentric_;
+    cv::Mat1b mask_;
+    cv::Mat1f texture_;
+    std::vector<ReferenceSample> samples_;
+    std::unique_ptr<LocalNormaliser> normaliser_;
+    cv::Mat1f raw_;
+    cv::Mat2f scaled_map_;
+};
+
+}  // namespace mimetic

@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/error.hpp>
+
+#include "block_banded.hpp"
+#include "joint_solver.hpp"
+
+namespace mimetic {
+
+namespace {
+
+using Blocks = std::vector<Eigen::VectorXd>;
+
+FaceState state_of(const FrameEstimate& estimate) { return {estimate.camera_from_head, estimate.values}; }
+
+/// Steps of all frames from their estimates: 1/2 d' matrix d - pull' d, values within bounds.
+struct SequenceProblem {
+    BlockBanded matrix;
+    Blocks pull;
+    Blocks lower;  // of the values' steps
+    Blocks upper;
+};
+
+void add_acceleration(const std::vector<FrameEstimate>& estimates, const Eigen::VectorXd& weights,
+                      SequenceProblem& problem) {
+    for (std::size_t t = 1; t + 1 < estimates.size(); ++t) {
+        const FaceState before = state_of(estimates[t - 1]), here = state_of(estimates[t]),
+                        after = state_of(estimates[t + 1]);
+        const Eigen::VectorXd bend =
+            weights.cwiseProduct(after.difference_from(here) - here.difference_from(before));
+        problem.matrix.diagonal[t - 1].diagonal() += weights;
+        problem.matrix.diagonal[t].diagonal() += 4 * weights;
+        problem.matrix.diagonal[t + 1].diagonal() += weights;
+        problem.matrix.first[t - 1] -= 2 * weights;
+        problem.matrix.first[t] -= 2 * weights;
+        problem.matrix.second[t - 1] += weights;
+        problem.pull[t - 1] -= bend;
+        problem.pull[t] += 2 * bend;
+        problem.pull[t + 1] -= bend;
+    }
+}
+
+SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const FaceMotion& motion,
+                             const SmootherOptions& options) {
+    const Eigen::Index num_values = motion.lower.size();
+    const Eigen::Index size = 6 + num_values;
+    // A clip of independent frames would count the rest prior once a frame; a state lasts about this long.
+    constexpr double kFramesPerState = 25;
+    Eigen::VectorXd rest(size);
+    rest.head<6>().setConstant(1e-3);
+    rest.tail(num_values) = (kFramesPerState * motion.prior_std.cwiseAbs2()).cwiseInverse();
+    Eigen::VectorXd weights(size);
+    weights.head<3>().setConstant(std::pow(options.rotation_acceleration, -2));
+    weights.segment<3>(3).setConstant(std::pow(options.translation_acceleration, -2));
+    weights.tail(num_values) =
+        (options.value_acceleration / .3 * motion.prior_std).cwiseAbs2().cwiseInverse();
+
+    SequenceProblem problem;
+    for (const FrameEstimate& estimate : estimates) {
+        problem.matrix.diagonal.push_back(estimate.information);
+        problem.matrix.diagonal.back().diagonal() += rest;
+        problem.matrix.first.push_back(Eigen::VectorXd::Zero(size));
+        problem.matrix.second.push_back(Eigen::VectorXd::Zero(size));
+        problem.pull.push_back(estimate.gradient);
+        problem.pull.back().tail(num_values) -= rest.tail(num_values).cwiseProduct(estimate.values);
+        problem.lower.push_back(motion.lower - estimate.values);
+        problem.upper.push_back(motion.upper - estimate.values);
+    }
+    add_acceleration(estimates, weights, problem);
+    return problem;
+}
+
+/// Alternating directions: a smooth solve, then the bounds, until both agree.
+Blocks solve_bounded(SequenceProblem problem, int max_iterations, const Progress& progress) {
+    const std::size_t count = problem.pull.size();
+    const Eigen::Index size = problem.pull.front().size();
+    const Eigen::Index num_values = problem.lower.front().size();
+    Eigen::VectorXd penalty = Eigen::VectorXd::Zero(size);
+    for (const Eigen::MatrixXd& block : problem.matrix.diagonal) {
+        penalty.tail(num_values) += block.diagonal().tail(num_values) / static_cast<double>(count);
+    }
+    penalty *= .3;
+    for (Eigen::MatrixXd& block : problem.matrix.diagonal) {
+        block.diagonal() += penalty;
+    }
+    const BlockBandedFactor factor(problem.matrix);
+    Blocks steps, within(count, Eigen::VectorXd::Zero(size)), dual(count, Eigen::VectorXd::Zero(size));
+    for (int iteration = 0; iteration < max_iterations; ++iteration) {
+        steps = problem.pull;
+        for (std::size_t t = 0; t < count; ++t) {
+            steps[t] += penalty.cwiseProduct(within[t] - dual[t]);
+        }
+        factor.solve(steps);
+        double apart = 0, moved = 0;
+        for (std::size_t t = 0; t < count; ++t) {
+            Eigen::VectorXd wanted = steps[t] + dual[t];
+            Eigen::VectorXd inside = wanted;
+            inside.tail(num_values) =
+                wanted.tail(num_values).cwiseMax(problem.lower[t]).cwiseMin(problem.upper[t]);
+            apart = std::max(apart, (inside - steps[t]).tail(num_values).cwiseAbs().maxCoeff());
+            moved = std::max(moved, (inside - within[t]).tail(num_values).cwiseAbs().maxCoeff());
+            dual[t] = wanted - inside;
+            within[t] = inside;
+        }
+        constexpr double kAgreed = 1e-4;
+        if (std::max(apart, moved) < kAgreed ||
+            (progress && !progress(static_cast<double>(iteration + 1) / max_iterations))) {
+            break;
+        }
+    }
+    return within;
+}
+
+void check_estimates(const std::vector<FrameEstimate>& estimates, const FaceMotion& motion) {
+    const Eigen::Index size = 6 + motion.lower.size();
+    for (std::size_t t = 0; t < estimates.size(); ++t) {
+        const FrameEstimate& estimate = estimates[t];
+        if (estimate.values.size() + 6 != size || estimate.gradient.size() != size ||
+            estimate.information.rows() != size || estimate.information.cols() != size ||
+            !estimate.gradient.allFinite() || !estimate.information.allFinite() ||
+            !estimate.camera_from_head.matrix().allFinite()) {
+            throw InvalidInput("smooth: estimate " + std::to_string(t) + " does not fit a face of " +
+                               std::to_string(size - 6) + " values or is not finite");
+        }
+    }
+}
+
+}  // namespace
+
+void SmootherOptions::check() const {
+    for (const auto& [name, value] : {std::pair{"value_acceleration", value_acceleration},
+                                      std::pair{"rotation_acceleration", rotation_acceleration},
+                                      std::pair{"translation_acceleration", translation_acceleration}}) {
+        if (!(value > 1e-9 && value < 1e9)) {
+            throw InvalidInput(std::string("SmootherOptions.") + name + " is " + std::to_string(value) +
+                               "; it must be above 0 and finite");
+        }
+    }
+    if (max_iterations < 1 || max_iterations > 100000) {
+        throw InvalidInput("SmootherOptions.max_iterations is " + std::to_string(max_iterations) +
+                           "; it must be 1 to 100000");
+    }
+}
+
+std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, const FaceMotion& motion,
+                                  const SmootherOptions& options, const Progress& progress) {
+    options.check();
+    check_estimates(estimates, motion);
+    if (estimates.empty()) {
+        return {};
+    }
+    const SequenceProblem problem = make_problem(estimates, motion, options);
+    const std::vector<Eigen::MatrixXd> working = BlockBandedFactor(problem.matrix).inverse_diagonal();
+    const Blocks steps = solve_bounded(problem, options.max_iterations, progress);
+    std::vector<FrameEstimate> smoothed = estimates;
+    for (std::size_t t = 0; t < estimates.size(); ++t) {
+        FaceState state = state_of(estimates[t]);
+        state.apply(steps[t]);
+        smoothed[t].camera_from_head = state.camera_from_head;
+        smoothed[t].values = state.values.cwiseMax(motion.lower).cwiseMin(motion.upper);
+        smoothed[t].covariance = working[t] + estimates[t].model_covariance;
+        smoothed[t].gradient = estimates[t].gradient - estimates[t].information * steps[t];
+    }
+    return smoothed;
+}
+
+}  // namespace mimetic

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <opencv2/core.hpp>
+#include <opencv2/video/tracking.hpp>
+
+#include "reference_view.hpp"
+
+namespace mimetic {
+
+/// What one sample of a reference texture says about the present frame.
+struct SampleMeasurement {
+    const ReferenceSample* sample = nullptr;
+    Eigen::Vector2d displacement;  ///< frame pixels from the hypothesis to where the texture is
+    Eigen::Matrix2d covariance;    ///< of the flow, frame pixels squared, one independent sample
+    float correlation = 0;         ///< of the patch once displaced, -1 to 1
+    float texture = 0;             ///< contrast of the patch, 0 bare to 1
+    float weight = 1;              ///< texture seen head-on in both frames: 1
+    double view_angle_sine = 0;    ///< of the turn since the texture was taken
+};
+
+/// Flow with covariance between a reference texture and the stabilised image, at the view's samples.
+class TextureFlow {
+public:
+    TextureFlow();
+    /// map: as ReferenceView::stabilise gives it; visible: of each sample. Appends to `measurements`.
+    void measure(const ReferenceView& view, const cv::Mat2f& map, const cv::Mat1f& texture,
+                 const std::vector<float>& visible, double view_angle_sine,
+                 std::vector<SampleMeasurement>& measurements);
+
+private:
+    void compare_patches(const cv::Mat1f& reference, const cv::Mat1f& texture);
+    cv::Ptr<cv::DISOpticalFlow> dis_;
+    cv::Mat1b from_, to_;
+    cv::Mat2f flow_, lookup_;
+    cv::Mat1f displaced_, correlation_, residual_, gxx_, gxy_, gyy_, dx_, dy_, product_, aa_, bb_;
+};
+
+}  // namespace mimetic

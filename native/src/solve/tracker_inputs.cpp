@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/error.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "tracker_state.hpp"
+
+namespace mimetic {
+
+namespace {
+
+void check_range(const char* name, double value, double low, double high) {
+    if (!(value >= low && value <= high)) {
+        throw InvalidInput(std::string("TrackerOptions.") + name + " is " + std::to_string(value) +
+                           "; it must be " + std::to_string(low) + " to " + std::to_string(high));
+    }
+}
+
+[[noreturn]] void fail(const std::string& what) { throw InvalidInput("face tracker: " + what); }
+
+void check_surface(const TrackedSurface& surface, Eigen::Index num_vertices) {
+    const Eigen::Index num_refined = surface.stencils.rows();
+    if (surface.stencils.cols() != num_vertices || num_refined == 0) {
+        fail("the stencils must map the " + std::to_string(num_vertices) +
+             " vertices of neutral to refined ones, got " + std::to_string(num_refined) + " x " +
+             std::to_string(surface.stencils.cols()));
+    }
+    if (surface.weights.size() != num_refined || !surface.weights.allFinite()) {
+        fail("one finite weight a refined vertex is needed (" + std::to_string(num_refined) + ")");
+    }
+    if (surface.quads.rows() == 0 || surface.quads.minCoeff() < 0 ||
+        surface.quads.maxCoeff() >= num_refined) {
+        fail("the quads must name refined vertices 0 to " + std::to_string(num_refined - 1));
+    }
+}
+
+}  // namespace
+
+void TrackerOptions::check() const {
+    check_range("crop_height", crop_height, 48, 1024);
+    check_range("sample_spacing", sample_spacing, 1, 16);
+    check_range("max_iterations", max_iterations, 1, 20);
+    check_range("max_key_views", max_key_views, 0, 32);
+    check_range("model_error", model_error, 1e-5, .05);
+    check_range("shape_error", shape_error, 0, .05);
+    check_range("correlation_time", correlation_time, 1, 1e6);
+    check_range("held_quality", held_quality, 0, 1);
+}
+
+void check_inputs(const Camera& camera, const TrackedSurface& surface, const FaceMotion& motion,
+                  const std::vector<EyeSlit>& eyes) {
+    camera.check();
+    const Eigen::Index num_vertices = motion.neutral.rows();
+    const Eigen::Index num_values = motion.modes.rows();
+    if (num_vertices == 0 || !motion.neutral.allFinite()) {
+        fail("neutral must have vertices with finite coordinates");
+    }
+    if (num_values == 0 || motion.modes.cols() != 3 * num_vertices || !motion.modes.allFinite()) {
+        fail("modes must be finite and values x " + std::to_string(3 * num_vertices) + ", got " +
+             std::to_string(num_values) + " x " + std::to_string(motion.modes.cols()));
+    }
+    if (motion.num_muscles < 0 || motion.num_muscles > num_values) {
+        fail("num_muscles must lie between 0 and the number of modes, " + std::to_string(num_values));
+    }
+    for (const auto& [name, vector] : {std::pair{"lower", &motion.lower}, std::pair{"upper", &motion.upper},
+                                       std::pair{"prior_std", &motion.prior_std}}) {
+        if (vector->size() != num_values || !vector->allFinite()) {
+            fail(std::string(name) + " must have one finite number a mode (" + std::to_string(num_values) +
+                 ")");
+        }
+    }
+    if ((motion.lower.array() > 0).any() || (motion.upper.array() < 0).any() ||
+        (motion.prior_std.array() <= 0).any()) {
+        fail("every value's bounds must hold 0, the rest state, and every prior_std be above 0");
+    }
+    check_surface(surface, num_vertices);
+    for (const EyeSlit& eye : eyes) {
+        for (const int vertex : {eye.inner, eye.outer, eye.upper, eye.lower}) {
+            if (vertex < 0 || vertex >= num_vertices) {
+                fail("an eye names vertex " + std::to_string(vertex) + "; there are " +
+                     std::to_string(num_vertices));
+            }
+        }
+        if (std::max(eye.lid_upper, eye.lid_lower) >= num_values) {
+            fail("an eye names a lid value beyond the " + std::to_string(num_values) + " modes");
+        }
+    }
+}
+
+cv::Mat1b to_gray(const ColorView& image) {
+    const cv::Mat color(image.rows, image.cols, CV_8UC3, const_cast<std::uint8_t*>(image.data),
+                        static_cast<std::size_t>(image.stride));
+    cv::Mat1b gray;
+    cv::cvtColor(color, gray, cv::COLOR_RGB2GRAY);
+    return gray;
+}
+
+}  // namespace mimetic
