@@ -6,6 +6,8 @@ void bind_camera(pybind11::module_& m);
 void bind_surface(pybind11::module_& m);
 void bind_flow(pybind11::module_& m);
 void bind_solve(pybind11::module_& m);
+void bind_skin(pybind11::module_& m);
+void bind_muscles(pybind11::module_& m);
 }  // namespace mimetic::bindings
 
 PYBIND11_MODULE(_core, m) {
@@ -19,4 +21,6 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_surface(m);
     bindings::bind_flow(m);
     bindings::bind_solve(m);
+    bindings::bind_skin(m);
+    bindings::bind_muscles(m);
 }

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/muscles.hpp>
+
+#include "arrays.hpp"
+
+namespace mimetic::bindings {
+
+namespace py = pybind11;
+using namespace pybind11::literals;
+using release_gil = py::call_guard<py::gil_scoped_release>;
+
+void bind_muscles(py::module_& m) {
+    py::enum_<MuscleType>(m, "MuscleType")
+        .value("linear", MuscleType::linear)
+        .value("sheet", MuscleType::sheet)
+        .value("sphincter", MuscleType::sphincter);
+
+    py::class_<Muscle>(m, "Muscle", "A muscle placed on a surface; metres, head frame.")
+        .def(py::init([](MuscleType type, PointsIn insertion, const Eigen::Vector3d& origin, double width,
+                         double normal_share, double protrusion) {
+                 Muscle muscle{type, insertion, origin, width, normal_share, protrusion};
+                 muscle.check();
+                 return muscle;
+             }),
+             py::kw_only(), "type"_a, "insertion"_a, "origin"_a, "width"_a, "normal_share"_a, "protrusion"_a,
+             "insertion: (1, 3) linear; (2 or more, 3) sheet, its edge; (2, 3) sphincter, the foci, own side "
+             "first\n"
+             "origin: (3,) on the bone\nwidth: s.d. of the footprint along the skin\n"
+             "normal_share: of the pull across the skin, 0 to 1\nprotrusion: sphincter, push over pull\n"
+             "raises InvalidInput");
+
+    py::class_<MuscleSurface>(m, "MuscleSurface", "The skin that muscles take hold of.")
+        .def(py::init<PointsIn, TrianglesIn, const std::vector<bool>&>(), py::arg("vertices").noconvert(),
+             py::arg("triangles").noconvert(), "carries"_a,
+             "vertices: (N, 3) float64, metres\ntriangles: (T, 3) int32\ncarries: T truth values")
+        .def("distances", &MuscleSurface::distances, py::arg("sources").noconvert(), "limit"_a, release_gil(),
+             "Along the skin from the nearest of the sources (K, 3), metres; infinite beyond the limit.")
+        .def("forces", &MuscleSurface::forces, "muscle"_a, release_gil(),
+             "Nodal forces (N, 3) at a total pull of 1 N, of a sphincter at a tension of 1 N/m.")
+        .def_property_readonly("normals", &MuscleSurface::normals, "(N, 3), unit, at the vertices");
+}
+
+}  // namespace mimetic::bindings

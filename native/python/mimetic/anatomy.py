@@ -1,0 +1,240 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Muscles, jaw and lids attached to a person's neutral head: modes by finite elements.
+
+`attach` gives the displacement of all control vertices for every muscle at activation 1 and every
+articulator at value 1. Data: data/muscles.toml and data/materials.toml, with their sources.
+"""
+
+from __future__ import annotations
+
+import tomllib
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+
+import numpy as np
+
+from mimetic import _core
+from mimetic.articulators import ARTICULATORS, EyeLids, Jaw, eye_frames
+from mimetic.skin_mesh import SkinMesh, find_place, keep_columns, multiply
+
+SIDES = ("L", "R")
+MATERIALS = ("young", "poisson", "thickness", "pre_stress", "tangential", "normal")
+
+
+@dataclass(frozen=True)
+class AnatomyPerturbation:
+    """Another person's anatomy for the same face: truth that the estimator does not know.
+
+    insertion_mm: length of each insertion's shift along the skin, in a random direction;
+    stiffness_factor: times the attachment to the bone; seed: of the random directions.
+    """
+
+    insertion_mm: float = 0.0
+    stiffness_factor: float = 1.0
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.insertion_mm <= 20:
+            raise _core.InvalidInput(f"insertion_mm is {self.insertion_mm}, allowed are 0 to 20")
+        if not 0.01 <= self.stiffness_factor <= 100:
+            raise _core.InvalidInput(
+                f"stiffness_factor is {self.stiffness_factor}, allowed are 0.01 to 100"
+            )
+
+
+@dataclass(frozen=True)
+class Anatomy:
+    """Modes over the whole control mesh; metres, head frame.
+
+    muscle_names: 36, zygomaticus_major.L and so on; groups: 36, 1 to 7; muscle_modes: 36 x V x 3,
+    displacement at activation 1; muscle_strengths: 36, newtons (sphincters: newtons a metre);
+    articulator_names, articulator_modes A x V x 3 at value 1, articulator_limits A x 2.
+    """
+
+    muscle_names: tuple[str, ...]
+    groups: np.ndarray
+    muscle_modes: np.ndarray
+    muscle_strengths: np.ndarray
+    articulator_names: tuple[str, ...]
+    articulator_modes: np.ndarray
+    articulator_limits: np.ndarray
+
+
+@cache
+def load_table(name: str) -> dict:
+    """A data file of the package."""
+    return tomllib.loads((resources.files("mimetic") / "data" / name).read_text("utf-8"))
+
+
+def muscle_table() -> list[dict]:
+    """The 18 pairs, as in muscles.toml."""
+    return load_table("muscles.toml")["muscle"]
+
+
+def attach(
+    neutral_vertices, template, *, perturbation: AnatomyPerturbation | None = None
+) -> Anatomy:
+    """Attach muscles, jaw and lids to a neutral head.
+
+    neutral_vertices: V x 3, metres, head frame, the template's mesh; template: FaceTemplate.
+    Raises InvalidInput on another mesh, NaN, and a face whose skin is folded or torn.
+    """
+    neutral = np.ascontiguousarray(neutral_vertices, dtype=np.float64)
+    if neutral.shape != np.shape(template.vertices):
+        raise _core.InvalidInput(
+            f"neutral_vertices are {neutral.shape}, needed are {np.shape(template.vertices)}"
+        )
+    if not np.isfinite(neutral).all():
+        raise _core.InvalidInput("neutral_vertices hold NaN or infinity")
+    perturbation = perturbation or AnatomyPerturbation()
+    mesh = SkinMesh(template, neutral)
+    canonical = SkinMesh(template, np.ascontiguousarray(template.vertices, dtype=np.float64))
+    skin = AttachedSkin(mesh, perturbation.stiffness_factor)
+    muscles = place_muscles(canonical, mesh, perturbation)
+    forces = np.stack([mesh.surface.forces(muscle) for muscle in muscles])
+    responses = skin.respond(forces)
+    strengths = calibrate(canonical, mesh, responses)
+    muscle_modes = skin.spread(responses * strengths[:, None, None])
+    jaw = Jaw(mesh)
+    jaw_modes = [skin.move_bone(jaw, name) for name in ("jaw_open", "jaw_side", "jaw_thrust")]
+    lid_modes = [lid for frame in eye_frames(mesh) for lid in EyeLids(frame).modes()]
+    modes = dict(zip(ARTICULATORS, [*jaw_modes, *lid_modes], strict=True))
+    return Anatomy(
+        muscle_names=tuple(f"{row['name']}.{side}" for row in muscle_table() for side in SIDES),
+        groups=np.repeat([row["group"] for row in muscle_table()], 2).astype(np.int32),
+        muscle_modes=muscle_modes,
+        muscle_strengths=strengths,
+        articulator_names=tuple(modes),
+        articulator_modes=np.stack(list(modes.values())),
+        articulator_limits=np.array(list(ARTICULATORS.values())),
+    )
+
+
+def place_muscles(
+    canonical: SkinMesh, mesh: SkinMesh, perturbation: AnatomyPerturbation
+) -> list[_core.Muscle]:
+    """The 36 muscles on a person's skin, left and right of each pair in turn."""
+    random = np.random.default_rng(perturbation.seed)
+    muscles = []
+    for row in muscle_table():
+        for side in SIDES:
+            angle = random.uniform(0, 2 * np.pi)
+            shift = perturbation.insertion_mm * np.array([np.cos(angle), np.sin(angle)])
+            muscles.append(place_muscle(canonical, mesh, row, side, shift))
+    return muscles
+
+
+def place_muscle(canonical: SkinMesh, mesh: SkinMesh, row: dict, side: str, shift) -> _core.Muscle:
+    def position(place, side, shift=(0.0, 0.0)):
+        anchor, x, y, depth = place
+        found = find_place(canonical, anchor, x + shift[0], y + shift[1], depth, side)
+        return found.position(mesh)
+
+    insertion = [position(place, side, shift) for place in row["insertion"]]
+    origin = np.zeros(3)
+    if row["type"] == "sphincter":
+        other = SIDES[1 - SIDES.index(side)]
+        insertion.append(position(row["insertion"][0], other, shift))
+    else:
+        origin = position(row["origin"], side)
+    return _core.Muscle(
+        type=getattr(_core.MuscleType, row["type"]),
+        insertion=np.array(insertion),
+        origin=origin,
+        width=1e-3 * row["width"],
+        normal_share=row.get("normal_share", 0.1),
+        protrusion=row.get("protrusion", 0.0),
+    )
+
+
+def calibrate(canonical: SkinMesh, mesh: SkinMesh, responses: np.ndarray) -> np.ndarray:
+    """Strengths that give each muscle its excursion; responses: 36 x S x 3 at unit force."""
+    strengths = []
+    for row in muscle_table():
+        for side in SIDES:
+            anchor, x, y = row["measured_at"]
+            place = find_place(canonical, anchor, x, y, 0, side)
+            response = responses[len(strengths)]
+            indptr, indices, weights = mesh.stencils
+            own = slice(indptr[place.vertex], indptr[place.vertex + 1])
+            moved = np.linalg.norm(weights[own] @ response[indices[own]])
+            strengths.append(1e-3 * row["excursion_mm"] / moved)
+    return np.array(strengths)
+
+
+class AttachedSkin:
+    """Skin with its materials on its bones, factored."""
+
+    def __init__(self, mesh: SkinMesh, stiffness_factor: float):
+        self.mesh = mesh
+        template = mesh.template
+        self.free = self._free_vertices()
+        basis = keep_columns(mesh.stencils, self.free)
+        self.model = _core.SkinModel(
+            mesh.vertices,
+            mesh.triangles,
+            self._materials(stiffness_factor),
+            basis,
+            int(self.free.sum()),
+        )
+        self.num_vertices = len(template.vertices)
+
+    def respond(self, forces: np.ndarray) -> np.ndarray:
+        """M x N x 3 newtons -> displacements of the skin's control vertices, M x S x 3."""
+        columns = forces.reshape(len(forces), -1).T
+        solution = self.model.solve(columns).T.reshape(len(forces), -1, 3)
+        response = np.zeros((len(forces), len(self.free), 3))
+        response[:, self.free] = solution
+        return response
+
+    def spread(self, responses: np.ndarray) -> np.ndarray:
+        """From the skin, M x S x 3, to the whole head, M x V x 3: lashes follow their lids."""
+        modes = np.zeros((len(responses), self.num_vertices, 3))
+        modes[:, : len(self.free)] = responses
+        for frame in eye_frames(self.mesh):
+            lashes, roots = frame.lash_roots
+            modes[:, lashes] = responses[:, roots]
+        return modes
+
+    def move_bone(self, jaw: Jaw, name: str) -> np.ndarray:
+        """Mode V x 3 of the jaw: the attachments' feet move with the bone, the skin follows."""
+        forces = self.model.foundation_forces(
+            jaw.influence[:, None] * jaw.motion(name, self.mesh.vertices)
+        )
+        mode = self.spread(self.respond(forces[None]))[0]
+        rigid = jaw.rigid_vertices
+        mode[rigid] = jaw.motion(name, self.mesh.neutral[rigid])
+        return mode
+
+    def _free_vertices(self) -> np.ndarray:
+        mesh = self.mesh
+        count = int(mesh.template.num_skin_vertices)
+        skin = mesh.neutral[:count]
+        held = mesh.in_region("ear") | mesh.in_region("scalp")
+        held |= mesh.in_region("neck") & (
+            skin[:, 2] < mesh.neutral[mesh.landmark("gonion.L"), 2] - 0.06
+        )
+        held |= skin[:, 1] < skin[:, 1].min() + 0.012  # the lower edge of the neck
+        depth = mesh.whole_surface.distances(
+            mesh.vertices[mesh.vertices_between("skin", "eye_socket")], 0.008
+        )[:count]
+        held |= mesh.in_region("eye_socket") & ~np.isfinite(depth)
+        return ~held
+
+    def _materials(self, stiffness_factor: float) -> _core.SkinMaterials:
+        mesh = self.mesh
+        table = load_table("materials.toml")
+        count = int(mesh.template.num_skin_vertices)
+        values = {name: np.full(count, table["base"][name]) for name in MATERIALS}
+        for region, factors in table["regions"].items():
+            for name, factor in factors.items():
+                values[name][mesh.in_region(region)] *= factor
+        values = {name: multiply(mesh.stencils, value) for name, value in values.items()}
+        lids = table["lid_margin"]
+        margin = mesh.vertices[mesh.vertices_between("skin", "eye_socket")]
+        distance = mesh.whole_surface.distances(margin, 2 * lids["reach"])
+        nearness = np.clip(2 - distance / lids["reach"], 0, 1)
+        for name in ("tangential", "normal"):
+            values[name] *= lids["attachment"] ** nearness * stiffness_factor
+        return _core.SkinMaterials(**values)

@@ -1,0 +1,216 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What bone and lids do and skin muscles do not: jaw and eyelids as displacement modes.
+
+A mode is the displacement at value 1; a rotation is taken in full there, so that a closed lid lies on
+the eye and an open jaw has not grown. Metres, radians, head frame.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from mimetic.skin_mesh import SkinMesh
+
+ARTICULATORS = {  # value range; jaw_side: positive to the subject's left
+    "jaw_open": (0.0, 1.0),
+    "jaw_side": (-1.0, 1.0),
+    "jaw_thrust": (-0.3, 1.0),
+    "lid_upper.L": (-0.4, 1.0),
+    "lid_lower.L": (-0.3, 1.0),
+    "lid_upper.R": (-0.4, 1.0),
+    "lid_lower.R": (-0.3, 1.0),
+}
+JAW_OPENING = np.radians(20)
+JAW_GLIDE = np.array([0.0, -0.0015, 0.004])  # the condyle slides down its slope as the jaw opens
+JAW_SIDE = 0.007
+JAW_THRUST = 0.006
+LIP_BLEND = 0.004
+CHEEK_BLEND = 0.025
+LOWER_LID_RAISE = 0.003
+LID_REACH = 0.013  # from the margin to the fold of the upper lid
+
+
+def rotate(points: np.ndarray, centre: np.ndarray, axis: np.ndarray, angle) -> np.ndarray:
+    """Points K x 3 turned about an axis (unit) through a centre; angle: one or K."""
+    arm = points - centre
+    along = np.outer(arm @ axis, axis)
+    angle = np.broadcast_to(angle, len(points))[:, None]
+    turned = np.cos(angle) * (arm - along) + np.sin(angle) * np.cross(axis, arm)
+    return centre + along + turned
+
+
+def smooth_step(value: np.ndarray) -> np.ndarray:
+    """0 below 0, 1 above 1, with no kink."""
+    value = np.clip(value, 0, 1)
+    return value * value * (3 - 2 * value)
+
+
+def moved(mesh: SkinMesh, vertices: np.ndarray) -> np.ndarray:
+    """How far the person's vertices lie from the template's, on average."""
+    return (mesh.neutral[vertices] - np.asarray(mesh.template.vertices)[vertices]).mean(axis=0)
+
+
+def part_vertices(mesh: SkinMesh, name: str) -> np.ndarray:
+    parts = list(mesh.template.part_names)
+    return np.unique(mesh.template.faces[mesh.template.part == parts.index(name)])
+
+
+class Jaw:
+    """The mandible: turns about the condyles; what is fixed to it follows."""
+
+    def __init__(self, mesh: SkinMesh):
+        self.mesh = mesh
+        ears = np.array([mesh.landmark("tragus.L"), mesh.landmark("tragus.R")])
+        self.hinge = np.asarray(mesh.template.jaw_hinge).mean(axis=0) + moved(mesh, ears)
+
+    @cached_property
+    def rigid_vertices(self) -> np.ndarray:
+        """Control vertices that are fixed to the bone: lower teeth, tongue."""
+        return np.concatenate([part_vertices(self.mesh, p) for p in ("teeth_lower", "tongue")])
+
+    def motion(self, name: str, points: np.ndarray) -> np.ndarray:
+        """Displacement of points of the bone, K x 3, at value 1."""
+        if name == "jaw_open":
+            axis = np.array([1.0, 0.0, 0.0])
+            return rotate(points, self.hinge, axis, JAW_OPENING) - points + JAW_GLIDE
+        if name == "jaw_side":
+            # About the condyle of the side it goes to: the chin swings, that condyle stays.
+            chin = self.mesh.neutral[self.mesh.landmark("chin")]
+            angle = JAW_SIDE / (chin[2] - self.hinge[2])
+            return rotate(points, self.hinge, np.array([0.0, 1.0, 0.0]), angle) - points
+        return np.broadcast_to([0.0, -0.1 * JAW_THRUST, JAW_THRUST], points.shape)
+
+    @cached_property
+    def influence(self) -> np.ndarray:
+        """0 (skull) to 1 (jaw) for the bone under each refined skin vertex, N."""
+        mesh = self.mesh
+        corner = mesh.neutral[[mesh.landmark(f"mouth_corner.{s}") for s in ("L", "R")]].mean(axis=0)
+        forward = corner - self.hinge
+        forward[0] = 0
+        reach = np.linalg.norm(forward)
+        forward /= reach
+        down = np.cross(np.array([1.0, 0.0, 0.0]), forward)
+        if down[1] > 0:
+            down = -down
+        below = (mesh.vertices - self.hinge) @ down
+        lips = mesh.vertices[
+            [mesh.landmark(name) for name in ("lip_upper_inner", "lip_lower_inner")]
+        ].mean(axis=0)
+        aside = np.abs(mesh.vertices[:, 0]) - abs(mesh.neutral[mesh.landmark("mouth_corner.L"), 0])
+        ahead = (mesh.vertices - self.hinge) @ forward
+        away = np.clip(aside / 0.02, 0, 1)
+        blend = LIP_BLEND + (CHEEK_BLEND - LIP_BLEND) * smooth_step(away)
+        level = (lips - self.hinge) @ down * (1 - smooth_step(away))
+        value = smooth_step(0.5 + (below - level) / blend)
+        neck_end = mesh.neutral[mesh.landmark("menton")]
+        value *= smooth_step(1.4 - (neck_end[1] - mesh.vertices[:, 1]) / 0.03)
+        value *= smooth_step(ahead / (0.25 * reach) + 0.3)
+        return value
+
+
+@dataclass(frozen=True)
+class EyeFrame:
+    """One eye: centre, axis through which its lids turn, and the vertices that follow them."""
+
+    mesh: SkinMesh
+    side: str
+
+    @cached_property
+    def centre(self) -> np.ndarray:
+        eye = part_vertices(self.mesh, f"eye.{self.side}")
+        index = 0 if self.side == "L" else 1
+        return np.asarray(self.mesh.template.eye_centers)[index] + moved(self.mesh, eye)
+
+    @cached_property
+    def axis(self) -> np.ndarray:
+        """From the inner to the outer corner (left eye; the right eye's points inwards): a positive
+        angle turns the front of the eye down."""
+        inner, outer = (
+            self.mesh.neutral[self.mesh.landmark(f"{name}.{self.side}")]
+            for name in ("eye_inner", "eye_outer")
+        )
+        across = outer - inner if self.side == "L" else inner - outer
+        across[2] = 0  # corners lie at different depths; lids close straight down
+        return across / np.linalg.norm(across)
+
+    @cached_property
+    def lash_roots(self) -> tuple[np.ndarray, np.ndarray]:
+        """Lash vertices and the vertex of the lid's margin that each follows."""
+        lashes = part_vertices(self.mesh, f"lashes.{self.side}")
+        margin = self.margin
+        gap = self.mesh.neutral[lashes, None] - self.mesh.neutral[None, margin]
+        return lashes, margin[np.argmin(np.linalg.norm(gap, axis=2), axis=1)]
+
+    @cached_property
+    def margin(self) -> np.ndarray:
+        """Control vertices on the edge of this eye's lids."""
+        edge = self.mesh.vertices_between("skin", "eye_socket")
+        return edge[
+            self.mesh.neutral[edge, 0] > 0 if self.side == "L" else self.mesh.neutral[edge, 0] < 0
+        ]
+
+    def polar(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Along the axis (m), elevation above the eye's centre (radians), distance from the axis (m)."""
+        arm = points - self.centre
+        along = arm @ self.axis
+        up = np.cross(np.array([0.0, 0.0, 1.0]), self.axis)
+        height, front = arm @ up, arm[:, 2]
+        return along, np.arctan2(height, front), np.hypot(height, front)
+
+
+def eye_frames(mesh: SkinMesh) -> tuple[EyeFrame, EyeFrame]:
+    return EyeFrame(mesh, "L"), EyeFrame(mesh, "R")
+
+
+class EyeLids:
+    """Upper lid closing onto the lower one, lower lid rising: turns about the eye, so lids ride on it."""
+
+    def __init__(self, frame: EyeFrame):
+        self.frame = frame
+        margin = frame.margin
+        along, elevation, _ = frame.polar(frame.mesh.neutral[margin])
+        inner, outer = np.argmin(along), np.argmax(along)
+        chord = np.interp(along, along[[inner, outer]], elevation[[inner, outer]])
+        is_corner = np.isin(np.arange(len(margin)), [inner, outer])
+        self.upper = margin[(elevation >= chord) | is_corner]
+        self.lower = margin[(elevation < chord) | is_corner]
+
+    def modes(self) -> list[np.ndarray]:
+        """Upper and lower lid at value 1, V x 3 each."""
+        return [
+            self._turn(self.upper, self.opening),
+            self._turn(self.lower, self._raise),
+        ]
+
+    def opening(self, along: np.ndarray) -> np.ndarray:
+        """Angle between the margins, radians, by the position along the axis; 0 at the corners."""
+        angles = []
+        for margin in (self.upper, self.lower):
+            where, elevation, _ = self.frame.polar(self.frame.mesh.neutral[margin])
+            order = np.argsort(where)
+            angles.append(np.interp(along, where[order], elevation[order]))
+        return np.maximum(angles[0] - angles[1], 0)
+
+    def _raise(self, along: np.ndarray) -> np.ndarray:
+        where, _, radius = self.frame.polar(self.frame.mesh.neutral[self.lower])
+        widest = self.opening(np.linspace(where.min(), where.max(), 50)).max()
+        return -LOWER_LID_RAISE / radius.max() * np.sqrt(self.opening(along) / widest)
+
+    def _turn(self, margin: np.ndarray, angle_at) -> np.ndarray:
+        """The margin turns in full, lid skin less and less up to the fold, lashes with their roots."""
+        frame, mesh = self.frame, self.frame.mesh
+        count = int(mesh.template.num_skin_vertices)
+        skin = mesh.neutral[:count]
+        distance = mesh.whole_surface.distances(mesh.vertices[margin], LID_REACH)[:count]
+        reach = np.where(mesh.in_region("eye_socket"), LID_REACH / 2, LID_REACH)
+        share = smooth_step(1 - distance / reach)
+        mode = np.zeros_like(mesh.neutral)
+        angle = share * angle_at(frame.polar(skin)[0])
+        mode[:count] = rotate(skin, frame.centre, frame.axis, angle) - skin
+        lashes, roots = frame.lash_roots
+        hair = mesh.neutral[lashes]
+        mode[lashes] = rotate(hair, frame.centre, frame.axis, angle[roots]) - hair
+        return mode
