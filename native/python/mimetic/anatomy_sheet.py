@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Contact sheet of an anatomy: each pair of muscles, jaw and lids at full value.
 
-    python -m mimetic.anatomy_sheet --out SHEET.png [--only NAME ...] [--yaw DEGREES] [--size PIXELS]
+    python -m mimetic.anatomy_sheet --out SHEET.png [--only NAME ...] [--yaw DEGREES]
 
 Drawn by point splatting into a depth buffer, with numpy alone: no window, no graphics driver.
 """

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What bone and lids do and skin muscles do not: jaw and eyelids as displacement modes.
 
-A mode is the displacement at value 1; a rotation is taken in full there, so that a closed lid lies on
-the eye and an open jaw has not grown. Metres, radians, head frame.
+A mode is the displacement at value 1; a rotation is taken in full there, so that a closed lid
+lies on the eye and an open jaw has not grown. Metres, radians, head frame.
 """
 
 from __future__ import annotations
@@ -153,7 +153,7 @@ class EyeFrame:
         ]
 
     def polar(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-        """Along the axis (m), elevation above the eye's centre (radians), distance from the axis (m)."""
+        """Position along the axis (m), elevation (radians) and distance from the axis (m)."""
         arm = points - self.centre
         along = arm @ self.axis
         up = np.cross(np.array([0.0, 0.0, 1.0]), self.axis)
@@ -166,7 +166,7 @@ def eye_frames(mesh: SkinMesh) -> tuple[EyeFrame, EyeFrame]:
 
 
 class EyeLids:
-    """Upper lid closing onto the lower one, lower lid rising: turns about the eye, so lids ride on it."""
+    """Upper lid closing onto the lower one, lower lid rising: both turn about the eye."""
 
     def __init__(self, frame: EyeFrame):
         self.frame = frame
@@ -200,7 +200,7 @@ class EyeLids:
         return -LOWER_LID_RAISE / radius.max() * np.sqrt(self.opening(along) / widest)
 
     def _turn(self, margin: np.ndarray, angle_at) -> np.ndarray:
-        """The margin turns in full, lid skin less and less up to the fold, lashes with their roots."""
+        """The margin turns in full, lid skin less up to the fold, lashes with their roots."""
         frame, mesh = self.frame, self.frame.mesh
         count = int(mesh.template.num_skin_vertices)
         skin = mesh.neutral[:count]

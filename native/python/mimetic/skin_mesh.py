@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The skin of a person as a finite-element mesh, and places on it.
 
-Shapes: V control vertices of the whole head, S of its skin (they come first), N vertices of the refined
-skin, T triangles. Metres, head frame (x to the subject's left, y up, z out of the face).
+Shapes: V control vertices of the whole head, S of its skin (they come first), N vertices of the
+refined skin, T triangles. Metres, head frame (x to the subject's left, y up, z out of the face).
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ class SkinMesh:
 
 @dataclass(frozen=True)
 class Place:
-    """A point near a refined vertex, fixed to it: it goes where the vertex goes on another person."""
+    """A point fixed to a refined vertex: it goes where the vertex goes on another person."""
 
     vertex: int
     offset: np.ndarray  # from the vertex, along the skin, m
