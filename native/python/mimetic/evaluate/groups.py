@@ -1,0 +1,51 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The seven muscle groups, and which face units they answer for (by their action units)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+GROUP_NAMES = {
+    1: "lip-corner pullers",
+    2: "upper lip, nose",
+    3: "lip depressors",
+    4: "chin, orbicularis oris",
+    5: "brow raisers",
+    6: "brow lowerers",
+    7: "eye sphincter",
+}
+UNIT_GROUPS = {
+    "mouthSmile": 1,
+    "mouthDimple": 1,
+    "mouthStretch": 1,
+    "noseSneer": 2,
+    "mouthUpperUp": 2,
+    "mouthFrown": 3,
+    "mouthLowerDown": 3,
+    "mouthPucker": 4,
+    "mouthFunnel": 4,
+    "mouthPress": 4,
+    "mouthShrugLower": 4,
+    "browInnerUp": 5,
+    "browOuterUp": 5,
+    "browDown": 6,
+    "eyeSquint": 7,
+    "cheekSquint": 7,
+}
+UNIT_ARTICULATORS = {
+    "jawOpen": ("jaw_open",),
+    "eyeBlinkLeft": ("lid_upper.L",),
+    "eyeBlinkRight": ("lid_upper.R",),
+}
+
+
+def by_group(values: NDArray, groups: NDArray) -> dict[int, NDArray[np.float64]]:
+    """Summed values (N) of each group from values (N,M) and groups (M), 0 for none."""
+    return {g: values[:, groups == g].sum(1) for g in GROUP_NAMES if (groups == g).any()}
+
+
+def unit_groups(units: list[str]) -> NDArray[np.int64]:
+    """Muscle group of every face unit, 0 for those that no group answers for."""
+    plain = (u.removesuffix("Left").removesuffix("Right") for u in units)
+    return np.array([UNIT_GROUPS.get(name, 0) for name in plain])

@@ -1,0 +1,74 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The clips that a checkout renders: found, captured and scored."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from mimetic import InvalidInput
+from mimetic.evaluate.score import Score, score
+from mimetic.evaluate.truth import Truth
+from mimetic.footage import Footage
+from mimetic.performance import Performance
+
+
+@dataclass(frozen=True)
+class Clip:
+    name: str
+    footage: Path
+    truth: Path
+
+
+def checkout() -> Path:
+    """The checkout whose environment runs us; raises InvalidInput outside of one."""
+    nearby = (Path(sys.prefix).parent, Path.cwd(), *Path.cwd().parents, *Path(__file__).parents)
+    for folder in nearby:
+        if (folder / "scripts" / "render_truth").is_file():
+            return folder
+    raise InvalidInput(
+        "clips with known truth are rendered in a checkout of Mimetic: run it there, or give "
+        "--truth and --performance"
+    )
+
+
+def clips(which: str, report=None) -> list[Clip]:
+    """The clips of a set, rendered now if the cache lacks them."""
+    command = [sys.executable, str(checkout() / "scripts" / "render_truth"), "--set", which]
+    done = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    said = []
+    for line in done.stderr:
+        said.append(line.rstrip())
+        if report:
+            report(said[-1])
+    output = done.stdout.read()
+    if done.wait() != 0:
+        raise InvalidInput(f"the clips could not be rendered: {' '.join(said[-3:])}")
+    rows = (line.split("\t") for line in output.splitlines())
+    return [Clip(name, Path(footage), Path(truth)) for name, footage, truth in rows]
+
+
+def scored(which: str, report=None) -> Iterator[Score]:
+    """Captures and scores every clip of a set."""
+    from mimetic.pipeline import capture
+
+    for clip in clips(which, report):
+        if report:
+            report(f"{clip.name}: capturing")
+        yield score_clip(clip, capture(clip.footage))
+
+
+def score_clip(clip: Clip, performance: Performance) -> Score:
+    truth = Truth.load(clip.truth)
+    return score(truth, performance, clip.name, shared_images(clip.footage, truth, performance))
+
+
+def shared_images(footage: Path, truth: Truth, performance: Performance) -> Iterator:
+    """Images (H,W,3) of the frames that both have."""
+    shared = set(truth.frame.tolist()) & set(performance.frame.tolist())
+    for frame, image in Footage(footage):
+        if frame in shared:
+            yield image

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is measured, on plain arrays: N frames, K points, M muscles."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Bools = NDArray[np.bool_]
+# Points count as moving where truth takes them farther than this from where rigid motion would.
+MOVING_PX = 0.75
+MOVING_M = 0.001
+SILENT = 0.01  # a muscle whose true activation never exceeds this
+ACTIVE = 0.1  # a control whose true value reaches this
+INTERVAL_90 = 1.6449  # standard deviations
+LARGEST_LAG = 8  # frames
+
+
+def project(points: Floats, head_pose: Floats, intrinsics: Floats) -> Floats:
+    """Pixels (..., K, 2) of points (..., K, 3) in the head frame, poses (..., 4, 4)."""
+    rotation, shift = head_pose[..., :3, :3], head_pose[..., None, :3, 3]
+    pixels = (points @ np.swapaxes(rotation, -1, -2) + shift) @ intrinsics.T
+    return pixels[..., :2] / pixels[..., 2:]
+
+
+def explained(error: Floats, motion: Floats, counted: Bools) -> float:
+    """R2 without a mean: 1 - sum |error|^2 / sum |motion|^2 over counted (N,K); nan if still."""
+    energy = (motion[counted] ** 2).sum()
+    return float(1 - (error[counted] ** 2).sum() / energy) if energy > 0 else float("nan")
+
+
+def image_motion(tracks: Floats, rigid: Floats, seen: Bools, predicted: Floats) -> dict[str, float]:
+    """Scores of predicted tracks (N,K,2) against true ones, from where they are in frame 0.
+
+    rigid (N,K,2): where the true head's motion alone would take the points of frame 0.
+    """
+    counted = seen.copy()
+    counted[0] = False
+    error = predicted - tracks
+    apart = np.linalg.norm(tracks - rigid, axis=2)
+    distance = np.linalg.norm(error, axis=2)
+    moving = counted & (apart > MOVING_PX)
+    return {
+        "r2": explained(error, tracks - tracks[:1], counted),
+        "nonrigid_r2": explained(error, tracks - rigid, counted),
+        "median_px": _median(distance[counted]),
+        "p95_px": _percentile(distance[counted], 95),
+        "moving_median_px": _median(distance[moving]),
+        "nonrigid_rms_px": float(np.sqrt((apart[counted] ** 2).mean())),
+    }
+
+
+def surface_motion(points: Floats, seen: Bools, predicted: Floats) -> dict[str, float]:
+    """Scores of predicted points (N,K,3), each in its own head frame, against true ones.
+
+    Head frames of two models differ by how each was fitted, so the predicted motion is turned by
+    the rotation that best lays its points of frame 0 on the true ones; what is compared is motion.
+    """
+    rotation = _rotation_between(predicted[0], points[0])
+    true_motion = points - points[:1]
+    error = (predicted - predicted[:1]) @ rotation.T - true_motion
+    counted = seen.copy()
+    counted[0] = False
+    distance = 1000 * np.linalg.norm(error, axis=2)
+    moving = counted & (np.linalg.norm(true_motion, axis=2) > MOVING_M)
+    shape = (predicted[0] - predicted[0].mean(0)) @ rotation.T - (points[0] - points[0].mean(0))
+    return {
+        "r2": explained(error, true_motion, counted),
+        "median_mm": _median(distance[counted]),
+        "moving_median_mm": _median(distance[moving]),
+        "neutral_shape_median_mm": _median(1000 * np.linalg.norm(shape, axis=1)),
+    }
+
+
+def head_motion(true_pose: Floats, pose: Floats) -> dict[str, float]:
+    """Errors of the motion since frame 0, so that the choice of head frame does not count.
+
+    Rotations are compared in camera axes: pitch about x, yaw about y, roll about z (components of
+    the rotation vector of the error). Translation is that of the midpoint between the ears.
+    """
+    turned = [(p[:, :3, :3] @ p[0, :3, :3].T) for p in (np.asarray(pose), np.asarray(true_pose))]
+    error = np.degrees([_rotation_vector(a @ b.T) for a, b in zip(*turned, strict=True)])
+    moved = [1000 * (p[:, :3, 3] - p[0, :3, 3]) for p in (pose, true_pose)]
+    shift = np.abs(moved[0] - moved[1])[1:]
+    mean = np.abs(error[1:]).mean(0)
+    return {
+        "pitch_deg": float(mean[0]),
+        "yaw_deg": float(mean[1]),
+        "roll_deg": float(mean[2]),
+        "largest_deg": float(np.linalg.norm(error, axis=1).max()),
+        "sideways_mm": float(shift[:, :2].mean()),
+        "depth_mm": float(shift[:, 2].mean()),
+    }
+
+
+def correlation(true: Floats, estimated: Floats) -> float:
+    """Pearson's, over time; nan where the truth does not vary, 0 where the estimate does not."""
+    a, b = true - true.mean(), estimated - estimated.mean()
+    if np.abs(a).max() < 1e-9:
+        return float("nan")
+    if np.abs(b).max() < 1e-9:
+        return 0.0
+    return float(a @ b / np.sqrt((a @ a) * (b @ b)))
+
+
+def lag_frames(true: Floats, estimated: Floats) -> float:
+    """How many frames the estimate comes after the truth: peak of the correlation of rates."""
+    a, b = np.gradient(true), np.gradient(estimated)
+    lags = np.arange(-LARGEST_LAG, LARGEST_LAG + 1)
+    if len(a) <= 2 * LARGEST_LAG or np.abs(a).max() < 1e-9 or np.abs(b).max() < 1e-9:
+        return float("nan")
+    match = np.array([_overlap(a, b, lag) for lag in lags])
+    best = int(match.argmax())
+    if best in (0, len(lags) - 1):
+        return float(lags[best])
+    before, at, after = match[best - 1 : best + 2]
+    curvature = before - 2 * at + after
+    return float(lags[best] + (0.5 * (before - after) / curvature if curvature < 0 else 0))
+
+
+def activations(true: Floats, estimated: Floats, std: Floats) -> dict[str, float]:
+    """Overall figures of activations (N,M) and how honest their standard deviations are."""
+    error = estimated - true
+    active = true.max(0) > ACTIVE
+    silent = true.max(0) < SILENT
+    covered = np.abs(error) <= INTERVAL_90 * std
+    each = [correlation(true[:, m], estimated[:, m]) for m in np.flatnonzero(active)]
+    return {
+        "median_correlation": _median(np.array(each)),
+        "rmse": float(np.sqrt((error**2).mean())),
+        "rmse_active": float(np.sqrt((error[:, active] ** 2).mean())) if active.any() else np.nan,
+        "largest_false": float(estimated[:, silent].max()) if silent.any() else float("nan"),
+        "median_std": _median(std),
+        "coverage_90": float(covered.mean()),
+        "coverage_90_active": float(covered[:, active].mean()) if active.any() else float("nan"),
+    }
+
+
+def _overlap(a: Floats, b: Floats, lag: int) -> float:
+    """Correlation of a(t) with b(t + lag) over a window that is the same for every lag."""
+    inner = a[LARGEST_LAG:-LARGEST_LAG]
+    moved = b[LARGEST_LAG + lag : len(b) - LARGEST_LAG + lag]
+    return float(inner @ moved / np.sqrt((inner @ inner) * (moved @ moved) + 1e-30))
+
+
+def _rotation_between(source: Floats, target: Floats) -> Floats:
+    """Rotation (3,3) that best lays centred source points (K,3) on target ones (Kabsch 1976)."""
+    u, _, vt = np.linalg.svd((target - target.mean(0)).T @ (source - source.mean(0)))
+    flip = np.sign(np.linalg.det(u @ vt))
+    return u @ np.diag([1, 1, flip]) @ vt
+
+
+def _rotation_vector(rotation: Floats) -> Floats:
+    sine = np.array(
+        [
+            rotation[2, 1] - rotation[1, 2],
+            rotation[0, 2] - rotation[2, 0],
+            rotation[1, 0] - rotation[0, 1],
+        ]
+    )
+    angle = np.arctan2(np.linalg.norm(sine), np.trace(rotation) - 1)
+    return sine * (angle / max(np.linalg.norm(sine), 1e-12))
+
+
+def _median(values: Floats) -> float:
+    return _percentile(values, 50)
+
+
+def _percentile(values: Floats, percent: float) -> float:
+    values = np.asarray(values, float)
+    values = values[np.isfinite(values)]
+    return float(np.percentile(values, percent)) if values.size else float("nan")

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scores as text: tables for people, JSON for programs."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import asdict
+
+from mimetic.evaluate.score import Score
+
+IMAGE_COLUMNS = {
+    "r2": ("R2 all", ".3f"),
+    "nonrigid_r2": ("R2 non-rigid", ".3f"),
+    "median_px": ("median px", ".2f"),
+    "p95_px": ("95 % px", ".2f"),
+    "moving_median_px": ("moving px", ".2f"),
+}
+CURVE_COLUMNS = {
+    "correlation": ("correlation", ".3f"),
+    "rmse": ("RMSE", ".3f"),
+    "true_peak": ("true peak", ".2f"),
+    "peak": ("peak", ".2f"),
+    "lag_frames": ("lag frames", ".1f"),
+}
+
+
+def as_text(score: Score) -> str:
+    """The report of one clip."""
+    surface, head = score.surface, score.head
+    parts = [
+        f"{score.name}: {score.num_frames} frames, {100 * score.on_face:.0f} % of the points on "
+        f"the fitted face, true non-rigid motion "
+        f"{score.image['mimetic']['nonrigid_rms_px']:.2f} px rms",
+        _table("image motion of held-out points", IMAGE_COLUMNS, score.image),
+        f"surface motion: R2 {_number(surface['r2'], '.3f')}, median error "
+        f"{_number(surface['median_mm'], '.2f')} mm, of moving points "
+        f"{_number(surface['moving_median_mm'], '.2f')} mm; neutral shape "
+        f"{_number(surface['neutral_shape_median_mm'], '.2f')} mm",
+        f"head motion, mean error: pitch {head['pitch_deg']:.2f}, yaw {head['yaw_deg']:.2f}, roll "
+        f"{head['roll_deg']:.2f} degrees (largest {head['largest_deg']:.2f}); sideways "
+        f"{head['sideways_mm']:.1f}, depth {head['depth_mm']:.1f} mm",
+    ]
+    if score.groups:
+        parts.append(_table("muscle groups", CURVE_COLUMNS, score.groups))
+    if score.controls:
+        parts.append(_table("controls that truth moves", CURVE_COLUMNS, score.controls))
+    if score.overall:
+        o = {key: _number(value, ".3f") for key, value in score.overall.items()}
+        parts.append(
+            f"activations: median correlation {o['median_correlation']}, RMSE {o['rmse']} "
+            f"(active {o['rmse_active']}), largest false {o['largest_false']}, 90 % intervals hold "
+            f"{o['coverage_90']} (active {o['coverage_90_active']})"
+        )
+    parts.append(f"largest activation anywhere: {score.largest_activation:.3f}")
+    return "\n".join(parts)
+
+
+def as_json(scores: list[Score]) -> str:
+    """A list of clips with every figure; what cannot be told is null."""
+    return json.dumps([_plain(asdict(score)) for score in scores], indent=1)
+
+
+def _table(title: str, columns: dict[str, tuple[str, str]], rows: dict[str, dict]) -> str:
+    width = max(len(title), *(len(name) for name in rows)) + 2
+    lines = [title.ljust(width) + "".join(head.rjust(14) for head, _ in columns.values())]
+    for name, figures in rows.items():
+        cells = (_number(figures[key], style).rjust(14) for key, (_, style) in columns.items())
+        lines.append(name.ljust(width) + "".join(cells))
+    return "\n".join(lines)
+
+
+def _number(value: float, style: str) -> str:
+    return format(value, style) if math.isfinite(value) else "-"
+
+
+def _plain(value):
+    if isinstance(value, dict):
+        return {key: _plain(item) for key, item in value.items()}
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value
