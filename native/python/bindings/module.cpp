@@ -8,6 +8,7 @@ void bind_flow(pybind11::module_& m);
 void bind_solve(pybind11::module_& m);
 void bind_skin(pybind11::module_& m);
 void bind_muscles(pybind11::module_& m);
+void bind_overlay(pybind11::module_& m);
 }  // namespace mimetic::bindings
 
 PYBIND11_MODULE(_core, m) {
@@ -23,4 +24,5 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_solve(m);
     bindings::bind_skin(m);
     bindings::bind_muscles(m);
+    bindings::bind_overlay(m);
 }

@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cstring>
+#include <mimetic/depth.hpp>
+#include <mimetic/overlay.hpp>
+
+#include "arrays.hpp"
+
+namespace mimetic::bindings {
+
+namespace py = pybind11;
+using namespace pybind11::literals;
+
+namespace {
+
+py::array_t<bool> show_points(const Camera& camera, PointsIn vertices, QuadsIn faces, PointsIn points,
+                              double tolerance) {
+    py::array_t<bool> shown(points.rows());
+    bool* out = shown.mutable_data();
+    const py::gil_scoped_release release;
+    const DepthMap depth = render_depth(camera, vertices, faces);
+    for (Eigen::Index i = 0; i < points.rows(); ++i) {
+        out[i] = depth.shows(camera, points.row(i), tolerance);
+    }
+    return shown;
+}
+
+ImageArray paint(const OverlayPainter& painter, const ImageArray& image, PointsIn vertices, double quality,
+                 int frame) {
+    const ColorView view = view_image<3>(image, "the picture");
+    ColorImage painted;
+    {
+        const py::gil_scoped_release release;
+        painted = painter.paint(view, vertices, quality, frame);
+    }
+    ImageArray array({painted.rows, painted.cols, 3});
+    std::memcpy(array.mutable_data(), painted.pixels.data(), painted.pixels.size());
+    return array;
+}
+
+}  // namespace
+
+void bind_overlay(py::module_& m) {
+    m.def("show_points", &show_points, "camera"_a, py::arg("vertices_in_camera").noconvert(),
+          py::arg("faces").noconvert(), py::arg("points_in_camera").noconvert(), "tolerance"_a = 4e-3,
+          "Which points (K x 3, metres, camera frame) are in the image and not covered by the mesh.\n\n"
+          "vertices_in_camera: (V, 3) float64; faces: (F, 4) int32; tolerance: metres\n"
+          "returns: (K,) bool; raises InvalidInput");
+    py::class_<OverlayOptions>(m, "OverlayOptions", "How the overlay is drawn; see overlay.hpp for units.")
+        .def(py::init<>())
+        .def_readwrite("scale", &OverlayOptions::scale)
+        .def_readwrite("opacity", &OverlayOptions::opacity)
+        .def_readwrite("depth_tolerance", &OverlayOptions::depth_tolerance)
+        .def_readwrite("held_quality", &OverlayOptions::held_quality);
+    py::class_<OverlayPainter>(m, "OverlayPainter",
+                               "Draws mesh, landmarks, quality and frame number over footage.")
+        .def(py::init<const Camera&, int, QuadsIn, std::vector<int>, const OverlayOptions&>(), "camera"_a,
+             "num_vertices"_a, py::arg("faces").noconvert(), "landmarks"_a, "options"_a = OverlayOptions{},
+             "faces: (F, 4) int32; landmarks: vertices drawn as dots; raises InvalidInput")
+        .def("paint", &paint, py::arg("image").noconvert(), py::arg("vertices_in_camera").noconvert(),
+             "quality"_a, "frame"_a,
+             "image: (H, W, 3) uint8; vertices_in_camera: (V, 3) float64, metres; quality: 0 to 1\n"
+             "returns: (H * scale, W * scale, 3) uint8");
+}
+
+}  // namespace mimetic::bindings
