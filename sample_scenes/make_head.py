@@ -20,7 +20,9 @@ def parse_arguments() -> argparse.Namespace:
     parser.add_argument("--size", type=int, nargs=2, default=(400, 480), metavar=("W", "H"))
     parser.add_argument("--samples", type=int, default=64)
     setting = {"nargs": "*", "default": [], "metavar": "NAME=VALUE"}
-    parser.add_argument("--unit", **setting, help="face units, such as jawOpen=0.5")
+    parser.add_argument(
+        "--shape", **setting, help="muscles, jaw, lids or face units, such as jaw_open=0.4"
+    )
     parser.add_argument("--identity", **setting, help="head shape, such as sex_male=1")
     return parser.parse_args()
 
@@ -46,22 +48,33 @@ def main() -> int:
         print("make_head needs Blender's module: pip install bpy==4.5.15", file=sys.stderr)
         return 2
     import head_scene
+    from mimetic import InvalidInput
+    from mimetic.anatomy import attach
     from mimetic.face_template import load_template
 
     views = arguments.view or list(head_scene.VIEWS)
-    units, identity = read_settings(arguments.unit), read_settings(arguments.identity)
+    shapes, identity = read_settings(arguments.shape), read_settings(arguments.identity)
     template = load_template()
-    unknown = set(units) - set(template.unit_names) | set(views) - set(head_scene.VIEWS)
-    if unknown:
+    try:
+        neutral = template.neutral(identity)
+        anatomy = attach(neutral, template)
+    except InvalidInput as error:
+        print(f"make_head: {error}", file=sys.stderr)
+        return 2
+    names = [*anatomy.muscle_names, *anatomy.articulator_names, *template.unit_names]
+    modes = [anatomy.muscle_modes, anatomy.articulator_modes, template.unit_modes]
+    if unknown := set(shapes) - set(names) | set(views) - set(head_scene.VIEWS):
         print(f"make_head: there is no {', '.join(sorted(unknown))}", file=sys.stderr)
         return 2
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
-    head = head_scene.new_head(template, template.neutral(identity))
-    head_scene.add_shape_keys(head, template.unit_names, np.asarray(template.unit_modes))
-    for name, value in units.items():
-        head.data.shape_keys.key_blocks[name].value = value
+    head = head_scene.new_head(template, neutral)
+    head_scene.add_shape_keys(head, names, np.concatenate(modes))
+    for name, value in shapes.items():
+        key = head.data.shape_keys.key_blocks[name]
+        key.slider_min, key.slider_max = min(value, 0), max(value, 1)
+        key.value = value
     head_scene.set_up_studio(scene, *arguments.size, arguments.samples)
     if arguments.out:
         arguments.out.parent.mkdir(parents=True, exist_ok=True)

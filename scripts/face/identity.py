@@ -23,8 +23,8 @@ OPPOSED = (
 )
 # Moves of the whole head on the body, duplicates, and what can hardly be seen.
 LEFT_OUT = re.compile(
-    "head-trans|neck-trans|neck-back|neck-scale-vert|measure-neck|ear-shape|head-age|asymm-"
-    "|mouth-dimples|laugh-lines|asym-eye-[3-8]|asym-ear-[34]|asym-top|asym-temple-2"
+    "head-trans|head-angle|neck-trans|neck-back|neck-scale-vert|measure-neck|ear-shape|head-age"
+    "|asymm-|mouth-dimples|laugh-lines|asym-eye-[3-8]|asym-ear-[34]|asym-top|asym-temple-2"
 )
 
 
@@ -140,5 +140,6 @@ def _asymmetric_modes(source: Source) -> list[tuple[str, np.ndarray, tuple[float
             continue
         left = source.target(f"{path}/{name}")
         right = source.target(f"{path}/{stem[:-1]}r.target.gz")
-        modes.append((stem[:-2].replace("-", "_"), (left - right) / 2, (-1.0, 1.0)))
+        label = stem[:-2].replace("-", "_").replace("brown", "brow")
+        modes.append((label, (left - right) / 2, (-1.0, 1.0)))
     return modes
