@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <memory>
 #include <mimetic/camera.hpp>
+#include <mimetic/flow.hpp>
 #include <mimetic/image.hpp>
 #include <mimetic/progress.hpp>
 #include <mimetic/types.hpp>
@@ -52,7 +53,8 @@ struct TrackerOptions {
     double correlation_time = 25;  ///< frames in which a value forgets itself
     double held_quality = 0.2;     ///< below it a frame is held, 0 to 1
     bool relative_flow = true;     ///< frame-to-frame flow for the first guess
-    void check() const;            ///< throws InvalidInput: field, value, limit
+    FlowMethod flow_method = FlowMethod::dis;  ///< against the reference textures
+    void check() const;                        ///< throws InvalidInput: field, value, limit
 };
 
 struct StageTimes {

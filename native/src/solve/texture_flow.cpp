@@ -32,16 +32,15 @@ bool map_jacobian(const cv::Mat2f& map, int x, int y, Eigen::Matrix2d& jacobian)
 
 }  // namespace
 
-TextureFlow::TextureFlow() : dis_(cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_FAST)) {
-    dis_->setFinestScale(1);
-    dis_->setUseSpatialPropagation(true);
-}
+TextureFlow::TextureFlow(FlowMethod method) { options_.method = method; }
 
-void TextureFlow::compare_patches(const cv::Mat1f& reference, const cv::Mat1f& texture) {
-    lookup_.create(flow_.size());
-    for (int y = 0; y < flow_.rows; ++y) {
-        for (int x = 0; x < flow_.cols; ++x) {
-            lookup_(y, x) = flow_(y, x) + cv::Vec2f(static_cast<float>(x), static_cast<float>(y));
+void TextureFlow::compare_patches(const cv::Mat1f& reference, const cv::Mat1f& texture,
+                                  const FlowField& flow) {
+    lookup_.create(texture.size());
+    for (int y = 0; y < texture.rows; ++y) {
+        for (int x = 0; x < texture.cols; ++x) {
+            const float* motion = flow.flow_at(y, x);
+            lookup_(y, x) = {static_cast<float>(x) + motion[0], static_cast<float>(y) + motion[1]};
         }
     }
     cv::remap(texture, displaced_, lookup_, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
@@ -51,23 +50,14 @@ void TextureFlow::compare_patches(const cv::Mat1f& reference, const cv::Mat1f& t
     box_mean(product_, aa_);
     cv::multiply(displaced_, displaced_, product_);
     box_mean(product_, bb_);
-    residual_ = aa_ + bb_ - 2 * correlation_;
     // The contrast floor keeps patches that show nothing from counting as lost.
     constexpr float kFloor = 150;
-    for (int y = 0; y < flow_.rows; ++y) {
-        for (int x = 0; x < flow_.cols; ++x) {
+    for (int y = 0; y < texture.rows; ++y) {
+        for (int x = 0; x < texture.cols; ++x) {
             correlation_(y, x) =
                 (correlation_(y, x) + kFloor) / std::sqrt((aa_(y, x) + kFloor) * (bb_(y, x) + kFloor));
         }
     }
-    cv::Sobel(reference, dx_, CV_32F, 1, 0, 3, 1. / 8);
-    cv::Sobel(reference, dy_, CV_32F, 0, 1, 3, 1. / 8);
-    cv::multiply(dx_, dx_, product_);
-    box_mean(product_, gxx_);
-    cv::multiply(dx_, dy_, product_);
-    box_mean(product_, gxy_);
-    cv::multiply(dy_, dy_, product_);
-    box_mean(product_, gyy_);
 }
 
 void TextureFlow::measure(const ReferenceView& view, const cv::Mat2f& map, const cv::Mat1f& texture,
@@ -75,27 +65,24 @@ void TextureFlow::measure(const ReferenceView& view, const cv::Mat2f& map, const
                           std::vector<SampleMeasurement>& measurements) {
     view.texture().convertTo(from_, CV_8U, 1, 128);
     texture.convertTo(to_, CV_8U, 1, 128);
-    flow_.create(from_.size());
-    dis_->calc(from_, to_, flow_);
-    compare_patches(view.texture(), texture);
-    constexpr double kResidualFloor = 20;  // normalised grey squared: noise that the flow has fitted away
-    constexpr float kBare = 300;           // normalised grey squared that noise alone reaches
-    constexpr double kFlat = 3;            // gradient energy under which nothing is seen
+    const FlowField flow =
+        compute_flow({from_.data, from_.rows, from_.cols, static_cast<std::ptrdiff_t>(from_.step)},
+                     {to_.data, to_.rows, to_.cols, static_cast<std::ptrdiff_t>(to_.step)}, options_);
+    compare_patches(view.texture(), texture, flow);
+    constexpr float kBare = 300;  // normalised grey squared that noise alone reaches
     for (std::size_t k = 0; k < view.samples().size(); ++k) {
         const ReferenceSample& sample = view.samples()[k];
         Eigen::Matrix2d jacobian;
         if (visible[k] <= 0 || !map_jacobian(map, sample.x, sample.y, jacobian)) {
             continue;
         }
-        const cv::Vec2f flow = flow_(sample.y, sample.x);
-        Eigen::Matrix2d tensor;
-        tensor << gxx_(sample.y, sample.x) + kFlat, gxy_(sample.y, sample.x), gxy_(sample.y, sample.x),
-            gyy_(sample.y, sample.x) + kFlat;
-        const double noise = std::max<double>(residual_(sample.y, sample.x), kResidualFloor);
-        const Eigen::Matrix2d covariance = noise / (kPatch * kPatch) * tensor.inverse();
+        const float* motion = flow.flow_at(sample.y, sample.x);
+        const float* spread = flow.covariance_at(sample.y, sample.x);
+        Eigen::Matrix2d covariance;
+        covariance << spread[0], spread[1], spread[1], spread[2];
         SampleMeasurement measurement;
         measurement.sample = &sample;
-        measurement.displacement = jacobian * Eigen::Vector2d(flow[0], flow[1]);
+        measurement.displacement = jacobian * Eigen::Vector2d(motion[0], motion[1]);
         measurement.covariance = jacobian * covariance * jacobian.transpose();
         measurement.correlation = correlation_(sample.y, sample.x);
         measurement.weight = sample.weight * visible[k];

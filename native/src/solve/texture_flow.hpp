@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <mimetic/flow.hpp>
 #include <opencv2/core.hpp>
-#include <opencv2/video/tracking.hpp>
 
 #include "reference_view.hpp"
 
@@ -21,18 +21,19 @@ struct SampleMeasurement {
 /// Flow with covariance between a reference texture and the stabilised image, at the view's samples.
 class TextureFlow {
 public:
-    TextureFlow();
+    explicit TextureFlow(FlowMethod method);
     /// map: as ReferenceView::stabilise gives it; visible: of each sample. Appends to `measurements`.
     void measure(const ReferenceView& view, const cv::Mat2f& map, const cv::Mat1f& texture,
                  const std::vector<float>& visible, double view_angle_sine,
                  std::vector<SampleMeasurement>& measurements);
 
 private:
-    void compare_patches(const cv::Mat1f& reference, const cv::Mat1f& texture);
-    cv::Ptr<cv::DISOpticalFlow> dis_;
+    void compare_patches(const cv::Mat1f& reference, const cv::Mat1f& texture, const FlowField& flow);
+
+    FlowOptions options_;
     cv::Mat1b from_, to_;
-    cv::Mat2f flow_, lookup_;
-    cv::Mat1f displaced_, correlation_, residual_, gxx_, gxy_, gyy_, dx_, dy_, product_, aa_, bb_;
+    cv::Mat2f lookup_;
+    cv::Mat1f displaced_, correlation_, product_, aa_, bb_;
 };
 
 }  // namespace mimetic

@@ -43,7 +43,8 @@ FaceTracker::State::State(const Camera& camera_in, const TrackedSurface& surface
       motion(motion_in),
       surface(surface_in, motion_in),
       eyes(eyes_in),
-      options(options_in) {
+      options(options_in),
+      texture_flow(options_in.flow_method) {
     noise.model_error = options.model_error;
     noise.shape_error = options.shape_error;
     relative_dis = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_ULTRAFAST);

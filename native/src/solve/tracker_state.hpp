@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <chrono>
+#include <opencv2/video/tracking.hpp>
 
 #include "face_search.hpp"
 #include "joint_solver.hpp"
