@@ -78,6 +78,7 @@ MUSCLE_PHASES = (
     *_pair("orbicularis_oculi_inferior", 0.5, 1.3),
     *_pair("corrugator_supercilii", 0.6, 2.2),
     *_pair("depressor_anguli_oris", 0.5, 2.2, skew=0.9),
+    Phase("jaw_open", 0.35, 2.9, rise=0.25, hold=0.15),
 )
 
 STILL_HEAD = HeadMotion(yaw=0.4, pitch=0.3, roll=0.2, sideways=0.0006, nearer=0.001)
@@ -105,12 +106,24 @@ DEMO = Recipe(
     face_width_px=130.0,
 )
 TUNING = (
-    Recipe("tuning-units", "units", 10, 110, (*_surprise(0.3), *_smile(1.5), *_anger(2.5))),
+    Recipe(
+        "tuning-units",
+        "units",
+        10,
+        110,
+        (*_surprise(0.3), *_blink(1.35), *_smile(1.6), *_anger(2.6)),
+    ),
     Recipe("tuning-muscles", "muscles", 11, 110, MUSCLE_PHASES),
     Recipe("tuning-still", "still", 12, 45, head_motion=STILL_HEAD),
 )
 HELD_OUT = (
-    Recipe("held-out-units", "units", 100, 110, (*_smile(0.3), *_anger(1.4), *_surprise(2.3))),
+    Recipe(
+        "held-out-units",
+        "units",
+        100,
+        110,
+        (*_smile(0.3), *_blink(1.35), *_anger(1.6), *_surprise(2.6)),
+    ),
     Recipe("held-out-muscles", "muscles", 101, 110, MUSCLE_PHASES),
     Recipe("held-out-still", "still", 102, 45, head_motion=STILL_HEAD),
 )

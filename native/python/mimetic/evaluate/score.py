@@ -5,19 +5,23 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput
 from mimetic.evaluate import scores
+from mimetic.evaluate import truth as truth_file
 from mimetic.evaluate.groups import GROUP_NAMES, UNIT_ARTICULATORS, by_group, unit_groups
 from mimetic.evaluate.peers import dis_tracks
 from mimetic.evaluate.prediction import follow
 from mimetic.evaluate.truth import Truth
-from mimetic.performance import Performance
+from mimetic.performance import OPTIONAL, REQUIRED, Performance
 
 LEAST_FRAMES = 3
+PERFORMANCE_KEYS = REQUIRED | OPTIONAL
+Document = TypeVar("Document", Truth, Performance)
 
 
 @dataclass
@@ -100,18 +104,13 @@ def _shared_frames(truth: Truth, performance: Performance) -> tuple[Truth, Perfo
     return _cut(truth, shared), _cut(performance, shared)
 
 
-def _cut(document, frames: NDArray[np.int64]):
-    """A Truth or Performance of these frames alone."""
-    from mimetic import performance
-    from mimetic.evaluate import truth
-
-    tables = (
-        truth.KEYS if isinstance(document, Truth) else performance.REQUIRED | performance.OPTIONAL
-    )
+def _cut(document: Document, frames: NDArray[np.int64]) -> Document:
+    """A copy with these frames alone."""
+    keys = truth_file.KEYS if isinstance(document, Truth) else PERFORMANCE_KEYS
     rows = np.searchsorted(document.frame, frames)
     changed = {
         key: np.asarray(getattr(document, key))[rows]
-        for key, (_, shape) in tables.items()
+        for key, (_, shape) in keys.items()
         if shape[0] == "N" and getattr(document, key) is not None
     }
     return replace(document, **changed)
