@@ -12,7 +12,7 @@ from mimetic.evaluate.command import run_evaluate
 from mimetic.evaluate.peers import dis_tracks
 from mimetic.evaluate.prediction import follow
 from mimetic.evaluate.score import score
-from mimetic.evaluate.tables import as_json, as_text
+from mimetic.evaluate.tables import as_json, as_text, summary
 from mimetic.footage import Footage
 from sample_performance import make_performance
 
@@ -73,6 +73,14 @@ def test_r2_is_that_of_a_known_error(truth):
     unmoved = np.repeat(truth.tracks[:1], len(truth.frame), axis=0)
     still = scores.image_motion(truth.tracks, rigid, truth.visible, unmoved)
     assert still["r2"] == pytest.approx(0)
+
+
+def test_a_still_face_has_no_r2(truth):
+    still = np.repeat(truth.points[:1], len(truth.frame), axis=0)
+    rigid = scores.project(still, truth.head_pose, truth.intrinsics)
+    made = scores.image_motion(rigid + 1e-6, rigid, truth.visible, rigid)
+    assert np.isnan(made["nonrigid_r2"])
+    assert np.isnan(scores.surface_motion(still, truth.visible, still)["r2"])
 
 
 def test_hidden_points_do_not_count(truth):
@@ -224,6 +232,7 @@ def test_no_file_and_no_archive_are_unreadable(tmp_path):
 def test_reports_hold_the_figures(performance, truth):
     made = score(truth, performance, "clip")
     assert "R2 non-rigid" in as_text(made)
+    assert "1.000" in summary([made])
     (read,) = json.loads(as_json([made]))
     assert read["name"] == "clip"
     assert read["image"]["mimetic"]["nonrigid_r2"] == pytest.approx(1, abs=1e-6)

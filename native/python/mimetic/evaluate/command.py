@@ -10,7 +10,7 @@ from pathlib import Path
 from mimetic import InvalidInput
 from mimetic.evaluate.rendered import scored, shared_images
 from mimetic.evaluate.score import score
-from mimetic.evaluate.tables import as_json, as_text
+from mimetic.evaluate.tables import as_json, as_text, summary
 from mimetic.evaluate.truth import Truth
 from mimetic.performance import Performance
 
@@ -44,11 +44,12 @@ def run_evaluate(options: argparse.Namespace) -> int:
         made = iter([_score_files(options)])
     else:
         made = scored(options.set, lambda line: print(line, file=sys.stderr, flush=True))
-    if options.json:
-        print(as_json(list(made)))
-        return 0
-    for number, one in enumerate(made):
-        print(("\n" if number else "") + as_text(one), flush=True)
+    done = []
+    for one in made:
+        done.append(one)
+        if not options.json:
+            print(as_text(one), end="\n\n", flush=True)
+    print(as_json(done) if options.json else summary(done))
     return 0
 
 

@@ -11,6 +11,9 @@ Bools = NDArray[np.bool_]
 # Points count as moving where truth takes them farther than this from where rigid motion would.
 MOVING_PX = 0.75
 MOVING_M = 0.001
+# Motion smaller than this, root mean square, is none.
+LEAST_PX = 0.05
+LEAST_M = 0.00005
 SILENT = 0.01  # a muscle whose true activation never exceeds this
 ACTIVE = 0.1  # a control whose true value reaches this
 INTERVAL_90 = 1.6449  # standard deviations
@@ -24,10 +27,15 @@ def project(points: Floats, head_pose: Floats, intrinsics: Floats) -> Floats:
     return pixels[..., :2] / pixels[..., 2:]
 
 
-def explained(error: Floats, motion: Floats, counted: Bools) -> float:
-    """R2 without a mean: 1 - sum |error|^2 / sum |motion|^2 over counted (N,K); nan if still."""
+def explained(error: Floats, motion: Floats, counted: Bools, least: float) -> float:
+    """R2 without a mean: 1 - sum |error|^2 / sum |motion|^2 over counted points (N,K).
+
+    nan if the motion's root mean square is under `least`: nothing is there to be explained.
+    """
     energy = (motion[counted] ** 2).sum()
-    return float(1 - (error[counted] ** 2).sum() / energy) if energy > 0 else float("nan")
+    if energy <= least**2 * counted.sum():
+        return float("nan")
+    return float(1 - (error[counted] ** 2).sum() / energy)
 
 
 def image_motion(tracks: Floats, rigid: Floats, seen: Bools, predicted: Floats) -> dict[str, float]:
@@ -42,8 +50,8 @@ def image_motion(tracks: Floats, rigid: Floats, seen: Bools, predicted: Floats) 
     distance = np.linalg.norm(error, axis=2)
     moving = counted & (apart > MOVING_PX)
     return {
-        "r2": explained(error, tracks - tracks[:1], counted),
-        "nonrigid_r2": explained(error, tracks - rigid, counted),
+        "r2": explained(error, tracks - tracks[:1], counted, LEAST_PX),
+        "nonrigid_r2": explained(error, tracks - rigid, counted, LEAST_PX),
         "median_px": _median(distance[counted]),
         "p95_px": _percentile(distance[counted], 95),
         "moving_median_px": _median(distance[moving]),
@@ -66,7 +74,7 @@ def surface_motion(points: Floats, seen: Bools, predicted: Floats) -> dict[str, 
     moving = counted & (np.linalg.norm(true_motion, axis=2) > MOVING_M)
     shape = (predicted[0] - predicted[0].mean(0)) @ rotation.T - (points[0] - points[0].mean(0))
     return {
-        "r2": explained(error, true_motion, counted),
+        "r2": explained(error, true_motion, counted, LEAST_M),
         "median_mm": _median(distance[counted]),
         "moving_median_mm": _median(distance[moving]),
         "neutral_shape_median_mm": _median(1000 * np.linalg.norm(shape, axis=1)),

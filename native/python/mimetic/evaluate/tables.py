@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+import statistics
 from dataclasses import asdict
 
 from mimetic.evaluate.score import Score
@@ -54,6 +55,37 @@ def as_text(score: Score) -> str:
         )
     parts.append(f"largest activation anywhere: {score.largest_activation:.3f}")
     return "\n".join(parts)
+
+
+def summary(made: list[Score]) -> str:
+    """One line a clip: the figures to quote."""
+    columns = {
+        "nonrigid": ("R2 non-rigid", ".3f"),
+        "peer": ("best peer", ".3f"),
+        "surface": ("R2 surface", ".3f"),
+        "groups": ("group corr.", ".3f"),
+        "turn": ("turn deg", ".2f"),
+        "false": ("largest false", ".3f"),
+        "coverage": ("in 90 % int.", ".3f"),
+    }
+    return _table("summary", columns, {score.name: _summary_row(score) for score in made})
+
+
+def _summary_row(score: Score) -> dict[str, float]:
+    peers = [figures["nonrigid_r2"] for who, figures in score.image.items() if who != "mimetic"]
+    groups = [figures["correlation"] for figures in score.groups.values()]
+    still = not score.groups and not score.controls
+    return {
+        "nonrigid": score.image["mimetic"]["nonrigid_r2"],
+        "peer": max(peers),
+        "surface": score.surface["r2"],
+        "groups": statistics.median(groups) if groups else math.nan,
+        "turn": statistics.mean(score.head[f"{axis}_deg"] for axis in ("pitch", "yaw", "roll")),
+        "false": score.largest_activation
+        if still
+        else score.overall.get("largest_false", math.nan),
+        "coverage": score.overall.get("coverage_90", math.nan),
+    }
 
 
 def as_json(scores: list[Score]) -> str:
