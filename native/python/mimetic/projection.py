@@ -25,7 +25,8 @@ class Samples:
 
     def of(self, corners: NDArray) -> NDArray:
         """Interpolates F x 4 x C values at a quad's corners: K x C."""
-        return np.einsum("kc,kcd->kd", self.corner_weights, corners[self.face])
+        weights = self.corner_weights
+        return sum(weights[:, c, None] * corners[self.face, c] for c in range(4))
 
 
 def reference_index(performance: Performance) -> int:
@@ -36,7 +37,7 @@ def reference_index(performance: Performance) -> int:
 
 
 def picture_coordinates(pixels: ArrayLike, image_size: ArrayLike) -> NDArray[np.float64]:
-    """Pixels (K x 2) as parts of the picture (K x 2): 0 to 1 from edge to edge, from the bottom left."""
+    """Pixels (K x 2) as parts of the picture: 0 to 1 from edge to edge, from the bottom left."""
     parts = (np.asarray(pixels, dtype=np.float64) + 0.5) / np.asarray(image_size)
     return np.column_stack([parts[:, 0], 1 - parts[:, 1]])
 
@@ -130,7 +131,7 @@ def _visible(performance: Performance, points, at, pixels) -> NDArray[np.bool_]:
     """Whether the points are inside the picture and nearest to the camera: a depth buffer."""
     width, height = (int(side) for side in performance.image_size)
     faces = performance.faces
-    everything = sample_quads(performance.project(points)[faces] * 2, np.arange(len(faces)))
+    everything = sample_quads(performance.project(points)[faces], np.arange(len(faces)))
     surface = everything.of(points[faces])
     depth = np.full((height, width), np.inf)
     cells, inside = _cells(performance.project(surface), width, height)

@@ -91,3 +91,18 @@ def frame_steps(
     # The frame on screen is the last that has begun; 1e-6 keeps whole frames whole
     shown = np.clip(np.floor(shown + 1e-6), np.min(frames), np.max(frames)).astype(np.int64)
     return FrameSteps(shown_at, shown - (shown_at - frame_start + 1))
+
+
+@dataclass(frozen=True)
+class SceneRate:
+    """A scene's rate as a whole number over a base: fps / fps_base frames a second."""
+
+    fps: int
+    fps_base: float
+
+
+def scene_rate(clip_rate: float) -> SceneRate:
+    """The rate at which a scene of its own shows footage frame by frame: 29.97 is 30 / 1.001."""
+    exact = exact_rate(clip_rate)
+    fps = max(1, round(exact))
+    return SceneRate(fps, float(fps / exact))

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bakes a performance in a Blender without a window: what `mimetic bake` starts as a child process.
+
+Run by a Python that has the bpy module. Standard input: a request as JSON; the file it names as
+`answer` gets {"text": ...} or, for bad input, {"error": ...}.
+"""
+
+import importlib
+import importlib.util
+import json
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+REPOSITORY = "mimetic_headless"
+
+
+def main() -> None:
+    request = json.load(sys.stdin)
+    if importlib.util.find_spec("mimetic") is None:
+        sys.path.append(request["package_folder"])
+    with tempfile.TemporaryDirectory() as user_files:
+        # Read by bpy as it is imported: no settings or add-ons of the user's
+        os.environ["BLENDER_USER_RESOURCES"] = user_files
+        answer = bake(request)
+    Path(request["answer"]).write_text(json.dumps(answer), encoding="utf-8")
+
+
+def bake(request: dict) -> dict:
+    extension = load_extension()
+    native = importlib.import_module(f"{extension}.native")
+    if reason := native.problem():
+        return {"error": reason}
+    try:
+        new_file = importlib.import_module(f"{extension}.scene_out.new_file")
+        return {"text": new_file.write(request["performance"], request["out"], request["footage"])}
+    except native.known_errors() as error:
+        return {"error": str(error)}
+
+
+def load_extension() -> str:
+    """Enables the extension beside this file; returns the name of its package."""
+    import bpy
+
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    folder = str(Path(__file__).resolve().parent)
+    bpy.context.preferences.extensions.repos.new(
+        name="Mimetic", module=REPOSITORY, custom_directory=folder, source="USER"
+    )
+    package = f"bl_ext.{REPOSITORY}.mimetic"
+    if bpy.ops.preferences.addon_enable(module=package) != {"FINISHED"}:
+        raise RuntimeError(f"Blender does not load the extension in {folder}")
+    return package
+
+
+if __name__ == "__main__":
+    main()

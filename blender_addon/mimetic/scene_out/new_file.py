@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A performance as a file of its own, .blend or .glb, from a scene that is ours alone."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+
+import bpy
+from mathutils import Euler
+
+from .. import native
+from . import bake, clip, gltf
+
+
+def write(performance_path: str, out: str, footage_path: str | None) -> str:
+    """Bakes into the scene that is open, which must be empty, and writes it whole or not at all.
+
+    Unlike baking into a user's scene this sets the scene's rate, range and resolution to the
+    footage's. Returns what was written; raises what the package raises for bad input, and OSError.
+    """
+    performance = native.part("performance").Performance.load(performance_path)
+    appearance = native.part("appearance").appearance_of(performance, footage_path)
+    scene = bpy.context.scene
+    set_up(scene, performance)
+    footage = clip.load(scene, footage_path) if footage_path else None
+    take = Path(footage_path or performance_path).name.split(".")[0]
+    baked = bake(scene, performance, take, appearance, footage)
+    scene.mimetic.performance_path = performance_path
+    scene.frame_set(scene.frame_start)
+    if Path(out).suffix == ".glb":
+        gltf.export(scene, out)
+    else:
+        light(scene)
+        save(out, footage)
+    return f"{baked.num_curves} curves, frames {baked.first:.6g} to {baked.last:.6g}"
+
+
+def set_up(scene: bpy.types.Scene, performance) -> None:
+    rate = native.part("timing").scene_rate(performance.fps)
+    scene.render.fps, scene.render.fps_base = rate.fps, rate.fps_base
+    scene.render.resolution_x, scene.render.resolution_y = (int(n) for n in performance.image_size)
+    scene.frame_start, scene.frame_end = int(performance.frame[0]), int(performance.frame[-1])
+    # The skin wears the footage's own colours: show them as they are
+    scene.view_settings.view_transform = "Standard"
+
+
+def light(scene: bpy.types.Scene) -> None:
+    """A soft light from over the camera, so that a first render shows something."""
+    sun = bpy.data.objects.new("Key Light", bpy.data.lights.new("Key Light", "SUN"))
+    sun.data.energy = 2.0
+    sun.data.angle = 0.5
+    sun.rotation_euler = Euler((0.9, 0.0, 0.35))
+    scene.collection.objects.link(sun)
+    world = bpy.data.worlds.new("World")
+    world.use_nodes = True
+    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.5, 0.5, 0.5, 1.0)
+    scene.world = world
+
+
+def save(out: str, footage: bpy.types.MovieClip | None) -> None:
+    path = Path(out).absolute()
+    if footage is not None:  # so that the two can move together
+        for known in (footage, *(i for i in bpy.data.images if i.source == "MOVIE")):
+            known.filepath = bpy.path.relpath(known.filepath, start=str(path.parent))
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
+        aside = Path(folder, path.name)
+        bpy.ops.wm.save_as_mainfile(
+            filepath=str(aside), check_existing=False, relative_remap=False, copy=True
+        )
+        os.replace(aside, path)
