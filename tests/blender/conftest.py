@@ -54,6 +54,29 @@ def performance():
     return make_performance(40)
 
 
+@pytest.fixture(scope="session")
+def performance_file(performance, tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("capture") / "take.performance.npz"
+    performance.save(path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def footage(tmp_path_factory) -> Path:
+    """Forty frames of noise as large as the performance's, 25 a second."""
+    from imageio_ffmpeg import write_frames
+
+    path = tmp_path_factory.mktemp("footage") / "noise.mp4"
+    writer = write_frames(str(path), (400, 300), fps=25, macro_block_size=1, quality=6)
+    writer.send(None)
+    random = np.random.default_rng(3)
+    for _ in range(40):
+        small = random.integers(0, 256, (30, 40, 3), dtype=np.uint8)
+        writer.send(small.repeat(10, axis=0).repeat(10, axis=1).tobytes())
+    writer.close()
+    return path
+
+
 def make_performance(num_frames: int, fps: float = 25.0, seed: int = 0):
     from mimetic.face_template import load_template
     from mimetic.performance import Performance

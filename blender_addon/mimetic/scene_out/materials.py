@@ -8,28 +8,48 @@ import numpy as np
 
 
 def dress(face, appearance) -> None:
-    """Gives the face the materials and texture of a `mimetic.appearance.Appearance`."""
+    """Gives the face the materials of a `mimetic.appearance.Appearance`.
+
+    A face that has materials keeps them, but for the pictures on its skin.
+    """
     mesh = face.data
+    if mesh.materials:
+        _repaint(mesh.materials, appearance.surfaces)
+        return
     layer = mesh.uv_layers.get("UVMap") or mesh.uv_layers.new(name="UVMap")
     layer.uv.foreach_set("vector", appearance.uv.astype(np.float32).reshape(-1))
-    mesh.materials.clear()
     for surface in appearance.surfaces:
         mesh.materials.append(_material(surface))
     mesh.polygons.foreach_set("material_index", appearance.surface_of_face.astype(np.int32))
     mesh.update()
 
 
+def _repaint(materials, surfaces) -> None:
+    for surface in surfaces:
+        material = next((m for m in materials if m and m.name.startswith(_name(surface))), None)
+        if surface.texture is None or material is None or not material.use_nodes:
+            continue
+        for node in material.node_tree.nodes:
+            if node.type == "TEX_IMAGE":
+                node.image = _image(_name(surface), surface.texture)
+
+
+def _name(surface) -> str:
+    return f"Face {surface.name}"
+
+
 def _material(surface) -> bpy.types.Material:
-    material = bpy.data.materials.new(f"Face {surface.name}")
+    material = bpy.data.materials.new(_name(surface))
     material.use_nodes = True
     nodes = material.node_tree.nodes
     shader = nodes["Principled BSDF"]
     shader.inputs["Base Color"].default_value = (*surface.colour, 1.0)
     shader.inputs["Roughness"].default_value = surface.roughness
+    shader.inputs["Alpha"].default_value = surface.opacity
     if surface.texture is not None:
         texture = nodes.new("ShaderNodeTexImage")
         texture.location = (-320, 300)
-        texture.image = _image(f"Face {surface.name}", surface.texture)
+        texture.image = _image(_name(surface), surface.texture)
         material.node_tree.links.new(texture.outputs["Color"], shader.inputs["Base Color"])
     material.diffuse_color = (*surface.colour, 1.0)
     return material

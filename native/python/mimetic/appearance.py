@@ -15,7 +15,7 @@ from mimetic.footage import Footage
 from mimetic.performance import Performance
 
 TEXTURE_SIZE = 1024  # the face fills a third of it; footage rarely has more pixels on a face
-UNSEEN_REGIONS = ("scalp", "neck", "mouth_cavity", "eye_socket")  # hair, clothes, shadows
+UNSEEN_REGIONS = ("scalp", "ear", "neck", "mouth_cavity", "eye_socket")  # hair, clothes, shadows
 PUPIL_DEGREES, IRIS_DEGREES = 8.0, 20.0  # quads of the eye, by their centres
 PLAIN_SKIN = (0.60, 0.36, 0.27)
 
@@ -26,6 +26,7 @@ class Surface:
     colour: tuple[float, float, float]  # linear, 0 to 1
     roughness: float
     texture: NDArray[np.uint8] | None = None  # H x W x 3, sRGB, first row on top
+    opacity: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -37,12 +38,12 @@ class Appearance:
 
 OTHERS = (
     Surface("Mouth", (0.22, 0.035, 0.03), 0.4),
-    Surface("Sclera", (0.72, 0.68, 0.64), 0.15),
-    Surface("Iris", (0.055, 0.035, 0.022), 0.12),
+    Surface("Sclera", (0.55, 0.50, 0.46), 0.2),
+    Surface("Iris", (0.11, 0.085, 0.06), 0.15),
     Surface("Pupil", (0.003, 0.003, 0.003), 0.1),
     Surface("Teeth", (0.66, 0.58, 0.46), 0.3),
     Surface("Tongue", (0.38, 0.10, 0.09), 0.4),
-    Surface("Lashes", (0.015, 0.011, 0.009), 0.8),
+    Surface("Lashes", (0.03, 0.02, 0.015), 0.8, opacity=0.35),
 )
 SURFACE_OF_PART = {
     "skin": "Skin",

@@ -35,9 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_bake(arguments: argparse.Namespace) -> int:
-    text = bake(
-        arguments.performance, arguments.out, arguments.footage, arguments.blender_python
-    )
+    text = bake(arguments.performance, arguments.out, arguments.footage, arguments.blender_python)
     print(f"{arguments.out}: {text}")
     return 0
 
@@ -115,6 +113,8 @@ def _ask(python: os.PathLike[str] | str, request: dict) -> dict:
     if ran.returncode == 0 and answer.exists():
         return json.loads(answer.read_text(encoding="utf-8"))
     if "No module named 'bpy'" in ran.stdout:
-        raise InvalidInput(f"--blender-python {python} has no Blender module: pip install bpy in it")
+        raise InvalidInput(
+            f"--blender-python {python} has no Blender module: pip install bpy in it"
+        )
     last_lines = "\n".join(ran.stdout.strip().splitlines()[-12:])
     raise RuntimeError(f"Blender failed (exit status {ran.returncode}):\n{last_lines}")

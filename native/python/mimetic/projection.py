@@ -33,7 +33,7 @@ def reference_index(performance: Performance) -> int:
     """Index of the frame to take colours from: well explained, facing the camera, at rest."""
     facing = -performance.head_pose[:, 2, 2]  # cosine between the face and the way to the camera
     moved = performance.activations.sum(axis=1) + np.abs(performance.articulator_values).sum(axis=1)
-    return int(np.argmax(performance.quality + 2 * facing - 0.5 * moved))
+    return int(np.argmax(performance.quality * np.maximum(facing, 0) ** 2 / (1 + moved)))
 
 
 def picture_coordinates(pixels: ArrayLike, image_size: ArrayLike) -> NDArray[np.float64]:
