@@ -19,7 +19,7 @@ def parse_arguments() -> argparse.Namespace:
     parser.add_argument("--view", nargs="*", help="front, three_quarter, profile (default: all)")
     parser.add_argument("--size", type=int, nargs=2, default=(400, 480), metavar=("W", "H"))
     parser.add_argument("--samples", type=int, default=64)
-    setting = {"nargs": "*", "default": [], "metavar": "NAME=VALUE"}
+    setting = {"nargs": "*", "default": [], "metavar": "NAME=VALUE", "type": read_setting}
     parser.add_argument(
         "--shape", **setting, help="muscles, jaw, lids or face units, such as jaw_open=0.4"
     )
@@ -27,17 +27,14 @@ def parse_arguments() -> argparse.Namespace:
     return parser.parse_args()
 
 
-def read_settings(settings: list[str]) -> dict[str, float]:
-    values = {}
-    for setting in settings:
-        name, equals, value = setting.partition("=")
-        try:
-            values[name] = float(value)
-        except ValueError:
-            equals = ""
-        if not equals:
-            raise SystemExit(f"make_head: {setting!r} is not NAME=VALUE")
-    return values
+def read_setting(text: str) -> tuple[str, float]:
+    name, equals, value = text.partition("=")
+    try:
+        if equals:
+            return name, float(value)
+    except ValueError:
+        pass
+    raise argparse.ArgumentTypeError(f"{text!r} is not NAME=VALUE")
 
 
 def main() -> int:
@@ -53,7 +50,7 @@ def main() -> int:
     from mimetic.face_template import load_template
 
     views = arguments.view or list(head_scene.VIEWS)
-    shapes, identity = read_settings(arguments.shape), read_settings(arguments.identity)
+    shapes, identity = dict(arguments.shape), dict(arguments.identity)
     template = load_template()
     try:
         neutral = template.neutral(identity)
