@@ -138,12 +138,12 @@ def set_up_studio(scene: bpy.types.Scene, width: int, height: int, samples: int)
 
 def look_from(scene: bpy.types.Scene, left: float, above: float) -> None:
     """Turns the camera round the head, degrees to the subject's left and from above."""
-    target = np.array([0.0, -0.035, 0.005])
+    target = np.array([0.0, -0.012, 0.005])
     side, height = math.radians(left), math.radians(above)
     away = np.array(
         [math.sin(side) * math.cos(height), -math.cos(side) * math.cos(height), math.sin(height)]
     )
-    scene.camera.location = target + 1.12 * away
+    scene.camera.location = target + 1.15 * away
     scene.camera.rotation_euler = _towards(target + away, target)
 
 

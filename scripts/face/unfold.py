@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Texture coordinates for eyes and lashes that fit any picture of an eye or of lashes."""
+"""Texture coordinates: the neck beside the head, eyes and lashes to fit any picture of them."""
 
 from __future__ import annotations
 
@@ -8,16 +8,23 @@ import itertools
 import numpy as np
 
 from .head import PART_NAMES, Cut, sphere_center
+from .regions import HEAD_ISLAND_TOP
 from .topology import boundary_loops, components, rings
+
+NECK_LOW, NECK_HIGH = np.array([0.645, 0.09]), np.array([0.99, 0.14])
 
 
 def unfold(vertices: np.ndarray, cut: Cut) -> np.ndarray:
-    """The cut's texture coordinates (F,4,2) with those of eyes and lashes replaced.
+    """The cut's texture coordinates (F,4,2) with those of neck, eyes and lashes replaced.
 
+    Neck: a strip under the head's island, so that the face has most of a square picture.
     Eyes: azimuthal equidistant, the optical axis at (0.5, 0.5), 180 degrees 0.5 away from it.
     Lashes: u from the inner to the outer corner of the eye, v from root to tip, both 0 to 1.
     """
     uv = cut.uv.copy()
+    neck = (cut.part == PART_NAMES.index("skin")) & (uv[..., 1].min(1) > HEAD_ISLAND_TOP)
+    low, high = uv[neck].min((0, 1)), uv[neck].max((0, 1))
+    uv[neck] = NECK_LOW + (uv[neck] - low) / (high - low) * (NECK_HIGH - NECK_LOW)
     for side in "LR":
         center, _ = sphere_center(vertices[cut.part_vertices(f"eye.{side}")])
         on_eye = cut.part == PART_NAMES.index(f"eye.{side}")
