@@ -4,6 +4,8 @@
 namespace mimetic::bindings {
 void bind_camera(pybind11::module_& m);
 void bind_surface(pybind11::module_& m);
+void bind_locate(pybind11::module_& m);
+void bind_fit(pybind11::module_& m);
 void bind_flow(pybind11::module_& m);
 void bind_solve(pybind11::module_& m);
 void bind_skin(pybind11::module_& m);
@@ -20,6 +22,8 @@ PYBIND11_MODULE(_core, m) {
     // In the order of the stages
     bindings::bind_camera(m);
     bindings::bind_surface(m);
+    bindings::bind_locate(m);
+    bindings::bind_fit(m);
     bindings::bind_flow(m);
     bindings::bind_solve(m);
     bindings::bind_skin(m);

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <Eigen/Geometry>
+#include <mimetic/camera.hpp>
+#include <mimetic/locate.hpp>
+
+namespace mimetic {
+
+/// A head that changes with identity coefficients: points + sum_i coefficient_i modes_i, metres, head frame.
+struct FaceModel {
+    Points points;                            ///< P x 3, on the surface
+    MatrixRows modes;                         ///< I x 3P, one identity mode a row
+    Eigen::VectorXd spread;                   ///< I, prior standard deviation of each coefficient
+    MatrixRows limits;                        ///< I x 2, least and largest coefficient
+    Quads faces;                              ///< F x 4 of point indices: where outlines are looked for
+    std::vector<bool> on_outline;             ///< P, whether the jaw's outline may pass here
+    std::vector<std::string> landmark_names;  ///< L; `pupil.L` and `pupil.R` are the eyeballs' centres
+    SparseRows landmark_weights;              ///< L x P, rows sum to 1
+    std::vector<std::string> curve_names;     ///< C
+    std::vector<std::vector<int>> curves;     ///< C, point indices along `lip_line`, `brow.L`, ...
+
+    void check() const;                      ///< throws InvalidInput: field, size, limit
+    Points shaped(VectorIn identity) const;  ///< P x 3
+};
+
+struct FitOptions {
+    bool focal_free = false;        ///< whether the focal length is estimated too
+    double focal_spread = 0.2;      ///< prior standard deviation of its logarithm
+    double pitch_spread = 0.2;      ///< prior standard deviation of the head's pitch to the camera, rad
+    double gaze_spread = 0.02;      ///< how far gaze may shift the pupils, interpupillary distances
+    double robust_scale = 1.5;      ///< residuals beyond this many standard deviations count for less
+    int max_rounds = 8;             ///< times that outlines are looked for anew
+    double pupil_distance = 0.063;  ///< metres: the scale
+    void check() const;             ///< throws InvalidInput: field, value, limit
+};
+
+struct FaceEstimate {
+    Eigen::Isometry3d camera_from_head = Eigen::Isometry3d::Identity();  ///< metres
+    double focal = 0;                                                    ///< pixels
+    Eigen::VectorXd identity;                                            ///< I
+    double rms_ipd = 0;  ///< of the points' and curves' residuals, interpupillary distances
+    int iterations = 0;  ///< of the solver over all rounds
+    bool converged = false;
+};
+
+/// Pose, scale and proportions that put the model on the measured features: robust least squares (Ceres) with
+/// Gaussian priors on the coefficients. Focal lengths of the camera must be equal. Throws InvalidInput when
+/// the features lack the pupils.
+FaceEstimate fit_face(const FaceModel& model, const FaceFeatures& features, const Camera& camera,
+                      const FitOptions& options = {});
+
+/// Landmarks and curves of the fitted model in the image, pixels: what to look for in the next measurement.
+FaceFeatures project_features(const FaceModel& model, const FaceEstimate& estimate, const Camera& camera);
+
+}  // namespace mimetic

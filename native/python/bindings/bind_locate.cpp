@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/locate.hpp>
+
+#include "arrays.hpp"
+
+namespace mimetic::bindings {
+
+namespace py = pybind11;
+using namespace pybind11::literals;
+
+void bind_locate(py::module_& m) {
+    py::class_<Feature>(m, "Feature", "A named point of the face in the image, pixels.")
+        .def(py::init(
+                 [](std::string name, const Eigen::Vector2d& position, double sigma_px, double likelihood) {
+                     return Feature{std::move(name), position, sigma_px, likelihood};
+                 }),
+             "name"_a, "position"_a, "sigma_px"_a = 1.0, "likelihood"_a = 1.0)
+        .def_readonly("name", &Feature::name)
+        .def_property_readonly("position", [](const Feature& f) { return f.position; })
+        .def_readonly("sigma_px", &Feature::sigma_px)
+        .def_readonly("likelihood", &Feature::likelihood, "0 guessed from proportions to 1 plainly seen");
+    py::class_<FeatureCurve>(m, "FeatureCurve",
+                             "A line of the face in the image; only its place along the normals is measured.")
+        .def(py::init([](std::string name, const Points2& points, const Points2& normals,
+                         const Eigen::VectorXd& sigma_px) {
+                 return FeatureCurve{std::move(name), points, normals, sigma_px};
+             }),
+             "name"_a, "points"_a, "normals"_a, "sigma_px"_a)
+        .def_readonly("name", &FeatureCurve::name)
+        .def_property_readonly("points", [](const FeatureCurve& c) { return c.points; })
+        .def_property_readonly("normals", [](const FeatureCurve& c) { return c.normals; })
+        .def_property_readonly("sigma_px", [](const FeatureCurve& c) { return c.sigma_px; });
+    py::class_<FaceFeatures>(m, "FaceFeatures", "What one face shows: box, points and curves, pixels.")
+        .def(py::init([](std::vector<Feature> features, std::vector<FeatureCurve> curves,
+                         const Eigen::Vector4d& box, double likelihood) {
+                 return FaceFeatures{box, likelihood, std::move(features), std::move(curves)};
+             }),
+             "features"_a, "curves"_a, "box"_a, "likelihood"_a)
+        .def_property_readonly(
+            "box", [](const FaceFeatures& f) { return f.box; }, "left, top, width, height")
+        .def_readonly("likelihood", &FaceFeatures::likelihood)
+        .def_readonly("features", &FaceFeatures::features)
+        .def_readonly("curves", &FaceFeatures::curves);
+
+    py::class_<FaceLocator>(m, "FaceLocator",
+                            "Finds frontal faces by OpenCV's Haar cascades and measures them.")
+        .def(
+            py::init([](const std::string& cascade_directory, double smallest_face, double least_likelihood) {
+                return FaceLocator(cascade_directory, {smallest_face, least_likelihood});
+            }),
+            "cascade_directory"_a, "smallest_face"_a = LocateOptions{}.smallest_face,
+            "least_likelihood"_a = LocateOptions{}.least_likelihood)
+        .def(
+            "locate",
+            [](const FaceLocator& locator, const ImageArray& image) {
+                const ColorView view = view_image<3>(image, "image");
+                py::gil_scoped_release release;
+                return locator.locate(view);
+            },
+            py::arg("image").noconvert(),
+            "Every face, the largest first.\n\nimage: (H, W, 3) uint8 RGB; grey as three equal channels\n"
+            "returns: list of FaceFeatures");
+    m.def(
+        "measure_features",
+        [](const ImageArray& image, const FaceFeatures& expected, double search) {
+            const ColorView view = view_image<3>(image, "image");
+            py::gil_scoped_release release;
+            return measure_features(view, expected, search);
+        },
+        py::arg("image").noconvert(), "expected"_a, "search"_a = 0.1,
+        "Measures the features again, near where a fitted model expects them.\n\n"
+        "image: (H, W, 3) uint8 RGB\nexpected: FaceFeatures with pupil.L and pupil.R at least\n"
+        "search: half width of the search, interpupillary distances");
+}
+
+}  // namespace mimetic::bindings

@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <filesystem>
+#include <mimetic/error.hpp>
+#include <mimetic/locate.hpp>
+#include <opencv2/imgproc.hpp>
+#include <opencv2/objdetect.hpp>
+
+#include "locate/eyes.hpp"
+#include "locate/measure.hpp"
+
+namespace mimetic {
+namespace {
+
+using locate::Curves;
+using locate::Expected;
+using locate::FacePatch;
+using locate::Features;
+
+constexpr double kDetectorSide = 480;  // the longer side of the image that the face cascade sees
+constexpr double kCropSide = 160;      // pixels of a face box when eyes are sought
+constexpr double kEyeLine = 0.385;     // of the box
+
+std::unique_ptr<cv::CascadeClassifier> load(const std::string& directory, const char* name) {
+    const std::string path = directory + "/haarcascade_" + name + ".xml";
+    auto cascade = std::make_unique<cv::CascadeClassifier>();
+    bool loaded = false;
+    try {
+        loaded = std::filesystem::is_regular_file(path) && cascade->load(path);
+    } catch (const cv::Exception&) {  // not XML
+    }
+    if (!loaded) {
+        throw InvalidInput("the face detector's file cannot be read: " + path +
+                           "; install Debian's opencv-data and build again");
+    }
+    return cascade;
+}
+
+cv::Mat gray_of(ColorView image) {
+    const cv::Mat source(image.rows, image.cols, CV_8UC3, const_cast<std::uint8_t*>(image.data),
+                         static_cast<std::size_t>(image.stride));
+    cv::Mat gray;
+    cv::cvtColor(source, gray, cv::COLOR_RGB2GRAY);
+    return gray;
+}
+
+/// Turns the image about its centre; faces leant further than about 20 degrees are missed upright.
+cv::Mat turned(const cv::Mat& image, double degrees, cv::Matx23d& turned_from_image) {
+    const cv::Point2f center(0.5f * static_cast<float>(image.cols - 1),
+                             0.5f * static_cast<float>(image.rows - 1));
+    turned_from_image = cv::Matx23d(cv::getRotationMatrix2D(center, degrees, 1));
+    cv::Mat out;
+    cv::warpAffine(image, out, turned_from_image, image.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    return out;
+}
+
+struct Candidate {
+    cv::Rect2d box;  ///< in the (turned) image
+    double votes = 0;
+    locate::EyePair eyes;  ///< in the (turned) image
+};
+
+/// Measured features as they are passed out: pixels of the image.
+FaceFeatures to_image(const FacePatch& patch, const Features& features, const Curves& curves) {
+    FaceFeatures face;
+    const double px = patch.image_px_per_ipd();
+    const Eigen::Matrix2d turn = patch.turn / patch.turn.col(0).norm();
+    for (const auto& [name, measured] : features) {
+        face.features.push_back(
+            {name, patch.to_image(measured.position), measured.sigma * px, measured.likelihood});
+    }
+    for (const auto& [name, measured] : curves) {
+        FeatureCurve curve{name, measured.line.points, measured.line.normals,
+                           Eigen::VectorXd(measured.line.points.rows())};
+        for (int i = 0; i < curve.points.rows(); ++i) {
+            curve.points.row(i) = patch.to_image(measured.line.points.row(i));
+            curve.normals.row(i) = turn * measured.line.normals.row(i).transpose();
+            curve.sigma_px(i) = measured.sigma[static_cast<std::size_t>(i)] * px;
+        }
+        face.curves.push_back(std::move(curve));
+    }
+    return face;
+}
+
+FaceFeatures measure_in_patch(const FacePatch& patch, const Expected& expected) {
+    Features features;
+    Curves curves;
+    locate::measure_irises(patch, expected, features);
+    locate::measure_brows(patch, expected, curves);
+    locate::measure_nose(patch, expected, features);
+    locate::measure_mouth(patch, expected, features, curves);
+    locate::measure_jaw(patch, expected, curves);
+    return to_image(patch, features, curves);
+}
+
+}  // namespace
+
+namespace locate {
+
+Expected average_face() {
+    Expected expected;
+    const auto pair = [&](const std::string& name, double x, double y) {
+        expected.features[name + ".L"] = {x, y};
+        expected.features[name + ".R"] = {-x, y};
+    };
+    pair("pupil", 0.5, 0);
+    pair("brow_inner", 0.26, -0.29);
+    pair("brow_middle", 0.50, -0.40);
+    pair("brow_outer", 0.80, -0.30);
+    pair("nostril", 0.13, 0.74);
+    pair("ala", 0.29, 0.68);
+    pair("mouth_corner", 0.40, 1.15);
+    expected.features["lip_line"] = {0, 1.13};
+    expected.features["lip_upper"] = {0, 1.00};
+    expected.features["lip_lower"] = {0, 1.30};
+    Points2 jaw(9, 2);  // from the subject's left, so that the normals point out of the face
+    jaw << 1.10, 0.60, 1.05, 0.95, 0.92, 1.30, 0.58, 1.66, 0, 1.84, -0.58, 1.66, -0.92, 1.30, -1.05, 0.95,
+        -1.10, 0.60;
+    expected.curves["jaw"] = jaw;
+    expected.search = 0.2;
+    return expected;
+}
+
+}  // namespace locate
+
+const Feature* FaceFeatures::find(const std::string& name) const {
+    for (const auto& feature : features) {
+        if (feature.name == name) return &feature;
+    }
+    return nullptr;
+}
+
+const FeatureCurve* FaceFeatures::find_curve(const std::string& name) const {
+    for (const auto& curve : curves) {
+        if (curve.name == name) return &curve;
+    }
+    return nullptr;
+}
+
+void LocateOptions::check() const {
+    if (!(smallest_face >= 0.02 && smallest_face <= 1)) {
+        throw InvalidInput("smallest_face is " + std::to_string(smallest_face) +
+                           "; it is a part of the image's shorter side, 0.02 to 1");
+    }
+    if (!(least_likelihood >= 0 && least_likelihood <= 1)) {
+        throw InvalidInput("least_likelihood is " + std::to_string(least_likelihood) + "; it must be 0 to 1");
+    }
+}
+
+struct FaceLocator::Cascades {
+    std::unique_ptr<cv::CascadeClassifier> face;
+    std::unique_ptr<cv::CascadeClassifier> eye;
+
+    std::vector<Candidate> faces(const cv::Mat& gray, double smallest);
+    locate::EyePair eyes(const cv::Mat& gray, const cv::Rect2d& box);
+};
+
+std::vector<Candidate> FaceLocator::Cascades::faces(const cv::Mat& gray, double smallest) {
+    const double scale = std::min(1.0, kDetectorSide / std::max(gray.rows, gray.cols));
+    cv::Mat small = gray;
+    if (scale < 1) cv::resize(gray, small, {}, scale, scale, cv::INTER_AREA);
+    const int least = std::max(20, static_cast<int>(smallest * std::min(small.rows, small.cols)));
+    std::vector<cv::Rect> boxes;
+    std::vector<int> votes;
+    face->detectMultiScale(small, boxes, votes, 1.1, 3, 0, {least, least});
+    std::vector<Candidate> found;
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+        Candidate candidate;
+        candidate.box = {boxes[i].x / scale, boxes[i].y / scale, boxes[i].width / scale,
+                         boxes[i].height / scale};
+        candidate.votes = votes[i];
+        candidate.eyes = eyes(gray, candidate.box);
+        found.push_back(candidate);
+    }
+    return found;
+}
+
+locate::EyePair FaceLocator::Cascades::eyes(const cv::Mat& gray, const cv::Rect2d& box) {
+    const double scale = kCropSide / box.width;
+    const cv::Matx23d crop_from_image(scale, 0, -scale * box.x, 0, scale, -scale * box.y);
+    cv::Mat source = gray;
+    cv::Matx23d warp = crop_from_image;
+    if (scale < 0.6) {
+        cv::resize(gray, source, {}, scale, scale, cv::INTER_AREA);
+        warp = cv::Matx23d(1, 0, -scale * box.x, 0, 1, -scale * box.y);
+    }
+    const int side = static_cast<int>(kCropSide);
+    cv::Mat crop;
+    cv::warpAffine(source, crop, warp, {side, side}, cv::INTER_CUBIC, cv::BORDER_REPLICATE);
+    std::vector<cv::Rect> hits;
+    const cv::Rect upper(0, side / 6, side, side * 45 / 100);
+    eye->detectMultiScale(crop(upper), hits, 1.1, 2, 0, {side / 7, side / 7},
+                          {side * 45 / 100, side * 45 / 100});
+    std::vector<Eigen::Vector2d> centers;
+    for (const auto& hit : hits) {
+        centers.emplace_back(hit.x + 0.5 * hit.width, hit.y + 0.54 * hit.height + upper.y);
+    }
+    cv::Mat1f luminance;
+    crop.convertTo(luminance, CV_32F, 1.0 / 255);
+    auto pair = locate::find_eyes(luminance, centers);
+    for (auto* iris : {&pair.right, &pair.left}) {
+        iris->center = iris->center / scale + Eigen::Vector2d(box.x, box.y);
+    }
+    return pair;
+}
+
+FaceLocator::FaceLocator(const std::string& cascade_directory, const LocateOptions& options)
+    : cascades_(std::make_unique<Cascades>()), options_(options) {
+    options_.check();
+    cascades_->face = load(cascade_directory, "frontalface_alt2");
+    cascades_->eye = load(cascade_directory, "eye");
+}
+
+FaceLocator::~FaceLocator() = default;
+FaceLocator::FaceLocator(FaceLocator&&) noexcept = default;
+FaceLocator& FaceLocator::operator=(FaceLocator&&) noexcept = default;
+
+std::vector<FaceFeatures> FaceLocator::locate(ColorView image) const {
+    check_image_size(image.rows, image.cols, "image");
+    const cv::Mat gray = gray_of(image);
+    std::vector<FaceFeatures> found;
+    for (const double degrees : {0.0, 25.0, -25.0}) {
+        cv::Matx23d turned_from_image(1, 0, 0, 0, 1, 0);
+        const cv::Mat upright = degrees == 0 ? gray : turned(gray, degrees, turned_from_image);
+        cv::Matx23d back;
+        cv::invertAffineTransform(turned_from_image, back);
+        const auto in_image = [&](const Eigen::Vector2d& p) {
+            return Eigen::Vector2d(back(0, 0) * p.x() + back(0, 1) * p.y() + back(0, 2),
+                                   back(1, 0) * p.x() + back(1, 1) * p.y() + back(1, 2));
+        };
+        for (const auto& candidate : cascades_->faces(upright, options_.smallest_face)) {
+            const FacePatch patch = locate::make_patch(image, in_image(candidate.eyes.right.center),
+                                                       in_image(candidate.eyes.left.center));
+            FaceFeatures face = measure_in_patch(patch, locate::average_face());
+            const auto& box = candidate.box;
+            const Eigen::Vector2d middle = in_image({box.x + box.width / 2, box.y + box.height / 2});
+            face.box << middle.x() - box.width / 2, middle.y() - box.height / 2, box.width, box.height;
+            const double mouth = face.find("lip_line")->likelihood;
+            face.likelihood = (1 - std::exp(-candidate.votes / 8)) * std::sqrt(candidate.eyes.likelihood) *
+                              (0.5 + 0.5 * mouth);
+            if (face.likelihood >= options_.least_likelihood) found.push_back(std::move(face));
+        }
+        if (!found.empty()) break;
+    }
+    std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.box(2) > b.box(2); });
+    return found;
+}
+
+FaceFeatures measure_features(ColorView image, const FaceFeatures& expected, double search) {
+    check_image_size(image.rows, image.cols, "image");
+    const Feature* right = expected.find("pupil.R");
+    const Feature* left = expected.find("pupil.L");
+    if (right == nullptr || left == nullptr || (left->position - right->position).norm() < 4) {
+        throw InvalidInput("expected features must hold pupil.R and pupil.L at least 4 pixels apart");
+    }
+    if (!(search > 0 && search <= 1)) {
+        throw InvalidInput("search is " + std::to_string(search) +
+                           "; it must be above 0 and at most 1 (IPD)");
+    }
+    const FacePatch patch = locate::make_patch(image, right->position, left->position);
+    Expected near = locate::average_face();
+    near.search = search;
+    for (const auto& feature : expected.features)
+        near.features[feature.name] = patch.to_ipd(feature.position);
+    for (const auto& curve : expected.curves) {
+        Points2 points(curve.points.rows(), 2);
+        for (int i = 0; i < points.rows(); ++i) points.row(i) = patch.to_ipd(curve.points.row(i));
+        near.curves[curve.name] = points;
+    }
+    FaceFeatures face = measure_in_patch(patch, near);
+    face.box = expected.box;
+    face.likelihood = expected.likelihood;
+    return face;
+}
+
+}  // namespace mimetic

@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import json
+
+import numpy as np
+import pytest
+from drawn_face import draw
+from mimetic import InvalidInput, UnreadableMedia, _core
+from mimetic.face_template import load_template
+from mimetic.fit import FaceFit, NoFace, as_rgb, find_face, score_frame
+
+CAMERA = _core.Camera(600, 600, 239.5, 199.5, 480, 400)
+
+
+@pytest.fixture(scope="module")
+def template():
+    return load_template()
+
+
+def pose(yaw, pitch, roll, place=(0.01, -0.01, 0.6)):
+    """camera_from_head of a head that faces the camera, then turns; degrees and metres."""
+    y, p, r = np.radians([yaw, pitch, roll])
+    turn_y = np.array([[np.cos(y), 0, np.sin(y)], [0, 1, 0], [-np.sin(y), 0, np.cos(y)]])
+    turn_x = np.array([[1, 0, 0], [0, np.cos(p), -np.sin(p)], [0, np.sin(p), np.cos(p)]])
+    turn_z = np.array([[np.cos(r), -np.sin(r), 0], [np.sin(r), np.cos(r), 0], [0, 0, 1]])
+    camera_from_head = np.eye(4)
+    camera_from_head[:3, :3] = turn_z @ turn_x @ turn_y @ np.diag([1, -1, -1])
+    camera_from_head[:3, 3] = place
+    return camera_from_head
+
+
+@pytest.fixture(scope="module")
+def drawn(template):
+    return draw(template, template.vertices, pose(0, 0, 0), CAMERA)
+
+
+@pytest.fixture(scope="module")
+def fitted(template, drawn):
+    return find_face(drawn, 7, template=template, camera=CAMERA)
+
+
+def angle_deg(a, b):
+    return np.degrees(np.arccos(np.clip((np.trace(a[:3, :3].T @ b[:3, :3]) - 1) / 2, -1, 1)))
+
+
+def pixels(vertices, camera_from_head):
+    in_camera = vertices @ camera_from_head[:3, :3].T + camera_from_head[:3, 3]
+    return in_camera[:, :2] / in_camera[:, 2:] * CAMERA.fx + [CAMERA.cx, CAMERA.cy]
+
+
+def test_head_lies_on_the_drawn_face(template, fitted):
+    truth = pixels(template.vertices, pose(0, 0, 0))
+    found = pixels(fitted.neutral_vertices(template), fitted.head_pose)
+    ipd = 0.063 * CAMERA.fx / (0.6 - template.eye_centers[0, 2])
+    inner = [
+        i
+        for n, i in zip(template.landmark_names, template.landmark_vertices, strict=True)
+        if not n.startswith(("tragus", "zygion", "gonion", "hairline"))
+    ]
+    error = np.linalg.norm(found - truth, axis=1)[inner] / ipd
+    assert np.median(error) < 0.05
+    assert error.max() < 0.15
+
+
+def test_scale_comes_from_the_pupil_distance(template, fitted):
+    centers, _ = template.eye_spheres(fitted.neutral_vertices(template))
+    assert np.linalg.norm(centers[0] - centers[1]) == pytest.approx(0.063, abs=1e-4)
+
+
+def test_grey_picture_gives_a_face_too(template, drawn):
+    grey = np.rint(drawn @ [0.299, 0.587, 0.114]).astype(np.uint8)
+    fit = find_face(grey, template=template, camera=CAMERA)
+    assert angle_deg(fit.head_pose, pose(0, 0, 0)) < 8
+
+
+def test_without_a_camera_the_focal_length_is_a_webcams(template, drawn):
+    fit = find_face(drawn, template=template)
+    assert fit.intrinsics[0, 0] == pytest.approx(1.2 * 480)
+    assert fit.camera.width == 480
+
+
+def test_noise_and_plain_pictures_are_no_face(template):
+    noise = np.random.default_rng(1).integers(0, 255, (240, 320, 3), dtype=np.uint8)
+    for image in (noise, np.full((240, 320, 3), 128, np.uint8)):
+        with pytest.raises(NoFace, match="no frontal face in frame 3"):
+            find_face(image, 3, template=template)
+        assert score_frame(image) is None
+
+
+@pytest.mark.parametrize(
+    ("image", "text"),
+    [
+        (np.zeros((10, 10, 3), np.uint8), "10 x 10"),
+        (np.zeros((100, 100, 3), np.uint16), "uint16"),
+        (np.zeros((100, 100, 2), np.uint8), "shape"),
+    ],
+)
+def test_pictures_that_cannot_be_worked_with_are_refused(template, image, text):
+    with pytest.raises(InvalidInput, match=text) as caught:
+        find_face(image, template=template)
+    assert not isinstance(caught.value, NoFace)
+
+
+def test_of_two_faces_the_larger_is_taken_and_the_other_can_be_chosen(template, drawn):
+    small = drawn[::2, ::2]
+    both = np.full((400, 720, 3), 128, np.uint8)
+    both[:, :480] = drawn
+    both[100 : 100 + small.shape[0], 480:] = small
+    first = find_face(both, template=template)
+    second = find_face(both, template=template, choice=1)
+    assert "2 faces" in first.warnings[0]
+    assert first.features["pupil.L"][0] < 480 < second.features["pupil.L"][0]
+    with pytest.raises(InvalidInput, match="shows 2"):
+        find_face(both, template=template, choice=2)
+
+
+def test_rgb_of_grey_and_of_transparent_pictures():
+    grey = np.arange(400, dtype=np.uint8).reshape(20, 20)
+    assert (as_rgb(grey) == grey[:, :, None]).all()
+    assert as_rgb(np.dstack([grey] * 4)).shape == (20, 20, 3)
+
+
+def test_saved_fit_loads_the_same(tmp_path, template, fitted):
+    fitted.save(tmp_path / "fit.json")
+    again = FaceFit.load(tmp_path / "fit.json")
+    np.testing.assert_array_equal(again.head_pose, fitted.head_pose)
+    np.testing.assert_array_equal(
+        again.neutral_vertices(template), fitted.neutral_vertices(template)
+    )
+    assert (again.frame, again.image_size, again.features) == (7, (480, 400), fitted.features)
+    assert [path.name for path in tmp_path.iterdir()] == ["fit.json"]
+
+
+def _changed(key, value):
+    def change(document):
+        document[key] = value
+
+    return change
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        (_changed("schema", 2), "schema 2"),
+        (lambda d: d.pop("head_pose"), "lacks head_pose"),
+        (_changed("pose", 1), "unknown keys: pose"),
+        (_changed("frame", 0), "frame"),
+        (_changed("frame", True), "frame"),
+        (_changed("image_size", [480]), "image_size"),
+        (_changed("image_size", [8, 8]), "image_size"),
+        (_changed("intrinsics", [[0, 0, 1], [0, 600, 1], [0, 0, 1]]), "intrinsics"),
+        (_changed("intrinsics", "wide"), "intrinsics"),
+        (_changed("head_pose", np.diag([1, 1, -1, 1]).tolist()), "rotation"),
+        (_changed("head_pose", np.full((4, 4), np.nan).tolist()), "head_pose"),
+        (_changed("head_pose", np.eye(4).tolist()), "z > 0"),
+        (_changed("identity", {"head_round": None}), "head_round"),
+        (_changed("identity", [0.1]), "identity"),
+        (_changed("features", {"pupil.L": [1]}), "pupil.L"),
+        (_changed("warnings", "two"), "warnings"),
+    ],
+)
+def test_edited_fit_is_refused_with_the_field_named(tmp_path, fitted, change, text):
+    path = tmp_path / "fit.json"
+    fitted.save(path)
+    document = json.loads(path.read_text())
+    change(document)
+    path.write_text(json.dumps(document))
+    with pytest.raises(InvalidInput, match=text) as caught:
+        FaceFit.load(path)
+    assert str(path) in str(caught.value)
+
+
+def test_files_that_are_no_fit_are_refused(tmp_path):
+    with pytest.raises(UnreadableMedia, match="No such file"):
+        FaceFit.load(tmp_path / "missing.json")
+    for content in (b"", b"[1]", b"\xff\xfe", b"{" * 1000):
+        (tmp_path / "bad.json").write_bytes(content)
+        with pytest.raises(InvalidInput, match="not a face fit"):
+            FaceFit.load(tmp_path / "bad.json")
+
+
+def test_unknown_identity_is_named(template, fitted):
+    fit = FaceFit(1, fitted.image_size, fitted.intrinsics, fitted.head_pose, {"two_heads": 1.0})
+    with pytest.raises(InvalidInput, match="two_heads"):
+        fit.neutral_vertices(template)
