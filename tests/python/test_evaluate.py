@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scores mean what they say, bad truth is refused, rendered truth agrees with its picture."""
 
+import argparse
 import dataclasses
 import json
 
@@ -8,7 +9,7 @@ import numpy as np
 import pytest
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.evaluate import Truth, scores
-from mimetic.evaluate.command import run_evaluate
+from mimetic.evaluate.command import add_arguments, run_evaluate
 from mimetic.evaluate.peers import dis_tracks
 from mimetic.evaluate.prediction import follow
 from mimetic.evaluate.score import score
@@ -249,13 +250,9 @@ def test_the_command_scores_files(tmp_path, capsys, performance, truth):
 
 
 def evaluate_options(**given):
-    import argparse
-
-    from mimetic.evaluate.command import add_parser
-
     parser = argparse.ArgumentParser()
-    add_parser(parser.add_subparsers())
-    options = parser.parse_args(["evaluate"])
+    add_arguments(parser)
+    options = parser.parse_args([])
     for name, value in given.items():
         setattr(options, name, value)
     return options

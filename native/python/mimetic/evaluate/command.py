@@ -15,13 +15,10 @@ from mimetic.evaluate.truth import Truth
 from mimetic.performance import Performance
 
 
-def add_parser(commands) -> None:
-    """Adds the command to argparse's sub-parsers."""
-    parser = commands.add_parser(
-        "evaluate",
-        help="score a capture against known truth",
-        description="Score a performance against a truth file (docs/truth-file.md). Without "
-        "--truth, render heads with known motion (kept in the cache), capture and score them.",
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.description = (
+        "Score a performance against a truth file (docs/truth-file.md). Without --truth, render "
+        "heads with known motion (kept in the cache), capture and score them."
     )
     parser.add_argument("--truth", type=Path, help="truth file of the footage")
     parser.add_argument("--performance", type=Path, help="performance captured from it")
@@ -33,7 +30,6 @@ def add_parser(commands) -> None:
         help="which rendered clips (default: held-out)",
     )
     parser.add_argument("--json", action="store_true", help="print JSON, every figure in it")
-    parser.set_defaults(run=run_evaluate)
 
 
 def run_evaluate(options: argparse.Namespace) -> int:
