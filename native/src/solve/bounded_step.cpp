@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "bounded_step.hpp"
 
+#include <Eigen/Cholesky>
+
 namespace mimetic {
 
 namespace {
