@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import UnreadableMedia
+from mimetic.ffmpeg import ffmpeg_program
 
 SMALLEST, LARGEST = 16, 16384  # pixels, each side
 # Containers of moving pictures only: play lists and image patterns can open other files.
@@ -115,11 +116,9 @@ class Footage:
             raise UnreadableMedia(f"{str(self.path)!r} cannot be opened: {error}") from None
 
     def _command(self, *options: str) -> list[str]:
-        from imageio_ffmpeg import get_ffmpeg_exe
-
         # "file:" before an absolute path: no name can be taken for an option or a protocol.
         return [
-            *(get_ffmpeg_exe(), "-nostdin", "-hide_banner", *options),
+            *(ffmpeg_program(), "-nostdin", "-hide_banner", *options),
             *("-protocol_whitelist", "file", "-format_whitelist", CONTAINERS),
             *("-max_pixels", str(LARGEST * LARGEST)),
             *("-i", f"file:{self.path.absolute()}", "-map", "0:V:0"),
