@@ -28,7 +28,7 @@ def make_performance(num_frames=12, rings=9, **changes):
         "head_pose": pose,
         "head_pose_cov": np.tile(np.diag([1e-5] * 3 + [1e-6] * 3), (num_frames, 1, 1)),
         "muscles": sides,
-        "muscle_modes": rng.normal(0, 0.002, (36, len(vertices), 3)),
+        "muscle_modes": rng.normal(0, 0.0004, (36, len(vertices), 3)),
         "groups": np.repeat(np.arange(1, 8), [8, 4, 4, 4, 6, 6, 4]),
         "activations": 0.5 + 0.5 * np.sin(phase[:, None] * 6 + np.arange(36)),
         "activations_std": np.full((num_frames, 36), 0.05),

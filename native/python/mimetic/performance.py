@@ -203,9 +203,8 @@ class Performance:
             frame = self.frame[np.flatnonzero(bad)[0]]
             raise InvalidInput(f"performance head_pose is not a rigid motion at frame {frame}")
         cov = self.head_pose_cov
-        scale = np.abs(cov).max(axis=(1, 2)) + 1e-300
-        bad = np.abs(cov - cov.transpose(0, 2, 1)).max(axis=(1, 2)) > 1e-6 * scale
-        bad |= np.linalg.eigvalsh(cov)[:, 0] < -1e-6 * scale
+        bad = np.abs(cov - cov.transpose(0, 2, 1)).max(axis=(1, 2)) > 1e-6 * np.abs(cov).max()
+        bad |= np.linalg.eigvalsh(unitless(cov)[0])[:, 0] < -1e-6
         if bad.any():
             frame = self.frame[np.flatnonzero(bad)[0]]
             raise InvalidInput(f"performance head_pose_cov is not a covariance at frame {frame}")
@@ -253,6 +252,15 @@ class Performance:
             ) from None
         except InvalidInput as error:
             raise InvalidInput(f"{path}: {error}") from None
+
+
+def unitless(cov: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Covariances N x D x D as correlations, and the N x D standard deviations taken out.
+
+    Radians and metres differ by orders of magnitude: rounding is judged without them.
+    """
+    std = np.sqrt(np.clip(np.diagonal(cov, axis1=1, axis2=2), 1e-300, None))
+    return cov / (std[:, :, None] * std[:, None, :]), std
 
 
 def check_shape(

@@ -1,0 +1,404 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From footage to a performance: the loop over the frames.
+
+`find_face` chooses a frame and fits the head; `capture` follows it through the clip. Memory does
+not depend on the clip's length but for the performance itself: frames are decoded one at a time.
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, UnreadableMedia, _core
+from mimetic import fit as fitting
+from mimetic.anatomy import Anatomy, attach
+from mimetic.face_template import FaceTemplate, load_template
+from mimetic.fit import FaceFit, NoFace
+from mimetic.footage import Footage
+from mimetic.performance import HELD_QUALITY, Performance, unitless
+
+Progress = Callable[[float, str], bool]  # fraction, what is done -> go on?
+FrameRange = tuple[int | None, int | None]
+
+SEARCHED_SECONDS = 8.0  # of the clip, for the frame that shows the face best
+NUM_CANDIDATES = 16
+SEARCH_AGAIN = 12  # frames between looks for a face that was lost
+BACKWARD_BYTES = 128 << 20  # of frames held to walk a clip backwards
+WINDOW, OVERLAP = 300, 40  # frames smoothed at once, and shared with the next window
+UNMEASURED_REGIONS = ("scalp", "ear", "neck", "mouth_cavity", "eye_socket", "eyelid")
+# How far values stray from 0 before anything is seen
+MUSCLE_STD = 0.3
+ARTICULATOR_STD = {"jaw_open": 0.4, "jaw_side": 0.15, "jaw_thrust": 0.1}
+LID_STD = 0.5
+
+
+@dataclass
+class CaptureSummary:
+    """How a capture went: for the report."""
+
+    seconds: dict[str, float] = field(default_factory=dict)  # by stage
+    settings: dict[str, str] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+    fit: FaceFit | None = None
+    stopped: bool = False
+
+    def add(self, stage: str, seconds: float) -> None:
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
+
+
+@dataclass
+class _Rows:
+    """The performance as it grows, one row a frame."""
+
+    frame: list[int] = field(default_factory=list)
+    pose: list[NDArray] = field(default_factory=list)
+    pose_cov: list[NDArray] = field(default_factory=list)
+    values: list[NDArray] = field(default_factory=list)
+    values_std: list[NDArray] = field(default_factory=list)
+    quality: list[float] = field(default_factory=list)
+
+    def append(self, frame: int, estimate: _core.FrameEstimate) -> None:
+        quality = min(estimate.quality, 0.99 * HELD_QUALITY) if estimate.held else estimate.quality
+        self.frame.append(frame)
+        self.pose.append(np.asarray(estimate.camera_from_head))
+        self.pose_cov.append(np.asarray(estimate.pose_cov))
+        self.values.append(np.asarray(estimate.values))
+        self.values_std.append(np.asarray(estimate.values_std))
+        self.quality.append(quality)
+
+
+def find_face(
+    path: str | os.PathLike[str],
+    frame: int | None = None,
+    frames: FrameRange | None = None,
+    progress: Progress | None = None,
+) -> FaceFit:
+    """The head fitted to `frame`, or to the best of the first seconds (within `frames`).
+
+    The face must be at rest there. Raises NoFace, UnreadableMedia, InvalidInput.
+    """
+    footage = Footage(path)
+    if frame is not None:
+        first, last = check_range((frame, frame), footage)
+        return fitting.find_face(footage.read(first), first)
+    first, last = check_range(frames, footage)
+    span = min(last - first + 1, max(1, round(SEARCHED_SECONDS * float(footage.fps))))
+    wanted = set(
+        np.linspace(first, first + span - 1, min(span, NUM_CANDIDATES)).astype(int).tolist()
+    )
+    fit = _best_fit(footage, wanted, progress)
+    if fit is None and first + span <= last:
+        wanted = set(np.linspace(first + span, last, 2 * NUM_CANDIDATES).astype(int).tolist())
+        fit = _best_fit(footage, wanted, progress)
+    if fit is None:
+        raise NoFace(
+            f"no frontal face found in {footage.path.name}, frames {first} to {last}: choose a "
+            "range in which the face looks at the camera and is lit (--frames A:B), or give a fit"
+        )
+    return fit
+
+
+def _best_fit(footage: Footage, wanted: set[int], progress: Progress | None) -> FaceFit | None:
+    """The fit to the best of the wanted frames that can be fitted at all."""
+    scored: list[tuple[float, int, NDArray[np.uint8]]] = []
+    for frame, image in footage.frames(min(wanted), max(wanted)):
+        if frame in wanted:
+            if progress and not progress(0.0, f"looking for the face: frame {frame}"):
+                raise NoFace("stopped while looking for the face")
+            score = fitting.score_frame(image)
+            if score is not None:
+                scored = sorted([*scored, (score, frame, image)], key=lambda item: -item[0])[:3]
+    for _, frame, image in scored:
+        try:
+            return fitting.find_face(image, frame)
+        except NoFace:
+            continue
+    return None
+
+
+def check_range(frames: FrameRange | None, footage: Footage) -> tuple[int, int]:
+    """First and last frame number, both included; raises InvalidInput."""
+    first, last = frames or (None, None)
+    first = 1 if first is None else first
+    last = footage.num_frames if last is None else min(last, footage.num_frames)
+    if first < 1 or first > last:
+        raise InvalidInput(
+            f"frames {first}:{last} of {footage.path.name}: it has frames 1 to {footage.num_frames}"
+        )
+    return first, last
+
+
+def capture(
+    path: str | os.PathLike[str],
+    frames: FrameRange | None = None,
+    fit: FaceFit | None = None,
+    progress: Progress | None = None,
+    summary: CaptureSummary | None = None,
+) -> Performance:
+    """Follows the head and solves the muscles in `frames` (both ends included; the whole clip).
+
+    progress: called with (fraction, text) every frame; when it returns False the frames done so far
+    are returned, and `notes` say so. summary: filled with how it went. Raises NoFace,
+    UnreadableMedia, InvalidInput.
+    """
+    summary = summary if summary is not None else CaptureSummary()
+    footage = Footage(path)
+    first, last = check_range(frames, footage)
+    if first == last:
+        raise InvalidInput(
+            f"{footage.path.name}: one frame ({first}) shows no motion; capture needs at least two"
+        )
+    start = time.perf_counter()
+    if fit is None:
+        fit = find_face(path, frames=(first, last), progress=progress)
+    elif tuple(fit.image_size) != footage.size:
+        raise InvalidInput(
+            f"the face fit is for pictures of {fit.image_size[0]} x {fit.image_size[1]}, "
+            f"{footage.path.name} has {footage.size[0]} x {footage.size[1]}"
+        )
+    summary.fit = fit
+    summary.add("find the face", time.perf_counter() - start)
+    return _Capture(footage, fit, (first, last), progress, summary).run()
+
+
+class _Capture:
+    """One capture at work."""
+
+    def __init__(
+        self,
+        footage: Footage,
+        fit: FaceFit,
+        frames: tuple[int, int],
+        progress: Progress | None,
+        summary: CaptureSummary,
+    ) -> None:
+        self.footage, self.fit, self.summary, self.progress = footage, fit, summary, progress
+        self.first, self.last = frames
+        self.num_done = 0
+        self.num_needed = 1 + max(fit.frame, self.last) - min(fit.frame, self.first)
+        start = time.perf_counter()
+        self.template = load_template()
+        self.neutral = fit.neutral_vertices(self.template)
+        self.anatomy = attach(self.neutral, self.template)
+        self.motion = face_motion(self.neutral, self.anatomy, self.template)
+        summary.add("attach the muscles", time.perf_counter() - start)
+
+    def run(self) -> Performance:
+        reference = self.footage.read(self.fit.frame)
+        tracker = self._make_tracker(reference)
+        at_reference = self._advance(tracker, self.fit.frame, reference)
+        backward, forward = _Rows(), _Rows()
+        near_reference: list[_core.FrameEstimate] = []
+        if self.fit.frame > self.first:
+            images = frames_backward(self.footage, self.fit.frame - 1, self.first)
+            for frame, estimate in self._smooth(self._follow(tracker, images), [at_reference]):
+                if len(near_reference) < OVERLAP:
+                    near_reference.append(estimate)
+                if frame <= self.last:
+                    backward.append(frame, estimate)
+            tracker.restart(reference, at_reference)
+        ahead = iter(())
+        if self.last > self.fit.frame:
+            images = self.footage.frames(self.fit.frame + 1, self.last)
+            ahead = self._follow(tracker, images)
+        estimates = itertools.chain([(self.fit.frame, at_reference)], ahead)
+        for frame, estimate in self._smooth(estimates, near_reference[::-1]):
+            if self.first <= frame <= self.last:
+                forward.append(frame, estimate)
+        return self._performance(_join(backward, forward))
+
+    def _make_tracker(self, reference: NDArray[np.uint8]) -> _core.FaceTracker:
+        template = self.template
+        weights = np.ones(template.num_skin_vertices)
+        weights[template.in_region(*UNMEASURED_REGIONS)] = 0
+        return _core.FaceTracker(
+            self.fit.camera,
+            np.ascontiguousarray(template.skin_faces, dtype=np.int32),
+            weights,
+            self.motion,
+            reference,
+            self.fit.head_pose,
+            eye_slits(template, self.anatomy),
+        )
+
+    def _advance(
+        self, tracker: _core.FaceTracker, frame: int, image: NDArray[np.uint8], guess=None
+    ) -> _core.FrameEstimate:
+        start = time.perf_counter()
+        estimate = tracker.advance(image, guess)
+        self.summary.add("follow the face", time.perf_counter() - start)
+        self.num_done += 1
+        return estimate
+
+    def _follow(
+        self, tracker: _core.FaceTracker, images: Iterator[tuple[int, NDArray[np.uint8]]]
+    ) -> Iterator[tuple[int, _core.FrameEstimate]]:
+        """Estimates frame by frame, until the images end or the user stops."""
+        num_lost = 0
+        start = time.perf_counter()
+        for frame, image in images:
+            self.summary.add("decode", time.perf_counter() - start)
+            fraction = self.num_done / self.num_needed
+            told = f"following the face: frame {frame}"
+            if self.summary.stopped or (self.progress and not self.progress(fraction, told)):
+                self.summary.stopped = True
+                return
+            guess = None
+            if num_lost and num_lost % SEARCH_AGAIN == 0:
+                guess = self._look_again(image, frame)
+            estimate = self._advance(tracker, frame, image, guess)
+            num_lost = num_lost + 1 if estimate.held else 0
+            yield frame, estimate
+            start = time.perf_counter()
+
+    def _look_again(self, image: NDArray[np.uint8], frame: int) -> NDArray[np.float64] | None:
+        """Where the detector sees the lost head, camera from head."""
+        start = time.perf_counter()
+        try:
+            return fitting.find_face(image, frame, camera=self.fit.camera).head_pose
+        except NoFace:
+            return None
+        finally:
+            self.summary.add("look for the face again", time.perf_counter() - start)
+
+    def _smooth(
+        self,
+        estimates: Iterator[tuple[int, _core.FrameEstimate]],
+        before: list[_core.FrameEstimate],
+    ) -> Iterator[tuple[int, _core.FrameEstimate]]:
+        """Smoothed estimates, window by window; `before` are known neighbours of the first."""
+        waiting: list[tuple[int, _core.FrameEstimate]] = [(0, estimate) for estimate in before]
+        num_given = len(waiting)
+
+        def give(until: int) -> Iterator[tuple[int, _core.FrameEstimate]]:
+            start = time.perf_counter()
+            results = _core.smooth([estimate for _, estimate in waiting], self.motion)
+            self.summary.add("smooth", time.perf_counter() - start)
+            for i in range(num_given, until):
+                yield waiting[i][0], results[i]
+
+        for item in estimates:
+            waiting.append(item)
+            if len(waiting) >= WINDOW + 2 * OVERLAP:
+                yield from give(len(waiting) - OVERLAP)
+                waiting, num_given = waiting[-2 * OVERLAP :], OVERLAP
+        if len(waiting) > num_given:
+            yield from give(len(waiting))
+
+    def _performance(self, rows: _Rows) -> Performance:
+        if not rows.frame:
+            why = "stopped too early" if self.summary.stopped else "the file ends before"
+            raise UnreadableMedia(
+                f"{self.footage.path.name}: {why}, no frame of {self.first} to {self.last} is done"
+            )
+        num_muscles = len(self.anatomy.muscle_names)
+        values, std = np.array(rows.values), np.array(rows.values_std)
+        return Performance(
+            frame=np.array(rows.frame),
+            fps=float(self.footage.fps),
+            image_size=np.array(self.footage.size),
+            intrinsics=self.fit.intrinsics,
+            head_pose=_rigid(np.array(rows.pose)),
+            head_pose_cov=_semidefinite(np.array(rows.pose_cov)),
+            muscles=list(self.anatomy.muscle_names),
+            muscle_modes=self.anatomy.muscle_modes,
+            groups=self.anatomy.groups,
+            activations=np.clip(values[:, :num_muscles], 0, 1),
+            activations_std=std[:, :num_muscles],
+            articulators=list(self.anatomy.articulator_names),
+            articulator_values=values[:, num_muscles:],
+            articulator_values_std=std[:, num_muscles:],
+            articulator_modes=self.anatomy.articulator_modes,
+            neutral_vertices=self.neutral,
+            faces=self.template.faces,
+            quality=np.clip(rows.quality, 0, 1),
+            notes=self._notes(rows),
+        )
+
+    def _notes(self, rows: _Rows) -> list[str] | None:
+        notes = [*self.footage.warnings, *self.fit.warnings]
+        if self.summary.stopped:
+            notes.append(
+                f"stopped by the user: frames {rows.frame[0]} to {rows.frame[-1]} "
+                f"of {self.first} to {self.last}"
+            )
+        held = int(np.sum(np.array(rows.quality) < HELD_QUALITY))
+        if held:
+            notes.append(f"the face was lost in {held} frames, which are held (quality under 0.2)")
+        self.summary.warnings = notes
+        return notes or None
+
+
+def face_motion(
+    neutral: NDArray[np.float64], anatomy: Anatomy, template: FaceTemplate
+) -> _core.FaceMotion:
+    """What the tracker may move: the skin's muscles, then the articulators."""
+    skin = template.num_skin_vertices
+    modes = np.concatenate([anatomy.muscle_modes, anatomy.articulator_modes])[:, :skin]
+    num_muscles = len(anatomy.muscle_names)
+    limits = np.asarray(anatomy.articulator_limits, dtype=np.float64)
+    stds = [ARTICULATOR_STD.get(name, LID_STD) for name in anatomy.articulator_names]
+    return _core.FaceMotion(
+        np.ascontiguousarray(neutral[:skin]),
+        np.ascontiguousarray(modes, dtype=np.float64),
+        num_muscles,
+        np.concatenate([np.zeros(num_muscles), limits[:, 0]]),
+        np.concatenate([np.ones(num_muscles), limits[:, 1]]),
+        np.concatenate([np.full(num_muscles, MUSCLE_STD), stds]),
+    )
+
+
+def eye_slits(template: FaceTemplate, anatomy: Anatomy) -> list[_core.EyeSlit]:
+    """The openings of the two eyes, and which values close them."""
+    names = list(anatomy.articulator_names)
+    num_muscles = len(anatomy.muscle_names)
+    corners = ("eye_inner", "eye_outer", "lid_upper", "lid_lower")
+    return [
+        _core.EyeSlit(
+            *(template.landmark(f"{name}.{side}") for name in corners),
+            *(num_muscles + names.index(f"{lid}.{side}") for lid in ("lid_upper", "lid_lower")),
+        )
+        for side in "LR"
+    ]
+
+
+def frames_backward(
+    footage: Footage, first: int, last: int
+) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+    """Frames from `first` down to `last`, in runs that fit in memory."""
+    width, height = footage.size
+    num_held = max(1, BACKWARD_BYTES // (3 * width * height))
+    while first >= last:
+        start = max(last, first - num_held + 1)
+        yield from reversed(list(footage.frames(start, first)))
+        first = start - 1
+
+
+def _join(backward: _Rows, forward: _Rows) -> _Rows:
+    rows = _Rows()
+    for name in vars(rows):
+        setattr(rows, name, getattr(backward, name)[::-1] + getattr(forward, name))
+    return rows
+
+
+def _rigid(poses: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Poses whose rotations are orthonormal to the last digit."""
+    u, _, vt = np.linalg.svd(poses[:, :3, :3])
+    poses[:, :3, :3] = u @ vt
+    poses[:, 3] = [0, 0, 0, 1]
+    return poses
+
+
+def _semidefinite(cov: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Covariances N x 6 x 6 without the rounding that makes them asymmetric or indefinite."""
+    correlation, std = unitless((cov + cov.transpose(0, 2, 1)) / 2)
+    values, vectors = np.linalg.eigh(correlation)
+    correlation = np.einsum("nij,nj,nkj->nik", vectors, np.clip(values, 1e-9, None), vectors)
+    return correlation * std[:, :, None] * std[:, None, :]

@@ -1,0 +1,199 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`mimetic points`: where pixels of one frame go in all others."""
+
+from __future__ import annotations
+
+import argparse
+import csv
+import os
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, UnreadableMedia, _core
+from mimetic.performance import Performance
+
+LEVELS = 2  # of refinement: facets of a millimetre or two
+LARGEST_TABLE = 1_000_000  # points
+RAYS_AT_ONCE = 64
+COVERED = 2e-3  # metres behind the surface that still count as seen
+GRAZING = 0.1  # cosine between normal and view below which a point is turned away
+
+
+@dataclass(frozen=True)
+class Tracks:
+    tracks: NDArray[np.float64]  # N x K x 2, pixels; NaN for points that are not on the face
+    visible: NDArray[
+        np.bool_
+    ]  # N x K: in the picture, turned to the camera, not covered by the face
+    on_face: NDArray[np.bool_]  # K: the pixel of the given frame shows the face
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes TRACKS.npz, whole or not at all."""
+        path = Path(path)
+        handle, aside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
+        try:
+            with os.fdopen(handle, "wb") as stream:
+                np.savez_compressed(
+                    stream, tracks=self.tracks, visible=self.visible, on_face=self.on_face
+                )
+            os.chmod(aside, 0o644)
+            os.replace(aside, path)
+        except BaseException:
+            os.unlink(aside)
+            raise
+
+
+def track_points(
+    performance: Performance, points: NDArray[np.float64], frame: int | None = None
+) -> Tracks:
+    """Follows pixels (K x 2; (0, 0) is the centre of the top-left one) of `frame`, or of the first.
+
+    Each pixel's ray meets the surface of that frame; the place on the skin is then projected in
+    every frame. Raises InvalidInput on points that are not finite or a frame the file lacks.
+    """
+    points = np.asarray(points, dtype=np.float64)
+    if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
+        raise InvalidInput("points must be K rows of two finite numbers, x and y in pixels")
+    surface = _RefinedSurface(performance)
+    start = performance.index_of(frame) if frame is not None else 0
+    vertices = surface.in_camera(start)
+    triangle, weights = _cast(performance, points, vertices, surface.triangles)
+    on_face = triangle >= 0
+    corners = surface.triangles[triangle[on_face]]
+    weights = weights[on_face]
+
+    shape = (performance.num_frames, len(points))
+    tracks, visible = np.full((*shape, 2), np.nan), np.zeros(shape, dtype=bool)
+    for i in range(performance.num_frames):
+        vertices = surface.in_camera(i)
+        seen = vertices[corners]
+        places = np.einsum("kc,kcx->kx", weights, seen)
+        normals = np.cross(seen[:, 1] - seen[:, 0], seen[:, 2] - seen[:, 0])
+        lengths = np.linalg.norm(normals, axis=1) * np.linalg.norm(places, axis=1)
+        turned = -np.einsum("kx,kx->k", normals, places) > GRAZING * lengths
+        in_front = places[:, 2] > 1e-3
+        tracks[i, on_face] = performance.project(np.where(in_front[:, None], places, np.nan))
+        shown = _core.show_points(surface.camera, vertices, surface.faces, places, COVERED)
+        visible[i, on_face] = turned & shown
+    return Tracks(tracks, visible, on_face)
+
+
+class _RefinedSurface:
+    """The performance's limit surface, refined to small facets."""
+
+    def __init__(self, performance: Performance) -> None:
+        self.performance = performance
+        self.used, faces = np.unique(performance.faces, return_inverse=True)
+        faces = np.ascontiguousarray(faces.reshape(-1, 4), dtype=np.int32)
+        self.mesh = _core.SubdividedMesh(faces, len(self.used), LEVELS)
+        self.faces = np.ascontiguousarray(self.mesh.faces, dtype=np.int32)
+        self.triangles = np.concatenate([self.faces[:, [0, 1, 2]], self.faces[:, [0, 2, 3]]])
+        k = performance.intrinsics
+        width, height = (int(side) for side in performance.image_size)
+        self.camera = _core.Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], width, height)
+
+    def in_camera(self, i: int) -> NDArray[np.float64]:
+        control = np.ascontiguousarray(self.performance.surface_in_camera(i)[self.used])
+        return np.ascontiguousarray(self.mesh.positions(control))
+
+
+def _cast(
+    performance: Performance,
+    points: NDArray[np.float64],
+    vertices: NDArray[np.float64],
+    triangles: NDArray[np.int32],
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """The nearest triangle under each pixel (-1: none) and the place in it, K x 3 weights."""
+    facing = np.einsum(
+        "tx,tx->t",
+        np.cross(
+            vertices[triangles[:, 1]] - vertices[triangles[:, 0]],
+            vertices[triangles[:, 2]] - vertices[triangles[:, 0]],
+        ),
+        vertices[triangles[:, 0]],
+    )
+    candidates = np.flatnonzero((facing < 0) & (vertices[triangles, 2] > 1e-3).all(axis=1))
+    a, b, c = (vertices[triangles[candidates, k]] for k in range(3))
+    k = performance.intrinsics
+    rays = np.column_stack([points, np.ones(len(points))]) @ np.linalg.inv(k).T
+    # The ray s r meets a plane where its corners' weights solve s r = u a + v b + w c; each is a
+    # triple product with the ray, and before scaling they sum to 1 / s.
+    volume = np.einsum("tx,tx->t", a, np.cross(b, c))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        planes = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)]) / volume[:, None]
+    found = np.full(len(points), -1)
+    weights = np.zeros((len(points), 3))
+    for first in range(0, len(points), RAYS_AT_ONCE):
+        part = slice(first, first + RAYS_AT_ONCE)
+        parts = np.einsum("ctx,kx->kct", planes, rays[part])
+        total = parts.sum(axis=1)
+        inside = (
+            np.isfinite(total) & (parts >= -1e-9 * np.abs(total[:, None])).all(axis=1) & (total > 0)
+        )
+        nearness = np.where(inside, total, -1)  # 1 / s
+        best = nearness.argmax(axis=1)
+        rows = np.arange(len(best))
+        hit = nearness[rows, best] > 0
+        found[part] = np.where(hit, candidates[best], -1)
+        chosen = parts[rows, :, best]
+        weights[part] = np.where(hit[:, None], chosen / chosen.sum(axis=1, keepdims=True), 0)
+    return found, weights
+
+
+def read_points(path: str | os.PathLike[str]) -> NDArray[np.float64]:
+    """K x 2 pixels from a table with the header `x,y`; raises UnreadableMedia, InvalidInput."""
+    path = Path(path)
+    try:
+        with open(path, newline="", encoding="utf-8-sig") as stream:
+            rows = csv.reader(stream)
+            header = [name.strip() for name in next(rows, [])]
+            if header != ["x", "y"]:
+                raise InvalidInput(f"{path}: the first line must be x,y")
+            points = []
+            for row in rows:
+                if not row:
+                    continue
+                if len(points) == LARGEST_TABLE:
+                    raise InvalidInput(f"{path}: more than {LARGEST_TABLE} points; split the table")
+                points.append(_read_row(path, rows.line_num, row))
+    except OSError as error:
+        raise UnreadableMedia(f"{path}: {error.strerror}; give a table of points") from None
+    except (UnicodeDecodeError, csv.Error) as error:
+        raise InvalidInput(f"{path} is not a table of points: {error}") from None
+    if not points:
+        raise InvalidInput(f"{path}: no points after the first line")
+    return np.array(points)
+
+
+def _read_row(path: Path, line: int, row: list[str]) -> tuple[float, float]:
+    try:
+        x, y = (float(cell) for cell in row)
+    except ValueError:
+        raise InvalidInput(f"{path}, line {line}: {','.join(row)!r} is not x,y") from None
+    if not (np.isfinite(x) and np.isfinite(y)):
+        raise InvalidInput(f"{path}, line {line}: x and y must be finite")
+    return x, y
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("performance", type=Path, help="performance.npz of a capture")
+    parser.add_argument(
+        "--at", type=Path, required=True, metavar="POINTS.csv", help="x,y in pixels"
+    )
+    parser.add_argument("--frame", type=int, help="frame the pixels are in (default: the first)")
+    parser.add_argument("--out", type=Path, required=True, metavar="TRACKS.npz")
+
+
+def run_points(arguments: argparse.Namespace) -> int:
+    performance = Performance.load(arguments.performance)
+    tracks = track_points(performance, read_points(arguments.at), arguments.frame)
+    tracks.save(arguments.out)
+    print(
+        f"{arguments.out}: {int(tracks.on_face.sum())} of {len(tracks.on_face)} points on the "
+        f"face, {performance.num_frames} frames"
+    )
+    return 0

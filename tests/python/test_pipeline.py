@@ -1,0 +1,201 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from clips import ffmpeg, make_clip
+from mimetic import InvalidInput, UnreadableMedia
+from mimetic.cli import main
+from mimetic.fit import FaceFit, NoFace
+from mimetic.footage import Footage
+from mimetic.performance import Performance
+from mimetic.pipeline import CaptureSummary, capture, find_face, frames_backward
+
+
+@pytest.fixture(scope="module")
+def fit(rendered_clip):
+    return find_face(rendered_clip.footage)
+
+
+@pytest.fixture(scope="module")
+def performance(rendered_clip, fit):
+    return capture(rendered_clip.footage, fit=fit)
+
+
+def test_the_whole_clip_is_captured_frame_by_frame(rendered_clip, performance):
+    footage = Footage(rendered_clip.footage)
+    assert performance.frame.tolist() == list(range(1, footage.num_frames + 1))
+    assert performance.fps == float(footage.fps)
+    assert tuple(performance.image_size) == footage.size
+    assert np.median(performance.quality) > 0.5
+    assert performance.notes is None or "stopped" not in " ".join(performance.notes)
+
+
+def test_a_range_holds_those_frames_alone(rendered_clip, fit):
+    part = capture(rendered_clip.footage, frames=(5, 9), fit=fit)
+    assert part.frame.tolist() == [5, 6, 7, 8, 9]
+
+
+def test_frames_before_the_fits_are_captured_too(rendered_clip):
+    late = find_face(rendered_clip.footage, 8)
+    found = capture(rendered_clip.footage, frames=(1, 12), fit=late)
+    assert found.frame.tolist() == list(range(1, 13))
+    steps = np.linalg.norm(np.diff(found.head_pose[:, :3, 3], axis=0), axis=1)
+    assert steps.max() < 0.02  # metres a frame: no jump where the two ways meet
+
+
+def test_the_summary_says_where_the_time_went(rendered_clip, fit):
+    summary = CaptureSummary()
+    capture(rendered_clip.footage, frames=(1, 4), fit=fit, summary=summary)
+    assert {"decode", "attach the muscles", "follow the face", "smooth"} <= set(summary.seconds)
+    assert all(seconds >= 0 for seconds in summary.seconds.values())
+
+
+def test_a_stopped_capture_keeps_and_marks_what_is_done(rendered_clip, fit):
+    calls = []
+
+    def progress(fraction, text):
+        calls.append((fraction, text))
+        return len(calls) < 6
+
+    kept = capture(rendered_clip.footage, fit=fit, progress=progress)
+    assert 1 <= kept.num_frames <= 7
+    assert np.all(np.diff(kept.frame) == 1)
+    assert "stopped by the user" in kept.notes[-1] or "stopped by the user" in " ".join(kept.notes)
+    assert all(0 <= fraction <= 1 for fraction, _ in calls)
+
+
+def test_frames_backward_are_the_same_frames(rendered_clip):
+    footage = Footage(rendered_clip.footage)
+    forward = dict(footage.frames(1, 9))
+    backward = list(frames_backward(footage, 9, 1))
+    assert [frame for frame, _ in backward] == list(range(9, 0, -1))
+    for frame, image in backward:
+        np.testing.assert_array_equal(image, forward[frame])
+
+
+def test_no_face_is_said_with_what_to_do(tmp_path):
+    clip = make_clip(tmp_path / "bars.mp4", size="320x240", frames=20, source="smptebars")
+    with pytest.raises(NoFace, match=r"no frontal face.*--frames"):
+        capture(clip)
+
+
+def test_a_single_frame_shows_no_motion(rendered_clip, tmp_path):
+    ffmpeg("-i", rendered_clip.footage, "-frames:v", "1", tmp_path / "one.mp4")
+    with pytest.raises(InvalidInput, match="at least two"):
+        capture(tmp_path / "one.mp4")
+
+
+def test_a_fit_for_another_size_is_refused(rendered_clip, fit, tmp_path):
+    clip = make_clip(tmp_path / "small.mp4", size="160x120", frames=5)
+    with pytest.raises(InvalidInput, match="320 x 240"):
+        capture(clip, fit=fit)
+
+
+@pytest.mark.parametrize("frames", [(900, 910), (5, 4), (0, 3)])
+def test_frames_outside_of_the_clip_are_refused(rendered_clip, frames):
+    with pytest.raises(InvalidInput, match="it has frames 1 to"):
+        capture(rendered_clip.footage, frames=frames)
+
+
+def test_a_cut_to_something_else_is_held_not_invented(rendered_clip, fit, tmp_path):
+    bars = make_clip(
+        tmp_path / "bars.mkv", "-c:v", "ffv1", size="320x240", frames=12, source="smptebars"
+    )
+    filters = "[0:v]trim=end_frame=10,setpts=N/25/TB,format=yuv420p,setsar=1[a];"
+    filters += "[1:v]setpts=N/25/TB,format=yuv420p,setsar=1[b];[a][b]concat"
+    ffmpeg(
+        *("-i", rendered_clip.footage, "-i", bars, "-filter_complex", filters),
+        *("-c:v", "ffv1", tmp_path / "cut.mkv"),
+    )
+    found = capture(tmp_path / "cut.mkv", fit=fit)
+    assert found.frame.tolist() == list(range(1, 23))
+    assert (found.quality[:9] > 0.3).all()
+    assert (found.quality[13:] < 0.2).all()
+    assert any("held" in note for note in found.notes)
+
+
+def run(*arguments):
+    return [sys.executable, "-m", "mimetic", *(str(argument) for argument in arguments)]
+
+
+def test_the_command_writes_everything_asked_for(rendered_clip, tmp_path):
+    out = tmp_path / "new" / "folder"
+    done = subprocess.run(
+        run("capture", rendered_clip.footage, "--out", out, "--frames", "1:10"),
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    names = {path.name for path in out.iterdir()}
+    assert names == {"performance.npz", "overlay.mp4", "report.html", "fit.json"}
+    assert Performance.load(out / "performance.npz").num_frames == 10
+    assert Footage(out / "overlay.mp4").num_frames == 10
+    assert FaceFit.load(out / "fit.json").image_size == (320, 240)
+
+
+def test_a_fit_from_a_file_is_used(rendered_clip, fit, tmp_path):
+    fit.save(tmp_path / "fit.json")
+    words = (
+        "capture",
+        rendered_clip.footage,
+        "--out",
+        tmp_path / "out",
+        "--frames",
+        "1:3",
+        "--fit",
+    )
+    assert main([str(word) for word in (*words, tmp_path / "fit.json")]) == 0
+    again = FaceFit.load(tmp_path / "out" / "fit.json")
+    np.testing.assert_allclose(again.head_pose, fit.head_pose)
+
+
+def test_ctrl_c_keeps_the_finished_part_and_exits_130(rendered_clip, tmp_path):
+    long = tmp_path / "long.mp4"
+    ffmpeg("-stream_loop", "9", "-i", rendered_clip.footage, "-c", "copy", long)
+    process = subprocess.Popen(
+        run("capture", long, "--out", tmp_path / "out"), stderr=subprocess.PIPE, text=True
+    )
+    time.sleep(12)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=240)
+    assert process.returncode == 130, errors
+    kept = Performance.load(tmp_path / "out" / "performance.npz")
+    assert kept.num_frames < Footage(long).num_frames
+    assert any("stopped by the user" in note for note in kept.notes)
+    assert not list((tmp_path / "out").glob(".*"))
+
+
+@pytest.mark.parametrize("name", ["absent.mp4", "empty.mp4", "text.mp4"])
+def test_bad_footage_is_one_line_and_status_2(tmp_path, capsys, name):
+    if name != "absent.mp4":
+        (tmp_path / name).write_bytes(b"" if name == "empty.mp4" else b"text " * 99)
+    assert main(["capture", str(tmp_path / name), "--out", str(tmp_path / "out")]) == 2
+    error = capsys.readouterr().err
+    assert name in error and error.count("\n") == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_that_cannot_be_written_is_told_before_any_work(rendered_clip, tmp_path, capsys):
+    (tmp_path / "file").touch()
+    assert main(["capture", str(rendered_clip.footage), "--out", str(tmp_path / "file")]) == 2
+    assert "is a file" in capsys.readouterr().err
+    if os.geteuid() != 0:
+        (tmp_path / "closed").mkdir(mode=0o500)
+        out = str(tmp_path / "closed" / "out")
+        assert main(["capture", str(rendered_clip.footage), "--out", out]) == 2
+        assert "written to" in capsys.readouterr().err
+
+
+def test_a_file_in_the_way_of_the_folder_is_named(tmp_path, rendered_clip, capsys):
+    (tmp_path / "file").touch()
+    assert main(["capture", str(rendered_clip.footage), "--out", str(tmp_path / "file" / "x")]) == 2
+    assert "--out" in capsys.readouterr().err
+
+
+def test_unreadable_media_is_an_os_error():
+    assert issubclass(UnreadableMedia, OSError) and issubclass(NoFace, ValueError)
