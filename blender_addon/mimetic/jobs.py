@@ -149,6 +149,8 @@ class Job:
                 raise run.error
             return self._write(context, run.result, run.stop.is_set())
         except native.known_errors() as error:
+            if run.error and run.stop.is_set():  # it had nothing yet to keep
+                return self._write(context, None, True)
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
 

@@ -33,9 +33,8 @@ class MIMETIC_OT_find_face(Job, Operator):
 
     def work(self, inputs, progress):
         footage, frame = inputs
-        if not progress(0.0, "looking for the face"):
-            return None
-        return footage.clip_name, native.part("pipeline").find_face(footage.path, frame)
+        pipeline = native.part("pipeline")
+        return footage.clip_name, pipeline.find_face(footage.path, frame, progress=progress)
 
     def write(self, context, result):
         clip_name, fit = result

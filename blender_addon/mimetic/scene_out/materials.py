@@ -45,22 +45,24 @@ def _material(surface) -> bpy.types.Material:
     shader = nodes["Principled BSDF"]
     shader.inputs["Base Color"].default_value = (*surface.colour, 1.0)
     shader.inputs["Roughness"].default_value = surface.roughness
-    shader.inputs["Alpha"].default_value = surface.opacity
     if surface.texture is not None:
         texture = nodes.new("ShaderNodeTexImage")
         texture.location = (-320, 300)
         texture.image = _image(_name(surface), surface.texture)
-        material.node_tree.links.new(texture.outputs["Color"], shader.inputs["Base Color"])
+        links = material.node_tree.links
+        links.new(texture.outputs["Color"], shader.inputs["Base Color"])
+        if surface.texture.shape[2] == 4:
+            links.new(texture.outputs["Alpha"], shader.inputs["Alpha"])
     material.diffuse_color = (*surface.colour, 1.0)
     return material
 
 
 def _image(name: str, pixels) -> bpy.types.Image:
-    """A packed image; pixels: H x W x 3 uint8, first row on top."""
-    height, width = pixels.shape[:2]
-    image = bpy.data.images.new(name, width, height, alpha=False)
+    """A packed image; pixels: H x W x 3 or 4 uint8, first row on top."""
+    height, width, channels = pixels.shape
+    image = bpy.data.images.new(name, width, height, alpha=channels == 4)
     rgba = np.ones((height, width, 4), dtype=np.float32)
-    rgba[..., :3] = pixels[::-1] / np.float32(255)
+    rgba[..., :channels] = pixels[::-1] / np.float32(255)
     image.pixels.foreach_set(rgba.reshape(-1))
     image.pack()
     return image

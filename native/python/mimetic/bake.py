@@ -117,4 +117,4 @@ def _ask(python: os.PathLike[str] | str, request: dict) -> dict:
             f"--blender-python {python} has no Blender module: pip install bpy in it"
         )
     last_lines = "\n".join(ran.stdout.strip().splitlines()[-12:])
-    raise RuntimeError(f"Blender failed (exit status {ran.returncode}):\n{last_lines}")
+    raise OSError(f"Blender failed (exit status {ran.returncode}):\n{last_lines}")

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimetic.articulators import ARTICULATORS
 from mimetic.performance import Performance
 
 GROUPS = {
@@ -19,7 +20,7 @@ GROUPS = {
     6: "Brow Lowerers",
     7: "Eye Ring",
 }
-ARTICULATORS = "Jaw and Lids"
+JAW_AND_LIDS = "Jaw and Lids"
 DETAIL = "Detail"
 
 
@@ -53,7 +54,7 @@ def shapes_of(performance: Performance) -> list[Shape]:
     ]
     if performance.articulator_modes is not None:
         shapes += [
-            _shape(name, ARTICULATORS, modes, values, -1.0)
+            _shape(name, JAW_AND_LIDS, modes, values, *ARTICULATORS.get(name, (-1.0, 1.0)))
             for name, modes, values in zip(
                 performance.articulators,
                 performance.articulator_modes,
@@ -71,14 +72,14 @@ def shapes_of(performance: Performance) -> list[Shape]:
     return shapes
 
 
-def _shape(name: str, group: str, offsets, values, lowest: float) -> Shape:
+def _shape(name: str, group: str, offsets, values, lowest: float, highest: float = 1.0) -> Shape:
     return Shape(
         name,
         group,
         np.asarray(offsets, dtype=np.float64),
         values,
         min(lowest, float(values.min())),
-        max(1.0, float(values.max())),
+        max(highest, float(values.max())),
     )
 
 

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`mimetic bake` as a process of its own."""
+
+import os
+import subprocess
+import sys
+
+import bpy
+import numpy as np
+import pytest
+
+
+def run_bake(*arguments) -> subprocess.CompletedProcess:
+    command = [sys.executable, "-m", "mimetic", "bake", *map(os.fspath, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def test_a_blend_opens_with_face_curves_camera_and_footage(
+    performance, performance_file, footage, tmp_path
+):
+    out = tmp_path / "face.blend"
+    ran = run_bake(performance_file, "--out", out, "--footage", footage)
+    assert ran.returncode == 0, ran.stderr
+    assert list(tmp_path.iterdir()) == [out]
+    bpy.ops.wm.open_mainfile(filepath=str(out))
+    scene = bpy.context.scene
+    assert (scene.render.fps, scene.render.fps_base) == (25, 1.0)
+    assert (scene.render.resolution_x, scene.render.resolution_y) == (400, 300)
+    assert (scene.frame_start, scene.frame_end) == (1, 40)
+    face = bpy.data.objects["Face"]
+    scene.frame_set(20)
+    face.modifiers.clear()
+    evaluated = face.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    points = np.array([evaluated.matrix_world @ v.co for v in evaluated.data.vertices])
+    x, y, z = performance.surface_in_camera(19).T
+    assert np.abs(points - np.column_stack([x, z, -y])).max() < 2e-6
+    (behind,) = scene.camera.data.background_images
+    assert os.path.samefile(bpy.path.abspath(behind.clip.filepath), footage)
+    assert behind.clip.filepath.startswith("//")
+    assert bpy.data.images["Face Skin"].packed_file
+
+
+def test_a_glb_is_written(performance_file, tmp_path):
+    out = tmp_path / "face.glb"
+    ran = run_bake(performance_file, "--out", out)
+    assert ran.returncode == 0, ran.stderr
+    assert out.read_bytes()[:4] == b"glTF"
+
+
+@pytest.mark.parametrize(
+    ("arguments", "said"),
+    [
+        (["{missing}", "--out", "{out}.glb"], "no such file"),
+        (["{performance}", "--out", "{out}.fbx"], ".glb and .blend"),
+        (["{performance}", "--out", "{out}/nowhere/face.glb"], "no folder"),
+        (["{text}", "--out", "{out}.glb"], "not a performance"),
+        (["{performance}", "--out", "{out}.glb", "--footage", "{text}"], "text"),
+        (["{performance}", "--out", "{out}.glb", "--blender-python", "{missing}"], "missing"),
+    ],
+    ids=["missing", "suffix", "folder", "damaged", "footage", "python"],
+)
+def test_bad_input_gets_status_2_and_one_line(arguments, said, performance_file, tmp_path):
+    text = tmp_path / "text.npz"
+    text.write_text("not an archive")
+    places = {
+        "missing": tmp_path / "missing.npz",
+        "performance": performance_file,
+        "text": text,
+        "out": tmp_path / "face",
+    }
+    ran = run_bake(*(argument.format(**places) for argument in arguments))
+    assert ran.returncode == 2
+    assert said in ran.stderr
+    assert len(ran.stderr.strip().splitlines()) == 1
+    assert list(tmp_path.iterdir()) == [text]

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A button is a function call: the same arrays come out of both."""
+
+import threading
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+
+def curve_values(extension, face) -> dict[str, np.ndarray]:
+    values = {}
+    for block in (face, face.data.shape_keys):
+        for curve in extension("compat").curves(block).fcurves:
+            keys = np.array([point.co[:] for point in curve.keyframe_points])
+            values[f"{curve.data_path}[{curve.array_index}]"] = keys
+    return values
+
+
+def test_load_clip_shows_what_it_loaded(scene, footage):
+    assert bpy.ops.mimetic.load_clip(filepath=str(footage)) == {"FINISHED"}
+    assert scene.mimetic.clip.size[:] == (400, 300)
+    assert scene.active_clip == scene.mimetic.clip
+    bpy.ops.mimetic.load_clip(filepath=str(footage))
+    assert len(bpy.data.movieclips) == 1
+
+
+@pytest.mark.parametrize("content", [b"", b"no film at all" * 100], ids=["empty", "text"])
+def test_what_is_no_film_changes_nothing(scene, tmp_path, content):
+    path = tmp_path / "film.mp4"
+    path.write_bytes(content)
+    with pytest.raises(RuntimeError, match=r"film\.mp4"):
+        bpy.ops.mimetic.load_clip(filepath=str(path))
+    assert scene.mimetic.clip is None
+    assert len(bpy.data.movieclips) == 0
+
+
+def test_a_damaged_performance_changes_nothing(scene, tmp_path, performance_file):
+    damaged = tmp_path / "cut.npz"
+    damaged.write_bytes(performance_file.read_bytes()[:5000])
+    with pytest.raises(RuntimeError, match="damaged"):
+        bpy.ops.mimetic.load_performance(filepath=str(damaged))
+    assert scene.mimetic.performance_path == ""
+
+
+def test_bake_by_operator_is_bake_by_function(
+    extension, scene, performance, performance_file, footage
+):
+    scene.render.fps = 25
+    bpy.ops.mimetic.load_clip(filepath=str(footage))
+    bpy.ops.mimetic.load_performance(filepath=str(performance_file))
+    assert bpy.ops.mimetic.bake() == {"FINISHED"}
+    by_operator = curve_values(extension, scene.mimetic.face)
+    lens = scene.camera.data.lens
+    image = np.array(bpy.data.images["Face Skin"].pixels)
+
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    scene = bpy.context.scene
+    scene.render.fps = 25
+    from mimetic.appearance import appearance_of
+
+    clip = extension("scene_out").clip.load(scene, str(footage))
+    appearance = appearance_of(performance, footage)
+    extension("scene_out").bake(scene, performance, "noise", appearance, clip)
+    by_function = curve_values(extension, scene.mimetic.face)
+    assert by_operator.keys() == by_function.keys()
+    for name, keys in by_operator.items():
+        np.testing.assert_array_equal(keys, by_function[name])
+    assert scene.camera.data.lens == lens
+    np.testing.assert_array_equal(image, np.array(bpy.data.images["Face Skin"].pixels))
+
+
+def test_a_clip_of_another_size_is_refused(scene, performance_file, tmp_path):
+    from imageio_ffmpeg import write_frames
+
+    other = tmp_path / "other.mp4"
+    writer = write_frames(str(other), (320, 240), fps=25, macro_block_size=1)
+    writer.send(None)
+    for _ in range(40):
+        writer.send(np.zeros((240, 320, 3), np.uint8).tobytes())
+    writer.close()
+    bpy.ops.mimetic.load_clip(filepath=str(other))
+    bpy.ops.mimetic.load_performance(filepath=str(performance_file))
+    with pytest.raises(RuntimeError, match="another clip"):
+        bpy.ops.mimetic.bake()
+    assert scene.mimetic.face is None
+    assert len(scene.objects) == 0
+
+
+def test_the_users_materials_stay_when_baking_again(scene, performance_file):
+    bpy.ops.mimetic.load_performance(filepath=str(performance_file))
+    bpy.ops.mimetic.bake()
+    mine = bpy.data.materials.new("mine")
+    scene.mimetic.face.data.materials[0] = mine
+    bpy.ops.mimetic.bake()
+    assert scene.mimetic.face.data.materials[0] == mine
+
+
+def test_export_writes_what_the_function_writes(
+    extension, scene, performance, performance_file, tmp_path
+):
+    bpy.ops.mimetic.load_performance(filepath=str(performance_file))
+    bpy.ops.mimetic.bake()
+    assert bpy.ops.mimetic.export_gltf(filepath=str(tmp_path / "a")) == {"FINISHED"}
+    extension("scene_out.gltf").export(scene, tmp_path / "b.glb")
+    assert (tmp_path / "a.glb").read_bytes() == (tmp_path / "b.glb").read_bytes()
+
+
+def test_export_into_a_missing_folder_says_so(performance_file, tmp_path):
+    bpy.ops.mimetic.load_performance(filepath=str(performance_file))
+    bpy.ops.mimetic.bake()
+    with pytest.raises(RuntimeError, match="nowhere"):
+        bpy.ops.mimetic.export_gltf(filepath=str(tmp_path / "nowhere" / "a.glb"))
+
+
+def test_noise_has_no_face(scene, footage):
+    bpy.ops.mimetic.load_clip(filepath=str(footage))
+    with pytest.raises(RuntimeError, match="face"):
+        bpy.ops.mimetic.find_face()
+    assert scene.mimetic.face_fit is None
+
+
+def test_a_run_stops_where_its_work_asks(extension):
+    """What the modal operator drives, without its window: progress, a stop, the finished part."""
+    jobs = extension("jobs")
+    go_on = threading.Event()
+
+    def work(inputs, progress):
+        done = []
+        for i in range(inputs):
+            go_on.wait(5)
+            if not progress(i / inputs, f"frame {i}"):
+                break
+            done.append(i)
+        return done
+
+    run = jobs.Run("Capture")
+    run.start(work, 1_000_000)
+    go_on.set()
+    while run.fraction == 0 and not run.is_done():
+        pass
+    assert "%" in run.text()
+    run.stop.set()
+    run.thread.join(5)
+    assert run.is_done()
+    assert run.error is None
+    assert 0 < len(run.result) < 1_000_000
+
+
+def test_a_run_hands_over_what_went_wrong(extension):
+    def work(inputs, progress):
+        raise ValueError("bad")
+
+    run = extension("jobs").Run("Capture")
+    run.start(work, None)
+    run.thread.join(5)
+    assert run.is_done()
+    assert isinstance(run.error, ValueError)
+
+
+def test_captures_do_not_overwrite_one_another(extension, tmp_path):
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    scene_in = extension("scene_in")
+    first = Path(scene_in.capture_path("clip.mp4"))
+    assert first.parent == tmp_path
+    first.touch()
+    second = Path(scene_in.capture_path("clip.mp4"))
+    assert second != first
+    assert not second.exists()
+
+
+def test_the_shown_frame_counts_start_and_offset(extension, scene, footage):
+    bpy.ops.mimetic.load_clip(filepath=str(footage))
+    scene.mimetic.clip.frame_start, scene.mimetic.clip.frame_offset = 11, 5
+    scene.frame_set(13)
+    assert extension("scene_in").shown_frame(bpy.context) == 8
+    scene.frame_set(1)
+    assert extension("scene_in").shown_frame(bpy.context) == 1
