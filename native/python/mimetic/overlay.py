@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from mimetic import UnreadableMedia, _core
 from mimetic.face_template import FaceTemplate, load_template
+from mimetic.ffmpeg import ffmpeg_program
 from mimetic.footage import Footage
 from mimetic.performance import HELD_QUALITY, Performance
 
@@ -100,14 +101,12 @@ def _pictures(
 
 
 def _encode(pictures: Iterator[NDArray[np.uint8] | None], path: Path, fps: Fraction) -> bool:
-    from imageio_ffmpeg import get_ffmpeg_exe
-
     first = next(pictures, None)
     if first is None:
         return False
     height, width = first.shape[:2]
     command = [
-        *(get_ffmpeg_exe(), "-hide_banner", "-v", "error", "-y"),
+        *(ffmpeg_program(), "-hide_banner", "-v", "error", "-y"),
         *("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"),
         *("-r", f"{fps.numerator}/{fps.denominator}", "-i", "pipe:0"),
         # H.264 in players' common form wants even sides.

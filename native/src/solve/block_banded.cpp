@@ -82,6 +82,9 @@ std::vector<Eigen::MatrixXd> BlockBandedFactor::inverse_diagonal() const {
             }
             inverse[t] -= first.transpose() * next;
         }
+        // Rounding leaves the two halves a little apart; unchecked, the recursion doubles that every few
+        // frames.
+        inverse[t] = (0.5 * (inverse[t] + inverse[t].transpose())).eval();
         below = next;
     }
     return inverse;
