@@ -6,6 +6,14 @@ from __future__ import annotations
 import bpy
 
 ACTIONS_HAVE_SLOTS = bpy.app.version >= (4, 4, 0)
+NODES_ARE_ALWAYS_USED = bpy.app.version >= (5, 0, 0)
+
+
+def use_nodes(shaded: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:
+    """The node tree of a material or world, switched on where that is still a choice."""
+    if not NODES_ARE_ALWAYS_USED:
+        shaded.use_nodes = True
+    return shaded.node_tree
 
 
 def new_action(name: str, id_block: bpy.types.ID) -> bpy.types.Action:

@@ -63,16 +63,16 @@ def performance_file(performance, tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="session")
 def footage(tmp_path_factory) -> Path:
-    """Forty frames of noise as large as the performance's, 25 a second."""
+    """Forty frames of moving stripes as large as the performance's, 25 a second."""
     from imageio_ffmpeg import write_frames
 
-    path = tmp_path_factory.mktemp("footage") / "noise.mp4"
+    path = tmp_path_factory.mktemp("footage") / "stripes.mp4"
     writer = write_frames(str(path), (400, 300), fps=25, macro_block_size=1, quality=6)
     writer.send(None)
-    random = np.random.default_rng(3)
-    for _ in range(40):
-        small = random.integers(0, 256, (30, 40, 3), dtype=np.uint8)
-        writer.send(small.repeat(10, axis=0).repeat(10, axis=1).tobytes())
+    column = np.arange(400)
+    for i in range(40):
+        stripes = np.stack([column + 3 * i, 2 * column, 255 - column + i], axis=1) % 256
+        writer.send(np.broadcast_to(stripes, (300, 400, 3)).astype(np.uint8).tobytes())
     writer.close()
     return path
 

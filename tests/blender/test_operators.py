@@ -62,7 +62,7 @@ def test_bake_by_operator_is_bake_by_function(
 
     clip = extension("scene_out").clip.load(scene, str(footage))
     appearance = appearance_of(performance, footage)
-    extension("scene_out").bake(scene, performance, "noise", appearance, clip)
+    extension("scene_out").bake(scene, performance, "stripes", appearance, clip)
     by_function = curve_values(extension, scene.mimetic.face)
     assert by_operator.keys() == by_function.keys()
     for name, keys in by_operator.items():
@@ -114,7 +114,7 @@ def test_export_into_a_missing_folder_says_so(performance_file, tmp_path):
         bpy.ops.mimetic.export_gltf(filepath=str(tmp_path / "nowhere" / "a.glb"))
 
 
-def test_noise_has_no_face(scene, footage):
+def test_stripes_have_no_face(scene, footage):
     bpy.ops.mimetic.load_clip(filepath=str(footage))
     with pytest.raises(RuntimeError, match="face"):
         bpy.ops.mimetic.find_face()

@@ -6,6 +6,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from .. import compat
+
 
 def dress(face, appearance) -> None:
     """Gives the face the materials of a `mimetic.appearance.Appearance`.
@@ -27,7 +29,7 @@ def dress(face, appearance) -> None:
 def _repaint(materials, surfaces) -> None:
     for surface in surfaces:
         material = next((m for m in materials if m and m.name.startswith(_name(surface))), None)
-        if surface.texture is None or material is None or not material.use_nodes:
+        if surface.texture is None or material is None or material.node_tree is None:
             continue
         for node in material.node_tree.nodes:
             if node.type == "TEX_IMAGE":
@@ -40,8 +42,8 @@ def _name(surface) -> str:
 
 def _material(surface) -> bpy.types.Material:
     material = bpy.data.materials.new(_name(surface))
-    material.use_nodes = True
-    nodes = material.node_tree.nodes
+    tree = compat.use_nodes(material)
+    nodes = tree.nodes
     shader = nodes["Principled BSDF"]
     shader.inputs["Base Color"].default_value = (*surface.colour, 1.0)
     shader.inputs["Roughness"].default_value = surface.roughness
@@ -49,7 +51,7 @@ def _material(surface) -> bpy.types.Material:
         texture = nodes.new("ShaderNodeTexImage")
         texture.location = (-320, 300)
         texture.image = _image(_name(surface), surface.texture)
-        links = material.node_tree.links
+        links = tree.links
         links.new(texture.outputs["Color"], shader.inputs["Base Color"])
         if surface.texture.shape[2] == 4:
             links.new(texture.outputs["Alpha"], shader.inputs["Alpha"])

@@ -10,7 +10,7 @@ from pathlib import Path
 import bpy
 from mathutils import Euler
 
-from .. import native
+from .. import compat, native
 from . import bake, clip, gltf
 
 
@@ -54,8 +54,7 @@ def light(scene: bpy.types.Scene) -> None:
     sun.rotation_euler = Euler((0.9, 0.0, 0.35))
     scene.collection.objects.link(sun)
     world = bpy.data.worlds.new("World")
-    world.use_nodes = True
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.5, 0.5, 0.5, 1.0)
+    compat.use_nodes(world).nodes["Background"].inputs["Color"].default_value = (0.5, 0.5, 0.5, 1.0)
     scene.world = world
 
 
