@@ -10,6 +10,7 @@ SKIN, LIP, BROW, HAIR = (
     (0.25, 0.17, 0.12),
     (0.18, 0.13, 0.10),
 )
+NOSTRIL = (0.22, 0.12, 0.1)
 SCLERA, IRIS = (0.92, 0.91, 0.90), (0.16, 0.13, 0.12)
 LEVELS = 3  # 64 points a control face: no holes between the splats
 
@@ -57,6 +58,12 @@ def _skin_colors(template, mesh, vertices):
     amount = _on_lips(template, points, vertices)[:, None]
     colors = colors * (1 - amount) + amount * LIP
     for side in (".L", ".R"):
+        ala, base, tip = (
+            vertices[template.landmark(name)] for name in ("ala" + side, "nose_base", "nose_tip")
+        )
+        hole = 0.5 * ala + 0.35 * base + 0.15 * tip
+        amount = np.clip(1.5 - np.linalg.norm(points - hole, axis=1) / 0.004, 0, 1)[:, None]
+        colors = colors * (1 - amount) + amount * NOSTRIL
         stops = np.array(
             [
                 vertices[template.landmark(n + side)]

@@ -58,7 +58,12 @@ def face_model(template: FaceTemplate) -> _core.FaceModel:
     spread[odd] *= 0.3
     names, weights = _landmark_weights(template, len(points[0]))
     on_outline = np.zeros(len(points[0]), dtype=bool)
-    on_outline[:skin] = template.in_region(*OUTLINE_REGIONS)
+    # Under the chin the outline runs on what counts as neck; the neck's own sides are not the jaw
+    normals = _core.SubdividedMesh(faces, skin, 0).normals(
+        np.ascontiguousarray(template.vertices[:skin])
+    )[:skin]
+    underside = template.in_region("neck") & (normals[:, 1] < -0.3)
+    on_outline[:skin] = template.in_region(*OUTLINE_REGIONS) | underside
     chains = [_chain(template, points[0], stops) for stops in CURVES.values()]
     return _core.FaceModel(
         points[0],

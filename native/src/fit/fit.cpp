@@ -12,6 +12,7 @@ using fit::EdgePoint;
 
 constexpr double kIpdTolerance = 5e-5;  // metres
 constexpr int kJawStations = 33;
+constexpr double kLobe = 0.2;  // rad below the horizontal
 
 /// A curve's stations lie closer than its errors are independent.
 constexpr double kCurveInflation = 1.8;
@@ -370,11 +371,11 @@ FaceFeatures project_features(const FaceModel& model, const FaceEstimate& estima
     const Eigen::Vector2d left = out.find("pupil.L")->position;
     const Eigen::Vector2d right = out.find("pupil.R")->position;
     const Eigen::Vector2d across = left - right;
-    // Half way between eyes and mouth; the jaw spans from a little above the level of that point
+    // Half way between eyes and mouth; the jaw spans from below the ears' lobes, which would pass for it
     const Eigen::Vector2d center = (left + right) / 2 + 0.55 * Eigen::Vector2d(-across.y(), across.x());
     const double roll = std::atan2(across.y(), across.x());
     const auto edges = fit::outline(model, points, estimate.camera_from_head, actual);
-    Points2 jaw = fit::jaw_line(edges, center, roll, roll + M_PI, kJawStations);
+    Points2 jaw = fit::jaw_line(edges, center, roll + kLobe, roll + M_PI - kLobe, kJawStations);
     if (jaw.rows() >= 5) out.curves.push_back(as_curve("jaw", std::move(jaw)));
     return out;
 }

@@ -6,6 +6,8 @@
 namespace mimetic::fit {
 namespace {
 
+constexpr double kCrest = 0.36;  // tangent of the elevation from which the chin has an outline: 20 degrees
+
 Points vertex_normals(const FaceModel& model, const Points& points) {
     Points normals = Points::Zero(points.rows(), 3);
     for (int f = 0; f < model.faces.rows(); ++f) {
@@ -27,7 +29,11 @@ std::vector<EdgePoint> outline(const FaceModel& model, const Points& points,
     Eigen::VectorXd facing(points.rows());
     const Eigen::Vector3d eye = camera_from_head.inverse().translation();
     for (int i = 0; i < points.rows(); ++i) {
-        facing(i) = normals.row(i).dot((eye.transpose() - points.row(i)).normalized());
+        Eigen::RowVector3d to_eye = eye.transpose() - points.row(i);
+        // The chin runs into the neck without an outline unless seen from above; what a level look or one
+        // from below shows there is the jaw's crest
+        to_eye.y() = std::max(to_eye.y(), kCrest * std::hypot(to_eye.x(), to_eye.z()));
+        facing(i) = normals.row(i).dot(to_eye.normalized());
     }
     std::vector<EdgePoint> found;
     for (int f = 0; f < model.faces.rows(); ++f) {

@@ -82,6 +82,7 @@ void measure_jaw(const FacePatch& patch, const Expected& expected, Curves& curve
 
     cv::Mat1f response(kStations, kSteps, 0.0f), scores(kStations, kSteps, 0.0f);
     for (int i = 0; i < kStations; ++i) {
+        const double under_chin = std::clamp(2.5 * line.normals(i, 1) - 1, 0.0, 1.0);
         for (int j = 2; j + 2 < kSteps; ++j) {
             const Eigen::Vector3d inside(lum.mean(i, j - reach, j), red.mean(i, j - reach, j),
                                          blue.mean(i, j - reach, j));
@@ -90,7 +91,9 @@ void measure_jaw(const FacePatch& patch, const Expected& expected, Curves& curve
                                           blue.mean(i, j + 1, j + 1 + reach));
             const Eigen::Vector3d change =
                 (outside - inside).array() / Eigen::Vector3d(0.10, 0.10, 0.10).array();
-            const double edge = std::min(change.norm(), 2.5);
+            // Under the chin light ends: there an edge into brighter skin is a fold, not the outline
+            const double brighter = under_chin * std::max(0.0, change(0));
+            const double edge = std::min(change.norm(), 2.5) - 2 * brighter;
             const double leaves_skin = skin.likeness(inside) - skin.likeness(outside);
             response(i, j) =
                 static_cast<float>(edge * (0.35 + 0.65 * skin.likeness(inside)) + 1.2 * leaves_skin);

@@ -113,8 +113,8 @@ Expected average_face() {
     expected.features["lip_upper"] = {0, 1.00};
     expected.features["lip_lower"] = {0, 1.30};
     Points2 jaw(9, 2);  // from the subject's left, so that the normals point out of the face
-    jaw << 1.10, 0.60, 1.05, 0.95, 0.92, 1.30, 0.58, 1.66, 0, 1.84, -0.58, 1.66, -0.92, 1.30, -1.05, 0.95,
-        -1.10, 0.60;
+    jaw << 1.08, 0.76, 1.04, 1.00, 0.92, 1.30, 0.58, 1.66, 0, 1.84, -0.58, 1.66, -0.92, 1.30, -1.04, 1.00,
+        -1.08, 0.76;
     expected.curves["jaw"] = jaw;
     expected.search = 0.2;
     return expected;
