@@ -80,9 +80,10 @@ class Chunks:
         described = self.document["accessors"][index]
         return self.floats(described, described["type"])
 
-    def add_view(self, content: bytes) -> int:
+    def add_view(self, content: bytes, like: int) -> int:
+        """A buffer view of the same use as another; returns its index."""
         self.views.append(bytearray(content))
-        self.document["bufferViews"].append({"buffer": 0, "byteLength": len(content)})
+        self.document["bufferViews"].append(dict(self.document["bufferViews"][like]))
         return len(self.views) - 1
 
     def add_negative(self, index: int) -> int:
@@ -94,7 +95,7 @@ class Chunks:
             holders[-1]["count"] = described["sparse"]["count"]
         for holder in holders:
             values = -self.floats(holder, described["type"])
-            holder["bufferView"] = self.add_view(values.tobytes())
+            holder["bufferView"] = self.add_view(values.tobytes(), holder["bufferView"])
             holder["byteOffset"] = 0
         if "sparse" in described:
             del described["sparse"]["values"]["count"]
