@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <Eigen/LU>
 #include <mimetic/image.hpp>
 #include <mimetic/types.hpp>
 #include <opencv2/core.hpp>

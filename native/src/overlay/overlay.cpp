@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Geometry>
 #include <cmath>
 #include <map>
 #include <mimetic/depth.hpp>
