@@ -78,6 +78,24 @@ def test_without_a_camera_the_focal_length_is_a_webcams(template, drawn):
     assert fit.camera.width == 480
 
 
+def test_frame_at_rest_scores_above_a_talking_a_blinking_and_a_blurred_one(drawn, fitted):
+    rest = score_frame(drawn)
+    left, right = (np.array(fitted.features[f"mouth_corner.{side}"]) for side in "RL")
+    x, y = np.rint((left + right) / 2).astype(int)
+    talking = drawn.copy()
+    talking[y - 2 : y + 14, x - 14 : x + 14] = (40, 15, 15)
+    blinking = drawn.copy()
+    for side in "LR":
+        x, y = np.rint(fitted.features[f"pupil.{side}"]).astype(int)
+        blinking[y - 8 : y + 8, x - 18 : x + 18] = drawn[y + 40, x]
+        blinking[y : y + 2, x - 12 : x + 12] = (60, 40, 35)
+    blurred = np.rint(
+        np.mean([np.roll(drawn, shift, axis=1) for shift in range(-4, 5)], axis=0)
+    ).astype(np.uint8)
+    for worse in (talking, blinking, blurred):
+        assert (score_frame(worse) or 0.0) < 0.7 * rest
+
+
 def test_noise_and_plain_pictures_are_no_face(template):
     noise = np.random.default_rng(1).integers(0, 255, (240, 320, 3), dtype=np.uint8)
     for image in (noise, np.full((240, 320, 3), 128, np.uint8)):

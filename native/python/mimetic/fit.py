@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.face_model import face_model, identity_names
 from mimetic.face_template import FaceTemplate, data_folder, load_template
+from mimetic.rest import rest_score
 
 SCHEMA = 1
 LARGEST_FILE = 1 << 20  # bytes
@@ -99,6 +100,17 @@ class FaceFit:
             raise InvalidInput(f"{path}: {error}") from None
 
 
+def score_frame(image: NDArray[np.uint8]) -> float | None:
+    """How well a frame serves as the neutral reference: 0 to 1, or None without a face.
+
+    Sharp, frontal, level, with open eyes and a mouth at rest scores high. Compare frames of one
+    clip only.
+    """
+    image = as_rgb(image)
+    faces = _locator().locate(image)
+    return rest_score(image, faces[0]) if faces else None
+
+
 def find_face(
     image: NDArray[np.uint8],
     frame: int = 1,
@@ -166,45 +178,6 @@ def find_face(
         error=float(estimate.rms_ipd),
         warnings=warnings,
     )
-
-
-def score_frame(image: NDArray[np.uint8]) -> float | None:
-    """How well a frame serves as the neutral reference: 0 to 1, or None without a face.
-
-    Sharp, frontal, level and with a closed mouth scores high. Compare frames of one clip only.
-    """
-    image = as_rgb(image)
-    faces = _locator().locate(image)
-    if not faces:
-        return None
-    face = faces[0]
-    places = {feature.name: np.array(feature.position) for feature in face.features}
-    right, left = places["pupil.R"], places["pupil.L"]
-    ipd = float(np.linalg.norm(left - right))
-    across = (left - right) / ipd
-    down = np.array([-across[1], across[0]])
-    middle = (left + right) / 2
-
-    def sideways(name: str) -> float:
-        return float((places[name] - middle) @ across) / ipd
-
-    off_center = [
-        (sideways(name + ".L") + sideways(name + ".R")) / 2 for name in ("ala", "mouth_corner")
-    ]
-    opened = float((places["lip_lower"] - places["lip_upper"]) @ down) / ipd
-    roll = float(np.arctan2(across[1], across[0]))
-    frontal = np.exp(-0.5 * ((np.mean(off_center) / 0.08) ** 2 + (roll / 0.15) ** 2))
-    closed = np.exp(-0.5 * (max(0.0, opened - 0.3) / 0.08) ** 2)
-    return float(face.likelihood * frontal * closed * _sharpness(image, face.box, ipd))
-
-
-def _sharpness(image: NDArray[np.uint8], box, ipd: float) -> float:
-    """0 to 1: how much of the face's contrast lies in its finest details."""
-    left, top, width, height = (max(0, round(v)) for v in box)
-    grey = image[top : top + height, left : left + width].mean(axis=2)
-    step = max(1, round(ipd / 32))  # the same details at any size of the face
-    fine = np.abs(2 * grey[step:-step] - grey[: -2 * step] - grey[2 * step :]).mean()
-    return float(np.clip(fine / (0.25 * grey.std() + 1e-6), 0, 1))
 
 
 def as_rgb(image: NDArray[np.uint8]) -> NDArray[np.uint8]:

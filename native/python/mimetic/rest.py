@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How much a face in an image is at rest: the reference frame must show the neutral face."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import _core
+
+Window = NDArray[np.float64]
+
+# What faces at rest stay under, and how fast the score falls beyond (real webcam clips): parts of
+# the cheek's brightness
+AT_REST = {
+    "mouth_contrast": (0.13, 0.03),  # two lips and a line; teeth or an open mouth's dark add to it
+    "mouth_edges": (0.09, 0.02),
+    "cheek_contrast": (0.09, 0.04),  # the smile's fold
+    "pupil_brightness": (0.33, 0.08),  # closed lids are as bright as skin
+}
+LEVEL, FRONTAL, MOUTH_FRONTAL = 0.25, 0.1, 0.12  # rad, and pupil distances off the middle
+NO_DETAIL, FULL_DETAIL = 0.85, 1.45  # grey levels, median of the second difference between pixels
+
+
+def rest_score(image: NDArray[np.uint8], face: _core.FaceFeatures) -> float:
+    """0 to 1: sharp, frontal, level, eyes open and mouth at rest. image: (H, W, 3) RGB uint8."""
+    view = _FaceView(image, face)
+    score = face.likelihood * view.frontal() * view.sharp()
+    for name, value in view.motion().items():
+        usual, spread = AT_REST[name]
+        score *= np.exp(-0.5 * (max(0.0, value - usual) / spread) ** 2)
+    return float(score)
+
+
+class _FaceView:
+    """The picture in pupil distances from the mid-eye point, x right, y down."""
+
+    def __init__(self, image: NDArray[np.uint8], face: _core.FaceFeatures) -> None:
+        self._grey = image @ np.array([0.299, 0.587, 0.114])
+        self._box = face.box
+        places = {feature.name: np.array(feature.position) for feature in face.features}
+        self._middle = (places["pupil.R"] + places["pupil.L"]) / 2
+        self._across = places["pupil.L"] - places["pupil.R"]
+        self._down = np.array([-self._across[1], self._across[0]])
+        axes = np.array([self._across, self._down]) / (self._across @ self._across)
+        self._places = {name: axes @ (place - self._middle) for name, place in places.items()}
+
+    def motion(self) -> dict[str, float]:
+        """Values of AT_REST."""
+        skin = np.median([self._window((x, 0.65), 0.1, 0.1) for x in (-0.5, 0.5)]) + 1
+        nose = self._midway("ala")
+        mouth = self._window((nose, 1.15), 0.4, 0.3)
+        cheeks = [self._window((nose + x, 0.95), 0.12, 0.15).std() for x in (-0.5, 0.5)]
+        pupils = [self._window(self._places[n], 0.07, 0.07).mean() for n in ("pupil.L", "pupil.R")]
+        return {
+            "mouth_contrast": mouth[:, 3:-3].std() / skin,
+            "mouth_edges": np.abs(np.diff(mouth[::3], axis=0)).mean() / skin,
+            "cheek_contrast": max(cheeks) / skin,
+            "pupil_brightness": np.mean(pupils) / skin,
+        }
+
+    def frontal(self) -> float:
+        roll = np.arctan2(self._across[1], self._across[0])
+        offsets = (self._midway("ala") / FRONTAL, self._midway("mouth_corner") / MOUTH_FRONTAL)
+        return float(np.exp(-0.5 * (offsets[0] ** 2 + offsets[1] ** 2 + (roll / LEVEL) ** 2)))
+
+    def sharp(self) -> float:
+        """The median does not see the borders of a strongly compressed picture's blocks."""
+        left, top, width, height = (round(v) for v in self._box)
+        inside = self._grey[max(0, top) : top + height, max(0, left) : left + width]
+        detail = np.median(np.abs(np.diff(inside, 2, axis=1)))
+        return float(np.clip((detail - NO_DETAIL) / (FULL_DETAIL - NO_DETAIL), 0.05, 1))
+
+    def _midway(self, name: str) -> float:
+        return float((self._places[name + ".L"] + self._places[name + ".R"])[0]) / 2
+
+    def _window(self, center, half_x: float, half_y: float) -> Window:
+        """41 x 41 grey values round a point."""
+        x, y = np.meshgrid(np.linspace(-half_x, half_x, 41), np.linspace(-half_y, half_y, 41))
+        spots = self._middle + (center[0] + x)[..., None] * self._across
+        spots = np.rint(spots + (center[1] + y)[..., None] * self._down).astype(int)
+        rows, columns = self._grey.shape
+        return self._grey[spots[..., 1].clip(0, rows - 1), spots[..., 0].clip(0, columns - 1)]
