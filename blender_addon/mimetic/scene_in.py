@@ -51,7 +51,7 @@ def no_performance(context) -> str:
         return reason
     if not context.scene.mimetic.performance_path:
         return "Capture the clip or load a performance first"
-    return ""
+    return _face_in_edit_mode(context.scene.mimetic.face)
 
 
 def no_face(context) -> str:
@@ -60,7 +60,13 @@ def no_face(context) -> str:
     face = context.scene.mimetic.face
     if face is None or face.name not in context.scene.objects:
         return "Bake a performance first: the scene has no face"
-    return ""
+    if not face.visible_get():
+        return f"{face.name} is hidden; show it to export it"
+    return _face_in_edit_mode(face)
+
+
+def _face_in_edit_mode(face: bpy.types.Object | None) -> str:
+    return f"Leave {face.name}'s edit mode first" if face and face.mode == "EDIT" else ""
 
 
 def footage(context) -> Footage:
@@ -94,10 +100,18 @@ def performance_path(scene: bpy.types.Scene) -> str:
 
 def capture_path(clip_name: str) -> str:
     """Where a capture goes: beside the .blend, or with the user's files if there is none yet."""
-    if bpy.data.filepath:
-        folder = Path(bpy.path.abspath("//"))
-    else:
-        folder = Path(bpy.utils.extension_path_user(__package__, path="captures", create=True))
+    if not bpy.data.filepath:
+        return spare_path(clip_name)
+    return _new_take(Path(bpy.path.abspath("//")), clip_name)
+
+
+def spare_path(clip_name: str) -> str:
+    """Where a capture goes if its own folder cannot be written to."""
+    folder = bpy.utils.extension_path_user(__package__, path="captures", create=True)
+    return _new_take(Path(folder), clip_name)
+
+
+def _new_take(folder: Path, clip_name: str) -> str:
     stem = bpy.path.clean_name(Path(clip_name).stem)
     taken = folder / f"{stem}.performance.npz"
     take = 1

@@ -101,7 +101,7 @@ def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, t
 
     work = extension("operators.capture").MIMETIC_OT_capture.work
     path = str(tmp_path / "part.npz")
-    inputs = (bpy.path.abspath(with_clip.filepath), (1, 40), fit, path)
+    inputs = (bpy.path.abspath(with_clip.filepath), (1, 40), fit, (path, path))
     assert work(None, inputs, progress)[0] == path
     from mimetic.performance import Performance
 
@@ -109,3 +109,21 @@ def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, t
     assert 1 < part.num_frames < 8
     assert any("stopped" in note for note in part.notes)
     assert told == sorted(told)
+
+
+def test_a_capture_is_not_lost_for_a_folder_that_cannot_be_written(
+    extension, scene, with_clip, tmp_path
+):
+    (tmp_path / "file").touch()
+    scene.mimetic.use_frame_range = True
+    scene.mimetic.frame_first, scene.mimetic.frame_last = 1, 2
+    bpy.ops.mimetic.find_face(frame=1)
+    refused = (
+        tmp_path / "file" / "take.npz"
+    )  # its folder is a file: root may not write there either
+    assert bpy.ops.mimetic.capture(filepath=str(refused)) == {"FINISHED"}
+    from mimetic.performance import Performance
+
+    kept = Path(scene.mimetic.performance_path)
+    assert kept != refused
+    assert Performance.load(kept).num_frames == 2

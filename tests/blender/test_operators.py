@@ -177,3 +177,34 @@ def test_the_shown_frame_counts_start_and_offset(extension, scene, footage):
     assert extension("scene_in").shown_frame(bpy.context) == 8
     scene.frame_set(1)
     assert extension("scene_in").shown_frame(bpy.context) == 1
+
+
+def test_a_bake_is_one_undo_step(scene, performance_file):
+    bpy.ops.mimetic.load_performance(filepath=str(performance_file))
+    bpy.ops.ed.undo_push(message="before")
+    assert bpy.ops.mimetic.bake("EXEC_DEFAULT", True) == {"FINISHED"}
+    assert "Face" in bpy.data.objects
+    bpy.ops.ed.undo()
+    assert len(bpy.data.objects) == 0
+    assert len(bpy.data.actions) == 0
+    assert bpy.context.scene.mimetic.performance_path == str(performance_file)
+    bpy.ops.ed.redo()
+    assert len(bpy.context.scene.mimetic.face.data.shape_keys.key_blocks) == 42
+
+
+def test_a_face_in_edit_mode_is_left_alone(scene, performance_file):
+    bpy.ops.mimetic.load_performance(filepath=str(performance_file))
+    bpy.ops.mimetic.bake()
+    bpy.context.view_layer.objects.active = scene.mimetic.face
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert not bpy.ops.mimetic.bake.poll()
+    assert not bpy.ops.mimetic.export_gltf.poll()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert bpy.ops.mimetic.bake.poll()
+
+
+def test_a_hidden_face_is_not_exported_as_nothing(scene, performance_file):
+    bpy.ops.mimetic.load_performance(filepath=str(performance_file))
+    bpy.ops.mimetic.bake()
+    scene.mimetic.face.hide_set(True)
+    assert not bpy.ops.mimetic.export_gltf.poll()

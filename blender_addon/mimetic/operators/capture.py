@@ -27,19 +27,28 @@ class MIMETIC_OT_capture(Job, Operator):
 
     def read(self, context):
         footage = scene_in.footage(context)
-        path = self.filepath or scene_in.capture_path(footage.clip_name)
+        paths = (
+            self.filepath or scene_in.capture_path(footage.clip_name),
+            scene_in.spare_path(footage.clip_name),
+        )
         fit = scene_out.face_fit.stored(context.scene)
-        return footage.path, scene_in.frame_range(context.scene), fit, path
+        return footage.path, scene_in.frame_range(context.scene), fit, paths
 
     def work(self, inputs, progress):
-        footage_path, frames, fit, path = inputs
+        footage_path, frames, fit, (path, spare_path) = inputs
         performance = native.part("pipeline").capture(
             footage_path, frames=frames, fit=fit, progress=progress
         )
-        performance.save(path)
-        return path, int(performance.frame[0]), int(performance.frame[-1])
+        told = [f"Captured frames {performance.frame[0]} to {performance.frame[-1]}"]
+        try:
+            performance.save(path)
+        except OSError as error:  # minutes of work: not lost for a folder that is read-only
+            performance.save(spare_path)
+            told.append(f"{path} cannot be written ({error.strerror}): saved as {spare_path}")
+            path = spare_path
+        return path, "; ".join([*told, *(performance.notes or [])])
 
     def write(self, context, result):
-        path, first, last = result
+        path, told = result
         context.scene.mimetic.performance_path = path
-        return f"Captured frames {first} to {last}"
+        return told

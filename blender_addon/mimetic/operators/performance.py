@@ -31,9 +31,8 @@ class MIMETIC_OT_load_performance(Operator, ImportHelper):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         context.scene.mimetic.performance_path = path
-        self.report(
-            {"INFO"},
-            f"Frames {performance.frame[0]} to {performance.frame[-1]} "
-            f"at {performance.fps:.6g} frames/s",
-        )
+        first, last = performance.frame[0], performance.frame[-1]
+        told = [f"Frames {first} to {last} at {performance.fps:.6g} frames/s"]
+        told += performance.notes or []
+        self.report({"WARNING" if performance.notes else "INFO"}, "; ".join(told))
         return {"FINISHED"}
