@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The way from footage to file, top to bottom, the same in both editors."""
 
+from pathlib import Path
+
 from bpy.types import Panel
 
 from .. import jobs, native
@@ -44,9 +46,9 @@ class Capture:
         layout.operator("mimetic.capture", icon="REC")
 
     def draw_bake(self, layout, settings):
-        row = layout.row(align=True)
-        row.prop(settings, "performance_path", text="")
-        row.operator("mimetic.load_performance", text="", icon="FILEBROWSER")
+        layout.operator("mimetic.load_performance", icon="FILE_FOLDER")
+        if settings.performance_path:
+            layout.label(text=Path(settings.performance_path).name, icon="CHECKMARK")
         layout.operator("mimetic.bake", icon="ACTION")
         layout.operator("mimetic.export_gltf", icon="EXPORT")
 
