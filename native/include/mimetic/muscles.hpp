@@ -19,6 +19,7 @@ struct Muscle {
     double width = 0.006;  ///< Gaussian s.d. of the footprint along the skin; of a sphincter's ring across
     double normal_share = 0.1;  ///< how much of the pull across the skin is kept: bone is in the way
     double protrusion = 0;      ///< sphincter: push outwards over pull along the fibres
+    double swelling = 0;        ///< sphincter: push across the fibres over pull along them (volume is kept)
 
     void check() const;  ///< throws InvalidInput: field, value, limit
 };

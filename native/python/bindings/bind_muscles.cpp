@@ -17,16 +17,19 @@ void bind_muscles(py::module_& m) {
 
     py::class_<Muscle>(m, "Muscle", "A muscle placed on a surface; metres, head frame.")
         .def(py::init([](MuscleType type, PointsIn insertion, const Eigen::Vector3d& origin, double width,
-                         double normal_share, double protrusion) {
-                 Muscle muscle{type, insertion, origin, width, normal_share, protrusion};
+                         double normal_share, double protrusion, double swelling) {
+                 Muscle muscle{type, insertion, origin, width, normal_share, protrusion, swelling};
                  muscle.check();
                  return muscle;
              }),
              py::kw_only(), "type"_a, "insertion"_a, "origin"_a, "width"_a, "normal_share"_a, "protrusion"_a,
+             "swelling"_a,
              "insertion: (1, 3) linear; (2 or more, 3) sheet, its edge; (2, 3) sphincter, the foci, own side "
              "first\n"
              "origin: (3,) on the bone\nwidth: s.d. of the footprint along the skin\n"
-             "normal_share: of the pull across the skin, 0 to 1\nprotrusion: sphincter, push over pull\n"
+             "normal_share: of the pull across the skin, 0 to 1\nprotrusion: sphincter, push outwards over "
+             "pull along the fibres\n"
+             "swelling: sphincter, push across the fibres over pull along them\n"
              "raises InvalidInput");
 
     py::class_<MuscleSurface>(m, "MuscleSurface", "The skin that muscles take hold of.")

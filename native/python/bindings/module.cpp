@@ -4,12 +4,12 @@
 namespace mimetic::bindings {
 void bind_camera(pybind11::module_& m);
 void bind_surface(pybind11::module_& m);
+void bind_skin(pybind11::module_& m);
+void bind_muscles(pybind11::module_& m);
 void bind_locate(pybind11::module_& m);
 void bind_fit(pybind11::module_& m);
 void bind_flow(pybind11::module_& m);
 void bind_solve(pybind11::module_& m);
-void bind_skin(pybind11::module_& m);
-void bind_muscles(pybind11::module_& m);
 void bind_overlay(pybind11::module_& m);
 }  // namespace mimetic::bindings
 
@@ -22,11 +22,11 @@ PYBIND11_MODULE(_core, m) {
     // In the order of the stages
     bindings::bind_camera(m);
     bindings::bind_surface(m);
+    bindings::bind_skin(m);
+    bindings::bind_muscles(m);
     bindings::bind_locate(m);
     bindings::bind_fit(m);
     bindings::bind_flow(m);
     bindings::bind_solve(m);
-    bindings::bind_skin(m);
-    bindings::bind_muscles(m);
     bindings::bind_overlay(m);
 }

@@ -145,6 +145,7 @@ def place_muscle(canonical: SkinMesh, mesh: SkinMesh, row: dict, side: str, shif
         width=1e-3 * row["width"],
         normal_share=row.get("normal_share", 0.1),
         protrusion=row.get("protrusion", 0.0),
+        swelling=row.get("swelling", 0.0),
     )
 
 

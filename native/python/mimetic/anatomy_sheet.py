@@ -26,35 +26,37 @@ COLORS = {
     "teeth": (0.93, 0.91, 0.86),
     "tongue": (0.75, 0.38, 0.36),
     "eye": (0.93, 0.93, 0.96),
-    "lashes": (0.15, 0.12, 0.10),
 }
 TINT = np.array([0.80, 0.12, 0.08])
 FULL_TINT = 0.012  # m of displacement drawn in the full tint
 
 
 def color_of(part: str) -> tuple[float, float, float]:
-    return next(color for name, color in COLORS.items() if part.startswith(name))
+    """Lashes have none: they are cards that need a picture of hairs, and would hide the lids."""
+    return next((color for name, color in COLORS.items() if part.startswith(name)), (np.nan,) * 3)
 
 
 class Painter:
     """Draws the head's limit surface from one side; the mesh is prepared once."""
 
-    def __init__(self, template, size: int, yaw: float):
+    def __init__(self, template, size: int, yaw: float, focus: str | None = None):
         self.template = template
         self.shape = (round(size * TALLEST), size)
         self.mesh = _core.SubdividedMesh(
             np.ascontiguousarray(template.faces, np.int32), len(template.vertices), 2
         )
-        names = [str(n) for n in template.part_names]
-        palette = np.array([color_of(name) for name in names])
+        palette = np.array([color_of(str(name)) for name in template.part_names])
         self.color = palette[template.part[self.mesh.parent_face]]
+        self.drawn = np.isfinite(self.color[:, 0])
         cos, sin = np.cos(np.radians(yaw)), np.sin(np.radians(yaw))
         self.view_from_head = np.array([[cos, 0, -sin], [0, 1, 0], [sin, 0, cos]])
+        middle = np.array([0.0, 0.01, 0.05])
         self.scale = size / WIDTH
-        face = np.isin(template.part, [names.index(n) for n in ("skin", "teeth_upper")])
-        used = np.unique(template.faces[face])
-        used = used[template.vertices[used, 2] > 0.0]
-        self.middle = np.array([0.0, 0.01, 0.05]) @ self.view_from_head.T
+        if focus:
+            at = list(template.landmark_names).index(focus)
+            middle = np.asarray(template.vertices)[template.landmark_vertices[at]]
+            self.scale *= 2.5
+        self.middle = middle @ self.view_from_head.T
 
     def paint(self, vertices: np.ndarray, displacement: np.ndarray) -> np.ndarray:
         """Picture H x W x 3 float of the displaced head (V x 3, m), tinted by its displacement."""
@@ -94,7 +96,7 @@ class Painter:
         count = np.clip(np.exp2(np.ceil(np.log2(1.6 * sides + 1))), 2, 64).astype(int)
         toward = corners[:, :, 5].max(axis=1) > -0.2
         for n in np.unique(count):
-            chosen = (count == n) & toward
+            chosen = (count == n) & toward & self.drawn
             t = (np.arange(n) + 0.5) / n
             s, t = (a.ravel() for a in np.meshgrid(t, t))
             weights = np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t])
@@ -137,6 +139,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--out", type=Path, required=True, help="picture to write, .png")
     parser.add_argument("--only", nargs="+", help="titles to draw; all by default")
     parser.add_argument("--yaw", type=float, default=0.0, help="degrees to the side")
+    parser.add_argument("--focus", help="landmark to look at from near, such as lip_upper_inner")
     parser.add_argument("--size", type=int, default=280, help="width of one picture, pixels")
     options = parser.parse_args(arguments)
     from matplotlib.figure import Figure
@@ -145,14 +148,12 @@ def main(arguments: list[str] | None = None) -> int:
 
     template = load_template()
     tiles = sheet_tiles(attach(template.vertices, template))
-    unknown = set(options.only or ()) - set(tiles)
+    unknown = sorted(set(options.only or ()) - set(tiles))
     if unknown:
-        print(
-            f"no tile {', '.join(sorted(unknown))}; there are {', '.join(tiles)}", file=sys.stderr
-        )
+        print(f"no picture {unknown[0]!r}; there are {', '.join(tiles)}", file=sys.stderr)
         return 2
     chosen = {name: tiles[name] for name in options.only or tiles}
-    painter = Painter(template, options.size, options.yaw)
+    painter = Painter(template, options.size, options.yaw, options.focus)
     columns = min(7, len(chosen))
     rows = -(-len(chosen) // columns)
     height, width = painter.shape

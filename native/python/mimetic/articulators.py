@@ -12,7 +12,7 @@ from functools import cached_property
 
 import numpy as np
 
-from mimetic.skin_mesh import SkinMesh
+from mimetic.skin_mesh import SkinMesh, multiply
 
 ARTICULATORS = {  # value range; jaw_side: positive to the subject's left
     "jaw_open": (0.0, 1.0),
@@ -28,7 +28,10 @@ JAW_GLIDE = np.array([0.0, -0.0015, 0.004])  # the condyle slides down its slope
 JAW_SIDE = 0.007
 JAW_THRUST = 0.006
 LIP_BLEND = 0.004
+CORNER_BLEND = 0.018  # where the lips meet, both hang half on the jaw
 CHEEK_BLEND = 0.025
+NECK_START = 0.005
+NECK_BLEND = 0.030
 LOWER_LID_RAISE = 0.003
 LID_REACH = 0.013  # from the margin to the fold of the upper lid
 
@@ -86,29 +89,31 @@ class Jaw:
     @cached_property
     def influence(self) -> np.ndarray:
         """0 (skull) to 1 (jaw) for the bone under each refined skin vertex, N."""
-        mesh = self.mesh
-        corner = mesh.neutral[[mesh.landmark(f"mouth_corner.{s}") for s in ("L", "R")]].mean(axis=0)
-        forward = corner - self.hinge
-        forward[0] = 0
-        reach = np.linalg.norm(forward)
-        forward /= reach
-        down = np.cross(np.array([1.0, 0.0, 0.0]), forward)
-        if down[1] > 0:
-            down = -down
-        below = (mesh.vertices - self.hinge) @ down
-        lips = mesh.vertices[
-            [mesh.landmark(name) for name in ("lip_upper_inner", "lip_lower_inner")]
-        ].mean(axis=0)
-        aside = np.abs(mesh.vertices[:, 0]) - abs(mesh.neutral[mesh.landmark("mouth_corner.L"), 0])
-        ahead = (mesh.vertices - self.hinge) @ forward
-        away = np.clip(aside / 0.02, 0, 1)
-        blend = LIP_BLEND + (CHEEK_BLEND - LIP_BLEND) * smooth_step(away)
-        level = (lips - self.hinge) @ down * (1 - smooth_step(away))
-        value = smooth_step(0.5 + (below - level) / blend)
-        neck_end = mesh.neutral[mesh.landmark("menton")]
-        value *= smooth_step(1.4 - (neck_end[1] - mesh.vertices[:, 1]) / 0.03)
-        value *= smooth_step(ahead / (0.25 * reach) + 0.3)
-        return value
+        mesh, points = self.mesh, self.mesh.vertices
+        corner = self._landmarks("mouth_corner.L", "mouth_corner.R") * [0, 1, 1]
+        forward = (corner - self.hinge) / np.linalg.norm(corner - self.hinge)
+        below = (points - self.hinge) @ np.cross([1.0, 0.0, 0.0], forward)
+        ahead = (points - self.hinge) @ forward / np.linalg.norm(corner - self.hinge)
+        # Between the lips the slit parts skull from jaw, in the cheek the change is gradual.
+        half_mouth = abs(mesh.neutral[mesh.landmark("mouth_corner.L"), 0])
+        aside = smooth_step((np.abs(points[:, 0]) - half_mouth) / 0.02)
+        blend = LIP_BLEND + (CHEEK_BLEND - LIP_BLEND) * aside
+        slit = self._landmarks("lip_upper_inner", "lip_lower_inner")
+        level = (slit - self.hinge) @ np.cross([1.0, 0.0, 0.0], forward) * (1 - aside)
+        lip = 1.0 * mesh.in_region("lower_lip") - mesh.in_region("upper_lip")
+        corners = mesh.vertices[[mesh.landmark(f"mouth_corner.{side}") for side in ("L", "R")]]
+        gap = np.linalg.norm(points[:, None] - corners, axis=2).min(axis=1)
+        which_lip = multiply(mesh.stencils, lip) * smooth_step(gap / CORNER_BLEND)
+        value = smooth_step(0.5 + (below - level) / blend + which_lip) * smooth_step(ahead / 0.3)
+        # Below the lower edge of the mandible the neck takes over.
+        angle, menton = self._landmarks("gonion.L", "gonion.R"), self._landmarks("menton")
+        edge = (menton - angle) / np.linalg.norm(menton - angle)
+        under = (points - menton) @ np.cross([1.0, 0.0, 0.0], edge)
+        return value * smooth_step(1 - (under - NECK_START) / NECK_BLEND)
+
+    def _landmarks(self, *names: str) -> np.ndarray:
+        """Mean position of landmarks."""
+        return self.mesh.neutral[[self.mesh.landmark(name) for name in names]].mean(axis=0)
 
 
 @dataclass(frozen=True)
@@ -204,9 +209,15 @@ class EyeLids:
         frame, mesh = self.frame, self.frame.mesh
         count = int(mesh.template.num_skin_vertices)
         skin = mesh.neutral[:count]
-        distance = mesh.whole_surface.distances(mesh.vertices[margin], LID_REACH)[:count]
+        other = self.lower if margin is self.upper else self.upper
+        other = np.setdiff1d(other, margin)  # without the corners
+        own, across = (
+            np.minimum(mesh.whole_surface.distances(mesh.vertices[edge], 0.03)[:count], 0.03)
+            for edge in (margin, other)
+        )
         reach = np.where(mesh.in_region("eye_socket"), LID_REACH / 2, LID_REACH)
-        share = smooth_step(1 - distance / reach)
+        # Round the corner lies the other lid, which stays.
+        share = smooth_step(1 - own / reach) * smooth_step(2 * (across - own) / (across + own))
         mode = np.zeros_like(mesh.neutral)
         angle = share * angle_at(frame.polar(skin)[0])
         mode[:count] = rotate(skin, frame.centre, frame.axis, angle) - skin

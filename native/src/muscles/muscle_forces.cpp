@@ -48,6 +48,7 @@ void Muscle::check() const {
     check_range("width", width, 1e-4, 1);
     check_range("normal_share", normal_share, 0, 1);
     check_range("protrusion", protrusion, 0, 100);
+    check_range("swelling", swelling, 0, 1);
 }
 
 Points MuscleSurface::forces(const Muscle& muscle) const {
@@ -57,7 +58,7 @@ Points MuscleSurface::forces(const Muscle& muscle) const {
 
 // The pull spreads over a Gaussian footprint; its reaction is at the bone and loads no skin.
 Points MuscleSurface::pull(const Muscle& muscle) const {
-    const Points edge = sample_edge(muscle.insertion, muscle.width / 2);
+    const Points edge = sample_edge(muscle.insertion, muscle.width / 4);
     const Eigen::VectorXd distance = distances(edge, kFootprintLimit * muscle.width);
     const Eigen::RowVector3d middle = edge.colwise().mean();
     const Eigen::RowVector3d direction = muscle.origin.transpose() - middle;
@@ -113,16 +114,20 @@ Points MuscleSurface::squeeze(const Muscle& muscle) const {
         const Eigen::Vector3d away =
             (p - own.transpose()).normalized() + (p - other.transpose()).normalized();
         const Eigen::Vector3d fibre = normal.cross(away).normalized();
-        // Nodal forces of a uniaxial stress: the shape functions' slopes are the opposite edges, turned
-        // inwards.
-        forces.row(face[0]) -= tension / 2 * normal.cross(c - b).dot(fibre) * fibre.transpose();
-        forces.row(face[1]) -= tension / 2 * normal.cross(a - c).dot(fibre) * fibre.transpose();
-        forces.row(face[2]) -= tension / 2 * normal.cross(b - a).dot(fibre) * fibre.transpose();
+        const Eigen::Vector3d across = normal.cross(fibre);
+        const Eigen::Matrix3d stress =
+            tension * (fibre * fibre.transpose() - muscle.swelling * across * across.transpose());
+        // The shape functions' slopes are the opposite edges, turned inwards.
+        forces.row(face[0]) -= stress * normal.cross(c - b) / 2;
+        forces.row(face[1]) -= stress * normal.cross(a - c) / 2;
+        forces.row(face[2]) -= stress * normal.cross(b - a) / 2;
         outwards += tension * (b - a).cross(c - a).transpose() / 2;
     }
-    outwards.normalize();
+    // Lips are pushed to a point before the mouth, so that they meet as they come forward.
+    const Eigen::RowVector3d meeting = centre + focal * outwards.normalized();
     for (Eigen::Index v = 0; v < vertices_.rows(); ++v) {
-        forces.row(v) += muscle.protrusion / muscle.width * weight[v] * areas_[v] * outwards;
+        const Eigen::RowVector3d push = (meeting - vertices_.row(v)).normalized();
+        forces.row(v) += muscle.protrusion / muscle.width * weight[v] * areas_[v] * push;
     }
     return forces;
 }

@@ -44,6 +44,30 @@ Triangle make_triangle(PointsIn vertices, const Eigen::RowVector3i& face) {
     return t;
 }
 
+/// Rotation vector of the element for a displacement of corner `i`: 3 x 3.
+Eigen::Matrix3d rotation_of(const Triangle& t, int i) {
+    const Eigen::Vector3d turned = t.normal.cross(Eigen::Vector3d(t.axes.transpose() * t.slope.col(i)));
+    return t.normal * turned.transpose() / 2 - turned * t.normal.transpose();
+}
+
+struct VertexFrames {
+    Eigen::VectorXd areas;  // a third of the triangles around
+    Points normals;         // unit
+};
+
+VertexFrames make_frames(const std::vector<Triangle>& elements, TrianglesIn triangles,
+                         Eigen::Index num_vertices) {
+    VertexFrames frames{Eigen::VectorXd::Zero(num_vertices), Points::Zero(num_vertices, 3)};
+    for (std::size_t f = 0; f < elements.size(); ++f) {
+        for (int k = 0; k < 3; ++k) {
+            frames.areas[triangles(f, k)] += elements[f].area / 3;
+            frames.normals.row(triangles(f, k)) += elements[f].area * elements[f].normal.transpose();
+        }
+    }
+    frames.normals.rowwise().normalize();
+    return frames;
+}
+
 double mean(const Eigen::VectorXd& values, const Eigen::RowVector3i& face) {
     return (values[face[0]] + values[face[1]] + values[face[2]]) / 3;
 }
@@ -57,7 +81,7 @@ Eigen::Matrix<double, 9, 9> membrane_stiffness(const Triangle& t, const SkinMate
     elastic << 1, poisson, 0, poisson, 1, 0, 0, 0, (1 - poisson) / 2;
     elastic *= mean(m.young, face) / (1 - poisson * poisson);
     Eigen::Matrix<double, 3, 9> strain;
-    for (int k = 0; k < 3; ++k) {
+    for (Eigen::Index k = 0; k < 3; ++k) {
         Eigen::Matrix<double, 3, 2> plane;
         plane << t.slope(0, k), 0, 0, t.slope(1, k), t.slope(1, k), t.slope(0, k);
         strain.middleCols<3>(3 * k) = plane * t.axes;
@@ -67,8 +91,8 @@ Eigen::Matrix<double, 9, 9> membrane_stiffness(const Triangle& t, const SkinMate
     const Eigen::Matrix3d coupling =
         mean(m.pre_stress, face) * thickness * t.area * t.slope.transpose() * t.slope;
     const Eigen::Matrix3d outwards = t.normal * t.normal.transpose();
-    for (int i = 0; i < 3; ++i) {
-        for (int j = 0; j < 3; ++j) {
+    for (Eigen::Index i = 0; i < 3; ++i) {
+        for (Eigen::Index j = 0; j < 3; ++j) {
             stiffness.block<3, 3>(3 * i, 3 * j) += coupling(i, j) * outwards;
         }
     }
@@ -121,61 +145,90 @@ struct SkinModel::Parts {
     std::vector<Eigen::Matrix3d> foundation;  // a vertex, N/m
     Eigen::CholmodSupernodalLLT<Columns> factor;
 
-    void assemble(PointsIn vertices, TrianglesIn triangles, const SkinMaterials& materials,
-                  const SparseRows& scalar_basis, const std::vector<bool>& on_boundary);
+    Columns assemble_membrane(const std::vector<Triangle>& elements, TrianglesIn triangles,
+                              const SkinMaterials& materials, const VertexFrames& frames);
 };
 
-void SkinModel::Parts::assemble(PointsIn vertices, TrianglesIn triangles, const SkinMaterials& materials,
-                                const SparseRows& scalar_basis, const std::vector<bool>& on_boundary) {
-    const Eigen::Index num_vertices = vertices.rows();
-    Triplets membrane;
-    membrane.reserve(81 * triangles.rows() + 9 * num_vertices);
-    Triplets laplacian;
-    laplacian.reserve(9 * triangles.rows());
-    Eigen::VectorXd areas = Eigen::VectorXd::Zero(num_vertices);
-    Points normals = Points::Zero(num_vertices, 3);
-    for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
-        const Eigen::RowVector3i face = triangles.row(f);
-        const Triangle t = make_triangle(vertices, face);
-        const auto stiffness_e = membrane_stiffness(t, materials, face);
+namespace {
+
+/// Change of the mean-curvature vector along the normal, N x 3N (times the vertex's area). Turning the
+/// surface turns that vector without bending anything, so the turn of the surrounding elements is taken off.
+Columns curvature_change(const std::vector<Triangle>& elements, TrianglesIn triangles, PointsIn vertices,
+                         const VertexFrames& frames) {
+    Points curvature = Points::Zero(vertices.rows(), 3);
+    for (std::size_t f = 0; f < elements.size(); ++f) {
+        const Triangle& t = elements[f];
+        const Eigen::Matrix3d pull = t.area * t.slope.transpose() * t.slope * t.corners.transpose();
+        for (int i = 0; i < 3; ++i) {
+            curvature.row(triangles(f, i)) += pull.row(i);
+        }
+    }
+    Triplets entries;
+    entries.reserve(27 * elements.size());
+    for (std::size_t f = 0; f < elements.size(); ++f) {
+        const Triangle& t = elements[f];
         const Eigen::Matrix3d cotangent = t.area * t.slope.transpose() * t.slope;
         for (int i = 0; i < 3; ++i) {
-            areas[face[i]] += t.area / 3;
-            normals.row(face[i]) += t.area * t.normal.transpose();
+            const int v = triangles(f, i);
+            const Eigen::RowVector3d normal = frames.normals.row(v);
+            const Eigen::RowVector3d tilt = curvature.row(v).cross(normal) * (t.area / 3 / frames.areas[v]);
             for (int j = 0; j < 3; ++j) {
-                laplacian.emplace_back(face[i], face[j], cotangent(i, j));
-                for (int entry = 0; entry < 9; ++entry) {
-                    const int a = entry / 3;
-                    const int b = entry % 3;
-                    membrane.emplace_back(3 * face[i] + a, 3 * face[j] + b,
-                                          stiffness_e(3 * i + a, 3 * j + b));
+                const Eigen::RowVector3d row = cotangent(i, j) * normal - tilt * rotation_of(t, j);
+                for (int axis = 0; axis < 3; ++axis) {
+                    entries.emplace_back(v, 3 * triangles(f, j) + axis, row[axis]);
                 }
             }
         }
     }
-    foundation.resize(num_vertices);
-    Eigen::VectorXd flexure(num_vertices);  // plate stiffness over area; a free edge carries no moment
-    for (Eigen::Index v = 0; v < num_vertices; ++v) {
-        const Eigen::Vector3d n = normals.row(v).normalized();
-        foundation[v] = areas[v] * (materials.tangential[v] * Eigen::Matrix3d::Identity() +
-                                    (materials.normal[v] - materials.tangential[v]) * n * n.transpose());
+    Columns change(vertices.rows(), 3 * vertices.rows());
+    change.setFromTriplets(entries.begin(), entries.end());
+    return change;
+}
+
+/// Plate stiffness over area; a free edge carries no moment.
+Eigen::VectorXd flexure(const SkinMaterials& materials, const VertexFrames& frames,
+                        const std::vector<bool>& on_boundary) {
+    Eigen::VectorXd result(frames.areas.size());
+    for (Eigen::Index v = 0; v < result.size(); ++v) {
         const double plate = materials.young[v] * std::pow(materials.thickness[v], 3) / 12 /
                              (1 - materials.poisson[v] * materials.poisson[v]);
-        flexure[v] = on_boundary[v] ? 0 : plate / areas[v];
+        result[v] = on_boundary[v] ? 0 : plate / frames.areas[v];
+    }
+    return result;
+}
+
+}  // namespace
+
+Columns SkinModel::Parts::assemble_membrane(const std::vector<Triangle>& elements, TrianglesIn triangles,
+                                            const SkinMaterials& materials, const VertexFrames& frames) {
+    Triplets entries;
+    entries.reserve(81 * elements.size() + 9 * frames.areas.size());
+    const auto add = [&](int row, int column, const Eigen::Matrix3d& block) {
         for (int a = 0; a < 3; ++a) {
             for (int b = 0; b < 3; ++b) {
-                membrane.emplace_back(3 * v + a, 3 * v + b, foundation[v](a, b));
+                entries.emplace_back(3 * row + a, 3 * column + b, block(a, b));
+            }
+        }
+    };
+    for (std::size_t f = 0; f < elements.size(); ++f) {
+        const auto stiffness_e = membrane_stiffness(elements[f], materials, triangles.row(f));
+        for (Eigen::Index i = 0; i < 3; ++i) {
+            for (Eigen::Index j = 0; j < 3; ++j) {
+                add(triangles(f, i), triangles(f, j), stiffness_e.block<3, 3>(3 * i, 3 * j));
             }
         }
     }
-    Columns nodal(3 * num_vertices, 3 * num_vertices);
-    nodal.setFromTriplets(membrane.begin(), membrane.end());
-    Columns l(num_vertices, num_vertices);
-    l.setFromTriplets(laplacian.begin(), laplacian.end());
-    const Columns curvature = l * Columns(scalar_basis);
-    const SparseRows bending = curvature.transpose() * flexure.asDiagonal() * curvature;
-    const Columns force = nodal * basis;
-    stiffness = Columns(basis.transpose() * force) + interleave(bending);
+    foundation.resize(frames.areas.size());
+    for (Eigen::Index v = 0; v < frames.areas.size(); ++v) {
+        const Eigen::Vector3d n = frames.normals.row(v);
+        foundation[v] =
+            frames.areas[v] * (materials.tangential[v] * Eigen::Matrix3d::Identity() +
+                               (materials.normal[v] - materials.tangential[v]) * n * n.transpose());
+        add(static_cast<int>(v), static_cast<int>(v), foundation[v]);
+    }
+    Columns nodal(3 * frames.areas.size(), 3 * frames.areas.size());
+    nodal.setFromTriplets(entries.begin(), entries.end());
+    return nodal;
 }
 
 SkinModel::SkinModel(PointsIn vertices, TrianglesIn triangles, const SkinMaterials& materials,
@@ -189,7 +242,16 @@ SkinModel::SkinModel(PointsIn vertices, TrianglesIn triangles, const SkinMateria
                            std::to_string(vertices.rows()) + " vertices");
     }
     parts_->basis = interleave(basis);
-    parts_->assemble(vertices, triangles, materials, basis, on_boundary);
+    std::vector<Triangle> elements;
+    elements.reserve(triangles.rows());
+    for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
+        elements.push_back(make_triangle(vertices, triangles.row(f)));
+    }
+    const VertexFrames frames = make_frames(elements, triangles, vertices.rows());
+    const Columns force = parts_->assemble_membrane(elements, triangles, materials, frames) * parts_->basis;
+    const SparseRows bend = curvature_change(elements, triangles, vertices, frames) * parts_->basis;
+    const SparseRows moment = flexure(materials, frames, on_boundary).asDiagonal() * bend;
+    parts_->stiffness = Columns(parts_->basis.transpose() * force) + Columns(bend.transpose() * moment);
     cholmod_common& cholmod = parts_->factor.cholmod();
     cholmod.print = 0;     // CHOLMOD writes warnings to the terminal by default
     cholmod.nmethods = 1;  // trying the other orderings costs more than the best of them saves
