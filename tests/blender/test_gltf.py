@@ -60,24 +60,17 @@ def test_a_reimported_face_moves_the_same(exported, scene, performance, extensio
     frames = [1, 11, 20, 30, 38]  # whole scene frames, where both have keys
     face = scene.mimetic.face
     expected = [world_vertices(face, frame) for frame in frames]
+    curves_of = extension("compat").curves
     bpy.ops.wm.read_factory_settings(use_empty=True)
     imported_rate = 50  # the importer has the exporter's fault with bases, so it gets a whole rate
     bpy.context.scene.render.fps, bpy.context.scene.render.fps_base = imported_rate, 1.0
     bpy.ops.import_scene.gltf(filepath=str(exported))
     face = next(o for o in bpy.context.scene.objects if o.type == "MESH")
-    curves = extension_curves(face)
-    start = min(curve.keyframe_points[0].co[0] for curve in curves)
+    start = min(curve.keyframe_points[0].co[0] for curve in curves_of(face).fcurves)
     for frame, points in zip(frames, expected, strict=True):
         actual = world_vertices(face, start + (frame - 1) / rate * imported_rate)
         assert furthest_from_nearest(actual, points) < MOTION_METRES
         assert furthest_from_nearest(points, actual) < MOTION_METRES
-
-
-def extension_curves(face):
-    from bpy_extras import anim_utils
-
-    moved = face.animation_data
-    return anim_utils.action_get_channelbag_for_slot(moved.action, moved.action_slot).fcurves
 
 
 def test_times_and_weights_are_the_performances(exported, scene, performance):
