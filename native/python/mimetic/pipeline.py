@@ -29,6 +29,7 @@ FrameRange = tuple[int | None, int | None]
 
 SEARCHED_SECONDS = 8.0  # of the clip, for the frame that shows the face best
 NUM_CANDIDATES = 16
+SETTLING = 10  # frames in which a camera finds its exposure and an encoder its quality
 SEARCH_AGAIN = 12  # frames between looks for a face that was lost
 BACKWARD_BYTES = 128 << 20  # of frames held to walk a clip backwards
 WINDOW, OVERLAP = 300, 40  # frames smoothed at once, and shared with the next window
@@ -89,20 +90,24 @@ def find_face(
         first, last = check_range((frame, frame), footage)
         return fitting.find_face(footage.read(first), first)
     first, last = check_range(frames, footage)
-    span = min(last - first + 1, max(1, round(SEARCHED_SECONDS * float(footage.fps))))
-    wanted = set(
-        np.linspace(first, first + span - 1, min(span, NUM_CANDIDATES)).astype(int).tolist()
-    )
-    fit = _best_fit(footage, wanted, progress)
-    if fit is None and first + span <= last:
-        wanted = set(np.linspace(first + span, last, 2 * NUM_CANDIDATES).astype(int).tolist())
-        fit = _best_fit(footage, wanted, progress)
+    start = first + SETTLING if first + 3 * SETTLING < last else first
+    end = min(last, start + max(1, round(SEARCHED_SECONDS * float(footage.fps))))
+    fit = _best_fit(footage, _spread(start, end, NUM_CANDIDATES), progress)
+    if fit is None and end < last:
+        fit = _best_fit(footage, _spread(end + 1, last, 2 * NUM_CANDIDATES), progress)
+    if fit is None and start > first:
+        fit = _best_fit(footage, _spread(first, start - 1, SETTLING), progress)
     if fit is None:
         raise NoFace(
             f"no frontal face found in {footage.path.name}, frames {first} to {last}: choose a "
             "range in which the face looks at the camera and is lit (--frames A:B), or give a fit"
         )
     return fit
+
+
+def _spread(first: int, last: int, number: int) -> set[int]:
+    """At most `number` frames from `first` to `last`, evenly."""
+    return set(np.linspace(first, last, min(number, last - first + 1)).astype(int).tolist())
 
 
 def _best_fit(footage: Footage, wanted: set[int], progress: Progress | None) -> FaceFit | None:
