@@ -58,10 +58,10 @@ def track_points(
     points = np.asarray(points, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
         raise InvalidInput("points must be K rows of two finite numbers, x and y in pixels")
-    surface = _RefinedSurface(performance)
+    surface = RefinedSurface(performance)
     start = performance.index_of(frame) if frame is not None else 0
     vertices = surface.in_camera(start)
-    triangle, weights = _cast(performance, points, vertices, surface.triangles)
+    triangle, weights = find_places(performance, points, vertices, surface.triangles)
     on_face = triangle >= 0
     corners = surface.triangles[triangle[on_face]]
     weights = weights[on_face]
@@ -82,7 +82,7 @@ def track_points(
     return Tracks(tracks, visible, on_face)
 
 
-class _RefinedSurface:
+class RefinedSurface:
     """The performance's limit surface, refined to small facets."""
 
     def __init__(self, performance: Performance) -> None:
@@ -101,7 +101,7 @@ class _RefinedSurface:
         return np.ascontiguousarray(self.mesh.positions(control))
 
 
-def _cast(
+def find_places(
     performance: Performance,
     points: NDArray[np.float64],
     vertices: NDArray[np.float64],
