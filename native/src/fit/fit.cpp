@@ -228,7 +228,7 @@ private:
                                       options_.pupil_distance, kIpdTolerance),
             nullptr, state_.identity.data());
         problem.AddResidualBlock(new ceres::AutoDiffCostFunction<fit::FacingResidual, 2, fit::kPose>(
-                                     new fit::FacingResidual{options_.pitch_spread}),
+                                     new fit::FacingResidual{options_.pitch_spread, options_.yaw_spread}),
                                  nullptr, state_.pose.data());
         for (int i = 0; i < model_.limits.rows(); ++i) {
             problem.SetParameterLowerBound(state_.identity.data(), i, model_.limits(i, 0));
@@ -323,6 +323,7 @@ void FitOptions::check() const {
     };
     positive("focal_spread", focal_spread);
     positive("pitch_spread", pitch_spread);
+    positive("yaw_spread", yaw_spread);
     positive("robust_scale", robust_scale);
     positive("pupil_distance", pupil_distance);
     require(gaze_spread >= 0, "gaze_spread must not be negative");

@@ -114,9 +114,10 @@ private:
     double tolerance_;
 };
 
-/// A face that is looked at by a camera mostly looks back: prior of pitch, and weaker of yaw.
+/// A face that is looked at by a camera mostly looks back: prior of pitch and yaw.
 struct FacingResidual {
     double pitch_spread;
+    double yaw_spread;
 
     template <typename T>
     bool operator()(const T* pose, T* residuals) const {
@@ -127,7 +128,7 @@ struct FacingResidual {
         using std::sqrt;
         const T distance = sqrt(pose[3] * pose[3] + pose[4] * pose[4] + pose[5] * pose[5]);
         residuals[0] = (forward[1] + pose[4] / distance) / pitch_spread;
-        residuals[1] = (forward[0] + pose[3] / distance) / (3.0 * pitch_spread);
+        residuals[1] = (forward[0] + pose[3] / distance) / yaw_spread;
         return true;
     }
 };

@@ -51,7 +51,8 @@ void measure_brow(const FacePatch& patch, const Expected& expected, const std::s
         const double j = path[static_cast<std::size_t>(i)];
         curve.line.points.row(i) += (j * step - half_width) * search_line.normals.row(i);
         const double here = std::clamp(sample(response, j, i) / unit / 2, 0.0, 1.0);
-        curve.sigma.push_back(0.035 + 0.08 * (1 - here));
+        // Where on the ridge the hair grows differs from person to person by more than can be measured
+        curve.sigma.push_back(0.065 + 0.08 * (1 - here));
     }
     curves["brow" + side] = curve;
 }

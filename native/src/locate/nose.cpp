@@ -105,7 +105,7 @@ void measure_nose(const FacePatch& patch, const Expected& expected, Features& fe
     double likelihood = 0;
     if (best_right != nullptr) {
         likelihood = std::clamp(best / 6, 0.0, 1.0);
-        const double sigma = 0.03 + 0.04 * (1 - likelihood);
+        const double sigma = 0.03 + 0.07 * (1 - likelihood);
         features["nostril.R"] = {best_right->place, sigma, likelihood};
         features["nostril.L"] = {best_left->place, sigma, likelihood};
         base = (best_right->place + best_left->place) / 2;
