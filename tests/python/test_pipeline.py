@@ -8,7 +8,7 @@ import time
 import numpy as np
 import pytest
 from clips import ffmpeg, make_clip
-from mimetic import InvalidInput, UnreadableMedia
+from mimetic import InvalidInput, UnreadableMedia, sequence
 from mimetic.cli import main
 from mimetic.fit import FaceFit, NoFace
 from mimetic.footage import Footage
@@ -69,6 +69,15 @@ def test_a_stopped_capture_keeps_and_marks_what_is_done(rendered_clip, fit):
     assert all(0 <= fraction <= 1 for fraction, _ in calls)
 
 
+def test_windows_of_smoothing_join_without_a_seam(rendered_clip, fit, performance, monkeypatch):
+    monkeypatch.setattr(sequence, "WINDOW", 8)
+    monkeypatch.setattr(sequence, "OVERLAP", 12)
+    parts = capture(rendered_clip.footage, fit=fit)
+    np.testing.assert_array_equal(parts.frame, performance.frame)
+    np.testing.assert_allclose(parts.activations, performance.activations, atol=0.02)
+    np.testing.assert_allclose(parts.head_pose, performance.head_pose, atol=1e-3)
+
+
 def test_frames_backward_are_the_same_frames(rendered_clip):
     footage = Footage(rendered_clip.footage)
     forward = dict(footage.frames(1, 9))
@@ -102,21 +111,36 @@ def test_frames_outside_of_the_clip_are_refused(rendered_clip, frames):
         capture(rendered_clip.footage, frames=frames)
 
 
-def test_a_cut_to_something_else_is_held_not_invented(rendered_clip, fit, tmp_path):
+def test_a_face_that_leaves_is_held_and_found_again(rendered_clip, tmp_path):
     bars = make_clip(
-        tmp_path / "bars.mkv", "-c:v", "ffv1", size="320x240", frames=12, source="smptebars"
+        tmp_path / "bars.mkv", "-c:v", "ffv1", size="320x240", frames=14, source="smptebars"
     )
-    filters = "[0:v]trim=end_frame=10,setpts=N/25/TB,format=yuv420p,setsar=1[a];"
-    filters += "[1:v]setpts=N/25/TB,format=yuv420p,setsar=1[b];[a][b]concat"
+    plain = "setpts=N/25/TB,format=yuv420p,setsar=1"
+    filters = f"[0:v]trim=end_frame=10,{plain}[a];[1:v]{plain}[b];[0:v]{plain}[c];"
     ffmpeg(
-        *("-i", rendered_clip.footage, "-i", bars, "-filter_complex", filters),
+        *("-i", rendered_clip.footage, "-i", bars),
+        *("-filter_complex", filters + "[a][b][c]concat=n=3"),
         *("-c:v", "ffv1", tmp_path / "cut.mkv"),
     )
-    found = capture(tmp_path / "cut.mkv", fit=fit)
-    assert found.frame.tolist() == list(range(1, 23))
+    first = find_face(rendered_clip.footage, 4)
+    found = capture(tmp_path / "cut.mkv", frames=(1, 50), fit=first)
+    assert found.frame.tolist() == list(range(1, 51))
     assert (found.quality[:9] > 0.3).all()
-    assert (found.quality[13:] < 0.2).all()
+    assert (found.quality[13:23] < 0.2).all()
+    still = found.activations[13:23]
+    assert np.abs(still - still[0]).max() < 0.05  # held, not invented
+    assert (found.quality[-10:] > 0.3).all()
     assert any("held" in note for note in found.notes)
+
+
+def test_of_two_faces_the_larger_is_taken_and_told(rendered_clip, tmp_path):
+    both = tmp_path / "two.mkv"
+    filters = "[0:v]scale=240:180,pad=240:240[a];[0:v][a]hstack"
+    ffmpeg(*("-i", rendered_clip.footage, "-filter_complex", filters, "-c:v", "ffv1", both))
+    found = capture(both, frames=(14, 17))
+    pixels = found.project(found.surface_in_camera(0))
+    assert pixels[:, 0].mean() < 320
+    assert any("2 faces" in note for note in found.notes)
 
 
 def run(*arguments):

@@ -38,7 +38,7 @@ def test_every_group_has_its_panel(footage):
     for group, name in GROUPS.items():
         assert f"{group}  {name}" in titles
     drawn = sum(len(axes.lines) for axes in figure.axes)
-    assert drawn == 36 + len(GROUPS)
+    assert drawn == 36 + len(GROUPS) + 8  # a line at 1 in each panel
 
 
 def test_head_angles_are_the_turns_that_were_made():

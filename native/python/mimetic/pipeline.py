@@ -16,13 +16,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, UnreadableMedia, _core
+from mimetic import InvalidInput, UnreadableMedia, _core, sequence
 from mimetic import fit as fitting
 from mimetic.anatomy import Anatomy, attach
 from mimetic.face_template import FaceTemplate, load_template
 from mimetic.fit import FaceFit, NoFace
 from mimetic.footage import Footage
-from mimetic.performance import HELD_QUALITY, Performance, unitless
+from mimetic.performance import HELD_QUALITY, Performance
+from mimetic.sequence import Rows, State
 
 Progress = Callable[[float, str], bool]  # fraction, what is done -> go on?
 FrameRange = tuple[int | None, int | None]
@@ -31,8 +32,8 @@ SEARCHED_SECONDS = 8.0  # of the clip, for the frame that shows the face best
 NUM_CANDIDATES = 16
 SETTLING = 10  # frames in which a camera finds its exposure and an encoder its quality
 SEARCH_AGAIN = 12  # frames between looks for a face that was lost
+CUT_DIFFERENCE = 18.0  # mean change of grey levels from frame to frame
 BACKWARD_BYTES = 128 << 20  # of frames held to walk a clip backwards
-WINDOW, OVERLAP = 300, 40  # frames smoothed at once, and shared with the next window
 UNMEASURED_REGIONS = ("scalp", "ear", "neck", "mouth_cavity", "eye_socket", "eyelid")
 # How far values stray from 0 before anything is seen
 MUSCLE_STD = 0.3
@@ -52,27 +53,6 @@ class CaptureSummary:
 
     def add(self, stage: str, seconds: float) -> None:
         self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
-
-
-@dataclass
-class _Rows:
-    """The performance as it grows, one row a frame."""
-
-    frame: list[int] = field(default_factory=list)
-    pose: list[NDArray] = field(default_factory=list)
-    pose_cov: list[NDArray] = field(default_factory=list)
-    values: list[NDArray] = field(default_factory=list)
-    values_std: list[NDArray] = field(default_factory=list)
-    quality: list[float] = field(default_factory=list)
-
-    def append(self, frame: int, estimate: _core.FrameEstimate) -> None:
-        quality = min(estimate.quality, 0.99 * HELD_QUALITY) if estimate.held else estimate.quality
-        self.frame.append(frame)
-        self.pose.append(np.asarray(estimate.camera_from_head))
-        self.pose_cov.append(np.asarray(estimate.pose_cov))
-        self.values.append(np.asarray(estimate.values))
-        self.values_std.append(np.asarray(estimate.values_std))
-        self.quality.append(quality)
 
 
 def find_face(
@@ -199,25 +179,31 @@ class _Capture:
         reference = self.footage.read(self.fit.frame)
         tracker = self._make_tracker(reference)
         at_reference = self._advance(tracker, self.fit.frame, reference)
-        backward, forward = _Rows(), _Rows()
+        backward, forward = Rows(), Rows()
         near_reference: list[_core.FrameEstimate] = []
         if self.fit.frame > self.first:
             images = frames_backward(self.footage, self.fit.frame - 1, self.first)
-            for frame, estimate in self._smooth(self._follow(tracker, images), [at_reference]):
-                if len(near_reference) < OVERLAP:
-                    near_reference.append(estimate)
-                if frame <= self.last:
-                    backward.append(frame, estimate)
+            for state in self._smooth(self._follow(tracker, images), [at_reference]):
+                if len(near_reference) == len(backward.frame) < sequence.OVERLAP and not state.held:
+                    near_reference.append(state.estimate)
+                if state.frame <= self.last:
+                    backward.append(state)
             tracker.restart(reference, at_reference)
         ahead = iter(())
         if self.last > self.fit.frame:
             images = self.footage.frames(self.fit.frame + 1, self.last)
             ahead = self._follow(tracker, images)
         estimates = itertools.chain([(self.fit.frame, at_reference)], ahead)
-        for frame, estimate in self._smooth(estimates, near_reference[::-1]):
-            if self.first <= frame <= self.last:
-                forward.append(frame, estimate)
-        return self._performance(_join(backward, forward))
+        for state in self._smooth(estimates, near_reference[::-1]):
+            if self.first <= state.frame <= self.last:
+                forward.append(state)
+        return self._performance(backward.reversed() + forward)
+
+    def _smooth(self, estimates, before: list[_core.FrameEstimate]) -> Iterator[State]:
+        def count(seconds: float) -> None:
+            self.summary.add("smooth", seconds)
+
+        return sequence.smooth_in_windows(estimates, before, self.motion, count)
 
     def _make_tracker(self, reference: NDArray[np.uint8]) -> _core.FaceTracker:
         template = self.template
@@ -244,9 +230,10 @@ class _Capture:
 
     def _follow(
         self, tracker: _core.FaceTracker, images: Iterator[tuple[int, NDArray[np.uint8]]]
-    ) -> Iterator[tuple[int, _core.FrameEstimate]]:
-        """Estimates frame by frame, until the images end or the user stops."""
-        num_lost = 0
+    ) -> Iterator[tuple[int, _core.FrameEstimate | None]]:
+        """Estimates frame by frame, until the images end or the user stops; None after a cut."""
+        num_lost = num_away = 0
+        before = None
         start = time.perf_counter()
         for frame, image in images:
             self.summary.add("decode", time.perf_counter() - start)
@@ -255,9 +242,20 @@ class _Capture:
             if self.summary.stopped or (self.progress and not self.progress(fraction, told)):
                 self.summary.stopped = True
                 return
+            small = image[::8, ::8].mean(axis=2)
+            if before is not None and np.abs(small - before).mean() > CUT_DIFFERENCE:
+                num_away = 1
+            before = small
             guess = None
-            if num_lost and num_lost % SEARCH_AGAIN == 0:
+            if num_away % SEARCH_AGAIN == 1 or (num_lost and num_lost % SEARCH_AGAIN == 0):
                 guess = self._look_again(image, frame)
+                num_away = 0 if guess is not None else num_away
+            if num_away:  # another scene: nothing may be read into it
+                num_away += 1
+                self.num_done += 1
+                yield frame, None
+                start = time.perf_counter()
+                continue
             estimate = self._advance(tracker, frame, image, guess)
             num_lost = num_lost + 1 if estimate.held else 0
             yield frame, estimate
@@ -273,31 +271,7 @@ class _Capture:
         finally:
             self.summary.add("look for the face again", time.perf_counter() - start)
 
-    def _smooth(
-        self,
-        estimates: Iterator[tuple[int, _core.FrameEstimate]],
-        before: list[_core.FrameEstimate],
-    ) -> Iterator[tuple[int, _core.FrameEstimate]]:
-        """Smoothed estimates, window by window; `before` are known neighbours of the first."""
-        waiting: list[tuple[int, _core.FrameEstimate]] = [(0, estimate) for estimate in before]
-        num_given = len(waiting)
-
-        def give(until: int) -> Iterator[tuple[int, _core.FrameEstimate]]:
-            start = time.perf_counter()
-            results = _core.smooth([estimate for _, estimate in waiting], self.motion)
-            self.summary.add("smooth", time.perf_counter() - start)
-            for i in range(num_given, until):
-                yield waiting[i][0], results[i]
-
-        for item in estimates:
-            waiting.append(item)
-            if len(waiting) >= WINDOW + 2 * OVERLAP:
-                yield from give(len(waiting) - OVERLAP)
-                waiting, num_given = waiting[-2 * OVERLAP :], OVERLAP
-        if len(waiting) > num_given:
-            yield from give(len(waiting))
-
-    def _performance(self, rows: _Rows) -> Performance:
+    def _performance(self, rows: Rows) -> Performance:
         if not rows.frame:
             why = "stopped too early" if self.summary.stopped else "the file ends before"
             raise UnreadableMedia(
@@ -310,8 +284,8 @@ class _Capture:
             fps=float(self.footage.fps),
             image_size=np.array(self.footage.size),
             intrinsics=self.fit.intrinsics,
-            head_pose=_rigid(np.array(rows.pose)),
-            head_pose_cov=_semidefinite(np.array(rows.pose_cov)),
+            head_pose=rows.rigid_poses(),
+            head_pose_cov=rows.pose_covariances(),
             muscles=list(self.anatomy.muscle_names),
             muscle_modes=self.anatomy.muscle_modes,
             groups=self.anatomy.groups,
@@ -327,7 +301,7 @@ class _Capture:
             notes=self._notes(rows),
         )
 
-    def _notes(self, rows: _Rows) -> list[str] | None:
+    def _notes(self, rows: Rows) -> list[str] | None:
         notes = [*self.footage.warnings, *self.fit.warnings]
         if self.summary.stopped:
             notes.append(
@@ -384,26 +358,3 @@ def frames_backward(
         start = max(last, first - num_held + 1)
         yield from reversed(list(footage.frames(start, first)))
         first = start - 1
-
-
-def _join(backward: _Rows, forward: _Rows) -> _Rows:
-    rows = _Rows()
-    for name in vars(rows):
-        setattr(rows, name, getattr(backward, name)[::-1] + getattr(forward, name))
-    return rows
-
-
-def _rigid(poses: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Poses whose rotations are orthonormal to the last digit."""
-    u, _, vt = np.linalg.svd(poses[:, :3, :3])
-    poses[:, :3, :3] = u @ vt
-    poses[:, 3] = [0, 0, 0, 1]
-    return poses
-
-
-def _semidefinite(cov: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Covariances N x 6 x 6 without the rounding that makes them asymmetric or indefinite."""
-    correlation, std = unitless((cov + cov.transpose(0, 2, 1)) / 2)
-    values, vectors = np.linalg.eigh(correlation)
-    correlation = np.einsum("nij,nj,nkj->nik", vectors, np.clip(values, 1e-9, None), vectors)
-    return correlation * std[:, :, None] * std[:, None, :]

@@ -202,9 +202,7 @@ def _muscle_figure(performance: Performance):
             std = performance.activations_std[:, i]
             curve = performance.activations[:, i]
             _draw(panel, performance.frame, curve, std, colour, label, "-" if side == "L" else "--")
-        panel.set(title=f"{group}  {GROUPS[group]}", ylim=(-0.03, 1.03))
-        panel.title.set_fontweight("bold")
-        panel.legend(loc="upper right", fontsize=7.5, frameon=False, ncols=2)
+        _set_activation_axes(panel, f"{group}  {GROUPS[group]}")
         _shade_held(panel, performance)
     mean = [
         performance.activations[:, performance.groups == group].mean(axis=1) for group in GROUPS
@@ -213,12 +211,18 @@ def _muscle_figure(performance: Performance):
     for group, curve in zip(GROUPS, mean, strict=True):
         colour = (*COLOURS, "#222222")[group - 1]
         _draw(last, performance.frame, curve, None, colour, GROUPS[group])
-    last.set(title="Mean of each group", ylim=(-0.03, 1.03))
-    last.title.set_fontweight("bold")
-    last.legend(loc="upper right", fontsize=7.5, frameon=False, ncols=2)
+    _set_activation_axes(last, "Mean of each group", room=0.55)
     for panel in axes[-1]:
         panel.set_xlabel("frame")
     return figure
+
+
+def _set_activation_axes(axes, title: str, room: float = 0.3) -> None:
+    """From 0 to 1, with room above for the names of the curves."""
+    axes.set_title(title, fontweight="bold")
+    axes.set(ylim=(-0.03, 1 + room), yticks=np.linspace(0, 1, 6), xmargin=0.01)
+    axes.axhline(1, color="#8a8f93", linewidth=0.5)
+    axes.legend(loc="upper right", fontsize=7.5, frameon=False, ncols=2)
 
 
 def _articulator_figure(performance: Performance):
@@ -274,6 +278,9 @@ def _head_figure(performance: Performance):
         _draw(place, frame, where[:, k], 1000 * std[:, 3 + k], COLOURS[k], name)
     place.set(ylabel="translation, mm", xlabel="frame")
     for panel in (turn, place):
+        panel.set(xmargin=0.01)
+        bottom, top = panel.get_ylim()
+        panel.set_ylim(bottom, top + 0.15 * (top - bottom))  # room for the names
         panel.legend(loc="upper right", fontsize=7.5, frameon=False, ncols=3)
         _shade_held(panel, performance)
     return figure

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The states of a clip's frames: smoothed window by window, collected row by row."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import _core
+from mimetic.performance import HELD_QUALITY, unitless
+
+WINDOW, OVERLAP = 300, 40  # frames smoothed at once, and shared with the next window
+
+
+@dataclass(frozen=True)
+class State:
+    frame: int
+    estimate: _core.FrameEstimate
+    held: bool  # nothing was measured: the estimate is the last good frame's
+
+
+@dataclass
+class Rows:
+    """The performance as it grows, one row a frame."""
+
+    frame: list[int] = field(default_factory=list)
+    pose: list[NDArray[np.float64]] = field(default_factory=list)
+    pose_cov: list[NDArray[np.float64]] = field(default_factory=list)
+    values: list[NDArray[np.float64]] = field(default_factory=list)
+    values_std: list[NDArray[np.float64]] = field(default_factory=list)
+    quality: list[float] = field(default_factory=list)
+
+    def append(self, state: State) -> None:
+        estimate = state.estimate
+        self.frame.append(state.frame)
+        self.pose.append(np.asarray(estimate.camera_from_head))
+        self.pose_cov.append(np.asarray(estimate.pose_cov))
+        self.values.append(np.asarray(estimate.values))
+        self.values_std.append(np.asarray(estimate.values_std))
+        self.quality.append(0.0 if state.held else estimate.quality)
+
+    def reversed(self) -> Rows:
+        return Rows(*(getattr(self, column.name)[::-1] for column in fields(self)))
+
+    def __add__(self, after: Rows) -> Rows:
+        names = [column.name for column in fields(self)]
+        return Rows(*(getattr(self, name) + getattr(after, name) for name in names))
+
+    def rigid_poses(self) -> NDArray[np.float64]:
+        """N x 4 x 4, rotations orthonormal to the last digit."""
+        poses = np.array(self.pose)
+        u, _, vt = np.linalg.svd(poses[:, :3, :3])
+        poses[:, :3, :3] = u @ vt
+        poses[:, 3] = [0, 0, 0, 1]
+        return poses
+
+    def pose_covariances(self) -> NDArray[np.float64]:
+        """N x 6 x 6 without the rounding that makes them asymmetric or indefinite."""
+        cov = np.array(self.pose_cov)
+        correlation, std = unitless((cov + cov.transpose(0, 2, 1)) / 2)
+        values, vectors = np.linalg.eigh(correlation)
+        correlation = np.einsum("nij,nj,nkj->nik", vectors, np.clip(values, 1e-9, None), vectors)
+        return correlation * std[:, :, None] * std[:, None, :]
+
+
+def smooth_in_windows(
+    estimates: Iterable[tuple[int, _core.FrameEstimate | None]],
+    before: list[_core.FrameEstimate],
+    motion: _core.FaceMotion,
+    count_seconds: Callable[[float], None],
+) -> Iterator[State]:
+    """Smoothed states; memory holds one window.
+
+    estimates: frame numbers in the order of walking, None where nothing can be measured: the state
+    before is held there, and what lies on both sides is smoothed apart. before: estimates that
+    precede the first, not given out again.
+    """
+    waiting = [(0, estimate) for estimate in before]
+    num_given = len(waiting)
+    last = before[-1] if before else None
+
+    def smooth(until: int) -> list[State]:
+        start = time.perf_counter()
+        smoothed = _core.smooth([estimate for _, estimate in waiting], motion)
+        count_seconds(time.perf_counter() - start)
+        held = [_is_held(estimate) for estimate in smoothed]
+        return [State(waiting[i][0], smoothed[i], held[i]) for i in range(num_given, until)]
+
+    for frame, estimate in estimates:
+        if estimate is not None:
+            waiting.append((frame, estimate))
+            if len(waiting) >= WINDOW + 2 * OVERLAP:
+                states = smooth(len(waiting) - OVERLAP)
+                yield from states
+                last = states[-1].estimate
+                waiting, num_given = waiting[-2 * OVERLAP :], OVERLAP
+            continue
+        if len(waiting) > num_given:
+            states = smooth(len(waiting))
+            yield from states
+            last = states[-1].estimate
+        waiting, num_given = [], 0
+        if last is not None:
+            yield State(frame, last, held=True)
+    if len(waiting) > num_given:
+        yield from smooth(len(waiting))
+
+
+def _is_held(estimate: _core.FrameEstimate) -> bool:
+    return estimate.held or estimate.quality < HELD_QUALITY
