@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from .motion import HeadMotion, Phase
 
@@ -81,17 +81,24 @@ MUSCLE_PHASES = (
     Phase("jaw_open", 0.35, 2.9, rise=0.25, hold=0.15),
 )
 
+
+def _after(seconds: float, phases: tuple[Phase, ...]) -> tuple[Phase, ...]:
+    """The same phases, after a rest: an actor is asked to begin with a neutral face."""
+    return tuple(replace(phase, start=phase.start + seconds) for phase in phases)
+
+
+REST = 0.7
 STILL_HEAD = HeadMotion(yaw=0.4, pitch=0.3, roll=0.2, sideways=0.0006, nearer=0.001)
 
 TEST = Recipe(
     name="test",
     kind="units",
     seed=1,
-    num_frames=40,
+    num_frames=50,
     phases=(
-        Phase("browInnerUp", 0.9, 0.15, rise=0.2, hold=0.15),
-        *_both("browOuterUp", 0.8, 0.15, rise=0.2, hold=0.15),
-        Phase("jawOpen", 0.45, 0.6, rise=0.25, hold=0.2),
+        Phase("browInnerUp", 0.9, 0.6, rise=0.2, hold=0.15),
+        *_both("browOuterUp", 0.8, 0.6, rise=0.2, hold=0.15),
+        Phase("jawOpen", 0.45, 1.0, rise=0.25, hold=0.2),
     ),
     head_motion=HeadMotion(yaw=5, pitch=2, roll=2, sideways=0.004, nearer=0.01),
 )
@@ -110,10 +117,10 @@ TUNING = (
         "tuning-units",
         "units",
         10,
-        110,
-        (*_surprise(0.3), *_blink(1.35), *_smile(1.6), *_anger(2.6)),
+        130,
+        _after(REST, (*_surprise(0.3), *_blink(1.35), *_smile(1.6), *_anger(2.6))),
     ),
-    Recipe("tuning-muscles", "muscles", 11, 110, MUSCLE_PHASES),
+    Recipe("tuning-muscles", "muscles", 11, 130, _after(REST, MUSCLE_PHASES)),
     Recipe("tuning-still", "still", 12, 45, head_motion=STILL_HEAD),
 )
 HELD_OUT = (
@@ -121,10 +128,10 @@ HELD_OUT = (
         "held-out-units",
         "units",
         100,
-        110,
-        (*_smile(0.3), *_blink(1.35), *_anger(1.6), *_surprise(2.6)),
+        130,
+        _after(REST, (*_smile(0.3), *_blink(1.35), *_anger(1.6), *_surprise(2.6))),
     ),
-    Recipe("held-out-muscles", "muscles", 101, 110, MUSCLE_PHASES),
+    Recipe("held-out-muscles", "muscles", 101, 130, _after(REST, MUSCLE_PHASES)),
     Recipe("held-out-still", "still", 102, 45, head_motion=STILL_HEAD),
 )
 SETS = {"held-out": HELD_OUT, "tuning": TUNING, "small": (TEST, DEMO)}

@@ -11,7 +11,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[2]))
 def rendered_clip():
     """A rendered head that raises its brows and opens its mouth: `.footage`, `.truth` paths.
 
-    40 frames of 320 x 240. Rendered by Blender in about 20 s the first time, then taken from the
+    50 frames of 320 x 240. Rendered by Blender in about 20 s the first time, then taken from the
     cache; never fetched.
     """
     from mimetic.face_template import load_template

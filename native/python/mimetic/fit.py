@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.face_model import face_model, identity_names
 from mimetic.face_template import FaceTemplate, data_folder, load_template
-from mimetic.rest import rest_score
+from mimetic.rest import expression, rest_score
 
 SCHEMA = 1
 LARGEST_FILE = 1 << 20  # bytes
@@ -106,9 +106,15 @@ def score_frame(image: NDArray[np.uint8]) -> float | None:
     Sharp, frontal, level, with open eyes and a mouth at rest scores high. Compare frames of one
     clip only.
     """
+    judged = judge_frame(image)
+    return judged[0] if judged else None
+
+
+def judge_frame(image: NDArray[np.uint8]) -> tuple[float, NDArray[np.float64]] | None:
+    """The score of `score_frame`, and the expression (6) by which frames of a clip compare."""
     image = as_rgb(image)
     faces = _locator().locate(image)
-    return rest_score(image, faces[0]) if faces else None
+    return (rest_score(image, faces[0]), expression(faces[0])) if faces else None
 
 
 def find_face(

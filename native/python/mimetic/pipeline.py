@@ -23,6 +23,7 @@ from mimetic.face_template import FaceTemplate, load_template
 from mimetic.fit import FaceFit, NoFace
 from mimetic.footage import Footage
 from mimetic.performance import HELD_QUALITY, Performance
+from mimetic.rest import usual_expression
 from mimetic.sequence import Rows, State
 
 Progress = Callable[[float, str], bool]  # fraction, what is done -> go on?
@@ -30,6 +31,7 @@ FrameRange = tuple[int | None, int | None]
 
 SEARCHED_SECONDS = 8.0  # of the clip, for the frame that shows the face best
 NUM_CANDIDATES = 16
+NUM_TRIED = 3  # of the candidates: the most promising
 SETTLING = 10  # frames in which a camera finds its exposure and an encoder its quality
 SEARCH_AGAIN = 12  # frames between looks for a face that was lost
 CUT_DIFFERENCE = 18.0  # mean change of grey levels from frame to frame
@@ -92,17 +94,21 @@ def _spread(first: int, last: int, number: int) -> set[int]:
 
 def _best_fit(footage: Footage, wanted: set[int], progress: Progress | None) -> FaceFit | None:
     """The fit to the best of the wanted frames that can be fitted at all."""
-    scored: list[tuple[float, int, NDArray[np.uint8]]] = []
+    judged: list[tuple[int, float, NDArray[np.float64]]] = []
     for frame, image in footage.frames(min(wanted), max(wanted)):
         if frame in wanted:
             if progress and not progress(0.0, f"looking for the face: frame {frame}"):
                 raise NoFace("stopped while looking for the face")
-            score = fitting.score_frame(image)
-            if score is not None:
-                scored = sorted([*scored, (score, frame, image)], key=lambda item: -item[0])[:3]
-    for _, frame, image in scored:
+            found = fitting.judge_frame(image)
+            if found is not None:
+                judged.append((frame, *found))
+    if not judged:
+        return None
+    frames, scores, expressions = zip(*judged, strict=True)
+    chances = np.array(scores) * usual_expression(np.array(expressions))
+    for i in np.argsort(-chances)[:NUM_TRIED]:
         try:
-            return fitting.find_face(image, frame)
+            return fitting.find_face(footage.read(frames[i]), frames[i])
         except NoFace:
             continue
     return None

@@ -18,6 +18,8 @@ AT_REST = {
     "cheek_contrast": (0.09, 0.04),  # the smile's fold
     "pupil_brightness": (0.33, 0.08),  # closed lids are as bright as skin
 }
+LEAST_SPREAD = 0.015  # pupil distances by which a still face's features seem to move
+USUAL = 1.5  # spreads
 LEVEL, FRONTAL, MOUTH_FRONTAL = 0.25, 0.1, 0.12  # rad, and pupil distances off the middle
 NO_DETAIL, FULL_DETAIL = 0.85, 1.45  # grey levels, median of the second difference between pixels
 
@@ -30,6 +32,47 @@ def rest_score(image: NDArray[np.uint8], face: _core.FaceFeatures) -> float:
         usual, spread = AT_REST[name]
         score *= np.exp(-0.5 * (max(0.0, value - usual) / spread) ** 2)
     return float(score)
+
+
+def expression(face: _core.FaceFeatures) -> NDArray[np.float64]:
+    """Heights of brows and mouth corners below the pupils, the lips' height and the mouth's width.
+
+    Six values in pupil distances, nan where a feature was not found. They say what changed from
+    frame to frame, not what is neutral: how high brows sit at rest differs between people.
+    """
+    places = {feature.name: np.array(feature.position) for feature in face.features}
+    curves = {curve.name: np.asarray(curve.points) for curve in face.curves}
+    middle = (places["pupil.R"] + places["pupil.L"]) / 2
+    across = places["pupil.L"] - places["pupil.R"]
+    down = np.array([-across[1], across[0]])
+    square = across @ across
+
+    def height(name: str) -> float:
+        points = curves.get(name, np.full((1, 2), np.nan))
+        return float(np.median((points - middle) @ down)) if len(points) else np.nan
+
+    left, right = places["mouth_corner.L"], places["mouth_corner.R"]
+    values = [
+        height("brow.L"),
+        height("brow.R"),
+        (left - middle) @ down,
+        (right - middle) @ down,
+        (places["lip_lower"] - places["lip_upper"]) @ down,
+        (left - right) @ across,
+    ]
+    return np.array(values) / square
+
+
+def usual_expression(expressions: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How usual each frame's expression (F x 6) is within its clip: 0 to 1 (F).
+
+    Each part of a face rests in more of a clip's frames than not, though rarely all at once; so the
+    median of each value is its rest, whatever the person looks like.
+    """
+    values = np.ma.masked_invalid(expressions)
+    off = np.ma.abs(values - np.ma.median(values, axis=0)).filled(0.0)
+    spread = np.maximum(1.48 * np.median(off, axis=0), LEAST_SPREAD)
+    return np.exp(-0.5 * ((off / spread).max(axis=1) / USUAL) ** 2)
 
 
 class _FaceView:
