@@ -18,6 +18,8 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+from isolate import isolate
+
 ROOT = Path(__file__).resolve().parents[2]
 WHEELS = ROOT / "build" / "wheels"
 INPUTS = ("CMakeLists.txt", "cmake", "pyproject.toml", "native", "build/data", "scripts/extension")
@@ -156,5 +158,7 @@ def build(pythons: list[OtherPython]) -> list[Path]:
             raw += [build_for_other(own, python, Path(scratch)) for python in pythons]
         for wheel in raw:
             run([sys.executable, "-m", "auditwheel", "repair", "--strip", "-w", WHEELS, wheel])
+    for wheel in WHEELS.glob("mimetic-*.whl"):
+        isolate(wheel)
     stamp.write_text(state)
     return sorted(WHEELS.glob("mimetic-*.whl"))

@@ -1,0 +1,52 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Gives the symbols of a wheel's bundled libraries names of our own.
+
+A host such as Debian's Blender has other versions of the same libraries loaded for all to see, and
+the dynamic linker would bind our calls to them: its CHOLMOD is two versions newer and crashes on our
+data. A static link is no way out: Debian's static CHOLMOD is not position-independent.
+"""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+PREFIX = "mimetic_"
+# C libraries without versioned symbols whose layouts change from version to version.
+LIBRARIES = ("amd", "camd", "ccolamd", "cholmod", "colamd", "cxsparse", "suitesparseconfig")
+
+
+def defined_symbols(library: Path) -> set[str]:
+    command = ["nm", "--dynamic", "--defined-only", "--format=posix", str(library)]
+    listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    return {line.split()[0] for line in listed.splitlines()}
+
+
+def is_isolated(library: Path) -> bool:
+    """Whether auditwheel's name for a bundled library, libNAME-HASH.so.VERSION, is of LIBRARIES."""
+    return library.name.removeprefix("lib").rpartition("-")[0] in LIBRARIES
+
+
+def isolate(wheel: Path) -> None:
+    """Rename in the libraries and in all of the wheel that calls them; replaces the wheel."""
+    with tempfile.TemporaryDirectory(dir=wheel.parent) as scratch:
+        tool = [sys.executable, "-m", "wheel"]
+        quiet = {"check": True, "stdout": subprocess.DEVNULL}
+        subprocess.run([*tool, "unpack", "--dest", scratch, wheel], **quiet)
+        unpacked = next(Path(scratch).iterdir())
+        objects = [path for path in unpacked.rglob("*.so*") if path.is_file()]
+        names = {
+            name
+            for library in objects
+            if is_isolated(library)
+            for name in defined_symbols(library)
+        }
+        if not names:
+            raise SystemExit(f"extension: {wheel.name} bundles none of {', '.join(LIBRARIES)}")
+        table = Path(scratch) / "renamed"
+        table.write_text("".join(f"{name} {PREFIX}{name}\n" for name in sorted(names)))
+        for path in objects:
+            subprocess.run(["patchelf", "--rename-dynamic-symbols", table, path], check=True)
+        subprocess.run([*tool, "pack", "--dest-dir", wheel.parent, unpacked], **quiet)

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The whole way in a window: load the clip, find the face, capture, stop, capture, bake, export."""
+
+import importlib
+import sys
+from pathlib import Path
+
+import bpy
+
+sys.path.insert(0, str(Path(__file__).parent))
+from walk import Steps, Walk, area_of, install, invoke, open_sidebar, override, press, start
+
+PACKAGE = "bl_ext.user_default.mimetic"
+
+
+def is_idle() -> bool:
+    return importlib.import_module(f"{PACKAGE}.jobs").running is None
+
+
+def progress() -> float:
+    running = importlib.import_module(f"{PACKAGE}.jobs").running
+    return running.fraction if running else 0.0
+
+
+def captured_frames() -> list[int]:
+    performance = importlib.import_module("mimetic.performance").Performance
+    path = bpy.context.scene.mimetic.performance_path
+    return [int(frame) for frame in performance.load(path).frame] if path else []
+
+
+def lay_out(walk: Walk) -> Steps:
+    """The clip editor beside the 3D view, the Graph Editor below: what an animator looks at."""
+    window, view = area_of("VIEW_3D")
+    with bpy.context.temp_override(window=window, area=view):
+        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.5)
+    yield 0.2
+    views = [area for area in window.screen.areas if area.type == "VIEW_3D"]
+    editor = max(views, key=lambda area: area.x)
+    editor.type = "CLIP_EDITOR"
+    yield 0.5
+    editor.spaces.active.show_region_toolbar = False
+    yield from open_sidebar(walk, "VIEW_3D", "Mimetic")
+    yield from open_sidebar(walk, "CLIP_EDITOR", "Mimetic")
+
+
+def find_the_face(walk: Walk) -> Steps:
+    clip = str(walk.folder / walk.settings["clip"])
+    answer = bpy.ops.mimetic.load_clip(filepath=clip)
+    scene = bpy.context.scene
+    walk.check("the clip is loaded", answer == {"FINISHED"} and scene.mimetic.clip is not None)
+    yield 0.5
+    _, editor = area_of("CLIP_EDITOR")
+    walk.check("the clip editor shows it", editor.spaces.active.clip == scene.mimetic.clip)
+    invoke("CLIP_EDITOR", bpy.ops.mimetic.find_face)
+    walk.check("finding the face does not block the window", not is_idle())
+    yield from walk.until(is_idle, 120, "finding the face ends")
+    walk.check("a face was found", scene.mimetic.face_fit is not None)
+    scene.frame_set(walk.settings["frames"][0])
+    with bpy.context.temp_override(**override("CLIP_EDITOR")):
+        bpy.ops.clip.view_all(fit_view=True)
+    yield from walk.picture("face-found")
+
+
+def stop_once(walk: Walk) -> Steps:
+    settings = bpy.context.scene.mimetic
+    settings.use_frame_range = True
+    settings.frame_first, settings.frame_last = walk.settings["frames"]
+    path = str(walk.folder / "stopped.npz")
+    invoke("CLIP_EDITOR", bpy.ops.mimetic.capture, filepath=path)
+    yield from walk.until(lambda: progress() > 0.3, 240, "the capture tells its progress")
+    yield from walk.picture("capturing")
+    walk.check("the capture still runs when Esc is pressed", not is_idle())
+    press("CLIP_EDITOR", "ESC")
+    yield from walk.until(is_idle, 30, "Esc stops the capture")
+    frames = captured_frames()
+    wanted = settings.frame_last - settings.frame_first + 1
+    walk.check("what was captured is kept", 0 < len(frames) < wanted, f"{len(frames)} of {wanted}")
+    walk.check("a marked file", Path(path).exists() and settings.performance_path == path)
+
+
+def capture_again(walk: Walk) -> Steps:
+    settings = bpy.context.scene.mimetic
+    first, last = settings.frame_first, settings.frame_last
+    path = str(walk.folder / "whole.npz")
+    invoke("CLIP_EDITOR", bpy.ops.mimetic.capture, filepath=path)
+    yield from walk.until(is_idle, 400, "the capture ends")
+    walk.check("all frames are captured", captured_frames() == list(range(first, last + 1)))
+
+
+def bake_and_export(walk: Walk) -> Steps:
+    invoke("VIEW_3D", bpy.ops.mimetic.bake)
+    yield from walk.until(is_idle, 120, "the bake ends")
+    face = bpy.context.scene.mimetic.face
+    walk.check("the scene has the face", face is not None and face.name == "Face")
+    keys = face.data.shape_keys
+    walk.check("its muscles are shape keys", "zygomaticus_major.L" in keys.key_blocks)
+    walk.check("they are animated", keys.animation_data and keys.animation_data.action)
+    yield from show_the_curves(walk, face)
+    target = walk.folder / "face.glb"
+    answer = bpy.ops.mimetic.export_gltf(filepath=str(target))
+    walk.check("the glTF file is written", answer == {"FINISHED"} and target.exists())
+
+
+def show_the_curves(walk: Walk, face: bpy.types.Object) -> Steps:
+    """The face in the view and its muscles' curves beside it."""
+    area_of("CLIP_EDITOR")[1].type = "GRAPH_EDITOR"
+    area_of("VIEW_3D")[1].spaces.active.show_region_ui = False
+    for other in bpy.context.selected_objects:
+        other.select_set(False)
+    face.select_set(True)
+    bpy.context.view_layer.objects.active = face
+    bpy.context.scene.frame_set(walk.settings["scene_frame"])
+    yield 1.0
+    with bpy.context.temp_override(**override("GRAPH_EDITOR")):
+        bpy.ops.graph.view_all()
+    yield from walk.picture("baked")
+
+
+def steps(walk: Walk) -> Steps:
+    yield from install(walk, PACKAGE)
+    yield from lay_out(walk)
+    yield from find_the_face(walk)
+    yield from stop_once(walk)
+    yield from capture_again(walk)
+    yield from bake_and_export(walk)
+
+
+start(steps)
