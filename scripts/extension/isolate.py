@@ -2,8 +2,8 @@
 """Gives the symbols of a wheel's bundled libraries names of our own.
 
 A host such as Debian's Blender has other versions of the same libraries loaded for all to see, and
-the dynamic linker would bind our calls to them: its CHOLMOD is two versions newer and crashes on our
-data. A static link is no way out: Debian's static CHOLMOD is not position-independent.
+the dynamic linker would bind our calls to them: its CHOLMOD is two versions newer and crashes on
+our data. A static link is no way out: Debian's static CHOLMOD is not position-independent.
 """
 
 from __future__ import annotations

@@ -103,7 +103,9 @@ def bake_and_export(walk: Walk) -> Steps:
 
 def show_the_curves(walk: Walk, face: bpy.types.Object) -> Steps:
     """The face in the view and its muscles' curves beside it."""
-    area_of("CLIP_EDITOR")[1].type = "GRAPH_EDITOR"
+    graph = area_of("CLIP_EDITOR")[1]
+    graph.type = "GRAPH_EDITOR"
+    graph.spaces.active.show_region_ui = False
     area_of("VIEW_3D")[1].spaces.active.show_region_ui = False
     for other in bpy.context.selected_objects:
         other.select_set(False)
