@@ -30,6 +30,8 @@ def captured_frames() -> list[int]:
 
 def lay_out(walk: Walk) -> Steps:
     """The clip editor beside the 3D view, the Graph Editor below: what an animator looks at."""
+    # The start-up cube is two metres wide and would stand between face and footage.
+    bpy.data.objects.remove(bpy.data.objects["Cube"])
     window, view = area_of("VIEW_3D")
     with bpy.context.temp_override(window=window, area=view):
         bpy.ops.screen.area_split(direction="VERTICAL", factor=0.5)
