@@ -194,6 +194,20 @@ def test_ctrl_c_keeps_the_finished_part_and_exits_130(rendered_clip, tmp_path):
     assert not list((tmp_path / "out").glob(".*"))
 
 
+def test_ctrl_c_before_a_face_is_found_exits_130_and_leaves_nothing(tmp_path):
+    bars = make_clip(tmp_path / "bars.mp4", size="640x480", frames=500, source="smptebars")
+    process = subprocess.Popen(
+        run("capture", bars, "--out", tmp_path / "out"), stderr=subprocess.PIPE, text=True
+    )
+    while not (tmp_path / "out").exists():
+        time.sleep(0.02)
+    time.sleep(0.2)
+    process.send_signal(signal.SIGINT)
+    _, errors = process.communicate(timeout=120)
+    assert process.returncode == 130, errors
+    assert not list((tmp_path / "out").iterdir())
+
+
 @pytest.mark.parametrize("name", ["absent.mp4", "empty.mp4", "text.mp4"])
 def test_bad_footage_is_one_line_and_status_2(tmp_path, capsys, name):
     if name != "absent.mp4":

@@ -67,9 +67,14 @@ def run_capture(arguments: argparse.Namespace) -> int:
             return progress
 
         summary = CaptureSummary()
-        performance = capture(
-            *(arguments.footage, arguments.frames, fit, advance(CAPTURE_SHARE, 0.0), summary)
-        )
+        try:
+            performance = capture(
+                *(arguments.footage, arguments.frames, fit, advance(CAPTURE_SHARE, 0.0), summary)
+            )
+        except (InvalidInput, UnreadableMedia):
+            if interrupted():  # before there was anything to keep
+                raise KeyboardInterrupt from None
+            raise
         performance.save(out / "performance.npz")
         summary.fit.save(out / "fit.json")
         written = ["performance.npz", "fit.json"]

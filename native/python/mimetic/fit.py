@@ -73,6 +73,7 @@ class FaceFit:
             with os.fdopen(handle, "w", encoding="utf-8") as stream:
                 json.dump(document, stream, indent=1, allow_nan=False)
                 stream.write("\n")
+            os.chmod(aside, 0o644)
             os.replace(aside, path)
         except BaseException:
             os.unlink(aside)

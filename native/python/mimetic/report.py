@@ -241,6 +241,7 @@ def _articulator_figure(performance: Performance):
                 *(COLOURS[0], {"L": "left", "R": "right"}.get(side), "--" if side == "R" else "-"),
             )
         panel.set_title(stem.replace("_", " "), fontweight="bold")
+        panel.set(xmargin=0.01)
         if len(members) > 1:
             panel.legend(loc="upper right", fontsize=7.5, frameon=False)
         _shade_held(panel, performance)
