@@ -30,7 +30,8 @@ struct FaceMotion {
     int num_muscles = 0;        ///< the first num_muscles values are activations, taken as sparse
     Eigen::VectorXd lower;      ///< M
     Eigen::VectorXd upper;      ///< M
-    Eigen::VectorXd prior_std;  ///< M: how far a value strays from 0; small where the camera sees little
+    Eigen::VectorXd prior_std;  ///< M: how far a value strays from 0; up to 0.4 it is taken as 0 unless seen
+    Eigen::VectorXi partner;    ///< M or empty: the same value of the other side, -1: none
 };
 
 /// One eye's opening by its control vertices and the values that its lids are. -1: no such value.
@@ -79,9 +80,8 @@ struct FrameEstimate {
     double correlation = 0;      ///< mean normalised cross-correlation of the samples in sight
     int num_views = 0;           ///< reference textures used
     StageTimes times;
-    Eigen::MatrixXd information;       ///< (6 + M) squared: of this frame's measurement alone
-    Eigen::VectorXd gradient;          ///< 6 + M: pull of this frame's measurement at the estimate
-    Eigen::MatrixXd model_covariance;  ///< (6 + M) squared: model error's part of the covariance
+    Eigen::MatrixXd information;  ///< (6 + M) squared: of this frame's measurement alone
+    Eigen::VectorXd gradient;     ///< 6 + M: pull of this frame's measurement at the estimate
     Matrix6 pose_cov() const { return covariance.topLeftCorner<6, 6>(); }
     Eigen::VectorXd values_std() const {
         return covariance.diagonal().tail(values.size()).cwiseMax(0).cwiseSqrt();
@@ -112,7 +112,7 @@ private:
 };
 
 struct SmootherOptions {
-    double value_acceleration = 0.02;        ///< s.d. of a value's second difference, 1 a frame squared
+    double value_acceleration = 0.08;        ///< s.d. of a value's second difference, 1 a frame squared
     double rotation_acceleration = 0.01;     ///< rad a frame squared
     double translation_acceleration = 2e-3;  ///< metres a frame squared
     int max_iterations = 200;                ///< of the bounds

@@ -13,13 +13,19 @@ namespace {
 using ModesArray = py::array_t<double, py::array::c_style>;
 
 FaceMotion make_motion(Points neutral, const ModesArray& modes, int num_muscles, Eigen::VectorXd lower,
-                       Eigen::VectorXd upper, Eigen::VectorXd prior_std) {
+                       Eigen::VectorXd upper, Eigen::VectorXd prior_std,
+                       std::optional<Eigen::VectorXi> partner) {
     if (modes.ndim() != 3 || modes.shape(1) != neutral.rows() || modes.shape(2) != 3) {
         throw InvalidInput("modes must have the shape (values, " + std::to_string(neutral.rows()) +
                            ", 3): one displacement a vertex of neutral");
     }
-    FaceMotion motion{std::move(neutral),  {}, num_muscles, std::move(lower), std::move(upper),
-                      std::move(prior_std)};
+    FaceMotion motion{std::move(neutral),
+                      {},
+                      num_muscles,
+                      std::move(lower),
+                      std::move(upper),
+                      std::move(prior_std),
+                      partner.value_or(Eigen::VectorXi())};
     motion.modes = Eigen::Map<const MatrixRows>(modes.data(), modes.shape(0), 3 * modes.shape(1));
     return motion;
 }
@@ -57,10 +63,12 @@ void bind_options(py::module_& m) {
 void bind_model(py::module_& m) {
     py::class_<FaceMotion>(m, "FaceMotion", "How a face moves: neutral + sum of values_j modes_j, metres.")
         .def(py::init(&make_motion), "neutral"_a, py::arg("modes").noconvert(), "num_muscles"_a, "lower"_a,
-             "upper"_a, "prior_std"_a,
+             "upper"_a, "prior_std"_a, "partner"_a = py::none(),
              "neutral: (V, 3); modes: (M, V, 3) float64, displacement at the value 1, muscles first; lower, "
              "upper,\n"
-             "prior_std: (M,), how far a value strays from 0. Raises InvalidInput.")
+             "prior_std: (M,), how far a value strays from 0; partner: (M,) int32, the value of the other "
+             "side, -1:\n"
+             "none. Raises InvalidInput.")
         .def_readonly("num_muscles", &FaceMotion::num_muscles)
         .def_readonly("lower", &FaceMotion::lower)
         .def_readonly("upper", &FaceMotion::upper);

@@ -64,46 +64,63 @@ void skin_jacobian(const Camera& camera, const FaceState& state, const SkinPoint
 }
 
 JointSolver::JointSolver(const FaceMotion& motion, std::vector<Eigen::Vector3f> error_nodes)
-    : motion_(motion), error_nodes_(std::move(error_nodes)) {}
+    : motion_(motion),
+      error_nodes_(std::move(error_nodes)),
+      field_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(2 * error_nodes_.size()))) {}
+
+void JointSolver::find_near_nodes(const Eigen::Vector3f& point, std::vector<NearNode>& near) const {
+    near.clear();
+    const auto radius = static_cast<float>(noise_.correlation_length);
+    float energy = 1e-9f;
+    for (std::size_t node = 0; node < error_nodes_.size(); ++node) {
+        const float distance = (error_nodes_[node] - point).squaredNorm() / (2 * radius * radius);
+        if (distance < 3) {
+            near.push_back({static_cast<int>(node), std::exp(-distance)});
+            energy += near.back().height * near.back().height;
+        }
+    }
+    for (NearNode& entry : near) {
+        entry.height /= std::sqrt(energy);
+    }
+}
 
 void JointSolver::linearise(const Camera& camera, const FaceState& state,
-                            const std::vector<SampleMeasurement>& measurements, const NoiseModel& noise,
-                            double area_per_sample) {
+                            const std::vector<SampleMeasurement>& measurements, const NoiseModel& noise) {
     measurements_ = &measurements;
     noise_ = noise;
     const std::size_t count = measurements.size();
     const Eigen::Index size = 6 + state.values.size();
     jacobians_.resize(static_cast<Eigen::Index>(2 * count), size);
     displacements_.resize(static_cast<Eigen::Index>(2 * count));
-    working_whiteners_.resize(count);
-    robust_whiteners_.resize(count);
-    by_point_.resize(count);
-    error_std_.resize(count);
-    // Samples share flow windows and model error: that many of them count as one.
-    const double shared_flow = 12;
-    const double shared_model =
-        std::max(1., noise.correlation_length * noise.correlation_length / area_per_sample);
+    whiteners_.resize(count);
+    field_pixels_.resize(count);
+    near_.resize(count);
     Eigen::Matrix<float, 2, Eigen::Dynamic> jacobian;
     Eigen::Matrix<double, 2, 3> by_point;
+    const Eigen::VectorXf values = state.values.cast<float>();
     for (std::size_t k = 0; k < count; ++k) {
         const SampleMeasurement& measurement = measurements[k];
-        skin_jacobian(camera, state, measurement.sample->skin, jacobian, by_point);
+        const SkinPoint& skin = measurement.sample->skin;
+        skin_jacobian(camera, state, skin, jacobian, by_point);
         const auto row = static_cast<Eigen::Index>(2 * k);
         jacobians_.middleRows<2>(row) = jacobian;
         displacements_.segment<2>(row) = measurement.displacement.cast<float>();
-        by_point_[k] = by_point.cast<float>();
-        const double error = std::hypot(noise.model_error, noise.shape_error * measurement.view_angle_sine);
-        error_std_[k] = error;
-        const double error_px = error * std::sqrt(.5) * by_point.norm();
-        const Eigen::Matrix2d model = error_px * error_px * Eigen::Matrix2d::Identity();
-        working_whiteners_[k] = whitener_of(shared_flow * measurement.covariance + shared_model * model);
-        robust_whiteners_[k] = whitener_of(measurement.covariance + model);
+        find_near_nodes(skin.neutral, near_[k]);
+        const double moved = (skin.modes * values).norm();
+        const double error = std::hypot(noise.model_error, noise.shape_error * measurement.view_angle_sine,
+                                        noise.motion_error * moved);
+        field_pixels_[k] = (error * by_point.leftCols<2>()).cast<float>();
+        const double fine_px = noise.fine_error * std::sqrt(.5) * by_point.norm();
+        whiteners_[k] = whitener_of(measurement.covariance + fine_px * fine_px * Eigen::Matrix2d::Identity());
     }
 }
 
-void JointSolver::reweight(const Eigen::VectorXd& step) {
+void JointSolver::reweight(const Eigen::VectorXd& step, double robust_cut) {
+    // Neighbours share their flow's window: that many of them count as one.
+    constexpr float kShared = 10;
     const std::size_t count = measurements_->size();
     robust_weights_.resize(count);
+    weights_.resize(count);
     distances_px_.resize(count);
     rows_.resize(jacobians_.cols(), jacobians_.rows());
     targets_.resize(jacobians_.rows());
@@ -111,24 +128,75 @@ void JointSolver::reweight(const Eigen::VectorXd& step) {
     for (std::size_t k = 0; k < count; ++k) {
         const SampleMeasurement& measurement = (*measurements_)[k];
         const auto row = static_cast<Eigen::Index>(2 * k);
-        const Eigen::Vector2f residual = residuals.segment<2>(row);
-        distances_px_[k] = residual.norm();
-        const double distance = (robust_whiteners_[k] * residual).norm() / noise_.robust_cut;
+        Eigen::Vector2f field = Eigen::Vector2f::Zero();
+        for (const NearNode& near : near_[k]) {
+            field += near.height * field_.segment<2>(2 * near.node).cast<float>();
+        }
+        distances_px_[k] = residuals.segment<2>(row).norm();
+        const Eigen::Vector2f residual = residuals.segment<2>(row) - field_pixels_[k] * field;
+        const double distance = (whiteners_[k] * residual).norm() / robust_cut;
         const double kept = distance < 1 ? 1 - distance * distance : 0;
         robust_weights_[k] = static_cast<float>(kept * kept);
-        const float weight = robust_weights_[k] * measurement.weight * gate(measurement.correlation);
-        const Eigen::Matrix2f whitener = std::sqrt(weight) * working_whiteners_[k];
+        weights_[k] = robust_weights_[k] * measurement.weight * gate(measurement.correlation) / kShared;
+        const Eigen::Matrix2f whitener = std::sqrt(weights_[k]) * whiteners_[k];
         rows_.middleCols<2>(row).noalias() = jacobians_.middleRows<2>(row).transpose() * whitener.transpose();
         targets_.segment<2>(row) = whitener * displacements_.segment<2>(row);
     }
-    sum_.setZero(jacobians_.cols(), jacobians_.cols());
+    sum_up();
+}
+
+void JointSolver::sum_up() {
+    const Eigen::Index size = jacobians_.cols();
+    const auto num_field = static_cast<Eigen::Index>(2 * error_nodes_.size());
+    sum_.setZero(size, size);
     sum_.selfadjointView<Eigen::Lower>().rankUpdate(rows_);
     information_ = sum_.selfadjointView<Eigen::Lower>().toDenseMatrix().cast<double>();
     pull_ = (rows_ * targets_).cast<double>();
+
+    field_information_.setIdentity(num_field, num_field);
+    field_coupling_.setZero(num_field, size);
+    field_pull_.setZero(num_field);
+    Eigen::MatrixXf coupling = Eigen::MatrixXf::Zero(size, num_field);
+    for (std::size_t k = 0; k < measurements_->size(); ++k) {
+        if (weights_[k] <= 0) {
+            continue;
+        }
+        const auto row = static_cast<Eigen::Index>(2 * k);
+        const Eigen::Matrix2f field_rows = std::sqrt(weights_[k]) * whiteners_[k] * field_pixels_[k];
+        const Eigen::Matrix<float, Eigen::Dynamic, 2> moved = rows_.middleCols<2>(row) * field_rows;
+        const Eigen::Matrix2d own = (field_rows.transpose() * field_rows).cast<double>();
+        const Eigen::Vector2d target = (field_rows.transpose() * targets_.segment<2>(row)).cast<double>();
+        for (const NearNode& first : near_[k]) {
+            coupling.middleCols<2>(2 * first.node) += first.height * moved;
+            field_pull_.segment<2>(2 * first.node) += first.height * target;
+            for (const NearNode& second : near_[k]) {
+                field_information_.block<2, 2>(2 * first.node, 2 * second.node) +=
+                    first.height * second.height * own;
+            }
+        }
+    }
+    field_coupling_ = coupling.transpose().cast<double>();
+    const Eigen::LLT<Eigen::MatrixXd> factor(field_information_);
+    const Eigen::MatrixXd half = factor.matrixL().solve(field_coupling_);
+    information_ -= half.transpose() * half;
+    pull_ -= field_coupling_.transpose() * factor.solve(field_pull_);
 }
 
-Eigen::VectorXd JointSolver::step(const StepPrior& prior, const FaceState& state,
-                                  Eigen::Index num_free) const {
+Eigen::VectorXd JointSolver::solve(const StepPrior& prior, const FaceState& state, Eigen::Index num_free,
+                                   int num_rounds) {
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(jacobians_.cols());
+    for (int round = 0; round < num_rounds; ++round) {
+        // Before the first step, what is left is motion, not error.
+        constexpr double kBeforeStep = 3;
+        reweight(step, noise_.robust_cut * (round == 0 ? kBeforeStep : 1));
+        step = bounded(prior, state, num_free);
+        field_ = field_information_.llt().solve(field_pull_ - field_coupling_ * step);
+    }
+    return step;
+}
+
+Eigen::VectorXd JointSolver::bounded(const StepPrior& prior, const FaceState& state,
+                                     Eigen::Index num_free) const {
     const Eigen::Index size = pull_.size();
     Eigen::VectorXd lower = Eigen::VectorXd::Constant(size, -std::numeric_limits<double>::infinity());
     Eigen::VectorXd upper = -lower;
@@ -137,40 +205,6 @@ Eigen::VectorXd JointSolver::step(const StepPrior& prior, const FaceState& state
     lower.tail(size - num_free).setZero();
     upper.tail(size - num_free).setZero();
     return bounded_step(information_ + prior.information, pull_ + prior.gradient, lower, upper);
-}
-
-Eigen::MatrixXd JointSolver::model_covariance(const Eigen::MatrixXd& working) const {
-    // The error field is a sum of bumps at the nodes; each pushes the estimate by its own pull.
-    const Eigen::Index size = pull_.size();
-    Eigen::MatrixXf pulls = Eigen::MatrixXf::Zero(size, static_cast<Eigen::Index>(3 * error_nodes_.size()));
-    const auto radius = static_cast<float>(noise_.correlation_length);
-    std::vector<std::pair<Eigen::Index, float>> near;
-    for (std::size_t k = 0; k < measurements_->size(); ++k) {
-        const auto columns = rows_.middleCols<2>(static_cast<Eigen::Index>(2 * k));
-        if (robust_weights_[k] <= 0) {
-            continue;
-        }
-        near.clear();
-        float energy = 0;
-        const Eigen::Vector3f& point = (*measurements_)[k].sample->skin.neutral;
-        for (std::size_t node = 0; node < error_nodes_.size(); ++node) {
-            const float distance = (error_nodes_[node] - point).squaredNorm() / (2 * radius * radius);
-            if (distance < 3) {
-                near.emplace_back(static_cast<Eigen::Index>(3 * node), std::exp(-distance));
-                energy += near.back().second * near.back().second;
-            }
-        }
-        const float weight = std::sqrt(robust_weights_[k] * (*measurements_)[k].weight *
-                                       gate((*measurements_)[k].correlation));
-        const Eigen::Matrix<float, Eigen::Dynamic, 3> moved =
-            columns * (weight * working_whiteners_[k] * by_point_[k]);
-        const float scale = static_cast<float>(error_std_[k]) / std::sqrt(energy + 1e-9f);
-        for (const auto& [column, height] : near) {
-            pulls.middleCols<3>(column) += scale * height * moved;
-        }
-    }
-    const Eigen::MatrixXd shifts = working * pulls.cast<double>();
-    return shifts * shifts.transpose();
 }
 
 }  // namespace mimetic

@@ -23,28 +23,30 @@ struct StepPrior {
     Eigen::VectorXd gradient;
 };
 
+/// What keeps a right state from explaining a measurement.
 struct NoiseModel {
-    double model_error = 1e-3;         ///< metres
+    double model_error = 1e-3;         ///< metres; a smooth field over the skin
     double shape_error = 4e-3;         ///< metres of depth, seen as the view turns
-    double correlation_length = .012;  ///< metres over the skin
+    double motion_error = .15;         ///< of the displacement that the modes give
+    double fine_error = 4e-4;          ///< metres; of each flow window for itself
+    double correlation_length = .012;  ///< metres over the skin, of the smooth field
     double robust_cut = 4.7;           ///< Tukey, in standard deviations
 };
 
-/// Robust whitened normal equations of all samples for one joint step of pose and values.
+/// Robust whitened normal equations of all samples for one joint step of pose and values. The modes' own
+/// error is a smooth random field over the skin, estimated with the step and taken out of what the samples
+/// say.
 class JointSolver {
 public:
     JointSolver(const FaceMotion& motion, std::vector<Eigen::Vector3f> error_nodes);
 
     /// Linearises at `state`; the measurements must outlive the solver's next calls.
     void linearise(const Camera& camera, const FaceState& state,
-                   const std::vector<SampleMeasurement>& measurements, const NoiseModel& noise,
-                   double area_per_sample);
-    /// Weights every sample by its distance from the step and sums up.
-    void reweight(const Eigen::VectorXd& step);
-    /// Bounded most probable step; num_free < 6 + M keeps the last values as they are (6: pose alone).
-    Eigen::VectorXd step(const StepPrior& prior, const FaceState& state, Eigen::Index num_free) const;
-    /// Model error's part of the covariance, for the working posterior covariance.
-    Eigen::MatrixXd model_covariance(const Eigen::MatrixXd& working) const;
+                   const std::vector<SampleMeasurement>& measurements, const NoiseModel& noise);
+    /// Bounded most probable step; num_free < 6 + M keeps the last values as they are (6: pose alone). Starts
+    /// from the error field of the last call.
+    Eigen::VectorXd solve(const StepPrior& prior, const FaceState& state, Eigen::Index num_free,
+                          int num_rounds);
 
     const Eigen::MatrixXd& information() const { return information_; }
     const Eigen::VectorXd& pull() const { return pull_; }  ///< at step 0
@@ -52,19 +54,32 @@ public:
     std::vector<double>& distances_px() { return distances_px_; }
 
 private:
+    struct NearNode {
+        int node;
+        float height;
+    };
+    using Pulls = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic>;
+
+    void find_near_nodes(const Eigen::Vector3f& point, std::vector<NearNode>& near) const;
+    void reweight(const Eigen::VectorXd& step, double robust_cut);
+    void sum_up();
+    Eigen::VectorXd bounded(const StepPrior& prior, const FaceState& state, Eigen::Index num_free) const;
+
     const FaceMotion& motion_;
     std::vector<Eigen::Vector3f> error_nodes_;
     const std::vector<SampleMeasurement>* measurements_ = nullptr;
     NoiseModel noise_;
-    Eigen::Matrix3f rotation_;
     Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobians_;  // 2K x n
-    Eigen::MatrixXf rows_;                                                             // whitened
     Eigen::VectorXf displacements_, targets_;
-    std::vector<Eigen::Matrix2f> working_whiteners_, robust_whiteners_;
-    std::vector<Eigen::Matrix<float, 2, 3>> by_point_;
-    std::vector<double> error_std_;  // metres
-    std::vector<float> robust_weights_;
+    Pulls rows_;                                 // n x 2K, whitened and weighted
+    std::vector<Eigen::Matrix2f> whiteners_;     // of each sample for itself
+    std::vector<Eigen::Matrix2f> field_pixels_;  // frame pixels a unit of the field, head x and y
+    std::vector<std::vector<NearNode>> near_;
+    std::vector<float> robust_weights_, weights_;
     std::vector<double> distances_px_;
+    // The field's normal equations: two coefficients a node, of unit variance
+    Eigen::MatrixXd field_information_, field_coupling_;  // 2N x 2N, 2N x n
+    Eigen::VectorXd field_pull_, field_;
     Eigen::MatrixXd information_;
     Eigen::VectorXd pull_;
     Eigen::MatrixXf sum_;

@@ -3,6 +3,7 @@
 
 #include "block_banded.hpp"
 #include "joint_solver.hpp"
+#include "motion_prior.hpp"
 
 namespace mimetic {
 
@@ -39,15 +40,15 @@ void add_acceleration(const std::vector<FrameEstimate>& estimates, const Eigen::
     }
 }
 
-SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const FaceMotion& motion,
-                             const SmootherOptions& options) {
+SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const Blocks& steps,
+                             const FaceMotion& motion, const SmootherOptions& options) {
     const Eigen::Index num_values = motion.lower.size();
     const Eigen::Index size = 6 + num_values;
     // A clip of independent frames would count the rest prior once a frame; a state lasts about this long.
     constexpr double kFramesPerState = 25;
-    Eigen::VectorXd rest(size);
-    rest.head<6>().setConstant(1e-3);
-    rest.tail(num_values) = (kFramesPerState * motion.prior_std.cwiseAbs2()).cwiseInverse();
+    Eigen::MatrixXd rest = Eigen::MatrixXd::Zero(size, size);
+    rest.diagonal().head<6>().setConstant(1e-3);
+    rest.bottomRightCorner(num_values, num_values) = (kFramesPerState * rest_covariance(motion)).inverse();
     Eigen::VectorXd weights(size);
     weights.head<3>().setConstant(std::pow(options.rotation_acceleration, -2));
     weights.segment<3>(3).setConstant(std::pow(options.translation_acceleration, -2));
@@ -55,13 +56,19 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
         (options.value_acceleration / .3 * motion.prior_std).cwiseAbs2().cwiseInverse();
 
     SequenceProblem problem;
-    for (const FrameEstimate& estimate : estimates) {
-        problem.matrix.diagonal.push_back(estimate.information);
-        problem.matrix.diagonal.back().diagonal() += rest;
+    for (std::size_t t = 0; t < estimates.size(); ++t) {
+        const FrameEstimate& estimate = estimates[t];
+        problem.matrix.diagonal.push_back(estimate.information + rest);
         problem.matrix.first.push_back(Eigen::VectorXd::Zero(size));
         problem.matrix.second.push_back(Eigen::VectorXd::Zero(size));
         problem.pull.push_back(estimate.gradient);
-        problem.pull.back().tail(num_values) -= rest.tail(num_values).cwiseProduct(estimate.values);
+        problem.pull.back() -= rest.rightCols(num_values) * estimate.values;
+        if (!estimate.held) {
+            const Sparsity sparsity = sparsity_at(
+                motion, estimate.values, estimate.values + steps[t].tail(num_values), estimate.values_std());
+            problem.matrix.diagonal.back().diagonal().tail(num_values) += sparsity.information;
+            problem.pull.back().tail(num_values) += sparsity.pull;
+        }
         problem.lower.push_back(motion.lower - estimate.values);
         problem.upper.push_back(motion.upper - estimate.values);
     }
@@ -148,16 +155,29 @@ std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, c
     if (estimates.empty()) {
         return {};
     }
-    const SequenceProblem problem = make_problem(estimates, motion, options);
-    const std::vector<Eigen::MatrixXd> working = BlockBandedFactor(problem.matrix).inverse_diagonal();
-    const Blocks steps = solve_bounded(problem, options.max_iterations, progress);
+    Blocks steps(estimates.size(), Eigen::VectorXd::Zero(6 + motion.lower.size()));
+    SequenceProblem problem;
+    // Twice: which values are active is clearer once the sequence has been solved.
+    for (int pass = 0; pass < 2; ++pass) {
+        problem = make_problem(estimates, steps, motion, options);
+        const Progress half = [&](double fraction) { return !progress || progress(.5 * (pass + fraction)); };
+        steps = solve_bounded(problem, options.max_iterations, half);
+    }
+    const bool any_held =
+        std::any_of(estimates.begin(), estimates.end(), [](const auto& e) { return e.held; });
+    const std::vector<Eigen::MatrixXd> working =
+        any_held ? BlockBandedFactor(problem.matrix).inverse_diagonal() : std::vector<Eigen::MatrixXd>();
     std::vector<FrameEstimate> smoothed = estimates;
     for (std::size_t t = 0; t < estimates.size(); ++t) {
         FaceState state = state_of(estimates[t]);
         state.apply(steps[t]);
         smoothed[t].camera_from_head = state.camera_from_head;
         smoothed[t].values = state.values.cwiseMax(motion.lower).cwiseMin(motion.upper);
-        smoothed[t].covariance = working[t] + estimates[t].model_covariance;
+        // Model error stays the same from frame to frame: neighbours average noise only, so a measured
+        // frame keeps its own uncertainty.
+        if (estimates[t].held) {
+            smoothed[t].covariance = working[t];
+        }
         smoothed[t].gradient = estimates[t].gradient - estimates[t].information * steps[t];
     }
     return smoothed;

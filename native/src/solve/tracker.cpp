@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/error.hpp>
 
+#include "motion_prior.hpp"
 #include "tracker_state.hpp"
 
 namespace mimetic {
@@ -26,12 +27,12 @@ std::vector<Eigen::Vector3f> spread_nodes(const ReferenceView& view) {
     return nodes;
 }
 
-Eigen::MatrixXd rest_covariance(const FaceMotion& motion) {
-    Eigen::VectorXd variance(6 + motion.lower.size());
-    variance.head<3>().setConstant(1e-4);
-    variance.segment<3>(3).setConstant(1e-5);
-    variance.tail(motion.lower.size()) = motion.prior_std.cwiseAbs2();
-    return variance.asDiagonal();
+Eigen::MatrixXd first_covariance(const Eigen::MatrixXd& rest) {
+    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(6 + rest.rows(), 6 + rest.rows());
+    covariance.diagonal().head<3>().setConstant(1e-4);
+    covariance.diagonal().segment<3>(3).setConstant(1e-5);
+    covariance.bottomRightCorner(rest.rows(), rest.rows()) = rest;
+    return covariance;
 }
 
 }  // namespace
@@ -42,14 +43,18 @@ FaceTracker::State::State(const Camera& camera_in, const TrackedSurface& surface
     : camera(camera_in),
       motion(motion_in),
       surface(surface_in, motion_in),
-      eyes(eyes_in),
       options(options_in),
       texture_flow(options_in.flow_method) {
     noise.model_error = options.model_error;
     noise.shape_error = options.shape_error;
     relative_dis = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_ULTRAFAST);
     velocity = Eigen::VectorXd::Zero(6 + num_values());
-    covariance = rest_covariance(motion);
+    rest = rest_covariance(motion);
+    last_std = motion.prior_std;
+    covariance = first_covariance(rest);
+    for (const EyeSlit& eye : eyes_in) {
+        lids.emplace_back(eye);
+    }
 }
 
 FrameEstimate FaceTracker::State::report(const FrameScore& score, const StepPrior& prior) const {
@@ -64,16 +69,13 @@ FrameEstimate FaceTracker::State::report(const FrameScore& score, const StepPrio
     estimate.num_views = score.num_views;
     estimate.information = Eigen::MatrixXd::Zero(size, size);
     estimate.gradient = Eigen::VectorXd::Zero(size);
-    estimate.model_covariance = Eigen::MatrixXd::Zero(size, size);
     estimate.held = lost;
     if (lost) {
         estimate.covariance = covariance;
         return estimate;
     }
-    const Eigen::MatrixXd working =
+    estimate.covariance =
         (solver->information() + prior.information).llt().solve(Eigen::MatrixXd::Identity(size, size));
-    estimate.model_covariance = solver->model_covariance(working);
-    estimate.covariance = working + estimate.model_covariance;
     estimate.information = solver->information();
     estimate.gradient = solver->pull() - solver->information() * last_step;
     std::vector<double>& distances = solver->distances_px();
@@ -81,6 +83,55 @@ FrameEstimate FaceTracker::State::report(const FrameScore& score, const StepPrio
     std::nth_element(distances.begin(), middle, distances.end());
     estimate.residual_px = *middle;
     return estimate;
+}
+
+FloatPixels FaceTracker::State::project_control(const FaceState& at) const {
+    Points moved = motion.neutral;
+    Eigen::Map<Eigen::VectorXd>(moved.data(), moved.size()) += motion.modes.transpose() * at.values;
+    FloatPixels pixels(moved.rows(), 2);
+    for (Eigen::Index i = 0; i < moved.rows(); ++i) {
+        const Eigen::Vector3d point = at.camera_from_head * Eigen::Vector3d(moved.row(i));
+        pixels.row(i) = camera.project(point).transpose().cast<float>();
+    }
+    return pixels;
+}
+
+void FaceTracker::State::measure_lids(FrameEstimate& estimate) {
+    if (lids.empty()) {
+        return;
+    }
+    FaceState open = state;
+    for (const LidMeter& lid : lids) {
+        for (const int value : {lid.slit().lid_upper, lid.slit().lid_lower}) {
+            if (value >= 0) {
+                open.values[value] = 0;
+            }
+        }
+    }
+    const FloatPixels pixels = project_control(open);
+    for (const LidMeter& lid : lids) {
+        const LidMeasurement measured = lid.measure(gray, pixels);
+        if (!measured.seen) {
+            continue;
+        }
+        const int value = lid.slit().lid_upper;
+        const Eigen::Index row = 6 + value;
+        // A blink takes three frames: what was says little.
+        constexpr double kJump = .4;
+        const double variance = measured.std * measured.std;
+        const double share = kJump * kJump / (kJump * kJump + variance);
+        const double before = last.values[value];
+        const double wanted = std::clamp(before + share * (measured.closure - before), motion.lower[value],
+                                         motion.upper[value]);
+        state.values[value] = estimate.values[value] = wanted;
+        estimate.covariance.row(row).setZero();
+        estimate.covariance.col(row).setZero();
+        estimate.covariance(row, row) = share * variance;
+        estimate.information.row(row).setZero();
+        estimate.information.col(row).setZero();
+        estimate.information(row, row) = 1 / variance;
+        estimate.gradient[row] = (measured.closure - wanted) / variance;
+    }
 }
 
 void FaceTracker::State::add_key_view(const FrameScore& score) {
@@ -134,6 +185,10 @@ FaceTracker::FaceTracker(const Camera& camera, const TrackedSurface& surface, co
             "in which the face is larger and turned to the camera");
     }
     s.solver = std::make_unique<JointSolver>(s.motion, spread_nodes(*s.views.front()));
+    s.relative_solver = std::make_unique<JointSolver>(s.motion, spread_nodes(*s.views.front()));
+    for (LidMeter& lid : s.lids) {
+        lid.take_reference(s.last_gray, s.project_control(s.last));
+    }
     s.search = std::make_unique<FaceSearch>(s.last_gray, *s.views.front());
 }
 
@@ -182,9 +237,9 @@ FrameEstimate FaceTracker::advance(const ColorView& image, const std::optional<E
             s.velocity.setZero();
             estimate.quality = std::min(estimate.quality, .999 * s.options.held_quality);
         } else {
-            s.covariance = (s.solver->information() + prior.information)
-                               .llt()
-                               .solve(Eigen::MatrixXd::Identity(all, all));
+            s.measure_lids(estimate);
+            s.covariance = estimate.covariance;
+            s.last_std = estimate.values_std();
             s.velocity =
                 was_lost ? Eigen::VectorXd(Eigen::VectorXd::Zero(all)) : s.state.difference_from(s.last);
             s.add_key_view(score);
@@ -207,7 +262,8 @@ void FaceTracker::restart(const ColorView& image, const FrameEstimate& estimate)
     s.last.values = estimate.values;
     s.state = s.predicted = s.last;
     s.velocity.setZero();
-    s.covariance = rest_covariance(s.motion);
+    s.covariance = first_covariance(s.rest);
+    s.last_std = s.motion.prior_std;
     s.lost = false;
 }
 

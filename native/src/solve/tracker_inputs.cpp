@@ -72,6 +72,13 @@ void check_inputs(const Camera& camera, const TrackedSurface& surface, const Fac
         (motion.prior_std.array() <= 0).any()) {
         fail("every value's bounds must hold 0, the rest state, and every prior_std be above 0");
     }
+    for (Eigen::Index i = 0; i < motion.partner.size(); ++i) {
+        const int other = motion.partner[i];
+        if (motion.partner.size() != num_values || other < -1 || other >= num_values ||
+            (other >= 0 && motion.partner[other] != i)) {
+            fail("partner must be empty or name for every mode the one of the other side, mutually, or -1");
+        }
+    }
     check_surface(surface, num_vertices);
     for (const EyeSlit& eye : eyes) {
         for (const int vertex : {eye.inner, eye.outer, eye.upper, eye.lower}) {

@@ -5,6 +5,7 @@
 
 #include "face_search.hpp"
 #include "joint_solver.hpp"
+#include "lid_meter.hpp"
 
 namespace mimetic {
 
@@ -43,6 +44,8 @@ struct FaceTracker::State {
     FrameScore register_textures(const StepPrior& prior, int num_iterations, Eigen::Index num_free);
     FrameScore search_again(const StepPrior& prior, const std::optional<Eigen::Isometry3d>& guess);
     FrameEstimate report(const FrameScore& score, const StepPrior& prior) const;
+    void measure_lids(FrameEstimate& estimate);
+    FloatPixels project_control(const FaceState& at) const;
     void add_key_view(const FrameScore& score);
 
     void measure(std::vector<SampleMeasurement>& measurements, FrameScore& score);
@@ -56,11 +59,11 @@ struct FaceTracker::State {
     Camera camera;
     FaceMotion motion;
     FaceSurface surface;
-    std::vector<EyeSlit> eyes;
+    std::vector<LidMeter> lids;
     TrackerOptions options;
     NoiseModel noise;
     std::vector<std::unique_ptr<ReferenceView>> views;
-    std::unique_ptr<JointSolver> solver;
+    std::unique_ptr<JointSolver> solver, relative_solver;
     TextureFlow texture_flow;
     std::unique_ptr<FaceSearch> search;
 
@@ -68,8 +71,10 @@ struct FaceTracker::State {
     FaceState last;       // of the frame before
     FaceState predicted;  // the prior's mean
     Eigen::VectorXd velocity;
-    Eigen::VectorXd last_step;   // from the solver's last linearisation
-    Eigen::MatrixXd covariance;  // working: without model error
+    Eigen::VectorXd last_step;  // from the solver's last linearisation
+    Eigen::MatrixXd covariance;
+    Eigen::MatrixXd rest;      // prior covariance of the values
+    Eigen::VectorXd last_std;  // of the values
     bool lost = false;
     int frames_since_key_view = 0;
 

@@ -2,6 +2,7 @@
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 
+#include "motion_prior.hpp"
 #include "tracker_state.hpp"
 
 namespace mimetic {
@@ -18,7 +19,11 @@ double ratio_or_zero(double part, double whole) { return whole > 0 ? part / whol
 }  // namespace
 
 StepPrior FaceTracker::State::at_state(const StepPrior& prior) const {
-    return {prior.information, prior.information * predicted.difference_from(state)};
+    StepPrior here{prior.information, prior.information * predicted.difference_from(state)};
+    const Sparsity sparsity = sparsity_at(motion, state.values, state.values, last_std);
+    here.information.diagonal().tail(num_values()) += sparsity.information;
+    here.gradient.tail(num_values()) += sparsity.pull;
+    return here;
 }
 
 double FaceTracker::State::face_pixels_per_crop_pixel() const {
@@ -42,15 +47,15 @@ StepPrior FaceTracker::State::predict() {
     constexpr double kDamping = .6;
     predicted = last;
     predicted.apply(kDamping * velocity);
-    predicted.values = (memory * predicted.values).cwiseMax(motion.lower).cwiseMin(motion.upper);
+    predicted.values = predicted.values.cwiseMax(motion.lower).cwiseMin(motion.upper);
     Eigen::VectorXd fade = Eigen::VectorXd::Constant(size, memory);
     fade.head<6>().setOnes();
-    Eigen::VectorXd noise_variance(size);
+    Eigen::VectorXd noise_variance = Eigen::VectorXd::Zero(size);
     noise_variance.head<3>().setConstant(kRotationStd * kRotationStd);
     noise_variance.segment<3>(3).setConstant(kTranslationStd * kTranslationStd);
-    noise_variance.tail(num_values()) = (1 - memory * memory) * motion.prior_std.cwiseAbs2();
     covariance = fade.asDiagonal() * covariance * fade.asDiagonal();
     covariance.diagonal() += noise_variance;
+    covariance.bottomRightCorner(num_values(), num_values()) += (1 - memory * memory) * rest;
     state = predicted;
     StepPrior prior;
     prior.information = covariance.llt().solve(Eigen::MatrixXd::Identity(size, size));
@@ -108,14 +113,8 @@ void FaceTracker::State::follow_flow(const StepPrior& prior) {
     state = last;
     NoiseModel wide = noise;
     wide.robust_cut = 8;
-    solver->linearise(camera, state, measurements, wide, 1e-5);
-    const StepPrior here = at_state(prior);
-    Eigen::VectorXd step = Eigen::VectorXd::Zero(6 + num_values());
-    for (int round = 0; round < 2; ++round) {
-        solver->reweight(step);
-        step = solver->step(here, state, 6 + num_values());
-    }
-    state.apply(step);
+    relative_solver->linearise(camera, state, measurements, wide);
+    state.apply(relative_solver->solve(at_state(prior), state, 6 + num_values(), 2));
 }
 
 std::vector<std::size_t> FaceTracker::State::choose_views() const {
@@ -197,8 +196,6 @@ FrameScore FaceTracker::State::register_textures(const StepPrior& prior, int num
                                                  Eigen::Index num_free) {
     FrameScore score;
     const ReferenceView& first = *views.front();
-    const double area = std::pow(
-        options.sample_spacing / first.scale() * first.camera_from_head().translation().z() / camera.fx, 2);
     for (int iteration = 0; iteration < num_iterations; ++iteration) {
         if (!(state.camera_from_head.translation().z() > .02)) {
             return {};
@@ -211,13 +208,8 @@ FrameScore FaceTracker::State::register_textures(const StepPrior& prior, int num
         NoiseModel present = noise;
         // Far off at first: the robust cut closes in as the texture does.
         present.robust_cut *= iteration == 0 ? 2.5 : iteration == 1 ? 1.5 : 1;
-        solver->linearise(camera, state, measurements, present, area);
-        const StepPrior here = at_state(prior);
-        Eigen::VectorXd step = Eigen::VectorXd::Zero(6 + num_values());
-        for (int round = 0; round < 2; ++round) {
-            solver->reweight(step);
-            step = solver->step(here, state, num_free);
-        }
+        solver->linearise(camera, state, measurements, present);
+        const Eigen::VectorXd step = solver->solve(at_state(prior), state, num_free, iteration == 0 ? 3 : 2);
         last_step = step;
         state.apply(step);
         state.values = state.values.cwiseMax(motion.lower).cwiseMin(motion.upper);

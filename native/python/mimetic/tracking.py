@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A fitted head with its muscles, ready to be followed through footage."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import _core
+from mimetic.face_template import FaceTemplate
+
+# Hair, neck and ears move on their own or show no skin; mouth and sockets are seen only now and then.
+# Lids come and go over the eye: they are measured by their look.
+UNMEASURED = ("scalp", "neck", "ear", "mouth_cavity", "eye_socket", "eyelid")
+ACTIVATION_STD = 0.3
+# How far articulators stray from rest; from the front a camera hardly sees the jaw's thrust.
+ARTICULATOR_STD = {
+    "jaw_open": 0.3,
+    "jaw_side": 0.1,
+    "jaw_thrust": 0.1,
+    "lid_upper": 0.5,
+    "lid_lower": 0.05,
+}
+
+
+def face_motion(neutral_vertices: NDArray[np.float64], template: FaceTemplate, anatomy) -> _core.FaceMotion:
+    """The skin's motion: 36 muscles, then the articulators; neutral_vertices: V x 3, metres."""
+    skin = template.num_skin_vertices
+    modes = np.concatenate([anatomy.muscle_modes, anatomy.articulator_modes])[:, :skin]
+    muscles = len(anatomy.muscle_names)
+    limits = np.vstack([np.tile([0.0, 1.0], (muscles, 1)), anatomy.articulator_limits])
+    std = [ACTIVATION_STD] * muscles
+    std += [ARTICULATOR_STD[name.split(".")[0]] for name in anatomy.articulator_names]
+    return _core.FaceMotion(
+        np.ascontiguousarray(neutral_vertices[:skin], dtype=np.float64),
+        np.ascontiguousarray(modes, dtype=np.float64),
+        muscles,
+        limits[:, 0],
+        limits[:, 1],
+        np.array(std),
+        partners([*anatomy.muscle_names, *anatomy.articulator_names]),
+    )
+
+
+def partners(names: list[str]) -> NDArray[np.int32]:
+    """Index of each name's other side (.L, .R), -1 without one."""
+    other = {name: name[:-1] + {"L": "R", "R": "L"}[name[-1]] for name in names if name[-2:] in (".L", ".R")}
+    return np.array([names.index(other[n]) if n in other else -1 for n in names], dtype=np.int32)
+
+
+def eye_slits(template: FaceTemplate, anatomy) -> list[_core.EyeSlit]:
+    """The two eyes' openings, left first."""
+    names = list(anatomy.articulator_names)
+    first = len(anatomy.muscle_names)
+    return [
+        _core.EyeSlit(
+            inner=template.landmark(f"eye_inner.{side}"),
+            outer=template.landmark(f"eye_outer.{side}"),
+            upper=template.landmark(f"lid_upper.{side}"),
+            lower=template.landmark(f"lid_lower.{side}"),
+            lid_upper=first + names.index(f"lid_upper.{side}"),
+            lid_lower=first + names.index(f"lid_lower.{side}"),
+        )
+        for side in ("L", "R")
+    ]
+
+
+def make_tracker(
+    image: NDArray[np.uint8],
+    fit,
+    template: FaceTemplate,
+    anatomy,
+    options: _core.TrackerOptions | None = None,
+) -> tuple[_core.FaceTracker, _core.FaceMotion]:
+    """A tracker that starts at the fit's frame, and the motion that `_core.smooth` wants too.
+
+    image: (H, W, 3) uint8, the footage's frame number `fit.frame`; fit: FaceFit; anatomy:
+    `anatomy.attach(fit.neutral_vertices(template), template)`. Raises InvalidInput.
+    """
+    motion = face_motion(fit.neutral_vertices(template), template, anatomy)
+    weights = (~template.in_region(*UNMEASURED)).astype(np.float64)
+    tracker = _core.FaceTracker(
+        fit.camera,
+        np.ascontiguousarray(template.skin_faces, dtype=np.int32),
+        weights,
+        motion,
+        np.ascontiguousarray(image),
+        np.asarray(fit.head_pose, dtype=np.float64),
+        eye_slits(template, anatomy),
+        options or _core.TrackerOptions(),
+    )
+    return tracker, motion
