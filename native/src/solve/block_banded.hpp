@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
+#include <string>
 #include <vector>
 
 namespace mimetic {

@@ -7,6 +7,8 @@ namespace mimetic {
 
 namespace {
 
+constexpr int kFixed = 2;
+
 /// Step of the free coordinates, the others kept at `at`.
 Eigen::VectorXd solve_free(const Eigen::MatrixXd& information, const Eigen::VectorXd& gradient,
                            const Eigen::VectorXd& at, const std::vector<int>& free) {
@@ -34,7 +36,7 @@ int most_wanted(const Eigen::VectorXd& pull, const std::vector<int>& side) {
     int best = -1;
     double strongest = 1e-9 * (1 + pull.cwiseAbs().maxCoeff());
     for (int i = 0; i < pull.size(); ++i) {
-        const double inward = side[i] < 0 ? pull[i] : side[i] > 0 ? -pull[i] : 0;
+        const double inward = side[i] == -1 ? pull[i] : side[i] == 1 ? -pull[i] : 0;
         if (inward > strongest) {
             strongest = inward;
             best = i;
@@ -49,11 +51,15 @@ Eigen::VectorXd bounded_step(const Eigen::MatrixXd& information, const Eigen::Ve
                              const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
     const auto size = static_cast<int>(gradient.size());
     Eigen::VectorXd at = Eigen::VectorXd::Zero(size);
-    std::vector<int> side(size, 0);  // -1 held at lower, 1 held at upper
+    std::vector<int> side(size, 0);  // -1 held at lower, 1 held at upper, kFixed for good
     for (int i = 0; i < size; ++i) {
-        side[i] = lower[i] >= upper[i]               ? -1
-                  : lower[i] >= 0 && gradient[i] < 0 ? -1
-                                                     : upper[i] <= 0 && gradient[i] > 0;
+        if (lower[i] >= upper[i]) {
+            side[i] = kFixed;
+        } else if (lower[i] >= 0 && gradient[i] < 0) {
+            side[i] = -1;
+        } else if (upper[i] <= 0 && gradient[i] > 0) {
+            side[i] = 1;
+        }
         at[i] = side[i] < 0 ? lower[i] : side[i] > 0 ? upper[i] : 0;
     }
     std::vector<int> free;
@@ -82,7 +88,7 @@ Eigen::VectorXd bounded_step(const Eigen::MatrixXd& information, const Eigen::Ve
             continue;
         }
         const int released = most_wanted(gradient - information * at, side);
-        if (released < 0 || lower[released] >= upper[released]) {
+        if (released < 0) {
             break;
         }
         side[released] = 0;

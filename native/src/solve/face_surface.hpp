@@ -1,8 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <memory>
 #include <mimetic/camera.hpp>
 #include <mimetic/solve.hpp>
+#include <string>
+#include <vector>
 
 namespace mimetic {
 

@@ -1,21 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "face_state.hpp"
 #include "texture_flow.hpp"
 
 namespace mimetic {
-
-/// Pose and values under estimate.
-struct FaceState {
-    Eigen::Isometry3d camera_from_head = Eigen::Isometry3d::Identity();
-    Eigen::VectorXd values;
-
-    void apply(const Eigen::VectorXd& step);  ///< exp(rotation) R, t + translation, values + d
-    Eigen::VectorXd difference_from(const FaceState& other) const;  ///< step that leads from other to this
-};
-
-/// d frame pixel / d (rotation vector, translation, values) of a skin point, 2 x (6 + M).
-void skin_jacobian(const Camera& camera, const FaceState& state, const SkinPoint& skin,
-                   Eigen::Matrix<float, 2, Eigen::Dynamic>& jacobian, Eigen::Matrix<double, 2, 3>& by_point);
 
 /// What a Gaussian prior says of a step: information and pull at step 0.
 struct StepPrior {

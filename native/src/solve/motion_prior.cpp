@@ -18,7 +18,7 @@ Eigen::MatrixXd rest_covariance(const FaceMotion& motion) {
 Sparsity sparsity_at(const FaceMotion& motion, const Eigen::VectorXd& values, const Eigen::VectorXd& likely,
                      const Eigen::VectorXd& std) {
     constexpr double kDeadZone = .6;  // standard deviations that do not count as motion
-    constexpr double kActive = .15;    // a value beyond which the pull to rest fades
+    constexpr double kActive = .15;   // a value beyond which the pull to rest fades
     constexpr double kSmallest = .03;
     constexpr double kFree = .4;     // of prior_std: lids come and go by themselves
     constexpr double kSurest = .03;  // of std

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/LU>
 #include <mimetic/error.hpp>
 
 #include "block_banded.hpp"

@@ -58,6 +58,9 @@ void TextureFlow::compare_patches(const cv::Mat1f& reference, const cv::Mat1f& t
                 (correlation_(y, x) + kFloor) / std::sqrt((aa_(y, x) + kFloor) * (bb_(y, x) + kFloor));
         }
     }
+    // What covers the face spoils the flow a little beyond its edge.
+    constexpr int kSpoiled = 7;
+    cv::erode(correlation_, correlation_, cv::getStructuringElement(cv::MORPH_RECT, {kSpoiled, kSpoiled}));
 }
 
 void TextureFlow::measure(const ReferenceView& view, const cv::Mat2f& map, const cv::Mat1f& texture,

@@ -9,7 +9,7 @@ namespace mimetic {
 namespace {
 
 constexpr double kErrorSpacing = .02;  // metres between the nodes of the model error field
-constexpr double kFoundQuality = .35;  // a lost face counts as found again from here
+constexpr double kFoundQuality = .45;  // a lost face counts as found again from here
 constexpr double kKeyViewAngle = .26;  // rad from the nearest texture
 constexpr double kKeyViewQuality = .6;
 
@@ -217,17 +217,15 @@ FrameEstimate FaceTracker::advance(const ColorView& image, const std::optional<E
         s.frame.update(s.gray, 1 / s.face_pixels_per_crop_pixel());
         const Eigen::Index all = 6 + s.num_values();
         FrameScore score = s.register_textures(prior, s.options.max_iterations, all);
-        const double needed =
-            was_lost ? std::max(kFoundQuality, s.options.held_quality) : s.options.held_quality;
-        if (score.quality < needed) {
+        const double found = std::max(kFoundQuality, s.options.held_quality);
+        if (was_lost || score.quality < s.options.held_quality) {
+            // From where the face was last seen, or anywhere: whichever explains more
             const FaceState held = s.last;
-            score = s.search_again(prior, guess);
-            s.lost = score.quality < std::max(kFoundQuality, s.options.held_quality);
+            score = s.search_again(prior, score.quality, guess);
+            s.lost = score.quality < found;
             if (s.lost) {
                 s.state = held;
             }
-        } else {
-            s.lost = false;
         }
         {
             const StageClock clock(s.times.solve_ms);

@@ -42,7 +42,8 @@ struct FaceTracker::State {
     StepPrior predict();
     void follow_flow(const StepPrior& prior);
     FrameScore register_textures(const StepPrior& prior, int num_iterations, Eigen::Index num_free);
-    FrameScore search_again(const StepPrior& prior, const std::optional<Eigen::Isometry3d>& guess);
+    FrameScore search_again(const StepPrior& prior, double near_quality,
+                            const std::optional<Eigen::Isometry3d>& guess);
     FrameEstimate report(const FrameScore& score, const StepPrior& prior) const;
     void measure_lids(FrameEstimate& estimate);
     FloatPixels project_control(const FaceState& at) const;

@@ -12,7 +12,8 @@ namespace {
 constexpr double kRotationStd = .1;      // rad a frame beyond the prediction
 constexpr double kTranslationStd = .02;  // metres a frame
 constexpr int kRelativeHeight = 110;     // pixels of the face for the frame-to-frame flow
-constexpr double kExplained = .55;       // correlation of a patch that is the same skin
+constexpr double kFarthest = .008;       // metres from the model at which skin is still explained
+constexpr double kExplained = .5;        // correlation of a patch that is the same skin
 
 double ratio_or_zero(double part, double whole) { return whole > 0 ? part / whole : 0; }
 
@@ -219,12 +220,14 @@ FrameScore FaceTracker::State::register_textures(const StepPrior& prior, int num
             break;
         }
     }
+    const double farthest_px = kFarthest * camera.fx / state.camera_from_head.translation().z();
     double in_sight = 0, explained = 0, correlation = 0;
     for (std::size_t k = 0; k < measurements.size(); ++k) {
         const double share = measurements[k].weight * measurements[k].texture;
         in_sight += share;
         correlation += share * measurements[k].correlation;
-        if (measurements[k].correlation > kExplained && solver->robust_weights()[k] > .2) {
+        if (measurements[k].correlation > kExplained && solver->robust_weights()[k] > .2 &&
+            solver->distances_px()[k] < farthest_px) {
             explained += share;
             ++score.num_explained;
         }
@@ -235,7 +238,7 @@ FrameScore FaceTracker::State::register_textures(const StepPrior& prior, int num
     return score;
 }
 
-FrameScore FaceTracker::State::search_again(const StepPrior& prior,
+FrameScore FaceTracker::State::search_again(const StepPrior& prior, double near_quality,
                                             const std::optional<Eigen::Isometry3d>& guess) {
     std::vector<Eigen::Isometry3d> poses;
     {
@@ -245,9 +248,8 @@ FrameScore FaceTracker::State::search_again(const StepPrior& prior,
     if (guess) {
         poses.push_back(*guess);
     }
-    const FaceState before = state;
     FaceState best = state;
-    FrameScore best_score;
+    double best_quality = near_quality;
     for (const Eigen::Isometry3d& pose : poses) {
         state.camera_from_head = pose;
         state.values.setZero();
@@ -257,13 +259,15 @@ FrameScore FaceTracker::State::search_again(const StepPrior& prior,
         register_textures(prior, 4, 6);
         predicted.camera_from_head = state.camera_from_head;
         const FrameScore score = register_textures(prior, options.max_iterations, 6 + num_values());
-        if (score.quality > best_score.quality) {
-            best_score = score;
+        if (score.quality > best_quality) {
+            best_quality = score.quality;
             best = state;
         }
     }
-    state = best_score.quality > 0 ? best : before;
-    return best_score;
+    // Once more where it fits best: the solver must not be left with another candidate's equations.
+    state = predicted = best;
+    frame.update(gray, 1 / face_pixels_per_crop_pixel());
+    return register_textures(prior, 2, 6 + num_values());
 }
 
 }  // namespace mimetic

@@ -29,7 +29,6 @@ TEST(Smooth, CovarianceOfALongClipStaysBelowThatOfOneFrame) {
         estimate.information = slopes.transpose() * slopes;
         estimate.covariance = estimate.information.inverse();
         estimate.gradient = Eigen::VectorXd::Zero(kSize);
-        estimate.model_covariance = Eigen::MatrixXd::Zero(kSize, kSize);
         estimate.held = true;
     }
     const std::vector<FrameEstimate> smoothed = smooth(estimates, motion);
@@ -40,6 +39,56 @@ TEST(Smooth, CovarianceOfALongClipStaysBelowThatOfOneFrame) {
             EXPECT_LT(smoothed[t].covariance(i, i), estimates[t].covariance(i, i)) << "frame " << t;
         }
     }
+}
+
+/// Two values, the first measured each frame with noise about a rise and a fall.
+TEST(Smooth, FollowsARiseWithoutLagAndWithinBounds) {
+    FaceMotion motion;
+    motion.neutral = Points::Zero(1, 3);
+    motion.modes = MatrixRows::Zero(2, 3);
+    motion.num_muscles = 2;
+    motion.lower = Eigen::VectorXd::Zero(2);
+    motion.upper = Eigen::VectorXd::Ones(2);
+    motion.prior_std = Eigen::VectorXd::Constant(2, .3);
+    constexpr int kFrames = 80;
+    constexpr double kNoise = .05;
+    std::mt19937 random(2);
+    std::normal_distribution<double> normal(0, kNoise);
+    Eigen::VectorXd truth(kFrames);
+    std::vector<FrameEstimate> estimates(kFrames);
+    for (int t = 0; t < kFrames; ++t) {
+        truth[t] = std::clamp((t - 20) / 10., 0., 1.) * std::clamp((60 - t) / 10., 0., 1.);
+        FrameEstimate& estimate = estimates[static_cast<std::size_t>(t)];
+        // As a filter leaves it: behind the truth by two frames, the measurement pulling ahead.
+        estimate.values = Eigen::Vector2d(t < 2 ? 0 : truth[t - 2], 0);
+        estimate.information = Eigen::MatrixXd::Identity(8, 8) / (kNoise * kNoise);
+        estimate.covariance = estimate.information.inverse();
+        estimate.gradient = Eigen::VectorXd::Zero(8);
+        estimate.gradient[6] = (truth[t] + normal(random) - estimate.values[0]) / (kNoise * kNoise);
+    }
+    const std::vector<FrameEstimate> smoothed = smooth(estimates, motion);
+    Eigen::VectorXd values(kFrames);
+    for (int t = 0; t < kFrames; ++t) {
+        values[t] = smoothed[static_cast<std::size_t>(t)].values[0];
+        EXPECT_GE(values[t], 0);
+        EXPECT_LE(values[t], 1);
+        EXPECT_LT(smoothed[static_cast<std::size_t>(t)].values[1], .01);
+    }
+    const auto distance = [&](int lag) {
+        return (values.segment(10 + lag, kFrames - 20) - truth.segment(10, kFrames - 20)).squaredNorm();
+    };
+    EXPECT_LT(distance(0), distance(1));
+    EXPECT_LT(distance(0), distance(-1));
+    EXPECT_LT(std::sqrt(distance(0) / (kFrames - 20)), .05);
+}
+
+TEST(Smooth, RejectsEstimatesOfAnotherFace) {
+    FaceMotion motion;
+    motion.lower = motion.upper = motion.prior_std = Eigen::VectorXd::Ones(3);
+    EXPECT_THROW(smooth({FrameEstimate()}, motion), std::invalid_argument);
+    SmootherOptions options;
+    options.value_acceleration = 0;
+    EXPECT_THROW(smooth({}, motion, options), std::invalid_argument);
 }
 
 }  // namespace

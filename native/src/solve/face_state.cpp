@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "face_state.hpp"
+
+namespace mimetic {
+
+namespace {
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+    Eigen::Matrix3d matrix;
+    matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
+    return matrix;
+}
+
+Eigen::Matrix3d rotation_of(const Eigen::Vector3d& vector) {
+    const double angle = vector.norm();
+    return angle < 1e-12 ? Eigen::Matrix3d(Eigen::Matrix3d::Identity() + cross_matrix(vector))
+                         : Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
+}
+
+}  // namespace
+
+void FaceState::apply(const Eigen::VectorXd& step) {
+    const Eigen::Matrix3d rotation = rotation_of(step.head<3>()) * camera_from_head.linear();
+    camera_from_head.linear() = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
+    camera_from_head.translation() += step.segment<3>(3);
+    values += step.tail(values.size());
+}
+
+Eigen::VectorXd FaceState::difference_from(const FaceState& other) const {
+    Eigen::VectorXd step(6 + values.size());
+    const Eigen::AngleAxisd turn(camera_from_head.linear() * other.camera_from_head.linear().transpose());
+    step.head<3>() = turn.angle() * turn.axis();
+    step.segment<3>(3) = camera_from_head.translation() - other.camera_from_head.translation();
+    step.tail(values.size()) = values - other.values;
+    return step;
+}
+
+void skin_jacobian(const Camera& camera, const FaceState& state, const SkinPoint& skin,
+                   Eigen::Matrix<float, 2, Eigen::Dynamic>& jacobian, Eigen::Matrix<double, 2, 3>& by_point) {
+    const Eigen::Vector3d turned = state.camera_from_head.linear() *
+                                   (skin.neutral + skin.modes * state.values.cast<float>()).cast<double>();
+    const Eigen::Matrix<double, 2, 3> projection =
+        camera.project_jacobian(turned + state.camera_from_head.translation());
+    by_point = projection * state.camera_from_head.linear();
+    jacobian.resize(2, 6 + skin.modes.cols());
+    jacobian.leftCols<3>() = (-projection * cross_matrix(turned)).cast<float>();
+    jacobian.middleCols<3>(3) = projection.cast<float>();
+    jacobian.rightCols(skin.modes.cols()).noalias() = by_point.cast<float>() * skin.modes;
+}
+
+}  // namespace mimetic
