@@ -16,10 +16,10 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, UnreadableMedia, _core, sequence
+from mimetic import InvalidInput, UnreadableMedia, _core, sequence, tracking
 from mimetic import fit as fitting
-from mimetic.anatomy import Anatomy, attach
-from mimetic.face_template import FaceTemplate, load_template
+from mimetic.anatomy import attach
+from mimetic.face_template import load_template
 from mimetic.fit import FaceFit, NoFace
 from mimetic.footage import Footage
 from mimetic.performance import HELD_QUALITY, Performance
@@ -36,11 +36,6 @@ SETTLING = 10  # frames in which a camera finds its exposure and an encoder its 
 SEARCH_AGAIN = 12  # frames between looks for a face that was lost
 CUT_DIFFERENCE = 18.0  # mean change of grey levels from frame to frame
 BACKWARD_BYTES = 128 << 20  # of frames held to walk a clip backwards
-UNMEASURED_REGIONS = ("scalp", "ear", "neck", "mouth_cavity", "eye_socket", "eyelid")
-# How far values stray from 0 before anything is seen
-MUSCLE_STD = 0.3
-ARTICULATOR_STD = {"jaw_open": 0.4, "jaw_side": 0.15, "jaw_thrust": 0.1}
-LID_STD = 0.5
 
 
 @dataclass
@@ -178,7 +173,7 @@ class _Capture:
         self.template = load_template()
         self.neutral = fit.neutral_vertices(self.template)
         self.anatomy = attach(self.neutral, self.template)
-        self.motion = face_motion(self.neutral, self.anatomy, self.template)
+        self.motion = tracking.face_motion(self.neutral, self.template, self.anatomy)
         summary.add("attach the muscles", time.perf_counter() - start)
 
     def run(self) -> Performance:
@@ -212,18 +207,7 @@ class _Capture:
         return sequence.smooth_in_windows(estimates, before, self.motion, count)
 
     def _make_tracker(self, reference: NDArray[np.uint8]) -> _core.FaceTracker:
-        template = self.template
-        weights = np.ones(template.num_skin_vertices)
-        weights[template.in_region(*UNMEASURED_REGIONS)] = 0
-        return _core.FaceTracker(
-            self.fit.camera,
-            np.ascontiguousarray(template.skin_faces, dtype=np.int32),
-            weights,
-            self.motion,
-            reference,
-            self.fit.head_pose,
-            eye_slits(template, self.anatomy),
-        )
+        return tracking.make_tracker(reference, self.fit, self.template, self.anatomy, self.motion)
 
     def _advance(
         self, tracker: _core.FaceTracker, frame: int, image: NDArray[np.uint8], guess=None
@@ -319,39 +303,6 @@ class _Capture:
             notes.append(f"the face was lost in {held} frames, which are held (quality under 0.2)")
         self.summary.warnings = notes
         return notes or None
-
-
-def face_motion(
-    neutral: NDArray[np.float64], anatomy: Anatomy, template: FaceTemplate
-) -> _core.FaceMotion:
-    """What the tracker may move: the skin's muscles, then the articulators."""
-    skin = template.num_skin_vertices
-    modes = np.concatenate([anatomy.muscle_modes, anatomy.articulator_modes])[:, :skin]
-    num_muscles = len(anatomy.muscle_names)
-    limits = np.asarray(anatomy.articulator_limits, dtype=np.float64)
-    stds = [ARTICULATOR_STD.get(name, LID_STD) for name in anatomy.articulator_names]
-    return _core.FaceMotion(
-        np.ascontiguousarray(neutral[:skin]),
-        np.ascontiguousarray(modes, dtype=np.float64),
-        num_muscles,
-        np.concatenate([np.zeros(num_muscles), limits[:, 0]]),
-        np.concatenate([np.ones(num_muscles), limits[:, 1]]),
-        np.concatenate([np.full(num_muscles, MUSCLE_STD), stds]),
-    )
-
-
-def eye_slits(template: FaceTemplate, anatomy: Anatomy) -> list[_core.EyeSlit]:
-    """The openings of the two eyes, and which values close them."""
-    names = list(anatomy.articulator_names)
-    num_muscles = len(anatomy.muscle_names)
-    corners = ("eye_inner", "eye_outer", "lid_upper", "lid_lower")
-    return [
-        _core.EyeSlit(
-            *(template.landmark(f"{name}.{side}") for name in corners),
-            *(num_muscles + names.index(f"{lid}.{side}") for lid in ("lid_upper", "lid_lower")),
-        )
-        for side in "LR"
-    ]
 
 
 def frames_backward(

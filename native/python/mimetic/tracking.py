@@ -7,10 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
+from mimetic.anatomy import Anatomy
 from mimetic.face_template import FaceTemplate
+from mimetic.fit import FaceFit
 
-# Hair, neck and ears move on their own or show no skin; mouth and sockets are seen only now and then.
-# Lids come and go over the eye: they are measured by their look.
+# Hair, neck and ears move on their own or show no skin; mouth and sockets are seen only now and
+# then; lids come and go over the eye: they are measured by their look.
 UNMEASURED = ("scalp", "neck", "ear", "mouth_cavity", "eye_socket", "eyelid")
 ACTIVATION_STD = 0.3
 # How far articulators stray from rest; from the front a camera hardly sees the jaw's thrust.
@@ -23,7 +25,9 @@ ARTICULATOR_STD = {
 }
 
 
-def face_motion(neutral_vertices: NDArray[np.float64], template: FaceTemplate, anatomy) -> _core.FaceMotion:
+def face_motion(
+    neutral_vertices: NDArray[np.float64], template: FaceTemplate, anatomy: Anatomy
+) -> _core.FaceMotion:
     """The skin's motion: 36 muscles, then the articulators; neutral_vertices: V x 3, metres."""
     skin = template.num_skin_vertices
     modes = np.concatenate([anatomy.muscle_modes, anatomy.articulator_modes])[:, :skin]
@@ -44,11 +48,15 @@ def face_motion(neutral_vertices: NDArray[np.float64], template: FaceTemplate, a
 
 def partners(names: list[str]) -> NDArray[np.int32]:
     """Index of each name's other side (.L, .R), -1 without one."""
-    other = {name: name[:-1] + {"L": "R", "R": "L"}[name[-1]] for name in names if name[-2:] in (".L", ".R")}
+    other = {
+        name: name[:-1] + {"L": "R", "R": "L"}[name[-1]]
+        for name in names
+        if name[-2:] in (".L", ".R")
+    }
     return np.array([names.index(other[n]) if n in other else -1 for n in names], dtype=np.int32)
 
 
-def eye_slits(template: FaceTemplate, anatomy) -> list[_core.EyeSlit]:
+def eye_slits(template: FaceTemplate, anatomy: Anatomy) -> list[_core.EyeSlit]:
     """The two eyes' openings, left first."""
     names = list(anatomy.articulator_names)
     first = len(anatomy.muscle_names)
@@ -67,19 +75,19 @@ def eye_slits(template: FaceTemplate, anatomy) -> list[_core.EyeSlit]:
 
 def make_tracker(
     image: NDArray[np.uint8],
-    fit,
+    fit: FaceFit,
     template: FaceTemplate,
-    anatomy,
+    anatomy: Anatomy,
+    motion: _core.FaceMotion,
     options: _core.TrackerOptions | None = None,
-) -> tuple[_core.FaceTracker, _core.FaceMotion]:
-    """A tracker that starts at the fit's frame, and the motion that `_core.smooth` wants too.
+) -> _core.FaceTracker:
+    """A tracker that starts at the fit's frame.
 
-    image: (H, W, 3) uint8, the footage's frame number `fit.frame`; fit: FaceFit; anatomy:
-    `anatomy.attach(fit.neutral_vertices(template), template)`. Raises InvalidInput.
+    image: (H, W, 3) uint8, the footage's frame number `fit.frame`; motion: `face_motion` of the
+    person. Raises InvalidInput.
     """
-    motion = face_motion(fit.neutral_vertices(template), template, anatomy)
     weights = (~template.in_region(*UNMEASURED)).astype(np.float64)
-    tracker = _core.FaceTracker(
+    return _core.FaceTracker(
         fit.camera,
         np.ascontiguousarray(template.skin_faces, dtype=np.int32),
         weights,
@@ -89,4 +97,3 @@ def make_tracker(
         eye_slits(template, anatomy),
         options or _core.TrackerOptions(),
     )
-    return tracker, motion

@@ -93,7 +93,10 @@ LidMeasurement LidMeter::measure(const cv::Mat1b& gray, const FloatPixels& pixel
         slide(kLowest + (kHighest - kLowest) * step / (kSteps - 1), expected);
         const double scale = std::max(1., gain);
         const Profile residual = (now.array() - after) - scale * (expected.array() - expected.mean());
-        costs[step] = (residual.array().square() / (residual.array().square() + kUnlike * kUnlike)).mean();
+        // A lid at rest unless the picture says so: brows, gaze and squints change the eye's look as well.
+        constexpr double kAtRest = .04;
+        costs[step] = (residual.array().square() / (residual.array().square() + kUnlike * kUnlike)).mean() +
+                      kAtRest * std::abs(kLowest + (kHighest - kLowest) * step / (kSteps - 1));
     }
     int best = 0;
     const double lowest = costs.minCoeff(&best);

@@ -16,9 +16,8 @@ Eigen::MatrixXd rest_covariance(const FaceMotion& motion) {
 }
 
 Sparsity sparsity_at(const FaceMotion& motion, const Eigen::VectorXd& values, const Eigen::VectorXd& likely,
-                     const Eigen::VectorXd& std) {
-    constexpr double kDeadZone = .6;  // standard deviations that do not count as motion
-    constexpr double kActive = .15;   // a value beyond which the pull to rest fades
+                     const Eigen::VectorXd& std, double dead_zone) {
+    constexpr double kActive = .15;  // a value beyond which the pull to rest fades
     constexpr double kSmallest = .03;
     constexpr double kFree = .4;     // of prior_std: lids come and go by themselves
     constexpr double kSurest = .03;  // of std
@@ -32,7 +31,7 @@ Sparsity sparsity_at(const FaceMotion& motion, const Eigen::VectorXd& values, co
         const Eigen::Index other = motion.partner.size() > 0 ? motion.partner[i] : -1;
         const double active = std::max(std::abs(likely[i]), other >= 0 ? std::abs(likely[other]) : 0);
         const double fade = 1 + std::pow(active / kActive, 2);
-        const double strength = kDeadZone / std::max(std[i], kSurest) / fade;
+        const double strength = dead_zone / std::max(std[i], kSurest) / fade;
         if (motion.lower[i] >= 0) {
             sparsity.pull[i] = -strength;
         } else {

@@ -16,6 +16,6 @@ struct Sparsity {
     Eigen::VectorXd information;
 };
 Sparsity sparsity_at(const FaceMotion& motion, const Eigen::VectorXd& values, const Eigen::VectorXd& likely,
-                     const Eigen::VectorXd& std);
+                     const Eigen::VectorXd& std, double dead_zone);
 
 }  // namespace mimetic

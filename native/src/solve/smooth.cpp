@@ -42,11 +42,12 @@ void add_acceleration(const std::vector<FrameEstimate>& estimates, const Eigen::
 }
 
 SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const Blocks& steps,
-                             const FaceMotion& motion, const SmootherOptions& options) {
+                             const FaceMotion& motion, const SmootherOptions& options, bool sparse) {
     const Eigen::Index num_values = motion.lower.size();
     const Eigen::Index size = 6 + num_values;
     // A clip of independent frames would count the rest prior once a frame; a state lasts about this long.
     constexpr double kFramesPerState = 25;
+    constexpr double kDeadZone = 2;
     Eigen::MatrixXd rest = Eigen::MatrixXd::Zero(size, size);
     rest.diagonal().head<6>().setConstant(1e-3);
     rest.bottomRightCorner(num_values, num_values) = (kFramesPerState * rest_covariance(motion)).inverse();
@@ -64,9 +65,10 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
         problem.matrix.second.push_back(Eigen::VectorXd::Zero(size));
         problem.pull.push_back(estimate.gradient);
         problem.pull.back() -= rest.rightCols(num_values) * estimate.values;
-        if (!estimate.held) {
-            const Sparsity sparsity = sparsity_at(
-                motion, estimate.values, estimate.values + steps[t].tail(num_values), estimate.values_std());
+        if (sparse && !estimate.held) {
+            const Sparsity sparsity =
+                sparsity_at(motion, estimate.values, estimate.values + steps[t].tail(num_values),
+                            estimate.values_std(), kDeadZone);
             problem.matrix.diagonal.back().diagonal().tail(num_values) += sparsity.information;
             problem.pull.back().tail(num_values) += sparsity.pull;
         }
@@ -158,9 +160,10 @@ std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, c
     }
     Blocks steps(estimates.size(), Eigen::VectorXd::Zero(6 + motion.lower.size()));
     SequenceProblem problem;
-    // Twice: which values are active is clearer once the sequence has been solved.
+    // Which values are active, and so not to be pulled to rest, shows once the sequence has been solved
+    // freely.
     for (int pass = 0; pass < 2; ++pass) {
-        problem = make_problem(estimates, steps, motion, options);
+        problem = make_problem(estimates, steps, motion, options, pass > 0);
         const Progress half = [&](double fraction) { return !progress || progress(.5 * (pass + fraction)); };
         steps = solve_bounded(problem, options.max_iterations, half);
     }

@@ -10,6 +10,7 @@ namespace mimetic {
 namespace {
 
 constexpr double kRotationStd = .1;      // rad a frame beyond the prediction
+constexpr double kDeadZone = .6;         // more would delay onsets
 constexpr double kTranslationStd = .02;  // metres a frame
 constexpr int kRelativeHeight = 110;     // pixels of the face for the frame-to-frame flow
 constexpr double kFarthest = .008;       // metres from the model at which skin is still explained
@@ -21,7 +22,7 @@ double ratio_or_zero(double part, double whole) { return whole > 0 ? part / whol
 
 StepPrior FaceTracker::State::at_state(const StepPrior& prior) const {
     StepPrior here{prior.information, prior.information * predicted.difference_from(state)};
-    const Sparsity sparsity = sparsity_at(motion, state.values, state.values, last_std);
+    const Sparsity sparsity = sparsity_at(motion, state.values, state.values, last_std, kDeadZone);
     here.information.diagonal().tail(num_values()) += sparsity.information;
     here.gradient.tail(num_values()) += sparsity.pull;
     return here;
