@@ -21,7 +21,7 @@ from mimetic.rest import expression, rest_score
 SCHEMA = 1
 LARGEST_FILE = 1 << 20  # bytes
 DEFAULT_FOCAL = 1.2  # image widths: a webcam's 45 degrees
-PUPIL_DISTANCE = 0.063  # metres, sets the scale
+LARGEST_ERROR = 0.1  # rms of a face that was found, pupil distances; usual are 0.02
 SEARCHES = (0.12, 0.07)  # half widths of the measurements after the first fit, pupil distances
 
 
@@ -170,6 +170,11 @@ def find_face(
             image, _expected(model, estimate, camera, features), search
         )
         estimate = _core.fit_face(model, features, camera)
+    if not estimate.converged or estimate.rms_ipd > LARGEST_ERROR:
+        raise NoFace(
+            f"what looks like a face in frame {frame} does not fit a head: choose another frame, "
+            "or give a face fit"
+        )
     names = identity_names(template)
     focal = estimate.focal
     return FaceFit(

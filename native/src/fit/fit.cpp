@@ -236,10 +236,9 @@ private:
         }
         if (!shape) problem.SetParameterBlockConstant(state_.identity.data());
         if (options_.focal_free && shape) {
-            const Eigen::Matrix<double, 1, 1> precision(1 / options_.focal_spread);
-            problem.AddResidualBlock(
-                new ceres::NormalPrior(precision, ceres::Vector::Constant(1, std::log(camera_.fx))), nullptr,
-                &state_.log_focal);
+            problem.AddResidualBlock(new ceres::AutoDiffCostFunction<fit::FocalResidual, 1, 1>(
+                                         new fit::FocalResidual{std::log(camera_.fx), options_.focal_spread}),
+                                     nullptr, &state_.log_focal);
         } else {
             problem.SetParameterBlockConstant(&state_.log_focal);
         }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <ceres/ceres.h>
-#include <ceres/normal_prior.h>
 #include <ceres/rotation.h>
 
 #include <mimetic/types.hpp>
@@ -129,6 +128,18 @@ struct FacingResidual {
         const T distance = sqrt(pose[3] * pose[3] + pose[4] * pose[4] + pose[5] * pose[5]);
         residuals[0] = (forward[1] + pose[4] / distance) / pitch_spread;
         residuals[1] = (forward[0] + pose[3] / distance) / yaw_spread;
+        return true;
+    }
+};
+
+/// Prior of the focal length's logarithm.
+struct FocalResidual {
+    double log_focal;
+    double spread;
+
+    template <typename T>
+    bool operator()(const T* estimate, T* residual) const {
+        residual[0] = (estimate[0] - log_focal) / spread;
         return true;
     }
 };

@@ -252,6 +252,15 @@ FaceFeatures measure_features(ColorView image, const FaceFeatures& expected, dou
     if (right == nullptr || left == nullptr || (left->position - right->position).norm() < 4) {
         throw InvalidInput("expected features must hold pupil.R and pupil.L at least 4 pixels apart");
     }
+    const auto refuse = [](const std::string& name) {
+        throw InvalidInput("expected " + name + " is not finite: the fit before has failed");
+    };
+    for (const auto& feature : expected.features) {
+        if (!feature.position.allFinite()) refuse(feature.name);
+    }
+    for (const auto& curve : expected.curves) {
+        if (curve.points.rows() < 2 || !curve.points.allFinite()) refuse(curve.name);
+    }
     if (!(search > 0 && search <= 1)) {
         throw InvalidInput("search is " + std::to_string(search) +
                            "; it must be above 0 and at most 1 (IPD)");

@@ -104,6 +104,19 @@ TEST(FitFace, OneFeatureFarOffHardlyTurnsTheHead) {
     EXPECT_LT(angle_deg(estimate.camera_from_head, pose), 1.0);
 }
 
+TEST(FitFace, FreeFocalLengthMovesFromAWrongPriorTowardsTheTruth) {
+    Cloud cloud;
+    FitOptions options;
+    options.focal_free = true;
+    options.gaze_spread = 0;
+    Camera guess = kCamera;
+    guess.fx = guess.fy = 900;
+    const Eigen::Isometry3d pose = turned(0.3, 0.1, 0);
+    const FaceFeatures features = cloud.seen(pose, Eigen::VectorXd::Zero(4), 0);
+    const FaceEstimate estimate = fit_face(cloud.model, features, guess, options);
+    EXPECT_LT(std::abs(estimate.focal - 700), 100);
+}
+
 TEST(FitFace, ProjectedFeaturesFallOnTheSeenOnes) {
     Cloud cloud;
     const FaceFeatures features = cloud.seen(turned(0.2, 0.1, 0), Eigen::VectorXd::Zero(4), 0);

@@ -105,6 +105,13 @@ TEST(MeasureFeatures, RefusesPupilsThatCoincide) {
     EXPECT_THROW(measure_features(face.view(), expected), InvalidInput);
 }
 
+TEST(MeasureFeatures, RefusesExpectationsThatAreNotFinite) {
+    const DrawnFace face;
+    FaceFeatures expected = pupils_off_by(face, 0);
+    expected.features.push_back({"mouth_corner.L", {std::nan(""), 0}, 1, 1});
+    EXPECT_THROW(measure_features(face.view(), expected), InvalidInput);
+}
+
 TEST(FaceLocator, NamesTheDetectorFileThatIsMissing) {
     try {
         FaceLocator("nowhere");
