@@ -8,4 +8,6 @@ endif()
 if(MIMETIC_SANITIZE)
     add_compile_options(-fsanitize=address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer)
     add_link_options(-fsanitize=address,undefined)
+    # Under the sanitizer Eigen would align by hand and could not share memory with the packaged Ceres.
+    add_compile_definitions(EIGEN_MALLOC_ALREADY_ALIGNED=1)
 endif()
