@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "motion_prior.hpp"
 
+#include <Eigen/LU>
+
 namespace mimetic {
 
 Eigen::MatrixXd rest_covariance(const FaceMotion& motion) {
@@ -13,6 +15,11 @@ Eigen::MatrixXd rest_covariance(const FaceMotion& motion) {
         }
     }
     return covariance;
+}
+
+Eigen::MatrixXd rest_information(const FaceMotion& motion) {
+    constexpr double kFramesPerState = 12;
+    return rest_covariance(motion).inverse() / kFramesPerState;
 }
 
 Sparsity sparsity_at(const FaceMotion& motion, const Eigen::VectorXd& values, const Eigen::VectorXd& likely,
@@ -30,7 +37,7 @@ Sparsity sparsity_at(const FaceMotion& motion, const Eigen::VectorXd& values, co
         // One side that moves frees the other: else the sparsest answer is half a face.
         const Eigen::Index other = motion.partner.size() > 0 ? motion.partner[i] : -1;
         const double active = std::max(std::abs(likely[i]), other >= 0 ? std::abs(likely[other]) : 0);
-        const double fade = 1 + std::pow(active / kActive, 2);
+        const double fade = 1 + std::pow(active / kActive, 4);
         const double strength = dead_zone / std::max(std[i], kSurest) / fade;
         if (motion.lower[i] >= 0) {
             sparsity.pull[i] = -strength;

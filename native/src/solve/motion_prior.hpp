@@ -9,6 +9,9 @@ namespace mimetic {
 /// Covariance of the values about rest, M squared: the two sides of a face mostly act together.
 Eigen::MatrixXd rest_covariance(const FaceMotion& motion);
 
+/// What the rest prior tells in one frame: a state lasts for several, and each must not count it in full.
+Eigen::MatrixXd rest_information(const FaceMotion& motion);
+
 /// A prior for few active values that leaves the active ones alone, about the present ones: pull and
 /// information to add for the M values. std: how well each is known.
 struct Sparsity {

@@ -45,12 +45,10 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
                              const FaceMotion& motion, const SmootherOptions& options, bool sparse) {
     const Eigen::Index num_values = motion.lower.size();
     const Eigen::Index size = 6 + num_values;
-    // A clip of independent frames would count the rest prior once a frame; a state lasts about this long.
-    constexpr double kFramesPerState = 25;
-    constexpr double kDeadZone = 2;
+    constexpr double kDeadZone = 2.5;
     Eigen::MatrixXd rest = Eigen::MatrixXd::Zero(size, size);
     rest.diagonal().head<6>().setConstant(1e-3);
-    rest.bottomRightCorner(num_values, num_values) = (kFramesPerState * rest_covariance(motion)).inverse();
+    rest.bottomRightCorner(num_values, num_values) = rest_information(motion);
     Eigen::VectorXd weights(size);
     weights.head<3>().setConstant(std::pow(options.rotation_acceleration, -2));
     weights.segment<3>(3).setConstant(std::pow(options.translation_acceleration, -2));

@@ -50,6 +50,7 @@ FaceTracker::State::State(const Camera& camera_in, const TrackedSurface& surface
     relative_dis = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_ULTRAFAST);
     velocity = Eigen::VectorXd::Zero(6 + num_values());
     rest = rest_covariance(motion);
+    rest_pull = rest_information(motion);
     last_std = motion.prior_std;
     covariance = first_covariance(rest);
     for (const EyeSlit& eye : eyes_in) {

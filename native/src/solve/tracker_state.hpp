@@ -74,8 +74,9 @@ struct FaceTracker::State {
     Eigen::VectorXd velocity;
     Eigen::VectorXd last_step;  // from the solver's last linearisation
     Eigen::MatrixXd covariance;
-    Eigen::MatrixXd rest;      // prior covariance of the values
-    Eigen::VectorXd last_std;  // of the values
+    Eigen::MatrixXd rest;       // prior covariance of the values
+    Eigen::MatrixXd rest_pull;  // its information in one frame
+    Eigen::VectorXd last_std;   // of the values
     bool lost = false;
     int frames_since_key_view = 0;
 
