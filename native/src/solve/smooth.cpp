@@ -45,7 +45,7 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
                              const FaceMotion& motion, const SmootherOptions& options, bool sparse) {
     const Eigen::Index num_values = motion.lower.size();
     const Eigen::Index size = 6 + num_values;
-    constexpr double kDeadZone = 2.5;
+    constexpr double kDeadZone = 3.5;
     Eigen::MatrixXd rest = Eigen::MatrixXd::Zero(size, size);
     rest.diagonal().head<6>().setConstant(1e-3);
     rest.bottomRightCorner(num_values, num_values) = rest_information(motion);
