@@ -20,14 +20,6 @@ target_link_libraries(mimetic_opensubdiv INTERFACE ${OPENSUBDIV_LIBRARY})
 
 # BSD-3-Clause
 find_package(Ceres 2.1 REQUIRED)
-# glog's static library in place of the shared one, and no gflags: see glog_flags.cpp.
-find_library(GLOG_STATIC_LIBRARY libglog.a REQUIRED)
-find_library(UNWIND_LIBRARY unwind REQUIRED)
-add_library(mimetic_glog_flags STATIC native/third_party/glog_flags.cpp)
-get_target_property(ceres_needs Ceres::ceres INTERFACE_LINK_LIBRARIES)
-list(REMOVE_ITEM ceres_needs glog::glog gflags)
-list(APPEND ceres_needs ${GLOG_STATIC_LIBRARY} mimetic_glog_flags ${UNWIND_LIBRARY})
-set_target_properties(Ceres::ceres PROPERTIES INTERFACE_LINK_LIBRARIES "${ceres_needs}")
 add_library(mimetic_ceres INTERFACE)
 target_link_libraries(mimetic_ceres INTERFACE Ceres::ceres)
 

@@ -3,7 +3,8 @@
 
 A host such as Debian's Blender has other versions of the same libraries loaded for all to see, and
 the dynamic linker would bind our calls to them: its CHOLMOD is two versions newer and crashes on
-our data. A static link is no way out: Debian's static CHOLMOD is not position-independent.
+our data, and two copies of gflags that meet end the process. A static link is no way out: Debian's
+static libraries are not position-independent, or bring an unwinder that breaks exceptions.
 """
 
 from __future__ import annotations
@@ -14,8 +15,11 @@ import tempfile
 from pathlib import Path
 
 PREFIX = "mimetic_"
-# C libraries without versioned symbols whose layouts change from version to version.
-LIBRARIES = ("amd", "camd", "ccolamd", "cholmod", "colamd", "cxsparse", "suitesparseconfig")
+# Libraries without versioned symbols: of changing layout, or with tables that must not be shared.
+LIBRARIES = (
+    *("amd", "camd", "ccolamd", "cholmod", "colamd", "cxsparse", "suitesparseconfig"),
+    *("gflags", "glog"),
+)
 
 
 def defined_symbols(library: Path) -> set[str]:
