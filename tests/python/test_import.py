@@ -1,0 +1,11 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import subprocess
+import sys
+
+# Matplotlib's font module throws and catches C++ exceptions as it loads.
+SCRIPT = "import mimetic, matplotlib.ft2font; print('alive')"
+
+
+def test_other_modules_can_still_throw_after_the_core_is_loaded():
+    done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True)
+    assert (done.returncode, done.stdout) == (0, "alive\n"), done.stderr
