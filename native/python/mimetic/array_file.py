@@ -47,6 +47,26 @@ def read_array(archive: zipfile.ZipFile, name: str) -> np.ndarray:
             raise InvalidInput(f"array {name} cannot be read: {error}") from None
 
 
+def check_shape(
+    what: str,
+    actual: tuple[int, ...],
+    shape: tuple[int | str, ...],
+    lengths: dict[str, int],
+    largest: dict[str, int],
+) -> None:
+    """Raises InvalidInput unless `actual` fits `shape` and the named lengths met so far."""
+    fits = len(actual) == len(shape)
+    for length, wanted in zip(actual, shape, strict=False):
+        if isinstance(wanted, str):
+            fits &= length <= largest[wanted] and lengths.setdefault(wanted, length) == length
+        else:
+            fits &= length == wanted
+    if not fits:
+        expected = " x ".join(str(length) for length in shape)
+        known = ", ".join(f"{name} = {length}" for name, length in lengths.items())
+        raise InvalidInput(f"{what} has the shape {actual}, expected {expected} ({known})")
+
+
 def _read_header(stream, name: str) -> ArrayHeader:
     try:
         version = npy.read_magic(stream)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia
-from mimetic.array_file import read_array, read_headers
+from mimetic.array_file import check_shape, read_array, read_headers
 
 SCHEMA = 1
 NUM_MUSCLES = 36
@@ -146,7 +146,7 @@ class Performance:
             value = getattr(self, key)
             if value is not None:
                 actual = (1,) if key == "fps" else np.shape(value)
-                check_shape(key, actual, shape, lengths)
+                check_shape(f"performance {key}", actual, shape, lengths, LARGEST)
         for names in (self.muscles, self.articulators):
             if len(set(names)) != len(names):
                 raise InvalidInput("performance muscles and articulators must have distinct names")
@@ -263,23 +263,6 @@ def unitless(cov: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.
     return cov / (std[:, :, None] * std[:, None, :]), std
 
 
-def check_shape(
-    key: str, actual: tuple[int, ...], shape: tuple[int | str, ...], lengths: dict[str, int]
-) -> None:
-    """Raises InvalidInput unless `actual` fits `shape` and the lengths met so far."""
-    fits = len(actual) == len(shape)
-    for length, wanted in zip(actual, shape, strict=False):
-        if isinstance(wanted, str):
-            fits &= length <= LARGEST[wanted] and lengths.setdefault(wanted, length) == length
-        else:
-            fits &= length == wanted
-    if not fits:
-        known = ", ".join(f"{name} = {length}" for name, length in lengths.items())
-        raise InvalidInput(
-            f"performance {key} has the shape {actual}, expected {_shape_text(shape)} ({known})"
-        )
-
-
 def _shape_text(shape: tuple[int | str, ...]) -> str:
     return " x ".join(str(length) for length in shape)
 
@@ -306,5 +289,5 @@ def _read_arrays(archive: zipfile.ZipFile) -> dict[str, np.ndarray]:
         header = headers[key]
         if header.dtype.kind not in ACCEPTED[kind] or header.dtype.itemsize > 4096:
             raise InvalidInput(f"performance {key} has the type {header.dtype}")
-        check_shape(key, header.shape, shape, lengths)
+        check_shape(f"performance {key}", header.shape, shape, lengths, LARGEST)
     return {key: read_array(archive, key) for key in REQUIRED | OPTIONAL if key in headers}

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia
-from mimetic.array_file import read_array, read_headers
+from mimetic.array_file import check_shape, read_array, read_headers
 
 SCHEMA = 1
 LARGEST = {"N": 1_000_000, "K": 100_000, "M": 1000, "A": 1000, "U": 1000, "V": 2_000_000}
@@ -92,7 +92,8 @@ class Truth:
             value = getattr(self, key)
             if value is None:
                 continue
-            _check_shape(key, (1,) if key == "fps" else np.shape(value), shape, lengths)
+            actual = (1,) if key == "fps" else np.shape(value)
+            check_shape(f"truth {key}", actual, shape, lengths, LARGEST)
             if kind == "f" and not np.isfinite(value).all():
                 raise InvalidInput(f"truth {key} is not finite")
         if lengths["N"] < 2 or lengths["K"] < 1:
@@ -141,21 +142,6 @@ class Truth:
             raise InvalidInput(f"{path}: {error}; docs/truth-file.md has the format") from None
 
 
-def _check_shape(
-    key: str, actual: tuple[int, ...], shape: tuple[int | str, ...], lengths: dict[str, int]
-) -> None:
-    fits = len(actual) == len(shape)
-    for length, wanted in zip(actual, shape, strict=False):
-        if isinstance(wanted, str):
-            fits &= length <= LARGEST[wanted] and lengths.setdefault(wanted, length) == length
-        else:
-            fits &= length == wanted
-    if not fits:
-        expected = " x ".join(str(length) for length in shape)
-        met = ", ".join(f"{name} = {length}" for name, length in lengths.items())
-        raise InvalidInput(f"truth {key} has the shape {actual}, expected {expected} ({met})")
-
-
 def _read(archive: zipfile.ZipFile) -> dict[str, np.ndarray]:
     headers = read_headers(archive)
     schema = headers.get("schema")
@@ -173,5 +159,5 @@ def _read(archive: zipfile.ZipFile) -> dict[str, np.ndarray]:
         header = headers[key]
         if header.dtype.kind not in ACCEPTED[kind] or header.dtype.itemsize > 4096:
             raise InvalidInput(f"truth {key} has the type {header.dtype}")
-        _check_shape(key, header.shape, shape, lengths)
+        check_shape(f"truth {key}", header.shape, shape, lengths, LARGEST)
     return {key: read_array(archive, key) for key in KEYS if key in headers}
