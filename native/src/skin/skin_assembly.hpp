@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <mimetic/skin.hpp>
+#include <vector>
+
+#include "elements.hpp"
+
+namespace mimetic {
+
+using Columns = Eigen::SparseMatrix<double>;
+using Triplets = std::vector<Eigen::Triplet<double>>;
+
+std::vector<SkinTriangle> make_skin_triangles(PointsIn vertices, TrianglesIn triangles);
+
+struct VertexFrames {
+    Eigen::VectorXd areas;  ///< a third of the triangles around, m^2
+    Points normals;         ///< unit
+};
+
+VertexFrames make_frames(const std::vector<SkinTriangle>& elements, TrianglesIn triangles,
+                         Eigen::Index num_vertices);
+
+/// Membrane and pre-stress over the vertices' displacements, 3N x 3N.
+Columns assemble_membrane(const std::vector<SkinTriangle>& elements, TrianglesIn triangles,
+                          const SkinMaterials& materials);
+
+/// Attachment of every vertex to the bone, N/m.
+std::vector<Eigen::Matrix3d> assemble_foundation(const SkinMaterials& materials, const VertexFrames& frames);
+
+/// One 3 x 3 block a vertex as a matrix, 3N x 3N.
+Columns block_diagonal(const std::vector<Eigen::Matrix3d>& blocks);
+
+/// Change of each vertex's mean curvature along its normal times its area, N x 3N.
+Columns curvature_change(const std::vector<SkinTriangle>& elements, TrianglesIn triangles,
+                         const VertexFrames& frames);
+
+/// Bending energy is half of this times the square of `curvature_change`; a free edge carries no moment.
+Eigen::VectorXd flexure(const SkinMaterials& materials, const VertexFrames& frames,
+                        const std::vector<bool>& on_boundary);
+
+/// The basis once for each of x, y, z, interleaved: 3N x 3C.
+Columns interleave(const SparseRows& basis);
+
+}  // namespace mimetic
