@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Debian 12's packages: libeigen3-dev 3.4, libopencv-*-dev 4.6, libosd-dev 3.5, libceres-dev 2.1, libsuitesparse-dev 5.12.
+# Debian 12's packages: libeigen3-dev 3.4, libopencv-*-dev 4.6, libosd-dev 3.5, libceres-dev 2.1, libsuitesparse-dev 5.12,
+# libspectra-dev 1.0.
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 
 # Apache-2.0. Named one by one: the package's config file asks for modules that we do not use.
@@ -29,3 +30,8 @@ find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
 add_library(mimetic_cholmod INTERFACE)
 target_include_directories(mimetic_cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE_DIR})
 target_link_libraries(mimetic_cholmod INTERFACE ${CHOLMOD_LIBRARY})
+
+# MPL-2.0, headers alone
+find_path(SPECTRA_INCLUDE_DIR Spectra/SymGEigsShiftSolver.h REQUIRED)
+add_library(mimetic_spectra INTERFACE)
+target_include_directories(mimetic_spectra SYSTEM INTERFACE ${SPECTRA_INCLUDE_DIR})

@@ -38,6 +38,8 @@ public:
 
     /// 3C x 3C, symmetric, xyz interleaved, N/m.
     const Eigen::SparseMatrix<double>& stiffness() const;
+    /// 3N x 3C: displacements of the vertices from the unknowns, loads on the unknowns by its transpose.
+    const Eigen::SparseMatrix<double>& basis() const;
 
     /// Forces on the vertices that hold them at `displacements` of the bone under them: N x 3, newtons.
     Points foundation_forces(PointsIn displacements) const;

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <Eigen/CholmodSupport>
 #include <mimetic/error.hpp>
 #include <mimetic/skin.hpp>
 #include <string>
@@ -7,6 +6,7 @@
 #include <vector>
 
 #include "check_mesh.hpp"
+#include "cholesky.hpp"
 #include "skin_assembly.hpp"
 
 namespace mimetic {
@@ -36,7 +36,7 @@ struct SkinModel::Parts {
     Columns basis;  // 3N x 3C
     Columns stiffness;
     std::vector<Eigen::Matrix3d> foundation;  // a vertex, N/m
-    Eigen::CholmodSupernodalLLT<Columns> factor;
+    Cholesky factor;
 };
 
 SkinModel::SkinModel(PointsIn vertices, TrianglesIn triangles, const SkinMaterials& materials,
@@ -59,10 +59,6 @@ SkinModel::SkinModel(PointsIn vertices, TrianglesIn triangles, const SkinMateria
     const SparseRows bend = curvature_change(elements, triangles, frames) * parts_->basis;
     const SparseRows moment = flexure(materials, frames, on_boundary).asDiagonal() * bend;
     parts_->stiffness = Columns(parts_->basis.transpose() * force) + Columns(bend.transpose() * moment);
-    cholmod_common& cholmod = parts_->factor.cholmod();
-    cholmod.print = 0;     // CHOLMOD writes warnings to the terminal by default
-    cholmod.nmethods = 1;  // trying the other orderings costs more than the best of them saves
-    cholmod.method[0].ordering = CHOLMOD_AMD;
     parts_->factor.compute(parts_->stiffness);
 }
 
@@ -73,6 +69,7 @@ SkinModel& SkinModel::operator=(SkinModel&&) noexcept = default;
 int SkinModel::num_vertices() const { return static_cast<int>(parts_->foundation.size()); }
 int SkinModel::num_unknowns() const { return static_cast<int>(parts_->basis.cols() / 3); }
 const Eigen::SparseMatrix<double>& SkinModel::stiffness() const { return parts_->stiffness; }
+const Eigen::SparseMatrix<double>& SkinModel::basis() const { return parts_->basis; }
 
 Points SkinModel::foundation_forces(PointsIn displacements) const {
     if (displacements.rows() != num_vertices()) {
