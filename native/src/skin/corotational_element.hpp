@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "elements.hpp"
+
+namespace mimetic {
+
+/// A triangle that has moved: its deformation gradient F = Q S (3 x 2, from its plane at rest).
+struct TurnedTriangle {
+    Eigen::Matrix<double, 3, 2> axes;  ///< Q, columns: where the element's axes have turned
+    Eigen::Vector3d normal;            ///< unit
+    Eigen::Matrix2d stretch;           ///< S, symmetric
+    bool crushed = false;              ///< no area is left: nothing else holds
+
+    /// `corners`: columns, metres, where those of `rest` are now.
+    TurnedTriangle(const SkinTriangle& rest, const Eigen::Matrix3d& corners);
+
+    Eigen::Matrix3d rotation(const SkinTriangle& rest) const;
+    /// Rotation vector of the triangle for a displacement of corner `i` from here.
+    Eigen::Matrix3d rotation_of(const SkinTriangle& rest, int i) const;
+};
+
+/// Membrane energy over area and thickness, J/m^3, and the stress along the turned axes, Pa.
+struct MembraneState {
+    double energy = 0;
+    Eigen::Matrix2d stress;
+    MembraneState(const Eigen::Matrix2d& stretch, double young, double poisson);
+};
+
+}  // namespace mimetic
