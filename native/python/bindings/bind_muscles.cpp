@@ -30,7 +30,11 @@ void bind_muscles(py::module_& m) {
              "normal_share: of the pull across the skin, 0 to 1\nprotrusion: sphincter, push outwards over "
              "pull along the fibres\n"
              "swelling: sphincter, push across the fibres over pull along them\n"
-             "raises InvalidInput");
+             "raises InvalidInput")
+        .def_readonly("type", &Muscle::type)
+        .def_readonly("insertion", &Muscle::insertion)
+        .def_readonly("origin", &Muscle::origin)
+        .def_readonly("width", &Muscle::width);
 
     py::class_<MuscleSurface>(m, "MuscleSurface", "The skin that muscles take hold of.")
         .def(py::init<PointsIn, TrianglesIn, const std::vector<bool>&>(), py::arg("vertices").noconvert(),

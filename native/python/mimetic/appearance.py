@@ -61,12 +61,21 @@ def appearance_of(
     template = load_template()
     if not np.array_equal(template.faces, performance.faces):
         return None
-    uv = face_paint.fill_square(template)
     if footage is None:
-        texture = _bytes(face_paint.paint_skin(template, uv, TEXTURE_SIZE))
-        colour = 255 * face_paint.SKIN
-    else:
-        texture, colour = _from_footage(performance, footage, frame, template, uv)
+        return painted(template)
+    uv = face_paint.fill_square(template)
+    texture, colour = _from_footage(performance, footage, frame, template, uv)
+    return _appearance(template, uv, texture, colour)
+
+
+def painted(template: FaceTemplate) -> Appearance:
+    """Paint for a head that was never filmed."""
+    uv = face_paint.fill_square(template)
+    texture = _bytes(face_paint.paint_skin(template, uv, TEXTURE_SIZE))
+    return _appearance(template, uv, texture, 255 * face_paint.SKIN)
+
+
+def _appearance(template: FaceTemplate, uv, texture, colour) -> Appearance:
     surfaces = _surfaces(texture, _linear(colour / 255))
     names = [surface.name for surface in surfaces]
     of_part = [names.index(SURFACE_OF_PART[str(part)]) for part in template.part_names]

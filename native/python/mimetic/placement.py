@@ -45,6 +45,11 @@ def to_object(points: ArrayLike) -> NDArray[np.float64]:
     return np.asarray(points, dtype=np.float64) @ OBJECT_FROM_HEAD[:3, :3].T
 
 
+def to_head(points: ArrayLike) -> NDArray[np.float64]:
+    """Points or displacements (... x 3) of the object's frame in the head frame."""
+    return np.asarray(points, dtype=np.float64) @ OBJECT_FROM_HEAD[:3, :3]
+
+
 def head_motion(
     performance: Performance, world_from_scene_camera: ArrayLike = WORLD_FROM_SCENE_CAMERA
 ) -> HeadMotion:

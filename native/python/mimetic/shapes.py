@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
+from mimetic.anatomy import Anatomy
 from mimetic.articulators import ARTICULATORS
 from mimetic.performance import Performance
 
@@ -20,8 +22,14 @@ GROUPS = {
     6: "Brow Lowerers",
     7: "Eye Ring",
 }
+SIDES = ("", ".L", ".R")  # both, the subject's left, right
 JAW_AND_LIDS = "Jaw and Lids"
 DETAIL = "Detail"
+
+
+def group_name(group: int, side: str = "") -> str:
+    """A group's slider: of one side (".L", ".R") or of both."""
+    return GROUPS[group] + side
 
 
 @dataclass(frozen=True)
@@ -31,7 +39,7 @@ class Shape:
     name: str
     group: str  # what curves are listed under
     offsets: NDArray[np.float64]  # V x 3, metres in the head frame at value 1
-    values: NDArray[np.float64]  # N
+    values: NDArray[np.float64]  # N; none for a slider without a curve
     lowest: float  # range of the values' slider; every value lies inside
     highest: float
 
@@ -70,6 +78,51 @@ def shapes_of(performance: Performance) -> list[Shape]:
             )
         ]
     return shapes
+
+
+def groups_of(performance: Performance) -> list[Shape]:
+    """The group sliders of a performance's face."""
+    return group_shapes(performance.muscles, performance.groups, performance.muscle_modes)
+
+
+def group_shapes(
+    names: Sequence[str], groups: ArrayLike, modes: NDArray[np.float64]
+) -> list[Shape]:
+    """Sliders of groups of muscles, left, right and both: sums of their muscles' shapes.
+
+    names: M muscles; groups: M, 1 to 7; modes: M x V x 3. They have no values: what they do comes
+    on top of the muscles' own curves, so that a whole take is softened (to -1) or strengthened.
+    """
+    groups = np.asarray(groups)
+    shapes = []
+    for group in GROUPS:
+        for side in SIDES:
+            chosen = (groups == group) & [name.endswith(side) for name in names]
+            if chosen.any():
+                offsets = np.asarray(modes)[chosen].sum(axis=0, dtype=np.float64)
+                shapes.append(_slider(group_name(group, side), GROUPS[group], offsets, -1.0, 1.0))
+    return shapes
+
+
+def shapes_of_anatomy(anatomy: Anatomy) -> list[Shape]:
+    """Muscles and articulators of a head at rest."""
+    muscles = zip(anatomy.muscle_names, anatomy.groups, anatomy.muscle_modes, strict=True)
+    articulators = zip(
+        anatomy.articulator_names,
+        anatomy.articulator_modes,
+        anatomy.articulator_limits,
+        strict=True,
+    )
+    return [
+        *(_slider(name, GROUPS[int(group)], modes, 0.0, 1.0) for name, group, modes in muscles),
+        *(_slider(name, JAW_AND_LIDS, modes, *limits) for name, modes, limits in articulators),
+    ]
+
+
+def _slider(name: str, group: str, offsets, lowest: float, highest: float) -> Shape:
+    """A shape that no take moves yet."""
+    offsets = np.asarray(offsets, dtype=np.float64)
+    return Shape(name, group, offsets, np.empty(0), float(lowest), float(highest))
 
 
 def _shape(name: str, group: str, offsets, values, lowest: float, highest: float = 1.0) -> Shape:
