@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/CholmodSupport>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <mimetic/error.hpp>
+#include <numbers>
+#include <string>
+
+#include "check_mesh.hpp"
+#include "shell_element.hpp"
+#include "skin_assembly.hpp"
+
+namespace mimetic {
+namespace {
+
+template <typename ElementMatrix>
+Columns assemble(const std::vector<SkinTriangle>& elements, TrianglesIn triangles, Eigen::Index num_vertices,
+                 const ElementMatrix& element_matrix) {
+    Triplets entries;
+    entries.reserve(324 * elements.size());
+    for (std::size_t f = 0; f < elements.size(); ++f) {
+        const Eigen::RowVector3i face = triangles.row(f);
+        const Matrix18 element = element_matrix(elements[f]);
+        for (int a = 0; a < 18; ++a) {
+            for (int b = 0; b < 18; ++b) {
+                entries.emplace_back(6 * face[a / 6] + a % 6, 6 * face[b / 6] + b % 6, element(a, b));
+            }
+        }
+    }
+    Columns result(6 * num_vertices, 6 * num_vertices);
+    result.setFromTriplets(entries.begin(), entries.end());
+    return result;
+}
+
+Columns free_unknowns(const std::vector<bool>& held) {
+    Triplets entries;
+    for (std::size_t i = 0; i < held.size(); ++i) {
+        if (!held[i]) {
+            entries.emplace_back(static_cast<int>(i), static_cast<int>(entries.size()), 1.0);
+        }
+    }
+    Columns basis(held.size(), entries.size());
+    basis.setFromTriplets(entries.begin(), entries.end());
+    return basis;
+}
+
+}  // namespace
+
+void ShellMaterial::check() const {
+    const auto check_range = [](double value, const char* name, double low, double high) {
+        if (!(value >= low && value <= high)) {
+            throw InvalidInput(std::string(name) + " is " + std::to_string(value) + ", allowed are " +
+                               std::to_string(low) + " to " + std::to_string(high));
+        }
+    };
+    check_range(young, "young", 1e-3, 1e12);
+    check_range(poisson, "poisson", 0, 0.999);
+    check_range(thickness, "thickness", 1e-6, 1e3);
+    check_range(density, "density", 0, 1e6);
+}
+
+struct ShellModel::Parts {
+    Columns stiffness;
+    Columns lumped;
+    Columns consistent;
+    Columns basis;  // 6N x unknowns
+    Eigen::CholmodSupernodalLLT<Columns> factor;
+};
+
+ShellModel::ShellModel(PointsIn vertices, TrianglesIn triangles, const ShellMaterial& material,
+                       const std::vector<bool>& held)
+    : parts_(std::make_unique<Parts>()) {
+    check_mesh(vertices, triangles);
+    material.check();
+    if (static_cast<Eigen::Index>(held.size()) != 6 * vertices.rows()) {
+        throw InvalidInput("held has " + std::to_string(held.size()) + " flags, needed are six for each of " +
+                           std::to_string(vertices.rows()) + " vertices");
+    }
+    parts_->basis = free_unknowns(held);
+    if (parts_->basis.cols() == 0) {
+        throw InvalidInput("every unknown of the shell is held");
+    }
+    const std::vector<SkinTriangle> elements = make_skin_triangles(vertices, triangles);
+    const auto assembled = [&](const auto& element_matrix) {
+        return assemble(elements, triangles, vertices.rows(), element_matrix);
+    };
+    parts_->stiffness = assembled([&](const SkinTriangle& t) { return shell_stiffness(t, material); });
+    parts_->lumped =
+        assembled([&](const SkinTriangle& t) { return shell_mass(t, material, MassKind::lumped); });
+    parts_->consistent =
+        assembled([&](const SkinTriangle& t) { return shell_mass(t, material, MassKind::consistent); });
+    parts_->factor.cholmod().print = 0;  // CHOLMOD writes warnings to the terminal by default
+    parts_->factor.compute(Columns(parts_->basis.transpose() * parts_->stiffness * parts_->basis));
+}
+
+ShellModel::~ShellModel() = default;
+ShellModel::ShellModel(ShellModel&&) noexcept = default;
+ShellModel& ShellModel::operator=(ShellModel&&) noexcept = default;
+
+const Eigen::SparseMatrix<double>& ShellModel::stiffness() const { return parts_->stiffness; }
+
+const Eigen::SparseMatrix<double>& ShellModel::mass(MassKind kind) const {
+    return kind == MassKind::lumped ? parts_->lumped : parts_->consistent;
+}
+
+Eigen::MatrixXd ShellModel::solve(const Eigen::Ref<const Eigen::MatrixXd>& forces) const {
+    if (forces.rows() != parts_->stiffness.rows()) {
+        throw InvalidInput("forces have " + std::to_string(forces.rows()) + " rows, needed are " +
+                           std::to_string(parts_->stiffness.rows()));
+    }
+    if (parts_->factor.info() != Eigen::Success) {
+        throw InvalidInput("the shell can move freely: hold more of its unknowns");
+    }
+    const Eigen::MatrixXd loads = parts_->basis.transpose() * forces;
+    const Eigen::MatrixXd unknowns = parts_->factor.solve(loads);
+    return parts_->basis * unknowns;
+}
+
+Eigen::VectorXd ShellModel::frequencies(int count, MassKind kind) const {
+    const Eigen::Index unknowns = parts_->basis.cols();
+    if (count < 1 || 2 * count > unknowns) {
+        throw InvalidInput("count is " + std::to_string(count) + ", allowed are 1 to " +
+                           std::to_string(unknowns / 2));
+    }
+    // Subspace iteration (Bathe): a few vectors more than asked for, each turn one solve.
+    constexpr int kTurns = 100;
+    const Eigen::Index width = std::min<Eigen::Index>(2 * count, unknowns);
+    const auto start = [](Eigen::Index i, Eigen::Index k) { return std::cos(1.0 + (i + 1.0) * (k + 1.0)); };
+    Eigen::MatrixXd shapes = parts_->basis * Eigen::MatrixXd::NullaryExpr(unknowns, width, start);
+    Eigen::VectorXd values = Eigen::VectorXd::Zero(width);
+    for (int turn = 0; turn < kTurns; ++turn) {
+        const Eigen::MatrixXd loads = mass(kind) * shapes;
+        shapes = solve(loads);
+        const Eigen::MatrixXd projected_stiffness = shapes.transpose() * loads;
+        const Eigen::MatrixXd projected_mass = shapes.transpose() * (mass(kind) * shapes);
+        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> small(
+            (projected_stiffness + projected_stiffness.transpose()) / 2, projected_mass);
+        const Eigen::VectorXd before = values;
+        values = small.eigenvalues();
+        shapes *= small.eigenvectors();
+        if ((values - before).head(count).cwiseAbs().maxCoeff() < 1e-10 * values[count - 1]) {
+            break;
+        }
+    }
+    return values.head(count).cwiseSqrt() / (2 * std::numbers::pi);
+}
+
+}  // namespace mimetic
