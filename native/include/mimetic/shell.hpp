@@ -36,14 +36,14 @@ public:
     /// 6N x 6N, symmetric, nothing held.
     const Eigen::SparseMatrix<double>& stiffness() const;
 
-    /// 6N x 6N, symmetric, kg; nothing for rotations.
+    /// 6N x 6N, symmetric: kg, and kg m^2 of the thickness against turning.
     const Eigen::SparseMatrix<double>& mass(MassKind kind) const;
 
     /// Static response: forces and moments 6N x M, N and N m -> 6N x M, m and rad. Throws InvalidInput if
     /// the held unknowns leave the shell free to move.
     Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& forces) const;
 
-    /// The lowest natural frequencies, Hz, rising. count: at most half of the unknowns.
+    /// The `count` lowest natural frequencies, Hz, rising. Throws as `vibration_modes`.
     Eigen::VectorXd frequencies(int count, MassKind kind) const;
 
 private:

@@ -112,11 +112,13 @@ Matrix18 shell_mass(const SkinTriangle& triangle, const ShellMaterial& m, MassKi
     const Matrix9 translation = kind == MassKind::consistent
                                     ? consistent_mass(triangle, surface_density)
                                     : Matrix9(lumped_mass(triangle, surface_density) * Matrix9::Identity());
+    const double rotary = surface_density * m.thickness * m.thickness / 12 * triangle.area / 3;
     Matrix18 mass = Matrix18::Zero();
     for (Eigen::Index i = 0; i < 3; ++i) {
         for (Eigen::Index j = 0; j < 3; ++j) {
             mass.block<3, 3>(6 * i, 6 * j) = translation.block<3, 3>(3 * i, 3 * j);
         }
+        mass.block<3, 3>(6 * i + 3, 6 * i + 3) = rotary * Eigen::Matrix3d::Identity();
     }
     return mass;
 }

@@ -20,7 +20,7 @@ Matrix9 plate_stiffness(const SkinTriangle& triangle, const ShellMaterial& mater
 /// about the normal unlike each other.
 Matrix18 shell_stiffness(const SkinTriangle& triangle, const ShellMaterial& material);
 
-/// Mass of the displacements; a thin shell's rotations carry none.
+/// Mass of the displacements, and the small inertia of the thickness against turning.
 Matrix18 shell_mass(const SkinTriangle& triangle, const ShellMaterial& material, MassKind kind);
 
 }  // namespace mimetic

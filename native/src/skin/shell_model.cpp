@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <Eigen/CholmodSupport>
-#include <Eigen/Eigenvalues>
-#include <algorithm>
-#include <cmath>
 #include <mimetic/error.hpp>
-#include <numbers>
+#include <mimetic/skin_dynamics.hpp>
 #include <string>
 
 #include "check_mesh.hpp"
+#include "cholesky.hpp"
 #include "shell_element.hpp"
 #include "skin_assembly.hpp"
 
@@ -65,7 +62,10 @@ struct ShellModel::Parts {
     Columns lumped;
     Columns consistent;
     Columns basis;  // 6N x unknowns
-    Eigen::CholmodSupernodalLLT<Columns> factor;
+    Cholesky factor;
+
+    /// The part of a matrix that acts on what is not held.
+    Columns free(const Columns& matrix) const { return basis.transpose() * matrix * basis; }
 };
 
 ShellModel::ShellModel(PointsIn vertices, TrianglesIn triangles, const ShellMaterial& material,
@@ -90,8 +90,7 @@ ShellModel::ShellModel(PointsIn vertices, TrianglesIn triangles, const ShellMate
         assembled([&](const SkinTriangle& t) { return shell_mass(t, material, MassKind::lumped); });
     parts_->consistent =
         assembled([&](const SkinTriangle& t) { return shell_mass(t, material, MassKind::consistent); });
-    parts_->factor.cholmod().print = 0;  // CHOLMOD writes warnings to the terminal by default
-    parts_->factor.compute(Columns(parts_->basis.transpose() * parts_->stiffness * parts_->basis));
+    parts_->factor.compute(parts_->free(parts_->stiffness));
 }
 
 ShellModel::~ShellModel() = default;
@@ -118,32 +117,7 @@ Eigen::MatrixXd ShellModel::solve(const Eigen::Ref<const Eigen::MatrixXd>& force
 }
 
 Eigen::VectorXd ShellModel::frequencies(int count, MassKind kind) const {
-    const Eigen::Index unknowns = parts_->basis.cols();
-    if (count < 1 || 2 * count > unknowns) {
-        throw InvalidInput("count is " + std::to_string(count) + ", allowed are 1 to " +
-                           std::to_string(unknowns / 2));
-    }
-    // Subspace iteration (Bathe): a few vectors more than asked for, each turn one solve.
-    constexpr int kTurns = 100;
-    const Eigen::Index width = std::min<Eigen::Index>(2 * count, unknowns);
-    const auto start = [](Eigen::Index i, Eigen::Index k) { return std::cos(1.0 + (i + 1.0) * (k + 1.0)); };
-    Eigen::MatrixXd shapes = parts_->basis * Eigen::MatrixXd::NullaryExpr(unknowns, width, start);
-    Eigen::VectorXd values = Eigen::VectorXd::Zero(width);
-    for (int turn = 0; turn < kTurns; ++turn) {
-        const Eigen::MatrixXd loads = mass(kind) * shapes;
-        shapes = solve(loads);
-        const Eigen::MatrixXd projected_stiffness = shapes.transpose() * loads;
-        const Eigen::MatrixXd projected_mass = shapes.transpose() * (mass(kind) * shapes);
-        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> small(
-            (projected_stiffness + projected_stiffness.transpose()) / 2, projected_mass);
-        const Eigen::VectorXd before = values;
-        values = small.eigenvalues();
-        shapes *= small.eigenvectors();
-        if ((values - before).head(count).cwiseAbs().maxCoeff() < 1e-10 * values[count - 1]) {
-            break;
-        }
-    }
-    return values.head(count).cwiseSqrt() / (2 * std::numbers::pi);
+    return vibration_modes(parts_->free(parts_->stiffness), parts_->free(mass(kind)), count).frequencies;
 }
 
 }  // namespace mimetic
