@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mimetic: facial performance capture, from video to muscle curves."""
 
-from . import jobs, operators, panels, preferences, properties
+from . import jobs, operators, overlay, panels, preferences, properties
 
 # In this order: panels and operators refer to the properties
-PARTS = (preferences, properties, operators, panels)
+PARTS = (preferences, properties, operators, panels, overlay)
 
 
 def register() -> None:

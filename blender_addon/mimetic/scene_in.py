@@ -54,15 +54,38 @@ def no_performance(context) -> str:
     return _face_in_edit_mode(context.scene.mimetic.face)
 
 
+def face_of(context) -> bpy.types.Object | None:
+    """The face that panels and buttons mean: the active object if it is one, else the baked one."""
+    active = context.active_object
+    if active is not None and is_face(active):
+        return active
+    face = context.scene.mimetic.face
+    return face if face is not None and face.name in context.scene.objects else None
+
+
+def is_face(candidate: bpy.types.Object) -> bool:
+    """Whether an object has the sliders of a face."""
+    return (
+        candidate.type == "MESH"
+        and len(candidate.mimetic.shapes) > 0
+        and candidate.data.shape_keys is not None
+    )
+
+
 def no_face(context) -> str:
     if reason := no_start():
         return reason
-    face = context.scene.mimetic.face
-    if face is None or face.name not in context.scene.objects:
-        return "Bake a performance first: the scene has no face"
-    if not face.visible_get():
-        return f"{face.name} is hidden; show it to export it"
+    face = face_of(context)
+    if face is None:
+        return "Bake a performance or add a face first: the scene has no face"
     return _face_in_edit_mode(face)
+
+
+def no_visible_face(context) -> str:
+    if reason := no_face(context):
+        return reason
+    face = face_of(context)
+    return "" if face.visible_get() else f"{face.name} is hidden; show it to export it"
 
 
 def _face_in_edit_mode(face: bpy.types.Object | None) -> str:

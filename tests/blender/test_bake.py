@@ -46,7 +46,8 @@ def test_the_evaluated_surface_is_the_captured_one(baked, performance):
 def test_every_shape_has_a_curve_with_a_key_a_frame(baked, performance, extension):
     keys = baked.data.shape_keys
     names = [*performance.muscles, *performance.articulators]
-    assert [block.name for block in keys.key_blocks] == ["Basis", *names]
+    groups = [shape.name for shape in baked.mimetic.groups]
+    assert [block.name for block in keys.key_blocks] == ["Basis", *names, *groups]
     curves = extension("compat").curves(keys).fcurves
     paths = {curve.data_path for curve in curves}
     assert paths == {f'key_blocks["{name}"].value' for name in names}

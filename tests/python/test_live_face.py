@@ -117,7 +117,7 @@ def test_lines_run_from_origin_to_insertion_on_the_skin(mesh, lines, template):
         assert np.linalg.norm(ends[0] - muscle.origin) < 0.012  # over the bone, not in it
     beside = find_on_skin(mesh, positions.reshape(-1, 3)).positions(mesh.vertices)
     gap = np.linalg.norm(beside - positions.reshape(-1, 3), axis=1)
-    assert gap.min() > LIFT / 2  # less than LIFT in a fold
+    assert gap.min() > LIFT / 5  # less than LIFT in a fold
     assert np.median(gap) == pytest.approx(LIFT, abs=1e-9)
 
 

@@ -126,4 +126,5 @@ def start(steps: Callable[[Walk], Steps]) -> None:
         bpy.ops.wm.quit_blender()
         return None
 
-    bpy.app.timers.register(step, first_interval=1.0)
+    # Persistent: a walk may open a file
+    bpy.app.timers.register(step, first_interval=1.0, persistent=True)

@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import bake, capture, clip, face, gltf, performance
+from . import bake, capture, clip, face, gltf, performance, sliders
 
 CLASSES = (
     clip.MIMETIC_OT_load_clip,
@@ -12,14 +12,18 @@ CLASSES = (
     performance.MIMETIC_OT_load_performance,
     bake.MIMETIC_OT_bake,
     gltf.MIMETIC_OT_export_gltf,
+    sliders.MIMETIC_OT_add_face,
+    sliders.MIMETIC_OT_rest_face,
 )
 
 
 def register() -> None:
     for operator in CLASSES:
         bpy.utils.register_class(operator)
+    sliders.register_menu()
 
 
 def unregister() -> None:
+    sliders.unregister_menu()
     for operator in reversed(CLASSES):
         bpy.utils.unregister_class(operator)

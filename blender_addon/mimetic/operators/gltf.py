@@ -18,14 +18,14 @@ class MIMETIC_OT_export_gltf(Operator, ExportHelper):
 
     @classmethod
     def poll(cls, context):
-        if reason := scene_in.no_face(context):
+        if reason := scene_in.no_visible_face(context):
             cls.poll_message_set(reason)
         return not reason
 
     def execute(self, context):
         path = bpy.path.ensure_ext(bpy.path.abspath(self.filepath), ".glb")
         try:
-            scene_out.gltf.export(context.scene, path)
+            scene_out.gltf.export(context.scene, path, scene_in.face_of(context))
         except native.known_errors() as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

@@ -1,37 +1,85 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The face's shapes in the 3D view, in the groups that its curves are listed under."""
+"""The face's sliders in the groups that its curves are listed under, and its overlays."""
 
 from bpy.types import Panel
 
-from .. import compat
+from .. import native, scene_in
 
 
-class MIMETIC_PT_muscles(Panel):
-    bl_idname = "MIMETIC_PT_muscles"
-    bl_label = "Muscles"
+class Muscles:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "Mimetic"
-    bl_options = {"DEFAULT_CLOSED"}
+
+
+class MIMETIC_PT_muscles(Muscles, Panel):
+    bl_idname = "MIMETIC_PT_muscles"
+    bl_label = "Muscles"
 
     @classmethod
     def poll(cls, context):
-        face = context.scene.mimetic.face
-        return face is not None and face.data.shape_keys is not None
+        return not native.problem()
 
     def draw(self, context):
-        keys = context.scene.mimetic.face.data.shape_keys
+        layout = self.layout
+        face = scene_in.face_of(context)
+        if face is None or not scene_in.is_face(face):
+            layout.operator("mimetic.add_face", icon="USER")
+            return
+        row = layout.row(align=True)
+        row.label(text=face.name, icon="USER")
+        row.operator("mimetic.rest_face", icon="LOOP_BACK", text="")
+        row.operator("mimetic.add_face", icon="ADD", text="")
+        keys = face.data.shape_keys.key_blocks
         groups = {}
-        for curve in getattr(compat.curves(keys), "fcurves", ()):
-            name = curve.data_path.partition('"')[2].rpartition('"')[0]
-            if name in keys.key_blocks and curve.group:
-                groups.setdefault(curve.group.name, []).append(keys.key_blocks[name])
+        for shape in face.mimetic.shapes:
+            if shape.name in keys:
+                groups.setdefault(shape.group, []).append(keys[shape.name])
+        sliders = {}
+        for shape in face.mimetic.groups:
+            if shape.name in keys:
+                sliders.setdefault(shape.group, []).append(keys[shape.name])
         for group, blocks in groups.items():
-            header, body = self.layout.panel(f"mimetic_{group}", default_closed=True)
+            self.draw_group(layout, group, sliders.get(group, []), blocks)
+
+    def draw_group(self, layout, group, sliders, blocks):
+        """A group's own slider in the header; its sides and its muscles below."""
+        header, body = layout.panel(f"mimetic_{group}", default_closed=True)
+        both = next((block for block in sliders if block.name == group), None)
+        if both:
+            header.prop(both, "value", text=group, slider=True)
+        else:
             header.label(text=group)
-            if body:
-                for block in blocks:
-                    body.prop(block, "value", text=block.name, slider=True)
+        if not body:
+            return
+        if sides := [block for block in sliders if block != both]:
+            row = body.row(align=True)
+            for block in sides:
+                row.prop(block, "value", text=block.name.rpartition(".")[2], slider=True)
+        column = body.column(align=True)
+        for block in blocks:
+            column.prop(block, "value", text=block.name, slider=True)
 
 
-CLASSES = (MIMETIC_PT_muscles,)
+class MIMETIC_PT_overlays(Muscles, Panel):
+    bl_idname = "MIMETIC_PT_overlays"
+    bl_parent_id = "MIMETIC_PT_muscles"
+    bl_label = "Overlays"
+
+    @classmethod
+    def poll(cls, context):
+        face = scene_in.face_of(context)
+        return face is not None and scene_in.is_face(face)
+
+    def draw(self, context):
+        layout = self.layout
+        settings = context.scene.mimetic
+        layout.prop(settings, "show_muscles")
+        layout.prop(settings, "show_strain")
+        column = layout.column(align=True)
+        column.active = settings.show_strain
+        column.prop(settings, "strain_measure", text="")
+        column.prop(settings, "strain_limit")
+
+
+CLASSES = (MIMETIC_PT_muscles, MIMETIC_PT_overlays)

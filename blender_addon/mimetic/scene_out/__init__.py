@@ -8,9 +8,9 @@ from dataclasses import dataclass
 import bpy
 
 from .. import native, scene_in
-from . import actions, camera, clip, face, face_fit, gltf, materials
+from . import actions, camera, canonical, clip, face, face_fit, gltf, materials, sliders
 
-__all__ = ["Baked", "bake", "camera", "clip", "face_fit", "gltf"]
+__all__ = ["Baked", "bake", "camera", "canonical", "clip", "face_fit", "gltf", "sliders"]
 
 
 @dataclass(frozen=True)
@@ -27,12 +27,14 @@ def bake(
     appearance=None,
     footage: bpy.types.MovieClip | None = None,
     subdivision: int = 1,
+    with_groups: bool = True,
 ) -> Baked:
     """Puts the face, its curves, its camera and the footage behind it into the scene.
 
     performance: mimetic.performance.Performance; take: names the new actions; appearance: of
     mimetic.appearance, colours of the face, or None to leave materials alone;
-    footage: what the performance was captured from.
+    footage: what the performance was captured from; with_groups: whether the face gets sliders of
+    its groups of muscles too.
     The scene's rate, frame range and resolution stay as they are.
     """
     placement = native.part("placement")
@@ -44,8 +46,10 @@ def bake(
         timing.frame_start,
         timing.frame_offset,
     )
-    shapes = native.part("shapes").shapes_of(performance)
-    shown = face.ensure(scene, performance, shapes, subdivision)
+    parts = native.part("shapes")
+    shapes = parts.shapes_of(performance)
+    groups = parts.groups_of(performance) if with_groups else []
+    shown = face.ensure(scene, performance, shapes, groups, subdivision)
     if appearance is not None:
         materials.dress(shown, appearance)
     world_from_camera = scene_in.camera_matrix(scene)

@@ -10,15 +10,18 @@ from pathlib import Path
 
 import bpy
 
-from .. import native, scene_in
+from .. import compat, native, scene_in
 
 
-def export(scene: bpy.types.Scene, path: str | os.PathLike[str]) -> None:
-    """Writes the scene's face, whole or not at all; raises OSError where that is impossible."""
+def export(
+    scene: bpy.types.Scene, path: str | os.PathLike[str], face: bpy.types.Object | None = None
+) -> None:
+    """Writes a face, the scene's baked one if None; whole, or raises OSError and writes nothing."""
     path = Path(path)
+    face = face or scene.mimetic.face
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
         aside = Path(folder, "face.glb")
-        with _only_selected(scene.mimetic.face):
+        with _only_selected(face), _without_idle_groups(face):
             bpy.ops.export_scene.gltf(
                 filepath=str(aside),
                 export_format="GLB",
@@ -44,6 +47,34 @@ def export(scene: bpy.types.Scene, path: str | os.PathLike[str]) -> None:
         files = native.part("gltf")
         aside.write_bytes(files.split_negative(files.retime(aside.read_bytes(), rate)))
         os.replace(aside, path)
+
+
+@contextmanager
+def _without_idle_groups(face: bpy.types.Object):
+    """Leaves out sliders of groups that do nothing: half as many morph targets again.
+
+    The exporter leaves muted keys out. They come last, so that no other key's number changes.
+    """
+    keys = face.data.shape_keys
+    moved = {curve.data_path for curve in getattr(compat.curves(keys), "fcurves", ())}
+    animation = keys.animation_data
+    is_free = animation is None or not (animation.drivers or animation.nla_tracks)
+    idle = [
+        key
+        for key in (keys.key_blocks.get(listed.name) for listed in face.mimetic.groups)
+        if key
+        and is_free
+        and key.value == 0
+        and not key.mute
+        and key.path_from_id("value") not in moved
+    ]
+    for key in idle:
+        key.mute = True
+    try:
+        yield
+    finally:
+        for key in idle:
+            key.mute = False
 
 
 @contextmanager

@@ -26,14 +26,15 @@ def write(performance_path: str, out: str, footage_path: str | None) -> str:
     set_up(scene, performance)
     footage = clip.load(scene, footage_path) if footage_path else None
     take = Path(footage_path or performance_path).name.split(".")[0]
-    baked = bake(scene, performance, take, appearance, footage)
+    is_blend = Path(out).suffix != ".glb"
+    baked = bake(scene, performance, take, appearance, footage, with_groups=is_blend)
     scene.mimetic.performance_path = performance_path
     scene.frame_set(scene.frame_start)
-    if Path(out).suffix == ".glb":
-        gltf.export(scene, out)
-    else:
+    if is_blend:
         light(scene)
         save(out, footage)
+    else:
+        gltf.export(scene, out)
     return f"{baked.num_curves} curves, frames {baked.first:.6g} to {baked.last:.6g}"
 
 

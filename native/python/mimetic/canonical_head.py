@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,8 +26,9 @@ class Head:
     appearance: Appearance
 
 
+@lru_cache(maxsize=1)
 def make_head() -> Head:
-    """The head that every fit starts from, with what moves it and how it looks."""
+    """The head that every fit starts from, with what moves it and how it looks; made once."""
     template = load_template()
     anatomy = attach(template.vertices, template)
     return Head(

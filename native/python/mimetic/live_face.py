@@ -20,7 +20,7 @@ from mimetic.muscle_lines import JAW, MuscleLines
 from mimetic.placement import to_head, to_object
 from mimetic.shapes import group_name
 from mimetic.skin_mesh import SkinMesh
-from mimetic.strain_map import StrainMap, strain_colours
+from mimetic.strain_map import LIFT, StrainMap, strain_colours
 
 GROUP_COLOURS = {
     1: (0.95, 0.35, 0.25),
@@ -45,6 +45,7 @@ class Pose:
     """A shape of the face, and what its sliders say."""
 
     refined: NDArray[np.float64]  # N x 3, head frame
+    normals: NDArray[np.float64]  # N x 3, unit
     activations: NDArray[np.float64]  # M, own value and those of its groups
     jaw: NDArray[np.float64]  # 3
 
@@ -117,6 +118,7 @@ class LiveFace:
         skin = np.ascontiguousarray(shape[: self._template.num_skin_vertices])
         return Pose(
             self._mesh.refinement.positions(skin),
+            self._mesh.refinement.normals(skin),
             self._activations(values),
             np.array([values.get(name, 0.0) for name in JAW]),
         )
@@ -177,7 +179,7 @@ class LiveFace:
     def strain_patch(self, pose: Pose, strain: NDArray[np.float64], limit: float) -> Patch:
         """The skin in the colours of its strain."""
         return Patch(
-            to_object(pose.refined).astype(np.float32),
+            to_object(pose.refined + LIFT * pose.normals).astype(np.float32),
             strain_colours(strain, limit),
             self._strain.triangles,
         )

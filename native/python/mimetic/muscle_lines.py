@@ -21,7 +21,7 @@ from mimetic.skin_mesh import SkinMesh
 NUM_STEPS = 14  # points of a line
 FIBRE_SPACING = 0.006  # of a sheet
 RING_RADII = (0.6, 1.6)  # of a sphincter's fibres, in its widths
-LIFT = 0.0008  # over the skin, so that the skin does not hide the line
+LIFT = 0.0012  # over the skin, so that the skin does not hide the line
 JAW = ("jaw_open", "jaw_side", "jaw_thrust")
 
 

@@ -17,6 +17,7 @@ from mimetic.skin_mesh import SkinMesh
 
 MEASURES = {"area": 0, "stretch": 1, "compression": 2}  # columns of StrainMeter.at_vertices
 SHORTER, AT_REST, LONGER = (0.13, 0.33, 0.90), (0.93, 0.93, 0.90), (0.87, 0.10, 0.10)
+LIFT = 0.0006  # over the skin, which would shine through; below the muscles
 FAINTEST, STRONGEST = 0.15, 0.9  # opacity at rest and at the scale's end
 
 

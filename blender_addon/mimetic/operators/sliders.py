@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
+from bpy.props import IntProperty
+from bpy.types import Operator
+
+from .. import native, scene_in, scene_out
+from ..jobs import Job
+
+
+class MIMETIC_OT_add_face(Job, Operator):
+    """Add a head with sliders for its muscles, jaw and lids, to animate without footage"""
+
+    bl_idname = "mimetic.add_face"
+    bl_label = "Add Face"
+    bl_options = {"REGISTER", "UNDO"}
+
+    subdivision: IntProperty(
+        name="Subdivision", default=1, min=0, max=3, description="Levels in the viewport"
+    )
+
+    @classmethod
+    def poll(cls, context):
+        reason = scene_in.no_start()
+        if not reason and context.mode != "OBJECT":
+            reason = "Leave the edit mode first"
+        if reason:
+            cls.poll_message_set(reason)
+        return not reason
+
+    def read(self, context):
+        return None
+
+    def work(self, inputs, progress):
+        return native.part("canonical_head").make_head()
+
+    def write(self, context, head):
+        face = scene_out.canonical.add(
+            context.collection, head, context.scene.cursor.location, self.subdivision
+        )
+        scene_out.canonical.select_only(context.view_layer, face)
+        num_sliders = len(head.shapes) + len(head.groups)
+        return f"{face.name} has {num_sliders} sliders: sidebar, Mimetic, Muscles"
+
+
+class MIMETIC_OT_rest_face(Operator):
+    """Put all sliders of the face to 0; curves stay as they are"""
+
+    bl_idname = "mimetic.rest_face"
+    bl_label = "Rest Face"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if reason := scene_in.no_face(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context):
+        scene_out.sliders.rest(scene_in.face_of(context))
+        return {"FINISHED"}
+
+
+def draw_in_menu(menu, context) -> None:
+    """The entry in Add > Mesh."""
+    menu.layout.operator(MIMETIC_OT_add_face.bl_idname, text="Mimetic Face", icon="USER")
+
+
+def register_menu() -> None:
+    bpy.types.VIEW3D_MT_mesh_add.append(draw_in_menu)
+
+
+def unregister_menu() -> None:
+    bpy.types.VIEW3D_MT_mesh_add.remove(draw_in_menu)

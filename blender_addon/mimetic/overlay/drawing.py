@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws what `mimetic.live_face` gives in the 3D view: lines, insertions, strain, a legend."""
+
+from __future__ import annotations
+
+import blf
+import bpy
+import gpu
+from gpu_extras.batch import batch_for_shader
+
+from .. import native
+from . import live
+
+HIDDEN_OPACITY = 0.14  # of lines behind something
+LEGEND_SIZE = (260, 12)  # pixels at a UI scale of 1
+TEXT_SIZE = 12
+MARGIN = 24
+
+
+def draw_faces() -> None:
+    context = bpy.context
+    settings = context.scene.mimetic
+    if not _is_on(context):
+        return
+    gpu.state.blend_set("ALPHA")
+    gpu.state.depth_mask_set(False)
+    try:
+        for face in live.faces(context):
+            seen = live.look(face)
+            if seen.face is None:
+                continue
+            with gpu.matrix.push_pop():
+                gpu.matrix.multiply_matrix(face.matrix_world)
+                if settings.show_strain:
+                    _draw_strain(seen, settings)
+                if settings.show_muscles:
+                    _draw_muscles(seen)
+    finally:  # the next one to draw finds what it expects
+        gpu.state.depth_mask_set(True)
+        gpu.state.depth_test_set("NONE")
+        gpu.state.face_culling_set("NONE")
+        gpu.state.blend_set("NONE")
+
+
+def draw_legend() -> None:
+    context = bpy.context
+    settings = context.scene.mimetic
+    if not settings.show_strain or not _is_on(context):
+        return
+    ranges = [
+        _strain(seen, settings)[1]
+        for seen in map(live.look, live.faces(context))
+        if seen.face is not None
+    ]
+    if ranges:
+        lowest, highest = min(r[0] for r in ranges), max(r[1] for r in ranges)
+        _draw_scale(context, settings, lowest, highest)
+
+
+def _is_on(context) -> bool:
+    settings = context.scene.mimetic
+    return context.space_data.overlay.show_overlays and (
+        settings.show_muscles or settings.show_strain
+    )
+
+
+def _strain(seen, settings):
+    """The strain at the skin's vertices, its range, and its scale's end."""
+    key = ("strain", settings.strain_measure)
+    if key not in seen.made:
+        strain = seen.face.strain(seen.pose, settings.strain_measure.lower())
+        seen.made[key] = strain, seen.face.strain_range(strain)
+    return seen.made[key]
+
+
+def _draw_strain(seen, settings) -> None:
+    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
+    key = ("patch", settings.strain_measure, settings.strain_limit)
+    if key not in seen.made:
+        strain, _ = _strain(seen, settings)
+        patch = seen.face.strain_patch(seen.pose, strain, settings.strain_limit / 100)
+        seen.made[key] = _patch(shader, patch)
+    gpu.state.depth_test_set("LESS_EQUAL")
+    gpu.state.face_culling_set("BACK")
+    seen.made[key].draw(shader)
+    gpu.state.face_culling_set("NONE")
+
+
+def _draw_muscles(seen) -> None:
+    lines = gpu.shader.from_builtin("POLYLINE_SMOOTH_COLOR")
+    if "lines" not in seen.made:
+        strokes = seen.face.strokes(seen.pose)
+        seen.made["lines"] = [
+            (stroke.width, _lines(lines, stroke, 1.0), _lines(lines, stroke, HIDDEN_OPACITY))
+            for stroke in strokes
+        ]
+    solid = gpu.shader.from_builtin("SMOOTH_COLOR")
+    if "nodes" not in seen.made:
+        seen.made["nodes"] = _patch(solid, seen.face.nodes(seen.pose))
+    scale = bpy.context.preferences.system.pixel_size
+    lines.bind()
+    lines.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
+    for width, seen_lines, hidden_lines in seen.made["lines"]:
+        lines.uniform_float("lineWidth", width * scale)
+        gpu.state.depth_test_set("NONE")
+        hidden_lines.draw(lines)
+        gpu.state.depth_test_set("LESS_EQUAL")
+        seen_lines.draw(lines)
+    gpu.state.depth_test_set("LESS_EQUAL")
+    seen.made["nodes"].draw(solid)
+
+
+def _lines(shader, stroke, opacity: float):
+    colours = stroke.colours.copy()
+    colours[:, 3] *= opacity
+    return batch_for_shader(shader, "LINES", {"pos": stroke.points, "color": colours})
+
+
+def _patch(shader, patch):
+    content = {"pos": patch.points, "color": patch.colours}
+    return batch_for_shader(shader, "TRIS", content, indices=patch.triangles)
+
+
+def _draw_scale(context, settings, lowest: float, highest: float) -> None:
+    ui_scale = context.preferences.system.ui_scale
+    width, height = (side * ui_scale for side in LEGEND_SIZE)
+    left = (context.region.width - width) / 2
+    bottom = MARGIN * ui_scale
+    points, colours = native.part("strain_map").scale_strip(left, bottom, width, height)
+    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
+    gpu.state.blend_set("ALPHA")
+    batch_for_shader(shader, "TRI_STRIP", {"pos": points, "color": colours}).draw(shader)
+    gpu.state.blend_set("NONE")
+    blf.size(0, TEXT_SIZE * ui_scale)
+    blf.color(0, 1, 1, 1, 1)
+    blf.enable(0, blf.SHADOW)
+    blf.shadow(0, 3, 0, 0, 0, 1)
+    for share in (0, 0.25, 0.5, 0.75, 1):
+        text = f"{(2 * share - 1) * settings.strain_limit:+.3g} %" if share != 0.5 else "0"
+        wide, high = blf.dimensions(0, text)
+        _write(text, left + share * width - wide / 2, bottom - high - 4 * ui_scale)
+    measure = settings.bl_rna.properties["strain_measure"].enum_items[settings.strain_measure].name
+    title = f"Skin strain, {measure.lower()}: {100 * lowest:+.1f} to {100 * highest:+.1f} %"
+    wide, _ = blf.dimensions(0, title)
+    _write(title, left + (width - wide) / 2, bottom + height + 6 * ui_scale)
+    blf.disable(0, blf.SHADOW)
+
+
+def _write(text: str, x: float, y: float) -> None:
+    blf.position(0, x, y, 0)
+    blf.draw(0, text)

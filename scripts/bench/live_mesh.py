@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Prints what moving a whole face in Blender costs: medians in ms, and over a floor.
+
+The floor is one `foreach_set` of the mesh's positions, as many numbers as the face has.
+"""
+
+from __future__ import annotations
+
+import importlib
+import statistics
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "blender_addon"))
+import headless_bake
+
+ROUNDS = 101
+
+
+def median_ms(work: Callable[[int], object]) -> float:
+    """Median time of a call, after a few that warm up; work: takes the number of the round."""
+    times = []
+    for i in range(ROUNDS + 5):
+        start = time.perf_counter()
+        work(i)
+        times.append(1000 * (time.perf_counter() - start))
+    return statistics.median(times[5:])
+
+
+def main() -> None:
+    extension = headless_bake.load_extension()
+    sliders = importlib.import_module(f"{extension}.scene_out.sliders")
+    live = importlib.import_module(f"{extension}.overlay.live")
+    bpy.ops.mimetic.add_face()
+    face = bpy.context.active_object
+    modifier = face.modifiers["Subdivision"]
+    names = [shape.name for shape in face.mimetic.shapes]
+    random = np.random.default_rng(0)
+    rounds = [
+        dict(zip(names, random.uniform(0, 1, len(names)).tolist(), strict=True))
+        for _ in range(ROUNDS + 5)
+    ]
+    positions = live.points_of(face.data.shape_keys.reference_key).ravel()
+    attribute = face.data.attributes["position"].data
+    view_layer = bpy.context.view_layer
+
+    def set_and_evaluate(i: int) -> None:
+        sliders.set_values(face, rounds[i])
+        view_layer.update()
+        shown = face.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        assert len(shown.data.vertices)  # asked for: subdivision waits until then
+
+    def each_by_property(i: int) -> None:
+        blocks = face.data.shape_keys.key_blocks
+        for name, value in rounds[i].items():
+            blocks[name].value = value
+
+    def draw(i: int) -> None:
+        sliders.set_values(face, rounds[i])
+        seen = live.look(face)
+        seen.face.strokes(seen.pose)
+        seen.face.nodes(seen.pose)
+        seen.face.strain_patch(seen.pose, seen.face.strain(seen.pose, "area"), 0.2)
+
+    floor = median_ms(lambda i: attribute.foreach_set("vector", positions))
+    rows = [("positions written once (floor)", floor)]
+    rows.append(
+        (
+            f"{len(names)} sliders set at once",
+            median_ms(lambda i: sliders.set_values(face, rounds[i])),
+        )
+    )
+    rows.append((f"{len(names)} sliders set one by one", median_ms(each_by_property)))
+    modifier.show_viewport = False
+    rows.append(("sliders set, face evaluated", median_ms(set_and_evaluate)))
+    modifier.show_viewport = True
+    rows.append(("the same with one subdivision", median_ms(set_and_evaluate)))
+    rows.append(("both overlays made", median_ms(draw)))
+    print(f"Blender {bpy.app.version_string}, {len(positions) // 3} vertices, {len(names)} shapes")
+    for name, found in rows:
+        print(f"{name:34} {found:8.3f} ms {found / floor:8.1f} x")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sample scene of a face that is animated by hand."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import bpy
+import pytest
+
+SCRIPT = Path(__file__).resolve().parents[2] / "sample_scenes" / "make_sliders.py"
+
+
+def test_the_scene_has_sliders_keys_and_overlays(tmp_path, extension):
+    path = tmp_path / "sliders.blend"
+    ran = subprocess.run(
+        [sys.executable, str(SCRIPT), "--out", str(path)],
+        capture_output=True,
+        text=True,
+        timeout=300,
+        check=False,
+    )
+    assert ran.returncode == 0, ran.stderr
+    bpy.ops.wm.open_mainfile(filepath=str(path))
+    scene = bpy.context.scene
+    assert scene.mimetic.show_muscles
+    assert scene.mimetic.show_strain
+    face = bpy.data.objects["Face"]
+    assert len(face.mimetic.shapes) == 43
+    assert len(face.mimetic.groups) == 21
+    blocks = face.data.shape_keys.key_blocks
+    scene.frame_set(56)
+    assert blocks["Lip Corners"].value == pytest.approx(0.4)
+    assert blocks["lid_upper.L"].value == pytest.approx(1.0)
+    assert blocks["zygomaticus_major.R"].value == pytest.approx(0.0)
+    pose = extension("overlay.live").look(face).pose
+    assert pose.activations.max() == pytest.approx(0.4)
