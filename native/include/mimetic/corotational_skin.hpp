@@ -6,8 +6,8 @@
 namespace mimetic {
 
 struct CorotationalOptions {
-    int max_iterations = 200;
-    double tolerance = 1e-6;  ///< of the force that is left, as a share of the load
+    int max_iterations = 500;
+    double tolerance = 1e-4;  ///< of the force that is left, as a share of the load (0.01 mm on a face)
 
     void check() const;  ///< throws InvalidInput: field, value, limit
 };

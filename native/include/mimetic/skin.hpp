@@ -44,8 +44,11 @@ public:
     /// Forces on the vertices that hold them at `displacements` of the bone under them: N x 3, newtons.
     Points foundation_forces(PointsIn displacements) const;
 
-    /// Static response: forces 3N x M (xyz interleaved, newtons, a column a load case) -> unknowns 3C x M,
-    /// metres. Throws InvalidInput if the stiffness is singular (nothing holds the skin).
+    /// Loads on the unknowns of forces 3N x M (xyz interleaved, newtons, a column a load case): 3C x M.
+    Eigen::MatrixXd loads(const Eigen::Ref<const Eigen::MatrixXd>& forces) const;
+
+    /// Static response: forces as for `loads` -> unknowns 3C x M, metres. Throws InvalidInput if the
+    /// stiffness is singular (nothing holds the skin).
     Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& forces) const;
 
 private:

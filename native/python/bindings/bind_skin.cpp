@@ -2,6 +2,7 @@
 #include <mimetic/skin.hpp>
 
 #include "arrays.hpp"
+#include "compressed_rows.hpp"
 
 namespace mimetic::bindings {
 
@@ -10,28 +11,6 @@ using namespace pybind11::literals;
 using release_gil = py::call_guard<py::gil_scoped_release>;
 using ColumnsIn = const Eigen::Ref<const Eigen::MatrixXd>&;
 
-namespace {
-
-/// Compressed rows (indptr, indices, weights), as LimitSurface.stencils() gives them.
-SparseRows to_sparse(const Eigen::VectorXi& indptr, const Eigen::VectorXi& indices,
-                     const Eigen::VectorXd& weights, int num_columns) {
-    const bool fits = indptr.size() > 0 && indptr[0] == 0 && indptr[indptr.size() - 1] == indices.size() &&
-                      indices.size() == weights.size() && num_columns > 0 &&
-                      (indices.size() == 0 || (indices.minCoeff() >= 0 && indices.maxCoeff() < num_columns));
-    bool rises = true;
-    for (Eigen::Index i = 1; i < indptr.size(); ++i) {
-        rises = rises && indptr[i] >= indptr[i - 1];
-    }
-    if (!fits || !rises) {
-        throw InvalidInput("the basis is not a matrix of compressed rows with " +
-                           std::to_string(num_columns) + " columns");
-    }
-    return Eigen::Map<const SparseRows>(indptr.size() - 1, num_columns, indices.size(), indptr.data(),
-                                        indices.data(), weights.data());
-}
-
-}  // namespace
-
 void bind_skin(py::module_& m) {
     py::class_<SkinMaterials>(m, "SkinMaterials", "Skin over bone, one value a vertex, SI units.")
         .def(py::init([](VectorIn young, VectorIn poisson, VectorIn thickness, VectorIn pre_stress,
@@ -39,17 +18,20 @@ void bind_skin(py::module_& m) {
                  return SkinMaterials{young, poisson, thickness, pre_stress, tangential, normal};
              }),
              py::kw_only(), "young"_a, "poisson"_a, "thickness"_a, "pre_stress"_a, "tangential"_a, "normal"_a,
-             "All (N,) float64: Pa, 1, m, Pa, N/m^3, N/m^3.");
+             "All (N,) float64: Pa, 1, m, Pa, N/m^3, N/m^3.")
+        .def_readonly("young", &SkinMaterials::young)
+        .def_readonly("poisson", &SkinMaterials::poisson)
+        .def_readonly("thickness", &SkinMaterials::thickness)
+        .def_readonly("pre_stress", &SkinMaterials::pre_stress)
+        .def_readonly("tangential", &SkinMaterials::tangential)
+        .def_readonly("normal", &SkinMaterials::normal);
 
     py::class_<SkinModel>(
         m, "SkinModel",
         "Static linear shell: membrane, bending, pre-stress and elastic attachment to the bone.")
         .def(py::init([](PointsIn vertices, TrianglesIn triangles, const SkinMaterials& materials,
-                         const std::tuple<Eigen::VectorXi, Eigen::VectorXi, Eigen::VectorXd>& basis,
-                         int num_unknowns) {
-                 const auto& [indptr, indices, weights] = basis;
-                 return SkinModel(vertices, triangles, materials,
-                                  to_sparse(indptr, indices, weights, num_unknowns));
+                         const CompressedRows& basis, int num_unknowns) {
+                 return SkinModel(vertices, triangles, materials, to_sparse(basis, num_unknowns));
              }),
              py::arg("vertices").noconvert(), py::arg("triangles").noconvert(), "materials"_a, "basis"_a,
              "num_unknowns"_a, release_gil(),
@@ -62,6 +44,8 @@ void bind_skin(py::module_& m) {
         .def("foundation_forces", &SkinModel::foundation_forces, py::arg("displacements").noconvert(),
              "Forces of the attachment on the vertices if the bone under them moves.\n\n"
              "displacements: (N, 3) float64, metres\nreturns: (N, 3), newtons")
+        .def("loads", &SkinModel::loads, "forces"_a, release_gil(),
+             "Loads on the unknowns.\n\nforces: (3N, M) float64, newtons, xyz interleaved\nreturns: (3C, M)")
         .def("solve", &SkinModel::solve, "forces"_a, release_gil(),
              "Static response.\n\nforces: (3N, M) float64, newtons, xyz interleaved\n"
              "returns: (3C, M), metres; raises InvalidInput where nothing holds the skin");

@@ -6,6 +6,7 @@ void bind_camera(pybind11::module_& m);
 void bind_surface(pybind11::module_& m);
 void bind_skin(pybind11::module_& m);
 void bind_strain(pybind11::module_& m);
+void bind_skin_dynamics(pybind11::module_& m);
 void bind_muscles(pybind11::module_& m);
 void bind_locate(pybind11::module_& m);
 void bind_fit(pybind11::module_& m);
@@ -25,6 +26,7 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_surface(m);
     bindings::bind_skin(m);
     bindings::bind_strain(m);
+    bindings::bind_skin_dynamics(m);
     bindings::bind_muscles(m);
     bindings::bind_locate(m);
     bindings::bind_fit(m);

@@ -171,13 +171,10 @@ class AttachedSkin:
         self.mesh = mesh
         template = mesh.template
         self.free = self._free_vertices()
-        basis = keep_columns(mesh.stencils, self.free)
+        self.basis = keep_columns(mesh.stencils, self.free)
+        self.materials = self._materials(stiffness_factor)
         self.model = _core.SkinModel(
-            mesh.vertices,
-            mesh.triangles,
-            self._materials(stiffness_factor),
-            basis,
-            int(self.free.sum()),
+            mesh.vertices, mesh.triangles, self.materials, self.basis, int(self.free.sum())
         )
         self.num_vertices = len(template.vertices)
 

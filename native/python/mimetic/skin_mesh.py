@@ -22,7 +22,10 @@ def multiply(matrix: Csr, values: np.ndarray) -> np.ndarray:
     """Product of compressed rows with one row of values a column."""
     indptr, indices, weights = matrix
     terms = weights.reshape(-1, *[1] * (values.ndim - 1)) * values[indices]
-    return np.add.reduceat(terms, indptr[:-1], axis=0)
+    filled = np.diff(indptr) > 0
+    product = np.zeros((len(filled), *terms.shape[1:]))
+    product[filled] = np.add.reduceat(terms, indptr[:-1][filled], axis=0)
+    return product
 
 
 def keep_columns(matrix: Csr, kept: np.ndarray) -> Csr:

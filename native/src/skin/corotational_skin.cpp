@@ -73,8 +73,6 @@ public:
         return result;
     }
 
-    void forget() { pairs_.clear(); }
-
 private:
     struct Pair {
         Eigen::VectorXd step, change;
@@ -130,12 +128,18 @@ struct CorotationalSkin::Parts {
     Eigen::VectorXd bending(const Moved& moved) const {
         return moved.normals.cwiseProduct(moved.curvature).rowwise().sum() - rest_curvature;
     }
-    double energy(VectorIn unknowns) const {
-        return element_energy(move(positions(unknowns))) + unknowns.dot(linear_part * unknowns) / 2;
-    }
-    Eigen::VectorXd gradient(VectorIn unknowns) const {
-        const Points forces = element_gradient(move(positions(unknowns)));
-        return linear.basis().transpose() * flat(forces) + linear_part * unknowns;
+    struct Reached {
+        double energy;
+        Eigen::VectorXd gradient;  // empty where the energy is infinite
+    };
+    Reached reach(VectorIn unknowns) const {
+        const Moved moved = move(positions(unknowns));
+        if (moved.crushed) {
+            return {std::numeric_limits<double>::infinity(), {}};
+        }
+        const Eigen::VectorXd force = linear_part * unknowns;
+        return {element_energy(moved) + unknowns.dot(force) / 2,
+                linear.basis().transpose() * flat(element_gradient(moved)) + force};
     }
 };
 
@@ -166,9 +170,6 @@ CorotationalSkin::Parts::Moved CorotationalSkin::Parts::move(const Points& now) 
 }
 
 double CorotationalSkin::Parts::element_energy(const Moved& moved) const {
-    if (moved.crushed) {
-        return std::numeric_limits<double>::infinity();
-    }
     double sum = flexure.dot(bending(moved).cwiseAbs2()) / 2;
     for (std::size_t f = 0; f < elements.size(); ++f) {
         sum += elements[f].area * thickness[f] *
@@ -178,9 +179,6 @@ double CorotationalSkin::Parts::element_energy(const Moved& moved) const {
 }
 
 Points CorotationalSkin::Parts::element_gradient(const Moved& moved) const {
-    if (moved.crushed) {
-        throw InvalidInput("a triangle of the skin has no area left");
-    }
     const Eigen::VectorXd moment = flexure.cwiseProduct(bending(moved));
     Points gradient = Points::Zero(rest.rows(), 3);
     for (std::size_t f = 0; f < elements.size(); ++f) {
@@ -251,8 +249,15 @@ CorotationalSkin::CorotationalSkin(CorotationalSkin&&) noexcept = default;
 CorotationalSkin& CorotationalSkin::operator=(CorotationalSkin&&) noexcept = default;
 
 const SkinModel& CorotationalSkin::linear() const { return parts_->linear; }
-double CorotationalSkin::energy(VectorIn unknowns) const { return parts_->energy(unknowns); }
-Eigen::VectorXd CorotationalSkin::gradient(VectorIn unknowns) const { return parts_->gradient(unknowns); }
+double CorotationalSkin::energy(VectorIn unknowns) const { return parts_->reach(unknowns).energy; }
+
+Eigen::VectorXd CorotationalSkin::gradient(VectorIn unknowns) const {
+    Parts::Reached reached = parts_->reach(unknowns);
+    if (reached.gradient.size() == 0) {
+        throw InvalidInput("a triangle of the skin has no area left");
+    }
+    return std::move(reached.gradient);
+}
 
 CorotationalSolution CorotationalSkin::solve(VectorIn forces, const CorotationalOptions& options) const {
     options.check();
@@ -265,7 +270,6 @@ CorotationalSolution CorotationalSkin::solve(VectorIn forces, const Corotational
         throw InvalidInput("the skin can move freely: attach it to bone or hold some of its vertices");
     }
     const Eigen::VectorXd load = basis.transpose() * forces;
-    const auto potential = [&](const Eigen::VectorXd& u) { return parts_->energy(u) - load.dot(u); };
     CorotationalSolution solution{Eigen::VectorXd::Zero(load.size())};
     Eigen::VectorXd& u = solution.unknowns;
     Eigen::VectorXd left = load;  // nothing moves yet
@@ -279,22 +283,24 @@ CorotationalSolution CorotationalSkin::solve(VectorIn forces, const Corotational
             return solution;
         }
         Eigen::VectorXd step = memory.direction(parts_->factor, left);
-        double next = potential(u + step);
+        Parts::Reached next = parts_->reach(u + step);
         // Rounding of the energy hides the last gains: accept them
         const double noise = 1e-12 * std::abs(height);
+        const auto falls = [&] {
+            return next.energy - load.dot(u + step) <= height - 1e-4 * step.dot(left) + noise;
+        };
         int halvings = 0;
-        for (; !(next <= height - 1e-4 * step.dot(left) + noise) && halvings < kMaxHalvings; ++halvings) {
+        for (; !falls() && halvings < kMaxHalvings; ++halvings) {
             step /= 2;
-            next = potential(u + step);
+            next = parts_->reach(u + step);
         }
         if (halvings == kMaxHalvings) {
-            memory.forget();
+            return solution;  // as near as rounding lets it come
         }
         u += step;
-        height = next;
-        const Eigen::VectorXd now = load - parts_->gradient(u);
-        memory.add(step, left - now);
-        left = now;
+        height = next.energy - load.dot(u);
+        memory.add(step, next.gradient - load + left);
+        left = load - next.gradient;
     }
 }
 

@@ -83,17 +83,21 @@ Points SkinModel::foundation_forces(PointsIn displacements) const {
     return forces;
 }
 
-Eigen::MatrixXd SkinModel::solve(const Eigen::Ref<const Eigen::MatrixXd>& forces) const {
+Eigen::MatrixXd SkinModel::loads(const Eigen::Ref<const Eigen::MatrixXd>& forces) const {
     if (forces.rows() != parts_->basis.rows()) {
         throw InvalidInput("forces have " + std::to_string(forces.rows()) +
                            " rows, needed are three for each of " + std::to_string(num_vertices()) +
                            " vertices");
     }
+    return parts_->basis.transpose() * forces;
+}
+
+Eigen::MatrixXd SkinModel::solve(const Eigen::Ref<const Eigen::MatrixXd>& forces) const {
+    const Eigen::MatrixXd right = loads(forces);
     if (parts_->factor.info() != Eigen::Success) {
         throw InvalidInput("the skin can move freely: attach it to bone or hold some of its vertices");
     }
-    const Eigen::MatrixXd loads = parts_->basis.transpose() * forces;
-    return parts_->factor.solve(loads);
+    return parts_->factor.solve(right);
 }
 
 }  // namespace mimetic
