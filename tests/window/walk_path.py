@@ -30,8 +30,6 @@ def captured_frames() -> list[int]:
 
 def lay_out(walk: Walk) -> Steps:
     """The clip editor beside the 3D view, the Graph Editor below: what an animator looks at."""
-    # The start-up cube is two metres wide and would stand between face and footage.
-    bpy.data.objects.remove(bpy.data.objects["Cube"])
     window, view = area_of("VIEW_3D")
     with bpy.context.temp_override(window=window, area=view):
         bpy.ops.screen.area_split(direction="VERTICAL", factor=0.5)
@@ -97,6 +95,13 @@ def bake_and_export(walk: Walk) -> Steps:
     keys = face.data.shape_keys
     walk.check("its muscles are shape keys", "zygomaticus_major.L" in keys.key_blocks)
     walk.check("they are animated", keys.animation_data and keys.animation_data.action)
+    # The start-up cube is two metres wide and stands around the footage's camera
+    view = area_of("VIEW_3D")[1].spaces.active
+    walk.check("the cube is there", "Cube" in bpy.context.scene.objects)
+    cube = bpy.data.objects["Cube"]
+    walk.check("it does not hide the footage", not cube.visible_in_viewport_get(view))
+    walk.check("the face is in view", face.visible_in_viewport_get(view))
+    walk.check("and active", bpy.context.view_layer.objects.active == face)
     yield from show_the_curves(walk, face)
     target = walk.folder / "face.glb"
     answer = bpy.ops.mimetic.export_gltf(filepath=str(target))

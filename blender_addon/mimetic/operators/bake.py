@@ -49,9 +49,12 @@ class MIMETIC_OT_bake(Job, Operator):
         performance, appearance, take, clip_name = result
         clip = bpy.data.movieclips.get(clip_name)
         baked = scene_out.bake(context.scene, performance, take, appearance, clip, self.subdivision)
-        if self.use_view:
-            scene_out.camera.look_through(context)
-        return (
+        face = context.scene.mimetic.face
+        told = (
             f"{baked.num_curves} curves from frame {baked.first:.6g} to {baked.last:.6g} "
-            f"on {context.scene.mimetic.face.name}"
+            f"on {face.name}"
         )
+        if self.use_view and scene_out.camera.look_through(context, face):
+            told += "; other objects are out of view, View > Local View shows them again"
+        scene_out.canonical.select_only(context.view_layer, face)
+        return told

@@ -71,9 +71,39 @@ def show_footage(seen_through, clip, timing, performance, take: str) -> None:
     behind.alpha = 1.0
 
 
-def look_through(context) -> None:
-    """Turns every 3D view on screen to the scene's camera."""
+SOLID_TYPES = {"MESH", "CURVE", "CURVES", "SURFACE", "META", "FONT", "VOLUME", "POINTCLOUD"}
+
+
+def look_through(context, face) -> bool:
+    """Turns every 3D view on screen to the scene's camera; says whether any was isolated.
+
+    Whatever else the scene holds may stand before the footage: the start-up cube stands around the
+    camera. Then the view shows the face alone (local view), and the scene stays as it is.
+    """
+    is_isolated = False
     for window in context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
+                if _stands_with_others(context, area.spaces.active, face):
+                    _isolate(context, window, area, face)
+                    is_isolated = True
                 area.spaces.active.region_3d.view_perspective = "CAMERA"
+    return is_isolated
+
+
+def _stands_with_others(context, space, face) -> bool:
+    return any(
+        shown.type in SOLID_TYPES and shown != face and shown.visible_in_viewport_get(space)
+        for shown in context.view_layer.objects
+    )
+
+
+def _isolate(context, window, area, face) -> None:
+    """Local view takes what is selected: the face and its camera, which also stay selected."""
+    for shown in context.view_layer.objects:
+        shown.select_set(shown in (face, context.scene.camera))
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    with context.temp_override(window=window, area=area, region=region):
+        if area.spaces.active.local_view:
+            bpy.ops.view3d.localview(frame_selected=False)  # leaves it
+        bpy.ops.view3d.localview(frame_selected=False)
