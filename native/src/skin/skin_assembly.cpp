@@ -130,4 +130,17 @@ Columns interleave(const SparseRows& basis) {
     return result;
 }
 
+SkinMatrices assemble_skin(PointsIn vertices, TrianglesIn triangles, const SkinMaterials& materials,
+                           const SparseRows& basis, const std::vector<bool>& on_boundary) {
+    const std::vector<SkinTriangle> elements = make_skin_triangles(vertices, triangles);
+    const VertexFrames frames = make_frames(elements, triangles, vertices.rows());
+    SkinMatrices skin{interleave(basis), {}, assemble_foundation(materials, frames)};
+    const Columns nodal = assemble_membrane(elements, triangles, materials) + block_diagonal(skin.foundation);
+    const Columns force = nodal * skin.basis;
+    const SparseRows bend = curvature_change(elements, triangles, frames) * skin.basis;
+    const SparseRows moment = flexure(materials, frames, on_boundary).asDiagonal() * bend;
+    skin.stiffness = Columns(skin.basis.transpose() * force) + Columns(bend.transpose() * moment);
+    return skin;
+}
+
 }  // namespace mimetic

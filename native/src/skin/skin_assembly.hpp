@@ -41,4 +41,14 @@ Eigen::VectorXd flexure(const SkinMaterials& materials, const VertexFrames& fram
 /// The basis once for each of x, y, z, interleaved: 3N x 3C.
 Columns interleave(const SparseRows& basis);
 
+/// What a SkinModel factors; inputs as there, checked before.
+struct SkinMatrices {
+    Columns basis;                            ///< 3N x 3C
+    Columns stiffness;                        ///< 3C x 3C
+    std::vector<Eigen::Matrix3d> foundation;  ///< a vertex, N/m
+};
+
+SkinMatrices assemble_skin(PointsIn vertices, TrianglesIn triangles, const SkinMaterials& materials,
+                           const SparseRows& basis, const std::vector<bool>& on_boundary);
+
 }  // namespace mimetic

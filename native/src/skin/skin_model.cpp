@@ -32,10 +32,7 @@ void SkinMaterials::check(Eigen::Index num_vertices) const {
     check_range(normal, "normal", 0, 1e15);
 }
 
-struct SkinModel::Parts {
-    Columns basis;  // 3N x 3C
-    Columns stiffness;
-    std::vector<Eigen::Matrix3d> foundation;  // a vertex, N/m
+struct SkinModel::Parts : SkinMatrices {
     Cholesky factor;
 };
 
@@ -49,16 +46,7 @@ SkinModel::SkinModel(PointsIn vertices, TrianglesIn triangles, const SkinMateria
                            std::to_string(basis.cols()) + ", needed is a row for each of " +
                            std::to_string(vertices.rows()) + " vertices");
     }
-    parts_->basis = interleave(basis);
-    const std::vector<SkinTriangle> elements = make_skin_triangles(vertices, triangles);
-    const VertexFrames frames = make_frames(elements, triangles, vertices.rows());
-    parts_->foundation = assemble_foundation(materials, frames);
-    const Columns nodal =
-        assemble_membrane(elements, triangles, materials) + block_diagonal(parts_->foundation);
-    const Columns force = nodal * parts_->basis;
-    const SparseRows bend = curvature_change(elements, triangles, frames) * parts_->basis;
-    const SparseRows moment = flexure(materials, frames, on_boundary).asDiagonal() * bend;
-    parts_->stiffness = Columns(parts_->basis.transpose() * force) + Columns(bend.transpose() * moment);
+    static_cast<SkinMatrices&>(*parts_) = assemble_skin(vertices, triangles, materials, basis, on_boundary);
     parts_->factor.compute(parts_->stiffness);
 }
 
