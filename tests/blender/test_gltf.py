@@ -55,6 +55,25 @@ def test_the_validator_finds_neither_errors_nor_warnings(exported):
     assert exported.stat().st_size < 20e6
 
 
+def test_lashes_are_cut_out_and_the_exporter_has_no_warnings(
+    extension, scene, performance, tmp_path, capfd
+):
+    from mimetic import gltf
+    from mimetic.appearance import appearance_of
+
+    extension("scene_out").bake(scene, performance, "take", appearance_of(performance))
+    capfd.readouterr()
+    extension("scene_out.gltf").export(scene, tmp_path / "face.glb")
+    assert "WARNING" not in "".join(capfd.readouterr())
+    document, _ = gltf.read_chunks((tmp_path / "face.glb").read_bytes())
+    lashes = next(m for m in document["materials"] if "Lashes" in m["name"])
+    assert lashes["alphaMode"] in ("BLEND", "MASK")
+    texture = lashes["pbrMetallicRoughness"]["baseColorTexture"]["index"]
+    image = document["images"][document["textures"][texture]["source"]]
+    assert image["mimeType"] == "image/png"  # with an alpha channel
+    assert max(lashes["pbrMetallicRoughness"]["baseColorFactor"][:3]) < 0.1  # dark
+
+
 def test_a_reimported_face_moves_the_same(exported, scene, performance, extension):
     rate = scene.render.fps / scene.render.fps_base
     frames = [1, 11, 20, 30, 38]  # whole scene frames, where both have keys

@@ -36,6 +36,10 @@ def _repaint(materials, surfaces) -> None:
                 node.image = _image(_name(surface), surface.texture)
 
 
+def _is_cut_out(surface) -> bool:
+    return surface.texture.shape[2] == 4
+
+
 def _name(surface) -> str:
     return f"Face {surface.name}"
 
@@ -51,10 +55,9 @@ def _material(surface) -> bpy.types.Material:
         texture = nodes.new("ShaderNodeTexImage")
         texture.location = (-320, 300)
         texture.image = _image(_name(surface), surface.texture)
-        links = tree.links
-        links.new(texture.outputs["Color"], shader.inputs["Base Color"])
-        if surface.texture.shape[2] == 4:
-            links.new(texture.outputs["Alpha"], shader.inputs["Alpha"])
+        # What is cut out has one colour, the surface's own: glTF's exporter warns if both are read
+        output, entry = ("Alpha", "Alpha") if _is_cut_out(surface) else ("Color", "Base Color")
+        tree.links.new(texture.outputs[output], shader.inputs[entry])
     material.diffuse_color = (*surface.colour, 1.0)
     return material
 
