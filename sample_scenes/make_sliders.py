@@ -4,13 +4,14 @@
 from __future__ import annotations
 
 import argparse
+import importlib.util
 import os
 import sys
 import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-sys.path[:0] = [str(HERE), str(HERE.parent / "blender_addon")]
+sys.path.insert(0, str(HERE))
 
 FRAMES_PER_SECOND = 24
 # Frame -> sliders; what is not named is at 0. Groups move both sides, .L and .R one.
@@ -48,9 +49,8 @@ def main() -> int:
 def build(arguments: argparse.Namespace) -> None:
     import bpy
     import head_scene
-    import headless_bake
 
-    headless_bake.load_extension()
+    load_extension()
     scene = bpy.context.scene
     bpy.ops.mimetic.add_face()
     face = bpy.context.active_object
@@ -66,6 +66,15 @@ def build(arguments: argparse.Namespace) -> None:
     bpy.ops.wm.save_as_mainfile(filepath=str(arguments.out.resolve()), compress=True)
     if arguments.render:
         head_scene.render(scene, arguments.render.resolve())
+
+
+def load_extension() -> None:
+    """By its file: the folder beside it has the package's name, so stays off the path."""
+    path = HERE.parent / "blender_addon" / "headless_bake.py"
+    spec = importlib.util.spec_from_file_location("headless_bake", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    module.load_extension()
 
 
 def animate(face) -> None:

@@ -42,10 +42,7 @@ def isolate(wheel: Path) -> None:
         unpacked = next(Path(scratch).iterdir())
         objects = [path for path in unpacked.rglob("*.so*") if path.is_file()]
         names = {
-            name
-            for library in objects
-            if is_isolated(library)
-            for name in defined_symbols(library)
+            name for library in objects if is_isolated(library) for name in defined_symbols(library)
         }
         if not names:
             raise SystemExit(f"extension: {wheel.name} bundles none of {', '.join(LIBRARIES)}")

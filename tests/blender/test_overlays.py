@@ -116,6 +116,8 @@ def test_a_face_of_another_mesh_says_so(live, added):
     seen = live.look(cube)
     assert seen.face is None
     assert "8 vertices" in seen.problem
+    assert live.problem_of(cube) == seen.problem
+    assert live.problem_of(added) == ""
 
 
 def test_overlays_are_settings_of_the_file(scene, added, tmp_path):

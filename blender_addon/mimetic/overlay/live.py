@@ -36,6 +36,11 @@ def mark_changed(name: str) -> None:
         _seen[name].pose = None
 
 
+def problem_of(face: bpy.types.Object) -> str:
+    """Why nothing is drawn over a face that was looked at, or the empty string."""
+    return _seen[face.name].problem if face.name in _seen else ""
+
+
 def faces(context) -> list[bpy.types.Object]:
     """Faces that the 3D view shows and that are not being edited."""
     return [

@@ -55,7 +55,7 @@ class Capture:
 
 def wrapped(text: str, width: int) -> list[str]:
     """Lines of at most `width` letters: a label never breaks its line."""
-    lines = [""]
+    lines = [""] if text else []
     for word in text.split():
         if lines[-1] and len(lines[-1]) + len(word) >= width:
             lines.append("")

@@ -4,6 +4,8 @@
 from bpy.types import Panel
 
 from .. import native, scene_in
+from ..overlay import live
+from .capture import wrapped
 
 
 class Muscles:
@@ -74,6 +76,8 @@ class MIMETIC_PT_overlays(Muscles, Panel):
     def draw(self, context):
         layout = self.layout
         settings = context.scene.mimetic
+        for line in wrapped(live.problem_of(scene_in.face_of(context)), 44):
+            layout.label(text=line)
         layout.prop(settings, "show_muscles")
         layout.prop(settings, "show_strain")
         column = layout.column(align=True)

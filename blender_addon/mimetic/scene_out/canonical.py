@@ -21,6 +21,7 @@ def add(collection: bpy.types.Collection, head, location, subdivision: int) -> b
 
 def select_only(view_layer: bpy.types.ViewLayer, chosen: bpy.types.Object) -> None:
     """Selects an object alone and makes it active, as Blender does with what was just added."""
+    view_layer.update()  # what was linked just now is not among its objects yet
     for shown in view_layer.objects:
         shown.select_set(shown == chosen)
     view_layer.objects.active = chosen
