@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/skin.hpp>
+#include <mimetic/skin_check.hpp>
 
 #include "arrays.hpp"
 #include "compressed_rows.hpp"
@@ -12,6 +13,16 @@ using release_gil = py::call_guard<py::gil_scoped_release>;
 using ColumnsIn = const Eigen::Ref<const Eigen::MatrixXd>&;
 
 void bind_skin(py::module_& m) {
+    m.def("inverted_faces", &inverted_faces, py::arg("vertices").noconvert(),
+          py::arg("triangles").noconvert(), release_gil(),
+          "Triangles that lie turned over among those around them, rising.\n\n"
+          "vertices: (N, 3) float64, metres\ntriangles: (T, 3) int32");
+    m.def("check_openings", &check_openings, py::arg("triangles").noconvert(), "num_openings"_a,
+          "triangles_per_face"_a = 1, release_gil(),
+          "Raises InvalidInput, naming a face, if the boundary has more closed loops than belong there.\n\n"
+          "triangles: (T, 3) int32; num_openings: 1 for a head, its neck\n"
+          "triangles_per_face: of the mesh whose faces are named, cut into triangles in order");
+
     py::class_<SkinMaterials>(m, "SkinMaterials", "Skin over bone, one value a vertex, SI units.")
         .def(py::init([](VectorIn young, VectorIn poisson, VectorIn thickness, VectorIn pre_stress,
                          VectorIn tangential, VectorIn normal) {

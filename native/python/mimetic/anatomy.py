@@ -16,7 +16,8 @@ import numpy as np
 
 from mimetic import _core
 from mimetic.articulators import ARTICULATORS, EyeLids, Jaw, eye_frames
-from mimetic.skin_mesh import SkinMesh, find_place, keep_columns, multiply
+from mimetic.skin_checks import check_areas, check_size
+from mimetic.skin_mesh import LEVELS, SkinMesh, find_place, keep_columns, multiply
 
 SIDES = ("L", "R")
 MATERIALS = ("young", "poisson", "thickness", "pre_stress", "tangential", "normal")
@@ -78,7 +79,8 @@ def attach(
     """Attach muscles, jaw and lids to a neutral head.
 
     neutral_vertices: V x 3, metres, head frame, the template's mesh; template: FaceTemplate.
-    Raises InvalidInput on another mesh, NaN, and a face whose skin is folded or torn.
+    Raises InvalidInput on another mesh, NaN, a head that is not in metres, a skin with a hole, and
+    a face without area. Faces that lie turned over are smoothed, with a warning that names them.
     """
     neutral = np.ascontiguousarray(neutral_vertices, dtype=np.float64)
     if neutral.shape != np.shape(template.vertices):
@@ -87,8 +89,11 @@ def attach(
         )
     if not np.isfinite(neutral).all():
         raise _core.InvalidInput("neutral_vertices hold NaN or infinity")
+    check_size(neutral, template)
     perturbation = perturbation or AnatomyPerturbation()
     mesh = SkinMesh(template, neutral)
+    _core.check_openings(mesh.triangles, 1, 2 * 4**LEVELS)
+    check_areas(mesh.vertices, mesh.triangles, mesh.refinement.parent_face)
     canonical = SkinMesh(template, np.ascontiguousarray(template.vertices, dtype=np.float64))
     skin = AttachedSkin(mesh, perturbation.stiffness_factor)
     muscles = place_muscles(canonical, mesh, perturbation)

@@ -13,6 +13,7 @@ from functools import cached_property
 import numpy as np
 
 from mimetic import _core
+from mimetic.skin_checks import unfold
 
 LEVELS = 1  # forehead faces of 13-23 mm are too coarse for a muscle 8 mm wide
 Csr = tuple[np.ndarray, np.ndarray, np.ndarray]
@@ -70,8 +71,10 @@ class SkinMesh:
 
     @cached_property
     def vertices(self) -> np.ndarray:
-        """N x 3."""
-        return multiply(self.stencils, self.neutral[: int(self.template.num_skin_vertices)])
+        """N x 3; where faces lie turned over, smoothed with a warning."""
+        limit = multiply(self.stencils, self.neutral[: int(self.template.num_skin_vertices)])
+        refinement = self.refinement
+        return unfold(limit, lambda v: split_quads(v, refinement.faces), refinement.parent_face)
 
     @cached_property
     def triangles(self) -> np.ndarray:

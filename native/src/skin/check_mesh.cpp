@@ -3,10 +3,11 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <array>
 #include <mimetic/error.hpp>
-#include <numeric>
+#include <mimetic/skin_check.hpp>
 #include <string>
+
+#include "mesh_edges.hpp"
 
 namespace mimetic {
 namespace {
@@ -38,43 +39,21 @@ void check_triangles(PointsIn vertices, TrianglesIn triangles) {
     }
 }
 
-struct Edge {
-    int from;
-    int to;
-    int face;
-};
-
-std::vector<Edge> sorted_edges(TrianglesIn triangles) {
-    std::vector<Edge> edges;
-    edges.reserve(3 * triangles.rows());
-    for (int f = 0; f < triangles.rows(); ++f) {
-        for (int k = 0; k < 3; ++k) {
-            edges.push_back({triangles(f, k), triangles(f, (k + 1) % 3), f});
+/// Corners at a vertex that no shared edge connects: the surface touches itself in a point.
+void check_fans(TrianglesIn triangles, Eigen::Index num_vertices, Components& corners) {
+    std::vector<int> first(num_vertices, -1);
+    for (int i = 0; i < triangles.size(); ++i) {
+        int& corner = first[triangles(i / 3, i % 3)];
+        if (corner < 0) {
+            corner = i;
+        } else if (corners.root(corner) != corners.root(i)) {
+            throw InvalidInput("face " + std::to_string(i / 3) + " touches face " +
+                               std::to_string(corner / 3) + " at vertex " +
+                               std::to_string(triangles(i / 3, i % 3)) +
+                               " only: give each its own vertex, or join them along an edge");
         }
     }
-    const auto key = [](const Edge& e) { return std::pair(std::min(e.from, e.to), std::max(e.from, e.to)); };
-    std::sort(edges.begin(), edges.end(), [&](const Edge& a, const Edge& b) { return key(a) < key(b); });
-    return edges;
 }
-
-bool is_same_edge(const Edge& a, const Edge& b) {
-    return (a.from == b.from && a.to == b.to) || (a.from == b.to && a.to == b.from);
-}
-
-class Components {
-public:
-    explicit Components(Eigen::Index size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0); }
-    int root(int i) {
-        while (parent_[i] != i) {
-            i = parent_[i] = parent_[parent_[i]];
-        }
-        return i;
-    }
-    void join(int i, int j) { parent_[root(i)] = root(j); }
-
-private:
-    std::vector<int> parent_;
-};
 
 }  // namespace
 
@@ -83,6 +62,7 @@ std::vector<bool> check_mesh(PointsIn vertices, TrianglesIn triangles) {
     const std::vector<Edge> edges = sorted_edges(triangles);
     std::vector<bool> on_boundary(vertices.rows(), false);
     Components components(triangles.rows());
+    Components corners(triangles.size());
     for (std::size_t i = 0; i < edges.size();) {
         std::size_t end = i + 1;
         while (end < edges.size() && is_same_edge(edges[i], edges[end])) {
@@ -99,7 +79,11 @@ std::vector<bool> check_mesh(PointsIn vertices, TrianglesIn triangles) {
             throw InvalidInput(name + std::to_string(edges[i + 1].face) + " runs the same way in face " +
                                std::to_string(edges[i].face) + ": flip one of them");
         } else {
-            components.join(edges[i].face, edges[i + 1].face);
+            const Edge& a = edges[i];
+            const Edge& b = edges[i + 1];
+            components.join(a.face, b.face);
+            corners.join(3 * a.face + a.corner, 3 * b.face + (b.corner + 1) % 3);
+            corners.join(3 * a.face + (a.corner + 1) % 3, 3 * b.face + b.corner);
         }
         i = end;
     }
@@ -110,9 +94,14 @@ std::vector<bool> check_mesh(PointsIn vertices, TrianglesIn triangles) {
         }
         used[triangles(f, 0)] = used[triangles(f, 1)] = used[triangles(f, 2)] = true;
     }
+    check_fans(triangles, vertices.rows(), corners);
     const auto loose = std::find(used.begin(), used.end(), false);
     if (loose != used.end()) {
         throw InvalidInput("vertex " + std::to_string(loose - used.begin()) + " belongs to no face: drop it");
+    }
+    if (const std::vector<int> inverted = inverted_faces(vertices, triangles); !inverted.empty()) {
+        throw InvalidInput("face " + std::to_string(inverted[0]) +
+                           " is turned over among the faces around it: one of its vertices is out of place");
     }
     return on_boundary;
 }

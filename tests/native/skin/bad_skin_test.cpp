@@ -3,6 +3,7 @@
 
 #include <limits>
 #include <mimetic/error.hpp>
+#include <mimetic/skin_check.hpp>
 
 #include "shapes.hpp"
 
@@ -70,6 +71,46 @@ TEST_F(BadSkin, EdgeOfThreeFaces) {
 TEST_F(BadSkin, FlippedFace) {
     std::swap(shell.triangles(0, 1), shell.triangles(0, 2));
     expect_message("flip one");
+}
+
+TEST_F(BadSkin, PartsThatTouchInAPoint) {
+    shell = make_rectangle(1, 1, 3, 3);  // without the quads on both sides of vertex 5
+    Triangles kept(14, 3);
+    kept << shell.triangles.middleRows<6>(2), shell.triangles.bottomRows<8>();
+    shell.triangles = kept;
+    expect_message("at vertex 5 only");
+}
+
+TEST_F(BadSkin, FaceTurnedOver) {
+    shell = make_rectangle(1, 1, 4, 4);
+    shell.vertices.row(12) << 0.85, 0.45, 0;  // past its neighbour
+    expect_message("is turned over");
+}
+
+TEST_F(BadSkin, CreaseIsNotTurnedOver) {
+    Shell sheet = make_rectangle(1, 1, 4, 4);
+    for (int v = 0; v < sheet.vertices.rows(); ++v) {  // folded in half, but for a hair
+        const double x = sheet.vertices(v, 0);
+        sheet.vertices.row(v) << std::min(x, 1 - x), sheet.vertices(v, 1), x > 0.5 ? 0.01 * (x - 0.5) : 0;
+    }
+    EXPECT_TRUE(inverted_faces(sheet.vertices, sheet.triangles).empty());
+}
+
+TEST_F(BadSkin, HoleWhereNoneBelongs) {
+    shell = make_rectangle(1, 1, 4, 4);
+    EXPECT_NO_THROW(check_openings(shell.triangles, 1));
+    EXPECT_THROW(check_openings(shell.triangles, 0), InvalidInput);
+    Triangles torn(31, 3);
+    torn << shell.triangles.topRows(10), shell.triangles.bottomRows(21);
+    try {
+        check_openings(torn, 1, 2);
+        FAIL();
+    } catch (const InvalidInput& error) {
+        EXPECT_NE(std::string(error.what()).find("has 3 edges and lies at face"), std::string::npos)
+            << error.what();
+    }
+    const Shell pebble = make_pebble(1);
+    EXPECT_NO_THROW(check_openings(pebble.triangles, 0));
 }
 
 TEST_F(BadSkin, LooseVertex) {
