@@ -95,6 +95,7 @@ def show_in_views() -> None:
         for area in screen.areas:
             if area.type == "VIEW_3D":
                 area.spaces.active.region_3d.view_perspective = "CAMERA"
+                area.spaces.active.region_3d.view_camera_zoom = 20
                 area.spaces.active.show_region_ui = True
 
 

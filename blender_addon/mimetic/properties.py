@@ -88,7 +88,7 @@ class MimeticScene(bpy.types.PropertyGroup):
     strain_limit: FloatProperty(
         name="Scale",
         description="Strain at which the colours end",
-        default=20.0,
+        default=30.0,
         min=0.1,
         soft_max=100.0,
         subtype="PERCENTAGE",

@@ -123,6 +123,11 @@ def show_the_curves(walk: Walk, face: bpy.types.Object) -> Steps:
     with bpy.context.temp_override(**override("GRAPH_EDITOR")):
         bpy.ops.graph.view_all()
     yield from walk.picture("baked")
+    bpy.context.scene.mimetic.show_muscles = True
+    with bpy.context.temp_override(**override("VIEW_3D")):
+        bpy.ops.view3d.zoom(delta=4)
+    yield from walk.picture("baked-muscles")
+    bpy.context.scene.mimetic.show_muscles = False
 
 
 def steps(walk: Walk) -> Steps:

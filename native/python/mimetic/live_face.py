@@ -31,8 +31,8 @@ GROUP_COLOURS = {
     6: (0.62, 0.45, 0.98),
     7: (0.95, 0.42, 0.80),
 }
-QUIET_WIDTH, FULL_WIDTH, NUM_WIDTHS = 1.5, 6.0, 8  # pixels
-QUIET_LIGHT, QUIET_OPACITY = 0.55, 0.7
+QUIET_WIDTH, FULL_WIDTH, NUM_WIDTHS = 2.0, 7.0, 8  # pixels
+QUIET_LIGHT, QUIET_OPACITY = 0.75, 0.85
 NODE_RADIUS = 0.0011
 OCTAHEDRON = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1.0]])
 OCTAHEDRON_FACES = np.array(
