@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "corotational_element.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <cmath>
@@ -36,9 +37,29 @@ Eigen::Matrix3d TurnedTriangle::rotation_of(const SkinTriangle& rest, int i) con
 
 MembraneState::MembraneState(const Eigen::Matrix2d& stretch, double young, double poisson) {
     const Eigen::Matrix2d strain = stretch - Eigen::Matrix2d::Identity();
-    stress = young / (1 - poisson * poisson) *
-             ((1 - poisson) * strain + poisson * strain.trace() * Eigen::Matrix2d::Identity());
+    const double modulus = young / (1 - poisson * poisson);
+    stress = modulus * ((1 - poisson) * strain + poisson * strain.trace() * Eigen::Matrix2d::Identity());
     energy = stress.cwiseProduct(strain).sum() / 2;
+    const double half = stretch.trace() / 2;
+    const double shortest = half - std::sqrt(std::max(half * half - stretch.determinant(), 0.0));
+    if (shortest < kStiffens) {
+        add_compression(stretch, modulus);
+    }
+}
+
+void MembraneState::add_compression(const Eigen::Matrix2d& stretch, double modulus) {
+    Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> principal;
+    principal.computeDirect(stretch);
+    for (int k = 0; k < 2; ++k) {
+        const double length = principal.eigenvalues()[k];
+        if (length < kStiffens) {
+            const double over = length - kStiffens;
+            const double log = std::log(length / kStiffens);
+            const Eigen::Vector2d direction = principal.eigenvectors().col(k);
+            energy -= modulus * over * over * log;
+            stress -= modulus * (2 * over * log + over * over / length) * direction * direction.transpose();
+        }
+    }
 }
 
 }  // namespace mimetic

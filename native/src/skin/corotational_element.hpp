@@ -19,11 +19,18 @@ struct TurnedTriangle {
     Eigen::Matrix3d rotation_of(const SkinTriangle& rest, int i) const;
 };
 
-/// Membrane energy over area and thickness, J/m^3, and the stress along the turned axes, Pa.
+/// Membrane energy over area and thickness, J/m^3, and the stress along the turned axes, Pa. Linear in the
+/// stretch down to 0.6 of the length at rest; from there a barrier -(s - 0.6)^2 log(s / 0.6) times the
+/// modulus keeps dead loads from crushing triangles to lines, as tissue that keeps its volume would.
 struct MembraneState {
+    static constexpr double kStiffens = 0.6;
+
     double energy = 0;
     Eigen::Matrix2d stress;
     MembraneState(const Eigen::Matrix2d& stretch, double young, double poisson);
+
+private:
+    void add_compression(const Eigen::Matrix2d& stretch, double modulus);
 };
 
 }  // namespace mimetic

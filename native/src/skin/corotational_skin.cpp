@@ -128,18 +128,30 @@ struct CorotationalSkin::Parts {
     Eigen::VectorXd bending(const Moved& moved) const {
         return moved.normals.cwiseProduct(moved.curvature).rowwise().sum() - rest_curvature;
     }
+    Eigen::Matrix3Xd rest_normals() const {
+        Eigen::Matrix3Xd normals(3, elements.size());
+        for (std::size_t f = 0; f < elements.size(); ++f) {
+            normals.col(f) = elements[f].normal;
+        }
+        return normals;
+    }
     struct Reached {
         double energy;
         Eigen::VectorXd gradient;  // empty where the energy is infinite
+        Eigen::Matrix3Xd normals;  // a column a triangle
     };
     Reached reach(VectorIn unknowns) const {
         const Moved moved = move(positions(unknowns));
         if (moved.crushed) {
-            return {std::numeric_limits<double>::infinity(), {}};
+            return {std::numeric_limits<double>::infinity(), {}, {}};
+        }
+        Eigen::Matrix3Xd normals(3, elements.size());
+        for (std::size_t f = 0; f < elements.size(); ++f) {
+            normals.col(f) = moved.turned[f].normal;
         }
         const Eigen::VectorXd force = linear_part * unknowns;
         return {element_energy(moved) + unknowns.dot(force) / 2,
-                linear.basis().transpose() * flat(element_gradient(moved)) + force};
+                linear.basis().transpose() * flat(element_gradient(moved)) + force, std::move(normals)};
     }
 };
 
@@ -274,6 +286,7 @@ CorotationalSolution CorotationalSkin::solve(VectorIn forces, const Corotational
     Eigen::VectorXd& u = solution.unknowns;
     Eigen::VectorXd left = load;  // nothing moves yet
     double height = 0;
+    Eigen::Matrix3Xd normals = parts_->rest_normals();
     StepMemory memory;
     const double scale = std::max(load.norm(), std::numeric_limits<double>::min());
     for (;; ++solution.iterations) {
@@ -286,11 +299,14 @@ CorotationalSolution CorotationalSkin::solve(VectorIn forces, const Corotational
         Parts::Reached next = parts_->reach(u + step);
         // Rounding of the energy hides the last gains: accept them
         const double noise = 1e-12 * std::abs(height);
-        const auto falls = [&] {
-            return next.energy - load.dot(u + step) <= height - 1e-4 * step.dot(left) + noise;
+        const auto is_good = [&] {
+            // A triangle that turned by more than a right angle may have passed through itself
+            return next.normals.cols() > 0 &&
+                   next.normals.cwiseProduct(normals).colwise().sum().minCoeff() > 0 &&
+                   next.energy - load.dot(u + step) <= height - 1e-4 * step.dot(left) + noise;
         };
         int halvings = 0;
-        for (; !falls() && halvings < kMaxHalvings; ++halvings) {
+        for (; !is_good() && halvings < kMaxHalvings; ++halvings) {
             step /= 2;
             next = parts_->reach(u + step);
         }
@@ -301,6 +317,7 @@ CorotationalSolution CorotationalSkin::solve(VectorIn forces, const Corotational
         height = next.energy - load.dot(u);
         memory.add(step, next.gradient - load + left);
         left = load - next.gradient;
+        normals = std::move(next.normals);
     }
 }
 

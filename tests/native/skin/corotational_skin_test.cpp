@@ -6,6 +6,7 @@
 #include <mimetic/error.hpp>
 #include <random>
 
+#include "../../../native/src/skin/corotational_element.hpp"
 #include "shapes.hpp"
 
 namespace mimetic {
@@ -60,16 +61,11 @@ TEST(CorotationalSkin, HasTheLinearStiffnessAtRest) {
     EXPECT_LT((slope - expected).norm(), 1e-6 * expected.norm());
 }
 
-TEST(CorotationalSkin, GradientIsTheSlopeOfTheEnergy) {
-    const Pebble pebble(true);
-    const auto size = 3 * pebble.shell.vertices.rows();
-    // Turned by a radian and wrinkled by several percent of strain
-    const Eigen::Matrix3d turn = Eigen::AngleAxisd(1, Eigen::Vector3d::UnitY()).matrix();
-    const Points turned = pebble.shell.vertices * turn.transpose();
-    const Eigen::VectorXd u = flatten(turned - pebble.shell.vertices) + noise(size, 5e-4);
+/// Compares the gradient with differences of the energy about `u`.
+void expect_slope(const Pebble& pebble, const Eigen::VectorXd& u) {
     const Eigen::VectorXd gradient = pebble.skin.gradient(u);
     for (int trial = 0; trial < 5; ++trial) {
-        Eigen::VectorXd direction = Eigen::VectorXd::Zero(size);
+        Eigen::VectorXd direction = Eigen::VectorXd::Zero(u.size());
         direction.segment<9>(40 * trial) = noise(9, 1).cwiseProduct(Eigen::VectorXd::LinSpaced(9, 1, trial));
         const double step = 1e-7;
         const double slope =
@@ -77,6 +73,34 @@ TEST(CorotationalSkin, GradientIsTheSlopeOfTheEnergy) {
             (2 * step);
         EXPECT_NEAR(slope, gradient.dot(direction), 1e-6 * gradient.norm() * direction.norm());
     }
+}
+
+TEST(CorotationalSkin, GradientIsTheSlopeOfTheEnergyWhereItIsTurnedAndWrinkled) {
+    const Pebble pebble(true);
+    const Eigen::Matrix3d turn = Eigen::AngleAxisd(1, Eigen::Vector3d::UnitY()).matrix();
+    const Points turned = pebble.shell.vertices * turn.transpose();
+    expect_slope(pebble,
+                 flatten(turned - pebble.shell.vertices) + noise(3 * pebble.shell.vertices.rows(), 5e-4));
+}
+
+TEST(CorotationalSkin, GradientIsTheSlopeOfTheEnergyWhereItIsNearlyCrushed) {
+    const Pebble pebble(true);
+    const auto size = 3 * pebble.shell.vertices.rows();
+    const Points shrunk = pebble.shell.vertices * Eigen::Vector3d(0.3, 0.5, 0.8).asDiagonal();
+    expect_slope(pebble, flatten(shrunk - pebble.shell.vertices) + noise(size, 1e-4));
+}
+
+TEST(CorotationalSkin, StressGrowsWithoutBoundAsAFibreIsCrushed) {
+    const auto stress_at = [](double length) {
+        const Eigen::Matrix2d turn = Eigen::Rotation2Dd(0.4).toRotationMatrix();
+        const Eigen::Matrix2d stretch = turn * Eigen::Vector2d(length, 1).asDiagonal() * turn.transpose();
+        return Eigen::Matrix2d(turn.transpose() * MembraneState(stretch, 1, 0).stress * turn);
+    };
+    EXPECT_NEAR(stress_at(0.7)(0, 0), -0.3, 1e-12);  // linear
+    EXPECT_LT(stress_at(0.1)(0, 0), -5);
+    EXPECT_LT(stress_at(0.01)(0, 0), -30);
+    EXPECT_NEAR(stress_at(0.1)(1, 1), 0, 1e-12);
+    EXPECT_NEAR(stress_at(0.6 - 1e-6)(0, 0), stress_at(0.6)(0, 0), 2e-6);  // without a jump
 }
 
 TEST(CorotationalSkin, SmallLoadsGiveTheLinearAnswer) {
