@@ -5,6 +5,12 @@
 
 namespace mimetic {
 
+namespace {
+
+constexpr double kFree = .4;  // of prior_std: lids come and go by themselves
+
+}  // namespace
+
 Eigen::MatrixXd rest_covariance(const FaceMotion& motion) {
     constexpr double kTogether = .8;  // correlation of the two sides
     Eigen::MatrixXd covariance = motion.prior_std.cwiseAbs2().asDiagonal();
@@ -17,37 +23,52 @@ Eigen::MatrixXd rest_covariance(const FaceMotion& motion) {
     return covariance;
 }
 
-Eigen::MatrixXd rest_information(const FaceMotion& motion) {
-    constexpr double kFramesPerState = 12;
-    return rest_covariance(motion).inverse() / kFramesPerState;
+Eigen::MatrixXd rest_information(const FaceMotion& motion) { return rest_covariance(motion).inverse(); }
+
+RestPull::RestPull(const FaceMotion& motion) : motion_(&motion) {
+    overlaps_ = motion.modes * motion.modes.transpose();
+    const Eigen::VectorXd energy = overlaps_.diagonal().cwiseMax(1e-18);
+    overlaps_ = energy.cwiseInverse().asDiagonal() * overlaps_;
 }
 
-Sparsity sparsity_at(const FaceMotion& motion, const Eigen::VectorXd& values, const Eigen::VectorXd& likely,
-                     const Eigen::VectorXd& std, double dead_zone) {
+Eigen::VectorXd RestPull::shown(const Eigen::VectorXd& values) const {
+    // A lid sweeps over the eye, which says nothing about the skin's muscles.
+    const Eigen::VectorXd of_skin = (motion_->prior_std.array() > kFree).select(0., values);
+    const Eigen::VectorXd along = overlaps_ * of_skin;
+    Eigen::VectorXd shown = values.cwiseAbs();
+    for (Eigen::Index i = 0; i < motion_->num_muscles; ++i) {
+        shown[i] = std::clamp(along[i], 0., shown[i]);
+    }
+    return shown;
+}
+
+RestPull::Terms RestPull::at(const Eigen::VectorXd& values, const Eigen::VectorXd& likely,
+                             const Eigen::VectorXd& std, double dead_zone) const {
     constexpr double kActive = .15;  // a value beyond which the pull to rest fades
     constexpr double kSmallest = .03;
-    constexpr double kFree = .4;     // of prior_std: lids come and go by themselves
     constexpr double kSurest = .03;  // of std
+    const FaceMotion& motion = *motion_;
     const Eigen::Index count = values.size();
-    Sparsity sparsity{Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count)};
+    const Eigen::VectorXd seen = shown(likely);
+    Terms terms{Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count)};
     for (Eigen::Index i = 0; i < count; ++i) {
         if (motion.prior_std[i] > kFree) {
             continue;
         }
         // One side that moves frees the other: else the sparsest answer is half a face.
         const Eigen::Index other = motion.partner.size() > 0 ? motion.partner[i] : -1;
-        const double active = std::max(std::abs(likely[i]), other >= 0 ? std::abs(likely[other]) : 0);
+        const double active = std::max(seen[i], other >= 0 ? seen[other] : 0);
         const double fade = 1 + std::pow(active / kActive, 4);
         const double strength = dead_zone / std::max(std[i], kSurest) / fade;
         if (motion.lower[i] >= 0) {
-            sparsity.pull[i] = -strength;
+            terms.pull[i] = -strength;
         } else {
             // Two-sided: a quadratic with the same slope at the likely value
-            sparsity.information[i] = strength / (std::abs(likely[i]) + kSmallest);
-            sparsity.pull[i] = -sparsity.information[i] * values[i];
+            terms.information[i] = strength / (std::abs(likely[i]) + kSmallest);
+            terms.pull[i] = -terms.information[i] * values[i];
         }
     }
-    return sparsity;
+    return terms;
 }
 
 }  // namespace mimetic

@@ -9,16 +9,31 @@ namespace mimetic {
 /// Covariance of the values about rest, M squared: the two sides of a face mostly act together.
 Eigen::MatrixXd rest_covariance(const FaceMotion& motion);
 
-/// What the rest prior tells in one frame: a state lasts for several, and each must not count it in full.
+/// What the rest prior tells in each frame, M squared. In full: most of a measurement's error is the model's,
+/// the same as long as the state lasts, so frames must not add up against the prior.
 Eigen::MatrixXd rest_information(const FaceMotion& motion);
 
-/// A prior for few active values that leaves the active ones alone, about the present ones: pull and
-/// information to add for the M values. std: how well each is known.
-struct Sparsity {
-    Eigen::VectorXd pull;
-    Eigen::VectorXd information;
+/// A prior for few active values that leaves the active ones alone.
+class RestPull {
+public:
+    explicit RestPull(const FaceMotion& motion);
+
+    /// About the values, to be added for the M of them: pull and information. likely: values that tell which
+    /// are active; std: how well each is known.
+    struct Terms {
+        Eigen::VectorXd pull;
+        Eigen::VectorXd information;
+    };
+    Terms at(const Eigen::VectorXd& values, const Eigen::VectorXd& likely, const Eigen::VectorXd& std,
+             double dead_zone) const;
+
+    /// How much of each value shows: the whole motion along its mode, no more than the value itself. A
+    /// muscle that its antagonist cancels shows nothing.
+    Eigen::VectorXd shown(const Eigen::VectorXd& values) const;
+
+private:
+    const FaceMotion* motion_;
+    Eigen::MatrixXd overlaps_;  // M squared: of mode j along mode i, 1 on the diagonal
 };
-Sparsity sparsity_at(const FaceMotion& motion, const Eigen::VectorXd& values, const Eigen::VectorXd& likely,
-                     const Eigen::VectorXd& std, double dead_zone);
 
 }  // namespace mimetic

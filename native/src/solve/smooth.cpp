@@ -42,7 +42,8 @@ void add_acceleration(const std::vector<FrameEstimate>& estimates, const Eigen::
 }
 
 SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const Blocks& steps,
-                             const FaceMotion& motion, const SmootherOptions& options, bool sparse) {
+                             const FaceMotion& motion, const RestPull* rest_pull,
+                             const SmootherOptions& options) {
     const Eigen::Index num_values = motion.lower.size();
     const Eigen::Index size = 6 + num_values;
     constexpr double kDeadZone = 3.5;
@@ -63,12 +64,12 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
         problem.matrix.second.push_back(Eigen::VectorXd::Zero(size));
         problem.pull.push_back(estimate.gradient);
         problem.pull.back() -= rest.rightCols(num_values) * estimate.values;
-        if (sparse && !estimate.held) {
-            const Sparsity sparsity =
-                sparsity_at(motion, estimate.values, estimate.values + steps[t].tail(num_values),
-                            estimate.values_std(), kDeadZone);
-            problem.matrix.diagonal.back().diagonal().tail(num_values) += sparsity.information;
-            problem.pull.back().tail(num_values) += sparsity.pull;
+        if (rest_pull && !estimate.held) {
+            const RestPull::Terms terms =
+                rest_pull->at(estimate.values, estimate.values + steps[t].tail(num_values),
+                              estimate.values_std(), kDeadZone);
+            problem.matrix.diagonal.back().diagonal().tail(num_values) += terms.information;
+            problem.pull.back().tail(num_values) += terms.pull;
         }
         problem.lower.push_back(motion.lower - estimate.values);
         problem.upper.push_back(motion.upper - estimate.values);
@@ -120,6 +121,10 @@ Blocks solve_bounded(SequenceProblem problem, int max_iterations, const Progress
 
 void check_estimates(const std::vector<FrameEstimate>& estimates, const FaceMotion& motion) {
     const Eigen::Index size = 6 + motion.lower.size();
+    if (motion.modes.rows() != motion.lower.size()) {
+        throw InvalidInput("smooth: the motion has " + std::to_string(motion.modes.rows()) + " modes for " +
+                           std::to_string(motion.lower.size()) + " values");
+    }
     for (std::size_t t = 0; t < estimates.size(); ++t) {
         const FrameEstimate& estimate = estimates[t];
         if (estimate.values.size() + 6 != size || estimate.gradient.size() != size ||
@@ -158,12 +163,16 @@ std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, c
     }
     Blocks steps(estimates.size(), Eigen::VectorXd::Zero(6 + motion.lower.size()));
     SequenceProblem problem;
+    const RestPull rest_pull(motion);
     // Which values are active, and so not to be pulled to rest, shows once the sequence has been solved
     // freely.
-    for (int pass = 0; pass < 2; ++pass) {
-        problem = make_problem(estimates, steps, motion, options, pass > 0);
-        const Progress half = [&](double fraction) { return !progress || progress(.5 * (pass + fraction)); };
-        steps = solve_bounded(problem, options.max_iterations, half);
+    constexpr int kPasses = 2;
+    for (int pass = 0; pass < kPasses; ++pass) {
+        problem = make_problem(estimates, steps, motion, pass > 0 ? &rest_pull : nullptr, options);
+        const Progress part = [&](double fraction) {
+            return !progress || progress((pass + fraction) / kPasses);
+        };
+        steps = solve_bounded(problem, options.max_iterations, part);
     }
     const bool any_held =
         std::any_of(estimates.begin(), estimates.end(), [](const auto& e) { return e.held; });

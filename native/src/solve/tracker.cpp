@@ -42,6 +42,7 @@ FaceTracker::State::State(const Camera& camera_in, const TrackedSurface& surface
                           const TrackerOptions& options_in)
     : camera(camera_in),
       motion(motion_in),
+      to_rest(motion),
       surface(surface_in, motion_in),
       options(options_in),
       texture_flow(options_in.flow_method) {

@@ -6,6 +6,7 @@
 #include "face_search.hpp"
 #include "joint_solver.hpp"
 #include "lid_meter.hpp"
+#include "motion_prior.hpp"
 
 namespace mimetic {
 
@@ -59,6 +60,7 @@ struct FaceTracker::State {
 
     Camera camera;
     FaceMotion motion;
+    RestPull to_rest;
     FaceSurface surface;
     std::vector<LidMeter> lids;
     TrackerOptions options;

@@ -45,7 +45,7 @@ TEST(Smooth, CovarianceOfALongClipStaysBelowThatOfOneFrame) {
 TEST(Smooth, FollowsARiseWithoutLagAndWithinBounds) {
     FaceMotion motion;
     motion.neutral = Points::Zero(1, 3);
-    motion.modes = MatrixRows::Zero(2, 3);
+    motion.modes = MatrixRows::Identity(2, 3);
     motion.num_muscles = 2;
     motion.lower = Eigen::VectorXd::Zero(2);
     motion.upper = Eigen::VectorXd::Ones(2);
@@ -89,6 +89,30 @@ TEST(Smooth, RejectsEstimatesOfAnotherFace) {
     SmootherOptions options;
     options.value_acceleration = 0;
     EXPECT_THROW(smooth({}, motion, options), std::invalid_argument);
+}
+
+/// A muscle and its antagonist, of which only the difference shows.
+TEST(Smooth, TakesAMuscleAloneForAMuscleAgainstItsAntagonist) {
+    FaceMotion motion;
+    motion.neutral = Points::Zero(1, 3);
+    motion.modes = MatrixRows::Zero(2, 3);
+    motion.modes.col(1) << .01, -.01;
+    motion.num_muscles = 2;
+    motion.lower = Eigen::VectorXd::Zero(2);
+    motion.upper = Eigen::VectorXd::Ones(2);
+    motion.prior_std = Eigen::VectorXd::Constant(2, .3);
+    std::vector<FrameEstimate> estimates(30);
+    for (FrameEstimate& estimate : estimates) {
+        estimate.values = Eigen::Vector2d(.8, .4);
+        estimate.information = 1e4 * Eigen::MatrixXd::Identity(8, 8);
+        estimate.information.bottomRightCorner<2, 2>() << 401, -400, -400, 401;
+        estimate.covariance = estimate.information.inverse();
+        estimate.gradient = Eigen::VectorXd::Zero(8);
+    }
+    for (const FrameEstimate& estimate : smooth(estimates, motion)) {
+        EXPECT_NEAR(estimate.values[0], .4, .1);
+        EXPECT_LT(estimate.values[1], .02);
+    }
 }
 
 }  // namespace
