@@ -38,6 +38,8 @@ void check_initial(const FlowField& initial, const GrayView& from) {
 
 }  // namespace
 
+double flow_blur_px(FlowMethod method) { return method == FlowMethod::dis ? 7.1 : 3.4; }
+
 void FlowOptions::check() const {
     check_range("num_levels", num_levels, 0, 12);
     check_range("finest_level", finest_level, 0, 4);

@@ -36,16 +36,17 @@ Eigen::VectorXd FaceState::difference_from(const FaceState& other) const {
 }
 
 void skin_jacobian(const Camera& camera, const FaceState& state, const SkinPoint& skin,
-                   Eigen::Matrix<float, 2, Eigen::Dynamic>& jacobian, Eigen::Matrix<double, 2, 3>& by_point) {
+                   const Eigen::Matrix3Xf& modes, Eigen::Matrix<float, 2, Eigen::Dynamic>& jacobian,
+                   Eigen::Matrix<double, 2, 3>& by_point) {
     const Eigen::Vector3d turned = state.camera_from_head.linear() *
                                    (skin.neutral + skin.modes * state.values.cast<float>()).cast<double>();
     const Eigen::Matrix<double, 2, 3> projection =
         camera.project_jacobian(turned + state.camera_from_head.translation());
     by_point = projection * state.camera_from_head.linear();
-    jacobian.resize(2, 6 + skin.modes.cols());
+    jacobian.resize(2, 6 + modes.cols());
     jacobian.leftCols<3>() = (-projection * cross_matrix(turned)).cast<float>();
     jacobian.middleCols<3>(3) = projection.cast<float>();
-    jacobian.rightCols(skin.modes.cols()).noalias() = by_point.cast<float>() * skin.modes;
+    jacobian.rightCols(modes.cols()).noalias() = by_point.cast<float>() * modes;
 }
 
 }  // namespace mimetic

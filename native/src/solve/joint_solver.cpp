@@ -61,7 +61,7 @@ void JointSolver::linearise(const Camera& camera, const FaceState& state,
     for (std::size_t k = 0; k < count; ++k) {
         const SampleMeasurement& measurement = measurements[k];
         const SkinPoint& skin = measurement.sample->skin;
-        skin_jacobian(camera, state, skin, jacobian, by_point);
+        skin_jacobian(camera, state, skin, measurement.sample->seen_modes, jacobian, by_point);
         const auto row = static_cast<Eigen::Index>(2 * k);
         jacobians_.middleRows<2>(row) = jacobian;
         displacements_.segment<2>(row) = measurement.displacement.cast<float>();

@@ -5,12 +5,6 @@
 
 namespace mimetic {
 
-namespace {
-
-constexpr double kFree = .4;  // of prior_std: lids come and go by themselves
-
-}  // namespace
-
 Eigen::MatrixXd rest_covariance(const FaceMotion& motion) {
     constexpr double kTogether = .8;  // correlation of the two sides
     Eigen::MatrixXd covariance = motion.prior_std.cwiseAbs2().asDiagonal();
@@ -23,27 +17,27 @@ Eigen::MatrixXd rest_covariance(const FaceMotion& motion) {
     return covariance;
 }
 
-Eigen::MatrixXd rest_information(const FaceMotion& motion) { return rest_covariance(motion).inverse(); }
-
 RestPull::RestPull(const FaceMotion& motion) : motion_(&motion) {
-    overlaps_ = motion.modes * motion.modes.transpose();
-    const Eigen::VectorXd energy = overlaps_.diagonal().cwiseMax(1e-18);
-    overlaps_ = energy.cwiseInverse().asDiagonal() * overlaps_;
+    constexpr double kOpposite = -.6;  // correlation of two motions of which one undoes the other
+    const Eigen::MatrixXd overlaps = motion.modes * motion.modes.transpose();
+    const Eigen::VectorXd energy = overlaps.diagonal().cwiseMax(1e-18);
+    undone_.setZero(energy.size(), energy.size());
+    for (Eigen::Index i = 0; i < motion.num_muscles; ++i) {
+        for (Eigen::Index j = 0; j < motion.num_muscles; ++j) {
+            if (overlaps(i, j) < kOpposite * std::sqrt(energy[i] * energy[j])) {
+                undone_(i, j) = -overlaps(i, j) / energy[i];
+            }
+        }
+    }
 }
 
 Eigen::VectorXd RestPull::shown(const Eigen::VectorXd& values) const {
-    // A lid sweeps over the eye, which says nothing about the skin's muscles.
-    const Eigen::VectorXd of_skin = (motion_->prior_std.array() > kFree).select(0., values);
-    const Eigen::VectorXd along = overlaps_ * of_skin;
-    Eigen::VectorXd shown = values.cwiseAbs();
-    for (Eigen::Index i = 0; i < motion_->num_muscles; ++i) {
-        shown[i] = std::clamp(along[i], 0., shown[i]);
-    }
-    return shown;
+    return (values.cwiseAbs() - undone_ * values).cwiseMax(0);
 }
 
 RestPull::Terms RestPull::at(const Eigen::VectorXd& values, const Eigen::VectorXd& likely,
                              const Eigen::VectorXd& std, double dead_zone) const {
+    constexpr double kFree = .4;     // of prior_std: lids come and go by themselves
     constexpr double kActive = .15;  // a value beyond which the pull to rest fades
     constexpr double kSmallest = .03;
     constexpr double kSurest = .03;  // of std

@@ -9,10 +9,6 @@ namespace mimetic {
 /// Covariance of the values about rest, M squared: the two sides of a face mostly act together.
 Eigen::MatrixXd rest_covariance(const FaceMotion& motion);
 
-/// What the rest prior tells in each frame, M squared. In full: most of a measurement's error is the model's,
-/// the same as long as the state lasts, so frames must not add up against the prior.
-Eigen::MatrixXd rest_information(const FaceMotion& motion);
-
 /// A prior for few active values that leaves the active ones alone.
 class RestPull {
 public:
@@ -27,13 +23,12 @@ public:
     Terms at(const Eigen::VectorXd& values, const Eigen::VectorXd& likely, const Eigen::VectorXd& std,
              double dead_zone) const;
 
-    /// How much of each value shows: the whole motion along its mode, no more than the value itself. A
-    /// muscle that its antagonist cancels shows nothing.
+    /// How much of each value shows: what its antagonists leave of it.
     Eigen::VectorXd shown(const Eigen::VectorXd& values) const;
 
 private:
     const FaceMotion* motion_;
-    Eigen::MatrixXd overlaps_;  // M squared: of mode j along mode i, 1 on the diagonal
+    Eigen::MatrixXd undone_;  // M squared: of value i by one of antagonist j
 };
 
 }  // namespace mimetic

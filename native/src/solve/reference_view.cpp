@@ -74,7 +74,7 @@ void LocalNormaliser::apply(const cv::Mat1f& image, cv::Mat1f& values) {
 
 ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera,
                              const Eigen::Isometry3d& camera_from_head, const Eigen::VectorXd& values,
-                             const cv::Mat1b& gray, int crop_height, int spacing)
+                             const cv::Mat1b& gray, int crop_height, int spacing, double flow_blur)
     : camera_from_head_(camera_from_head), values_(values) {
     ProjectedSurface projected;
     projected.update(surface, camera, camera_from_head, values);
@@ -129,6 +129,7 @@ ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera,
     stabilise(surface.triangles(), projected, frame, map, texture_);
     texture_ = texture_.clone();
     choose_samples(surface, projected, spacing);
+    blur_modes(flow_blur);
 }
 
 void ReferenceView::stabilise(const Triangles& triangles, const ProjectedSurface& projected,
@@ -191,6 +192,23 @@ void ReferenceView::choose_samples(const FaceSurface& surface, const ProjectedSu
             sample.weight = std::min(1.f, (frontality - kGrazing) / .3f);
             samples_.push_back(std::move(sample));
         }
+    }
+}
+
+void ReferenceView::blur_modes(double flow_blur) {
+    const double reach = 2.5 * flow_blur;
+    for (ReferenceSample& sample : samples_) {
+        sample.seen_modes = Eigen::Matrix3Xf::Zero(3, sample.skin.modes.cols());
+        float sum = 0;
+        for (const ReferenceSample& other : samples_) {
+            const double distance = std::hypot(other.x - sample.x, other.y - sample.y);
+            if (distance <= reach) {
+                const auto share = static_cast<float>(std::exp(-.5 * std::pow(distance / flow_blur, 2)));
+                sample.seen_modes += share * other.skin.modes;
+                sum += share;
+            }
+        }
+        sample.seen_modes /= sum;
     }
 }
 

@@ -35,6 +35,7 @@ struct ReferenceSample {
     int triangle = 0;
     Eigen::Vector3f barycentric;
     SkinPoint skin;
+    Eigen::Matrix3Xf seen_modes;  ///< 3 x M: the modes as a flow shows them, blurred
     float weight = 1;
 };
 
@@ -42,7 +43,8 @@ struct ReferenceSample {
 class ReferenceView {
 public:
     ReferenceView(const FaceSurface& surface, const Camera& camera, const Eigen::Isometry3d& camera_from_head,
-                  const Eigen::VectorXd& values, const cv::Mat1b& gray, int crop_height, int spacing);
+                  const Eigen::VectorXd& values, const cv::Mat1b& gray, int crop_height, int spacing,
+                  double flow_blur);  ///< crop pixels
 
     /// Fetches the texture of a frame under the hypothesis `projected`; map: frame pixel of each crop pixel.
     void stabilise(const Triangles& triangles, const ProjectedSurface& projected, const PreparedFrame& frame,
@@ -58,6 +60,7 @@ public:
 
 private:
     void choose_samples(const FaceSurface& surface, const ProjectedSurface& projected, int spacing);
+    void blur_modes(double flow_blur);
 
     Eigen::Isometry3d camera_from_head_;
     Eigen::VectorXd values_;

@@ -49,7 +49,10 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
     constexpr double kDeadZone = 3.5;
     Eigen::MatrixXd rest = Eigen::MatrixXd::Zero(size, size);
     rest.diagonal().head<6>().setConstant(1e-3);
-    rest.bottomRightCorner(num_values, num_values) = rest_information(motion);
+    // A state lasts for several frames and each must not count the prior in full; but most of a measurement's
+    // error is the model's, the same in all of them, so they must not add up against it either.
+    constexpr double kFramesPerState = 6;
+    rest.bottomRightCorner(num_values, num_values) = rest_covariance(motion).inverse() / kFramesPerState;
     Eigen::VectorXd weights(size);
     weights.head<3>().setConstant(std::pow(options.rotation_acceleration, -2));
     weights.segment<3>(3).setConstant(std::pow(options.translation_acceleration, -2));

@@ -51,7 +51,9 @@ FaceTracker::State::State(const Camera& camera_in, const TrackedSurface& surface
     relative_dis = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_ULTRAFAST);
     velocity = Eigen::VectorXd::Zero(6 + num_values());
     rest = rest_covariance(motion);
-    rest_pull = rest_information(motion);
+    // The prediction already tends to rest; more would delay onsets.
+    constexpr double kFramesPerState = 12;
+    rest_pull = rest.inverse() / kFramesPerState;
     last_std = motion.prior_std;
     covariance = first_covariance(rest);
     for (const EyeSlit& eye : eyes_in) {
@@ -149,7 +151,8 @@ void FaceTracker::State::add_key_view(const FrameScore& score) {
     }
     try {
         views.push_back(std::make_unique<ReferenceView>(surface, camera, state.camera_from_head, state.values,
-                                                        gray, options.crop_height, options.sample_spacing));
+                                                        gray, options.crop_height, options.sample_spacing,
+                                                        flow_blur_px(options.flow_method)));
         frames_since_key_view = 0;
     } catch (const InvalidInput&) {
         return;  // too little of the face is in sight for a texture
@@ -177,9 +180,9 @@ FaceTracker::FaceTracker(const Camera& camera, const TrackedSurface& surface, co
     s.last.camera_from_head = camera_from_head;
     s.last.values = Eigen::VectorXd::Zero(s.num_values());
     s.state = s.predicted = s.last;
-    s.views.push_back(std::make_unique<ReferenceView>(s.surface, camera, camera_from_head, s.last.values,
-                                                      s.last_gray, options.crop_height,
-                                                      options.sample_spacing));
+    s.views.push_back(std::make_unique<ReferenceView>(
+        s.surface, camera, camera_from_head, s.last.values, s.last_gray, options.crop_height,
+        options.sample_spacing, flow_blur_px(options.flow_method)));
     if (s.views.front()->samples().size() < 100) {
         throw InvalidInput(
             "only " + std::to_string(s.views.front()->samples().size()) +

@@ -82,6 +82,26 @@ TEST_P(Flow, MeetsKnownMotionsWithinAFractionOfAPixel) {
     EXPECT_LT(run(far_away, 4).median_px, 0.15);
 }
 
+TEST_P(Flow, ShowsNarrowMotionBlurredByItsOwnBlur) {
+    const double blur = flow_blur_px(GetParam());
+    for (const double width : {6.0, 9.0, 15.0}) {
+        const Motion bump = [&](double x, double y) {
+            const double r2 = (x - 80) * (x - 80) + (y - 60) * (y - 60);
+            return Eigen::Vector2d(0, 1.5 * std::exp(-r2 / (2 * width * width)));
+        };
+        double shown = 0;
+        constexpr int kSeeds = 8;
+        for (unsigned seed = 0; seed < kSeeds; ++seed) {
+            const auto texture = make_texture(seed + 30, 35);
+            const Image from = render(texture, still, kRows, kCols, kNoise, seed + 100);
+            const Image to = render(texture, bump, kRows, kCols, kNoise, seed + 200);
+            shown += flow_at(compute_flow(from.view(), to.view(), options()), 60, 80).y() / 1.5 / kSeeds;
+        }
+        RecordProperty("shown_of_" + std::to_string(width), std::to_string(shown));
+        EXPECT_NEAR(shown, width * width / (width * width + blur * blur), .15) << width;
+    }
+}
+
 TEST_P(Flow, CovarianceIsHonestOverMotionsAndContrasts) {
     double sum = 0;
     int count = 0;

@@ -23,7 +23,7 @@ TEST(FaceState, SkinJacobianMeetsFiniteDifferences) {
     skin.modes << .01f, 0, .002f, .004f, -.01f, 0, 0, .003f, .008f;
     Eigen::Matrix<float, 2, Eigen::Dynamic> jacobian;
     Eigen::Matrix<double, 2, 3> by_point;
-    skin_jacobian(camera, state, skin, jacobian, by_point);
+    skin_jacobian(camera, state, skin, skin.modes, jacobian, by_point);
     const auto project = [&](const Eigen::VectorXd& step) {
         FaceState moved = state;
         moved.apply(step);
