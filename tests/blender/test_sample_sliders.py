@@ -26,7 +26,7 @@ def test_the_scene_has_sliders_keys_and_overlays(tmp_path, extension):
     assert scene.mimetic.show_muscles
     assert scene.mimetic.show_strain
     face = bpy.data.objects["Face"]
-    assert len(face.mimetic.shapes) == 43
+    assert len(face.mimetic.shapes) == 60
     assert len(face.mimetic.groups) == 21
     blocks = face.data.shape_keys.key_blocks
     scene.frame_set(56)

@@ -63,7 +63,7 @@ def test_adding_a_face_is_one_undo_step():
     assert len(bpy.data.objects) == 0
     assert len(bpy.data.shape_keys) == 0
     bpy.ops.ed.redo()
-    assert len(bpy.data.objects["Face"].mimetic.shapes) == 43
+    assert len(bpy.data.objects["Face"].mimetic.shapes) == 60
 
 
 def test_no_face_is_added_in_edit_mode(added):

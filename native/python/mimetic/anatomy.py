@@ -82,6 +82,14 @@ def attach(
     Raises InvalidInput on another mesh, NaN, a head that is not in metres, a skin with a hole, and
     a face without area. Faces that lie turned over are smoothed, with a warning that names them.
     """
+    perturbation = perturbation or AnatomyPerturbation()
+    return modes_of(attach_skin(neutral_vertices, template, perturbation), perturbation)
+
+
+def attach_skin(
+    neutral_vertices, template, perturbation: AnatomyPerturbation | None = None
+) -> AttachedSkin:
+    """A head's skin on its bones, checked and factored; arguments and errors of `attach`."""
     neutral = np.ascontiguousarray(neutral_vertices, dtype=np.float64)
     if neutral.shape != np.shape(template.vertices):
         raise _core.InvalidInput(
@@ -90,13 +98,17 @@ def attach(
     if not np.isfinite(neutral).all():
         raise _core.InvalidInput("neutral_vertices hold NaN or infinity")
     check_size(neutral, template)
-    perturbation = perturbation or AnatomyPerturbation()
     mesh = SkinMesh(template, neutral)
     _core.check_openings(mesh.triangles, 1, 2 * 4**LEVELS)
     check_areas(mesh.vertices, mesh.triangles, mesh.refinement.parent_face)
+    return AttachedSkin(mesh, (perturbation or AnatomyPerturbation()).stiffness_factor)
+
+
+def modes_of(skin: AttachedSkin, perturbation: AnatomyPerturbation | None = None) -> Anatomy:
+    """Muscles, jaw and lids on a skin that is attached."""
+    mesh, template = skin.mesh, skin.mesh.template
     canonical = SkinMesh(template, np.ascontiguousarray(template.vertices, dtype=np.float64))
-    skin = AttachedSkin(mesh, perturbation.stiffness_factor)
-    muscles = place_muscles(canonical, mesh, perturbation)
+    muscles = place_muscles(canonical, mesh, perturbation or AnatomyPerturbation())
     forces = np.stack([mesh.surface.forces(muscle) for muscle in muscles])
     responses = skin.respond(forces)
     strengths = calibrate(canonical, mesh, responses)

@@ -9,10 +9,11 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic.anatomy import attach
+from mimetic.anatomy import attach_skin, modes_of
 from mimetic.appearance import Appearance, painted
+from mimetic.extras import attach_extras
 from mimetic.face_template import load_template
-from mimetic.shapes import Shape, group_shapes, shapes_of_anatomy
+from mimetic.shapes import Shape, group_shapes, shapes_of_anatomy, shapes_of_extras
 
 
 @dataclass(frozen=True)
@@ -21,7 +22,7 @@ class Head:
 
     vertices: NDArray[np.float64]  # V x 3
     faces: NDArray[np.int32]  # F x 4
-    shapes: list[Shape]  # muscles, jaw and lids
+    shapes: list[Shape]  # muscles, jaw and lids, extras
     groups: list[Shape]  # sliders of groups of muscles
     appearance: Appearance
 
@@ -30,11 +31,12 @@ class Head:
 def make_head() -> Head:
     """The head that every fit starts from, with what moves it and how it looks; made once."""
     template = load_template()
-    anatomy = attach(template.vertices, template)
+    skin = attach_skin(template.vertices, template)
+    anatomy = modes_of(skin)
     return Head(
         template.vertices,
         template.faces,
-        shapes_of_anatomy(anatomy),
+        [*shapes_of_anatomy(anatomy), *shapes_of_extras(attach_extras(skin))],
         group_shapes(anatomy.muscle_names, anatomy.groups, anatomy.muscle_modes),
         painted(template),
     )

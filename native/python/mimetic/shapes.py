@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mimetic.anatomy import Anatomy
 from mimetic.articulators import ARTICULATORS
+from mimetic.extras import Extras
 from mimetic.performance import Performance
 
 GROUPS = {
@@ -117,6 +118,12 @@ def shapes_of_anatomy(anatomy: Anatomy) -> list[Shape]:
         *(_slider(name, GROUPS[int(group)], modes, 0.0, 1.0) for name, group, modes in muscles),
         *(_slider(name, JAW_AND_LIDS, modes, *limits) for name, modes, limits in articulators),
     ]
+
+
+def shapes_of_extras(extras: Extras) -> list[Shape]:
+    """Lips in parts, air and gaze: for the hand, no take has them."""
+    entries = zip(extras.names, extras.groups, extras.modes, extras.limits, strict=True)
+    return [_slider(name, group, modes, *limits) for name, group, modes, limits in entries]
 
 
 def _slider(name: str, group: str, offsets, lowest: float, highest: float) -> Shape:
