@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+import importlib.util
 import re
 
 import numpy as np
 import pytest
 from clips import make_clip
+from mimetic import cli
 from mimetic.footage import Footage
 from mimetic.overlay import FaceDrawing, write_overlay
 from mimetic.pipeline import CaptureSummary
@@ -14,6 +16,18 @@ from sample_performance import make_performance
 @pytest.fixture
 def footage(tmp_path):
     return Footage(make_clip(tmp_path / "clip.mp4", size="320x240", frames=12, rate="24000/1001"))
+
+
+def test_capture_without_matplotlib_tells_before_any_work(monkeypatch, tmp_path, capsys):
+    find_spec = importlib.util.find_spec
+    monkeypatch.setattr(
+        importlib.util,
+        "find_spec",
+        lambda name, *rest: None if name == "matplotlib" else find_spec(name, *rest),
+    )
+    assert cli.main(["capture", str(tmp_path / "clip.mp4"), "--out", str(tmp_path / "out")]) == 2
+    assert "mimetic[report]" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
 
 
 def test_the_report_needs_no_other_file_and_says_what_was_found(tmp_path, footage):

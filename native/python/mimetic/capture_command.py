@@ -15,7 +15,7 @@ from mimetic.footage import Footage
 from mimetic.overlay import write_overlay
 from mimetic.performance import Performance
 from mimetic.pipeline import CaptureSummary, Progress, capture
-from mimetic.report import write_report
+from mimetic.report import check_report_packages, write_report
 
 INTERRUPTED = 130
 CAPTURE_SHARE = 0.8  # of the whole command, for the progress bar
@@ -53,6 +53,7 @@ def parse_frames(text: str) -> tuple[int | None, int | None]:
 
 
 def run_capture(arguments: argparse.Namespace) -> int:
+    check_report_packages()
     out = arguments.out
     footage = Footage(arguments.footage)
     fit = FaceFit.load(arguments.fit) if arguments.fit else None

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import base64
 import html
+import importlib.util
 import io
 import os
 import platform
@@ -15,7 +16,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import __version__
+from mimetic import InvalidInput, __version__
 from mimetic.footage import Footage
 from mimetic.overlay import FaceDrawing
 from mimetic.performance import HELD_QUALITY, Performance
@@ -58,6 +59,14 @@ td.number { text-align: right; }
 .bar { display: inline-block; height: .6rem; background: #1b7f79; border-radius: 2px; }
 .caption { color: var(--soft); font-size: .9rem; margin-top: .2rem; }
 """
+
+
+def check_report_packages() -> None:
+    """Tells before hours of work that the report could not be drawn; raises InvalidInput."""
+    if importlib.util.find_spec("matplotlib") is None:
+        raise InvalidInput(
+            "the report needs matplotlib, which is not installed: pip install 'mimetic[report]'"
+        )
 
 
 def write_report(
