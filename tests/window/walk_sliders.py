@@ -36,7 +36,7 @@ def add_the_face(walk: Walk) -> Steps:
     walk.check("adding a face does not block the window", not is_idle())
     yield from walk.until(is_idle, 120, "adding the face ends")
     face = bpy.context.view_layer.objects.active
-    walk.check("the face is there and active", face is not None and len(face.mimetic.shapes) == 43)
+    walk.check("the face is there and active", face is not None and len(face.mimetic.shapes) == 60)
     _, area = area_of("VIEW_3D")
     with bpy.context.temp_override(**override("VIEW_3D")):
         bpy.ops.view3d.view_selected()

@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Muscles of the face units' action units, and whole expressions.
+
+By FACS (Ekman and Friesen), as far as our muscles have a counterpart: none for the dimpler
+(buccinator), the sideways mouth and the raised upper lip of `mouthShrugUpper`. A name without .L
+or .R, Left or Right stands for both sides.
+"""
+
+from __future__ import annotations
+
+UNIT_MUSCLES: dict[str, dict[str, float]] = {
+    "browInnerUp": {"frontalis_medial": 1},
+    "browOuterUp": {"frontalis_lateral": 1, "frontalis_middle": 1},
+    "browDown": {"corrugator_supercilii": 1, "depressor_supercilii": 1, "procerus": 1},
+    "eyeWide": {"lid_upper": -0.4},
+    "eyeBlink": {"lid_upper": 1},
+    "cheekSquint": {"orbicularis_oculi_inferior": 1},
+    "eyeSquint": {"orbicularis_oculi_lateral": 1, "lid_lower": 1, "lid_upper": 0.2},
+    "noseSneer": {"levator_labii_superioris_alaeque_nasi": 1, "procerus": 1},
+    "mouthUpperUp": {"levator_labii_superioris": 1},
+    "mouthSmile": {"zygomaticus_major": 1},
+    "mouthFrown": {"depressor_anguli_oris": 1},
+    "mouthLowerDown": {"depressor_labii_inferioris": 1},
+    "mouthShrugLower": {"mentalis": 1},
+    "mouthPucker": {
+        "orbicularis_oris": 1,
+        "oris_protrude_upper": 0.5,
+        "oris_protrude_lower": 0.5,
+    },
+    "mouthStretch": {"risorius": 1},
+    "mouthFunnel": {
+        "orbicularis_oris": 0.5,
+        "oris_protrude_upper": 0.5,
+        "oris_protrude_lower": 0.5,
+        "lip_roll_upper": 1,
+        "lip_roll_lower": 1,
+    },
+    "mouthPress": {"oris_close_upper": 1, "oris_close_lower": 1},
+    "mouthRollUpper": {"lip_roll_upper": -1, "oris_close_upper": 0.5},
+    "mouthRollLower": {"lip_roll_lower": -1, "oris_close_lower": 0.5},
+    "cheekPuff": {"air_cheek": 1, "air_lips": 0.5},
+    "jawOpen": {"jaw_open": 1},
+    "jawForward": {"jaw_thrust": 1},
+    "jawLeft": {"jaw_side": 1},
+}
+
+# Sums of face units: truth for whole expressions, by the action units of the basic emotions.
+COMPOSITES: dict[str, dict[str, float]] = {
+    "smile": {"mouthSmile": 0.8, "cheekSquint": 0.7},
+    "open smile": {"mouthSmile": 0.9, "cheekSquint": 0.8, "jawOpen": 0.3, "mouthUpperUp": 0.4},
+    "sadness": {"browInnerUp": 0.9, "browDown": 0.3, "mouthFrown": 0.8, "mouthShrugLower": 0.4},
+    "surprise": {"browInnerUp": 0.9, "browOuterUp": 0.9, "eyeWide": 0.8, "jawOpen": 0.6},
+    "anger": {"browDown": 0.9, "eyeSquint": 0.5, "mouthPress": 0.7, "noseSneer": 0.3},
+    "disgust": {"noseSneer": 0.9, "mouthUpperUp": 0.6, "browDown": 0.4, "mouthFrown": 0.4},
+    "fear": {
+        "browInnerUp": 0.9,
+        "browOuterUp": 0.6,
+        "browDown": 0.3,
+        "eyeWide": 0.8,
+        "mouthStretch": 0.8,
+        "jawOpen": 0.2,
+    },
+    "pucker": {"mouthPucker": 0.9},
+    "blink": {"eyeBlink": 1.0, "cheekSquint": 0.2},
+    "pout": {"mouthShrugLower": 0.9, "mouthShrugUpper": 0.5, "mouthPucker": 0.3},
+    "speech, o": {"jawOpen": 0.3, "mouthFunnel": 0.7, "mouthPucker": 0.3},
+}
