@@ -143,12 +143,15 @@ def place_muscles(
 
 
 def place_muscle(canonical: SkinMesh, mesh: SkinMesh, row: dict, side: str, shift) -> _core.Muscle:
-    def position(place, side, shift=(0.0, 0.0)):
+    def find(place, side, shift=(0.0, 0.0)):
         anchor, x, y, depth = place
-        found = find_place(canonical, anchor, x + shift[0], y + shift[1], depth, side)
-        return found.position(mesh)
+        return find_place(canonical, anchor, x + shift[0], y + shift[1], depth, side)
+
+    def position(place, side, shift=(0.0, 0.0)):
+        return find(place, side, shift).position(mesh)
 
     insertion = [position(place, side, shift) for place in row["insertion"]]
+    scale = np.mean([find(place, side, shift).scale(mesh) for place in row["insertion"]])
     origin = np.zeros(3)
     if row["type"] == "sphincter":
         other = SIDES[1 - SIDES.index(side)]
@@ -159,7 +162,7 @@ def place_muscle(canonical: SkinMesh, mesh: SkinMesh, row: dict, side: str, shif
         type=getattr(_core.MuscleType, row["type"]),
         insertion=np.array(insertion),
         origin=origin,
-        width=1e-3 * row["width"],
+        width=1e-3 * row["width"] * scale,
         normal_share=row.get("normal_share", 0.1),
         protrusion=row.get("protrusion", 0.0),
         swelling=row.get("swelling", 0.0),
@@ -167,7 +170,10 @@ def place_muscle(canonical: SkinMesh, mesh: SkinMesh, row: dict, side: str, shif
 
 
 def calibrate(canonical: SkinMesh, mesh: SkinMesh, responses: np.ndarray) -> np.ndarray:
-    """Strengths that give each muscle its excursion; responses: 36 x S x 3 at unit force."""
+    """Strengths that give each muscle its excursion, in proportion to the person's local size.
+
+    responses: 36 x S x 3 at unit force.
+    """
     strengths = []
     for row in muscle_table():
         for side in SIDES:
@@ -177,7 +183,7 @@ def calibrate(canonical: SkinMesh, mesh: SkinMesh, responses: np.ndarray) -> np.
             indptr, indices, weights = mesh.stencils
             own = slice(indptr[place.vertex], indptr[place.vertex + 1])
             moved = np.linalg.norm(weights[own] @ response[indices[own]])
-            strengths.append(1e-3 * row["excursion_mm"] / moved)
+            strengths.append(1e-3 * row["excursion_mm"] * place.scale(mesh) / moved)
     return np.array(strengths)
 
 
@@ -228,11 +234,11 @@ class AttachedSkin:
         skin = mesh.neutral[:count]
         held = mesh.in_region("ear") | mesh.in_region("scalp")
         held |= mesh.in_region("neck") & (
-            skin[:, 2] < mesh.neutral[mesh.landmark("gonion.L"), 2] - 0.06
+            skin[:, 2] < mesh.neutral[mesh.landmark("gonion.L"), 2] - 0.06 * mesh.size
         )
-        held |= skin[:, 1] < skin[:, 1].min() + 0.012  # the lower edge of the neck
+        held |= skin[:, 1] < skin[:, 1].min() + 0.012 * mesh.size  # the lower edge of the neck
         depth = mesh.whole_surface.distances(
-            mesh.vertices[mesh.vertices_between("skin", "eye_socket")], 0.008
+            mesh.vertices[mesh.vertices_between("skin", "eye_socket")], 0.008 * mesh.size
         )[:count]
         held |= mesh.in_region("eye_socket") & ~np.isfinite(depth)
         return ~held
@@ -245,11 +251,16 @@ class AttachedSkin:
         for region, factors in table["regions"].items():
             for name, factor in factors.items():
                 values[name][mesh.in_region(region)] *= factor
+        # Skin and fat are as thick as the face is long: a pull then spreads in proportion too.
+        values["thickness"] *= mesh.local_scale
+        values["tangential"] /= mesh.local_scale
+        values["normal"] /= mesh.local_scale
         values = {name: multiply(mesh.stencils, value) for name, value in values.items()}
         lids = table["lid_margin"]
         margin = mesh.vertices[mesh.vertices_between("skin", "eye_socket")]
-        distance = mesh.whole_surface.distances(margin, 2 * lids["reach"])
-        nearness = np.clip(2 - distance / lids["reach"], 0, 1)
+        reach = lids["reach"] * mesh.size
+        distance = mesh.whole_surface.distances(margin, 2 * reach)
+        nearness = np.clip(2 - distance / reach, 0, 1)
         for name in ("tangential", "normal"):
             values[name] *= lids["attachment"] ** nearness * stiffness_factor
         return _core.SkinMaterials(**values)

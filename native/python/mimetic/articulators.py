@@ -51,9 +51,10 @@ def smooth_step(value: np.ndarray) -> np.ndarray:
     return value * value * (3 - 2 * value)
 
 
-def moved(mesh: SkinMesh, vertices: np.ndarray) -> np.ndarray:
-    """How far the person's vertices lie from the template's, on average."""
-    return (mesh.neutral[vertices] - np.asarray(mesh.template.vertices)[vertices]).mean(axis=0)
+def carried(mesh: SkinMesh, point: np.ndarray, vertices: np.ndarray) -> np.ndarray:
+    """Where a point of the template lies on the person, as seen from the middle of vertices."""
+    canonical = np.asarray(mesh.template.vertices)[vertices].mean(axis=0)
+    return mesh.neutral[vertices].mean(axis=0) + mesh.size * (point - canonical)
 
 
 def part_vertices(mesh: SkinMesh, name: str) -> np.ndarray:
@@ -67,7 +68,7 @@ class Jaw:
     def __init__(self, mesh: SkinMesh):
         self.mesh = mesh
         ears = np.array([mesh.landmark("tragus.L"), mesh.landmark("tragus.R")])
-        self.hinge = np.asarray(mesh.template.jaw_hinge).mean(axis=0) + moved(mesh, ears)
+        self.hinge = carried(mesh, np.asarray(mesh.template.jaw_hinge).mean(axis=0), ears)
 
     @cached_property
     def rigid_vertices(self) -> np.ndarray:
@@ -78,13 +79,17 @@ class Jaw:
         """Displacement of points of the bone, K x 3, at value 1."""
         if name == "jaw_open":
             axis = np.array([1.0, 0.0, 0.0])
-            return rotate(points, self.hinge, axis, JAW_OPENING) - points + JAW_GLIDE
+            return (
+                rotate(points, self.hinge, axis, JAW_OPENING) - points + self.mesh.size * JAW_GLIDE
+            )
         if name == "jaw_side":
             # About the condyle of the side it goes to: the chin swings, that condyle stays.
             chin = self.mesh.neutral[self.mesh.landmark("chin")]
-            angle = JAW_SIDE / (chin[2] - self.hinge[2])
+            angle = self.mesh.size * JAW_SIDE / (chin[2] - self.hinge[2])
             return rotate(points, self.hinge, np.array([0.0, 1.0, 0.0]), angle) - points
-        return np.broadcast_to([0.0, -0.1 * JAW_THRUST, JAW_THRUST], points.shape)
+        return np.broadcast_to(
+            self.mesh.size * np.array([0.0, -0.1 * JAW_THRUST, JAW_THRUST]), points.shape
+        )
 
     @cached_property
     def influence(self) -> np.ndarray:
@@ -96,20 +101,20 @@ class Jaw:
         ahead = (points - self.hinge) @ forward / np.linalg.norm(corner - self.hinge)
         # Between the lips the slit parts skull from jaw, in the cheek the change is gradual.
         half_mouth = abs(mesh.neutral[mesh.landmark("mouth_corner.L"), 0])
-        aside = smooth_step((np.abs(points[:, 0]) - half_mouth) / 0.02)
-        blend = LIP_BLEND + (CHEEK_BLEND - LIP_BLEND) * aside
+        aside = smooth_step((np.abs(points[:, 0]) - half_mouth) / (0.02 * mesh.size))
+        blend = mesh.size * (LIP_BLEND + (CHEEK_BLEND - LIP_BLEND) * aside)
         slit = self._landmarks("lip_upper_inner", "lip_lower_inner")
         level = (slit - self.hinge) @ np.cross([1.0, 0.0, 0.0], forward) * (1 - aside)
         lip = 1.0 * mesh.in_region("lower_lip") - mesh.in_region("upper_lip")
         corners = mesh.vertices[[mesh.landmark(f"mouth_corner.{side}") for side in ("L", "R")]]
         gap = np.linalg.norm(points[:, None] - corners, axis=2).min(axis=1)
-        which_lip = multiply(mesh.stencils, lip) * smooth_step(gap / CORNER_BLEND)
+        which_lip = multiply(mesh.stencils, lip) * smooth_step(gap / (CORNER_BLEND * mesh.size))
         value = smooth_step(0.5 + (below - level) / blend + which_lip) * smooth_step(ahead / 0.3)
         # Below the lower edge of the mandible the neck takes over.
         angle, menton = self._landmarks("gonion.L", "gonion.R"), self._landmarks("menton")
         edge = (menton - angle) / np.linalg.norm(menton - angle)
         under = (points - menton) @ np.cross([1.0, 0.0, 0.0], edge)
-        return value * smooth_step(1 - (under - NECK_START) / NECK_BLEND)
+        return value * smooth_step(1 - (under / mesh.size - NECK_START) / NECK_BLEND)
 
     def _landmarks(self, *names: str) -> np.ndarray:
         """Mean position of landmarks."""
@@ -127,7 +132,7 @@ class EyeFrame:
     def centre(self) -> np.ndarray:
         eye = part_vertices(self.mesh, f"eye.{self.side}")
         index = 0 if self.side == "L" else 1
-        return np.asarray(self.mesh.template.eye_centers)[index] + moved(self.mesh, eye)
+        return carried(self.mesh, np.asarray(self.mesh.template.eye_centers)[index], eye)
 
     @cached_property
     def axis(self) -> np.ndarray:
@@ -185,10 +190,7 @@ class EyeLids:
 
     def modes(self) -> list[np.ndarray]:
         """Upper and lower lid at value 1, V x 3 each."""
-        return [
-            self._turn(self.upper, self.opening),
-            self._turn(self.lower, self._raise),
-        ]
+        return [self._turn(angle) for angle in self.angles()]
 
     def opening(self, along: np.ndarray) -> np.ndarray:
         """Angle between the margins, radians, by the position along the axis; 0 at the corners."""
@@ -202,25 +204,39 @@ class EyeLids:
     def _raise(self, along: np.ndarray) -> np.ndarray:
         where, _, radius = self.frame.polar(self.frame.mesh.neutral[self.lower])
         widest = self.opening(np.linspace(where.min(), where.max(), 50)).max()
-        return -LOWER_LID_RAISE / radius.max() * np.sqrt(self.opening(along) / widest)
+        return (
+            -LOWER_LID_RAISE
+            * self.frame.mesh.size
+            / radius.max()
+            * np.sqrt(self.opening(along) / widest)
+        )
 
-    def _turn(self, margin: np.ndarray, angle_at) -> np.ndarray:
-        """The margin turns in full, lid skin less up to the fold, lashes with their roots."""
+    def angles(self) -> list[np.ndarray]:
+        """How far the skin turns about the eye with the upper and the lower lid, S radians each."""
+        return [self._angle(self.upper, self.opening), self._angle(self.lower, self._raise)]
+
+    def _angle(self, margin: np.ndarray, angle_at) -> np.ndarray:
+        """The margin turns in full, lid skin less up to the fold."""
         frame, mesh = self.frame, self.frame.mesh
         count = int(mesh.template.num_skin_vertices)
-        skin = mesh.neutral[:count]
         other = self.lower if margin is self.upper else self.upper
         other = np.setdiff1d(other, margin)  # without the corners
+        far = 0.03 * mesh.size
         own, across = (
-            np.minimum(mesh.whole_surface.distances(mesh.vertices[edge], 0.03)[:count], 0.03)
+            np.minimum(mesh.whole_surface.distances(mesh.vertices[edge], far)[:count], far)
             for edge in (margin, other)
         )
-        reach = np.where(mesh.in_region("eye_socket"), LID_REACH / 2, LID_REACH)
+        reach = mesh.size * np.where(mesh.in_region("eye_socket"), LID_REACH / 2, LID_REACH)
         # Round the corner lies the other lid, which stays.
         share = smooth_step(1 - own / reach) * smooth_step(2 * (across - own) / (across + own))
+        return share * angle_at(frame.polar(mesh.neutral[:count])[0])
+
+    def _turn(self, angle: np.ndarray) -> np.ndarray:
+        """Skin turned by angles, lashes with their roots."""
+        frame, mesh = self.frame, self.frame.mesh
+        skin = mesh.neutral[: len(angle)]
         mode = np.zeros_like(mesh.neutral)
-        angle = share * angle_at(frame.polar(skin)[0])
-        mode[:count] = rotate(skin, frame.centre, frame.axis, angle) - skin
+        mode[: len(angle)] = rotate(skin, frame.centre, frame.axis, angle) - skin
         lashes, roots = frame.lash_roots
         hair = mesh.neutral[lashes]
         mode[lashes] = rotate(hair, frame.centre, frame.axis, angle[roots]) - hair

@@ -25,7 +25,11 @@ MAX_ROUNDS = 50
 def check_size(neutral: NDArray[np.float64], template) -> None:
     """Raise InvalidInput unless the head (V x 3) is in metres, as its eyes tell."""
     centres, _ = template.eye_spheres(neutral)
-    apart = float(np.linalg.norm(centres[0] - centres[1]))
+    check_span(float(np.linalg.norm(centres[0] - centres[1])), "the eyes")
+
+
+def check_span(apart: float, what: str) -> None:
+    """Raise InvalidInput, naming the unit that it seems to be in, unless eyes are metres apart."""
     if EYES_APART[0] <= apart <= EYES_APART[1]:
         return
     typical = 0.063
@@ -34,7 +38,7 @@ def check_size(neutral: NDArray[np.float64], template) -> None:
     if EYES_APART[0] <= apart * UNITS[unit] <= EYES_APART[1]:
         advice = f"if it is in {unit}, multiply its vertices by {UNITS[unit]:g}"
     raise _core.InvalidInput(
-        f"the eyes are {apart:.4g} m apart, expected are {EYES_APART[0]} to {EYES_APART[1]}: "
+        f"{what} are {apart:.4g} m apart, expected are {EYES_APART[0]} to {EYES_APART[1]}: "
         f"the head is not in metres; {advice}"
     )
 
@@ -59,13 +63,13 @@ def check_areas(
 def unfold(
     vertices: NDArray[np.float64],
     split: Callable[[NDArray[np.float64]], NDArray[np.int32]],
-    parent_face: NDArray[np.int32],
+    face: NDArray[np.integer],
 ) -> NDArray[np.float64]:
     """Vertices (N x 3) with no triangle turned over among those around it.
 
     Vertices of turned triangles go to the mean of their neighbours, and a warning names the faces
     of the head. split: the mesh's triangles for such vertices. Raises InvalidInput if that does not
-    help.
+    help. face: T, of the head, for each triangle.
     """
     triangles = split(vertices)
     turned = _core.inverted_faces(vertices, triangles)
@@ -74,7 +78,7 @@ def unfold(
     found = set()
     repaired = vertices.copy()
     for _ in range(MAX_ROUNDS):
-        found |= {int(parent_face[face // 2]) for face in turned}
+        found |= {int(face[triangle]) for triangle in turned}
         repaired = _to_mean_of_neighbours(repaired, triangles, np.unique(triangles[turned]))
         triangles = split(repaired)
         turned = _core.inverted_faces(repaired, triangles)
@@ -87,7 +91,7 @@ def unfold(
             )
             return repaired
     raise _core.InvalidInput(
-        f"face {parent_face[turned[0] // 2]} of the head lies turned over among those around it, "
+        f"face {face[turned[0]]} of the head lies turned over among those around it, "
         "and smoothing does not help: put its vertices back in their place"
     )
 

@@ -16,6 +16,7 @@ from mimetic import _core
 from mimetic.skin_checks import unfold
 
 LEVELS = 1  # forehead faces of 13-23 mm are too coarse for a muscle 8 mm wide
+SCALE_REACH = 0.025  # m on the template: s.d. over which sizes are averaged, the spread of a pull
 Csr = tuple[np.ndarray, np.ndarray, np.ndarray]
 
 
@@ -48,6 +49,11 @@ def split_quads(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
     return np.where(along_ac[:, None], by_ac, by_bd).reshape(-1, 3).astype(np.int32)
 
 
+def _quad_areas(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    a, b, c, d = (vertices[quads[:, k]] for k in range(4))
+    return np.linalg.norm(np.cross(c - a, d - b), axis=1) / 2
+
+
 @dataclass(frozen=True)
 class SkinMesh:
     """A neutral head's skin, refined and cut into triangles."""
@@ -73,8 +79,8 @@ class SkinMesh:
     def vertices(self) -> np.ndarray:
         """N x 3; where faces lie turned over, smoothed with a warning."""
         limit = multiply(self.stencils, self.neutral[: int(self.template.num_skin_vertices)])
-        refinement = self.refinement
-        return unfold(limit, lambda v: split_quads(v, refinement.faces), refinement.parent_face)
+        face = np.repeat(self.refinement.parent_face, 2)
+        return unfold(limit, lambda v: split_quads(v, self.refinement.faces), face)
 
     @cached_property
     def triangles(self) -> np.ndarray:
@@ -110,6 +116,37 @@ class SkinMesh:
         outer = np.unique(self.triangles[self.triangle_part == "skin"])
         return outer[self.normals[outer, 2] > 0.1]
 
+    @cached_property
+    def local_scale(self) -> np.ndarray:
+        """S: how many times as long as the template's this person's skin is, around each vertex.
+
+        Square root of the areas' ratio, averaged with a Gaussian of SCALE_REACH over the template.
+        """
+        quads, own, usual = self._outer_areas
+        canonical = np.asarray(self.template.vertices)
+        middles = canonical[quads].mean(axis=1)
+        scale = np.empty(int(self.template.num_skin_vertices))
+        for start in range(0, len(scale), 512):  # a block at a time: memory stays small
+            at = canonical[start : min(start + 512, len(scale))]
+            squared = (at**2).sum(1)[:, None] - 2 * at @ middles.T + (middles**2).sum(1)
+            near = np.exp(-squared / (2 * SCALE_REACH**2))
+            scale[start : start + 512] = np.sqrt((near @ own) / (near @ usual))
+        return scale
+
+    @cached_property
+    def size(self) -> float:
+        """How many times as long as the template's this head is."""
+        _, own, usual = self._outer_areas
+        return float(np.sqrt(own.sum() / usual.sum()))
+
+    @cached_property
+    def _outer_areas(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Quads of the outer skin, their areas here and on the template."""
+        skin = list(self.template.part_names).index("skin")
+        quads = self.faces[np.asarray(self.template.part)[: len(self.faces)] == skin]
+        canonical = np.asarray(self.template.vertices)
+        return quads, _quad_areas(self.neutral, quads), _quad_areas(canonical, quads)
+
     def in_region(self, name: str) -> np.ndarray:
         """S truth values."""
         return np.asarray(self.template.region) == list(self.template.region_names).index(name)
@@ -134,12 +171,18 @@ class Place:
     """A point fixed to a refined vertex: it goes where the vertex goes on another person."""
 
     vertex: int
-    offset: np.ndarray  # from the vertex, along the skin, m
-    depth: float  # inwards from the skin, m
+    offset: np.ndarray  # from the vertex, along the skin, m on the template
+    depth: float  # inwards from the skin, m on the template
 
     def position(self, mesh: SkinMesh) -> np.ndarray:
-        inwards = -self.depth * mesh.normals[self.vertex]
-        return mesh.vertices[self.vertex] + self.offset + inwards
+        away = self.offset - self.depth * mesh.normals[self.vertex]
+        return mesh.vertices[self.vertex] + self.scale(mesh) * away
+
+    def scale(self, mesh: SkinMesh) -> float:
+        """How many times as long as on the template lengths are here."""
+        indptr, indices, weights = mesh.stencils
+        own = slice(indptr[self.vertex], indptr[self.vertex + 1])
+        return float(weights[own] @ mesh.local_scale[indices[own]])
 
 
 def find_place(mesh: SkinMesh, anchor: str, x: float, y: float, depth: float, side: str) -> Place:
