@@ -37,8 +37,9 @@ Eigen::VectorXd RestPull::shown(const Eigen::VectorXd& values) const {
 
 RestPull::Terms RestPull::at(const Eigen::VectorXd& values, const Eigen::VectorXd& likely,
                              const Eigen::VectorXd& std, double dead_zone) const {
-    constexpr double kFree = .4;     // of prior_std: lids come and go by themselves
-    constexpr double kActive = .15;  // a value beyond which the pull to rest fades
+    constexpr double kFree = .4;       // of prior_std: lids come and go by themselves
+    constexpr double kActive = .15;    // a value beyond which the pull to rest fades
+    constexpr double kDoubtful = 1.1;  // of std: up to here a value may be none
     constexpr double kSmallest = .03;
     constexpr double kSurest = .03;  // of std
     const FaceMotion& motion = *motion_;
@@ -52,7 +53,7 @@ RestPull::Terms RestPull::at(const Eigen::VectorXd& values, const Eigen::VectorX
         // One side that moves frees the other: else the sparsest answer is half a face.
         const Eigen::Index other = motion.partner.size() > 0 ? motion.partner[i] : -1;
         const double active = std::max(seen[i], other >= 0 ? seen[other] : 0);
-        const double fade = 1 + std::pow(active / kActive, 4);
+        const double fade = 1 + std::pow(active / std::max(kActive, kDoubtful * std[i]), 4);
         const double strength = dead_zone / std::max(std[i], kSurest) / fade;
         if (motion.lower[i] >= 0) {
             terms.pull[i] = -strength;
