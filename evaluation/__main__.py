@@ -12,6 +12,8 @@ from mimetic.face_template import load_template
 
 from .clips import CannotRender, Clip, clip
 from .recipes import ALL, SETS
+from .stills.image_set import SETS as STILLS
+from .stills.image_set import stills
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -22,6 +24,7 @@ def main(arguments: list[str] | None = None) -> int:
     which.add_argument("--set", choices=SETS, default="held-out", help="default: held-out")
     which.add_argument("--small", action="store_true", help="the clips of the tests and the demo")
     which.add_argument("--name", choices=ALL, action="append", help="these alone")
+    which.add_argument("--stills", choices=STILLS, help="still images, not clips; prints the .npz")
     parser.add_argument("--out", type=Path, help="copy the clips into this folder")
     options = parser.parse_args(arguments)
     recipes = SETS["small" if options.small else options.set]
@@ -29,8 +32,11 @@ def main(arguments: list[str] | None = None) -> int:
         recipes = [ALL[name] for name in options.name]
     try:
         template = load_template()
+        if options.stills:
+            print(stills(options.stills, template, _to_stderr))
+            return 0
         for recipe in recipes:
-            made = clip(recipe, template, lambda line: print(line, file=sys.stderr, flush=True))
+            made = clip(recipe, template, _to_stderr)
             if options.out:
                 made = _copied(made, options.out)
             print(made.name, made.footage, made.truth, sep="\t", flush=True)
@@ -40,6 +46,10 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         return 130
     return 0
+
+
+def _to_stderr(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
 
 
 def _copied(made: Clip, folder: Path) -> Clip:

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/cascade.hpp>
 #include <mimetic/locate.hpp>
 
 #include "arrays.hpp"
@@ -60,6 +61,23 @@ void bind_locate(py::module_& m) {
             py::arg("image").noconvert(),
             "Every face, the largest first.\n\nimage: (H, W, 3) uint8 RGB; grey as three equal channels\n"
             "returns: list of FaceFeatures");
+    py::class_<CascadeHit>(m, "CascadeHit", "A window that passed every stage of a cascade.")
+        .def_property_readonly(
+            "box", [](const CascadeHit& h) { return h.box; }, "left, top, width, height, pixels")
+        .def_readonly("votes", &CascadeHit::votes, "overlapping windows joined into this one");
+    py::class_<CascadeDetector>(m, "CascadeDetector",
+                                "One of OpenCV's boosted cascades by itself, to compare with.")
+        .def(py::init<const std::string&>(), "file"_a)
+        .def(
+            "detect",
+            [](const CascadeDetector& detector, const ImageArray& image, double smallest) {
+                const ColorView view = view_image<3>(image, "image");
+                py::gil_scoped_release release;
+                return detector.detect(view, smallest);
+            },
+            py::arg("image").noconvert(), "smallest"_a = 0.12,
+            "Every hit, the most votes first.\n\nimage: (H, W, 3) uint8 RGB\n"
+            "smallest: least width as a part of the image's shorter side\nreturns: list of CascadeHit");
     m.def(
         "measure_features",
         [](const ImageArray& image, const FaceFeatures& expected, double search) {

@@ -8,8 +8,10 @@ import sys
 from pathlib import Path
 
 from mimetic import InvalidInput
+from mimetic.evaluate import locate
 from mimetic.evaluate.rendered import scored, shared_images
 from mimetic.evaluate.score import score
+from mimetic.evaluate.stills import Stills, rendered_stills
 from mimetic.evaluate.tables import as_json, as_text, summary
 from mimetic.evaluate.truth import Truth
 from mimetic.performance import Performance
@@ -18,7 +20,15 @@ from mimetic.performance import Performance
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Score a performance against a truth file (docs/truth-file.md). Without --truth, render "
-        "heads with known motion (kept in the cache), capture and score them."
+        "heads with known motion (kept in the cache), capture and score them. `locate` scores what "
+        "finds faces on still images instead, beside OpenCV's cascades."
+    )
+    parser.add_argument(
+        "what",
+        nargs="?",
+        choices=("capture", "locate"),
+        default="capture",
+        help="what to score (default: capture)",
     )
     parser.add_argument("--truth", type=Path, help="truth file of the footage")
     parser.add_argument("--performance", type=Path, help="performance captured from it")
@@ -27,19 +37,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--set",
         choices=("held-out", "tuning", "small"),
         default="held-out",
-        help="which rendered clips (default: held-out)",
+        help="which rendered clips or images (default: held-out)",
     )
+    parser.add_argument("--images", type=Path, help="locate: these images (docs/still-images.md)")
+    parser.add_argument("--out", type=Path, help="locate: write figures and a ROC plot here")
     parser.add_argument("--json", action="store_true", help="print JSON, every figure in it")
 
 
 def run_evaluate(options: argparse.Namespace) -> int:
     """Prints scores; 0 when all went well. Bad input raises InvalidInput or UnreadableMedia."""
+    if options.what == "locate":
+        return _run_locate(options)
+    if options.images is not None or options.out is not None:
+        raise InvalidInput("--images and --out go with `mimetic evaluate locate`")
     if (options.truth is None) != (options.performance is None):
         raise InvalidInput("give both --truth and --performance, or neither")
     if options.truth is not None:
         made = iter([_score_files(options)])
     else:
-        made = scored(options.set, lambda line: print(line, file=sys.stderr, flush=True))
+        made = scored(options.set, _to_stderr)
     done = []
     for one in made:
         done.append(one)
@@ -47,6 +63,24 @@ def run_evaluate(options: argparse.Namespace) -> int:
             print(as_text(one), end="\n\n", flush=True)
     print(as_json(done) if options.json else summary(done))
     return 0
+
+
+def _run_locate(options: argparse.Namespace) -> int:
+    if options.truth or options.performance or options.footage:
+        raise InvalidInput("--truth, --performance and --footage do not go with `locate`")
+    if options.images is not None:
+        images = Stills.load(options.images)
+    else:
+        images = rendered_stills(options.set, _to_stderr)
+    scores = locate.score_finders(images)
+    if options.out is not None:
+        locate.write(scores, options.out)
+    print(locate.as_json(scores) if options.json else locate.as_text(scores))
+    return 0
+
+
+def _to_stderr(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)
 
 
 def _score_files(options: argparse.Namespace):

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`mimetic evaluate locate`: finders of faces side by side on still images."""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from pathlib import Path
+
+from mimetic import InvalidInput
+from mimetic.evaluate.finders import CASCADES, run_cascade, run_locator
+from mimetic.evaluate.locate_score import FALSE_PER_IMAGE, LocateScore, score_run
+from mimetic.evaluate.stills import Stills
+from mimetic.face_template import data_folder
+
+RATES = {
+    "found": (f"found at {FALSE_PER_IMAGE}", ".3f"),
+    "found_frontal": ("below 15 deg", ".3f"),
+    "found_turned": ("15 to 30 deg", ".3f"),
+    "found_at_all": ("found at all", ".3f"),
+    "false_at_all": ("false / image", ".3f"),
+    "ms": ("ms / image", ".1f"),
+}
+ERRORS = {
+    f"{part}_{suffix}": (f"{part} {said}", ".1f")
+    for part in ("eye", "nose", "mouth")
+    for suffix, said in (("median", "median"), ("p90", "90 %"))
+}
+
+
+def score_finders(stills: Stills) -> dict[str, LocateScore]:
+    """Mimetic's finder and OpenCV's cascades on the same images; raises InvalidInput."""
+    if not stills.has_face.any():
+        raise InvalidInput("none of the images shows a face: there is nothing to find")
+    runs = {"mimetic": run_locator(stills)}
+    for name, file in CASCADES.items():
+        if (data_folder() / file).exists():  # systems need not bring every cascade
+            runs[name] = run_cascade(file, stills)
+    return {name: score_run(run, stills) for name, run in runs.items()}
+
+
+def as_text(scores: dict[str, LocateScore]) -> str:
+    first = next(iter(scores.values()))
+    return "\n\n".join(
+        [
+            f"{first.images} images, {first.faces} of them of a face",
+            _table(f"rates at {FALSE_PER_IMAGE} false alarms an image", RATES, scores),
+            _table("errors, % of interpupillary distance", ERRORS, scores),
+        ]
+    )
+
+
+def as_json(scores: dict[str, LocateScore]) -> str:
+    """Figures and curves by finder; what cannot be told is null."""
+    document = {}
+    for name, score in scores.items():
+        known = {k: v if math.isfinite(v) else None for k, v in score.figures.items()}
+        curve = ("threshold", "false_per_image", "found_rate")
+        document[name] = known | {key: getattr(score, key).tolist() for key in curve}
+    return json.dumps(document, indent=1)
+
+
+def write(scores: dict[str, LocateScore], folder: Path) -> None:
+    """locate.json and locate_roc.png, each whole or not at all; raises OSError."""
+    folder.mkdir(parents=True, exist_ok=True)
+    _aside(folder / "locate.json", lambda path: path.write_text(as_json(scores) + "\n", "utf-8"))
+    _aside(folder / "locate_roc.png", lambda path: _plot(scores, path))
+
+
+def _plot(scores: dict[str, LocateScore], path: Path) -> None:
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6, 4.2), layout="constrained")
+    axes = figure.subplots()
+    for name, score in scores.items():
+        ends = ([0, *score.false_per_image], [0, *score.found_rate])
+        axes.step(*ends, where="post", marker=".", markersize=4, label=name)
+    axes.axvline(FALSE_PER_IMAGE, color="0.7", linewidth=0.8)
+    axes.set_xlabel("false alarms per image")
+    axes.set_ylabel("faces found")
+    axes.set_ylim(0, 1.02)
+    axes.grid(alpha=0.3)
+    axes.legend(loc="lower right")
+    axes.set_title(f"{score.faces} faces in {score.images} images", fontsize=10)
+    figure.savefig(path, format="png", dpi=130)
+
+
+def _aside(path: Path, write_to) -> None:
+    part = path.with_name(f".{path.name}.part")
+    try:
+        write_to(part)
+        os.replace(part, path)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _table(title: str, columns: dict, scores: dict[str, LocateScore]) -> str:
+    width = max(len(title), *(len(name) for name in scores)) + 2
+    lines = [title.ljust(width) + "".join(head.rjust(14) for head, _ in columns.values())]
+    for name, score in scores.items():
+        cells = [
+            format(score.figures[key], style) if math.isfinite(score.figures[key]) else "-"
+            for key, (_, style) in columns.items()
+        ]
+        lines.append(name.ljust(width) + "".join(cell.rjust(14) for cell in cells))
+    return "\n".join(lines)

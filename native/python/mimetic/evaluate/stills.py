@@ -1,0 +1,88 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Still images of which it is known where the face is, or that there is none."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import zipfile
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, UnreadableMedia
+from mimetic.array_file import check_shape, read_array, read_headers
+from mimetic.evaluate.rendered import checkout
+
+PARTS = ("pupil.L", "pupil.R", "nose", "mouth")
+SHAPES: dict[str, tuple[int | str, ...]] = {
+    "images": ("N", "H", "W", 3),
+    "has_face": ("N",),
+    "places": ("N", len(PARTS), 2),
+    "ipd": ("N",),
+    "yaw": ("N",),
+    "kinds": ("N",),
+    "parts": (len(PARTS),),
+}
+KINDS = {"images": "u", "has_face": "b", "kinds": "U", "parts": "U"}  # others are float64
+LARGEST = {"N": 20000, "H": 4096, "W": 4096}
+
+
+@dataclass(frozen=True)
+class Stills:
+    """N images; where there is no face, places, ipd and yaw are nan."""
+
+    images: NDArray[np.uint8]  # N x H x W x 3, RGB
+    has_face: NDArray[np.bool_]  # N
+    places: NDArray[np.float64]  # N x PARTS x 2, pixels
+    ipd: NDArray[np.float64]  # N, pixels between the pupils were the face frontal
+    yaw: NDArray[np.float64]  # N, degrees
+    kinds: list[str]  # N, what the image shows
+
+    @classmethod
+    def load(cls, path: str | os.PathLike) -> Stills:
+        """Reads docs/still-images.md's file; raises InvalidInput, UnreadableMedia."""
+        try:
+            with zipfile.ZipFile(path) as archive:
+                arrays = _read(archive)
+        except (OSError, zipfile.BadZipFile, EOFError) as error:
+            raise UnreadableMedia(f"{path}: {error}") from None
+        except InvalidInput as error:
+            raise InvalidInput(f"{path}: {error}") from None
+        if tuple(arrays.pop("parts").tolist()) != PARTS:
+            raise InvalidInput(f"{path}: parts must be {', '.join(PARTS)}")
+        known = np.isfinite(arrays["places"]).all((1, 2)) & (arrays["ipd"] > 0)
+        if not known[arrays["has_face"]].all():
+            raise InvalidInput(f"{path}: a face lacks its places or its ipd")
+        return cls(**arrays | {"kinds": arrays["kinds"].tolist()})
+
+
+def rendered_stills(which: str, report=None) -> Stills:
+    """The images of a set, drawn now if the cache lacks them."""
+    command = [sys.executable, str(checkout() / "scripts" / "render_truth"), "--stills", which]
+    done = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    said = []
+    for line in done.stderr:
+        said.append(line.rstrip())
+        if report:
+            report(said[-1])
+    output = done.stdout.read()
+    if done.wait() != 0:
+        raise InvalidInput(f"the images could not be drawn: {' '.join(said[-3:])}")
+    return Stills.load(output.strip())
+
+
+def _read(archive: zipfile.ZipFile) -> dict[str, NDArray]:
+    headers = read_headers(archive)
+    if missing := sorted(SHAPES.keys() - headers.keys()):
+        raise InvalidInput(f"lacks {', '.join(missing)}")
+    lengths: dict[str, int] = {}
+    for name, shape in SHAPES.items():
+        check_shape(name, headers[name].shape, shape, lengths, LARGEST)
+        if headers[name].dtype.kind != KINDS.get(name, "f"):
+            raise InvalidInput(f"{name} has the type {headers[name].dtype}")
+    if headers["images"].dtype != np.uint8:
+        raise InvalidInput("images must be uint8")
+    return {name: read_array(archive, name) for name in SHAPES}
