@@ -142,8 +142,6 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--focus", help="landmark to look at from near, such as lip_upper_inner")
     parser.add_argument("--size", type=int, default=280, help="width of one picture, pixels")
     options = parser.parse_args(arguments)
-    from matplotlib.figure import Figure
-
     from mimetic.face_template import load_template
 
     template = load_template()
@@ -154,6 +152,14 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     chosen = {name: tiles[name] for name in options.only or tiles}
     painter = Painter(template, options.size, options.yaw, options.focus)
+    write_sheet(painter, np.asarray(template.vertices), chosen, options.out)
+    return 0
+
+
+def write_sheet(painter, vertices: np.ndarray, chosen: dict[str, np.ndarray], out: Path) -> None:
+    """Pictures of the head (V x 3) displaced, under their titles, as a .png."""
+    from matplotlib.figure import Figure
+
     columns = min(7, len(chosen))
     rows = -(-len(chosen) // columns)
     height, width = painter.shape
@@ -163,15 +169,12 @@ def main(arguments: list[str] | None = None) -> int:
         axes = figure.add_axes(
             [left / columns, 1 - (top + 1) / rows, 1 / columns, height / (rows * (height + 18))]
         )
-        axes.imshow(
-            painter.paint(np.asarray(template.vertices), displacement), interpolation="none"
-        )
+        axes.imshow(painter.paint(vertices, displacement), interpolation="none")
         axes.set_title(title, fontsize=7, pad=2)
         axes.axis("off")
-    partial = options.out.with_suffix(".partial.png")
+    partial = out.with_suffix(".partial.png")
     figure.savefig(partial)
-    partial.replace(options.out)
-    return 0
+    partial.replace(out)
 
 
 if __name__ == "__main__":

@@ -1,0 +1,249 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Muscles, jaw and lids on any head's own mesh, given by landmarks.
+
+The template is laid onto the head (`skin_registration`). What anatomy says by region, materials,
+what is held, how much hangs on the jaw, how far lids turn, is read from there; the skin itself is
+solved on the head's own triangles.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mimetic import _core
+from mimetic.anatomy import (
+    MATERIALS,
+    SIDES,
+    Anatomy,
+    AnatomyPerturbation,
+    AttachedSkin,
+    muscle_table,
+    place_muscles,
+)
+from mimetic.articulators import ARTICULATORS, EyeLids, Jaw, eye_frames, rotate
+from mimetic.closest_points import nearest
+from mimetic.foreign_mesh import ForeignSkin, Similarity, read_skin
+from mimetic.loose_parts import LooseParts
+from mimetic.skin_mesh import SkinMesh, find_place, multiply
+from mimetic.skin_registration import LippedSurface, SkinPlaces, lay_template, lipped
+
+TOO_FAR = 0.015  # m from the laid template: body, hair; such skin is held
+SEALED = 0.006  # m; the way over the seam of a mouth without a slit exceeds the gap by less
+SEAM = 0.0025  # m; skin so near to the seam is soft
+SEAM_STIFFNESS = 0.05  # times young and pre-stress
+SEAM_ENDS = 0.4  # of half the mouth's width; there lips are joined on any face
+JAW = ("jaw_open", "jaw_side", "jaw_thrust")
+
+
+@dataclass(frozen=True)
+class ForeignHead:
+    """A head of any mesh with its muscles.
+
+    anatomy: modes over the mesh's own V vertices, in its own axes, metres; strengths: newtons;
+    registered: the template's vertices laid onto the head, in the mesh's coordinates; eye_centers:
+    2 x 3, left first, likewise; mesh_from_template: from the template's axes and size; gap_mm:
+    median and 95 % distance of the free skin from the template laid onto it; notes: what was
+    assumed or repaired.
+    """
+
+    anatomy: Anatomy
+    registered: NDArray[np.float64]
+    eye_centers: NDArray[np.float64]
+    mesh_from_template: Similarity
+    gap_mm: tuple[float, float]
+    notes: tuple[str, ...]
+
+
+def attach_foreign(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    landmarks: Mapping[str, int | ArrayLike],
+    template,
+) -> ForeignHead:
+    """Attach muscles, jaw and lids to any head.
+
+    vertices: V x 3, metres, axes and origin as they are, x, y, z right-handed; faces: F x 3 or
+    F x 4, outward, a triangle among quads ends in -1; landmarks: name -> index of a vertex or
+    point x, y, z on the skin. Needed are `foreign_mesh.REQUIRED`, all of the template's are taken;
+    .L is the subject's own left. Eyes must be open. The mouth may be open, closed, with or without
+    a lining; if its lips are one surface, their seam is made soft and a note says so.
+    Raises InvalidInput, naming the landmark, face or vertex, on missing and unknown landmarks, a
+    head that is not in metres or mirrored, more than a million vertices, and a skin that is not
+    one well-formed piece.
+    """
+    skin = read_skin(vertices, faces, landmarks, template)
+    with skin.named_by_caller():
+        registered = lay_template(
+            template, skin.landmarks, skin.vertices, skin.triangles, skin.surface
+        )
+        head = _Carried(skin, SkinMesh(template, registered))
+        modes, strengths = head.muscle_modes()
+        bones = head.jaw_modes() + head.lid_modes()
+    to_user = skin.user_from_skin
+    anatomy = Anatomy(
+        muscle_names=tuple(f"{row['name']}.{side}" for row in muscle_table() for side in SIDES),
+        groups=np.repeat([row["group"] for row in muscle_table()], 2).astype(np.int32),
+        muscle_modes=to_user.turn(modes),
+        muscle_strengths=strengths * _force_scales(to_user.scale),
+        articulator_names=tuple(ARTICULATORS),
+        articulator_modes=to_user.turn(np.stack(bones)),
+        articulator_limits=np.array(list(ARTICULATORS.values())),
+    )
+    gaps = 1e3 * to_user.scale * head.places.gaps[head.free]
+    return ForeignHead(
+        anatomy=anatomy,
+        registered=to_user.apply(registered),
+        eye_centers=to_user.apply(np.array([frame.centre for frame in eye_frames(head.laid)])),
+        mesh_from_template=to_user,
+        gap_mm=(float(np.median(gaps)), float(np.percentile(gaps, 95))),
+        notes=skin.notes + head.notes,
+    )
+
+
+def _force_scales(scale: float) -> NDArray[np.float64]:
+    """36: forces go with a muscle's cross-section, a sphincter's tension with its thickness."""
+    is_ring = [row["type"] == "sphincter" for row in muscle_table() for _ in SIDES]
+    return np.where(is_ring, scale, scale**2)
+
+
+class _Carried:
+    """A foreign skin with all that is read from the template laid onto it."""
+
+    def __init__(self, skin: ForeignSkin, laid: SkinMesh):
+        self.skin, self.laid = skin, laid
+        self.loose = LooseParts(skin, laid.neutral, laid.template)
+        self.notes = self.loose.notes
+        lips = [laid.neutral[laid.landmark(name)] for name in ("lip_upper", "lip_lower")]
+        self.own = LippedSurface(skin.vertices, skin.triangles, skin.surface, lips)
+        self.source = lipped(laid)
+        self.places = self.source.find(skin.vertices, self.own.normals, self.own.lip)
+        attached = AttachedSkin(laid, 1.0)
+        free = multiply(laid.stencils, attached.free.astype(float))
+        self.free = (self.places.values(free) > 0.5) & (self.places.gaps < TOO_FAR)
+        if not self.free.any():
+            raise _core.InvalidInput("no skin of the head lies where a face has skin")
+        outer = np.zeros(len(laid.vertices))
+        outer[np.unique(laid.triangles[laid.triangle_part == "skin"])] = 1
+        carries = (self.places.values(outer) > 0.5)[skin.triangles].any(axis=1)
+        seam = self._seam()
+        carries &= ~seam[skin.triangles].all(axis=1)
+        self.surface = _core.MuscleSurface(skin.vertices, skin.triangles, carries)
+        self.model = self._model(attached.materials, seam)
+
+    def _model(self, laid_materials: _core.SkinMaterials, seam) -> _core.SkinModel:
+        values = {name: self.places.values(getattr(laid_materials, name)) for name in MATERIALS}
+        for name in ("young", "pre_stress"):
+            values[name][seam] *= SEAM_STIFFNESS
+        indptr = np.concatenate([[0], np.cumsum(self.free)]).astype(np.int32)
+        count = int(self.free.sum())
+        basis = (indptr, np.arange(count, dtype=np.int32), np.ones(count))
+        materials = _core.SkinMaterials(**values)
+        return _core.SkinModel(self.skin.vertices, self.skin.triangles, materials, basis, count)
+
+    def _seam(self) -> NDArray[np.bool_]:
+        """Skin over a mouth that is not cut open."""
+        inner = np.array([self.skin.landmarks[f"lip_{lip}_inner"] for lip in ("upper", "lower")])
+        at = nearest(inner, self.skin.vertices)
+        upper, lower = self.skin.vertices[at]
+        way = self.skin.surface.distances(upper[None], 0.1)
+        gap = np.linalg.norm(upper - lower)
+        if not way[at[1]] < 1.25 * gap + SEALED:
+            return np.zeros(len(self.free), bool)
+        self.notes += ("upper and lower lip are one surface: their seam was made soft",)
+        corners = [self.skin.landmarks[f"mouth_corner.{side}"] for side in SIDES]
+        line = np.array([corners[0], (upper + lower) / 2, corners[1]])
+        at = np.linspace(SEAM_ENDS, 2 - SEAM_ENDS, 41)
+        line = np.column_stack([np.interp(at, [0, 1, 2], axis) for axis in line.T])
+        distance = np.linalg.norm(self.skin.vertices[:, None] - line, axis=2).min(axis=1)
+        return distance < max(SEAM, gap / 2 + 0.0005)
+
+    def respond(self, forces: NDArray[np.float64]) -> NDArray[np.float64]:
+        """M x N x 3 newtons -> displacements M x N x 3."""
+        response = np.zeros_like(forces)
+        solved = self.model.solve(forces.reshape(len(forces), -1).T)
+        response[:, self.free] = solved.T.reshape(len(forces), -1, 3)
+        return response
+
+    def muscle_modes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """36 x V x 3 and 36 strengths, in the template's frame and size."""
+        template = self.laid.template
+        canonical = SkinMesh(template, np.ascontiguousarray(template.vertices, dtype=np.float64))
+        placed = place_muscles(canonical, self.laid, AnatomyPerturbation())
+        rows = [row for row in muscle_table() for _ in SIDES]
+        forces = np.stack(
+            [
+                self.surface.forces(self._carry(muscle, row))
+                for muscle, row in zip(placed, rows, strict=True)
+            ]
+        )
+        responses = self.respond(forces)
+        strengths = np.empty(len(rows))
+        for index, row in enumerate(rows):
+            place = find_place(canonical, *row["measured_at"], 0, SIDES[index % 2])
+            at = self._onto(place.vertex, place.position(self.laid))
+            moved = np.linalg.norm(at.values(responses[index]))
+            if not moved > 0:
+                raise _core.InvalidInput(
+                    f"the skin where {row['name']} is measured, by {row['measured_at'][0]}, "
+                    "does not move: the mesh ends there, or that landmark is out of place"
+                )
+            strengths[index] = 1e-3 * row["excursion_mm"] * place.scale(self.laid) / moved
+        return self._to_mesh(responses * strengths[:, None, None]), strengths
+
+    def _carry(self, muscle: _core.Muscle, row: dict) -> _core.Muscle:
+        """A muscle of the laid template with its insertion on this skin."""
+        vertex = nearest(muscle.insertion, self.laid.vertices[self.laid.seen_from_front])
+        found = self._onto(self.laid.seen_from_front[vertex], muscle.insertion)
+        return _core.Muscle(
+            type=muscle.type,
+            insertion=found.values(self.skin.vertices),
+            origin=muscle.origin,
+            width=muscle.width,
+            normal_share=row.get("normal_share", 0.1),
+            protrusion=row.get("protrusion", 0.0),
+            swelling=row.get("swelling", 0.0),
+        )
+
+    def _onto(self, laid_vertex, points) -> SkinPlaces:
+        """Places on this skin of points by vertices of the laid template."""
+        vertex = np.atleast_1d(laid_vertex)
+        return self.own.find(
+            np.atleast_2d(points), self.source.normals[vertex], self.source.lip[vertex]
+        )
+
+    def jaw_modes(self) -> list[NDArray[np.float64]]:
+        jaw = Jaw(self.laid)
+        influence = self.places.values(jaw.influence)[:, None]
+        forces = np.stack(
+            [
+                self.model.foundation_forces(influence * jaw.motion(name, self.skin.vertices))
+                for name in JAW
+            ]
+        )
+        modes = self._to_mesh(self.respond(forces))
+        rigid = self.loose.on_jaw
+        for mode, name in zip(modes, JAW, strict=True):
+            mode[rigid] = jaw.motion(name, self.skin.user_vertices[rigid])
+        return list(modes)
+
+    def lid_modes(self) -> list[NDArray[np.float64]]:
+        modes = []
+        for frame in eye_frames(self.laid):
+            for laid_angle in EyeLids(frame).angles():
+                angle = self.places.values(multiply(self.laid.stencils, laid_angle))
+                points = self.skin.vertices
+                modes.append(rotate(points, frame.centre, frame.axis, angle) - points)
+        return list(self._to_mesh(np.stack(modes)))
+
+    def _to_mesh(self, displacements: NDArray[np.float64]) -> NDArray[np.float64]:
+        """M x N x 3 of the skin -> M x V x 3: what is loose and near to the skin follows it."""
+        skin = self.skin
+        modes = np.zeros((len(displacements), len(skin.user_vertices), 3))
+        on_skin = skin.skin_vertex >= 0
+        modes[:, on_skin] = displacements[:, skin.skin_vertex[on_skin]]
+        modes[:, self.loose.following] = displacements[:, self.loose.roots]
+        return modes

@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A mesh from a Wavefront .obj file, and landmarks from a JSON file. Files are not trusted."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, UnreadableMedia
+from mimetic.foreign_mesh import MAX_VERTICES
+
+MAX_BYTES = 400_000_000
+MAX_LANDMARK_BYTES = 1_000_000
+MAX_CORNERS = 64  # of one polygon
+
+
+def read_obj(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Vertices V x 3 and faces F x 4 of all objects in the file; triangles end in -1.
+
+    Polygons of more than four corners are cut into triangles, which count as faces of their own.
+    Raises UnreadableMedia, InvalidInput naming the line.
+    """
+    vertices: list[tuple[float, float, float]] = []
+    faces: list[tuple[int, ...]] = []
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise InvalidInput(f"{path}: larger than {MAX_BYTES // 10**6} MB")
+        with path.open(encoding="utf-8", errors="replace") as lines:
+            for number, line in enumerate(lines, 1):
+                _read_line(line, vertices, faces, f"{path}, line {number}")
+    except OSError as error:
+        raise UnreadableMedia(f"{path}: {error.strerror}") from None
+    if not vertices or not faces:
+        raise InvalidInput(f"{path}: there are no faces in this file; is it a Wavefront .obj?")
+    return np.array(vertices), np.array(faces, dtype=np.int64)
+
+
+def _read_line(line: str, vertices: list, faces: list, where: str) -> None:
+    words = line.split("#", 1)[0].split()
+    if not words or words[0] not in ("v", "f"):
+        return
+    try:
+        if words[0] == "v":
+            x, y, z = (float(word) for word in words[1:4])
+            vertices.append((x, y, z))
+        else:
+            corners = [int(word.split("/", 1)[0]) for word in words[1:]]
+    except ValueError:
+        raise InvalidInput(f"{where}: {line.strip()[:60]!r} cannot be read") from None
+    if len(vertices) > MAX_VERTICES or len(faces) > 2 * MAX_VERTICES:
+        raise InvalidInput(
+            f"{where}: the mesh has more than {MAX_VERTICES} vertices or twice that many faces"
+        )
+    if words[0] == "f":
+        faces.extend(_pieces(corners, len(vertices), where))
+
+
+def _pieces(corners: list[int], count: int, where: str) -> list[tuple[int, ...]]:
+    """A polygon with indices from 1, or from the end if negative, as quads and triangles."""
+    if not 3 <= len(corners) <= MAX_CORNERS:
+        raise InvalidInput(f"{where}: a face has {len(corners)} corners, 3 to {MAX_CORNERS} can be")
+    index = [corner - 1 if corner > 0 else count + corner for corner in corners]
+    if 0 in corners or min(index) < 0 or max(index) >= MAX_VERTICES:
+        raise InvalidInput(f"{where}: a face names a vertex that the file does not have")
+    if len(index) == 4:
+        return [tuple(index)]
+    return [(index[0], index[k], index[k + 1], -1) for k in range(1, len(index) - 1)]
+
+
+def read_landmarks(path: Path) -> dict[str, int | list[float]]:
+    """JSON object: name -> index of a vertex (from 0) or [x, y, z] in the mesh's unit."""
+    try:
+        if path.stat().st_size > MAX_LANDMARK_BYTES:
+            raise InvalidInput(f"{path}: larger than {MAX_LANDMARK_BYTES // 1000} kB")
+        found = json.loads(path.read_text("utf-8"))
+    except OSError as error:
+        raise UnreadableMedia(f"{path}: {error.strerror}") from None
+    except (ValueError, RecursionError) as error:
+        raise InvalidInput(f"{path}: not JSON: {error}") from None
+    if not isinstance(found, dict):
+        raise InvalidInput(f'{path}: needed is {{"nose_tip": 123, "chin": [x, y, z], ...}}')
+    for name, value in found.items():
+        is_point = isinstance(value, list) and len(value) == 3 and all(map(_is_number, value))
+        if not is_point and not (isinstance(value, int) and not isinstance(value, bool)):
+            raise InvalidInput(
+                f"{path}: landmark {name} is {value!r}, needed is a vertex's index or [x, y, z]"
+            )
+    return found
+
+
+def _is_number(value) -> bool:
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e9
