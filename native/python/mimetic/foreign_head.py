@@ -159,7 +159,11 @@ class _Carried:
         at = np.linspace(SEAM_ENDS, 2 - SEAM_ENDS, 41)
         line = np.column_stack([np.interp(at, [0, 1, 2], axis) for axis in line.T])
         distance = np.linalg.norm(self.skin.vertices[:, None] - line, axis=2).min(axis=1)
-        return distance < max(SEAM, gap / 2 + 0.0005)
+        seam = distance < max(SEAM, gap / 2 + 0.0005)
+        triangles = self.skin.triangles
+        if not seam[triangles].all(axis=1).any():  # one row: what lies on both sides of it parts
+            seam[triangles[seam[triangles].any(axis=1)]] = True
+        return seam
 
     def respond(self, forces: NDArray[np.float64]) -> NDArray[np.float64]:
         """M x N x 3 newtons -> displacements M x N x 3."""
