@@ -9,6 +9,7 @@ void bind_strain(pybind11::module_& m);
 void bind_skin_dynamics(pybind11::module_& m);
 void bind_muscles(pybind11::module_& m);
 void bind_locate(pybind11::module_& m);
+void bind_eigenspace(pybind11::module_& m);
 void bind_fit(pybind11::module_& m);
 void bind_flow(pybind11::module_& m);
 void bind_solve(pybind11::module_& m);
@@ -29,6 +30,7 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_skin_dynamics(m);
     bindings::bind_muscles(m);
     bindings::bind_locate(m);
+    bindings::bind_eigenspace(m);
     bindings::bind_fit(m);
     bindings::bind_flow(m);
     bindings::bind_solve(m);
