@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <mimetic/head.hpp>
+#include <opencv2/core.hpp>
+
+namespace mimetic::head {
+
+/// What each pixel of a camera sees of a model.
+struct SeenHead {
+    cv::Mat3f points;   ///< head frame, metres
+    cv::Mat3f normals;  ///< head frame, outwards
+    cv::Mat1f facing;   ///< cosine of normal and view; 0: no model here
+};
+
+SeenHead see_head(const HeadShape& shape, const Camera& camera, const Eigen::Isometry3d& camera_from_head);
+
+/// How much a point counts, by the parts that move on their own.
+double rigidity(const HeadShape& shape, const Eigen::Vector3d& point_in_head);
+
+/// A camera for every `spacing`th pixel of another, from pixel (spacing / 2, spacing / 2) on.
+Camera thin_camera(const Camera& camera, int spacing);
+
+/// The part of a frame around the head, made smaller if it has more pixels than needed.
+struct HeadCrop {
+    Camera camera;  ///< of the part
+    cv::Mat1b gray;
+    double scale = 1;  ///< its pixels in a pixel of the frame
+};
+
+/// Camera of the box around the head and of `margin` box sizes beyond; nothing if the head is out of view.
+std::optional<Camera> crop_camera(const HeadShape& shape, const Camera& camera,
+                                  const Eigen::Isometry3d& camera_from_head, int crop_height, double margin);
+
+HeadCrop cut(const cv::Mat1b& frame, const Camera& camera, const Camera& part);
+
+}  // namespace mimetic::head

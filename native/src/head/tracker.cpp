@@ -1,0 +1,273 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <mimetic/error.hpp>
+#include <mimetic/head.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "key_view.hpp"
+
+namespace mimetic {
+
+using head::HeadCrop;
+using head::KeyView;
+using head::PointMeasurement;
+using head::RigidMotion;
+
+namespace {
+
+constexpr double kMargin = 0.25;        // of the head's box: how far it may move from frame to frame
+constexpr int kMaxTogether = 1;         // reference textures that a frame is compared with
+constexpr double kStill = 1.0;          // pixels: a stabilised frame that needs no further round
+constexpr double kReferenceStd = 2e-3;  // rad and metres of the first pose: it defines the head frame
+constexpr double kTooVague = 0.06;      // rad: s.d. of a pose that no reference texture is taken at
+constexpr double kNearer = 0.3;         // share of the distance after which a texture is taken anew
+
+double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+    return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
+}
+
+double rotation_std(const Matrix6& covariance) {
+    return std::sqrt(std::max(0., covariance.diagonal().head<3>().maxCoeff()));
+}
+
+}  // namespace
+
+struct HeadTracker::State {
+    Camera camera;
+    HeadShape shape;
+    HeadOptions options;
+    cv::Mat1b before;  // the last frame
+    HeadEstimate last;
+    std::vector<KeyView> views;
+
+    cv::Mat1b to_gray(const ColorView& image) const;
+    std::optional<Camera> crop_at(const Eigen::Isometry3d& pose) const {
+        return head::crop_camera(shape, camera, pose, options.crop_height, kMargin);
+    }
+    void take_view(const cv::Mat1b& gray, const HeadEstimate& estimate);
+    std::vector<const KeyView*> nearest_views(const Eigen::Isometry3d& pose) const;
+    std::optional<HeadEstimate> follow_flow(const cv::Mat1b& gray) const;
+    std::optional<HeadEstimate> register_frame(const cv::Mat1b& gray, const Eigen::Isometry3d& start) const;
+    std::optional<Eigen::Isometry3d> recall(const cv::Mat1b& gray,
+                                            const std::optional<Eigen::Isometry3d>& guess) const;
+    HeadEstimate estimate(const cv::Mat1b& gray, const std::optional<Eigen::Isometry3d>& guess) const;
+    bool wants_view(const HeadEstimate& estimate) const;
+};
+
+cv::Mat1b HeadTracker::State::to_gray(const ColorView& image) const {
+    if (image.rows != camera.height || image.cols != camera.width) {
+        throw InvalidInput("the frame is " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
+                           " pixels, the camera " + std::to_string(camera.width) + " x " +
+                           std::to_string(camera.height));
+    }
+    // OpenCV has no read-only matrix; nothing here writes to it.
+    const cv::Mat3b color(image.rows, image.cols,
+                          reinterpret_cast<cv::Vec3b*>(const_cast<std::uint8_t*>(image.data)),
+                          static_cast<std::size_t>(image.stride));
+    cv::Mat1b gray;
+    cv::cvtColor(color, gray, cv::COLOR_RGB2GRAY);
+    return gray;
+}
+
+void HeadTracker::State::take_view(const cv::Mat1b& gray, const HeadEstimate& estimate) {
+    if (const auto part = crop_at(estimate.camera_from_head)) {
+        views.emplace_back(shape, options, head::cut(gray, camera, *part), estimate.camera_from_head,
+                           estimate.covariance);
+    }
+}
+
+std::vector<const KeyView*> HeadTracker::State::nearest_views(const Eigen::Isometry3d& pose) const {
+    std::vector<std::pair<double, const KeyView*>> order;
+    for (const KeyView& view : views) {
+        order.emplace_back(angle_between(view.camera_from_head(), pose), &view);
+    }
+    std::sort(order.begin(), order.end());
+    std::vector<const KeyView*> nearest;
+    for (const auto& [angle, view] : order) {
+        if (nearest.empty() ||
+            (angle < 2 * options.key_view_angle && static_cast<int>(nearest.size()) < kMaxTogether)) {
+            nearest.push_back(view);
+        }
+    }
+    return nearest;
+}
+
+std::optional<HeadEstimate> HeadTracker::State::follow_flow(const cv::Mat1b& gray) const {
+    const auto part = crop_at(last.camera_from_head);
+    if (!part) {
+        return {};
+    }
+    const auto measurements = head::measure_flow(shape, options, head::cut(before, camera, *part),
+                                                 head::cut(gray, camera, *part), last.camera_from_head);
+    if (measurements.size() < 12) {
+        return {};
+    }
+    const RigidMotion motion = head::explain_motion(*part, last.camera_from_head, measurements);
+    HeadEstimate found;
+    found.camera_from_head = motion.camera_from_head;
+    found.covariance = last.covariance + motion.covariance;
+    found.quality = found.explained = motion.explained;
+    found.num_samples = static_cast<int>(measurements.size());
+    found.residual_px = motion.residual_px / (part->fy / camera.fy);
+    return found;
+}
+
+std::optional<HeadEstimate> HeadTracker::State::register_frame(const cv::Mat1b& gray,
+                                                               const Eigen::Isometry3d& start) const {
+    HeadEstimate found;
+    found.camera_from_head = start;
+    for (int round = 0; round < options.max_iterations; ++round) {
+        const auto part = crop_at(found.camera_from_head);
+        if (!part) {
+            return {};
+        }
+        const HeadCrop now = head::cut(gray, camera, *part);
+        const auto nearest = nearest_views(found.camera_from_head);
+        std::vector<PointMeasurement> measurements;
+        Matrix6 of_views = Matrix6::Zero();
+        double shares = 0, correlation = 0;
+        for (const KeyView* view : nearest) {
+            const auto stabilised = view->stabilise(now, found.camera_from_head);
+            // Textures close to one another fade into each other as the head turns.
+            const double turn =
+                angle_between(view->camera_from_head(), found.camera_from_head) / options.key_view_angle;
+            const double share = std::exp(-turn * turn) + 1e-3;
+            view->measure(shape, options, stabilised, share, measurements);
+            of_views += share * view->covariance();
+            correlation += share * stabilised.correlation * std::min(1., 2 * stabilised.in_sight);
+            shares += share;
+        }
+        if (measurements.size() < 12) {
+            return {};
+        }
+        for (PointMeasurement& m : measurements) {
+            m.weight /= shares;
+        }
+        const RigidMotion motion = head::explain_motion(*part, found.camera_from_head, measurements);
+        const Eigen::Vector3d middle = found.camera_from_head * shape.centre;
+        const double moved = angle_between(found.camera_from_head, motion.camera_from_head) * .1 +
+                             (motion.camera_from_head * shape.centre - middle).norm();
+        found.camera_from_head = motion.camera_from_head;
+        found.covariance = motion.covariance + of_views / shares;
+        found.correlation = correlation / shares;
+        found.explained = motion.explained;
+        found.num_samples = static_cast<int>(measurements.size());
+        found.residual_px = motion.residual_px / (part->fy / camera.fy);
+        if (moved * part->fy / middle.z() < kStill) {
+            break;
+        }
+    }
+    constexpr double kChance = .15, kSure = .6;  // correlations of a wrong and of a good registration
+    found.quality =
+        std::clamp((found.correlation - kChance) / (kSure - kChance), 0., 1.) * std::sqrt(found.explained);
+    return found;
+}
+
+/// Where a lost head may be: the detector's guess, the last pose, or a pose that it was seen in before.
+std::optional<Eigen::Isometry3d> HeadTracker::State::recall(
+    const cv::Mat1b& gray, const std::optional<Eigen::Isometry3d>& guess) const {
+    std::vector<Eigen::Isometry3d> candidates{last.camera_from_head};
+    if (guess) {
+        candidates.push_back(*guess);
+    }
+    for (const KeyView& view : views) {
+        candidates.push_back(view.camera_from_head());
+    }
+    double best = -1;
+    std::optional<Eigen::Isometry3d> chosen;
+    for (const Eigen::Isometry3d& candidate : candidates) {
+        const auto found = register_frame(gray, candidate);
+        if (found && found->quality > best) {
+            best = found->quality;
+            chosen = found->camera_from_head;
+        }
+    }
+    return chosen;
+}
+
+HeadEstimate HeadTracker::State::estimate(const cv::Mat1b& gray,
+                                          const std::optional<Eigen::Isometry3d>& guess) const {
+    std::optional<HeadEstimate> found;
+    if (views.empty()) {
+        found = follow_flow(gray);
+    } else if (last.held || guess) {
+        const auto start = recall(gray, guess);
+        found = start ? register_frame(gray, *start) : std::nullopt;
+    } else {
+        const auto predicted = follow_flow(gray);
+        found = register_frame(gray, predicted ? predicted->camera_from_head : last.camera_from_head);
+    }
+    if (found && found->quality >= options.held_quality && found->camera_from_head.matrix().allFinite()) {
+        return *found;
+    }
+    HeadEstimate held = last;
+    held.held = true;
+    held.quality = found ? std::min(found->quality, .99 * options.held_quality) : 0;
+    held.correlation = found ? found->correlation : 0;
+    held.num_samples = 0;
+    // Nobody knows where a head that is not seen goes: it may turn and move a little every frame.
+    held.covariance.diagonal().head<3>().array() += 1e-3;
+    held.covariance.diagonal().tail<3>().array() += 1e-4;
+    return held;
+}
+
+bool HeadTracker::State::wants_view(const HeadEstimate& estimate) const {
+    constexpr double kGood = .5;
+    if (options.max_key_views == 0 || static_cast<int>(views.size()) >= options.max_key_views ||
+        estimate.held || estimate.quality < kGood || rotation_std(estimate.covariance) > kTooVague) {
+        return false;
+    }
+    return std::none_of(views.begin(), views.end(), [&](const KeyView& view) {
+        const double nearer =
+            estimate.camera_from_head.translation().norm() / view.camera_from_head().translation().norm();
+        return angle_between(view.camera_from_head(), estimate.camera_from_head) < options.key_view_angle &&
+               std::abs(nearer - 1) < kNearer;
+    });
+}
+
+HeadTracker::HeadTracker(const Camera& camera, const HeadShape& shape, const ColorView& image,
+                         const Eigen::Isometry3d& camera_from_head, const HeadOptions& options)
+    : state_(std::make_unique<State>()) {
+    camera.check();
+    shape.check();
+    options.check();
+    if (!camera_from_head.matrix().allFinite() ||
+        !head::crop_camera(shape, camera, camera_from_head, options.crop_height, kMargin)) {
+        throw InvalidInput(
+            "the head is out of the reference frame or smaller than 48 pixels there: choose another frame");
+    }
+    state_->camera = camera;
+    state_->shape = shape;
+    state_->options = options;
+    state_->before = state_->to_gray(image);
+    state_->last.camera_from_head = camera_from_head;
+    state_->last.covariance = kReferenceStd * kReferenceStd * Matrix6::Identity();
+    state_->last.quality = state_->last.explained = state_->last.correlation = 1;
+    if (options.max_key_views > 0) {
+        state_->take_view(state_->before, state_->last);
+    }
+}
+
+HeadTracker::~HeadTracker() = default;
+HeadTracker::HeadTracker(HeadTracker&&) noexcept = default;
+HeadTracker& HeadTracker::operator=(HeadTracker&&) noexcept = default;
+
+HeadEstimate HeadTracker::advance(const ColorView& image, const std::optional<Eigen::Isometry3d>& guess) {
+    State& state = *state_;
+    const cv::Mat1b gray = state.to_gray(image);
+    HeadEstimate found = state.estimate(gray, guess);
+    if (state.wants_view(found)) {
+        state.take_view(gray, found);
+    }
+    found.num_views = static_cast<int>(state.views.size());
+    state.before = gray;
+    state.last = found;
+    return found;
+}
+
+void HeadTracker::restart(const ColorView& image, const HeadEstimate& estimate) {
+    state_->before = state_->to_gray(image);
+    state_->last = estimate;
+}
+
+}  // namespace mimetic

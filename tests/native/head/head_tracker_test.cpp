@@ -1,0 +1,168 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <mimetic/error.hpp>
+
+#include "head_scene.hpp"
+
+namespace mimetic {
+namespace {
+
+using test::degrees_between;
+using test::HeadScene;
+
+struct Score {
+    double mean = 0;  // degrees
+    double worst = 0;
+    double last = 0;
+    double translation = 0;  // mean, metres
+    int num_held = 0;
+    int num_within_two_std = 0;
+    int num_frames = 0;
+};
+
+/// Follows a scene's motion from frame 0 to `end`, every `step`th frame.
+Score follow(const HeadScene& scene, const HeadShape& shape, int end, int step,
+             const HeadOptions& options = {}) {
+    const auto reference = scene.render(HeadScene::motion(0));
+    HeadTracker tracker(scene.camera, shape, scene.view(reference), HeadScene::motion(0), options);
+    Score score;
+    for (int frame = step; frame < end; frame += step) {
+        const Eigen::Isometry3d truth = HeadScene::motion(frame);
+        const auto image = scene.render(truth, static_cast<unsigned>(frame), 1 + .2 * std::sin(.05 * frame));
+        const HeadEstimate estimate = tracker.advance(scene.view(image));
+        score.last = degrees_between(estimate.camera_from_head, truth);
+        score.mean += score.last;
+        score.worst = std::max(score.worst, score.last);
+        score.translation += (estimate.camera_from_head.translation() - truth.translation()).norm();
+        const double std = std::sqrt(estimate.covariance.diagonal().head<3>().sum()) * 180 / M_PI;
+        score.num_within_two_std += score.last < 2 * std;
+        score.num_held += estimate.held;
+        ++score.num_frames;
+    }
+    score.mean /= score.num_frames;
+    score.translation /= score.num_frames;
+    return score;
+}
+
+HeadShape shape_of(const HeadScene& scene, HeadModel model) {
+    return make_head_shape(model, scene.vertices, scene.faces);
+}
+
+TEST(HeadTracker, FollowsAnEllipsoidThroughThreeHundredFramesWithoutDrift) {
+    const HeadScene scene(true);
+    // Two frames in three are skipped: 300 frames of the motion, in both directions of every axis.
+    const Score score = follow(scene, shape_of(scene, HeadModel::ellipsoid), 300, 3);
+    EXPECT_LT(score.mean, .8);
+    EXPECT_LT(score.worst, 2);
+    EXPECT_LT(score.last, 1);
+    EXPECT_LT(score.translation, 4e-3);  // 0.7 % of the distance
+    EXPECT_EQ(score.num_held, 0);
+    EXPECT_GT(score.num_within_two_std, .9 * score.num_frames);
+}
+
+TEST(HeadTracker, PlaneIsWorseThanEllipsoidAndSurfaceIsBestOnAHeadThatIsNone) {
+    const HeadScene scene(false);
+    const Score ellipsoid = follow(scene, shape_of(scene, HeadModel::ellipsoid), 90, 2);
+    const Score plane = follow(scene, shape_of(scene, HeadModel::plane), 90, 2);
+    const Score surface = follow(scene, shape_of(scene, HeadModel::surface), 90, 2);
+    EXPECT_LT(ellipsoid.mean, 3);
+    EXPECT_LT(ellipsoid.mean, plane.mean / 3);
+    EXPECT_LT(surface.mean, 1);
+    EXPECT_LT(surface.mean, ellipsoid.mean);
+    EXPECT_LT(surface.translation, 2e-3);
+    EXPECT_EQ(ellipsoid.num_held + surface.num_held, 0);
+}
+
+TEST(HeadTracker, ReferenceTexturesStopWhatFlowAloneAddsUp) {
+    const HeadScene scene(false);
+    const HeadShape shape = shape_of(scene, HeadModel::surface);
+    HeadOptions flow_alone;
+    flow_alone.max_key_views = 0;
+    EXPECT_LT(3 * follow(scene, shape, 60, 1).worst, follow(scene, shape, 60, 1, flow_alone).worst);
+}
+
+TEST(HeadTracker, HoldsALostHeadAndFindsItAtTheDetectorsGuess) {
+    const HeadScene scene(false);
+    const auto reference = scene.render(HeadScene::pose(0, 0, 0));
+    HeadTracker tracker(scene.camera, shape_of(scene, HeadModel::surface), scene.view(reference),
+                        HeadScene::pose(0, 0, 0));
+    const std::vector<std::uint8_t> wall(reference.size(), 120);
+    HeadEstimate estimate = tracker.advance(scene.view(wall));
+    EXPECT_TRUE(estimate.held);
+    EXPECT_LT(estimate.quality, .2);
+    const double before = estimate.covariance.trace();
+    estimate = tracker.advance(scene.view(wall));
+    EXPECT_GT(estimate.covariance.trace(), before);
+    const Eigen::Isometry3d back = HeadScene::pose(14, -6, 5, .06, -.02, .03);
+    const auto image = scene.render(back, 5);
+    estimate = tracker.advance(scene.view(image), HeadScene::pose(10, -3, 2, .055, -.016, .04));
+    EXPECT_FALSE(estimate.held);
+    EXPECT_LT(degrees_between(estimate.camera_from_head, back), 1.5);
+}
+
+TEST(HeadTracker, IsNotLedAstrayByAHandOverHalfTheFace) {
+    const HeadScene scene(false);
+    const auto reference = scene.render(HeadScene::pose(0, 0, 0));
+    HeadTracker tracker(scene.camera, shape_of(scene, HeadModel::surface), scene.view(reference),
+                        HeadScene::pose(0, 0, 0));
+    HeadEstimate estimate;
+    for (int frame = 1; frame <= 8; ++frame) {
+        const auto image =
+            scene.render(HeadScene::pose(frame, 0, .5 * frame), static_cast<unsigned>(frame), 1, frame > 3);
+        estimate = tracker.advance(scene.view(image));
+    }
+    EXPECT_FALSE(estimate.held);
+    EXPECT_LT(degrees_between(estimate.camera_from_head, HeadScene::pose(8, 0, 4)), 2.5);
+}
+
+TEST(HeadTracker, GoesBackToAFrame) {
+    const HeadScene scene(true);
+    const auto reference = scene.render(HeadScene::motion(0));
+    HeadTracker tracker(scene.camera, shape_of(scene, HeadModel::ellipsoid), scene.view(reference),
+                        HeadScene::motion(0));
+    const HeadEstimate start = tracker.advance(scene.view(reference));
+    for (const int frame : {4, 8, 12}) {
+        tracker.advance(scene.view(scene.render(HeadScene::motion(frame))));
+    }
+    tracker.restart(scene.view(reference), start);
+    const auto image = scene.render(HeadScene::motion(-4));
+    EXPECT_LT(degrees_between(tracker.advance(scene.view(image)).camera_from_head, HeadScene::motion(-4)), 1);
+}
+
+TEST(HeadShape, FitsTheEllipsoidThatTheHeadIs) {
+    const HeadScene scene(true);
+    // The front alone, as a camera sees it
+    Quads front(0, 4);
+    for (Eigen::Index f = 0; f < scene.faces.rows(); ++f) {
+        if (scene.vertices(scene.faces(f, 0), 2) > .02) {
+            front.conservativeResize(front.rows() + 1, 4);
+            front.row(front.rows() - 1) = scene.faces.row(f);
+        }
+    }
+    const HeadShape shape = make_head_shape(HeadModel::ellipsoid, scene.vertices, front);
+    EXPECT_LT((shape.half_axes - scene.half_axes).norm(), 1e-6);
+    EXPECT_LT(shape.centre.norm(), 1e-6);
+}
+
+TEST(HeadTracker, SaysWhatIsWrongWithItsInput) {
+    const HeadScene scene(true);
+    const auto image = scene.render(HeadScene::pose(0, 0, 0));
+    HeadShape shape = shape_of(scene, HeadModel::ellipsoid);
+    const auto make = [&](const HeadShape& head, const Eigen::Isometry3d& pose, HeadOptions options = {}) {
+        return HeadTracker(scene.camera, head, scene.view(image), pose, options);
+    };
+    EXPECT_THROW(make(shape, HeadScene::pose(0, 0, 0, 3)), InvalidInput);
+    EXPECT_THROW(make(shape, HeadScene::pose(0, 0, 0, 0, 0, -.7)), InvalidInput);
+    EXPECT_THROW(make(shape, HeadScene::pose(0, 0, 0), {.crop_height = 3}), InvalidInput);
+    shape.half_axes.x() = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(make(shape, HeadScene::pose(0, 0, 0)), InvalidInput);
+    EXPECT_THROW(make_head_shape(HeadModel::ellipsoid, scene.vertices, scene.faces.topRows(1)), InvalidInput);
+    EXPECT_THROW(make_head_shape(HeadModel::surface, scene.vertices, Quads(0, 4)), InvalidInput);
+    HeadTracker tracker = make(shape_of(scene, HeadModel::plane), HeadScene::pose(0, 0, 0));
+    EXPECT_THROW(tracker.advance({image.data(), 120, 320, 960}), InvalidInput);
+}
+
+}  // namespace
+}  // namespace mimetic
