@@ -15,9 +15,10 @@ from pathlib import Path
 import numpy as np
 
 from mimetic import InvalidInput, UnreadableMedia
-from mimetic.anatomy_sheet import COLORS, TALLEST, WIDTH, Painter, sheet_tiles, write_sheet
+from mimetic.anatomy_sheet import anatomy_tiles, write_sheet
 from mimetic.face_template import load_template
 from mimetic.foreign_head import attach_foreign
+from mimetic.head_painter import COLORS, TALLEST, WIDTH, Painter
 from mimetic.mesh_file import read_landmarks, read_obj
 
 
@@ -44,7 +45,7 @@ class PlainMesh:
 class PlainPainter(Painter):
     """Draws a mesh that is in the template's axes and size."""
 
-    def __init__(self, faces: np.ndarray, size: int, yaw: float):
+    def __init__(self, num_vertices: int, faces: np.ndarray, size: int, yaw: float):
         self.shape = (round(size * TALLEST), size)
         self.mesh = PlainMesh(faces)
         self.color = np.tile(COLORS["skin"], (len(faces), 1))
@@ -53,6 +54,7 @@ class PlainPainter(Painter):
         self.view_from_head = np.array([[cos, 0, -sin], [0, 1, 0], [sin, 0, cos]])
         self.middle = np.array([0.0, 0.01, 0.05]) @ self.view_from_head.T
         self.scale = size / WIDTH
+        self.toward_iris = np.full((num_vertices, 1), -1.0)  # its eyes are not known
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -94,13 +96,15 @@ def _draw(options: argparse.Namespace) -> int:
     for note in head.notes:
         print(f"foreign_sheet: {note}")
     print("laid on within {:.2f} mm (median), {:.2f} mm (95 %)".format(*head.gap_mm))
-    tiles = sheet_tiles(head.anatomy)
+    tiles = anatomy_tiles(head.anatomy)
     if unknown := sorted(set(options.only or ()) - set(tiles)):
         raise InvalidInput(f"no picture {unknown[0]!r}; there are {', '.join(tiles)}")
     to_template = head.mesh_from_template.inverse()
     chosen = {name: to_template.turn(tiles[name]) for name in options.only or tiles}
-    painter = PlainPainter(faces, options.size, options.yaw)
-    write_sheet(painter, to_template.apply(vertices), chosen, options.out)
+    painter = PlainPainter(len(vertices), faces, options.size, options.yaw)
+    rest = to_template.apply(vertices)
+    pictures = {title: painter.paint(rest, moved) for title, moved in chosen.items()}
+    write_sheet(pictures, options.out)
     return 0
 
 

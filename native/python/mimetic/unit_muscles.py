@@ -65,3 +65,64 @@ COMPOSITES: dict[str, dict[str, float]] = {
     "pout": {"mouthShrugLower": 0.9, "mouthShrugUpper": 0.5, "mouthPucker": 0.3},
     "speech, o": {"jawOpen": 0.3, "mouthFunnel": 0.7, "mouthPucker": 0.3},
 }
+
+# The basic emotions and a pucker by our muscles, after the action units given with each.
+EXPRESSIONS: dict[str, dict[str, float]] = {
+    "smile": {  # 6 + 12
+        "zygomaticus_major": 1.0,
+        "zygomaticus_minor": 0.2,
+        "orbicularis_oculi_inferior": 0.7,
+        "orbicularis_oculi_lateral": 0.4,
+        "lid_lower": 0.4,
+    },
+    "sadness": {  # 1 + 4 + 15 + 17
+        "frontalis_medial": 0.9,
+        "corrugator_supercilii": 0.5,
+        "depressor_anguli_oris": 0.8,
+        "mentalis": 0.4,
+        "lid_upper": 0.2,
+    },
+    "surprise": {  # 1 + 2 + 5 + 26
+        "frontalis_medial": 0.9,
+        "frontalis_middle": 0.9,
+        "frontalis_lateral": 0.9,
+        "lid_upper": -0.4,
+        "jaw_open": 0.6,
+    },
+    "anger": {  # 4 + 5 + 7 + 23
+        "corrugator_supercilii": 1.0,
+        "depressor_supercilii": 0.7,
+        "procerus": 0.5,
+        "orbicularis_oculi_lateral": 0.3,
+        "lid_upper": -0.2,
+        "lid_lower": 0.4,
+        "oris_close_upper": 0.6,
+        "oris_close_lower": 0.6,
+        "depressor_anguli_oris": 0.2,
+    },
+    "disgust": {  # 9 + 10 + 15 + 17
+        "levator_labii_superioris_alaeque_nasi": 1.0,
+        "levator_labii_superioris": 0.5,
+        "procerus": 0.5,
+        "corrugator_supercilii": 0.4,
+        "orbicularis_oculi_inferior": 0.4,
+        "depressor_anguli_oris": 0.4,
+        "mentalis": 0.4,
+        "lid_lower": 0.4,
+    },
+    "fear": {  # 1 + 2 + 4 + 5 + 20 + 26
+        "frontalis_medial": 0.9,
+        "frontalis_middle": 0.6,
+        "frontalis_lateral": 0.4,
+        "corrugator_supercilii": 0.6,
+        "lid_upper": -0.4,
+        "risorius": 0.7,
+        "depressor_labii_inferioris": 0.3,
+        "jaw_open": 0.25,
+    },
+    "pucker": {  # 18
+        "orbicularis_oris": 1.0,
+        "oris_protrude_upper": 0.4,
+        "oris_protrude_lower": 0.4,
+    },
+}
