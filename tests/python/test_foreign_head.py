@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -162,6 +163,23 @@ def test_a_scan_with_sealed_lips_gets_the_same_muscles(template):
     lip = np.argmin(np.linalg.norm(vertices - landmarks["lip_upper_inner"] - [0, 0.006, 0], axis=1))
     assert opened[chin, 1] < -0.018
     assert np.linalg.norm(opened[lip]) < 0.01
+
+
+def test_a_face_from_elsewhere_smiles(template):
+    folder = Path(__file__).resolve().parents[2] / "build" / "foreign_face"
+    if not (folder / "face.obj").exists():
+        pytest.skip("scripts/fetch_foreign_face fetches this face")
+    vertices, faces = read_obj(folder / "face.obj")
+    landmarks = read_landmarks(folder / "landmarks.json")
+    modes = attach_foreign(0.01 * vertices, faces, landmarks, template).anatomy
+    for side, outwards in (("L", 1), ("R", -1)):
+        smile = modes.muscle_modes[modes.muscle_names.index(f"zygomaticus_major.{side}")]
+        corner = smile[landmarks[f"mouth_corner.{side}"]]
+        assert 0.008 < np.linalg.norm(corner) < 0.016
+        assert corner[0] * outwards > 0.003
+        assert corner[1] > 0.003
+    opened = modes.articulator_modes[modes.articulator_names.index("jaw_open")]
+    assert opened[landmarks["lip_upper"], 1] - opened[landmarks["lip_lower"], 1] > 0.012
 
 
 def refused(template, head, match, vertices=None, faces=None, **landmarks):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from importlib import resources
 
 import numpy as np
@@ -89,7 +89,7 @@ def attach(
 def attach_skin(
     neutral_vertices, template, perturbation: AnatomyPerturbation | None = None
 ) -> AttachedSkin:
-    """A head's skin on its bones, checked and factored; arguments and errors of `attach`."""
+    """A head's skin on its bones, checked; arguments and errors of `attach`."""
     neutral = np.ascontiguousarray(neutral_vertices, dtype=np.float64)
     if neutral.shape != np.shape(template.vertices):
         raise _core.InvalidInput(
@@ -188,7 +188,7 @@ def calibrate(canonical: SkinMesh, mesh: SkinMesh, responses: np.ndarray) -> np.
 
 
 class AttachedSkin:
-    """Skin with its materials on its bones, factored."""
+    """Skin with its materials on its bones, factored when first asked."""
 
     def __init__(self, mesh: SkinMesh, stiffness_factor: float):
         self.mesh = mesh
@@ -196,10 +196,14 @@ class AttachedSkin:
         self.free = self._free_vertices()
         self.basis = keep_columns(mesh.stencils, self.free)
         self.materials = self._materials(stiffness_factor)
-        self.model = _core.SkinModel(
+        self.num_vertices = len(template.vertices)
+
+    @cached_property
+    def model(self) -> _core.SkinModel:
+        mesh = self.mesh
+        return _core.SkinModel(
             mesh.vertices, mesh.triangles, self.materials, self.basis, int(self.free.sum())
         )
-        self.num_vertices = len(template.vertices)
 
     def respond(self, forces: np.ndarray) -> np.ndarray:
         """M x N x 3 newtons -> displacements of the skin's control vertices, M x S x 3."""
