@@ -94,3 +94,12 @@ def test_an_eye_turns_as_a_whole_and_stays_round(template, extras):
         np.testing.assert_allclose(np.linalg.norm(turned - centre, axis=1), before, atol=3e-4)
         assert sign * moved[front, axis] > 0.4 * radius
         assert not np.delete(moved, eye, axis=0).any()
+
+
+def test_a_small_head_has_small_motions(template, extras):
+    small = attach_extras(anatomy.attach_skin(0.8 * template.vertices, template))
+    for name, own, usual in zip(extras.names, small.modes, extras.modes, strict=True):
+        # 1 %: pre-stress does not go with the size
+        assert np.linalg.norm(own) == pytest.approx(0.8 * np.linalg.norm(usual), rel=0.01), name
+        cosine = (own * usual).sum() / np.linalg.norm(own) / np.linalg.norm(usual)
+        assert cosine > 0.99, name

@@ -56,27 +56,25 @@ def both(modes: dict, name: str) -> NDArray[np.float64]:
     return sum(modes[f"{name}.{side}"] for side in SIDES)
 
 
-def sheet_tiles(anatomy: Anatomy, extras: Extras, contact: Contact) -> dict[str, Tile]:
-    """The sheet's pictures by title."""
+def sheet_tiles(anatomy: Anatomy, extras: Extras) -> dict[str, Tile]:
+    """The sheet's pictures by title, before contact."""
     tiles = {
-        title: Tile(contact.relieve(displacement), tint=title != "neutral")
+        title: Tile(displacement, tint=title != "neutral")
         for title, displacement in anatomy_tiles(anatomy).items()
     }
     modes = dict(zip(anatomy.muscle_names, anatomy.muscle_modes, strict=True))
     modes |= dict(zip(anatomy.articulator_names, anatomy.articulator_modes, strict=True))
     modes |= dict(zip(extras.names, extras.modes, strict=True))
     for part in ("oris_protrude", "oris_close", "lip_roll"):
-        tiles[part] = Tile(contact.relieve(modes[f"{part}_upper"] + modes[f"{part}_lower"]))
-    rolled_in = -modes["lip_roll_upper"] - modes["lip_roll_lower"]
-    tiles["lip_roll in"] = Tile(contact.relieve(rolled_in))
+        tiles[part] = Tile(modes[f"{part}_upper"] + modes[f"{part}_lower"])
+    tiles["lip_roll in"] = Tile(-tiles["lip_roll"].displacement)
     tiles["air_cheek"], tiles["air_lips"] = Tile(both(modes, "air_cheek")), Tile(modes["air_lips"])
     tiles["look up"] = Tile(both(modes, "look_up"), tint=False)
     tiles["look down"] = Tile(both(modes, "look_down"), tint=False)
     tiles["look left"] = Tile(modes["look_out.L"] + modes["look_in.R"], tint=False)
     for title in EXPRESSIONS:
         for share in (0.5, 1.0):
-            shape = contact.relieve(expression(modes, title, share))
-            tiles[f"{title} {share:.0%}"] = Tile(shape, tint=False)
+            tiles[f"{title} {share:.0%}"] = Tile(expression(modes, title, share), tint=False)
     return tiles
 
 
@@ -101,20 +99,18 @@ def main(arguments: list[str] | None = None) -> int:
     options = parser.parse_args(arguments)
     template = load_template()
     skin = attach_skin(template.vertices, template)
-    tiles = sheet_tiles(modes_of(skin), attach_extras(skin), Contact(skin))
+    tiles = sheet_tiles(modes_of(skin), attach_extras(skin))
     unknown = sorted(set(options.only or ()) - set(tiles))
     if unknown:
         print(f"no picture {unknown[0]!r}; there are {', '.join(tiles)}", file=sys.stderr)
         return 2
     chosen = {name: tiles[name] for name in options.only or tiles}
     painters = [Painter(template, options.size, yaw, options.focus) for yaw in options.yaw]
-    pictures = {
-        title: np.hstack(
-            [p.paint(np.asarray(template.vertices), tile.displacement, tile.tint) for p in painters]
-        )
-        for title, tile in chosen.items()
-    }
-    write_sheet(pictures, options.out, max(1, options.columns))
+    contact, rest, pictures = Contact(skin), np.asarray(template.vertices), {}
+    for title, tile in chosen.items():
+        shown = contact.relieve(tile.displacement)
+        pictures[title] = np.hstack([p.paint(rest, shown, tile.tint) for p in painters])
+    write_sheet(pictures, options.out, options.columns)
     return 0
 
 
@@ -122,7 +118,7 @@ def write_sheet(pictures: dict[str, NDArray[np.float64]], out: Path, columns: in
     """Pictures of one size, in rows under their titles."""
     from matplotlib.figure import Figure
 
-    columns = min(columns, len(pictures))
+    columns = max(1, min(columns, len(pictures)))
     height, width = next(iter(pictures.values())).shape[:2]
     rows = -(-len(pictures) // columns)
     figure = Figure(figsize=(columns * width / 100, rows * (height + TITLE) / 100), dpi=100)

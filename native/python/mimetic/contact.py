@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from mimetic.anatomy import SIDES, AttachedSkin
 from mimetic.skin_mesh import SkinMesh, multiply
 
-LIP_DEPTH = 0.008  # along the skin from the edge where lips can touch, m
+LIP_DEPTH = 0.008  # along the skin from the edge where lips can touch, m on the template
 HALF_LIP = 0.040  # along the skin from the middle of a lip to its corners
 DEEPEST = 0.012  # what lies deeper in the other lip has come from elsewhere
 CORNER_GAP = 0.0015  # next to the corners lips are one skin
@@ -127,9 +127,11 @@ def part(compliance: NDArray[np.float64], gaps: NDArray[np.float64]) -> NDArray[
 def lip_slit(mesh: SkinMesh) -> Slit:
     """The two lips as far as they can touch, the mouth's lining behind them included."""
     margin = mesh.vertices[mesh.vertices_between("skin", "mouth_cavity")]
-    near = np.isfinite(mesh.whole_surface.distances(margin, LIP_DEPTH))
+    near = np.isfinite(mesh.whole_surface.distances(margin, LIP_DEPTH * mesh.size))
     reach = [
-        mesh.whole_surface.distances(mesh.vertices[[mesh.landmark(f"lip_{lip}_inner")]], HALF_LIP)
+        mesh.whole_surface.distances(
+            mesh.vertices[[mesh.landmark(f"lip_{lip}_inner")]], HALF_LIP * mesh.size
+        )
         for lip in ("upper", "lower")
     ]
     upper = near & (reach[0] < reach[1])

@@ -79,8 +79,8 @@ def turned_eye(mesh: SkinMesh, row: dict, side: str) -> NDArray[np.float64]:
 
 def skin_forces(canonical: SkinMesh, mesh: SkinMesh, row: dict, side: str) -> NDArray[np.float64]:
     """N x 3 nodal forces of one entry at some strength; side is empty if both share it."""
-    line = line_points(canonical, mesh, row, side)
-    width = 1e-3 * row["width"]
+    line, scale = line_points(canonical, mesh, row, side)
+    width = 1e-3 * row["width"] * scale
     distance = mesh.surface.distances(line, FOOTPRINT_LIMIT * width)
     areas = vertex_areas(mesh)
     weight = np.where(np.isfinite(distance), areas * np.exp(-0.5 * (distance / width) ** 2), 0)
@@ -96,7 +96,7 @@ def push_direction(mesh: SkinMesh, row: dict) -> NDArray[np.float64]:
     """N x 3: forwards, and to the height of the slit between the lips; unit at most."""
     slit = slit_middle(mesh)
     to_slit = slit[1] - mesh.vertices[:, 1]
-    inwards = np.clip(to_slit / 0.003, -1, 1)  # fades where the lips meet
+    inwards = np.clip(to_slit / (0.003 * mesh.size), -1, 1)  # fades where the lips meet
     direction = np.zeros_like(mesh.vertices)
     direction[:, 1] = row["inwards"] * inwards
     direction[:, 2] = row["forwards"]
@@ -113,7 +113,7 @@ def roll_forces(mesh: SkinMesh, line, weight, *, upper: bool) -> NDArray[np.floa
     axis_at = np.column_stack(
         [np.interp(mesh.vertices[:, 0], line[order, 0], line[order, k]) for k in range(3)]
     )
-    depth = np.array([0.0, 0.0, 0.003])  # the lip's core lies under its skin
+    depth = np.array([0.0, 0.0, 0.003 * mesh.size])  # the lip's core lies under its skin
     arm = (mesh.vertices - axis_at + depth) * [0.0, 1.0, 1.0]
     turn = np.array([-1.0 if upper else 1.0, 0.0, 0.0])
     forces = weight[:, None] * np.cross(turn, arm)
@@ -125,19 +125,15 @@ def slit_middle(mesh: SkinMesh) -> NDArray[np.float64]:
     return mesh.neutral[inner].mean(axis=0)
 
 
-def line_points(canonical: SkinMesh, mesh: SkinMesh, row: dict, side: str) -> NDArray[np.float64]:
-    """K x 3: the entry's line on a person, densely; on both sides if it is not a pair's."""
-    return np.concatenate(
-        [
-            dense([found_position(canonical, mesh, place, s) for place in row["line"]])
-            for s in ([side] if side else SIDES)
-        ]
-    )
-
-
-def found_position(canonical: SkinMesh, mesh: SkinMesh, place, side: str) -> NDArray[np.float64]:
-    anchor, x, y, depth = place
-    return find_place(canonical, anchor, x, y, depth, side).position(mesh)
+def line_points(canonical: SkinMesh, mesh: SkinMesh, row: dict, side: str):
+    """K x 3: the entry's line on a person, densely, on both sides if it is not a pair's; and how
+    many times as long as on the template lengths are along it."""
+    points, scales = [], []
+    for s in [side] if side else SIDES:
+        places = [find_place(canonical, *place, s) for place in row["line"]]
+        points.append(dense([place.position(mesh) for place in places]))
+        scales += [place.scale(mesh) for place in places]
+    return np.concatenate(points), float(np.mean(scales))
 
 
 def dense(corners: list[NDArray[np.float64]]) -> NDArray[np.float64]:
@@ -158,8 +154,8 @@ def vertex_areas(mesh: SkinMesh) -> NDArray[np.float64]:
 
 
 def strength(canonical: SkinMesh, mesh: SkinMesh, row: dict, side: str, mode) -> float:
-    """What gives the entry its excursion; mode: V x 3 at strength 1."""
+    """What gives the entry its excursion, in proportion to the person; mode: V x 3 at 1."""
     anchor, x, y = row["measured_at"]
     place = find_place(canonical, anchor, x, y, 0, side or SIDES[0])
     moved = multiply(mesh.stencils, mode[: int(mesh.template.num_skin_vertices)])[place.vertex]
-    return 1e-3 * row["excursion_mm"] / float(np.linalg.norm(moved))
+    return 1e-3 * row["excursion_mm"] * place.scale(mesh) / float(np.linalg.norm(moved))
