@@ -12,6 +12,7 @@ void bind_locate(pybind11::module_& m);
 void bind_eigenspace(pybind11::module_& m);
 void bind_fit(pybind11::module_& m);
 void bind_flow(pybind11::module_& m);
+void bind_head(pybind11::module_& m);
 void bind_solve(pybind11::module_& m);
 void bind_overlay(pybind11::module_& m);
 }  // namespace mimetic::bindings
@@ -33,6 +34,7 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_eigenspace(m);
     bindings::bind_fit(m);
     bindings::bind_flow(m);
+    bindings::bind_head(m);
     bindings::bind_solve(m);
     bindings::bind_overlay(m);
 }

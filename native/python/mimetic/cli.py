@@ -19,6 +19,7 @@ COMMANDS = {
         "mimetic.capture_command",
         "video of a face -> muscles, head motion, overlay, report",
     ),
+    "head": ("mimetic.head_command", "video of a head -> its motion alone, overlay, plot"),
     "points": ("mimetic.points", "where pixels of one frame go in all others"),
     "bake": ("mimetic.bake", "a performance -> animated head in a .blend or .glb"),
     "evaluate": ("mimetic.evaluate.command", "score a capture against known truth"),

@@ -66,14 +66,16 @@ def write_overlay(
     footage: Footage,
     path: str | os.PathLike[str],
     progress: Progress | None = None,
+    drawing: FaceDrawing | None = None,
 ) -> bool:
     """Encodes overlay.mp4 (H.264) in a second pass over the footage, whole or not at all.
 
-    Returns False, and leaves no file, if `progress` stopped it. Raises OSError.
+    drawing: has `performance` and `paint`, by default the captured face's. Returns False, and
+    leaves no file, if `progress` stopped it. Raises OSError.
     """
     path = Path(path)
     aside = path.with_name(f".{path.stem}.part{path.suffix}")
-    drawing = FaceDrawing(performance)
+    drawing = drawing or FaceDrawing(performance)
     pictures = _pictures(drawing, footage, progress)
     try:
         finished = _encode(pictures, aside, Fraction(footage.fps))

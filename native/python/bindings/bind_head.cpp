@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/head.hpp>
+
+#include "arrays.hpp"
+
+namespace mimetic::bindings {
+
+namespace py = pybind11;
+using namespace pybind11::literals;
+
+namespace {
+
+Eigen::Isometry3d to_isometry(const Eigen::Matrix4d& matrix) {
+    Eigen::Isometry3d pose;
+    pose.matrix() = matrix;
+    return pose;
+}
+
+void bind_shape(py::module_& m) {
+    py::enum_<HeadModel>(m, "HeadModel", "The rigid body that stands for the head.")
+        .value("ellipsoid", HeadModel::ellipsoid, "the paper's")
+        .value("plane", HeadModel::plane, "the patch that the paper compares with")
+        .value("surface", HeadModel::surface, "the person's own surface");
+    py::class_<MovingPart>(m, "MovingPart", "A part of the face that moves on its own and counts for less.")
+        .def(
+            py::init([](const Eigen::Vector2d& centre, double radius, double share) {
+                return MovingPart{centre, radius, share};
+            }),
+            "centre"_a, "radius"_a = MovingPart{}.radius, "share"_a = MovingPart{}.share,
+            "centre: (x, y) in the head frame, metres; radius: metres; share: taken from the weight, 0 to 1");
+    py::class_<HeadShape>(m, "HeadShape", "The model of a head; head frame, metres.")
+        .def_readonly("model", &HeadShape::model)
+        .def_readonly("centre", &HeadShape::centre, "(3,)")
+        .def_readonly("half_axes", &HeadShape::half_axes, "(3,) along x, y, z")
+        .def_readonly("depth_error", &HeadShape::depth_error, "s.d. of the head about the model, metres")
+        .def_readwrite("moving_parts", &HeadShape::moving_parts);
+    m.def("make_head_shape", &make_head_shape, "model"_a, py::arg("vertices").noconvert(),
+          py::arg("faces").noconvert(), py::call_guard<py::gil_scoped_release>(),
+          "The model nearest to a head's skin.\n\nvertices: (V, 3) float64, metres; faces: (F, 4) int32 of "
+          "the skin that\nis seen. Raises InvalidInput.");
+    py::class_<HeadOptions>(m, "HeadOptions", "How a head is followed; see head.hpp for units.")
+        .def(py::init<>())
+        .def_readwrite("crop_height", &HeadOptions::crop_height)
+        .def_readwrite("sample_spacing", &HeadOptions::sample_spacing)
+        .def_readwrite("max_iterations", &HeadOptions::max_iterations)
+        .def_readwrite("max_key_views", &HeadOptions::max_key_views)
+        .def_readwrite("key_view_angle", &HeadOptions::key_view_angle)
+        .def_readwrite("least_facing", &HeadOptions::least_facing)
+        .def_readwrite("held_quality", &HeadOptions::held_quality)
+        .def_readwrite("flow_method", &HeadOptions::flow_method);
+}
+
+void bind_tracker(py::module_& m) {
+    py::class_<HeadEstimate>(m, "HeadEstimate", "Pose of one frame with its covariance.")
+        .def_property_readonly(
+            "camera_from_head", [](const HeadEstimate& e) { return e.camera_from_head.matrix(); },
+            "(4, 4), metres")
+        .def_readonly("covariance", &HeadEstimate::covariance,
+                      "(6, 6) of (rotation vector, translation): exp(r) R, t + d; rad, metres")
+        .def_readonly("quality", &HeadEstimate::quality, "0 lost to 1 well explained")
+        .def_readonly("held", &HeadEstimate::held, "nothing was measured: the last good pose")
+        .def_readonly("num_samples", &HeadEstimate::num_samples)
+        .def_readonly("explained", &HeadEstimate::explained)
+        .def_readonly("residual_px", &HeadEstimate::residual_px)
+        .def_readonly("correlation", &HeadEstimate::correlation)
+        .def_readonly("num_views", &HeadEstimate::num_views);
+    py::class_<HeadTracker>(m, "HeadTracker", "Follows a rigid head in 6 degrees of freedom.")
+        .def(py::init([](const Camera& camera, const HeadShape& shape, const ImageArray& image,
+                         const Eigen::Matrix4d& camera_from_head, const HeadOptions& options) {
+                 const ColorView view = view_image<3>(image, "the reference image");
+                 const py::gil_scoped_release unlocked;
+                 return HeadTracker(camera, shape, view, to_isometry(camera_from_head), options);
+             }),
+             "camera"_a, "shape"_a, py::arg("image").noconvert(), "camera_from_head"_a,
+             "options"_a = HeadOptions{},
+             "image: (H, W, 3) uint8, where the head is at camera_from_head (4, 4). Raises InvalidInput.")
+        .def(
+            "advance",
+            [](HeadTracker& tracker, const ImageArray& image, const std::optional<Eigen::Matrix4d>& guess) {
+                const ColorView view = view_image<3>(image, "the frame");
+                const auto pose = guess ? std::optional(to_isometry(*guess)) : std::nullopt;
+                const py::gil_scoped_release unlocked;
+                return tracker.advance(view, pose);
+            },
+            py::arg("image").noconvert(), "guess"_a = py::none(),
+            "HeadEstimate of the next frame.\n\nimage: (H, W, 3) uint8; guess: (4, 4) where a detector sees "
+            "the head,\ntried when it was lost.")
+        .def(
+            "restart",
+            [](HeadTracker& tracker, const ImageArray& image, const HeadEstimate& estimate) {
+                tracker.restart(view_image<3>(image, "the frame"), estimate);
+            },
+            py::arg("image").noconvert(), "estimate"_a,
+            "Goes back to a frame, to follow the clip the other way; reference textures are kept.");
+}
+
+}  // namespace
+
+void bind_head(py::module_& m) {
+    bind_shape(m);
+    bind_tracker(m);
+}
+
+}  // namespace mimetic::bindings

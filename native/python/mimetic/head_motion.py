@@ -1,0 +1,227 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From footage to head motion alone: the paper's section 4."""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, UnreadableMedia, _core
+from mimetic import fit as fitting
+from mimetic.anatomy import attach
+from mimetic.face_template import FaceTemplate, load_template
+from mimetic.fit import FaceFit, NoFace
+from mimetic.footage import Footage
+from mimetic.performance import HELD_QUALITY, Performance
+from mimetic.pipeline import (
+    CUT_DIFFERENCE,
+    SEARCH_AGAIN,
+    CaptureSummary,
+    FrameRange,
+    Progress,
+    check_range,
+    find_face,
+    frames_backward,
+)
+from mimetic.sequence import Rows
+from mimetic.tracking import ACTIVATION_STD
+
+MODELS = ("ellipsoid", "plane", "surface")
+# The regions of skin that each model leaves out. The patch is the face's; hair hides the scalp,
+# but the skull is what makes a head an ellipsoid.
+LEFT_OUT = {
+    "ellipsoid": ("neck", "ear", "mouth_cavity", "eye_socket"),
+    "plane": ("neck", "ear", "mouth_cavity", "eye_socket", "scalp"),
+    "surface": ("neck", "ear", "mouth_cavity", "eye_socket", "scalp"),
+}
+# Between which landmarks parts lie that move on their own, their radius in metres, and their share
+MOVING_PARTS = (
+    (("mouth_corner.L", "mouth_corner.R"), 0.025, 0.8),
+    (("eye_inner.L", "eye_outer.L"), 0.014, 0.8),
+    (("eye_inner.R", "eye_outer.R"), 0.014, 0.8),
+)
+
+
+def head_shape(
+    model: str, neutral_vertices: NDArray[np.float64], template: FaceTemplate
+) -> _core.HeadShape:
+    """The `model` (one of MODELS) of a person's head; neutral_vertices: V x 3, metres."""
+    if model not in MODELS:
+        raise InvalidInput(f"head model {model!r}; there are {', '.join(MODELS)}")
+    skin = np.ascontiguousarray(neutral_vertices[: template.num_skin_vertices])
+    faces = np.asarray(template.skin_faces)
+    left_out = template.in_region(*LEFT_OUT[model])
+    faces = np.ascontiguousarray(faces[~left_out[faces].any(axis=1)], dtype=np.int32)
+    # The limit surface, where the face is, lies inside of the control mesh.
+    limit = _core.SubdividedMesh(np.ascontiguousarray(template.skin_faces), len(skin), 0)
+    vertices = np.ascontiguousarray(limit.positions(skin)[: len(skin)])
+    shape = _core.make_head_shape(getattr(_core.HeadModel, model), vertices, faces)
+    shape.moving_parts = [
+        _core.MovingPart(
+            skin[[template.landmark(n) for n in names], :2].mean(axis=0), radius, share
+        )
+        for names, radius, share in MOVING_PARTS
+    ]
+    return shape
+
+
+def track_head(
+    path: str | os.PathLike[str],
+    model: str = "ellipsoid",
+    frames: FrameRange | None = None,
+    fit: FaceFit | None = None,
+    progress: Progress | None = None,
+    summary: CaptureSummary | None = None,
+) -> Performance:
+    """Follows the head in `frames` (both ends included); muscles are at rest and not measured.
+
+    model: one of MODELS. progress: called with (fraction, text) every frame; when it returns False
+    the frames done so far are returned, and `notes` say so. Raises NoFace, UnreadableMedia,
+    InvalidInput.
+    """
+    if model not in MODELS:
+        raise InvalidInput(f"head model {model!r}; there are {', '.join(MODELS)}")
+    summary = summary if summary is not None else CaptureSummary()
+    footage = Footage(path)
+    first, last = check_range(frames, footage)
+    start = time.perf_counter()
+    if fit is None:
+        fit = find_face(path, frames=(first, last), progress=progress)
+    elif tuple(fit.image_size) != footage.size:
+        raise InvalidInput(
+            f"the face fit is for pictures of {fit.image_size[0]} x {fit.image_size[1]}, "
+            f"{footage.path.name} has {footage.size[0]} x {footage.size[1]}"
+        )
+    summary.fit = fit
+    summary.add("find the face", time.perf_counter() - start)
+    return _HeadMotion(footage, fit, model, (first, last), progress, summary).run()
+
+
+class _HeadMotion:
+    """One clip at work."""
+
+    def __init__(
+        self,
+        footage: Footage,
+        fit: FaceFit,
+        model: str,
+        frames: tuple[int, int],
+        progress: Progress | None,
+        summary: CaptureSummary,
+    ) -> None:
+        self.footage, self.fit, self.model = footage, fit, model
+        self.progress, self.summary = progress, summary
+        self.first, self.last = frames
+        self.num_done = 0
+        self.num_needed = 1 + max(fit.frame, self.last) - min(fit.frame, self.first)
+        self.template = load_template()
+        self.neutral = fit.neutral_vertices(self.template)
+
+    def run(self) -> Performance:
+        reference = np.ascontiguousarray(self.footage.read(self.fit.frame))
+        shape = head_shape(self.model, self.neutral, self.template)
+        pose = np.asarray(self.fit.head_pose, dtype=np.float64)
+        tracker = _core.HeadTracker(self.fit.camera, shape, reference, pose)
+        at_reference = tracker.advance(reference)
+        backward, forward = Rows(), Rows()
+        if self.fit.frame > self.first:
+            images = frames_backward(self.footage, self.fit.frame - 1, self.first)
+            self._follow(tracker, images, at_reference, backward)
+            tracker.restart(reference, at_reference)
+        if self.first <= self.fit.frame <= self.last:
+            _append(forward, self.fit.frame, at_reference)
+        if self.last > self.fit.frame:
+            images = self.footage.frames(self.fit.frame + 1, self.last)
+            self._follow(tracker, images, at_reference, forward)
+        return self._performance(backward.reversed() + forward)
+
+    def _follow(
+        self,
+        tracker: _core.HeadTracker,
+        images: Iterator[tuple[int, NDArray[np.uint8]]],
+        estimate: _core.HeadEstimate,
+        rows: Rows,
+    ) -> None:
+        """Appends frame by frame, until the images end or the user stops."""
+        num_lost = 0
+        before = None
+        for frame, image in images:
+            fraction = self.num_done / self.num_needed
+            told = f"following the head: frame {frame}"
+            if self.summary.stopped or (self.progress and not self.progress(fraction, told)):
+                self.summary.stopped = True
+                return
+            start = time.perf_counter()
+            small = image[::8, ::8].mean(axis=2)
+            is_cut = before is not None and np.abs(small - before).mean() > CUT_DIFFERENCE
+            before = small
+            guess = None
+            if is_cut or (num_lost and num_lost % SEARCH_AGAIN == 0):
+                guess = self._look_again(image, frame)
+            estimate = tracker.advance(np.ascontiguousarray(image), guess)
+            num_lost = num_lost + 1 if estimate.held else 0
+            self.num_done += 1
+            if self.first <= frame <= self.last:
+                _append(rows, frame, estimate)
+            self.summary.add("follow the head", time.perf_counter() - start)
+
+    def _look_again(self, image: NDArray[np.uint8], frame: int) -> NDArray[np.float64] | None:
+        """Where the detector sees the lost head, camera from head."""
+        try:
+            return fitting.find_face(image, frame, camera=self.fit.camera).head_pose
+        except NoFace:
+            return None
+
+    def _performance(self, rows: Rows) -> Performance:
+        if not rows.frame:
+            why = "stopped too early" if self.summary.stopped else "the file ends before"
+            raise UnreadableMedia(
+                f"{self.footage.path.name}: {why}, no frame of {self.first} to {self.last} is done"
+            )
+        anatomy = attach(self.neutral, self.template)
+        shape = (len(rows.frame), len(anatomy.muscle_names))
+        return Performance(
+            frame=np.array(rows.frame),
+            fps=float(self.footage.fps),
+            image_size=np.array(self.footage.size),
+            intrinsics=self.fit.intrinsics,
+            head_pose=rows.rigid_poses(),
+            head_pose_cov=rows.pose_covariances(),
+            muscles=list(anatomy.muscle_names),
+            muscle_modes=anatomy.muscle_modes,
+            groups=anatomy.groups,
+            activations=np.zeros(shape),
+            activations_std=np.full(shape, ACTIVATION_STD),
+            articulators=list(anatomy.articulator_names),
+            articulator_values=np.zeros((shape[0], len(anatomy.articulator_names))),
+            articulator_modes=anatomy.articulator_modes,
+            neutral_vertices=self.neutral,
+            faces=self.template.faces,
+            quality=np.clip(rows.quality, 0, 1),
+            notes=self._notes(rows),
+        )
+
+    def _notes(self, rows: Rows) -> list[str]:
+        notes = [*self.footage.warnings, *self.fit.warnings]
+        notes.append(f"head motion alone, by the {self.model}: muscles were not measured")
+        if self.summary.stopped:
+            notes.append(
+                f"stopped by the user: frames {rows.frame[0]} to {rows.frame[-1]} "
+                f"of {self.first} to {self.last}"
+            )
+        held = int(np.sum(np.array(rows.quality) < HELD_QUALITY))
+        if held:
+            notes.append(f"the head was lost in {held} frames, which are held (quality under 0.2)")
+        self.summary.warnings = notes
+        return notes
+
+
+def _append(rows: Rows, frame: int, estimate: _core.HeadEstimate) -> None:
+    rows.frame.append(frame)
+    rows.pose.append(np.asarray(estimate.camera_from_head))
+    rows.pose_cov.append(np.asarray(estimate.covariance))
+    rows.quality.append(0.0 if estimate.held else estimate.quality)
