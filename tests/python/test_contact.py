@@ -5,6 +5,7 @@ from mimetic import _core, anatomy
 from mimetic.anatomy_sheet import expression
 from mimetic.articulators import eye_frames
 from mimetic.contact import TOLERANCE, Contact, faces_at, part
+from mimetic.contact_table import before_teeth
 from mimetic.extras import attach_extras
 from mimetic.face_template import load_template
 from mimetic.skin_mesh import multiply
@@ -111,7 +112,9 @@ def test_pressed_lips_rest_on_each_other(skin, contact, modes):
 @pytest.mark.parametrize("title", EXPRESSIONS)
 @pytest.mark.parametrize("share", [0.5, 1.0])
 def test_lips_and_lids_of_expressions_do_not_pass_through_each_other(contact, modes, title, share):
-    assert deepest(contact, contact.relieve(expression(modes, title, share))) < 1e-4
+    relieved = contact.relieve(expression(modes, title, share))
+    assert deepest(contact, relieved) < 1e-4
+    assert before_teeth(contact.skin.mesh, relieved) > 0.003
 
 
 def test_both_lids_closed_meet_and_stay_on_the_eye(contact, modes, clearance):
@@ -129,3 +132,10 @@ def test_lids_never_go_through_the_eye_also_when_it_turns(modes, clearance, valu
             eyes = modes[f"{gaze}.L"] + modes[f"{gaze}.R"]
             assert clearance(sum(value * modes[name] for name in lids) + eyes) > 2e-4
     assert clearance(-0.4 * value * (modes[LIDS[0]] + modes[LIDS[1]])) > 2e-4
+
+
+def test_a_lip_behind_the_teeth_is_seen(skin):
+    pushed_in = np.zeros_like(skin.mesh.neutral)
+    lip = skin.mesh.in_region("lower_lip") | skin.mesh.in_region("chin")
+    pushed_in[np.flatnonzero(lip)] = [0.0, 0.0, -0.03]
+    assert before_teeth(skin.mesh, pushed_in) < -0.005
