@@ -55,7 +55,7 @@ def sitter(seed: int, template: FaceTemplate) -> Sitter:
     )
     neutral = neutral_vertices(template, scene.identity_of(recipe, template), seed)
     drawn = scene.build(recipe, template, neutral, scene.face_motion(recipe, template, neutral))
-    moved = np.stack([_expression(rng, template) for _ in range(FACES_A_PERSON)])
+    moved = np.stack([expression_of(rng, template) for _ in range(FACES_A_PERSON)])
     moved = np.concatenate([moved, np.zeros((1, *neutral.shape))])
     focal = drawn.intrinsics[0, 0]
     yaw = np.append(rng.uniform(-1, 1, FACES_A_PERSON) * LARGEST["yaw"], 180 + rng.uniform(-35, 35))
@@ -63,7 +63,7 @@ def sitter(seed: int, template: FaceTemplate) -> Sitter:
     distance = focal * scene.FACE_WIDTH / width
     poses = np.stack([_pose(rng, angle, distance) for angle in yaw])
     light = np.column_stack(
-        [np.tile(_toward_light(rng), (num_shots, 1)), rng.uniform(0.7, 1.25, num_shots)]
+        [np.tile(toward_light(rng), (num_shots, 1)), rng.uniform(0.7, 1.25, num_shots)]
     )
     spare = (np.array(DRAWN_SIZE) - IMAGE_SIZE) / 2
     room = np.clip((np.array(IMAGE_SIZE) - (1.3 * width, 1.9 * width)) / 2, 0, spare)
@@ -74,7 +74,9 @@ def sitter(seed: int, template: FaceTemplate) -> Sitter:
         head_pose=poses,
         light=light,
     )
-    in_head = np.stack([_parts(template, neutral, neutral + m) for m in moved[:FACES_A_PERSON]])
+    in_head = np.stack(
+        [part_places(template, neutral, neutral + m) for m in moved[:FACES_A_PERSON]]
+    )
     turn, shift = poses[:FACES_A_PERSON, :3, :3], poses[:FACES_A_PERSON, :3, 3]
     in_camera = np.einsum("nij,npj->npi", turn, in_head) + shift[:, None]
     image = in_camera @ drawn.intrinsics.T
@@ -88,7 +90,7 @@ def sitter(seed: int, template: FaceTemplate) -> Sitter:
     )
 
 
-def _expression(rng: np.random.Generator, template: FaceTemplate) -> np.ndarray:
+def expression_of(rng: np.random.Generator, template: FaceTemplate) -> np.ndarray:
     """Displacement of every control vertex (V,3)."""
     values = np.zeros(len(template.unit_names))
     strength = rng.uniform(0.6, 1.1)
@@ -108,12 +110,12 @@ def _pose(rng: np.random.Generator, yaw: float, distance: float) -> np.ndarray:
     return pose
 
 
-def _toward_light(rng: np.random.Generator) -> np.ndarray:
+def toward_light(rng: np.random.Generator) -> np.ndarray:
     side, up = np.radians(rng.uniform((-65, 5), (65, 60)))
     return np.array([np.sin(side) * np.cos(up), np.sin(up), np.cos(side) * np.cos(up)])
 
 
-def _parts(template: FaceTemplate, neutral: np.ndarray, vertices: np.ndarray) -> np.ndarray:
+def part_places(template: FaceTemplate, neutral: np.ndarray, vertices: np.ndarray) -> np.ndarray:
     """The parts (4,3) of a moved face (V,3) in the head frame. The pupils go with the eyeballs."""
     centers, radius = template.eye_spheres(neutral)
     places = []

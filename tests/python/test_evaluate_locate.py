@@ -7,6 +7,7 @@ import json
 import numpy as np
 import pytest
 from mimetic import InvalidInput, UnreadableMedia, _core
+from mimetic.eigenspaces import Eigenspaces, train
 from mimetic.evaluate import locate
 from mimetic.evaluate.command import add_arguments, run_evaluate
 from mimetic.evaluate.finders import Found, Run, part_shares, run_locator
@@ -156,6 +157,23 @@ def test_command_scores_and_writes(drawn, tmp_path, capsys):
         run_evaluate(parser.parse_args(["locate", "--truth", "x"]))
     with pytest.raises(InvalidInput, match="evaluate locate"):
         run_evaluate(parser.parse_args(["--out", "x"]))
+
+
+def test_a_model_is_scored_beside_the_others(drawn, tmp_path, capsys):
+    noise = np.random.default_rng(4).integers(0, 256, (40, 12, 12)).astype(np.uint8)
+    space = train(noise, 4)
+    modules = [_core.FaceModule(name, space, 0.4, (0, 0)) for name in PARTS]
+    Eigenspaces([space], [0.0], modules, 0.001 * np.eye(8)).save(tmp_path / "m.npz")
+    Eigenspaces([space], [0.0]).save(tmp_path / "bare.npz")
+    parser = argparse.ArgumentParser()
+    add_arguments(parser)
+    given = ["locate", "--images", str(drawn), "--json", "--eigenspaces"]
+    assert run_evaluate(parser.parse_args([*given, str(tmp_path / "m.npz")])) == 0
+    scored = json.loads(capsys.readouterr().out)["eigenspaces"]
+    assert scored["found"] == 0  # it knows noise alone
+    assert scored["false_at_all"] > 1
+    with pytest.raises(InvalidInput, match="lack modules for mouth"):
+        run_evaluate(parser.parse_args([*given, str(tmp_path / "bare.npz")]))
 
 
 def test_nothing_to_find_is_an_error():

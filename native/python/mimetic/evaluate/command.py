@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 from mimetic import InvalidInput
+from mimetic.eigenspaces import Eigenspaces
 from mimetic.evaluate import locate
 from mimetic.evaluate.rendered import scored, shared_images
 from mimetic.evaluate.score import score
@@ -40,6 +41,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="which rendered clips or images (default: held-out)",
     )
     parser.add_argument("--images", type=Path, help="locate: these images (docs/still-images.md)")
+    parser.add_argument(
+        "--eigenspaces", type=Path, help="locate: score this model too (scripts/train_eigenspaces)"
+    )
     parser.add_argument("--out", type=Path, help="locate: write figures and a ROC plot here")
     parser.add_argument("--json", action="store_true", help="print JSON, every figure in it")
 
@@ -48,8 +52,8 @@ def run_evaluate(options: argparse.Namespace) -> int:
     """Prints scores; 0 when all went well. Bad input raises InvalidInput or UnreadableMedia."""
     if options.what == "locate":
         return _run_locate(options)
-    if options.images is not None or options.out is not None:
-        raise InvalidInput("--images and --out go with `mimetic evaluate locate`")
+    if options.images or options.eigenspaces or options.out:
+        raise InvalidInput("--images, --eigenspaces and --out go with `mimetic evaluate locate`")
     if (options.truth is None) != (options.performance is None):
         raise InvalidInput("give both --truth and --performance, or neither")
     if options.truth is not None:
@@ -72,7 +76,8 @@ def _run_locate(options: argparse.Namespace) -> int:
         images = Stills.load(options.images)
     else:
         images = rendered_stills(options.set, _to_stderr)
-    scores = locate.score_finders(images)
+    model = Eigenspaces.load(options.eigenspaces) if options.eigenspaces else None
+    scores = locate.score_finders(images, model)
     if options.out is not None:
         locate.write(scores, options.out)
     print(locate.as_json(scores) if options.json else locate.as_text(scores))

@@ -10,14 +10,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import _core
-from mimetic.evaluate.stills import Stills
+from mimetic import InvalidInput, _core
+from mimetic.eigenspaces import Eigenspaces
+from mimetic.evaluate.peers import GREY
+from mimetic.evaluate.stills import PARTS, Stills
 from mimetic.face_template import data_folder
 
 CASCADES = {
     "Haar cascade": "haarcascade_frontalface_alt2.xml",
     "LBP cascade": "lbpcascade_frontalface_improved.xml",
 }
+SMALLEST_PATCH = 45.0  # pixels, of the whole face: two interpupillary distances
 
 
 @dataclass(frozen=True)
@@ -41,6 +44,24 @@ def run_locator(stills: Stills) -> Run:
     locator = _core.FaceLocator(str(data_folder()), least_likelihood=0.0)
     answers, seconds = _timed(locator.locate, stills)
     return Run([[Found(f.likelihood, _parts_of(f)) for f in faces] for faces in answers], seconds)
+
+
+def run_eigenspaces(model: Eigenspaces, stills: Stills) -> Run:
+    """Trained eigenspaces, the three likeliest places of each image."""
+    if missing := sorted(set(PARTS) - {module.name for module in model.modules}):
+        raise InvalidInput(f"the eigenspaces lack modules for {', '.join(missing)}")
+    options = _core.SpaceSearchOptions(smallest=SMALLEST_PATCH, num_matches=3)
+
+    def find(image: NDArray[np.uint8]) -> list:
+        grey = np.round(image @ GREY).astype(np.uint8)
+        return model.find(grey, options)
+
+    answers, seconds = _timed(find, stills)
+    found = [
+        [Found(f.score, np.array([f.places[name] for name in PARTS])) for f in faces]
+        for faces in answers
+    ]
+    return Run(found, seconds)
 
 
 def run_cascade(file: str, stills: Stills) -> Run:

@@ -9,7 +9,8 @@ import os
 from pathlib import Path
 
 from mimetic import InvalidInput
-from mimetic.evaluate.finders import CASCADES, run_cascade, run_locator
+from mimetic.eigenspaces import Eigenspaces
+from mimetic.evaluate.finders import CASCADES, run_cascade, run_eigenspaces, run_locator
 from mimetic.evaluate.locate_score import FALSE_PER_IMAGE, LocateScore, score_run
 from mimetic.evaluate.stills import Stills
 from mimetic.face_template import data_folder
@@ -29,11 +30,13 @@ ERRORS = {
 }
 
 
-def score_finders(stills: Stills) -> dict[str, LocateScore]:
-    """Mimetic's finder and OpenCV's cascades on the same images; raises InvalidInput."""
+def score_finders(stills: Stills, model: Eigenspaces | None = None) -> dict[str, LocateScore]:
+    """Mimetic's finder, a model's and OpenCV's cascades on the same images; raises InvalidInput."""
     if not stills.has_face.any():
         raise InvalidInput("none of the images shows a face: there is nothing to find")
     runs = {"mimetic": run_locator(stills)}
+    if model is not None:
+        runs["eigenspaces"] = run_eigenspaces(model, stills)
     for name, file in CASCADES.items():
         if (data_folder() / file).exists():  # systems need not bring every cascade
             runs[name] = run_cascade(file, stills)
