@@ -8,7 +8,7 @@ from mimetic import InvalidInput, anatomy, foreign_sheet
 from mimetic.face_template import load_template
 from mimetic.foreign_agreement import compare, disguise
 from mimetic.foreign_head import attach_foreign
-from mimetic.foreign_mesh import REQUIRED, fit_similarity
+from mimetic.foreign_mesh import REQUIRED, fit_similarity, read_skin
 from mimetic.mesh_file import read_landmarks, read_obj
 from mimetic.skin_mesh import SkinMesh, find_place, multiply
 
@@ -220,6 +220,7 @@ def test_bad_meshes_are_named_by_the_callers_faces(template, head):
     outside[11, 0] = len(head.vertices)
     refused(template, head, "face 11 names a vertex", faces=outside)
     refused(template, head, "at most are 1000000", vertices=np.zeros((1_000_001, 3)))
+    refused(template, head, "faces look inwards", faces=head.faces[:, ::-1])
     on_skin = np.flatnonzero((head.skin_vertex[head.faces] >= 0).all(axis=1))
     flipped = head.faces.copy()
     flipped[on_skin[5]] = flipped[on_skin[5], ::-1]
@@ -229,6 +230,18 @@ def test_bad_meshes_are_named_by_the_callers_faces(template, head):
     a, b, c = head.faces[on_skin[9]]
     flat[b] = (flat[a] + flat[c]) / 2
     refused(template, head, rf"face {on_skin[9]} has no area", vertices=flat)
+
+
+def test_vertices_that_a_file_has_parted_are_one_again(template, head):
+    whole = read_skin(head.vertices, head.faces, head.landmarks, template)
+    soup = head.vertices[head.faces].reshape(-1, 3)
+    places = {name: head.vertices[vertex] for name, vertex in head.landmarks.items()}
+    parted = read_skin(soup, np.arange(len(soup)).reshape(-1, 3), places, template)
+    assert len(parted.vertices) == len(whole.vertices)
+    np.testing.assert_array_equal(parted.triangles, whole.triangles)
+    np.testing.assert_array_equal(parted.skin_vertex, whole.skin_vertex[head.faces].reshape(-1))
+    extra = np.vstack([head.faces, head.faces[:1, [0, 0, 1]]])
+    assert (read_skin(head.vertices, extra, head.landmarks, template).face < len(head.faces)).all()
 
 
 def test_obj_and_landmark_files_are_read_and_refused(tmp_path, capsys):

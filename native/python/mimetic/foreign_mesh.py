@@ -168,7 +168,17 @@ def read_skin(
         loose=np.where(number[welded] >= 0, -1, part[welded]),
         notes=tuple(notes),
     )
+    _check_outward(skin)
     return _unfolded(skin)
+
+
+def _check_outward(skin: ForeignSkin) -> None:
+    """The nose and the chin of a head look forwards."""
+    normals = skin.surface.normals
+    front = [skin.landmarks[name] for name in ("nose_bridge", "nose_tip", "chin")]
+    nearest = [np.argmin(((skin.vertices - place) ** 2).sum(1)) for place in front]
+    if normals[nearest, 2].mean() < 0:
+        raise InvalidInput("the faces look inwards: reverse the order of each face's vertices")
 
 
 def _unfolded(skin: ForeignSkin) -> ForeignSkin:
