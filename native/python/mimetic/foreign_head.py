@@ -76,11 +76,9 @@ def attach_foreign(
     one well-formed piece.
     """
     skin = read_skin(vertices, faces, landmarks, template)
+    laid = lay_template(template, skin.landmarks, skin.vertices, skin.triangles, skin.surface)
     with skin.named_by_caller():
-        registered = lay_template(
-            template, skin.landmarks, skin.vertices, skin.triangles, skin.surface
-        )
-        head = _Carried(skin, SkinMesh(template, registered))
+        head = _Carried(skin, laid)
         modes, strengths = head.muscle_modes()
         bones = head.jaw_modes() + head.lid_modes()
     to_user = skin.user_from_skin
@@ -96,7 +94,7 @@ def attach_foreign(
     gaps = 1e3 * to_user.scale * head.places.gaps[head.free]
     return ForeignHead(
         anatomy=anatomy,
-        registered=to_user.apply(registered),
+        registered=to_user.apply(laid.neutral),
         eye_centers=to_user.apply(np.array([frame.centre for frame in eye_frames(head.laid)])),
         mesh_from_template=to_user,
         gap_mm=(float(np.median(gaps)), float(np.percentile(gaps, 95))),

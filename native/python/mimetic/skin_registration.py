@@ -109,31 +109,38 @@ def lay_template(
     vertices: NDArray[np.float64],
     triangles: NDArray[np.int32],
     surface: _core.MuscleSurface,
-) -> NDArray[np.float64]:
-    """The template's vertices (V x 3) on another head's skin (N x 3, T x 3).
+) -> SkinMesh:
+    """The template on another head's skin (N x 3, T x 3).
 
     Raises InvalidInput if the landmarks cannot belong to this skin.
     """
     held = np.array([template.landmark(name) for name in landmarks])
     targets = np.array(list(landmarks.values()))
     neutral = warp(np.asarray(template.vertices), template.vertices[held], targets)
-    for reach in REACHES:
-        with warnings.catch_warnings():  # the template's own folds are no business of the caller
-            warnings.simplefilter("ignore")
-            try:
-                neutral = _draw(
-                    SkinMesh(template, neutral),
-                    held,
-                    targets,
-                    (vertices, triangles, surface),
-                    reach,
-                )
-            except InvalidInput as error:
-                raise InvalidInput(
-                    f"the landmarks do not fit the head (laid on it, {error}): "
-                    f"check {', '.join(landmarks)}"
-                ) from None
-    return neutral
+    with warnings.catch_warnings():  # the template's own folds are no business of the caller
+        warnings.simplefilter("ignore")
+        mesh = _sound(template, neutral)
+        if mesh is None:
+            raise InvalidInput(
+                "the landmarks do not fit a face (the template folds over on them): "
+                f"check {', '.join(landmarks)}"
+            )
+        for reach in REACHES:
+            drawn = _draw(mesh, held, targets, (vertices, triangles, surface), reach)
+            closer = _sound(template, drawn)
+            if closer is None:  # folded: the round before is less close, and whole
+                break
+            mesh = closer
+    return mesh
+
+
+def _sound(template, neutral: NDArray[np.float64]) -> SkinMesh | None:
+    mesh = SkinMesh(template, neutral)
+    try:
+        _ = mesh.vertices  # unfolded, or refused
+    except InvalidInput:
+        return None
+    return mesh
 
 
 def _draw(mesh: SkinMesh, held, targets, head, reach: float) -> NDArray[np.float64]:
