@@ -7,6 +7,7 @@ not depend on the clip's length but for the performance itself: frames are decod
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import os
 import time
@@ -31,7 +32,8 @@ FrameRange = tuple[int | None, int | None]
 
 SEARCHED_SECONDS = 8.0  # of the clip, for the frame that shows the face best
 NUM_CANDIDATES = 16
-NUM_TRIED = 3  # of the candidates: the most promising
+NUM_TRIED = 5  # of the candidates: the most promising
+LEAST_CHANCE = 0.4  # of the best one's, to be tried
 SETTLING = 10  # frames in which a camera finds its exposure and an encoder its quality
 SEARCH_AGAIN = 12  # frames between looks for a face that was lost
 CUT_DIFFERENCE = 18.0  # mean change of grey levels from frame to frame
@@ -101,12 +103,18 @@ def _best_fit(footage: Footage, wanted: set[int], progress: Progress | None) -> 
         return None
     frames, scores, expressions = zip(*judged, strict=True)
     chances = np.array(scores) * usual_expression(np.array(expressions))
-    for i in np.argsort(-chances)[:NUM_TRIED]:
-        try:
-            return fitting.find_face(footage.read(frames[i]), frames[i])
-        except NoFace:
-            continue
-    return None
+    fits = []
+    for i in np.argsort(-chances):
+        if len(fits) == NUM_TRIED or (fits and chances[i] < LEAST_CHANCE * chances.max()):
+            break
+        with contextlib.suppress(NoFace):
+            fits.append(fitting.find_face(footage.read(frames[i]), frames[i]))
+    # Pose or expression taken for shape asks for unusual proportions.
+    return min(fits, key=_unusualness, default=None)
+
+
+def _unusualness(fit: FaceFit) -> float:
+    return sum(value**2 for value in fit.identity.values())
 
 
 def check_range(frames: FrameRange | None, footage: Footage) -> tuple[int, int]:
