@@ -41,14 +41,14 @@ struct HeadShape {
 HeadShape make_head_shape(HeadModel model, PointsIn vertices, QuadsIn faces);
 
 struct HeadOptions {              // defaults suit 320x240 to 1280x720 at 10 to 60 frames a second
-    int crop_height = 80;         ///< pixels of the head in what is measured, 48 to 512
+    int crop_height = 112;        ///< pixels of the head in what is measured, 48 to 512
     int sample_spacing = 3;       ///< of them, between measurements, 1 to 16
-    int max_iterations = 3;       ///< times a frame is stabilised and solved again, 1 to 20
+    int max_iterations = 4;       ///< times a frame is stabilised and solved again, 1 to 20
     int max_key_views = 24;       ///< reference textures; 0: flow alone, as in the paper, 0 to 200
     double key_view_angle = 0.2;  ///< rad between the head's directions in reference textures
     double least_facing = 0.35;   ///< cosine of normal and view from which skin is measured
     double held_quality = 0.2;    ///< below it a frame is held, 0 to 1
-    FlowMethod flow_method = FlowMethod::dis;
+    FlowMethod flow_method = FlowMethod::probabilistic;
     void check() const;  ///< throws InvalidInput: field, value, limit
 };
 

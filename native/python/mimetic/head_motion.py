@@ -40,10 +40,11 @@ LEFT_OUT = {
 }
 # Between which landmarks parts lie that move on their own, their radius in metres, and their share
 MOVING_PARTS = (
-    (("mouth_corner.L", "mouth_corner.R"), 0.025, 0.8),
-    (("eye_inner.L", "eye_outer.L"), 0.014, 0.8),
-    (("eye_inner.R", "eye_outer.R"), 0.014, 0.8),
+    (("mouth_corner.L", "mouth_corner.R"), 0.035, 0.9),
+    (("eye_inner.L", "eye_outer.L"), 0.025, 0.8),
+    (("eye_inner.R", "eye_outer.R"), 0.025, 0.8),
 )
+NECK_BELOW, NECK_RADIUS = 0.05, 0.04  # metres
 
 
 def head_shape(
@@ -66,6 +67,9 @@ def head_shape(
         )
         for names, radius, share in MOVING_PARTS
     ]
+    # What the model covers under the chin is neck and clothes.
+    below = skin[template.landmark("menton"), :2] - [0, NECK_BELOW]
+    shape.moving_parts = [*shape.moving_parts, _core.MovingPart(below, NECK_RADIUS, 1.0)]
     return shape
 
 

@@ -16,8 +16,9 @@ using head::RigidMotion;
 namespace {
 
 constexpr double kMargin = 0.25;        // of the head's box: how far it may move from frame to frame
-constexpr int kMaxTogether = 1;         // reference textures that a frame is compared with
-constexpr double kStill = 1.0;          // pixels: a stabilised frame that needs no further round
+constexpr double kAnchorAngle = 0.6;    // rad up to which the first reference texture is compared too
+constexpr double kAnchorShare = 0.5;    // its weight beside the nearest one's
+constexpr double kStill = 0.3;          // pixels: a stabilised frame that needs no further round
 constexpr double kReferenceStd = 2e-3;  // rad and metres of the first pose: it defines the head frame
 constexpr double kTooVague = 0.06;      // rad: s.d. of a pose that no reference texture is taken at
 constexpr double kNearer = 0.3;         // share of the distance after which a texture is taken anew
@@ -45,7 +46,7 @@ struct HeadTracker::State {
         return head::crop_camera(shape, camera, pose, options.crop_height, kMargin);
     }
     void take_view(const cv::Mat1b& gray, const HeadEstimate& estimate);
-    std::vector<const KeyView*> nearest_views(const Eigen::Isometry3d& pose) const;
+    std::vector<std::pair<double, const KeyView*>> views_for(const Eigen::Isometry3d& pose) const;
     std::optional<HeadEstimate> follow_flow(const cv::Mat1b& gray) const;
     std::optional<HeadEstimate> register_frame(const cv::Mat1b& gray, const Eigen::Isometry3d& start) const;
     std::optional<Eigen::Isometry3d> recall(const cv::Mat1b& gray,
@@ -76,20 +77,21 @@ void HeadTracker::State::take_view(const cv::Mat1b& gray, const HeadEstimate& es
     }
 }
 
-std::vector<const KeyView*> HeadTracker::State::nearest_views(const Eigen::Isometry3d& pose) const {
+/// The nearest reference texture, and the first one, which alone is where it was said to be: a texture taken
+/// at a wrong pose must not confirm itself.
+std::vector<std::pair<double, const KeyView*>> HeadTracker::State::views_for(
+    const Eigen::Isometry3d& pose) const {
     std::vector<std::pair<double, const KeyView*>> order;
     for (const KeyView& view : views) {
         order.emplace_back(angle_between(view.camera_from_head(), pose), &view);
     }
     std::sort(order.begin(), order.end());
-    std::vector<const KeyView*> nearest;
-    for (const auto& [angle, view] : order) {
-        if (nearest.empty() ||
-            (angle < 2 * options.key_view_angle && static_cast<int>(nearest.size()) < kMaxTogether)) {
-            nearest.push_back(view);
-        }
+    std::vector<std::pair<double, const KeyView*>> chosen{{1, order.front().second}};
+    const double turn = angle_between(views.front().camera_from_head(), pose);
+    if (order.front().second != &views.front() && turn < kAnchorAngle) {
+        chosen.emplace_back(kAnchorShare, &views.front());
     }
-    return nearest;
+    return chosen;
 }
 
 std::optional<HeadEstimate> HeadTracker::State::follow_flow(const cv::Mat1b& gray) const {
@@ -122,16 +124,11 @@ std::optional<HeadEstimate> HeadTracker::State::register_frame(const cv::Mat1b& 
             return {};
         }
         const HeadCrop now = head::cut(gray, camera, *part);
-        const auto nearest = nearest_views(found.camera_from_head);
         std::vector<PointMeasurement> measurements;
         Matrix6 of_views = Matrix6::Zero();
         double shares = 0, correlation = 0;
-        for (const KeyView* view : nearest) {
+        for (const auto& [share, view] : views_for(found.camera_from_head)) {
             const auto stabilised = view->stabilise(now, found.camera_from_head);
-            // Textures close to one another fade into each other as the head turns.
-            const double turn =
-                angle_between(view->camera_from_head(), found.camera_from_head) / options.key_view_angle;
-            const double share = std::exp(-turn * turn) + 1e-3;
             view->measure(shape, options, stabilised, share, measurements);
             of_views += share * view->covariance();
             correlation += share * stabilised.correlation * std::min(1., 2 * stabilised.in_sight);
@@ -212,7 +209,7 @@ HeadEstimate HeadTracker::State::estimate(const cv::Mat1b& gray,
 }
 
 bool HeadTracker::State::wants_view(const HeadEstimate& estimate) const {
-    constexpr double kGood = .5;
+    constexpr double kGood = .9;  // an expression passes; a texture taken on it would stay
     if (options.max_key_views == 0 || static_cast<int>(views.size()) >= options.max_key_views ||
         estimate.held || estimate.quality < kGood || rotation_std(estimate.covariance) > kTooVague) {
         return false;
