@@ -11,9 +11,10 @@ from clips import ffmpeg, make_clip
 from mimetic import InvalidInput, UnreadableMedia, sequence
 from mimetic.cli import main
 from mimetic.fit import FaceFit, NoFace
+from mimetic.following import frames_backward
 from mimetic.footage import Footage
 from mimetic.performance import Performance
-from mimetic.pipeline import CaptureSummary, capture, find_face, frames_backward
+from mimetic.pipeline import CaptureSummary, capture, find_face
 
 
 @pytest.fixture(scope="module")

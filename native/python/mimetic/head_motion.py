@@ -10,23 +10,22 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, UnreadableMedia, _core
-from mimetic import fit as fitting
+from mimetic import InvalidInput, _core
 from mimetic.anatomy import attach
 from mimetic.face_template import FaceTemplate, load_template
-from mimetic.fit import FaceFit, NoFace
-from mimetic.footage import Footage
-from mimetic.performance import HELD_QUALITY, Performance
-from mimetic.pipeline import (
-    CUT_DIFFERENCE,
+from mimetic.fit import FaceFit
+from mimetic.following import (
     SEARCH_AGAIN,
-    CaptureSummary,
-    FrameRange,
-    Progress,
-    check_range,
-    find_face,
+    check_any_done,
+    find_again,
     frames_backward,
+    is_cut,
+    notes_on,
+    shrink,
 )
+from mimetic.footage import Footage
+from mimetic.performance import Performance
+from mimetic.pipeline import CaptureSummary, FrameRange, Progress, check_range, fit_for
 from mimetic.sequence import Rows
 from mimetic.tracking import ACTIVATION_STD
 
@@ -92,16 +91,7 @@ def track_head(
     summary = summary if summary is not None else CaptureSummary()
     footage = Footage(path)
     first, last = check_range(frames, footage)
-    start = time.perf_counter()
-    if fit is None:
-        fit = find_face(path, frames=(first, last), progress=progress)
-    elif tuple(fit.image_size) != footage.size:
-        raise InvalidInput(
-            f"the face fit is for pictures of {fit.image_size[0]} x {fit.image_size[1]}, "
-            f"{footage.path.name} has {footage.size[0]} x {footage.size[1]}"
-        )
-    summary.fit = fit
-    summary.add("find the face", time.perf_counter() - start)
+    fit = fit_for(footage, (first, last), fit, progress, summary)
     return _HeadMotion(footage, fit, model, (first, last), progress, summary).run()
 
 
@@ -160,12 +150,11 @@ class _HeadMotion:
                 self.summary.stopped = True
                 return
             start = time.perf_counter()
-            small = image[::8, ::8].mean(axis=2)
-            is_cut = before is not None and np.abs(small - before).mean() > CUT_DIFFERENCE
-            before = small
+            small = shrink(image)
             guess = None
-            if is_cut or (num_lost and num_lost % SEARCH_AGAIN == 0):
-                guess = self._look_again(image, frame)
+            if is_cut(small, before) or (num_lost and num_lost % SEARCH_AGAIN == 0):
+                guess = find_again(image, frame, self.fit.camera)
+            before = small
             estimate = tracker.advance(np.ascontiguousarray(image), guess)
             num_lost = num_lost + 1 if estimate.held else 0
             self.num_done += 1
@@ -173,19 +162,8 @@ class _HeadMotion:
                 _append(rows, frame, estimate)
             self.summary.add("follow the head", time.perf_counter() - start)
 
-    def _look_again(self, image: NDArray[np.uint8], frame: int) -> NDArray[np.float64] | None:
-        """Where the detector sees the lost head, camera from head."""
-        try:
-            return fitting.find_face(image, frame, camera=self.fit.camera).head_pose
-        except NoFace:
-            return None
-
     def _performance(self, rows: Rows) -> Performance:
-        if not rows.frame:
-            why = "stopped too early" if self.summary.stopped else "the file ends before"
-            raise UnreadableMedia(
-                f"{self.footage.path.name}: {why}, no frame of {self.first} to {self.last} is done"
-            )
+        check_any_done(rows, self.footage, (self.first, self.last), self.summary.stopped)
         anatomy = attach(self.neutral, self.template)
         shape = (len(rows.frame), len(anatomy.muscle_names))
         return Performance(
@@ -210,16 +188,11 @@ class _HeadMotion:
         )
 
     def _notes(self, rows: Rows) -> list[str]:
-        notes = [*self.footage.warnings, *self.fit.warnings]
-        notes.append(f"head motion alone, by the {self.model}: muscles were not measured")
-        if self.summary.stopped:
-            notes.append(
-                f"stopped by the user: frames {rows.frame[0]} to {rows.frame[-1]} "
-                f"of {self.first} to {self.last}"
-            )
-        held = int(np.sum(np.array(rows.quality) < HELD_QUALITY))
-        if held:
-            notes.append(f"the head was lost in {held} frames, which are held (quality under 0.2)")
+        notes = [
+            *(*self.footage.warnings, *self.fit.warnings),
+            f"head motion alone, by the {self.model}: muscles were not measured",
+            *notes_on(rows, (self.first, self.last), self.summary.stopped, "head"),
+        ]
         self.summary.warnings = notes
         return notes
 

@@ -17,13 +17,22 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, UnreadableMedia, _core, sequence, tracking
+from mimetic import InvalidInput, _core, sequence, tracking
 from mimetic import fit as fitting
 from mimetic.anatomy import attach
 from mimetic.face_template import load_template
 from mimetic.fit import FaceFit, NoFace
+from mimetic.following import (
+    SEARCH_AGAIN,
+    check_any_done,
+    find_again,
+    frames_backward,
+    is_cut,
+    notes_on,
+    shrink,
+)
 from mimetic.footage import Footage
-from mimetic.performance import HELD_QUALITY, Performance
+from mimetic.performance import Performance
 from mimetic.rest import usual_expression
 from mimetic.sequence import Rows, State
 
@@ -35,9 +44,6 @@ NUM_CANDIDATES = 16
 NUM_TRIED = 5  # of the candidates: the most promising
 LEAST_CHANCE = 0.4  # of the best one's, to be tried
 SETTLING = 10  # frames in which a camera finds its exposure and an encoder its quality
-SEARCH_AGAIN = 12  # frames between looks for a face that was lost
-CUT_DIFFERENCE = 18.0  # mean change of grey levels from frame to frame
-BACKWARD_BYTES = 128 << 20  # of frames held to walk a clip backwards
 
 
 @dataclass
@@ -129,6 +135,30 @@ def check_range(frames: FrameRange | None, footage: Footage) -> tuple[int, int]:
     return first, last
 
 
+def fit_for(
+    footage: Footage,
+    frames: tuple[int, int],
+    fit: FaceFit | None,
+    progress: Progress | None,
+    summary: CaptureSummary,
+) -> FaceFit:
+    """The fit to follow a clip from: the given one, or found in `frames`; noted in `summary`.
+
+    Raises InvalidInput for a fit of other pictures, NoFace.
+    """
+    start = time.perf_counter()
+    if fit is None:
+        fit = find_face(footage.path, frames=frames, progress=progress)
+    elif tuple(fit.image_size) != footage.size:
+        raise InvalidInput(
+            f"the face fit is for pictures of {fit.image_size[0]} x {fit.image_size[1]}, "
+            f"{footage.path.name} has {footage.size[0]} x {footage.size[1]}"
+        )
+    summary.fit = fit
+    summary.add("find the face", time.perf_counter() - start)
+    return fit
+
+
 def capture(
     path: str | os.PathLike[str],
     frames: FrameRange | None = None,
@@ -149,16 +179,7 @@ def capture(
         raise InvalidInput(
             f"{footage.path.name}: one frame ({first}) shows no motion; capture needs at least two"
         )
-    start = time.perf_counter()
-    if fit is None:
-        fit = find_face(path, frames=(first, last), progress=progress)
-    elif tuple(fit.image_size) != footage.size:
-        raise InvalidInput(
-            f"the face fit is for pictures of {fit.image_size[0]} x {fit.image_size[1]}, "
-            f"{footage.path.name} has {footage.size[0]} x {footage.size[1]}"
-        )
-    summary.fit = fit
-    summary.add("find the face", time.perf_counter() - start)
+    fit = fit_for(footage, (first, last), fit, progress, summary)
     return _Capture(footage, fit, (first, last), progress, summary).run()
 
 
@@ -240,8 +261,8 @@ class _Capture:
             if self.summary.stopped or (self.progress and not self.progress(fraction, told)):
                 self.summary.stopped = True
                 return
-            small = image[::8, ::8].mean(axis=2)
-            if before is not None and np.abs(small - before).mean() > CUT_DIFFERENCE:
+            small = shrink(image)
+            if is_cut(small, before):
                 num_away = 1
             before = small
             guess = None
@@ -260,21 +281,13 @@ class _Capture:
             start = time.perf_counter()
 
     def _look_again(self, image: NDArray[np.uint8], frame: int) -> NDArray[np.float64] | None:
-        """Where the detector sees the lost head, camera from head."""
         start = time.perf_counter()
-        try:
-            return fitting.find_face(image, frame, camera=self.fit.camera).head_pose
-        except NoFace:
-            return None
-        finally:
-            self.summary.add("look for the face again", time.perf_counter() - start)
+        guess = find_again(image, frame, self.fit.camera)
+        self.summary.add("look for the face again", time.perf_counter() - start)
+        return guess
 
     def _performance(self, rows: Rows) -> Performance:
-        if not rows.frame:
-            why = "stopped too early" if self.summary.stopped else "the file ends before"
-            raise UnreadableMedia(
-                f"{self.footage.path.name}: {why}, no frame of {self.first} to {self.last} is done"
-            )
+        check_any_done(rows, self.footage, (self.first, self.last), self.summary.stopped)
         num_muscles = len(self.anatomy.muscle_names)
         values, std = np.array(rows.values), np.array(rows.values_std)
         return Performance(
@@ -300,26 +313,9 @@ class _Capture:
         )
 
     def _notes(self, rows: Rows) -> list[str] | None:
-        notes = [*self.footage.warnings, *self.fit.warnings]
-        if self.summary.stopped:
-            notes.append(
-                f"stopped by the user: frames {rows.frame[0]} to {rows.frame[-1]} "
-                f"of {self.first} to {self.last}"
-            )
-        held = int(np.sum(np.array(rows.quality) < HELD_QUALITY))
-        if held:
-            notes.append(f"the face was lost in {held} frames, which are held (quality under 0.2)")
+        notes = [
+            *(*self.footage.warnings, *self.fit.warnings),
+            *notes_on(rows, (self.first, self.last), self.summary.stopped, "face"),
+        ]
         self.summary.warnings = notes
         return notes or None
-
-
-def frames_backward(
-    footage: Footage, first: int, last: int
-) -> Iterator[tuple[int, NDArray[np.uint8]]]:
-    """Frames from `first` down to `last`, in runs that fit in memory."""
-    width, height = footage.size
-    num_held = max(1, BACKWARD_BYTES // (3 * width * height))
-    while first >= last:
-        start = max(last, first - num_held + 1)
-        yield from reversed(list(footage.frames(start, first)))
-        first = start - 1

@@ -35,9 +35,12 @@ def checkout() -> Path:
     )
 
 
-def clips(which: str, report=None) -> list[Clip]:
-    """The clips of a set, rendered now if the cache lacks them."""
-    command = [sys.executable, str(checkout() / "scripts" / "render_truth"), "--set", which]
+def render(options: list[str], failure: str, report=None) -> str:
+    """What scripts/render_truth prints, its progress line by line to `report`.
+
+    Raises InvalidInput, `failure` and the last words of the script.
+    """
+    command = [sys.executable, str(checkout() / "scripts" / "render_truth"), *options]
     done = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     said = []
     for line in done.stderr:
@@ -46,7 +49,13 @@ def clips(which: str, report=None) -> list[Clip]:
             report(said[-1])
     output = done.stdout.read()
     if done.wait() != 0:
-        raise InvalidInput(f"the clips could not be rendered: {' '.join(said[-3:])}")
+        raise InvalidInput(f"{failure}: {' '.join(said[-3:])}")
+    return output
+
+
+def clips(which: str, report=None) -> list[Clip]:
+    """The clips of a set, rendered now if the cache lacks them."""
+    output = render(["--set", which], "the clips could not be rendered", report)
     rows = (line.split("\t") for line in output.splitlines())
     return [Clip(name, Path(footage), Path(truth)) for name, footage, truth in rows]
 

@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 import zipfile
 from dataclasses import dataclass
 
@@ -14,7 +12,7 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.array_file import check_shape, read_array, read_headers
-from mimetic.evaluate.rendered import checkout
+from mimetic.evaluate.rendered import render
 
 PARTS = ("pupil.L", "pupil.R", "nose", "mouth")
 SHAPES: dict[str, tuple[int | str, ...]] = {
@@ -61,16 +59,7 @@ class Stills:
 
 def rendered_stills(which: str, report=None) -> Stills:
     """The images of a set, drawn now if the cache lacks them."""
-    command = [sys.executable, str(checkout() / "scripts" / "render_truth"), "--stills", which]
-    done = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    said = []
-    for line in done.stderr:
-        said.append(line.rstrip())
-        if report:
-            report(said[-1])
-    output = done.stdout.read()
-    if done.wait() != 0:
-        raise InvalidInput(f"the images could not be drawn: {' '.join(said[-3:])}")
+    output = render(["--stills", which], "the images could not be drawn", report)
     return Stills.load(output.strip())
 
 

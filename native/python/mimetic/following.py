@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Walking through a clip after a face or a head: cuts, searches, and what to say in the end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import UnreadableMedia, _core
+from mimetic import fit as fitting
+from mimetic.fit import NoFace
+from mimetic.footage import Footage
+from mimetic.performance import HELD_QUALITY
+from mimetic.sequence import Rows
+
+SEARCH_AGAIN = 12  # frames between looks for a face that was lost
+CUT_DIFFERENCE = 18.0  # mean change of grey levels from frame to frame
+BACKWARD_BYTES = 128 << 20  # of frames held to walk a clip backwards
+
+
+def find_again(
+    image: NDArray[np.uint8], frame: int, camera: _core.Camera
+) -> NDArray[np.float64] | None:
+    """Where the detector sees a lost head, camera from head."""
+    try:
+        return fitting.find_face(image, frame, camera=camera).head_pose
+    except NoFace:
+        return None
+
+
+def is_cut(small: NDArray[np.float64], before: NDArray[np.float64] | None) -> bool:
+    """Whether another scene starts; frames as `shrink` makes them."""
+    return before is not None and np.abs(small - before).mean() > CUT_DIFFERENCE
+
+
+def shrink(image: NDArray[np.uint8]) -> NDArray[np.float64]:
+    """The little of a frame that tells a cut, grey levels."""
+    return image[::8, ::8].mean(axis=2)
+
+
+def check_any_done(rows: Rows, footage: Footage, frames: tuple[int, int], stopped: bool) -> None:
+    """Raises UnreadableMedia if no frame was done."""
+    if not rows.frame:
+        why = "stopped too early" if stopped else "the file ends before"
+        raise UnreadableMedia(
+            f"{footage.path.name}: {why}, no frame of {frames[0]} to {frames[1]} is done"
+        )
+
+
+def notes_on(rows: Rows, frames: tuple[int, int], stopped: bool, followed: str) -> list[str]:
+    """An early stop and held frames; `followed`: the face, the head."""
+    notes = []
+    if stopped:
+        notes.append(
+            f"stopped by the user: frames {rows.frame[0]} to {rows.frame[-1]} "
+            f"of {frames[0]} to {frames[1]}"
+        )
+    held = int(np.sum(np.array(rows.quality) < HELD_QUALITY))
+    if held:
+        notes.append(
+            f"the {followed} was lost in {held} frames, which are held (quality under 0.2)"
+        )
+    return notes
+
+
+def frames_backward(
+    footage: Footage, first: int, last: int
+) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+    """Frames from `first` down to `last`, in runs that fit in memory."""
+    width, height = footage.size
+    num_held = max(1, BACKWARD_BYTES // (3 * width * height))
+    while first >= last:
+        start = max(last, first - num_held + 1)
+        yield from reversed(list(footage.frames(start, first)))
+        first = start - 1
