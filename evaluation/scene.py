@@ -93,7 +93,7 @@ def build(recipe: Recipe, template: FaceTemplate, neutral: np.ndarray, motion: M
     distance = focal * FACE_WIDTH / recipe.face_width_px
     hair = painter(recipe, template, neutral).hairiness(neutral)
     hair[template.num_skin_vertices :] = 0
-    volume = HAIR_THICKNESS * hair[:, None] * _vertex_normals(neutral, template.faces)
+    volume = HAIR_THICKNESS * hair[:, None] * vertex_normals(neutral, template.faces)
     swing = recipe.light_swing * np.sin(2 * np.pi * 0.3 * times + rng.uniform(0, 6))
     toward = np.array(KEY_LIGHT) * (rng.choice((-1, 1)), 1, 1)
     return Scene(
@@ -132,15 +132,17 @@ def _body_rings(skin: np.ndarray) -> np.ndarray:
     return np.array(rings + [(end + up, depth, w, d) for up, w, d in shoulders])
 
 
-def paint(recipe: Recipe, template: FaceTemplate, neutral: np.ndarray) -> dict[str, np.ndarray]:
-    """Textures by name (S,S,3) float32, linear light; row 0 is v = 0."""
+def paint(
+    recipe: Recipe, template: FaceTemplate, neutral: np.ndarray, step: int = 1
+) -> dict[str, np.ndarray]:
+    """Textures by name (S,S,3) float32, linear light; row 0 is v = 0. Every `step`-th texel."""
     eye_centers, eye_radius = template.eye_spheres(neutral)
     skin_painter = painter(recipe, template, neutral)
     textures = {}
     for name in ("skin", "eye.L", "eye.R"):
         chosen = template.part_faces(name)
         uv = _stretched(template.uv[chosen])
-        points = positions_by_texel(neutral, template.faces[chosen], uv)
+        points = positions_by_texel(neutral, template.faces[chosen], uv)[::step, ::step]
         covered = ~np.isnan(points[..., 0])
         image = np.zeros((*covered.shape, 3), np.float32)
         if name == "skin":
@@ -165,7 +167,8 @@ def painter(recipe: Recipe, template: FaceTemplate, neutral: np.ndarray) -> Skin
     return SkinPainter(Look.random(recipe.seed), landmarks)
 
 
-def _vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+def vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
+    """V x 3, of length 1; vertices V x 3, faces F x 4."""
     a, b, c, d = (vertices[faces[:, i]] for i in range(4))
     facing = np.cross(c - a, d - b)
     normals = np.zeros_like(vertices)

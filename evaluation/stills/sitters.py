@@ -15,7 +15,6 @@ from .. import scene
 from ..motion import rotation
 from ..person import neutral_vertices
 from ..recipes import Recipe
-from ..texture import eye_albedo, positions_by_texel
 
 FACES_A_PERSON = 3
 IMAGE_SIZE = (320, 240)
@@ -82,7 +81,8 @@ def sitter(seed: int, template: FaceTemplate) -> Sitter:
     image = in_camera @ drawn.intrinsics.T
     return Sitter(
         scene=drawn,
-        textures=_paint(recipe, template, neutral),
+        # At half the resolution of a clip's: these faces are small
+        textures=scene.paint(recipe, template, neutral, step=2),
         crop=crop,
         places=image[..., :2] / image[..., 2:] - crop[:FACES_A_PERSON, None],
         ipd=focal * 0.063 / in_camera[:, :2, 2].mean(1),
@@ -128,25 +128,3 @@ def part_places(template: FaceTemplate, neutral: np.ndarray, vertices: np.ndarra
         both = [vertices[template.landmark(f"{pair}.{side}")] for side in "LR"]
         places.append(np.mean(both, axis=0))
     return np.array(places)
-
-
-def _paint(recipe: Recipe, template: FaceTemplate, neutral: np.ndarray) -> dict[str, np.ndarray]:
-    """Textures as `scene.paint` makes them, at half its resolution: these faces are small."""
-    eye_centers, eye_radius = template.eye_spheres(neutral)
-    skin_painter = scene.painter(recipe, template, neutral)
-    textures = {}
-    for name in ("skin", "eye.L", "eye.R"):
-        chosen = template.part_faces(name)
-        uv = template.uv[chosen]
-        low, high = uv.reshape(-1, 2).min(0), uv.reshape(-1, 2).max(0)
-        uv = (uv - low) / (high - low)
-        points = positions_by_texel(neutral, template.faces[chosen], uv)[::2, ::2]
-        covered = ~np.isnan(points[..., 0])
-        image = np.zeros((*covered.shape, 3), np.float32)
-        if name == "skin":
-            image[covered] = skin_painter.albedo(points[covered])
-        else:
-            center = eye_centers["LR".index(name[-1])]
-            image[covered] = eye_albedo(points[covered], center, eye_radius, recipe.seed)
-        textures[name] = image
-    return textures

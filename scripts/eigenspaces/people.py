@@ -68,7 +68,7 @@ class Person:
             return np.column_stack([seen[:, :2] * scale + (SIDE - 1) / 2, seen[:, 2]])
 
         light = toward_light(rng) * (1, -1, -1)  # camera: y down, z away
-        normals = self._sampled(_vertex_normals(moved, self._faces)) @ turn.T
+        normals = self._sampled(scene.vertex_normals(moved, self._faces)) @ turn.T
         normals /= np.linalg.norm(normals, axis=1, keepdims=True) + 1e-12
         lit = np.clip(normals @ light, 0, None)
         bright = self._albedo * (rng.uniform(0.25, 0.6) + lit)
@@ -111,12 +111,3 @@ def _splat(picture: np.ndarray, seen: np.ndarray, grey: np.ndarray) -> np.ndarra
     drawn = picture.copy()
     drawn[y[inside], x[inside]] = np.repeat(grey[order], 4)[inside]
     return np.clip(drawn, 0, 255)
-
-
-def _vertex_normals(vertices: np.ndarray, faces: np.ndarray) -> np.ndarray:
-    a, b, c, d = (vertices[faces[:, i]] for i in range(4))
-    facing = np.cross(c - a, d - b)
-    normals = np.zeros_like(vertices)
-    for i in range(4):
-        np.add.at(normals, faces[:, i], facing)
-    return normals / (np.linalg.norm(normals, axis=1, keepdims=True) + 1e-12)

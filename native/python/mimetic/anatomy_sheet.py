@@ -24,6 +24,7 @@ from mimetic.extras import Extras, attach_extras
 from mimetic.face_template import load_template
 from mimetic.head_painter import Painter
 from mimetic.unit_muscles import EXPRESSIONS
+from mimetic.whole_file import whole_file
 
 COLUMNS = 7
 TITLE = 18  # pixels
@@ -134,9 +135,8 @@ def write_sheet(pictures: dict[str, NDArray[np.float64]], out: Path, columns: in
         axes.imshow(picture, interpolation="none")
         axes.set_title(title, fontsize=7, pad=2)
         axes.axis("off")
-    partial = out.with_suffix(f".partial{out.suffix}")
-    figure.savefig(partial)
-    partial.replace(out)
+    with whole_file(out) as stream:
+        figure.savefig(stream, format=out.suffix[1:] or None)
 
 
 if __name__ == "__main__":

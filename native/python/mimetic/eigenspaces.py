@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import zipfile
 from dataclasses import dataclass, field
 
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.array_file import check_shape, read_array, read_headers
+from mimetic.whole_file import whole_file
 
 SCHEMA = 1
 MOST_VIEWS, MOST_MODULES = 9, 6
@@ -85,16 +85,8 @@ class Eigenspaces:
             arrays |= _arrays_of(f"view_{i}", space)
         for i, module in enumerate(self.modules):
             arrays |= _arrays_of(f"module_{i}", module.space)
-        folder = os.path.dirname(os.path.abspath(path))
-        handle, aside = tempfile.mkstemp(dir=folder, prefix=".eigenspaces.", suffix=".part")
-        try:
-            with os.fdopen(handle, "wb") as stream:
-                np.savez_compressed(stream, **arrays)
-            os.chmod(aside, 0o644)
-            os.replace(aside, path)
-        except BaseException:
-            os.unlink(aside)
-            raise
+        with whole_file(path) as stream:
+            np.savez_compressed(stream, **arrays)
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> Eigenspaces:

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import json
 import os
-import tempfile
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -17,6 +16,7 @@ from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.face_model import face_model, identity_names
 from mimetic.face_template import FaceTemplate, data_folder, load_template
 from mimetic.rest import expression, rest_score
+from mimetic.whole_file import whole_file
 
 SCHEMA = 1
 LARGEST_FILE = 1 << 20  # bytes
@@ -68,16 +68,9 @@ class FaceFit:
             "error": self.error,
             "warnings": self.warnings,
         }
-        handle, aside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-        try:
-            with os.fdopen(handle, "w", encoding="utf-8") as stream:
-                json.dump(document, stream, indent=1, allow_nan=False)
-                stream.write("\n")
-            os.chmod(aside, 0o644)
-            os.replace(aside, path)
-        except BaseException:
-            os.unlink(aside)
-            raise
+        text = json.dumps(document, indent=1, allow_nan=False) + "\n"
+        with whole_file(path) as stream:
+            stream.write(text.encode())
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> FaceFit:

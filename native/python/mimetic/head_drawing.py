@@ -4,15 +4,15 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
-from mimetic.overlay import CLEAR_WIDTH
+from mimetic.overlay import make_painter
 from mimetic.performance import HELD_QUALITY, Performance
+from mimetic.whole_file import whole_file
 
 AROUND, UP = 32, 16  # meridians and parallels of a whole ellipsoid
 RINGS = 6  # of the planar patch
@@ -23,14 +23,8 @@ class HeadDrawing:
 
     def __init__(self, performance: Performance, shape: _core.HeadShape) -> None:
         self.performance = performance
-        width, height = (int(side) for side in performance.image_size)
-        options = _core.OverlayOptions()
-        options.scale = int(np.clip(np.ceil(CLEAR_WIDTH / width), 1, 4))
-        options.held_quality = HELD_QUALITY
-        k = performance.intrinsics
-        camera = _core.Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], width, height)
         self.vertices, faces = model_mesh(shape)
-        self.painter = _core.OverlayPainter(camera, len(self.vertices), faces, [], options)
+        self.painter = make_painter(performance, len(self.vertices), faces, [])
 
     def paint(self, image: NDArray[np.uint8], i: int) -> NDArray[np.uint8]:
         """An enlarged H x W x 3 picture of frame index `i`."""
@@ -98,12 +92,5 @@ def write_motion_plot(performance: Performance, path: str | os.PathLike[str]) ->
         panel.set(xmargin=0.01)
     for panel in panels[1]:
         panel.set_xlabel("frame")
-    handle, aside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix)
-    os.close(handle)
-    try:
-        figure.savefig(aside, dpi=120)
-        os.chmod(aside, 0o644)
-        os.replace(aside, path)
-    except BaseException:
-        os.unlink(aside)
-        raise
+    with whole_file(path) as stream:
+        figure.savefig(stream, format="png", dpi=120)

@@ -24,17 +24,25 @@ HIDDEN_REGIONS = ("scalp", "ear", "neck", "mouth_cavity", "eye_socket")
 Progress = Callable[[float, str], bool]
 
 
+def make_painter(
+    performance: Performance, num_vertices: int, faces: NDArray[np.int32], landmarks: list[int]
+) -> _core.OverlayPainter:
+    """For meshes of so many vertices and these quads (F x 4), over the performance's footage."""
+    width, height = (int(side) for side in performance.image_size)
+    options = _core.OverlayOptions()
+    options.scale = int(np.clip(np.ceil(CLEAR_WIDTH / width), 1, 4))
+    options.held_quality = HELD_QUALITY
+    k = performance.intrinsics
+    camera = _core.Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], width, height)
+    faces = np.ascontiguousarray(faces)
+    return _core.OverlayPainter(camera, num_vertices, faces, landmarks, options)
+
+
 class FaceDrawing:
     """Paints frames of a performance; `paint(image, i)` gives an enlarged H x W x 3 picture."""
 
     def __init__(self, performance: Performance) -> None:
         self.performance = performance
-        width, height = (int(side) for side in performance.image_size)
-        options = _core.OverlayOptions()
-        options.scale = int(np.clip(np.ceil(CLEAR_WIDTH / width), 1, 4))
-        options.held_quality = HELD_QUALITY
-        k = performance.intrinsics
-        camera = _core.Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], width, height)
         template = _template_of(performance)
         if template is None:
             used, faces = np.unique(performance.faces, return_inverse=True)
@@ -49,9 +57,7 @@ class FaceDrawing:
         faces = np.ascontiguousarray(faces, dtype=np.int32)
         # The limit surface, where the face is, lies inside of the control mesh.
         self.mesh = _core.SubdividedMesh(faces, len(self.vertices), 0)
-        self.painter = _core.OverlayPainter(
-            camera, len(self.vertices), np.ascontiguousarray(faces[drawn]), landmarks, options
-        )
+        self.painter = make_painter(performance, len(self.vertices), faces[drawn], landmarks)
 
     def paint(self, image: NDArray[np.uint8], i: int) -> NDArray[np.uint8]:
         control = self.performance.surface_in_camera(i)[self.vertices]

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import zipfile
 import zlib
 from dataclasses import dataclass, fields
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.array_file import check_shape, read_array, read_headers
+from mimetic.whole_file import whole_file
 
 SCHEMA = 1
 NUM_MUSCLES = 36
@@ -221,17 +221,8 @@ class Performance:
             is_text = (REQUIRED | OPTIONAL)[field.name][0] == "U"
             arrays[field.name] = np.array(value, dtype=np.str_) if is_text else np.asarray(value)
         arrays["fps"] = np.array([self.fps])
-        with tempfile.NamedTemporaryFile(
-            dir=path.parent, prefix=f".{path.name}.", suffix=".part", delete=False
-        ) as aside:
-            try:
-                np.savez_compressed(aside, **arrays)
-                aside.close()
-                os.chmod(aside.name, 0o644)
-                os.replace(aside.name, path)
-            except BaseException:
-                os.unlink(aside.name)
-                raise
+        with whole_file(path) as stream:
+            np.savez_compressed(stream, **arrays)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Performance:

@@ -6,7 +6,6 @@ from __future__ import annotations
 import argparse
 import csv
 import os
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.performance import Performance
+from mimetic.whole_file import whole_file
 
 LEVELS = 2  # of refinement: facets of a millimetre or two
 LARGEST_TABLE = 1_000_000  # points
@@ -34,17 +34,10 @@ class Tracks:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes TRACKS.npz, whole or not at all."""
         path = Path(path)
-        handle, aside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-        try:
-            with os.fdopen(handle, "wb") as stream:
-                np.savez_compressed(
-                    stream, tracks=self.tracks, visible=self.visible, on_face=self.on_face
-                )
-            os.chmod(aside, 0o644)
-            os.replace(aside, path)
-        except BaseException:
-            os.unlink(aside)
-            raise
+        with whole_file(path) as stream:
+            np.savez_compressed(
+                stream, tracks=self.tracks, visible=self.visible, on_face=self.on_face
+            )
 
 
 def track_points(

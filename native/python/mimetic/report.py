@@ -9,7 +9,6 @@ import importlib.util
 import io
 import os
 import platform
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -21,6 +20,7 @@ from mimetic.footage import Footage
 from mimetic.overlay import FaceDrawing
 from mimetic.performance import HELD_QUALITY, Performance
 from mimetic.pipeline import CaptureSummary
+from mimetic.whole_file import whole_file
 
 NUM_PICTURES = 6
 GROUPS = {
@@ -78,15 +78,8 @@ def write_report(
     """Writes report.html, whole or not at all; raises OSError."""
     path = Path(path)
     text = "".join(_parts(performance, footage, summary or CaptureSummary()))
-    handle, aside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-    try:
-        with os.fdopen(handle, "w", encoding="utf-8") as stream:
-            stream.write(text)
-        os.chmod(aside, 0o644)
-        os.replace(aside, path)
-    except BaseException:
-        os.unlink(aside)
-        raise
+    with whole_file(path) as stream:
+        stream.write(text.encode())
 
 
 def _parts(performance: Performance, footage: Footage, summary: CaptureSummary) -> Iterator[str]:

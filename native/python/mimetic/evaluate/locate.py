@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from pathlib import Path
+from typing import BinaryIO
 
 from mimetic import InvalidInput
 from mimetic.eigenspaces import Eigenspaces
@@ -14,6 +14,7 @@ from mimetic.evaluate.finders import CASCADES, run_cascade, run_eigenspaces, run
 from mimetic.evaluate.locate_score import FALSE_PER_IMAGE, LocateScore, score_run
 from mimetic.evaluate.stills import Stills
 from mimetic.face_template import data_folder
+from mimetic.whole_file import whole_file
 
 RATES = {
     "found": (f"found at {FALSE_PER_IMAGE}", ".3f"),
@@ -67,11 +68,13 @@ def as_json(scores: dict[str, LocateScore]) -> str:
 def write(scores: dict[str, LocateScore], folder: Path) -> None:
     """locate.json and locate_roc.png, each whole or not at all; raises OSError."""
     folder.mkdir(parents=True, exist_ok=True)
-    _aside(folder / "locate.json", lambda path: path.write_text(as_json(scores) + "\n", "utf-8"))
-    _aside(folder / "locate_roc.png", lambda path: _plot(scores, path))
+    with whole_file(folder / "locate.json") as stream:
+        stream.write(f"{as_json(scores)}\n".encode())
+    with whole_file(folder / "locate_roc.png") as stream:
+        _plot(scores, stream)
 
 
-def _plot(scores: dict[str, LocateScore], path: Path) -> None:
+def _plot(scores: dict[str, LocateScore], stream: BinaryIO) -> None:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(6, 4.2), layout="constrained")
@@ -86,16 +89,7 @@ def _plot(scores: dict[str, LocateScore], path: Path) -> None:
     axes.grid(alpha=0.3)
     axes.legend(loc="lower right")
     axes.set_title(f"{score.faces} faces in {score.images} images", fontsize=10)
-    figure.savefig(path, format="png", dpi=130)
-
-
-def _aside(path: Path, write_to) -> None:
-    part = path.with_name(f".{path.name}.part")
-    try:
-        write_to(part)
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
+    figure.savefig(stream, format="png", dpi=130)
 
 
 def _table(title: str, columns: dict, scores: dict[str, LocateScore]) -> str:

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import os
-import tempfile
 import zipfile
 import zlib
 from dataclasses import dataclass, fields
@@ -15,6 +14,7 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.array_file import check_shape, read_array, read_headers
+from mimetic.whole_file import whole_file
 
 SCHEMA = 1
 LARGEST = {"N": 1_000_000, "K": 100_000, "M": 1000, "A": 1000, "U": 1000, "V": 2_000_000}
@@ -118,15 +118,8 @@ class Truth:
             if value is not None:
                 text = KEYS[field.name][0] == "U"
                 arrays[field.name] = np.array(value, np.str_) if text else np.atleast_1d(value)
-        handle, aside = tempfile.mkstemp(dir=path.parent, prefix=f".{path.name}.", suffix=".part")
-        try:
-            with os.fdopen(handle, "wb") as stream:
-                np.savez_compressed(stream, **arrays)
-            os.chmod(aside, 0o644)
-            os.replace(aside, path)
-        except BaseException:
-            os.unlink(aside)
-            raise
+        with whole_file(path) as stream:
+            np.savez_compressed(stream, **arrays)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Truth:
