@@ -36,22 +36,32 @@ struct FitOptions {
     void check() const;             ///< throws InvalidInput: field, value, limit
 };
 
+/// What is known of one picture of the person.
+struct FaceView {
+    FaceFeatures features;
+    std::vector<Feature> pins;  ///< landmarks placed by hand: they stand for the measured ones of their names
+                                ///< and are held, however far off
+};
+
 struct FaceEstimate {
-    Eigen::Isometry3d camera_from_head = Eigen::Isometry3d::Identity();  ///< metres
-    double focal = 0;                                                    ///< pixels
-    Eigen::VectorXd identity;                                            ///< I
+    std::vector<Eigen::Isometry3d> camera_from_head;  ///< one a view, metres
+    double focal = 0;                                 ///< pixels
+    Eigen::VectorXd identity;                         ///< I
     double rms_ipd = 0;  ///< of the points' and curves' residuals, interpupillary distances
     int iterations = 0;  ///< of the solver over all rounds
     bool converged = false;
 };
 
-/// Pose, scale and proportions that put the model on the measured features: robust least squares (Ceres) with
-/// Gaussian priors on the coefficients. Focal lengths of the camera must be equal. Throws InvalidInput when
-/// the features lack the pupils.
-FaceEstimate fit_face(const FaceModel& model, const FaceFeatures& features, const Camera& camera,
-                      const FitOptions& options = {});
+/// Pose of every view, and the proportions and focal length that they share: robust least squares (Ceres)
+/// with Gaussian priors on the coefficients. Focal lengths of the camera must be equal.
+/// start: an estimate for the same views to go on from. Throws InvalidInput when features lack the pupils or
+/// a pin's name is no landmark.
+FaceEstimate fit_face(const FaceModel& model, const std::vector<FaceView>& views, const Camera& camera,
+                      const FitOptions& options = {}, const FaceEstimate* start = nullptr);
 
-/// Landmarks and curves of the fitted model in the image, pixels: what to look for in the next measurement.
-FaceFeatures project_features(const FaceModel& model, const FaceEstimate& estimate, const Camera& camera);
+/// Landmarks and curves of the fitted model in a view's image, pixels: what to look for in the next
+/// measurement.
+FaceFeatures project_features(const FaceModel& model, const FaceEstimate& estimate, const Camera& camera,
+                              std::size_t view = 0);
 
 }  // namespace mimetic

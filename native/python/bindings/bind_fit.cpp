@@ -32,19 +32,34 @@ void bind_fit(py::module_& m) {
             "points"_a, "modes"_a, "spread"_a, "limits"_a, "faces"_a, "on_outline"_a, "landmark_names"_a,
             "landmark_weights"_a, "curve_names"_a, "curves"_a,
             "points: P x 3; modes: I x 3P; spread: I; limits: I x 2; faces: F x 4; on_outline: P of 0 or 1;\n"
-            "landmark_weights: L x P, rows sum to 1");
-    py::class_<FaceEstimate>(m, "FaceEstimate", "Pose, focal length and proportions of one face.")
-        .def(py::init(
-                 [](const Eigen::Matrix4d& camera_from_head, double focal, const Eigen::VectorXd& identity) {
-                     FaceEstimate estimate;
-                     estimate.camera_from_head.matrix() = camera_from_head;
-                     estimate.focal = focal;
-                     estimate.identity = identity;
-                     return estimate;
-                 }),
+            "landmark_weights: L x P, rows sum to 1")
+        .def_readonly("landmark_names", &FaceModel::landmark_names);
+    py::class_<FaceView>(m, "FaceView", "What is known of one picture of the person.")
+        .def(py::init([](FaceFeatures features, std::vector<Feature> pins) {
+                 return FaceView{std::move(features), std::move(pins)};
+             }),
+             "features"_a, "pins"_a = std::vector<Feature>{},
+             "features: measured; pins: landmarks placed by hand, which are held however far off")
+        .def_readonly("features", &FaceView::features)
+        .def_readonly("pins", &FaceView::pins);
+    py::class_<FaceEstimate>(m, "FaceEstimate",
+                             "Pose of each view, focal length and proportions of one face.")
+        .def(py::init([](const std::vector<Eigen::Matrix4d>& camera_from_head, double focal,
+                         const Eigen::VectorXd& identity) {
+                 FaceEstimate estimate;
+                 for (const auto& pose : camera_from_head) estimate.camera_from_head.emplace_back(pose);
+                 estimate.focal = focal;
+                 estimate.identity = identity;
+                 return estimate;
+             }),
              "camera_from_head"_a, "focal"_a, "identity"_a)
         .def_property_readonly("camera_from_head",
-                               [](const FaceEstimate& e) { return MatrixRows(e.camera_from_head.matrix()); })
+                               [](const FaceEstimate& e) {
+                                   std::vector<MatrixRows> poses;
+                                   for (const auto& pose : e.camera_from_head)
+                                       poses.emplace_back(pose.matrix());
+                                   return poses;
+                               })
         .def_readonly("focal", &FaceEstimate::focal)
         .def_property_readonly("identity", [](const FaceEstimate& e) { return e.identity; })
         .def_readonly("rms_ipd", &FaceEstimate::rms_ipd)
@@ -52,17 +67,19 @@ void bind_fit(py::module_& m) {
         .def_readonly("converged", &FaceEstimate::converged);
     m.def(
         "fit_face",
-        [](const FaceModel& model, const FaceFeatures& features, const Camera& camera, bool focal_free) {
+        [](const FaceModel& model, const std::vector<FaceView>& views, const Camera& camera, bool focal_free,
+           const FaceEstimate* start) {
             FitOptions options;
             options.focal_free = focal_free;
-            return fit_face(model, features, camera, options);
+            return fit_face(model, views, camera, options, start);
         },
-        "model"_a, "features"_a, "camera"_a, "focal_free"_a = false, py::call_guard<py::gil_scoped_release>(),
-        "Pose, scale and proportions that put the model on the features.\n\nreturns: FaceEstimate, metres "
-        "and pixels");
-    m.def("project_features", &project_features, "model"_a, "estimate"_a, "camera"_a,
+        "model"_a, "views"_a, "camera"_a, "focal_free"_a = false, "start"_a = nullptr,
+        py::call_guard<py::gil_scoped_release>(),
+        "Pose of every view and the proportions and focal length that they share.\n\n"
+        "start: FaceEstimate of the same views to go on from\nreturns: FaceEstimate, metres and pixels");
+    m.def("project_features", &project_features, "model"_a, "estimate"_a, "camera"_a, "view"_a = 0,
           py::call_guard<py::gil_scoped_release>(),
-          "Landmarks and curves of the fitted model in the image, pixels.");
+          "Landmarks and curves of the fitted model in a view's image, pixels.");
 }
 
 }  // namespace mimetic::bindings

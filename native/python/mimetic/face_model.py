@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
+from mimetic.face_shape import face_shape
 from mimetic.face_template import FaceTemplate
 
-# Modes that a face seen from the front says nothing about
-UNSEEN = ("ear_", "neck_", "asym_ear", "asym_temple", "head_back", "forehead_", "head_scale_depth")
-LIKELY_MOVE = 0.005  # metres at one standard deviation, at the vertex that a mode moves most
+COMPONENT_LIMIT = 30.0  # prior standard deviations: a pin may be far off
 OUTLINE_REGIONS = ("cheek", "zygomatic", "chin", "jaw_line", "temple")
 CURVES = {
     "lip_line": ("mouth_corner.R", "lip_upper_inner", "mouth_corner.L"),
@@ -30,32 +29,28 @@ BETWEEN = {
 }
 
 
-def identity_names(template: FaceTemplate) -> list[str]:
-    return [name for name in template.identity_names if not name.startswith(UNSEEN)]
+@lru_cache(maxsize=6)
+def face_model(
+    template: FaceTemplate, with_identity: bool = True, with_residual: bool = True
+) -> _core.FaceModel:
+    """What the core's fit needs: points on the limit surface, then the two eyeballs' centres.
 
-
-@lru_cache(maxsize=2)
-def face_model(template: FaceTemplate) -> _core.FaceModel:
-    """What the core's fit needs: points on the limit surface, then the two eyeballs' centres."""
+    Modes: the components of `face_shape` with the same arguments.
+    """
     skin = template.num_skin_vertices
     faces = np.ascontiguousarray(template.skin_faces, dtype=np.int32)
     on_limit = _limit(faces, skin)
-    chosen = [template.identity_names.index(name) for name in identity_names(template)]
     eyes = [template.part_vertices(name) for name in ("eye.L", "eye.R")]
-    shapes = [template.vertices, *template.identity_modes[chosen].astype(np.float64)]
+    components = face_shape(template, with_identity, with_residual).components
     points = np.array(
         [
             np.vstack([on_limit(shape[:skin]), *(shape[eye].mean(axis=0) for eye in eyes)])
-            for shape in shapes
+            for shape in (template.vertices, *components)
         ]
     )
     # Means of the eyeballs' vertices move as their centres do; the centres are the template's own
     points[0, skin:] = template.eye_centers
-    largest = np.abs(points[1:, :skin]).max(axis=(1, 2))
-    limits = template.identity_limits[chosen]
-    spread = np.minimum(0.5, LIKELY_MOVE / np.maximum(largest, 1e-4))
-    odd = np.array([template.identity_names[i].startswith("asym_") for i in chosen])
-    spread[odd] *= 0.3
+    far = np.full((len(components), 1), COMPONENT_LIMIT)
     names, weights = _landmark_weights(template, len(points[0]))
     on_outline = np.zeros(len(points[0]), dtype=bool)
     # Under the chin the outline runs on what counts as neck; the neck's own sides are not the jaw
@@ -67,9 +62,9 @@ def face_model(template: FaceTemplate) -> _core.FaceModel:
     chains = [_chain(template, points[0], stops) for stops in CURVES.values()]
     return _core.FaceModel(
         points[0],
-        points[1:].reshape(len(chosen), -1),
-        spread,
-        np.ascontiguousarray(limits),
+        points[1:].reshape(len(components), -1),
+        np.ones(len(components)),
+        np.hstack([-far, far]),
         faces,
         on_outline.tolist(),
         names,

@@ -3,23 +3,30 @@
 
 from __future__ import annotations
 
-import json
-import os
-from dataclasses import dataclass, field
+from collections.abc import Mapping
 from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, UnreadableMedia, _core
-from mimetic.face_model import face_model, identity_names
+from mimetic import InvalidInput, _core
+from mimetic.face_fit import FaceFit
+from mimetic.face_model import face_model
+from mimetic.face_shape import face_shape
 from mimetic.face_template import FaceTemplate, data_folder, load_template
+from mimetic.fitted_view import FittedView
 from mimetic.rest import expression, rest_score
-from mimetic.whole_file import whole_file
 
-SCHEMA = 1
-LARGEST_FILE = 1 << 20  # bytes
+__all__ = [
+    "FaceFit",
+    "NoFace",
+    "find_face",
+    "judge_frame",
+    "landmark_places",
+    "refit",
+    "score_frame",
+]
+
 DEFAULT_FOCAL = 1.2  # image widths: a webcam's 45 degrees
 LARGEST_ERROR = 0.1  # rms of a face that was found, pupil distances; usual are 0.02
 SEARCHES = (0.12, 0.07)  # half widths of the measurements after the first fit, pupil distances
@@ -27,71 +34,6 @@ SEARCHES = (0.12, 0.07)  # half widths of the measurements after the first fit, 
 
 class NoFace(InvalidInput):
     """No face in the image that a head could be fitted to; the text says why."""
-
-
-@dataclass
-class FaceFit:
-    """A person's neutral head in one frame: proportions, pose and camera."""
-
-    frame: int  # number in the footage, first = 1
-    image_size: tuple[int, int]  # width, height, pixels
-    intrinsics: NDArray[np.float64]  # 3 x 3, pixels
-    head_pose: NDArray[np.float64]  # 4 x 4, camera from head, metres; camera x right, y down
-    identity: dict[str, float]  # coefficients of the template's identity modes
-    features: dict[str, tuple[float, float]] = field(default_factory=dict)  # measured, pixels
-    error: float = 0.0  # rms of the measured points and lines, pupil distances
-    warnings: list[str] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        _check(self)
-
-    @property
-    def camera(self) -> _core.Camera:
-        k = self.intrinsics
-        return _core.Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], *self.image_size)
-
-    def neutral_vertices(self, template: FaceTemplate) -> NDArray[np.float64]:
-        """V x 3 control vertices of the person at rest, metres, head frame."""
-        return template.neutral(self.identity)
-
-    def save(self, path: str | os.PathLike) -> None:
-        """Writes JSON, whole or not at all; raises OSError."""
-        path = Path(path)
-        document = {
-            "schema": SCHEMA,
-            "frame": self.frame,
-            "image_size": list(self.image_size),
-            "intrinsics": self.intrinsics.tolist(),
-            "head_pose": self.head_pose.tolist(),
-            "identity": {name: value for name, value in self.identity.items() if value != 0},
-            "features": {name: list(place) for name, place in self.features.items()},
-            "error": self.error,
-            "warnings": self.warnings,
-        }
-        text = json.dumps(document, indent=1, allow_nan=False) + "\n"
-        with whole_file(path) as stream:
-            stream.write(text.encode())
-
-    @classmethod
-    def load(cls, path: str | os.PathLike) -> FaceFit:
-        """Reads JSON; raises UnreadableMedia without such a file, InvalidInput if it is no fit."""
-        path = Path(path)
-        try:
-            if path.stat().st_size > LARGEST_FILE:
-                raise InvalidInput(f"{path}: not a face fit: larger than {LARGEST_FILE} bytes")
-            text = path.read_text(encoding="utf-8")
-        except OSError as error:
-            raise UnreadableMedia(f"{path}: {error.strerror}; give a face fit (JSON)") from None
-        except UnicodeDecodeError:
-            raise InvalidInput(f"{path}: not a face fit: not UTF-8 text") from None
-        try:
-            document = json.loads(text)
-        except (json.JSONDecodeError, RecursionError) as error:
-            raise InvalidInput(f"{path}: not a face fit: {error}") from None
-        try:
-            return cls(**_fields(document))
-        except InvalidInput as error:
-            raise InvalidInput(f"{path}: {error}") from None
 
 
 def score_frame(image: NDArray[np.uint8]) -> float | None:
@@ -157,31 +99,107 @@ def find_face(
         )
     model = face_model(template)
     features = faces[choice]
-    estimate = _core.fit_face(model, features, camera)
+    estimate = _core.fit_face(model, [_core.FaceView(features)], camera)
     for search in SEARCHES:
         features = _core.measure_features(
             image, _expected(model, estimate, camera, features), search
         )
-        estimate = _core.fit_face(model, features, camera)
+        estimate = _core.fit_face(model, [_core.FaceView(features)], camera)
     if not estimate.converged or estimate.rms_ipd > LARGEST_ERROR:
         raise NoFace(
             f"what looks like a face in frame {frame} does not fit a head: choose another frame, "
             "or give a face fit"
         )
-    names = identity_names(template)
+    view = FittedView(frame, estimate.camera_from_head[0], features)
+    return _as_fit(template, camera, estimate, [view], warnings)
+
+
+def refit(
+    fit: FaceFit,
+    pins: Mapping[str, tuple[float, float]],
+    frame: int | None = None,
+    *,
+    template: FaceTemplate | None = None,
+) -> FaceFit:
+    """The fit solved again with other pins, from the features it keeps; no image is needed.
+
+    pins: landmark -> pixel (x, y), (0, 0) the middle of the first; all that are to hold in `frame`,
+    so that an empty mapping lets go. `landmark_places` gives the names. frame: one of the fit's
+    views, by default the reference. Other frames keep theirs. Raises InvalidInput.
+    """
+    template = template or load_template()
+    frame = fit.frame if frame is None else frame
+    if fit.view(frame) is None:
+        shown = ", ".join(str(view.frame) for view in fit.views) or "none"
+        raise InvalidInput(
+            f"the fit does not rest on frame {frame} (its frames: {shown}): add it, or fit again"
+        )
+    model = face_model(template)
+    if unknown := sorted(set(pins) - set(model.landmark_names)):
+        raise InvalidInput(
+            f"there is no landmark {', '.join(unknown)}; there are "
+            f"{', '.join(model.landmark_names)}"
+        )
+    views = [
+        FittedView(
+            view.frame,
+            view.head_pose,
+            view.measured,
+            dict(pins if view.frame == frame else view.pins),
+        )
+        for view in fit.views
+    ]
+    observed = [view.observed() for view in views]
+    estimate = _core.fit_face(model, observed, fit.camera, start=_estimate_of(fit, template))
+    return _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
+
+
+def landmark_places(
+    fit: FaceFit, frame: int | None = None, *, template: FaceTemplate | None = None
+) -> dict[str, tuple[float, float]]:
+    """Where the fitted head's landmarks are in one of its views, pixels: all that can be pinned."""
+    template = template or load_template()
+    frame = fit.frame if frame is None else frame
+    frames = [view.frame for view in fit.views] or [fit.frame]
+    if frame not in frames:
+        raise InvalidInput(f"the fit does not rest on frame {frame}")
+    projected = _core.project_features(
+        face_model(template), _estimate_of(fit, template), fit.camera, frames.index(frame)
+    )
+    return {f.name: (float(f.position[0]), float(f.position[1])) for f in projected.features}
+
+
+def _estimate_of(fit: FaceFit, template: FaceTemplate) -> _core.FaceEstimate:
+    values = face_shape(template).joined(fit.identity, fit.residual)
+    poses = [view.head_pose for view in fit.views] or [fit.head_pose]
+    return _core.FaceEstimate(poses, float(fit.intrinsics[0, 0]), values)
+
+
+def _as_fit(
+    template: FaceTemplate,
+    camera: _core.Camera,
+    estimate: _core.FaceEstimate,
+    views: list[FittedView],
+    warnings: list[str],
+) -> FaceFit:
+    identity, residual = face_shape(template).split(estimate.identity)
     focal = estimate.focal
+    for view, pose in zip(views, estimate.camera_from_head, strict=True):
+        view.head_pose = np.array(pose)
+    first = views[0]
     return FaceFit(
-        frame=frame,
-        image_size=(width, height),
+        frame=first.frame,
+        image_size=(camera.width, camera.height),
         intrinsics=np.array([[focal, 0, camera.cx], [0, focal, camera.cy], [0, 0, 1.0]]),
-        head_pose=estimate.camera_from_head,
-        identity={
-            name: round(float(value), 6)
-            for name, value in zip(names, estimate.identity, strict=True)
+        head_pose=first.head_pose,
+        identity=identity,
+        features={
+            f.name: (float(f.position[0]), float(f.position[1])) for f in first.measured.features
         },
-        features={f.name: (float(f.position[0]), float(f.position[1])) for f in features.features},
         error=float(estimate.rms_ipd),
         warnings=warnings,
+        residual=residual,
+        views=views,
     )
 
 
@@ -211,87 +229,3 @@ def _expected(model, estimate, camera, features):
 @lru_cache(maxsize=1)
 def _locator() -> _core.FaceLocator:
     return _core.FaceLocator(str(data_folder()))
-
-
-def _fields(document: object) -> dict:
-    """Arguments of FaceFit from a JSON document of the right schema and keys."""
-    if not isinstance(document, dict):
-        raise InvalidInput("not a face fit: the document must be an object")
-    known = {
-        "schema",
-        "frame",
-        "image_size",
-        "intrinsics",
-        "head_pose",
-        "identity",
-        "features",
-        "error",
-        "warnings",
-    }
-    needed = known - {"features", "error", "warnings"}
-    schema = document.get("schema")
-    if schema != SCHEMA:
-        raise InvalidInput(
-            f"face fit has schema {schema!r}, this version reads {SCHEMA}: "
-            "update Mimetic or fit again"
-        )
-    if missing := sorted(needed - document.keys()):
-        raise InvalidInput(f"face fit lacks {', '.join(missing)}")
-    if unknown := sorted(document.keys() - known):
-        raise InvalidInput(f"face fit has unknown keys: {', '.join(unknown)}")
-    return {key: value for key, value in document.items() if key != "schema"}
-
-
-def _numbers(name: str, value: object, shape: tuple[int, ...]) -> NDArray[np.float64]:
-    try:
-        array = np.array(value, dtype=np.float64)
-    except (TypeError, ValueError):
-        raise InvalidInput(f"face fit's {name} must be numbers of shape {shape}") from None
-    if array.shape != shape or not np.isfinite(array).all():
-        raise InvalidInput(f"face fit's {name} must be finite numbers of shape {shape}")
-    return array
-
-
-def _check(fit: FaceFit) -> None:
-    """Brings the fields to their types; raises InvalidInput naming the field."""
-    if isinstance(fit.frame, bool) or not isinstance(fit.frame, int) or fit.frame < 1:
-        raise InvalidInput(f"face fit's frame is {fit.frame!r}; it is a number from 1")
-    size = _numbers("image_size", fit.image_size, (2,))
-    if (size != np.round(size)).any() or (size < 16).any() or (size > 16384).any():
-        raise InvalidInput(
-            f"face fit's image_size is {fit.image_size}; whole pixels from 16 to 16384 are needed"
-        )
-    fit.image_size = (int(size[0]), int(size[1]))
-    fit.intrinsics = _numbers("intrinsics", fit.intrinsics, (3, 3))
-    k = fit.intrinsics
-    if not (k[0, 0] > 0 and k[1, 1] > 0) or k[0, 1] or k[1, 0] or k[2].tolist() != [0, 0, 1]:
-        raise InvalidInput(
-            "face fit's intrinsics must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], fx and fy above 0"
-        )
-    fit.head_pose = _numbers("head_pose", fit.head_pose, (4, 4))
-    rotation = fit.head_pose[:3, :3]
-    if not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-6) or np.linalg.det(rotation) < 0:
-        raise InvalidInput("face fit's head_pose must hold a rotation (orthonormal, determinant 1)")
-    if fit.head_pose[3].tolist() != [0, 0, 0, 1] or fit.head_pose[2, 3] <= 0:
-        raise InvalidInput(
-            "face fit's head_pose must end in the row 0 0 0 1 and lie before the camera (z > 0)"
-        )
-    fit.identity = {
-        name: float(_numbers(f"identity {name}", v, ()))
-        for name, v in _items("identity", fit.identity)
-    }
-    fit.features = {
-        name: tuple(_numbers(f"feature {name}", v, (2,)).tolist())
-        for name, v in _items("features", fit.features)
-    }
-    fit.error = float(_numbers("error", fit.error, ()))
-    if not isinstance(fit.warnings, list) or not all(
-        isinstance(text, str) for text in fit.warnings
-    ):
-        raise InvalidInput("face fit's warnings must be a list of texts")
-
-
-def _items(name: str, value: object):
-    if not isinstance(value, dict) or not all(isinstance(key, str) for key in value):
-        raise InvalidInput(f"face fit's {name} must map names to numbers")
-    return value.items()

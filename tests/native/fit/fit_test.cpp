@@ -86,9 +86,9 @@ TEST(FitFace, RecoversPoseWithinHalfADegreeAndTheProportions) {
          {std::tuple{0.0, 0.0, 0.0}, std::tuple{0.3, -0.1, 0.2}, std::tuple{-0.25, 0.15, -0.3}}) {
         const Eigen::Isometry3d pose = turned(yaw, pitch, roll);
         const FaceEstimate estimate =
-            fit_face(cloud.model, cloud.seen(pose, identity, 0.05), kCamera, options);
+            fit_face(cloud.model, {{cloud.seen(pose, identity, 0.05), {}}}, kCamera, options);
         EXPECT_TRUE(estimate.converged);
-        EXPECT_LT(angle_deg(estimate.camera_from_head, pose), 0.5);
+        EXPECT_LT(angle_deg(estimate.camera_from_head[0], pose), 0.5);
         const Points fitted = cloud.model.shaped(estimate.identity);
         EXPECT_NEAR((fitted.row(0) - fitted.row(1)).norm(), 0.063, 1e-4);
         EXPECT_LT((fitted - cloud.model.shaped(identity)).rowwise().norm().maxCoeff(), 0.004);
@@ -100,8 +100,8 @@ TEST(FitFace, OneFeatureFarOffHardlyTurnsTheHead) {
     const Eigen::Isometry3d pose = turned(0.1, 0, 0);
     FaceFeatures features = cloud.seen(pose, Eigen::VectorXd::Zero(4), 0.1);
     features.features[10].position.x() += 40;
-    const FaceEstimate estimate = fit_face(cloud.model, features, kCamera);
-    EXPECT_LT(angle_deg(estimate.camera_from_head, pose), 1.0);
+    const FaceEstimate estimate = fit_face(cloud.model, {{features, {}}}, kCamera);
+    EXPECT_LT(angle_deg(estimate.camera_from_head[0], pose), 1.0);
 }
 
 TEST(FitFace, FreeFocalLengthMovesFromAWrongPriorTowardsTheTruth) {
@@ -113,18 +113,48 @@ TEST(FitFace, FreeFocalLengthMovesFromAWrongPriorTowardsTheTruth) {
     guess.fx = guess.fy = 900;
     const Eigen::Isometry3d pose = turned(0.3, 0.1, 0);
     const FaceFeatures features = cloud.seen(pose, Eigen::VectorXd::Zero(4), 0);
-    const FaceEstimate estimate = fit_face(cloud.model, features, guess, options);
+    const FaceEstimate estimate = fit_face(cloud.model, {{features, {}}}, guess, options);
     EXPECT_LT(std::abs(estimate.focal - 700), 100);
 }
 
 TEST(FitFace, ProjectedFeaturesFallOnTheSeenOnes) {
     Cloud cloud;
     const FaceFeatures features = cloud.seen(turned(0.2, 0.1, 0), Eigen::VectorXd::Zero(4), 0);
-    const FaceEstimate estimate = fit_face(cloud.model, features, kCamera);
+    const FaceEstimate estimate = fit_face(cloud.model, {{features, {}}}, kCamera);
     const FaceFeatures again = project_features(cloud.model, estimate, kCamera);
     for (const auto& feature : features.features) {
         EXPECT_LT((again.find(feature.name)->position - feature.position).norm(), 0.5) << feature.name;
     }
+}
+
+TEST(FitFace, PinIsMetHoweverFarOffItIs) {
+    Cloud cloud;
+    FaceView view{cloud.seen(turned(0.1, 0, 0), Eigen::VectorXd::Zero(4), 0.1), {}};
+    const Feature& seen = view.features.features[10];
+    view.pins.push_back({seen.name, seen.position + Eigen::Vector2d(15, -8), 0.1, 1});
+    const FaceEstimate estimate = fit_face(cloud.model, {view}, kCamera);
+    const FaceFeatures fitted = project_features(cloud.model, estimate, kCamera);
+    EXPECT_LT((fitted.find(seen.name)->position - view.pins[0].position).norm(), 1.0);
+}
+
+TEST(FitFace, ViewsOfOnePersonShareTheProportionsAndTellDepthTogether) {
+    Cloud cloud;
+    FitOptions options;
+    options.gaze_spread = 0;
+    Eigen::VectorXd identity = Eigen::VectorXd::Zero(4);
+    identity(2) = 1.5;  // depth alone: one view from the front does not show it
+    const std::vector<Eigen::Isometry3d> poses{turned(0, 0, 0), turned(0.3, 0, 0), turned(0, 0.25, 0)};
+    std::vector<FaceView> views;
+    for (const auto& pose : poses) views.push_back({cloud.seen(pose, identity, 0.05), {}});
+    const FaceEstimate alone = fit_face(cloud.model, {views[0]}, kCamera, options);
+    const FaceEstimate joint = fit_face(cloud.model, views, kCamera, options);
+    EXPECT_LT(std::abs(joint.identity(2) - 1.5), 0.1);
+    EXPECT_GT(std::abs(alone.identity(2) - 1.5), 2 * std::abs(joint.identity(2) - 1.5));
+    ASSERT_EQ(joint.camera_from_head.size(), 3U);
+    for (std::size_t v = 0; v < 3; ++v) EXPECT_LT(angle_deg(joint.camera_from_head[v], poses[v]), 0.5);
+    const FaceEstimate again = fit_face(cloud.model, views, kCamera, options, &joint);
+    EXPECT_LT(again.iterations, joint.iterations);
+    EXPECT_LT(angle_deg(again.camera_from_head[0], joint.camera_from_head[0]), 0.05);
 }
 
 TEST(FitFace, RefusesFeaturesWithoutPupilsAndModelsThatDoNotFit) {
@@ -132,12 +162,15 @@ TEST(FitFace, RefusesFeaturesWithoutPupilsAndModelsThatDoNotFit) {
     FaceFeatures features = cloud.seen(turned(0, 0, 0), Eigen::VectorXd::Zero(4), 0);
     FaceFeatures blind = features;
     blind.features.erase(blind.features.begin());
-    EXPECT_THROW(fit_face(cloud.model, blind, kCamera), InvalidInput);
+    EXPECT_THROW(fit_face(cloud.model, {{blind, {}}}, kCamera), InvalidInput);
     FaceModel model = cloud.model;
     model.spread(1) = 0;
-    EXPECT_THROW(fit_face(model, features, kCamera), InvalidInput);
+    EXPECT_THROW(fit_face(model, {{features, {}}}, kCamera), InvalidInput);
+    const FaceView stray{features, {{"no such point", {0, 0}, 1, 1}}};
+    EXPECT_THROW(fit_face(cloud.model, {stray}, kCamera), InvalidInput);
+    EXPECT_THROW(fit_face(cloud.model, {}, kCamera), InvalidInput);
     features.features[3].position.x() = std::nan("");
-    EXPECT_THROW(fit_face(cloud.model, features, kCamera), InvalidInput);
+    EXPECT_THROW(fit_face(cloud.model, {{features, {}}}, kCamera), InvalidInput);
 }
 
 }  // namespace

@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A person's neutral head as fitted to footage, and its file fit.json."""
+
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, UnreadableMedia, _core
+from mimetic.face_template import FaceTemplate
+from mimetic.fitted_view import FittedView, checked_places, checked_pose, named, numbers
+from mimetic.residual_shape import residual_modes
+from mimetic.whole_file import whole_file
+
+SCHEMA = 2
+OLDER_SCHEMA = 1  # without residual and views
+LARGEST_FILE = 4 << 20  # bytes
+MOST_VIEWS = 100
+
+
+@dataclass
+class FaceFit:
+    """A person's neutral head in one frame: proportions, pose and camera.
+
+    `views` holds what the fit rests on, the reference frame first, so that it can be solved again
+    without the footage (`mimetic.fit.refit`); a fit from an older file has none.
+    """
+
+    frame: int  # the reference: number in the footage, first = 1
+    image_size: tuple[int, int]  # width, height, pixels
+    intrinsics: NDArray[np.float64]  # 3 x 3, pixels
+    head_pose: NDArray[np.float64]  # 4 x 4, camera from head, metres; camera x right, y down
+    identity: dict[str, float]  # coefficients of the template's identity modes
+    features: dict[str, tuple[float, float]] = field(default_factory=dict)  # measured, pixels
+    error: float = 0.0  # rms of the measured points and lines, pupil distances
+    warnings: list[str] = field(default_factory=list)
+    residual: list[float] = field(default_factory=list)  # of `residual_shape.residual_modes`
+    views: list[FittedView] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        _check(self)
+
+    @property
+    def camera(self) -> _core.Camera:
+        k = self.intrinsics
+        return _core.Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], *self.image_size)
+
+    @property
+    def pins(self) -> dict[int, dict[str, tuple[float, float]]]:
+        """Frame: landmark: the pixel it is pinned to. `mimetic.fit.refit` changes them."""
+        return {view.frame: dict(view.pins) for view in self.views if view.pins}
+
+    def neutral_vertices(self, template: FaceTemplate) -> NDArray[np.float64]:
+        """V x 3 control vertices of the person at rest, metres, head frame."""
+        vertices = template.neutral(self.identity)
+        if self.residual:
+            modes = residual_modes(template)
+            if len(modes) != len(self.residual):
+                raise InvalidInput(
+                    f"face fit has {len(self.residual)} residual coefficients, this head has "
+                    f"{len(modes)}: fit again"
+                )
+            vertices += np.tensordot(self.residual, modes, axes=1)
+        return vertices
+
+    def view(self, frame: int) -> FittedView | None:
+        """The view of a frame, if the fit rests on it."""
+        return next((view for view in self.views if view.frame == frame), None)
+
+    def save(self, path: str | os.PathLike) -> None:
+        """Writes JSON, whole or not at all; raises OSError."""
+        document = {
+            "schema": SCHEMA,
+            "frame": self.frame,
+            "image_size": list(self.image_size),
+            "intrinsics": self.intrinsics.tolist(),
+            "head_pose": self.head_pose.tolist(),
+            "identity": {name: value for name, value in self.identity.items() if value != 0},
+            "features": {name: list(place) for name, place in self.features.items()},
+            "error": self.error,
+            "warnings": self.warnings,
+            "residual": self.residual,
+            "views": [view.as_json() for view in self.views],
+        }
+        with whole_file(path) as stream:
+            stream.write(json.dumps(document, indent=1, allow_nan=False).encode() + b"\n")
+
+    @classmethod
+    def load(cls, path: str | os.PathLike) -> FaceFit:
+        """Reads JSON; raises UnreadableMedia without such a file, InvalidInput if it is no fit."""
+        path = Path(path)
+        try:
+            if path.stat().st_size > LARGEST_FILE:
+                raise InvalidInput(f"{path}: not a face fit: larger than {LARGEST_FILE} bytes")
+            text = path.read_text(encoding="utf-8")
+        except OSError as error:
+            raise UnreadableMedia(f"{path}: {error.strerror}; give a face fit (JSON)") from None
+        except UnicodeDecodeError:
+            raise InvalidInput(f"{path}: not a face fit: not UTF-8 text") from None
+        try:
+            document = json.loads(text)
+        except (json.JSONDecodeError, RecursionError) as error:
+            raise InvalidInput(f"{path}: not a face fit: {error}") from None
+        try:
+            return cls(**_fields(document))
+        except InvalidInput as error:
+            raise InvalidInput(f"{path}: {error}") from None
+
+
+def _fields(document: object) -> dict:
+    """Arguments of FaceFit from a JSON document of the right schema and keys."""
+    if not isinstance(document, dict):
+        raise InvalidInput("not a face fit: the document must be an object")
+    needed = {"schema", "frame", "image_size", "intrinsics", "head_pose", "identity"}
+    known = needed | {"features", "error", "warnings"}
+    schema = document.get("schema")
+    if schema not in (SCHEMA, OLDER_SCHEMA):
+        raise InvalidInput(
+            f"face fit has schema {schema!r}, this version reads {SCHEMA}: "
+            "update Mimetic or fit again"
+        )
+    if schema == SCHEMA:
+        known |= {"residual", "views"}
+    if missing := sorted(needed - document.keys()):
+        raise InvalidInput(f"face fit lacks {', '.join(missing)}")
+    if unknown := sorted(document.keys() - known):
+        raise InvalidInput(f"face fit has unknown keys: {', '.join(unknown)}")
+    fields = {key: value for key, value in document.items() if key != "schema"}
+    views = fields.get("views", [])
+    if not isinstance(views, list) or len(views) > MOST_VIEWS:
+        raise InvalidInput(f"face fit's views must be a list of at most {MOST_VIEWS}")
+    return fields | {"views": [FittedView.from_json(view) for view in views]}
+
+
+def _check(fit: FaceFit) -> None:
+    """Brings the fields to their types; raises InvalidInput naming the field."""
+    if isinstance(fit.frame, bool) or not isinstance(fit.frame, int) or fit.frame < 1:
+        raise InvalidInput(f"face fit's frame is {fit.frame!r}; it is a number from 1")
+    size = numbers("image_size", fit.image_size, (2,))
+    if (size != np.round(size)).any() or (size < 16).any() or (size > 16384).any():
+        raise InvalidInput(
+            f"face fit's image_size is {fit.image_size}; whole pixels from 16 to 16384 are needed"
+        )
+    fit.image_size = (int(size[0]), int(size[1]))
+    fit.intrinsics = numbers("intrinsics", fit.intrinsics, (3, 3))
+    k = fit.intrinsics
+    if not (k[0, 0] > 0 and k[1, 1] > 0) or k[0, 1] or k[1, 0] or k[2].tolist() != [0, 0, 1]:
+        raise InvalidInput(
+            "face fit's intrinsics must be [[fx, 0, cx], [0, fy, cy], [0, 0, 1]], fx and fy above 0"
+        )
+    fit.head_pose = checked_pose(fit.head_pose)
+    fit.identity = {
+        name: float(numbers(f"identity {name}", v, ()))
+        for name, v in named("identity", fit.identity)
+    }
+    fit.features = checked_places("feature", fit.features)
+    fit.error = float(numbers("error", fit.error, ()))
+    if not isinstance(fit.warnings, list) or not all(
+        isinstance(text, str) for text in fit.warnings
+    ):
+        raise InvalidInput("face fit's warnings must be a list of texts")
+    residual = np.atleast_1d(fit.residual)
+    fit.residual = numbers("residual", fit.residual, residual.shape[:1]).tolist()
+    frames = [view.frame for view in fit.views]
+    if frames and (frames[0] != fit.frame or len(set(frames)) != len(frames)):
+        raise InvalidInput("face fit's views must start with its frame and show each frame once")

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One picture that a fit rests on: what was measured in it, what was pinned, the head's pose."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, _core
+
+PIN_SIGMA = 0.1  # pixels: what a hand places is held
+MOST_POINTS = 1000  # of a curve
+
+
+@dataclass
+class FittedView:
+    """A frame with its measured features; the first view of a fit is its reference."""
+
+    frame: int  # number in the footage, first = 1
+    head_pose: NDArray[np.float64]  # 4 x 4, camera from head, metres; camera x right, y down
+    measured: _core.FaceFeatures
+    pins: dict[str, tuple[float, float]] = field(default_factory=dict)  # landmark: pixels
+
+    def __post_init__(self) -> None:
+        if isinstance(self.frame, bool) or not isinstance(self.frame, int) or self.frame < 1:
+            raise InvalidInput(f"face fit's frame is {self.frame!r}; it is a number from 1")
+        self.head_pose = checked_pose(self.head_pose)
+        self.pins = checked_places("pin", self.pins)
+
+    def observed(self) -> _core.FaceView:
+        """What the solver takes."""
+        pins = [_core.Feature(name, place, PIN_SIGMA) for name, place in self.pins.items()]
+        return _core.FaceView(self.measured, pins)
+
+    def as_json(self) -> dict:
+        """Pixels to a ten thousandth."""
+        return {
+            "frame": self.frame,
+            "head_pose": self.head_pose.tolist(),
+            "pins": {name: list(place) for name, place in self.pins.items()},
+            "box": np.round(self.measured.box, 4).tolist(),
+            "likelihood": self.measured.likelihood,
+            "features": {
+                f.name: np.round([*f.position, f.sigma_px, f.likelihood], 4).tolist()
+                for f in self.measured.features
+            },
+            "curves": {
+                c.name: np.round(np.column_stack([c.points, c.normals, c.sigma_px]), 4).tolist()
+                for c in self.measured.curves
+            },
+        }
+
+    @classmethod
+    def from_json(cls, document: object) -> FittedView:
+        """Raises InvalidInput naming the field."""
+        keys = ("frame", "head_pose", "pins", "box", "likelihood", "features", "curves")
+        if not isinstance(document, dict) or sorted(document) != sorted(keys):
+            raise InvalidInput(f"face fit's views must be objects with {', '.join(keys)}")
+        features = [
+            _core.Feature(name, row[:2], max(row[2], 1e-3), row[3])
+            for name, row in (
+                (name, numbers(f"feature {name}", row, (4,)))
+                for name, row in named("features", document["features"])
+            )
+        ]
+        curves = [
+            _core.FeatureCurve(name, rows[:, :2], rows[:, 2:4], np.maximum(rows[:, 4], 1e-3))
+            for name, rows in (
+                (name, numbers(f"curve {name}", rows, (_count(name, rows), 5)))
+                for name, rows in named("curves", document["curves"])
+            )
+        ]
+        measured = _core.FaceFeatures(
+            features,
+            curves,
+            numbers("box", document["box"], (4,)),
+            float(numbers("likelihood", document["likelihood"], ())),
+        )
+        return cls(document["frame"], document["head_pose"], measured, document["pins"])
+
+
+def numbers(name: str, value: object, shape: tuple[int, ...]) -> NDArray[np.float64]:
+    """Finite numbers of a shape; raises InvalidInput naming the field."""
+    try:
+        array = np.array(value, dtype=np.float64)
+    except (TypeError, ValueError):
+        raise InvalidInput(f"face fit's {name} must be numbers of shape {shape}") from None
+    if array.shape != shape or not np.isfinite(array).all():
+        raise InvalidInput(f"face fit's {name} must be finite numbers of shape {shape}")
+    return array
+
+
+def named(field_name: str, value: object) -> Iterable[tuple[str, object]]:
+    """Items of an object; raises InvalidInput naming the field."""
+    if not isinstance(value, Mapping) or not all(isinstance(key, str) for key in value):
+        raise InvalidInput(f"face fit's {field_name} must map names to numbers")
+    return value.items()
+
+
+def checked_pose(value: object) -> NDArray[np.float64]:
+    """A rigid transform that puts the head before the camera; raises InvalidInput."""
+    pose = numbers("head_pose", value, (4, 4))
+    rotation = pose[:3, :3]
+    if not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-6) or np.linalg.det(rotation) < 0:
+        raise InvalidInput("face fit's head_pose must hold a rotation (orthonormal, determinant 1)")
+    if pose[3].tolist() != [0, 0, 0, 1] or pose[2, 3] <= 0:
+        raise InvalidInput(
+            "face fit's head_pose must end in the row 0 0 0 1 and lie before the camera (z > 0)"
+        )
+    return pose
+
+
+def checked_places(what: str, places: object) -> dict[str, tuple[float, float]]:
+    """Pixels by name; raises InvalidInput naming the place."""
+    return {
+        name: tuple(numbers(f"{what} {name}", place, (2,)).tolist())
+        for name, place in named(f"{what}s", places)
+    }
+
+
+def _count(name: str, rows: object) -> int:
+    if not isinstance(rows, list) or len(rows) > MOST_POINTS:
+        raise InvalidInput(f"face fit's curve {name} must have at most {MOST_POINTS} points")
+    return len(rows)
