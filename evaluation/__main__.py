@@ -11,6 +11,8 @@ from pathlib import Path
 from mimetic.face_template import load_template
 
 from .clips import CannotRender, Clip, clip
+from .heads.films import head_clip
+from .heads.recipes import SETS as HEADS
 from .recipes import ALL, SETS
 from .stills.image_set import SETS as STILLS
 from .stills.image_set import stills
@@ -25,6 +27,7 @@ def main(arguments: list[str] | None = None) -> int:
     which.add_argument("--small", action="store_true", help="the clips of the tests and the demo")
     which.add_argument("--name", choices=ALL, action="append", help="these alone")
     which.add_argument("--stills", choices=STILLS, help="still images, not clips; prints the .npz")
+    which.add_argument("--heads", choices=HEADS, help="heads that turn; prints kind, name, paths")
     parser.add_argument("--out", type=Path, help="copy the clips into this folder")
     options = parser.parse_args(arguments)
     recipes = SETS["small" if options.small else options.set]
@@ -34,6 +37,11 @@ def main(arguments: list[str] | None = None) -> int:
         template = load_template()
         if options.stills:
             print(stills(options.stills, template, _to_stderr))
+            return 0
+        if options.heads:
+            for wanted in HEADS[options.heads]:
+                head = head_clip(wanted, template, _to_stderr)
+                print(wanted.kind, wanted.name, head.footage, head.truth, sep="\t", flush=True)
             return 0
         for recipe in recipes:
             made = clip(recipe, template, _to_stderr)

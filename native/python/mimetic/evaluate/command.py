@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mimetic import InvalidInput
 from mimetic.eigenspaces import Eigenspaces
-from mimetic.evaluate import locate
+from mimetic.evaluate import head, locate
 from mimetic.evaluate.rendered import scored, shared_images
 from mimetic.evaluate.score import score
 from mimetic.evaluate.stills import Stills, rendered_stills
@@ -22,12 +22,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description = (
         "Score a performance against a truth file (docs/truth-file.md). Without --truth, render "
         "heads with known motion (kept in the cache), capture and score them. `locate` scores what "
-        "finds faces on still images instead, beside OpenCV's cascades."
+        "finds faces on still images instead, beside OpenCV's cascades; `head` scores what follows "
+        "heads on rendered sequences, beside MediaPipe's face mesh."
     )
     parser.add_argument(
         "what",
         nargs="?",
-        choices=("capture", "locate"),
+        choices=("capture", "head", "locate"),
         default="capture",
         help="what to score (default: capture)",
     )
@@ -44,7 +45,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--eigenspaces", type=Path, help="locate: score this model too (scripts/train_eigenspaces)"
     )
-    parser.add_argument("--out", type=Path, help="locate: write figures and a ROC plot here")
+    parser.add_argument("--out", type=Path, help="head, locate: write figures and plots here")
     parser.add_argument("--json", action="store_true", help="print JSON, every figure in it")
 
 
@@ -52,8 +53,12 @@ def run_evaluate(options: argparse.Namespace) -> int:
     """Prints scores; 0 when all went well. Bad input raises InvalidInput or UnreadableMedia."""
     if options.what == "locate":
         return _run_locate(options)
-    if options.images or options.eigenspaces or options.out:
-        raise InvalidInput("--images, --eigenspaces and --out go with `mimetic evaluate locate`")
+    if options.images or options.eigenspaces:
+        raise InvalidInput("--images and --eigenspaces go with `mimetic evaluate locate`")
+    if options.what == "head":
+        return _run_head(options)
+    if options.out:
+        raise InvalidInput("--out goes with `mimetic evaluate head` and `locate`")
     if (options.truth is None) != (options.performance is None):
         raise InvalidInput("give both --truth and --performance, or neither")
     if options.truth is not None:
@@ -66,6 +71,20 @@ def run_evaluate(options: argparse.Namespace) -> int:
         if not options.json:
             print(as_text(one), end="\n\n", flush=True)
     print(as_json(done) if options.json else summary(done))
+    return 0
+
+
+def _run_head(options: argparse.Namespace) -> int:
+    if options.truth or options.performance or options.footage:
+        raise InvalidInput("--truth, --performance and --footage do not go with `head`")
+    done = []
+    for scores in head.score_heads(options.set, _to_stderr):
+        done += scores
+        if not options.json:
+            print(head.clip_text(scores), end="\n\n", flush=True)
+    if options.out is not None:
+        head.write(done, options.out)
+    print(head.as_json(done) if options.json else head.summary_text(done))
     return 0
 
 

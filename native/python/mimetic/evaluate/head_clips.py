@@ -1,0 +1,136 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The calibrated head sequences that a checkout renders, and what follows the heads in them."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, _core, pipeline
+from mimetic import fit as fitting
+from mimetic.evaluate.head_score import REST_SECONDS, HeadScore, score_head
+from mimetic.evaluate.rendered import checkout
+from mimetic.face_template import load_template
+from mimetic.fit import FaceFit
+from mimetic.footage import Footage
+from mimetic.head_motion import MODELS, head_shape, track_head
+from mimetic.performance import HELD_QUALITY
+
+FACE_MESH = "face mesh"
+TIMED_FRAMES = 60
+Report = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class HeadClip:
+    """Footage of a head whose pose (camera from head, N x 4 x 4) is known in every frame."""
+
+    kind: str
+    name: str
+    footage: Path
+    head_pose: NDArray[np.float64]
+    intrinsics: NDArray[np.float64]
+    image_size: tuple[int, int]
+    fps: float
+
+    @property
+    def camera(self) -> _core.Camera:
+        k = self.intrinsics
+        return _core.Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], *self.image_size)
+
+
+def head_clips(which: str, report: Report) -> list[HeadClip]:
+    """The clips of a set, rendered now if the cache lacks them."""
+    command = [sys.executable, str(checkout() / "scripts" / "render_truth"), "--heads", which]
+    done = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    said = []
+    for line in done.stderr:
+        said.append(line.rstrip())
+        report(said[-1])
+    output = done.stdout.read()
+    if done.wait() != 0:
+        raise InvalidInput(f"the heads could not be rendered: {' '.join(said[-3:])}")
+    return [_load(*row.split("\t")) for row in output.splitlines()]
+
+
+def _load(kind: str, name: str, footage: str, truth: str) -> HeadClip:
+    with np.load(truth, allow_pickle=False) as known:
+        size = tuple(int(n) for n in known["image_size"])
+        return HeadClip(
+            *(kind, name, Path(footage), known["head_pose"], known["intrinsics"], size),
+            fps=float(known["fps"][0]),
+        )
+
+
+def score_clip(clip: HeadClip, face_mesh: Path | None, report: Report) -> Iterator[HeadScore]:
+    """Each model, and MediaPipe's face mesh where its interpreter is given."""
+    known = (clip.head_pose, clip.fps)
+    fit = calibrated_fit(clip)
+    for model in MODELS:
+        report(f"{clip.name}: {model}")
+        found = track_head(clip.footage, model, fit=fit)
+        poses = found.head_pose.copy()
+        poses[found.quality < HELD_QUALITY] = np.nan
+        seconds = _seconds_a_frame(clip, fit, model)
+        yield score_head(clip.name, clip.kind, model, poses, *known, seconds)
+    if face_mesh is not None:
+        report(f"{clip.name}: {FACE_MESH}")
+        poses, seconds = _run_face_mesh(clip, face_mesh)
+        yield score_head(clip.name, clip.kind, FACE_MESH, poses, *known, seconds)
+
+
+def calibrated_fit(clip: HeadClip) -> FaceFit:
+    """The head found and fitted without help, but with the clip's own camera."""
+    chosen = pipeline.find_face(clip.footage).frame
+    image = Footage(clip.footage).read(chosen)
+    return fitting.find_face(image, chosen, camera=clip.camera)
+
+
+def _seconds_a_frame(clip: HeadClip, fit: FaceFit, model: str) -> float:
+    """The median time of a frame, decoded already: what the face mesh is timed by as well."""
+    template = load_template()
+    shape = head_shape(model, fit.neutral_vertices(template), template)
+    images = Footage(clip.footage).frames(fit.frame, fit.frame + TIMED_FRAMES)
+    tracker, seconds = None, []
+    for _, image in images:
+        image = np.ascontiguousarray(image)
+        if tracker is None:
+            tracker = _core.HeadTracker(fit.camera, shape, image, fit.head_pose)
+        start = time.perf_counter()
+        tracker.advance(image)
+        seconds.append(time.perf_counter() - start)
+    return float(np.median(seconds))
+
+
+def face_mesh_python(report: Report) -> Path | None:
+    """The interpreter of scripts/face_mesh_env, which is made now; nothing if it cannot be."""
+    script = checkout() / "scripts" / "face_mesh_env"
+    done = subprocess.run([str(script)], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        report(f"no face mesh beside ours: {' '.join(done.stderr.split()[-40:])}")
+        return None
+    return Path(done.stdout.splitlines()[-1])
+
+
+def _run_face_mesh(clip: HeadClip, python: Path) -> tuple[NDArray[np.float64], float]:
+    """Its poses (N,4,4), nan without a face, and its median seconds a frame."""
+    with tempfile.TemporaryDirectory() as folder:
+        frames, intrinsics, out = (Path(folder) / n for n in ("f.npy", "k.npy", "out.npz"))
+        np.save(frames, np.stack([image for _, image in Footage(clip.footage)]))
+        np.save(intrinsics, clip.intrinsics)
+        rest = max(3, round(REST_SECONDS * clip.fps))
+        command = [str(python), str(checkout() / "evaluation" / "heads" / "face_mesh.py")]
+        command += [str(frames), str(intrinsics), str(rest), str(out)]
+        done = subprocess.run(command, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise InvalidInput(f"the face mesh failed: {' '.join(done.stderr.split()[-40:])}")
+        with np.load(out, allow_pickle=False) as found:
+            return found["head_pose"], float(np.median(found["seconds"]))
