@@ -33,6 +33,14 @@ def bake(request: dict) -> dict:
     if reason := native.problem():
         return {"error": reason}
     try:
+        if target := request.get("target"):
+            rig_file = importlib.import_module(f"{extension}.scene_out.rig_file")
+            return {
+                "text": rig_file.write(
+                    *(request["performance"], request["out"], target["file"], target["object"]),
+                    *(target["settings"], request["footage"]),
+                )
+            }
         new_file = importlib.import_module(f"{extension}.scene_out.new_file")
         return {"text": new_file.write(request["performance"], request["out"], request["footage"])}
     except native.known_errors() as error:

@@ -29,6 +29,23 @@ def new_action(name: str, id_block: bpy.types.ID) -> bpy.types.Action:
     return action
 
 
+def assign_action(id_block: bpy.types.ID, action: bpy.types.Action, name: str) -> None:
+    """Gives `id_block` a copy of its action, named anew, with the curves it read before."""
+    animation = id_block.animation_data
+    slot = (
+        animation.action_slot.identifier if ACTIONS_HAVE_SLOTS and animation.action_slot else None
+    )
+    action.name = name
+    animation.action = action
+    if not ACTIONS_HAVE_SLOTS:
+        return
+    same = next((s for s in action.slots if s.identifier == slot), None)
+    animation.action_slot = same or action.slots.new(id_block.id_type, id_block.name)
+    if not action.layers:
+        action.layers.new("Layer").strips.new(type="KEYFRAME")
+    action.layers[0].strips[0].channelbag(animation.action_slot, ensure=True)
+
+
 def curves(id_block: bpy.types.ID):
     """The holder of `fcurves` and `groups` that moves `id_block`, or None."""
     animation = id_block.animation_data

@@ -12,6 +12,8 @@ from functools import cache
 from pathlib import Path
 from types import ModuleType
 
+import numpy as np
+
 
 class State(Enum):
     ready = "ready"
@@ -65,10 +67,20 @@ def part(name: str) -> ModuleType:
     return importlib.import_module(f"mimetic.{name}")
 
 
+def array(matrix):
+    """A matrix of Blender's as the package takes them."""
+    return np.array(matrix, dtype=np.float64)
+
+
 def known_errors() -> tuple[type[Exception], ...]:
     """What bad input raises, with a text that is fit to show."""
     package = importlib.import_module("mimetic")
     return (package.InvalidInput, package.UnreadableMedia, OSError)
+
+
+def invalid_input(text: str) -> Exception:
+    """What to raise for bad input; among `known_errors`."""
+    return importlib.import_module("mimetic").InvalidInput(text)
 
 
 @cache

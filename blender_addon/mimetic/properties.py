@@ -8,10 +8,13 @@ from bpy.props import (
     CollectionProperty,
     EnumProperty,
     FloatProperty,
+    FloatVectorProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
 )
+
+from .scene_out import rigs
 
 STRAIN_MEASURES = (
     ("AREA", "Area", "Growth of the skin's area"),
@@ -29,6 +32,90 @@ def _redraw(self, context) -> None:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
                 area.tag_redraw()
+
+
+HEAD_MODES = (
+    (
+        "RELATIVE",
+        "From Rest",
+        "The target stays as it is at the calibration frame, and moves on from there",
+    ),
+    (
+        "ABSOLUTE",
+        "As Filmed",
+        "The target is where the camera saw the head; a bone is at rest where the actor faces it",
+    ),
+)
+FACINGS = tuple(
+    (axis, axis, f"The target's face looks along {axis}") for axis in ("-Y", "+X", "+Y", "-X")
+)
+
+
+def _choose_bones(self, context) -> None:
+    """Fills in an armature's head and neck by their names; whatever is chosen can be changed."""
+    self.bone = self.neck = ""
+    # A character's head bone turns, and an object goes where the head goes
+    self.use_translation = self.target is not None and self.target.type != "ARMATURE"
+    if self.target is not None and self.target.type == "ARMATURE":
+        found = rigs.head_bones(self.target)
+        self.bone, self.neck = found.head, found.neck
+
+
+class MimeticHead(bpy.types.PropertyGroup):
+    """Where the head's motion goes."""
+
+    target: PointerProperty(
+        name="Target",
+        type=bpy.types.Object,
+        update=_choose_bones,
+        description="Object, empty or armature that the head's motion goes to",
+    )
+    bone: StringProperty(name="Head", description="Bone that turns; empty moves the whole armature")
+    neck: StringProperty(name="Neck", description="Bone that takes a share of the head's turns")
+    neck_share: FloatProperty(
+        name="Neck Share",
+        default=0.3,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        description="Part of the turns that the neck takes; head and neck together turn as filmed",
+    )
+    mode: EnumProperty(name="Motion", items=HEAD_MODES)
+    calibration_frame: IntProperty(
+        name="Calibration Frame",
+        min=0,
+        description="Footage frame in which the actor holds the head as the target does at rest; "
+        "0 takes the frame in which it is seen best",
+    )
+    facing: EnumProperty(
+        name="Facing", items=FACINGS, description="Where the target's face looks, in its own axes"
+    )
+    use_translation: BoolProperty(
+        name="Translation", default=True, description="Key the target's location too"
+    )
+    translation_scale: FloatProperty(
+        name="Scale",
+        default=1.0,
+        soft_min=0.0,
+        soft_max=10.0,
+        description="Of the distances that the head moves",
+    )
+    pivot: FloatVectorProperty(
+        name="Pivot",
+        size=3,
+        subtype="TRANSLATION",
+        unit="LENGTH",
+        description="The point whose way is taken, from midway between the ears: to the person's "
+        "left, back, up. A bone at the base of the skull is some 5 cm below",
+    )
+    smoothing: FloatProperty(
+        name="Smoothing",
+        default=0.5,
+        min=0.0,
+        soft_max=3.0,
+        description="How far poses are doubted: 1 is their own standard deviation, 0 keeps them. "
+        "It looks ahead as far as back, so nothing comes late",
+    )
 
 
 class MimeticShape(bpy.types.PropertyGroup):
@@ -74,6 +161,7 @@ class MimeticScene(bpy.types.PropertyGroup):
     camera: PointerProperty(
         name="Camera", type=bpy.types.Object, description="The footage's camera in the scene"
     )
+    head: PointerProperty(type=MimeticHead)
     show_muscles: BoolProperty(
         name="Muscles",
         description="Draw the muscles and their insertions over the face",
@@ -96,7 +184,7 @@ class MimeticScene(bpy.types.PropertyGroup):
     )
 
 
-CLASSES = (MimeticShape, MimeticFace, MimeticScene)
+CLASSES = (MimeticHead, MimeticShape, MimeticFace, MimeticScene)
 
 
 def register() -> None:

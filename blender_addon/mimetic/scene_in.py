@@ -10,6 +10,9 @@ import bpy
 
 from . import jobs, native
 
+# Tracks by which we stabilise a clip: the head's centre, and a point above it
+HELD_BY = ("Head Centre", "Head Above")
+
 
 @dataclass(frozen=True)
 class Footage:
@@ -52,6 +55,47 @@ def no_performance(context) -> str:
     if not context.scene.mimetic.performance_path:
         return "Capture the clip or load a performance first"
     return _face_in_edit_mode(context.scene.mimetic.face)
+
+
+def no_head_target(context) -> str:
+    """Why the head's motion cannot be keyed on what is chosen."""
+    if reason := no_start():
+        return reason
+    settings = context.scene.mimetic
+    target = settings.head.target
+    if not settings.performance_path:
+        return "Capture the clip, track its head, or load a performance first"
+    if target is None or target.name not in context.scene.objects:
+        return "Choose the object, empty or armature that the head shall move"
+    if target.library:
+        return f"{target.name} is linked from another file; make a library override of it first"
+    if target.type != "ARMATURE":
+        return ""
+    if target.mode == "EDIT":
+        return f"Leave {target.name}'s edit mode first"
+    for name in (settings.head.bone, settings.head.neck):
+        if name and name not in target.pose.bones:
+            return f"{target.name} has no bone {name}; choose one of its bones"
+    if settings.head.bone and settings.head.bone == settings.head.neck:
+        return "Head and neck are the same bone; choose another or leave the neck empty"
+    return ""
+
+
+def no_stabilising(context) -> str:
+    if reason := no_clip(context):
+        return reason
+    if not context.scene.mimetic.performance_path:
+        return "Capture the clip, track its head, or load a performance first"
+    stabilisation = clip_of(context).tracking.stabilization
+    used = {track.name for track in (*stabilisation.tracks, *stabilisation.rotation_tracks)}
+    if names := sorted(used.difference(HELD_BY)):
+        return f"The clip is stabilised by {', '.join(names[:3])}; remove that first"
+    return ""
+
+
+def is_held(clip: bpy.types.MovieClip) -> bool:
+    """Whether the clip is stabilised on the head."""
+    return any(track.name in HELD_BY for track in clip.tracking.stabilization.tracks)
 
 
 def face_of(context) -> bpy.types.Object | None:

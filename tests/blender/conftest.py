@@ -3,6 +3,8 @@
 
 import importlib
 import os
+import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
@@ -14,6 +16,7 @@ import numpy as np
 import pytest
 
 ADDONS = Path(__file__).resolve().parents[2] / "blender_addon"
+RIGIFY = Path(__file__).with_name("make_rigify_rig.py")
 REPOSITORY = "mimetic_tests"
 MODULE = f"bl_ext.{REPOSITORY}.mimetic"
 
@@ -74,6 +77,16 @@ def footage(tmp_path_factory) -> Path:
         stripes = np.stack([column + 3 * i, 2 * column, 255 - column + i], axis=1) % 256
         writer.send(np.broadcast_to(stripes, (300, 400, 3)).astype(np.uint8).tobytes())
     writer.close()
+    return path
+
+
+@pytest.fixture(scope="session")
+def rig_file(tmp_path_factory) -> Path:
+    path = tmp_path_factory.mktemp("rig") / "rig.blend"
+    ran = subprocess.run(
+        [sys.executable, RIGIFY, path], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert path.exists(), ran.stdout + ran.stderr
     return path
 
 

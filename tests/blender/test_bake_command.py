@@ -73,3 +73,43 @@ def test_bad_input_gets_status_2_and_one_line(arguments, said, performance_file,
     assert said in ran.stderr
     assert len(ran.stderr.strip().splitlines()) == 1
     assert list(tmp_path.iterdir()) == [text]
+
+
+def test_a_target_gets_the_heads_motion_and_its_file_stays(performance_file, rig_file, tmp_path):
+    out = tmp_path / "moved.blend"
+    before = rig_file.read_bytes()
+    ran = run_bake(performance_file, "--out", out, "--target", f"{rig_file}:rig")
+    assert ran.returncode == 0, ran.stderr
+    assert "head, neck of rig" in ran.stdout
+    assert list(tmp_path.iterdir()) == [out]
+    assert rig_file.read_bytes() == before
+    bpy.ops.wm.open_mainfile(filepath=str(out))
+    head = bpy.data.objects["rig"].pose.bones["head"]
+    turned = []
+    for frame in (1, 15):
+        bpy.context.scene.frame_set(frame)
+        turned.append(np.array(head.matrix_basis))
+    assert np.abs(turned[0] - turned[1]).max() > 0.1
+
+
+@pytest.mark.parametrize(
+    ("target", "more", "said"),
+    [
+        ("{rig}", [], "RIG.blend:OBJECT"),
+        ("{missing}:rig", [], "no such file"),
+        ("{rig}:nobody", [], "no object nobody"),
+        ("{rig}:metarig", [], "Generate"),
+        ("{rig}:rig", ["--bone", "nose"], "no bone nose"),
+        ("{rig}:rig", ["--smoothing", "-1"], "smoothing"),
+    ],
+    ids=["form", "missing", "object", "metarig", "bone", "smoothing"],
+)
+def test_a_bad_target_gets_status_2_and_one_line(
+    target, more, said, performance_file, rig_file, tmp_path
+):
+    named = target.format(rig=rig_file, missing=tmp_path / "missing.blend")
+    ran = run_bake(performance_file, "--out", tmp_path / "x.blend", "--target", named, *more)
+    assert ran.returncode == 2
+    assert said in ran.stderr
+    assert len(ran.stderr.strip().splitlines()) == 1
+    assert list(tmp_path.iterdir()) == []

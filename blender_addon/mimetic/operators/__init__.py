@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import bake, capture, clip, face, gltf, performance, sliders
+from . import bake, capture, clip, face, gltf, head, performance, sliders, stabilise
 
 CLASSES = (
     clip.MIMETIC_OT_load_clip,
@@ -12,6 +12,8 @@ CLASSES = (
     performance.MIMETIC_OT_load_performance,
     bake.MIMETIC_OT_bake,
     gltf.MIMETIC_OT_export_gltf,
+    *head.CLASSES,
+    *stabilise.CLASSES,
     sliders.MIMETIC_OT_add_face,
     sliders.MIMETIC_OT_rest_face,
 )

@@ -2,7 +2,7 @@
 from bpy.props import StringProperty
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out
+from .. import native, scene_in, scene_out, takes
 from ..jobs import Job
 
 
@@ -39,14 +39,9 @@ class MIMETIC_OT_capture(Job, Operator):
         performance = native.part("pipeline").capture(
             footage_path, frames=frames, fit=fit, progress=progress
         )
-        told = [f"Captured frames {performance.frame[0]} to {performance.frame[-1]}"]
-        try:
-            performance.save(path)
-        except OSError as error:  # minutes of work: not lost for a folder that is read-only
-            performance.save(spare_path)
-            told.append(f"{path} cannot be written ({error.strerror}): saved as {spare_path}")
-            path = spare_path
-        return path, "; ".join([*told, *(performance.notes or [])])
+        first, last = performance.frame[0], performance.frame[-1]
+        path, told = takes.save(performance, path, spare_path)
+        return path, "; ".join([f"Captured frames {first} to {last}", *told])
 
     def write(self, context, result):
         path, told = result

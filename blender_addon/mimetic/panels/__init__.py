@@ -3,9 +3,9 @@
 
 import bpy
 
-from . import capture, muscles
+from . import capture, head, muscles
 
-CLASSES = (*capture.CLASSES, *muscles.CLASSES)
+CLASSES = (*capture.CLASSES, *head.CLASSES, *muscles.CLASSES)
 
 
 def register() -> None:

@@ -43,7 +43,9 @@ class Capture:
             row = layout.row(align=True)
             row.prop(settings, "frame_first")
             row.prop(settings, "frame_last")
-        layout.operator("mimetic.capture", icon="REC")
+        row = layout.row(align=True)
+        row.operator("mimetic.capture", icon="REC")
+        row.operator("mimetic.track_head", text="Head Only")
 
     def draw_bake(self, layout, settings):
         layout.operator("mimetic.load_performance", icon="FILE_FOLDER")

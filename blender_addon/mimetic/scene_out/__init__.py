@@ -8,9 +8,34 @@ from dataclasses import dataclass
 import bpy
 
 from .. import native, scene_in
-from . import actions, camera, canonical, clip, face, face_fit, gltf, materials, sliders
+from . import (
+    actions,
+    camera,
+    canonical,
+    clip,
+    face,
+    face_fit,
+    gltf,
+    head,
+    materials,
+    rigs,
+    sliders,
+    stabilised,
+)
 
-__all__ = ["Baked", "bake", "camera", "canonical", "clip", "face_fit", "gltf", "sliders"]
+__all__ = [
+    "Baked",
+    "bake",
+    "camera",
+    "canonical",
+    "clip",
+    "face_fit",
+    "gltf",
+    "head",
+    "rigs",
+    "sliders",
+    "stabilised",
+]
 
 
 @dataclass(frozen=True)

@@ -26,13 +26,26 @@ def key_motion(face, take: str, frames, motion) -> int:
     """Keys the head's motion on the object; returns the number of curves."""
     face.rotation_mode = "QUATERNION"
     holder = new_take(face, f"{take} head")
-    for path, columns in (
-        ("location", motion.locations.T),
-        ("rotation_quaternion", motion.quaternions.T),
-    ):
-        for index, values in enumerate(columns):
-            fill(compat.new_curve(holder, path, index, "Head"), frames, values, LINEAR)
-    return 7
+    return sum(
+        key_columns(holder, path, "Head", frames, rows)
+        for path, rows in (
+            ("location", motion.locations),
+            ("rotation_quaternion", motion.quaternions),
+        )
+    )
+
+
+def key_columns(holder, data_path: str, group: str, frames, rows) -> int:
+    """A curve for each column of N x C values; returns C."""
+    for index, values in enumerate(rows.T):
+        fill(compat.new_curve(holder, data_path, index, group), frames, values, LINEAR)
+    return rows.shape[1]
+
+
+def clear(holder, data_path: str) -> None:
+    """Removes a property's curves."""
+    for curve in [curve for curve in holder.fcurves if curve.data_path == data_path]:
+        holder.fcurves.remove(curve)
 
 
 def new_take(id_block: bpy.types.ID, name: str):
@@ -41,6 +54,17 @@ def new_take(id_block: bpy.types.ID, name: str):
     if animation is not None and animation.action is not None:
         animation.action.use_fake_user = True  # the take before, or the user's own work
     compat.new_action(name, id_block)
+    return compat.curves(id_block)
+
+
+def continued_take(id_block: bpy.types.ID, name: str):
+    """As `new_take`, but with a copy of all curves that were there: what else moves goes on."""
+    animation = id_block.animation_data
+    if animation is None or animation.action is None:
+        return new_take(id_block, name)
+    before = animation.action
+    before.use_fake_user = True
+    compat.assign_action(id_block, before.copy(), name)
     return compat.curves(id_block)
 
 

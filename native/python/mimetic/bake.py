@@ -13,6 +13,7 @@ import tempfile
 from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
+from mimetic.pose_smoothing import USUAL_STRENGTH
 
 SUFFIXES = (".glb", ".blend")
 SCRIPT = "headless_bake.py"
@@ -27,6 +28,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="the captured clip: its colours on the skin, and the clip behind the face",
     )
     parser.add_argument(
+        "--target",
+        metavar="RIG.blend:OBJECT",
+        help="put the head's motion on this object or armature instead, in a copy of its file",
+    )
+    parser.add_argument("--bone", help="the armature's head (default: found by its name)")
+    parser.add_argument(
+        "--neck", help="the armature's neck (default: found by its name; '' for none)"
+    )
+    parser.add_argument(
+        "--neck-share", type=float, default=0.3, help="part of the turns that the neck takes"
+    )
+    parser.add_argument(
+        "--smoothing",
+        type=float,
+        default=USUAL_STRENGTH,
+        help="of the head's motion on a target: how far poses are doubted, in their own standard "
+        "deviations (default: %(default)s; 0 keeps them)",
+    )
+    parser.add_argument(
         "--blender-python",
         type=Path,
         metavar="PYTHON",
@@ -35,9 +55,33 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_bake(arguments: argparse.Namespace) -> int:
-    text = bake(arguments.performance, arguments.out, arguments.footage, arguments.blender_python)
+    target = None
+    if arguments.target:
+        target = parse_target(arguments.target)
+        target["settings"] = {
+            "bone": arguments.bone,
+            "neck": arguments.neck,
+            "neck_share": arguments.neck_share,
+            "smoothing": arguments.smoothing,
+        }
+    elif arguments.bone or arguments.neck:
+        raise InvalidInput("--bone and --neck name bones of a --target RIG.blend:OBJECT; give it")
+    text = bake(
+        *(arguments.performance, arguments.out, arguments.footage, arguments.blender_python),
+        target,
+    )
     print(f"{arguments.out}: {text}")
     return 0
+
+
+def parse_target(text: str) -> dict:
+    """The file and the object of RIG.blend:OBJECT."""
+    path, _, name = text.rpartition(":")
+    if not path.endswith(".blend") or not name:
+        raise InvalidInput(f"--target {text}: give it as RIG.blend:OBJECT")
+    if not Path(path).is_file():
+        raise UnreadableMedia(f"--target {path}: there is no such file")
+    return {"file": str(Path(path).absolute()), "object": name}
 
 
 def bake(
@@ -45,15 +89,19 @@ def bake(
     out: os.PathLike[str],
     footage: os.PathLike[str] | None = None,
     blender_python: os.PathLike[str] | None = None,
+    target: dict | None = None,
 ) -> str:
     """Writes `out`, whole or not at all; returns a line that says what is in it.
 
-    blender_python: a Python with the bpy module, this one if None.
+    blender_python: a Python with the bpy module, this one if None. target: what `parse_target`
+    gives, with `settings` for the head's motion on it; None bakes the person's own face.
     Raises InvalidInput, UnreadableMedia, and OSError where `out` cannot be written.
     """
     out = Path(out).absolute()
     if out.suffix not in SUFFIXES:
         raise InvalidInput(f"--out {out.name}: bake writes {' and '.join(SUFFIXES)} files")
+    if target and out.suffix != ".blend":
+        raise InvalidInput(f"--out {out.name}: a target is written as .blend")
     if not out.parent.is_dir():
         raise UnreadableMedia(f"--out {out}: there is no folder {out.parent}")
     for given in (performance, footage):
@@ -66,6 +114,7 @@ def bake(
             "out": str(out),
             "footage": None if footage is None else str(Path(footage).absolute()),
             "package_folder": str(Path(__file__).absolute().parents[1]),
+            "target": target,
             "answer": str(Path(folder, "answer.json")),
         }
         answer = _ask(python, request)

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mimetic import InvalidInput
 from mimetic.performance import Performance
+from mimetic.rotations import quaternions
 
 OBJECT_FROM_HEAD = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
 SCENE_CAMERA_FROM_CAMERA = np.diag([1.0, -1, -1, 1])
@@ -55,7 +56,7 @@ def head_motion(
 ) -> HeadMotion:
     """The face object's motion in the world, before a camera that stands still."""
     poses = world_from_object(performance, world_from_scene_camera)
-    return HeadMotion(_quaternions(poses[:, :3, :3]), poses[:, :3, 3].copy())
+    return HeadMotion(quaternions(poses[:, :3, :3]), poses[:, :3, 3].copy())
 
 
 def world_from_object(
@@ -100,24 +101,3 @@ def lens(
         shift_x=(width / 2 - (cx + 0.5)) / side,
         shift_y=((cy + 0.5) - height / 2) / side,
     )
-
-
-def _quaternions(rotations: NDArray[np.float64]) -> NDArray[np.float64]:
-    """N x 4 unit quaternions (w x y z) of N x 3 x 3 rotations, each nearest to the one before.
-
-    Bar-Itzhack 2000: the eigenvector of the largest eigenvalue; it has no special cases.
-    """
-    r = rotations
-    matrix = np.empty((len(r), 4, 4))
-    matrix[:, 0, 0] = np.trace(r, axis1=1, axis2=2)
-    axis = np.stack(
-        [r[:, 2, 1] - r[:, 1, 2], r[:, 0, 2] - r[:, 2, 0], r[:, 1, 0] - r[:, 0, 1]], axis=1
-    )
-    matrix[:, 0, 1:] = matrix[:, 1:, 0] = axis
-    matrix[:, 1:, 1:] = r + r.transpose(0, 2, 1)
-    matrix[:, 1:, 1:] -= matrix[:, 0, 0, None, None] * np.eye(3)
-    quaternions = np.linalg.eigh(matrix)[1][:, :, -1]
-    quaternions[0] *= np.copysign(1.0, quaternions[0, 0])
-    turns = np.einsum("ij,ij->i", quaternions[1:], quaternions[:-1])
-    quaternions[1:] *= np.cumprod(np.copysign(1.0, turns))[:, None]
-    return quaternions

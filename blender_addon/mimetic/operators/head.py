@@ -1,0 +1,170 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The head alone: following it, and putting its motion on characters."""
+
+from pathlib import Path
+
+import bpy
+from bpy.props import EnumProperty, StringProperty
+from bpy.types import Operator
+
+from .. import native, scene_in, scene_out, takes
+from ..jobs import Job
+
+MODELS = (
+    ("SURFACE", "Surface", "The person's fitted surface: the most accurate"),
+    ("ELLIPSOID", "Ellipsoid", "An ellipsoid around the head"),
+    ("PLANE", "Plane", "A planar patch on the face; loses heads that turn far"),
+)
+
+
+class MIMETIC_OT_track_head(Job, Operator):
+    """Follow the head through the clip without its muscles; stopping keeps what is done"""
+
+    bl_idname = "mimetic.track_head"
+    bl_label = "Track Head"
+    bl_options = {"UNDO"}
+
+    model: EnumProperty(name="Model", items=MODELS, description="What stands for the head")
+    filepath: StringProperty(
+        name="Performance",
+        subtype="FILE_PATH",
+        description="File to write (.npz); empty: beside the .blend, a new one for each take",
+    )
+
+    @classmethod
+    def poll(cls, context):
+        if reason := scene_in.no_clip(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def read(self, context):
+        footage = scene_in.footage(context)
+        paths = (
+            self.filepath or scene_in.capture_path(footage.clip_name),
+            scene_in.spare_path(footage.clip_name),
+        )
+        fit = scene_out.face_fit.stored(context.scene)
+        model = self.model.lower()
+        return footage.path, model, scene_in.frame_range(context.scene), fit, paths
+
+    def work(self, inputs, progress):
+        footage_path, model, frames, fit, paths = inputs
+        performance = native.part("head_motion").track_head(
+            footage_path, model, frames, fit, progress
+        )
+        path, told = takes.save(performance, *paths)
+        first, last = performance.frame[0], performance.frame[-1]
+        return path, "; ".join([f"Followed the head from frame {first} to {last}", *told])
+
+    def write(self, context, result):
+        path, told = result
+        context.scene.mimetic.performance_path = path
+        return told
+
+
+class MIMETIC_OT_find_head_bones(Operator):
+    """Choose the armature's head and neck by their usual names, as in Rigify's rigs"""
+
+    bl_idname = "mimetic.find_head_bones"
+    bl_label = "Find Head Bones"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        target = context.scene.mimetic.head.target
+        reason = scene_in.no_start()
+        if not reason and (target is None or target.type != "ARMATURE"):
+            reason = "Choose an armature as the target first"
+        if reason:
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context):
+        settings = context.scene.mimetic.head
+        found = scene_out.rigs.head_bones(settings.target)
+        if not found.head:
+            self.report({"ERROR"}, found.remark)
+            return {"CANCELLED"}
+        settings.bone, settings.neck = found.head, found.neck
+        self.report({"INFO"}, f"Head {found.head}, neck {found.neck or 'none'}")
+        return {"FINISHED"}
+
+
+class MIMETIC_OT_calibrate_head(Operator):
+    """Take the frame on show as the one in which actor and character hold their heads alike"""
+
+    bl_idname = "mimetic.calibrate_head"
+    bl_label = "Calibrate at Shown Frame"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if reason := scene_in.no_clip(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context):
+        frame = scene_in.shown_frame(context)
+        context.scene.mimetic.head.calibration_frame = frame
+        self.report({"INFO"}, f"Footage frame {frame} is the character's pose at rest")
+        return {"FINISHED"}
+
+
+class MIMETIC_OT_bake_head(Job, Operator):
+    """Key the head's motion on the chosen object, empty or bone; its other curves stay"""
+
+    bl_idname = "mimetic.bake_head"
+    bl_label = "Bake Head"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if reason := scene_in.no_head_target(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def read(self, context):
+        settings = context.scene.mimetic.head
+        clip = scene_in.clip_of(context)
+        path = scene_in.performance_path(context.scene)
+        return path, settings.smoothing, _target(settings), clip.name if clip else ""
+
+    def work(self, inputs, progress):
+        path, smoothing, target, clip_name = inputs
+        performance = native.part("performance").Performance.load(path)
+        if not progress(0.2, "smoothing"):
+            return None
+        performance = native.part("pose_smoothing").smoothed(performance, smoothing)
+        return performance, target, Path(clip_name or path).name.split(".")[0], clip_name
+
+    def write(self, context, result):
+        performance, target, take, clip_name = result
+        clip = bpy.data.movieclips.get(clip_name)
+        baked = scene_out.head.bake(context.scene, performance, take, target, clip)
+        return (
+            f"{baked.num_curves} curves from frame {baked.first:.6g} to {baked.last:.6g} "
+            f"on {baked.where}"
+        )
+
+
+def _target(settings) -> scene_out.head.Target:
+    is_armature = settings.target.type == "ARMATURE"
+    return scene_out.head.Target(
+        name=settings.target.name,
+        bone=settings.bone if is_armature else "",
+        neck=settings.neck if is_armature else "",
+        neck_share=settings.neck_share,
+        is_absolute=settings.mode == "ABSOLUTE",
+        calibration_frame=settings.calibration_frame,
+        facing=settings.facing,
+        translation_scale=settings.translation_scale if settings.use_translation else 0.0,
+        pivot=tuple(settings.pivot),
+    )
+
+
+CLASSES = (
+    MIMETIC_OT_track_head,
+    MIMETIC_OT_find_head_bones,
+    MIMETIC_OT_calibrate_head,
+    MIMETIC_OT_bake_head,
+)

@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
+from bpy.types import Operator
+
+from .. import native, scene_in, scene_out
+from ..jobs import Job
+
+
+class MIMETIC_OT_hold_head_still(Job, Operator):
+    """Stabilise the clip's view on the head, to judge the face by; no file is changed"""
+
+    bl_idname = "mimetic.hold_head_still"
+    bl_label = "Hold Head Still"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if reason := scene_in.no_stabilising(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def read(self, context):
+        path = scene_in.performance_path(context.scene)
+        return path, context.scene.mimetic.head.smoothing, scene_in.clip_of(context).name
+
+    def work(self, inputs, progress):
+        path, smoothing, clip_name = inputs
+        performance = native.part("performance").Performance.load(path)
+        if not progress(0.2, "smoothing"):
+            return None
+        return native.part("pose_smoothing").smoothed(performance, smoothing), clip_name
+
+    def write(self, context, result):
+        performance, clip_name = result
+        clip = bpy.data.movieclips[clip_name]
+        num_frames = scene_out.stabilised.hold_still(clip, performance)
+        return f"The head is held still in {num_frames} frames of {clip.name}"
+
+
+class MIMETIC_OT_release_head(Operator):
+    """Show the clip as it was filmed again"""
+
+    bl_idname = "mimetic.release_head"
+    bl_label = "Release Head"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        reason = scene_in.no_clip(context)
+        if not reason and not scene_in.is_held(scene_in.clip_of(context)):
+            reason = "The clip is shown as it was filmed"
+        if reason:
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context):
+        scene_out.stabilised.release(scene_in.clip_of(context))
+        return {"FINISHED"}
+
+
+CLASSES = (MIMETIC_OT_hold_head_still, MIMETIC_OT_release_head)

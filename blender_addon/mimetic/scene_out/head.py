@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The head's motion on an object, an empty or an armature's bone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+
+from .. import native, scene_in
+from . import actions, rigs
+
+INSTALLED = ("rotation_quaternion", "rotation_euler", "rotation_axis_angle", "location")
+
+
+@dataclass(frozen=True)
+class Target:
+    """Where the motion goes, and how. Names, so that it may outlive an undo."""
+
+    name: str  # of the object
+    bone: str = ""
+    neck: str = ""
+    neck_share: float = 0.0
+    is_absolute: bool = False
+    calibration_frame: int = 0  # of the footage; 0: where the head is best seen at rest
+    facing: str = "-Y"
+    translation_scale: float = 1.0  # 0 leaves locations alone
+    pivot: tuple[float, float, float] = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Baked:
+    first: float  # scene frames of the first and the last key
+    last: float
+    num_curves: int
+    where: str
+
+
+def bake(scene: bpy.types.Scene, performance, take: str, target: Target, footage=None) -> Baked:
+    """Keys the motion of a `mimetic.performance.Performance`; smooth it before if it shall be.
+
+    What else moves the target goes on: its action is copied, and the copy gets the head's curves.
+    The scene's rate and range stay as they are. Raises InvalidInput, and changes nothing then.
+    """
+    moved = scene.objects[target.name]
+    timing = scene_in.timing(scene, footage)
+    frames = native.part("timing").scene_frames(
+        performance.frame,
+        performance.fps,
+        timing.scene_rate,
+        timing.frame_start,
+        timing.frame_offset,
+    )
+    if target.bone:
+        keyed = _bone_channels(moved, performance, target)
+    else:
+        keyed = {"": _object_channels(scene, moved, performance, target)}
+    holder = actions.continued_take(moved, f"{take} head")
+    num_curves = 0
+    for bone, channels in keyed.items():
+        prefix = f'pose.bones["{bpy.utils.escape_identifier(bone)}"].' if bone else ""
+        num_curves += _key(holder, prefix, bone or "Head", frames, channels)
+    where = ", ".join(keyed) + f" of {moved.name}" if target.bone else moved.name
+    return Baked(float(frames[0]), float(frames[-1]), num_curves, where)
+
+
+def _motion(performance, target: Target):
+    return native.part("rig_motion").motion(
+        performance, target.is_absolute, target.calibration_frame or None, target.pivot
+    )
+
+
+def _bone_channels(armature, performance, target: Target) -> dict:
+    share, followed = 0.0, 1.0
+    neck = None
+    if target.neck and target.neck_share > 0:
+        share, neck = target.neck_share, rigs.as_bone(armature, target.neck)
+        followed = rigs.followed_share(armature, target.bone, target.neck)
+    head, of_neck = native.part("rig_motion").bone_channels(
+        _motion(performance, target),
+        rigs.as_bone(armature, target.bone),
+        neck,
+        share,
+        followed,
+        target.facing,
+        target.translation_scale / armature.matrix_world.median_scale,
+    )
+    keyed = {target.bone: head if target.translation_scale else _without_location(head)}
+    return keyed | ({target.neck: of_neck} if of_neck else {})
+
+
+def _object_channels(scene, moved, performance, target: Target):
+    parts = native.part("rig_motion")
+    world_from_parent = native.array(moved.matrix_world @ moved.matrix_basis.inverted())
+    if target.is_absolute:
+        channels = parts.placed_channels(
+            performance,
+            world_from_parent,
+            moved.rotation_mode,
+            scene_in.camera_matrix(scene),
+            target.facing,
+            target.translation_scale,
+        )
+    else:
+        channels = parts.object_channels(
+            _motion(performance, target),
+            native.array(moved.matrix_basis),
+            world_from_parent,
+            moved.rotation_mode,
+            target.facing,
+            target.translation_scale,
+        )
+    return channels if target.translation_scale else _without_location(channels)
+
+
+def _without_location(channels):
+    return type(channels)(channels.rotation_path, channels.rotations, None)
+
+
+def _key(holder, prefix: str, group: str, frames, channels) -> int:
+    """Replaces what curves there are; a rotation in another mode would lie beside unread."""
+    for path in INSTALLED:
+        if path != "location" or channels.locations is not None:
+            actions.clear(holder, prefix + path)
+    num_curves = actions.key_columns(
+        holder, prefix + channels.rotation_path, group, frames, channels.rotations
+    )
+    if channels.locations is not None:
+        num_curves += actions.key_columns(
+            holder, prefix + "location", group, frames, channels.locations
+        )
+    return num_curves

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Armatures: which bones are head and neck, and how the head follows the neck."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import sqrt
+
+import bpy
+from mathutils import Quaternion
+
+from .. import native
+
+# Controls of Rigify, Auto-Rig Pro, Mixamo, Character Creator and 3ds Max's biped, or plain names
+HEADS = ("head", "c_head.x", "mixamorig:head", "cc_base_head", "bip01 head", "def-head", "head.x")
+NECKS = ("neck", "c_neck.x", "mixamorig:neck", "cc_base_necktwist01", "bip01 neck", "neck.x")
+METARIG = "spine.006"  # Rigify's meta-rigs call the head so
+TRIAL_TURN = 0.5  # radians
+
+
+@dataclass(frozen=True)
+class HeadBones:
+    head: str
+    neck: str  # empty if there is none
+    remark: str  # what the user should know, or the empty string
+
+
+def head_bones(armature: bpy.types.Object) -> HeadBones:
+    """The bones that animators turn for head and neck; empty names where none is known."""
+    bones = armature.data.bones
+    known = {bone.name.lower(): bone.name for bone in bones}
+    head = next((known[name] for name in HEADS if name in known), "")
+    neck = next((known[name] for name in NECKS if name in known), "")
+    if not head and METARIG in bones:
+        return HeadBones(
+            "", "", f"{armature.name} is Rigify's meta-rig: Generate, then choose the generated rig"
+        )
+    if not head:
+        return HeadBones("", "", f"{armature.name} has no bone called head: choose one")
+    return HeadBones(head, neck if _is_above(bones[head], neck) or not neck else "", "")
+
+
+def _is_above(bone: bpy.types.Bone, name: str) -> bool:
+    return any(parent.name == name for parent in bone.parent_recursive)
+
+
+def followed_share(armature: bpy.types.Object, head: str, neck: str) -> float:
+    """The part of the neck's turns that reaches the head: constraints may keep it upright.
+
+    Found by turning the neck a little and looking; the pose is put back.
+    """
+    turned = armature.pose.bones[neck]
+    before = turned.matrix_basis.copy()
+    at_rest = _orientation(armature, head)
+    # About an axis oblique to all of the bone's own, any of which may be locked by a constraint
+    axis = (1 / sqrt(3),) * 3
+    turned.matrix_basis = before @ Quaternion(axis, TRIAL_TURN).to_matrix().to_4x4()
+    try:
+        posed = _orientation(armature, head)
+    finally:
+        turned.matrix_basis = before
+        bpy.context.view_layer.update()
+    return native.part("rig_motion").followed(at_rest, posed, TRIAL_TURN)
+
+
+def _orientation(armature: bpy.types.Object, name: str):
+    bpy.context.view_layer.update()
+    evaluated = armature.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return evaluated.pose.bones[name].matrix.to_3x3()
+
+
+def as_bone(armature: bpy.types.Object, name: str):
+    """A `mimetic.rig_motion.Bone` of a bone."""
+    posed = armature.pose.bones[name]
+    return native.part("rig_motion").Bone(
+        rest=native.array(posed.bone.matrix_local.to_3x3()),
+        rotation_mode=posed.rotation_mode,
+        can_move=not (posed.bone.use_connect and posed.bone.parent),
+        is_local=posed.bone.use_local_location,
+    )
