@@ -14,7 +14,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from .scene_out import rigs
+from .scene_out import contact, rigs
 
 STRAIN_MEASURES = (
     ("AREA", "Area", "Growth of the skin's area"),
@@ -124,7 +124,24 @@ class MimeticShape(bpy.types.PropertyGroup):
     group: StringProperty(name="Group", description="What its slider is listed under")
 
 
+def _switch_contact(self, context) -> None:
+    """On: the key is there and follows; off: it is gone, and so is what it did."""
+    face = self.id_data
+    if face.data.shape_keys is None:
+        return
+    if self.use_contact:
+        contact.ensure_key(face)
+    elif key := contact.key_of(face):
+        face.shape_key_remove(key)
+    face.data.shape_keys.update_tag()
+
+
 class MimeticFace(bpy.types.PropertyGroup):
+    use_contact: BoolProperty(
+        name="Contact",
+        description="Let lips rest on each other and lids on each other as sliders move",
+        update=_switch_contact,
+    )
     shapes: CollectionProperty(type=MimeticShape, description="Shape keys that the face was given")
     groups: CollectionProperty(type=MimeticShape, description="Shape keys that move whole groups")
 

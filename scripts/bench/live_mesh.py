@@ -41,6 +41,8 @@ def main() -> None:
     extension = load_extension()
     sliders = importlib.import_module(f"{extension}.scene_out.sliders")
     live = importlib.import_module(f"{extension}.overlay.live")
+    load = importlib.import_module(f"{extension}.native").part
+    contact = importlib.import_module(f"{extension}.scene_out.contact")
     bpy.ops.mimetic.add_face()
     face = bpy.context.active_object
     modifier = face.modifiers["Subdivision"]
@@ -50,7 +52,8 @@ def main() -> None:
         dict(zip(names, random.uniform(0, 1, len(names)).tolist(), strict=True))
         for _ in range(ROUNDS + 5)
     ]
-    positions = live.points_of(face.data.shape_keys.reference_key).ravel()
+    rest = contact.points_of(face.data.shape_keys.reference_key)
+    positions = rest.ravel()
     attribute = face.data.attributes["position"].data
     view_layer = bpy.context.view_layer
 
@@ -72,6 +75,12 @@ def main() -> None:
         seen.face.nodes(seen.pose)
         seen.face.strain_patch(seen.pose, seen.face.strain(seen.pose, "area"), 0.2)
 
+    def follow_contact(pressed: float) -> None:
+        values = {"oris_close_upper": pressed, "oris_close_lower": pressed, "jaw_open": 1 - pressed}
+        correction = followed.correction(sliders.moves(face.data.shape_keys, values, rest))
+        contact.place(face, followed.moved, correction)
+
+    face.mimetic.use_contact = False
     floor = median_ms(lambda i: attribute.foreach_set("vector", positions))
     rows = [("positions written once (floor)", floor)]
     rows.append(
@@ -83,6 +92,11 @@ def main() -> None:
     rows.append((f"{len(names)} sliders set one by one", median_ms(each_by_property)))
     modifier.show_viewport = False
     rows.append(("sliders set, face evaluated", median_ms(set_and_evaluate)))
+    contact.ensure_key(face)
+    followed = load("live_contact").LiveContact(rest)
+    rows.append(("contact looked for, lips apart", median_ms(lambda i: follow_contact(0.01))))
+    rows.append(("contact solved, lips pressed", median_ms(lambda i: follow_contact(0.9))))
+    contact.place(face, None, None)
     modifier.show_viewport = True
     rows.append(("the same with one subdivision", median_ms(set_and_evaluate)))
     rows.append(("both overlays made", median_ms(draw)))

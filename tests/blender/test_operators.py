@@ -189,7 +189,7 @@ def test_a_bake_is_one_undo_step(scene, performance_file):
     assert len(bpy.data.actions) == 0
     assert bpy.context.scene.mimetic.performance_path == str(performance_file)
     bpy.ops.ed.redo()
-    assert len(bpy.context.scene.mimetic.face.data.shape_keys.key_blocks) == 42 + 21
+    assert len(bpy.context.scene.mimetic.face.data.shape_keys.key_blocks) == 42 + 21 + 1
 
 
 def test_a_face_in_edit_mode_is_left_alone(scene, performance_file):

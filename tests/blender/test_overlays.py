@@ -97,9 +97,9 @@ def test_curves_move_what_is_seen(live, extension, scene, added):
     assert live.look(added).pose.jaw[0] == 1
 
 
-def test_strain_of_a_grown_face_is_the_closed_form(live, added):
+def test_strain_of_a_grown_face_is_the_closed_form(live, extension, added):
     grown = added.shape_key_add(name="grown", from_mix=False)
-    basis = live.points_of(added.data.shape_keys.reference_key)
+    basis = extension("scene_out.contact").points_of(added.data.shape_keys.reference_key)
     grown.points.foreach_set("co", (1.2 * basis).ravel())
     grown.value = 0.5
     seen = live.look(added)
@@ -166,7 +166,8 @@ def test_overlays_change_nothing_of_the_face(live, scene, added):
 def our_handlers() -> list:
     lists = (bpy.app.handlers.load_post, bpy.app.handlers.depsgraph_update_post)
     lists += (bpy.app.handlers.undo_post, bpy.app.handlers.redo_post)
-    return [h for handlers in lists for h in handlers if h.__module__.startswith(MODULE)]
+    module = f"{MODULE}.overlay"
+    return [h for handlers in lists for h in handlers if h.__module__ == module]
 
 
 def test_handlers_come_and_go_with_the_extension(extension):

@@ -22,6 +22,11 @@ class MIMETIC_OT_bake(Job, Operator):
     use_texture: BoolProperty(
         name="Footage as Skin", default=True, description="Project a frame of the clip on the skin"
     )
+    use_contact: BoolProperty(
+        name="Contact",
+        default=True,
+        description="Let lips rest on each other and lids on each other, by shapes of their own",
+    )
     use_view: BoolProperty(
         name="Look Through Camera", default=True, description="Turn 3D views to the footage"
     )
@@ -35,20 +40,33 @@ class MIMETIC_OT_bake(Job, Operator):
     def read(self, context):
         clip = scene_in.clip_of(context)
         footage = scene_in.footage(context).path if clip and self.use_texture else None
-        return scene_in.performance_path(context.scene), footage, clip.name if clip else ""
+        path = scene_in.performance_path(context.scene)
+        return path, footage, clip.name if clip else "", self.use_contact
 
     def work(self, inputs, progress):
-        path, footage, clip_name = inputs
+        path, footage, clip_name, use_contact = inputs
         performance = native.part("performance").Performance.load(path)
-        if not progress(0.3, "projecting the texture" if footage else "painting"):
+        contact = None
+        if use_contact:
+            contact = native.part("contact_shapes").contact_shapes(performance, progress)
+        if not progress(0.9, "projecting the texture" if footage else "painting"):
             return None
         appearance = native.part("appearance").appearance_of(performance, footage)
-        return performance, appearance, Path(clip_name or path).name.split(".")[0], clip_name
+        take = Path(clip_name or path).name.split(".")[0]
+        return performance, appearance, contact, take, clip_name
 
     def write(self, context, result):
-        performance, appearance, take, clip_name = result
+        performance, appearance, contact, take, clip_name = result
         clip = bpy.data.movieclips.get(clip_name)
-        baked = scene_out.bake(context.scene, performance, take, appearance, clip, self.subdivision)
+        baked = scene_out.bake(
+            context.scene,
+            performance,
+            take,
+            appearance,
+            clip,
+            self.subdivision,
+            contact_shapes=contact,
+        )
         face = context.scene.mimetic.face
         told = (
             f"{baked.num_curves} curves from frame {baked.first:.6g} to {baked.last:.6g} "

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from .. import native, scene_in
-from ..scene_out import sliders
+from ..scene_out import contact, sliders
 
 
 @dataclass
@@ -55,7 +55,7 @@ def faces(context) -> list[bpy.types.Object]:
 def look(face: bpy.types.Object) -> Seen:
     """What is known of a face now: its rest, its sliders, the pose they give."""
     keys = face.data.shape_keys
-    rest = points_of(keys.reference_key)
+    rest = contact.points_of(keys.reference_key)
     seen = _seen.get(face.name)
     if seen is None or not np.array_equal(seen.rest, rest):
         seen = _seen[face.name] = _new(rest)
@@ -64,16 +64,9 @@ def look(face: bpy.types.Object) -> Seen:
     values = _values(face)
     if seen.pose is None or values != seen.values:
         seen.values = values
-        seen.pose = seen.face.pose(_moves(keys, values, rest), values)
+        seen.pose = seen.face.pose(sliders.moves(keys, values, rest), values)
         seen.made.clear()
     return seen
-
-
-def points_of(key: bpy.types.ShapeKey) -> np.ndarray:
-    """V x 3 float32, object frame."""
-    points = np.empty(3 * len(key.points), dtype=np.float32)
-    key.points.foreach_get("co", points)
-    return points.reshape(-1, 3)
 
 
 def _new(rest: np.ndarray) -> Seen:
@@ -89,13 +82,3 @@ def _values(face: bpy.types.Object) -> dict[str, float]:
     if face.show_only_shape_key:  # the pin in the list of shape keys
         return {face.active_shape_key.name: 1.0}
     return sliders.values_of(face)
-
-
-def _moves(keys: bpy.types.Key, values: dict[str, float], rest: np.ndarray):
-    """Value, points and points at 0 of every shape that is not at 0."""
-    basis = keys.reference_key
-    for name, value in values.items():
-        key = keys.key_blocks[name]
-        if value != 0.0 and key != basis:
-            start = key.relative_key
-            yield value, points_of(key), rest if start == basis else points_of(start)

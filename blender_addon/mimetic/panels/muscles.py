@@ -3,7 +3,7 @@
 
 from bpy.types import Panel
 
-from .. import native, scene_in
+from .. import contact, native, scene_in
 from ..overlay import live
 from .capture import wrapped
 
@@ -32,6 +32,9 @@ class MIMETIC_PT_muscles(Muscles, Panel):
         row.label(text=face.name, icon="USER")
         row.operator("mimetic.rest_face", icon="LOOP_BACK", text="")
         row.operator("mimetic.add_face", icon="ADD", text="")
+        layout.prop(face.mimetic, "use_contact")
+        for line in wrapped(contact.problem_of(face), 44):
+            layout.label(text=line)
         keys = face.data.shape_keys.key_blocks
         groups = {}
         for shape in face.mimetic.shapes:

@@ -53,13 +53,15 @@ def bake(
     footage: bpy.types.MovieClip | None = None,
     subdivision: int = 1,
     with_groups: bool = True,
+    contact_shapes: list | None = None,
 ) -> Baked:
     """Puts the face, its curves, its camera and the footage behind it into the scene.
 
     performance: mimetic.performance.Performance; take: names the new actions; appearance: of
     mimetic.appearance, colours of the face, or None to leave materials alone;
     footage: what the performance was captured from; with_groups: whether the face gets sliders of
-    its groups of muscles too.
+    its groups of muscles too; contact_shapes: of mimetic.contact_shapes; given, even if empty, lips
+    and lids are kept apart when sliders are moved afterwards too.
     The scene's rate, frame range and resolution stay as they are.
     """
     placement = native.part("placement")
@@ -72,9 +74,11 @@ def bake(
         timing.frame_offset,
     )
     parts = native.part("shapes")
-    shapes = parts.shapes_of(performance)
+    shapes = [*parts.shapes_of(performance), *(contact_shapes or ())]
     groups = parts.groups_of(performance) if with_groups else []
     shown = face.ensure(scene, performance, shapes, groups, subdivision)
+    if contact_shapes is not None:
+        shown.mimetic.use_contact = True
     if appearance is not None:
         materials.dress(shown, appearance)
     world_from_camera = scene_in.camera_matrix(scene)

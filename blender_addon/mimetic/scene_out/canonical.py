@@ -12,6 +12,7 @@ def add(collection: bpy.types.Collection, head, location, subdivision: int) -> b
     """Puts a `mimetic.canonical_head.Head` into a collection, at rest; location: in the world."""
     added = face.new(head.vertices, head.faces)
     collection.objects.link(added)
+    added.mimetic.use_contact = True
     face.set_shapes(added, head.vertices, head.shapes, head.groups)
     face.subdivide(added, subdivision)
     materials.dress(added, head.appearance)

@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from .. import native
+from . import contact
 
 BASIS = "Basis"
 
@@ -60,7 +61,7 @@ def set_shapes(face, neutral_vertices, shapes, groups) -> None:
     _place(basis, neutral)
     # The mesh's own vertices follow its first key; foreach_set on keys alone leaves them behind
     face.data.vertices.foreach_set("co", neutral.astype(np.float32).reshape(-1))
-    levels = _take_off_groups(face)
+    levels = _take_off_last(face)
     for shape in (*shapes, *groups):
         key = keys.key_blocks.get(shape.name)
         if key is None:
@@ -71,7 +72,9 @@ def set_shapes(face, neutral_vertices, shapes, groups) -> None:
         key.slider_max = shape.highest
         key.value = levels.get(shape.name, key.value)
         _place(key, neutral + to_object(shape.offsets))
-    named = {shape.name for shape in (*shapes, *groups)}
+    if face.mimetic.use_contact:
+        contact.ensure_key(face)
+    named = {contact.KEY, *(shape.name for shape in (*shapes, *groups))}
     for key in keys.key_blocks:  # what an earlier take moved and this one does not
         if key.name not in named:
             key.value = 0.0
@@ -80,9 +83,12 @@ def set_shapes(face, neutral_vertices, shapes, groups) -> None:
     face.data.update()
 
 
-def _take_off_groups(face) -> dict[str, float]:
-    """Removes the keys of groups, which are made again behind all others; returns their values."""
+def _take_off_last(face) -> dict[str, float]:
+    """Removes the keys of groups and contact, which are made again behind all others; returns the
+    values of the groups."""
     blocks = face.data.shape_keys.key_blocks
+    if key := contact.key_of(face):
+        face.shape_key_remove(key)
     found = [blocks[listed.name] for listed in face.mimetic.groups if listed.name in blocks]
     levels = {key.name: key.value for key in found}
     for name in levels:

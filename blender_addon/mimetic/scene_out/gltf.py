@@ -5,12 +5,13 @@ from __future__ import annotations
 
 import os
 import tempfile
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from pathlib import Path
 
 import bpy
 
 from .. import compat, native, scene_in
+from . import contact_curves
 
 
 def export(
@@ -21,7 +22,12 @@ def export(
     face = face or scene.mimetic.face
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
         aside = Path(folder, "face.glb")
-        with _only_selected(face), _without_idle_groups(face):
+        with (
+            _only_selected(face),
+            contact_curves.keyed(scene, face) as has_contact,
+            # Contact's keys come behind the groups', whose number must not change then
+            nullcontext() if has_contact else _without_idle_groups(face),
+        ):
             bpy.ops.export_scene.gltf(
                 filepath=str(aside),
                 export_format="GLB",

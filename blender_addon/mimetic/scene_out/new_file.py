@@ -27,7 +27,16 @@ def write(performance_path: str, out: str, footage_path: str | None) -> str:
     footage = clip.load(scene, footage_path) if footage_path else None
     take = Path(footage_path or performance_path).name.split(".")[0]
     is_blend = Path(out).suffix != ".glb"
-    baked = bake(scene, performance, take, appearance, footage, with_groups=is_blend)
+    contact = native.part("contact_shapes").contact_shapes(performance)
+    baked = bake(
+        scene,
+        performance,
+        take,
+        appearance,
+        footage,
+        with_groups=is_blend,
+        contact_shapes=contact,
+    )
     scene.mimetic.performance_path = performance_path
     scene.frame_set(scene.frame_start)
     if is_blend:

@@ -3,10 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
 import bpy
 import numpy as np
+
+from .contact import KEY, points_of
 
 
 def values_of(face: bpy.types.Object) -> dict[str, float]:
@@ -17,6 +19,30 @@ def values_of(face: bpy.types.Object) -> dict[str, float]:
         for key in keys.key_blocks
         if key != keys.reference_key
     }
+
+
+def levels_of(keys: bpy.types.Key) -> dict[str, float]:
+    """The values of the shape keys that are not at 0, nor muted, but for the basis."""
+    blocks = keys.key_blocks
+    levels = np.empty(len(blocks), dtype=np.float32)
+    muted = np.empty(len(blocks), dtype=bool)
+    blocks.foreach_get("value", levels)
+    blocks.foreach_get("mute", muted)
+    levels[muted] = 0
+    levels[0] = 0  # the basis
+    return {blocks[int(i)].name: float(levels[i]) for i in np.flatnonzero(levels)}
+
+
+def moves(
+    keys: bpy.types.Key, values: Mapping[str, float], rest: np.ndarray
+) -> Iterator[tuple[float, np.ndarray, np.ndarray]]:
+    """Value, points and points at 0 of every shape that is not at 0; rest: the basis' points."""
+    basis = keys.reference_key
+    for name, value in values.items():
+        key = keys.key_blocks[name]
+        if value != 0.0 and key != basis:
+            start = key.relative_key
+            yield value, points_of(key), rest if start == basis else points_of(start)
 
 
 def set_values(face: bpy.types.Object, values: Mapping[str, float]) -> None:
@@ -37,4 +63,5 @@ def set_values(face: bpy.types.Object, values: Mapping[str, float]) -> None:
 
 def rest(face: bpy.types.Object) -> None:
     """All sliders at 0: the face at rest."""
-    set_values(face, dict.fromkeys(face.data.shape_keys.key_blocks.keys(), 0.0))
+    names = set(face.data.shape_keys.key_blocks.keys()) - {KEY}
+    set_values(face, dict.fromkeys(names, 0.0))

@@ -52,6 +52,9 @@ public:
     /// stiffness is singular (nothing holds the skin).
     Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& forces) const;
 
+    /// The same for loads on the unknowns themselves, 3C x M.
+    Eigen::MatrixXd solve_loads(const Eigen::Ref<const Eigen::MatrixXd>& loads) const;
+
 private:
     struct Parts;
     std::unique_ptr<Parts> parts_;

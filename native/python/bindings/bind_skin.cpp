@@ -59,7 +59,9 @@ void bind_skin(py::module_& m) {
              "Loads on the unknowns.\n\nforces: (3N, M) float64, newtons, xyz interleaved\nreturns: (3C, M)")
         .def("solve", &SkinModel::solve, "forces"_a, release_gil(),
              "Static response.\n\nforces: (3N, M) float64, newtons, xyz interleaved\n"
-             "returns: (3C, M), metres; raises InvalidInput where nothing holds the skin");
+             "returns: (3C, M), metres; raises InvalidInput where nothing holds the skin")
+        .def("solve_loads", &SkinModel::solve_loads, "loads"_a, release_gil(),
+             "The same for loads on the unknowns themselves.\n\nloads: (3C, M) float64, newtons");
 }
 
 }  // namespace mimetic::bindings

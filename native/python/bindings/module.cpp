@@ -7,6 +7,7 @@ void bind_surface(pybind11::module_& m);
 void bind_skin(pybind11::module_& m);
 void bind_strain(pybind11::module_& m);
 void bind_skin_dynamics(pybind11::module_& m);
+void bind_contact(pybind11::module_& m);
 void bind_muscles(pybind11::module_& m);
 void bind_locate(pybind11::module_& m);
 void bind_eigenspace(pybind11::module_& m);
@@ -29,6 +30,7 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_skin(m);
     bindings::bind_strain(m);
     bindings::bind_skin_dynamics(m);
+    bindings::bind_contact(m);
     bindings::bind_muscles(m);
     bindings::bind_locate(m);
     bindings::bind_eigenspace(m);

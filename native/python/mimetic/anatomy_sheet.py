@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic.anatomy import SIDES, Anatomy, attach_skin, modes_of, muscle_table
-from mimetic.contact import Contact
+from mimetic.contact import attach_contact
 from mimetic.extras import Extras, attach_extras
 from mimetic.face_template import load_template
 from mimetic.head_painter import Painter
@@ -107,7 +107,7 @@ def main(arguments: list[str] | None = None) -> int:
         return 2
     chosen = {name: tiles[name] for name in options.only or tiles}
     painters = [Painter(template, options.size, yaw, options.focus) for yaw in options.yaw]
-    contact, rest, pictures = Contact(skin), np.asarray(template.vertices), {}
+    contact, rest, pictures = attach_contact(skin), np.asarray(template.vertices), {}
     for title, tile in chosen.items():
         shown = contact.relieve(tile.displacement)
         pictures[title] = np.hstack([p.paint(rest, shown, tile.tint) for p in painters])

@@ -2,129 +2,170 @@
 """Lips rest on each other and lids on each other: contact without friction, for shapes at rest.
 
 Modes add up linearly and know nothing of each other, so that lips that are pressed together would
-pass through each other. `Contact.relieve` finds the smallest forces between them that part them
-again (a linear complementarity problem on the skin's own compliance) and lets the skin yield to
-them. Forces are vertical: across the slits of a head that stands upright. Metres, head frame.
+pass through each other. `Contact` finds the smallest forces between them that part them again (a
+linear complementarity problem on the skin's own compliance, condensed to the points that can touch)
+and lets the skin yield to them. Forces are vertical: across the slits of a head that stands
+upright. Metres, head frame.
 """
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from mimetic.anatomy import SIDES, AttachedSkin
-from mimetic.skin_mesh import SkinMesh, multiply
+from mimetic import _core
+from mimetic.anatomy import SIDES, AttachedSkin, attach_skin
+from mimetic.face_template import load_template
+from mimetic.skin_mesh import Csr, SkinMesh, multiply
 
 LIP_DEPTH = 0.008  # along the skin from the edge where lips can touch, m on the template
 HALF_LIP = 0.040  # along the skin from the middle of a lip to its corners
-DEEPEST = 0.012  # what lies deeper in the other lip has come from elsewhere
-CORNER_GAP = 0.0015  # next to the corners lips are one skin
-ROUNDS = 6  # of finding what touches and parting it
-SWEEPS = 300
-TOLERANCE = 2e-5
-SOFTNESS = 1e-3  # of the mean compliance, added: rows of close vertices are nearly the same
-BLOCK = 64  # columns solved at once
+CORNER_GAP = 0.0015  # next to the corners of the eye lids are one skin
+BLOCK = 64  # responses solved at once
+KEPT = 4  # heads in memory, some 20 MB each
+NOTICED = 0.002  # of where a force acts; what moves less is left where it is
 
 
 @dataclass(frozen=True)
-class Slit:
-    """Two rims that can touch: refined vertices, and what is a surface of each."""
+class TouchPoints:
+    """Points of the skin that can touch.
 
-    upper: NDArray[np.int64]
-    lower: NDArray[np.int64]
-    triangles: NDArray[np.int32] | None  # T x 3 of both lips; none for lids, whose rims are lines
+    rest: C x 3; stencils: C x B, what a point is of the skin's B base vertices; slits: numbers of
+    points.
+    """
+
+    rest: NDArray[np.float64]
+    stencils: Csr
+    slits: list[_core.Slit]
 
 
 class Contact:
-    """What lips and lids of a person do to each other.
+    """What lips and lids of a head do to each other.
 
-    skin: of `anatomy.attach_skin`.
+    touch: the points that can; lift: base vertices (K) -> displacements K x B x 3 of the skin under
+    one newton upwards on each; spread: from the skin to the whole head, K x B x 3 -> K x V x 3;
+    read: B, a vertex of the whole head that is each base vertex.
+    `vertices`: those of the head that are looked at; `moved`: those that yield.
     """
 
-    def __init__(self, skin: AttachedSkin):
-        self.skin = skin
-        self.slits = [lip_slit(skin.mesh), *(lid_slit(skin.mesh, side) for side in SIDES)]
-        self.vertices = np.concatenate([np.concatenate([s.upper, s.lower]) for s in self.slits])
-        self.number = np.full(len(skin.mesh.vertices), -1)
-        self.number[self.vertices] = np.arange(len(self.vertices))
-        indptr, indices, weights = skin.mesh.stencils
-        rows = [slice(indptr[v], indptr[v + 1]) for v in self.vertices]
-        self.columns = np.unique(np.concatenate([indices[row] for row in rows]))
-        self.stencils = np.zeros((len(rows), len(self.columns)))
-        for i, row in enumerate(rows):
-            self.stencils[i, np.searchsorted(self.columns, indices[row])] = weights[row]
-        self.compliance = self._compliance()
+    def __init__(
+        self,
+        touch: TouchPoints,
+        lift: Callable[[NDArray[np.int64]], NDArray[np.float64]],
+        spread: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+        read: NDArray[np.int64],
+    ):
+        self.touch = touch
+        indptr, indices, weights = touch.stencils
+        used, column = np.unique(indices, return_inverse=True)
+        self._stencils = indptr, column, weights
+        self.vertices = read[used]
+        dense = np.zeros((len(touch.rest), len(used)), np.float32)
+        row = np.repeat(np.arange(len(touch.rest)), np.diff(indptr))
+        np.add.at(dense, (row, column), weights.astype(np.float32))
+        whole, points = [], []
+        for start in range(0, len(used), BLOCK):
+            response = lift(used[start : start + BLOCK])
+            whole.append(spread(response).astype(np.float32))
+            points.append(np.einsum("ck,mkx->mcx", dense, response[:, used], optimize=True))
+        whole = np.concatenate(whole)
+        moved = np.abs(whole).max(axis=2)
+        moved /= np.maximum(moved.max(axis=1, keepdims=True), 1e-30)
+        self.moved = np.flatnonzero(moved.max(axis=0) > NOTICED)
+        self._response = np.ascontiguousarray(whole[:, self.moved]).reshape(len(used), -1)
+        points = np.concatenate(points).astype(np.float32).reshape(len(used), -1)
+        self._solver = _core.ContactSolver(touch.rest, touch.slits, dense @ points)
 
-    def _compliance(self) -> NDArray[np.float64]:
-        """C x C, m/N: vertical motion of the vertices that can touch under vertical forces."""
-        blocks = []
-        for start in range(0, len(self.vertices), BLOCK):
-            unit = np.eye(len(self.vertices))[start : start + BLOCK]
-            blocks.append(self.stencils @ self._response(unit)[:, self.columns, 1].T)
-        return np.concatenate(blocks, axis=1)
+    def correction(self, displacement: ArrayLike) -> NDArray[np.float32] | None:
+        """Displacement of `moved` (W x 3) that parts lips and lids; None if nothing touches.
 
-    def _response(self, upwards: NDArray[np.float64]) -> NDArray[np.float64]:
-        """K x S x 3: the skin's control vertices under K x C newtons."""
-        forces = np.zeros((3 * len(self.skin.mesh.vertices), len(upwards)), order="F")
-        forces[3 * self.vertices + 1] = upwards.T
-        solution = self.skin.model.solve(forces).T.reshape(len(upwards), -1, 3)
-        response = np.zeros((len(upwards), len(self.skin.free), 3))
-        response[:, self.skin.free] = solution
-        return response
+        displacement: K x 3, of `vertices`.
+        """
+        forces = self._solver.solve(self._of_points(displacement))
+        if not forces.any():
+            return None
+        indptr, column, weights = self._stencils
+        each = weights * np.repeat(forces, np.diff(indptr))
+        loads = np.bincount(column, each, len(self.vertices)).astype(np.float32)
+        return (loads @ self._response).reshape(-1, 3)
 
     def relieve(self, displacement: NDArray[np.float64]) -> NDArray[np.float64]:
         """The displacement, V x 3, with lips and lids parted; unchanged where nothing touches."""
-        forces = np.zeros(len(self.vertices))
-        relieved = displacement
-        for _ in range(ROUNDS):
-            rows, gaps = self.overlaps(relieved)
-            if not len(gaps) or gaps.min() > -TOLERANCE:
-                break
-            forces = forces + rows.T @ part(rows @ self.compliance @ rows.T, gaps)
-            relieved = displacement + self.skin.spread(self._response(forces[None]))[0]
+        correction = self.correction(displacement[self.vertices])
+        if correction is None:
+            return displacement
+        relieved = np.array(displacement, dtype=np.float64)
+        relieved[self.moved] += correction
         return relieved
 
-    def overlaps(self, displacement) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Rows K x C that make gaps of vertical motions, and gaps K (m, negative: overlap)."""
-        count = int(self.skin.mesh.template.num_skin_vertices)
-        moved = multiply(self.skin.mesh.stencils, np.asarray(displacement)[:count])
-        shape = self.skin.mesh.vertices + moved
-        found = [
-            self._rows(*(lip_gaps if slit.triangles is not None else lid_gaps)(slit, shape))
-            for slit in self.slits
-        ]
-        return np.concatenate([f[0] for f in found]), np.concatenate([f[1] for f in found])
+    def gaps(self, displacement: ArrayLike) -> NDArray[np.float64]:
+        """Gaps of what overlaps at a displacement (V x 3), all negative."""
+        return self._solver.gaps(self._of_points(np.asarray(displacement)[self.vertices]))
 
-    def _rows(self, vertex, against, weights, sign, gaps):
-        rows = np.zeros((len(vertex), len(self.vertices)))
-        at = np.arange(len(vertex))
-        rows[at, self.number[vertex]] = sign
-        for corner in range(against.shape[1]):
-            np.add.at(rows, (at, self.number[against[:, corner]]), -sign * weights[:, corner])
-        return rows, gaps
+    def depth(self, displacement: ArrayLike) -> float:
+        """How deep lips or lids lie in each other, metres."""
+        return -float(self.gaps(displacement).min(initial=0.0))
+
+    def _of_points(self, displacement: ArrayLike) -> NDArray[np.float64]:
+        return multiply(self._stencils, np.asarray(displacement, dtype=np.float64))
 
 
-def part(compliance: NDArray[np.float64], gaps: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Forces f >= 0 with compliance @ f + gaps >= 0 and f at work only where that is 0.
-
-    By projected Gauss-Seidel.
-    """
-    diagonal = np.diag(compliance).copy()
-    softness = SOFTNESS * diagonal.mean()
-    forces = np.zeros(len(gaps))
-    for _ in range(SWEEPS):
-        before = forces.copy()
-        for i in range(len(gaps)):
-            rest = compliance[i] @ forces + gaps[i] + softness * forces[i]
-            forces[i] = max(0.0, forces[i] - rest / (diagonal[i] + softness))
-        if np.abs(forces - before).max() <= 1e-4 * np.abs(forces).max():
-            break
-    return forces
+def contact_on(neutral: NDArray[np.float64]) -> Contact:
+    """The contact of a head of the template's mesh at rest (V x 3), made once for heads that are
+    alike to single precision. Raises InvalidInput as `anatomy.attach_skin` does; its warnings are
+    for who makes the head and are left out."""
+    return _contact_on(np.ascontiguousarray(neutral, dtype=np.float32).tobytes())
 
 
-def lip_slit(mesh: SkinMesh) -> Slit:
+@lru_cache(maxsize=KEPT)
+def _contact_on(neutral: bytes) -> Contact:
+    vertices = np.frombuffer(neutral, dtype=np.float32).reshape(-1, 3).astype(np.float64)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        return attach_contact(attach_skin(vertices, load_template()))
+
+
+def attach_contact(skin: AttachedSkin) -> Contact:
+    """Contact on a person whose skin is attached (`anatomy.attach_skin`)."""
+    mesh, model = skin.mesh, skin.model
+    number = np.cumsum(skin.free) - 1
+
+    def lift(vertices: NDArray[np.int64]) -> NDArray[np.float64]:
+        chosen = skin.free[vertices]  # what is held does not move, whatever lifts it
+        loads = np.zeros((3 * int(skin.free.sum()), len(vertices)), order="F")
+        loads[3 * number[vertices[chosen]] + 1, np.flatnonzero(chosen)] = 1
+        response = np.zeros((len(vertices), len(skin.free), 3))
+        solved = model.solve_loads(loads).T.reshape(len(vertices), -1, 3)
+        response[:, skin.free] = solved
+        return response
+
+    return Contact(touch_points(mesh), lift, skin.spread, np.arange(len(skin.free)))
+
+
+def touch_points(mesh: SkinMesh) -> TouchPoints:
+    """Lips and rims of the lids: vertices of the refined skin."""
+    slits = [lip_slit(mesh), *(lid_slit(mesh, side) for side in SIDES)]
+    vertices = np.concatenate([np.concatenate([slit.upper, slit.lower]) for slit in slits])
+    number = np.full(len(mesh.vertices), -1)
+    number[vertices] = np.arange(len(vertices))
+    slits = [
+        _core.Slit(number[s.upper], number[s.lower], number[s.triangles].astype(np.int32))
+        for s in slits
+    ]
+    indptr, indices, weights = mesh.stencils
+    counts = np.diff(indptr)[vertices]
+    entries = np.repeat(indptr[vertices] - np.concatenate([[0], np.cumsum(counts)[:-1]]), counts)
+    entries = entries + np.arange(counts.sum())
+    stencils = np.concatenate([[0], np.cumsum(counts)]), indices[entries], weights[entries]
+    return TouchPoints(np.ascontiguousarray(mesh.vertices[vertices]), stencils, slits)
+
+
+def lip_slit(mesh: SkinMesh) -> _core.Slit:
     """The two lips as far as they can touch, the mouth's lining behind them included."""
     margin = mesh.vertices[mesh.vertices_between("skin", "mouth_cavity")]
     near = np.isfinite(mesh.whole_surface.distances(margin, LIP_DEPTH * mesh.size))
@@ -139,10 +180,12 @@ def lip_slit(mesh: SkinMesh) -> Slit:
     both = upper[mesh.triangles].all(axis=1) | lower[mesh.triangles].all(axis=1)
     used = np.zeros(len(upper), bool)
     used[mesh.triangles[both]] = True
-    return Slit(np.flatnonzero(upper & used), np.flatnonzero(lower & used), mesh.triangles[both])
+    return _core.Slit(
+        np.flatnonzero(upper & used), np.flatnonzero(lower & used), mesh.triangles[both]
+    )
 
 
-def lid_slit(mesh: SkinMesh, side: str) -> Slit:
+def lid_slit(mesh: SkinMesh, side: str) -> _core.Slit:
     """The rims of one eye's lids, without the corners that they share."""
     chosen = mesh.vertices_between("skin", "eye_socket")
     margin = chosen[(mesh.vertices[chosen, 0] > 0) == (side == "L")]
@@ -150,62 +193,7 @@ def lid_slit(mesh: SkinMesh, side: str) -> Slit:
     points = mesh.vertices[margin]
     chord = np.interp(np.abs(points[:, 0]), np.abs([inner[0], outer[0]]), [inner[1], outer[1]])
     aside = np.minimum(np.abs(points[:, 0] - inner[0]), np.abs(points[:, 0] - outer[0]))
-    inside = aside > CORNER_GAP
-    return Slit(
-        margin[inside & (points[:, 1] > chord)], margin[inside & (points[:, 1] <= chord)], None
+    inside = aside > CORNER_GAP * mesh.size
+    return _core.Slit(
+        margin[inside & (points[:, 1] > chord)], margin[inside & (points[:, 1] <= chord)]
     )
-
-
-def lip_gaps(slit: Slit, shape: NDArray[np.float64]):
-    """What lies over or under the other lip: vertex, triangle, weights, sign, gap in height."""
-    a, b, c = (shape[slit.triangles[:, k]] for k in range(3))
-    normal = np.cross(b - a, c - a)
-    is_upper = np.isin(slit.triangles[:, 0], slit.upper)
-    found = []
-    for own, sign, faces in (
-        (slit.upper, 1.0, ~is_upper & (normal[:, 1] > 0)),
-        (slit.lower, -1.0, is_upper & (normal[:, 1] < 0)),
-    ):
-        face, weights = faces_at(shape[own][:, [0, 2]], *(p[faces][:, [0, 2]] for p in (a, b, c)))
-        hit = face >= 0
-        against = slit.triangles[faces][face[hit]]
-        height = (weights[hit] * shape[against][..., 1]).sum(axis=1)
-        gaps = sign * (shape[own[hit], 1] - height)
-        close = (gaps < 0) & (gaps > -DEEPEST)
-        found.append((own[hit][close], against[close], weights[hit][close], gaps[close]))
-    signs = np.repeat([1.0, -1.0], [len(f[0]) for f in found])
-    vertex, against, weights, gaps = (np.concatenate(arrays) for arrays in zip(*found, strict=True))
-    return vertex, against, weights, signs, gaps
-
-
-def faces_at(points, a, b, c) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """In the plane: which triangle holds each point (K; -1 for none), and its weights K x 3."""
-
-    def doubled(p, q, r):
-        return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (
-            r[..., 0] - p[..., 0]
-        )
-
-    point = points[:, None]
-    whole = doubled(a, b, c)
-    whole = np.where(np.abs(whole) < 1e-15, np.nan, whole)
-    parts = [doubled(point, b, c), doubled(a, point, c), doubled(a, b, point)]
-    weights = np.stack(parts, axis=-1) / whole[..., None]
-    inside = (weights >= -1e-9).all(axis=-1)
-    face = np.where(inside.any(axis=1), inside.argmax(axis=1), -1)
-    return face, weights[np.arange(len(points)), np.maximum(face, 0)]
-
-
-def lid_gaps(slit: Slit, shape: NDArray[np.float64]):
-    """As `lip_gaps`; the lower rim is a line by x, of which two vertices hold each place."""
-    lower = slit.lower[np.argsort(shape[slit.lower, 0])]
-    x = shape[slit.upper, 0]
-    after = np.clip(np.searchsorted(shape[lower, 0], x), 1, len(lower) - 1)
-    against = np.column_stack([lower[after - 1], lower[after]])
-    start, end = shape[against[:, 0], 0], shape[against[:, 1], 0]
-    share = np.clip((x - start) / np.maximum(end - start, 1e-9), 0, 1)
-    weights = np.column_stack([1 - share, share])
-    gaps = shape[slit.upper, 1] - (weights * shape[against, 1]).sum(axis=1)
-    touching = gaps < 0
-    chosen = slit.upper[touching], against[touching], weights[touching]
-    return *chosen, np.ones(touching.sum()), gaps[touching]

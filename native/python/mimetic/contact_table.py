@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from mimetic.anatomy import attach_skin, modes_of
 from mimetic.anatomy_sheet import anatomy_tiles, sheet_tiles
-from mimetic.contact import Contact, faces_at
+from mimetic.contact import attach_contact
 from mimetic.extras import attach_extras
 from mimetic.face_template import load_template
 from mimetic.skin_mesh import SkinMesh, multiply
@@ -42,11 +42,29 @@ def before_teeth(mesh: SkinMesh, displacement: NDArray[np.float64]) -> float:
     return float(((weights[hit] * corners).sum(axis=1) - places[hit, 2]).min())
 
 
+def faces_at(points, a, b, c) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """In the plane: which triangle holds each point (K; -1 for none), and its weights K x 3."""
+
+    def doubled(p, q, r):
+        return (q[..., 0] - p[..., 0]) * (r[..., 1] - p[..., 1]) - (q[..., 1] - p[..., 1]) * (
+            r[..., 0] - p[..., 0]
+        )
+
+    point = points[:, None]
+    whole = doubled(a, b, c)
+    whole = np.where(np.abs(whole) < 1e-15, np.nan, whole)
+    parts = [doubled(point, b, c), doubled(a, point, c), doubled(a, b, point)]
+    weights = np.stack(parts, axis=-1) / whole[..., None]
+    inside = (weights >= -1e-9).all(axis=-1)
+    face = np.where(inside.any(axis=1), inside.argmax(axis=1), -1)
+    return face, weights[np.arange(len(points)), np.maximum(face, 0)]
+
+
 def main(arguments: list[str] | None = None) -> int:
     argparse.ArgumentParser(prog="mimetic.contact_table", description=__doc__).parse_args(arguments)
     template = load_template()
     skin = attach_skin(template.vertices, template)
-    anatomy, contact = modes_of(skin), Contact(skin)
+    anatomy, contact = modes_of(skin), attach_contact(skin)
     shapes = {
         title: t.displacement for title, t in sheet_tiles(anatomy, attach_extras(skin)).items()
     }
@@ -55,9 +73,7 @@ def main(arguments: list[str] | None = None) -> int:
     print(f"{'mm':40s} before   after   teeth")
     for title, shape in shapes.items():
         relieved = contact.relieve(shape)
-        before, after = (
-            -1e3 * contact.overlaps(s)[1].min(initial=0.0) + 0.0 for s in (shape, relieved)
-        )
+        before, after = (1e3 * contact.depth(s) + 0.0 for s in (shape, relieved))
         print(
             f"{title:40s} {before:6.2f} {after:7.3f} {1e3 * before_teeth(skin.mesh, relieved):7.1f}"
         )

@@ -68,6 +68,18 @@ class Patch:
     triangles: NDArray[np.int32]
 
 
+def template_rest(rest_points: ArrayLike) -> NDArray[np.float64]:
+    """Points of the object's frame (V x 3) in the head frame; InvalidInput if of another mesh."""
+    template = load_template()
+    rest = np.asarray(rest_points, dtype=np.float64)
+    if rest.shape != template.vertices.shape or not np.isfinite(rest).all():
+        raise InvalidInput(
+            f"the face has {len(rest)} vertices, known are the muscles of the head with "
+            f"{len(template.vertices)}"
+        )
+    return to_head(rest)
+
+
 class LiveFace:
     """A face of the template's mesh at rest.
 
@@ -75,15 +87,8 @@ class LiveFace:
     """
 
     def __init__(self, rest_points: ArrayLike):
-        template = load_template()
-        rest = np.asarray(rest_points, dtype=np.float64)
-        if rest.shape != template.vertices.shape or not np.isfinite(rest).all():
-            raise InvalidInput(
-                f"the face has {len(rest)} vertices, known are the muscles of the head with "
-                f"{len(template.vertices)}"
-            )
-        self._neutral = to_head(rest)
-        self._template = template
+        self._neutral = template_rest(rest_points)
+        self._template = load_template()
 
     @cached_property
     def _lines(self) -> MuscleLines:

@@ -26,6 +26,7 @@ GROUPS = {
 SIDES = ("", ".L", ".R")  # both, the subject's left, right
 JAW_AND_LIDS = "Jaw and Lids"
 DETAIL = "Detail"
+CONTACT = "Contact"
 
 
 def group_name(group: int, side: str = "") -> str:

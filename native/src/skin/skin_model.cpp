@@ -81,11 +81,19 @@ Eigen::MatrixXd SkinModel::loads(const Eigen::Ref<const Eigen::MatrixXd>& forces
 }
 
 Eigen::MatrixXd SkinModel::solve(const Eigen::Ref<const Eigen::MatrixXd>& forces) const {
-    const Eigen::MatrixXd right = loads(forces);
+    return solve_loads(loads(forces));
+}
+
+Eigen::MatrixXd SkinModel::solve_loads(const Eigen::Ref<const Eigen::MatrixXd>& loads) const {
+    if (loads.rows() != parts_->basis.cols()) {
+        throw InvalidInput("loads have " + std::to_string(loads.rows()) +
+                           " rows, needed are three for each of " + std::to_string(num_unknowns()) +
+                           " unknowns");
+    }
     if (parts_->factor.info() != Eigen::Success) {
         throw InvalidInput("the skin can move freely: attach it to bone or hold some of its vertices");
     }
-    return parts_->factor.solve(right);
+    return parts_->factor.solve(loads);
 }
 
 }  // namespace mimetic

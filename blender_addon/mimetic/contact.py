@@ -1,0 +1,159 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lips and lids of faces kept apart while their sliders move: follows what Blender evaluates.
+
+What is needed to know a face is made once a session, in a thread where there is a window.
+"""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from bpy.app.handlers import persistent
+
+from . import native, scene_in
+from .scene_out import contact as contact_key
+from .scene_out import sliders
+
+POLL_SECONDS = 0.1
+
+
+@dataclass
+class Known:
+    """One face; `problem` says why its contact is not known."""
+
+    rest: np.ndarray  # V x 3 float32, object frame
+    live: object = None  # mimetic.live_contact.LiveContact
+    problem: str = ""
+    error: BaseException | None = None
+    thread: threading.Thread | None = None
+    values: dict[str, float] | None = None  # that the key was made for
+    is_parted: bool = True  # whether the key may hold anything: it does in an opened file
+
+    def start(self) -> None:
+        # A daemon: Blender must be able to quit meanwhile
+        self.thread = threading.Thread(target=self._make, name="contact", daemon=True)
+        self.thread.start()
+
+    def look_again(self) -> None:
+        self.values, self.is_parted = None, True
+
+    def _make(self) -> None:
+        try:
+            self.live = native.part("live_contact").LiveContact(self.rest)
+        except native.known_errors() as error:
+            self.problem = str(error)
+        except BaseException as error:  # raised where Blender shows it
+            self.error = error
+
+    def is_ready(self, wait: bool) -> bool:
+        if wait:
+            self.thread.join()
+        if self.error:
+            error, self.error = self.error, None
+            self.problem = f"{type(error).__name__}: {error}"
+            raise error
+        return not self.thread.is_alive() and self.live is not None
+
+
+_known: dict[str, Known] = {}
+
+
+def problem_of(face: bpy.types.Object) -> str:
+    """Why the lips of a face are not kept apart, or the empty string."""
+    return _known[face.name].problem if face.name in _known else ""
+
+
+@persistent
+def forget_all(*_) -> None:
+    """Another file: what was known belongs to faces that are gone."""
+    _known.clear()
+
+
+@persistent
+def look_again(*_) -> None:
+    """Undo may have put back any values and any key."""
+    for known in _known.values():
+        known.look_again()
+
+
+@persistent
+def follow(scene, depsgraph) -> None:
+    """Parts the lips and lids of the scene's faces, as far as their sliders moved."""
+    for face in scene.objects:
+        if not scene_in.is_face(face) or face.library:
+            continue
+        if _is_followed(face):
+            _follow_face(face, depsgraph)
+        elif face.name in _known:  # switched off, or its shapes are being sculpted
+            _known[face.name].look_again()
+
+
+def _is_followed(face: bpy.types.Object) -> bool:
+    return (
+        face.mimetic.use_contact
+        and contact_key.key_of(face) is not None
+        and face.mode == "OBJECT"
+        and face.name not in contact_key.held
+    )
+
+
+def _follow_face(face: bpy.types.Object, depsgraph) -> None:
+    if native.problem():
+        return
+    keys = face.data.shape_keys
+    # Curves and drivers show in the evaluated keys only, where a picture is rendered
+    values = sliders.levels_of(keys.evaluated_get(depsgraph))
+    values.pop(contact_key.KEY, None)
+    known = _known.get(face.name)
+    if known is None and not values:
+        return
+    rest = contact_key.points_of(keys.reference_key)
+    if known is None or not np.array_equal(known.rest, rest):
+        known = _known[face.name] = Known(rest)
+        known.start()
+    if values == known.values:
+        return
+    if not known.is_ready(bpy.app.background or depsgraph.mode == "RENDER"):
+        if not known.problem and not bpy.app.timers.is_registered(_poll):
+            bpy.app.timers.register(_poll, first_interval=POLL_SECONDS)
+        return
+    known.values = values
+    correction = known.live.correction(sliders.moves(keys, values, rest))
+    if correction is not None or known.is_parted:
+        contact_key.place(face, known.live.moved, correction)
+    known.is_parted = correction is not None
+
+
+def _poll() -> float | None:
+    """Has faces looked at again once they are known."""
+    if any(known.thread.is_alive() for known in _known.values()):
+        return POLL_SECONDS
+    for name in _known:
+        if face := bpy.data.objects.get(name):
+            face.data.shape_keys.update_tag()
+    return None
+
+
+HANDLERS = (
+    (bpy.app.handlers.load_post, forget_all),
+    (bpy.app.handlers.undo_post, look_again),
+    (bpy.app.handlers.redo_post, look_again),
+    (bpy.app.handlers.depsgraph_update_post, follow),
+    (bpy.app.handlers.frame_change_post, follow),
+)
+
+
+def register() -> None:
+    for handlers, handler in HANDLERS:
+        handlers.append(handler)
+
+
+def unregister() -> None:
+    for handlers, handler in HANDLERS:
+        handlers.remove(handler)
+    if bpy.app.timers.is_registered(_poll):
+        bpy.app.timers.unregister(_poll)
+    _known.clear()

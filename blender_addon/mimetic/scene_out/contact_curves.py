@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Contact of a face animated by hand as shape keys with curves, which a file can carry."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+import bpy
+import numpy as np
+
+from .. import compat, native
+from . import actions, contact
+
+
+@contextmanager
+def keyed(scene: bpy.types.Scene, face: bpy.types.Object) -> Iterator[bool]:
+    """While it lasts, what the key that follows did in every frame is in keys with values of their
+    own. Says whether there are any; if not, that key is muted, as it does nothing."""
+    key = contact.key_of(face)
+    if key is None:
+        yield False
+        return
+    shapes, frames = _shapes(scene, face)
+    if not shapes:
+        is_muted, key.mute = key.mute, True
+        try:
+            yield False
+        finally:
+            key.mute = is_muted
+        return
+    contact.held.add(face.name)
+    added = _add(face, shapes, frames)
+    try:
+        yield True
+    finally:
+        _take_off(face, added)
+        contact.held.discard(face.name)
+        face.data.shape_keys.update_tag()
+
+
+def _shapes(scene: bpy.types.Scene, face: bpy.types.Object):
+    """Shapes in the object's frame, with a value a frame."""
+    keys, shown = face.data.shape_keys, scene.frame_current_final
+    holder = compat.curves(keys)
+    frames = np.array([scene.frame_current])
+    if holder is not None and len(holder.fcurves):
+        ends = np.array([curve.range() for curve in holder.fcurves])
+        frames = np.arange(np.floor(ends[:, 0].min()), np.ceil(ends[:, 1].max()) + 1).astype(int)
+    basis = contact.points_of(keys.reference_key)
+    corrections = {}
+    try:
+        for i, frame in enumerate(frames):
+            scene.frame_set(int(frame))
+            moved = contact.points_of(contact.key_of(face)) - basis
+            if moved.any():
+                corrections[i] = moved
+    finally:
+        scene.frame_set(int(np.floor(shown)), subframe=shown % 1)
+    everywhere = np.arange(len(basis))
+    parts = native.part("contact_shapes")
+    shapes = parts.shapes_of_corrections(corrections, len(frames), everywhere, len(basis))
+    return shapes, frames
+
+
+def _add(face: bpy.types.Object, shapes, frames) -> list[str]:
+    """The first shape takes the place of the key that follows: no other's number changes."""
+    keys = face.data.shape_keys
+    basis = contact.points_of(keys.reference_key)
+    added = [contact.KEY, *(f"{contact.KEY} {i + 2}" for i in range(len(shapes) - 1))]
+    holder = compat.curves(keys)
+    for name, shape in zip(added, shapes, strict=True):
+        key = keys.key_blocks.get(name) or face.shape_key_add(name=name, from_mix=False)
+        key.slider_min, key.slider_max = -1.0, 1.0
+        key.value = shape.values[0]
+        key.points.foreach_set("co", (basis + shape.offsets).astype(np.float32).ravel())
+        if holder is not None and len(frames) > 1:
+            path = key.path_from_id("value")
+            curve = compat.new_curve(holder, path, 0, shape.group)
+            actions.fill(curve, frames, shape.values, actions.LINEAR)
+    return added
+
+
+def _take_off(face: bpy.types.Object, added: list[str]) -> None:
+    keys = face.data.shape_keys
+    holder = compat.curves(keys)
+    for name in added:
+        key = keys.key_blocks[name]
+        if holder is not None and (curve := holder.fcurves.find(key.path_from_id("value"))):
+            holder.fcurves.remove(curve)
+        if name != contact.KEY:
+            face.shape_key_remove(key)
+    key = keys.key_blocks[contact.KEY]
+    key.slider_min, key.value = 0.0, 1.0
+    contact.place(face, None, None)

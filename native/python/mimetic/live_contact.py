@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Contact of a face whose shapes are set by hand, fast enough to follow a slider.
+
+Arrays are in the object's frame (`mimetic.placement`), metres, as the face's object has them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mimetic.contact import contact_on
+from mimetic.live_face import template_rest
+from mimetic.placement import to_head, to_object
+
+
+class LiveContact:
+    """What lips and lids of a face of the template's mesh do to each other.
+
+    rest_points: V x 3. Takes a second or two. Raises InvalidInput if that is another mesh or one
+    that muscles cannot be attached to.
+    """
+
+    def __init__(self, rest_points: ArrayLike):
+        self._contact = contact_on(template_rest(rest_points))
+
+    @property
+    def moved(self) -> NDArray[np.int64]:
+        """W vertices that contact can move."""
+        return self._contact.moved
+
+    def correction(
+        self, moves: Iterable[tuple[float, NDArray, NDArray]]
+    ) -> NDArray[np.float32] | None:
+        """Displacement of `moved`, W x 3, that parts lips and lids; None if nothing touches.
+
+        moves: value, points and points at value 0 (V x 3 each) of every shape that is not at 0.
+        """
+        vertices = self._contact.vertices
+        offset = np.zeros((len(vertices), 3))
+        for value, points, start in moves:
+            offset += value * (points[vertices] - start[vertices])
+        correction = self._contact.correction(to_head(offset))
+        return None if correction is None else to_object(correction).astype(np.float32)

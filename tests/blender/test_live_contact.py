@@ -1,0 +1,229 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lips and lids of a face stay apart however it is moved."""
+
+import bpy
+import numpy as np
+import pytest
+from conftest import MODULE
+
+PRESSED = {"oris_close_upper": 1.0, "oris_close_lower": 1.0}
+CLOSED = {f"lid_{lid}.{side}": 1.0 for lid in ("upper", "lower") for side in "LR"}
+MILLIMETRE = 1e-3
+
+
+@pytest.fixture(scope="session")
+def contact():
+    from mimetic.anatomy import attach_skin
+    from mimetic.contact import attach_contact
+    from mimetic.face_template import load_template
+
+    template = load_template()
+    return attach_contact(attach_skin(template.vertices, template))
+
+
+@pytest.fixture
+def added():
+    assert bpy.ops.mimetic.add_face() == {"FINISHED"}
+    face = bpy.context.active_object
+    face.modifiers["Subdivision"].show_viewport = False
+    return face
+
+
+def evaluated(face, depsgraph=None) -> np.ndarray:
+    """V x 3 in the object's frame, as Blender evaluates the shape keys."""
+    shown = face.evaluated_get(depsgraph or bpy.context.evaluated_depsgraph_get())
+    points = np.empty(3 * len(face.data.vertices), dtype=np.float32)
+    shown.data.vertices.foreach_get("co", points)
+    return points.reshape(-1, 3)
+
+
+def depth(contact, points) -> float:
+    """How deep lips or lids lie in each other, metres."""
+    from mimetic.face_template import load_template
+    from mimetic.placement import to_head
+
+    return contact.depth(to_head(points) - load_template().vertices)
+
+
+def put(face, values) -> None:
+    for name, value in values.items():
+        face.data.shape_keys.key_blocks[name].value = value
+
+
+@pytest.mark.parametrize("values", [PRESSED, CLOSED])
+def test_sliders_do_not_drive_lips_or_lids_through_each_other(contact, added, values):
+    put(added, values)
+    assert depth(contact, evaluated(added)) < 0.05 * MILLIMETRE
+    added.mimetic.use_contact = False
+    assert depth(contact, evaluated(added)) > 1.5 * MILLIMETRE
+    added.mimetic.use_contact = True
+    assert depth(contact, evaluated(added)) < 0.05 * MILLIMETRE
+
+
+def test_contact_leaves_nothing_behind(added):
+    rest = evaluated(added)
+    put(added, PRESSED)
+    assert np.abs(evaluated(added) - rest).max() > MILLIMETRE
+    put(added, dict.fromkeys(PRESSED, 0.0))
+    np.testing.assert_array_equal(evaluated(added), rest)
+
+
+def test_groups_and_curves_are_followed(contact, scene, added):
+    key = added.data.shape_keys.key_blocks["Chin and Lip Ring"]
+    for frame, value in ((1, 0.0), (11, 1.0)):
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+    added.mimetic.use_contact = False
+    scene.frame_set(11)
+    assert depth(contact, evaluated(added)) > MILLIMETRE
+    added.mimetic.use_contact = True
+    for frame in (1, 6, 11, 8):
+        scene.frame_set(frame)
+        assert depth(contact, evaluated(added)) < 0.05 * MILLIMETRE
+
+
+def test_a_file_is_opened_as_it_was_saved_and_goes_on(contact, added, tmp_path):
+    put(added, PRESSED)
+    pressed = evaluated(added)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "a.blend"))
+    face = bpy.data.objects["Face"]
+    np.testing.assert_allclose(evaluated(face), pressed, atol=1e-6)
+    put(face, {"jaw_open": 0.2})
+    assert depth(contact, evaluated(face)) < 0.05 * MILLIMETRE
+    put(face, dict.fromkeys((*PRESSED, "jaw_open"), 0.0))
+    assert depth(contact, evaluated(face)) == 0
+
+
+def test_undo_takes_the_contact_back_with_the_slider(contact, added):
+    rest = evaluated(added)
+    bpy.ops.ed.undo_push(message="added")
+    put(added, PRESSED)
+    evaluated(added)
+    bpy.ops.ed.undo_push(message="pressed")
+    bpy.ops.ed.undo()
+    face = bpy.data.objects["Face"]
+    np.testing.assert_array_equal(evaluated(face), rest)
+    bpy.ops.ed.redo()
+    face = bpy.data.objects["Face"]
+    assert depth(contact, evaluated(face)) < 0.05 * MILLIMETRE
+
+
+def test_rest_leaves_contact_ready(contact, added):
+    put(added, PRESSED)
+    evaluated(added)
+    assert bpy.ops.mimetic.rest_face() == {"FINISHED"}
+    assert added.data.shape_keys.key_blocks["contact"].value == 1.0
+    put(added, CLOSED)
+    assert depth(contact, evaluated(added)) < 0.05 * MILLIMETRE
+
+
+def test_a_face_that_contact_does_not_know_says_why(extension, added):
+    bpy.ops.mesh.primitive_cube_add()
+    cube = bpy.context.active_object
+    cube.shape_key_add(name="Basis")
+    moved = cube.shape_key_add(name="moved")
+    cube.mimetic.shapes.add().name = "moved"
+    cube.mimetic.use_contact = True
+    moved.value = 0.5
+    bpy.context.view_layer.update()
+    assert "8 vertices" in extension("contact").problem_of(cube)
+    assert extension("contact").problem_of(added) == ""
+
+
+def test_handlers_go_with_the_extension():
+    def ours() -> int:
+        lists = (bpy.app.handlers.depsgraph_update_post, bpy.app.handlers.frame_change_post)
+        names = [h.__module__ for handlers in lists for h in handlers]
+        return names.count(f"{MODULE}.contact")
+
+    assert ours() == 2
+    bpy.ops.preferences.addon_disable(module=MODULE)
+    assert ours() == 0
+
+
+def test_an_exported_face_takes_its_contact_along(contact, added, tmp_path):
+    """The file's morph targets and weights, added up by hand."""
+    from mimetic import gltf
+
+    blocks = added.data.shape_keys.key_blocks
+    for frame, value in ((1, 0.0), (9, 1.0)):
+        for name in PRESSED:
+            blocks[name].value = value
+            blocks[name].keyframe_insert("value", frame=frame)
+    names = blocks.keys()
+    path = tmp_path / "face.glb"
+    assert bpy.ops.mimetic.export_gltf(filepath=str(path)) == {"FINISHED"}
+    assert blocks.keys() == names
+    _, weights, targets = gltf.read_weights(path.read_bytes())
+    parts = [name for name in targets if name.startswith("contact")]
+    assert 1 <= len(parts) <= 6
+    assert not weights[0, [targets.index(name) for name in parts]].any()
+    by_hand = added.data.shape_keys
+    assert by_hand.key_blocks["contact"].value == 1.0
+    assert len(by_hand.animation_data.action.fcurves) == 2
+    bpy.context.scene.frame_set(5)
+    assert depth(contact, evaluated(added)) < 0.05 * MILLIMETRE
+    bpy.ops.import_scene.gltf(filepath=str(path))
+    imported = bpy.context.active_object
+    bpy.context.scene.frame_set(9)
+    shown = imported.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    places = np.array([v.co for v in shown.data.vertices])
+    expected = evaluated(added)
+    gap = np.abs(places[:, None, :] - expected[None, ::97]).max(axis=2).min(axis=0)
+    assert gap.max() < 2e-4
+    lips = [v for v in contact.moved[::9]]
+    gap = np.abs(places[:, None, :] - expected[None, lips]).max(axis=2).min(axis=0)
+    assert gap.max() < 2e-4
+
+
+def test_a_face_that_nothing_presses_is_exported_without_contact(added, tmp_path):
+    from mimetic import gltf
+
+    key = added.data.shape_keys.key_blocks["jaw_open"]
+    for frame, value in ((1, 0.0), (5, 1.0)):
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+    path = tmp_path / "face.glb"
+    assert bpy.ops.mimetic.export_gltf(filepath=str(path)) == {"FINISHED"}
+    _, _, targets = gltf.read_weights(path.read_bytes())
+    assert "contact" not in targets
+    assert not added.data.shape_keys.key_blocks["contact"].mute
+
+
+def test_a_baked_take_carries_its_contact(contact, extension, scene, performance):
+    """Lips that a take presses through each other rest on each other, frame by frame."""
+    import dataclasses
+
+    from mimetic.canonical_head import make_head
+    from mimetic.contact_shapes import contact_shapes
+
+    head = make_head()
+    pressing = {shape.name: shape.offsets for shape in head.shapes}
+    modes = np.zeros_like(performance.muscle_modes)
+    modes[0] = sum(pressing[name] for name in PRESSED)
+    activations = np.zeros_like(performance.activations)
+    activations[10:20, 0] = np.linspace(0.2, 1, 10)
+    take = dataclasses.replace(
+        performance,
+        muscle_modes=modes,
+        activations=activations,
+        articulator_values=0 * performance.articulator_values,
+    )
+    shapes = contact_shapes(take)
+    assert 1 <= len(shapes) <= 8
+    assert not any(shape.values[:10].any() or shape.values[20:].any() for shape in shapes)
+    scene.render.fps, scene.render.fps_base = 25, 1.0
+    extension("scene_out").bake(scene, take, "take", contact_shapes=shapes)
+    face = scene.mimetic.face
+    face.modifiers["Subdivision"].show_viewport = False
+    face.mimetic.use_contact = False  # what is baked holds without what follows
+    for frame in (5, 15, 20, 25):
+        scene.frame_set(frame)
+        expected = take.surface(frame - 1)
+        assert depth(contact, evaluated(face)) < 0.15 * MILLIMETRE
+        if not activations[frame - 1].any():
+            from mimetic.placement import to_object
+
+            np.testing.assert_allclose(evaluated(face), to_object(expected), atol=2e-6)
+    assert contact.depth(take.surface(19) - take.neutral_vertices) > 5 * MILLIMETRE
