@@ -120,9 +120,9 @@ EXPRESSIONS: dict[str, dict[str, float]] = {
         "depressor_labii_inferioris": 0.3,
         "jaw_open": 0.25,
     },
-    "pucker": {  # 18
+    "pucker": {  # 18; the ring alone brings the lower lip further forward than the upper
         "orbicularis_oris": 1.0,
-        "oris_protrude_upper": 0.4,
-        "oris_protrude_lower": 0.4,
+        "oris_protrude_upper": 0.8,
+        "oris_protrude_lower": 0.2,
     },
 }
