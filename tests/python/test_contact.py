@@ -124,12 +124,22 @@ def test_both_lids_closed_meet_and_stay_on_the_eye(contact, modes, clearance):
 
 
 @pytest.mark.parametrize("value", np.linspace(0.1, 1, 10))
-def test_lids_never_go_through_the_eye_also_when_it_turns(modes, clearance, value):
+def test_lids_never_go_through_the_eye_also_when_it_turns(contact, modes, clearance, value):
     for lids in (LIDS[:2], LIDS[2:], LIDS):
         for gaze in ("look_up", "look_down", "look_in", "look_out"):
             eyes = modes[f"{gaze}.L"] + modes[f"{gaze}.R"]
-            assert clearance(sum(value * modes[name] for name in lids) + eyes) > 2e-4
+            turned = contact.relieve(sum(value * modes[name] for name in lids) + eyes)
+            assert clearance(turned) > 2e-4
+            assert contact.depth(turned) < 1e-4
     assert clearance(-0.4 * value * (modes[LIDS[0]] + modes[LIDS[1]])) > 2e-4
+
+
+def test_a_lid_that_follows_an_eye_alone_needs_no_contact(contact, modes, clearance):
+    for gaze in ("look_up", "look_down"):
+        for value in np.linspace(0.1, 1, 10):
+            turned = value * (modes[f"{gaze}.L"] + modes[f"{gaze}.R"])
+            assert clearance(turned) > 2e-4
+            np.testing.assert_array_equal(contact.relieve(turned), turned)
 
 
 def test_a_lip_behind_the_teeth_is_seen(skin):

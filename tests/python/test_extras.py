@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 from mimetic import anatomy
+from mimetic.articulators import EyeLids, eye_frames
 from mimetic.extras import attach_extras, extras_table
 from mimetic.face_template import load_template
 from mimetic.shapes import shapes_of_extras
@@ -93,7 +94,24 @@ def test_an_eye_turns_as_a_whole_and_stays_round(template, extras):
         # 0.3 mm: the eye turns about its own centre, this one is that of the nearest sphere
         np.testing.assert_allclose(np.linalg.norm(turned - centre, axis=1), before, atol=3e-4)
         assert sign * moved[front, axis] > 0.4 * radius
-        assert not np.delete(moved, eye, axis=0).any()
+        others = np.delete(moved, eye, axis=0)
+        assert others.any() == (name in ("look_up", "look_down"))
+
+
+def test_lids_follow_the_eye_up_and_down(skin, template, extras):
+    """The upper lid's middle turns 0.8 times as far, so that it keeps to the iris."""
+    frame = eye_frames(skin.mesh)[0]
+    lids = EyeLids(frame)
+    for name, degrees, sign in (("look_up", 25, 1), ("look_down", 30, -1)):
+        for margin, share in ((lids.upper, 0.8), (lids.lower, 0.3)):
+            moved = mode(extras, f"{name}.L")[margin]
+            _, before, _ = frame.polar(template.vertices[margin])
+            _, after, _ = frame.polar(template.vertices[margin] + moved)
+            turned = np.degrees(sign * (after - before))
+            assert turned.min() > -0.1
+            assert turned.max() == pytest.approx(share * degrees, rel=0.02)
+    brow = skin.mesh.in_region("forehead")
+    assert np.abs(mode(extras, "look_up.L")[: len(brow)][brow]).max() < 1e-12
 
 
 def test_a_small_head_has_small_motions(template, extras):

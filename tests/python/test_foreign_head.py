@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mimetic import InvalidInput, anatomy, foreign_sheet
+from mimetic.extras import attach_extras
 from mimetic.face_template import load_template
 from mimetic.foreign_agreement import compare, disguise
 from mimetic.foreign_head import attach_foreign
@@ -144,10 +145,50 @@ def test_loose_parts_go_with_bone_and_lids(template, head, foreign):
     np.testing.assert_allclose(foreign.eye_centers, fitted.apply(centres), atol=0.003)
 
 
+def test_extras_by_landmarks_agree_with_extras_by_mesh(template, head, foreign):
+    extras = attach_extras(anatomy.attach_skin(head.mesh.neutral, template))
+    assert foreign.extras.names == extras.names
+    np.testing.assert_array_equal(foreign.extras.limits, extras.limits)
+    for name, own, expected in zip(
+        extras.names, foreign.extras.modes, head.expected(extras.modes), strict=True
+    ):
+        lengths = np.linalg.norm(own), np.linalg.norm(expected)
+        assert (own * expected).sum() / np.prod(lengths) > 0.97, name
+        assert 0.85 < lengths[0] / lengths[1] < 1.15, name
+
+
+def test_eyes_turn_as_a_whole(template, head, foreign):
+    eye = np.flatnonzero(np.isin(head.control_vertex, template.part_vertices("eye.L")))
+    centre = foreign.eye_centers[0]
+    before = np.linalg.norm(head.vertices[eye] - centre, axis=1)
+    for name in ("look_up.L", "look_out.L"):
+        turned = head.vertices + foreign.extras.modes[foreign.extras.names.index(name)]
+        # of the laid template's eye, which need not be this one's to the tenth of a millimetre
+        np.testing.assert_allclose(np.linalg.norm(turned[eye] - centre, axis=1), before, atol=1e-9)
+        assert np.linalg.norm((turned - head.vertices)[eye], axis=1).max() > 0.005
+
+
+def test_lips_and_lids_by_landmarks_rest_on_each_other(foreign):
+    modes = dict(zip(foreign.extras.names, foreign.extras.modes, strict=True))
+    anatomical = foreign.anatomy
+    lids = anatomical.articulator_modes[3:].sum(axis=0)
+    jaw = anatomical.articulator_modes[0]
+    contact = foreign.make_contact()
+    for pressed in (modes["oris_close_upper"] + modes["oris_close_lower"], lids):
+        assert contact.depth(pressed) > 0.001
+        relieved = contact.relieve(pressed)
+        assert contact.depth(relieved) < 1e-4
+        assert np.linalg.norm(relieved - pressed, axis=1).max() < 0.01
+    for apart in (np.zeros_like(jaw), jaw):
+        np.testing.assert_array_equal(contact.relieve(apart), apart)
+
+
 def test_a_scan_with_sealed_lips_gets_the_same_muscles(template):
     vertices, quads, landmarks, at = scan(template)
     head = attach_foreign(vertices, quads, landmarks, template)
     assert any("one surface" in note for note in head.notes)
+    assert any("no left eyeball" in note for note in head.notes)
+    assert len(head.make_contact().touch.slits) == 2  # of the lids
     direct = anatomy.attach(template.vertices, template)
     cosines = {}
     for name, own, mode in zip(

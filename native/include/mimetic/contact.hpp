@@ -26,7 +26,8 @@ struct ContactOptions {
 };
 
 /// Contact without friction on an elastic skin, of points that can touch across slits. Forces are upward
-/// (y), for a head that stands upright: f >= 0 between the rims, at work only where the gap is closed.
+/// (y), for a head that stands upright: f >= 0 between the rims, at work only where the gap is closed. What
+/// overlaps at rest may overlap as much ever after.
 class ContactSolver {
 public:
     using Response = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -65,6 +66,7 @@ private:
     Points rest_;
     std::vector<Slit> lines_;
     std::vector<Surface> surfaces_;
+    Eigen::VectorXd slack_;  // m, overlap of a point at rest
     Response response_;
     Eigen::MatrixXf compliance_;  // C x C: upward motion under upward forces
     ContactOptions options_;

@@ -190,7 +190,7 @@ class EyeLids:
 
     def modes(self) -> list[np.ndarray]:
         """Upper and lower lid at value 1, V x 3 each."""
-        return [self._turn(angle) for angle in self.angles()]
+        return [self.turn(angle) for angle in self.angles()]
 
     def opening(self, along: np.ndarray) -> np.ndarray:
         """Angle between the margins, radians, by the position along the axis; 0 at the corners."""
@@ -231,8 +231,8 @@ class EyeLids:
         share = smooth_step(1 - own / reach) * smooth_step(2 * (across - own) / (across + own))
         return share * angle_at(frame.polar(mesh.neutral[:count])[0])
 
-    def _turn(self, angle: np.ndarray) -> np.ndarray:
-        """Skin turned by angles, lashes with their roots."""
+    def turn(self, angle: np.ndarray) -> np.ndarray:
+        """V x 3: skin turned about the eye by angles (S, down), lashes with their roots."""
         frame, mesh = self.frame, self.frame.mesh
         skin = mesh.neutral[: len(angle)]
         mode = np.zeros_like(mesh.neutral)

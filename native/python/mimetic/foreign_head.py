@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Muscles, jaw and lids on any head's own mesh, given by landmarks.
+"""Muscles, jaw, lids, extras and contact on any head's own mesh, given by landmarks.
 
 The template is laid onto the head (`skin_registration`). What anatomy says by region, materials,
 what is held, how much hangs on the jaw, how far lids turn, is read from there; the skin itself is
@@ -8,7 +8,8 @@ solved on the head's own triangles.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import dataclasses
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -24,11 +25,30 @@ from mimetic.anatomy import (
     muscle_table,
     place_muscles,
 )
-from mimetic.articulators import ARTICULATORS, EyeLids, Jaw, eye_frames, rotate
+from mimetic.articulators import ARTICULATORS, EyeFrame, EyeLids, Jaw, eye_frames, rotate
 from mimetic.closest_points import nearest
+from mimetic.contact import (
+    Contact,
+    EyeRest,
+    TouchPoints,
+    eye_rest,
+    lid_slit,
+    lip_slit,
+    numbered,
+)
+from mimetic.extras import (
+    Extras,
+    LoadedSkin,
+    collect,
+    gaze_rows,
+    lid_angle,
+    loaded_modes,
+    slit_middle,
+    turned_eye,
+)
 from mimetic.foreign_mesh import ForeignSkin, Similarity, read_skin
 from mimetic.loose_parts import LooseParts
-from mimetic.skin_mesh import SkinMesh, find_place, multiply
+from mimetic.skin_mesh import Place, SkinMesh, find_place, multiply
 from mimetic.skin_registration import LippedSurface, SkinPlaces, lay_template, lipped
 
 TOO_FAR = 0.015  # m from the laid template: body, hair; such skin is held
@@ -36,6 +56,7 @@ SEALED = 0.006  # m; the way over the seam of a mouth without a slit exceeds the
 SEAM = 0.0025  # m; skin so near to the seam is soft
 SEAM_STIFFNESS = 0.05  # times young and pre-stress
 SEAM_ENDS = 0.4  # of half the mouth's width; there lips are joined on any face
+TOUCH_GAP = 0.003  # m; points of the template's lips and lids so near to the skin can touch
 JAW = ("jaw_open", "jaw_side", "jaw_thrust")
 
 
@@ -43,7 +64,8 @@ JAW = ("jaw_open", "jaw_side", "jaw_thrust")
 class ForeignHead:
     """A head of any mesh with its muscles.
 
-    anatomy: modes over the mesh's own V vertices, in its own axes, metres; strengths: newtons;
+    anatomy and extras: modes over the mesh's own V vertices, in its own axes, metres; strengths:
+    newtons; make_contact: the contact of its lips and lids, in these axes, solved when asked for;
     registered: the template's vertices laid onto the head, in the mesh's coordinates; eye_centers:
     2 x 3, left first, likewise; mesh_from_template: from the template's axes and size; gap_mm:
     median and 95 % distance of the free skin from the template laid onto it; notes: what was
@@ -51,6 +73,8 @@ class ForeignHead:
     """
 
     anatomy: Anatomy
+    extras: Extras
+    make_contact: Callable[[], Contact]
     registered: NDArray[np.float64]
     eye_centers: NDArray[np.float64]
     mesh_from_template: Similarity
@@ -81,6 +105,7 @@ def attach_foreign(
         head = _Carried(skin, laid)
         modes, strengths = head.muscle_modes()
         bones = head.jaw_modes() + head.lid_modes()
+        extras = head.extra_modes()
     to_user = skin.user_from_skin
     anatomy = Anatomy(
         muscle_names=tuple(f"{row['name']}.{side}" for row in muscle_table() for side in SIDES),
@@ -94,11 +119,13 @@ def attach_foreign(
     gaps = 1e3 * to_user.scale * head.places.gaps[head.free]
     return ForeignHead(
         anatomy=anatomy,
+        extras=dataclasses.replace(extras, modes=to_user.turn(extras.modes)),
+        make_contact=lambda: head.contact().turned(to_user.scale * to_user.rotation),
         registered=to_user.apply(laid.neutral),
         eye_centers=to_user.apply(np.array([frame.centre for frame in eye_frames(head.laid)])),
         mesh_from_template=to_user,
         gap_mm=(float(np.median(gaps)), float(np.percentile(gaps, 95))),
-        notes=skin.notes + head.notes,
+        notes=head.notes,
     )
 
 
@@ -114,7 +141,7 @@ class _Carried:
     def __init__(self, skin: ForeignSkin, laid: SkinMesh):
         self.skin, self.laid = skin, laid
         self.loose = LooseParts(skin, laid.neutral, laid.template)
-        self.notes = self.loose.notes
+        self.notes = skin.notes + self.loose.notes
         lips = [laid.neutral[laid.landmark(name)] for name in ("lip_upper", "lip_lower")]
         self.own = LippedSurface(skin.vertices, skin.triangles, skin.surface, lips)
         self.source = lipped(laid)
@@ -128,8 +155,9 @@ class _Carried:
         outer[np.unique(laid.triangles[laid.triangle_part == "skin"])] = 1
         carries = (self.places.values(outer) > 0.5)[skin.triangles].any(axis=1)
         seam = self._seam()
-        carries &= ~seam[skin.triangles].all(axis=1)
-        self.surface = _core.MuscleSurface(skin.vertices, skin.triangles, carries)
+        self.is_sealed = bool(seam.any())
+        self.carries = carries & ~seam[skin.triangles].all(axis=1)
+        self.surface = _core.MuscleSurface(skin.vertices, skin.triangles, self.carries)
         self.model = self._model(attached.materials, seam)
 
     def _model(self, laid_materials: _core.SkinMaterials, seam) -> _core.SkinModel:
@@ -232,14 +260,88 @@ class _Carried:
             mode[rigid] = jaw.motion(name, self.skin.user_vertices[rigid])
         return list(modes)
 
+    def extra_modes(self) -> Extras:
+        """In the template's frame and size; gaze turns the loose parts that are eyes."""
+        loaded = LoadedSkin(
+            self.skin.vertices,
+            self.surface,
+            self.skin.triangles[self.carries],
+            slit_middle(self.laid),
+            self.laid.size,
+        )
+        seen = self.laid.seen_from_front
+
+        def onto(points: NDArray[np.float64]) -> NDArray[np.float64]:
+            vertex = seen[nearest(points, self.laid.vertices[seen])]
+            return self._onto(vertex, points).values(self.skin.vertices)
+
+        def moved_at(place: Place, response: NDArray[np.float64]) -> NDArray[np.float64]:
+            return self._onto(place.vertex, place.position(self.laid)).values(response)[0]
+
+        modes = loaded_modes(self.laid, loaded, self.respond, onto, moved_at)
+        modes = dict(zip(modes, self._to_mesh(np.stack(list(modes.values()))), strict=True))
+        for frame in eye_frames(self.laid):
+            eye, lids = self.loose.eyes[frame.side], EyeLids(frame)
+            if not eye.any():
+                side = "left" if frame.side == "L" else "right"
+                self.notes += (f"no {side} eyeball was found: its gaze moves the lids alone",)
+            for row in gaze_rows():
+                angle = lid_angle(lids, row) if row["axis"][0] else np.zeros(0)
+                mode = self._to_mesh(self._turn_lids(frame, angle)[None])[0]
+                mode[eye] = turned_eye(frame, row, self.skin.user_vertices[eye])
+                modes[f"{row['name']}.{frame.side}"] = mode
+        return collect(modes)
+
+    def contact(self) -> Contact:
+        """Contact of what the template's lips and lids lie on, in its frame and size."""
+        # A touch point costs a solution on the head's own mesh, so there are fewer
+        slits = [*(() if self.is_sealed else (lip_slit(self.laid, refined=False),))]
+        slits += [lid_slit(self.laid, side) for side in SIDES]
+        vertices = np.arange(len(self.laid.vertices))
+        of_slits = np.unique(np.concatenate([np.r_[s.upper, s.lower] for s in slits]))
+        found = self._onto(of_slits, self.laid.vertices[of_slits])
+        kept = np.zeros(len(vertices), bool)
+        kept[of_slits] = found.gaps < TOUCH_GAP  # many a mesh ends behind the lips
+        vertices, slits = numbered(slits, kept)
+        rows = np.searchsorted(of_slits, vertices)
+        corners, weights = found.corners[rows], found.weights[rows]
+        rest = np.einsum("pk,pkx->px", weights, self.skin.vertices[corners])
+        stencils = np.arange(0, corners.size + 1, 3), corners.ravel(), weights.ravel()
+        first = np.full(len(self.skin.vertices), -1)
+        on_skin = np.flatnonzero(self.skin.skin_vertex >= 0)
+        first[self.skin.skin_vertex[on_skin][::-1]] = on_skin[::-1]
+        eyes = [self._eye_rest(frame) for frame in eye_frames(self.laid)]
+        return Contact(TouchPoints(rest, stencils, slits), eyes, self._lift, self._to_mesh, first)
+
+    def _lift(self, vertices: NDArray[np.int64], loads: NDArray) -> NDArray[np.float64]:
+        forces = np.zeros((len(loads), len(self.free), 3))
+        forces[:, vertices, 1] = loads
+        return self.respond(forces)
+
+    def _eye_rest(self, frame: EyeFrame) -> EyeRest:
+        laid = eye_rest(frame)
+        share = np.zeros(int(self.laid.template.num_skin_vertices))
+        share[laid.vertices] = laid.share
+        share = self.places.values(multiply(self.laid.stencils, share))
+        own = np.flatnonzero(share > 0)
+        return dataclasses.replace(
+            laid, vertices=own, rest=self.skin.vertices[own], share=share[own]
+        )
+
     def lid_modes(self) -> list[NDArray[np.float64]]:
         modes = []
         for frame in eye_frames(self.laid):
             for laid_angle in EyeLids(frame).angles():
-                angle = self.places.values(multiply(self.laid.stencils, laid_angle))
-                points = self.skin.vertices
-                modes.append(rotate(points, frame.centre, frame.axis, angle) - points)
+                modes.append(self._turn_lids(frame, laid_angle))
         return list(self._to_mesh(np.stack(modes)))
+
+    def _turn_lids(self, frame: EyeFrame, laid_angle: NDArray[np.float64]) -> NDArray[np.float64]:
+        """N x 3: skin turned about an eye by the angles of the laid template (S, or none)."""
+        points = self.skin.vertices
+        if not len(laid_angle):
+            return np.zeros_like(points)
+        angle = self.places.values(multiply(self.laid.stencils, laid_angle))
+        return rotate(points, frame.centre, frame.axis, angle) - points
 
     def _to_mesh(self, displacements: NDArray[np.float64]) -> NDArray[np.float64]:
         """M x N x 3 of the skin -> M x V x 3: what is loose and near to the skin follows it."""

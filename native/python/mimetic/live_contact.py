@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mimetic.contact import contact_on
 from mimetic.live_face import template_rest
-from mimetic.placement import to_head, to_object
+from mimetic.placement import OBJECT_FROM_HEAD
 
 
 class LiveContact:
@@ -24,7 +24,7 @@ class LiveContact:
     """
 
     def __init__(self, rest_points: ArrayLike):
-        self._contact = contact_on(template_rest(rest_points))
+        self._contact = contact_on(template_rest(rest_points)).turned(OBJECT_FROM_HEAD[:3, :3])
 
     @property
     def moved(self) -> NDArray[np.int64]:
@@ -42,5 +42,4 @@ class LiveContact:
         offset = np.zeros((len(vertices), 3))
         for value, points, start in moves:
             offset += value * (points[vertices] - start[vertices])
-        correction = self._contact.correction(to_head(offset))
-        return None if correction is None else to_object(correction).astype(np.float32)
+        return self._contact.correction(offset)

@@ -10,6 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mimetic.anatomy import SIDES
 from mimetic.closest_points import nearest
 from mimetic.foreign_mesh import ForeignSkin
 
@@ -21,12 +22,14 @@ STILL = ("teeth_upper", "eye.L", "eye.R")
 
 
 class LooseParts:
-    """on_jaw: V, which of the caller's vertices are fixed to the lower jaw; following: K vertices
-    that go where the skin's vertex in `roots` (K) goes; notes."""
+    """on_jaw: V, which of the caller's vertices are fixed to the lower jaw; eyes: by side, V, which
+    belong to the eyeball; following: K vertices that go where the skin's vertex in `roots` (K)
+    goes; notes."""
 
     def __init__(self, skin: ForeignSkin, laid_vertices: NDArray[np.float64], template):
         loose = skin.loose
         self.on_jaw = np.zeros(len(loose), bool)
+        self.eyes = {side: np.zeros(len(loose), bool) for side in SIDES}
         self.following = self.roots = np.zeros(0, np.int64)
         self.notes: tuple[str, ...] = ()
         vertices = np.flatnonzero(loose >= 0)
@@ -36,12 +39,10 @@ class LooseParts:
         sample = vertices[_few_of_each(number, counts)]
         part = np.searchsorted(labels, loose[sample])
         points = skin.user_vertices[sample]
-        jaw, still = (
-            np.isin(
-                _part_of_vertices(template)[nearest(points, laid_vertices)],
-                _indices(template, names),
-            )
-            for names in (ON_JAW, STILL)
+        like = _part_of_vertices(template)[nearest(points, laid_vertices)]
+        jaw, still, *eyes = (
+            np.isin(like, _indices(template, names))
+            for names in (ON_JAW, STILL, *((f"eye.{side}",) for side in SIDES))
         )
         root = skin.vertices[nearest(points, skin.vertices)]
         near = np.linalg.norm(points - root, axis=1) < NEAR_SKIN
@@ -51,6 +52,8 @@ class LooseParts:
 
         jaw, still, near = mostly(jaw), mostly(still), mostly(near)
         self.on_jaw[vertices] = jaw[number]
+        for side, eye in zip(SIDES, eyes, strict=True):
+            self.eyes[side][vertices] = mostly(eye)[number]
         following = vertices[(near & ~jaw & ~still)[number]]
         if len(following) > MAX_FOLLOWING:
             self.notes = (

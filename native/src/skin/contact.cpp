@@ -41,7 +41,7 @@ void ContactOptions::check() const {
 
 ContactSolver::ContactSolver(PointsIn rest, std::vector<Slit> slits,
                              const Eigen::Ref<const Response>& response, const ContactOptions& options)
-    : rest_(rest), response_(response), options_(options) {
+    : rest_(rest), slack_(Eigen::VectorXd::Zero(rest.rows())), response_(response), options_(options) {
     options_.check();
     const Eigen::Index count = rest_.rows();
     if (response_.rows() != count || response_.cols() != 3 * count) {
@@ -76,6 +76,11 @@ ContactSolver::ContactSolver(PointsIn rest, std::vector<Slit> slits,
         }
         surfaces_.push_back(std::move(surface));
     }
+    Eigen::VectorXd slack = slack_;
+    for (const Overlap& overlap : find(rest_)) {
+        slack[overlap.points[0]] = -overlap.gap;
+    }
+    slack_ = slack;
 }
 
 void ContactSolver::check_points(const std::vector<int>& points) const {
@@ -144,6 +149,7 @@ void ContactSolver::find_on_surface(const Surface& surface, const Points& shape,
             for (std::size_t i = 0; i < 4; ++i) {
                 overlap.gap += overlap.weights[i] * shape(overlap.points[i], 1);
             }
+            overlap.gap += slack_[point];
             if (overlap.gap < 0 && overlap.gap > -options_.deepest) {
                 found.push_back(overlap);
             }
@@ -167,8 +173,9 @@ void ContactSolver::find_on_lines(const Slit& slit, const Points& shape, Overlap
         const double length = std::max(shape(end, 0) - shape(start, 0), kShortest);
         const double share = std::clamp((shape(point, 0) - shape(start, 0)) / length, 0.0, 1.0);
         const double height = (1 - share) * shape(start, 1) + share * shape(end, 1);
-        if (shape(point, 1) < height) {
-            found.push_back({{point, start, end, end}, {1, share - 1, -share, 0}, shape(point, 1) - height});
+        const double gap = shape(point, 1) - height + slack_[point];
+        if (gap < 0) {
+            found.push_back({{point, start, end, end}, {1, share - 1, -share, 0}, gap});
         }
     }
 }

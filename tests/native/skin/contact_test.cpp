@@ -78,6 +78,13 @@ TEST_F(ContactTest, WhatLiesTooDeepComesFromElsewhere) {
     EXPECT_EQ(solver.gaps(lowered(0.020, 0, 4)).size(), 0);
 }
 
+TEST_F(ContactTest, WhatOverlapsAtRestMayStaySo) {
+    rest.block(0, 1, 4, 1).setConstant(-0.0005);
+    const ContactSolver solver(rest, slits, response);
+    EXPECT_TRUE(solver.solve(Points::Zero(14, 3)).isZero(0));
+    EXPECT_NEAR(solver.gaps(lowered(0.001, 0, 4)).minCoeff(), -0.001, 1e-12);
+}
+
 TEST_F(ContactTest, BadInputIsNamed) {
     slits[1].upper.push_back(14);
     EXPECT_THROW(ContactSolver(rest, slits, response), InvalidInput);
