@@ -28,9 +28,17 @@ def _is_mesh(self, candidate) -> bool:
 
 
 def _redraw(self, context) -> None:
+    _redraw_editors(context, "VIEW_3D")
+
+
+def _redraw_clips(self, context) -> None:
+    _redraw_editors(context, "CLIP_EDITOR")
+
+
+def _redraw_editors(context, kind: str) -> None:
     for window in context.window_manager.windows:
         for area in window.screen.areas:
-            if area.type == "VIEW_3D":
+            if area.type == kind:
                 area.tag_redraw()
 
 
@@ -150,10 +158,20 @@ class MimeticScene(bpy.types.PropertyGroup):
     clip: PointerProperty(
         name="Footage", type=bpy.types.MovieClip, description="Movie clip with the face"
     )
-    face_fit: PointerProperty(
+    face_fit: StringProperty(
         name="Face Fit",
-        type=bpy.types.Text,
-        description="The person found in the footage: head shape, pose and camera, as JSON",
+        description="The person found in the footage: head shape, pose, camera and pins, as JSON",
+    )
+    show_fit: BoolProperty(
+        name="Fitted Mesh",
+        default=True,
+        description="Draw the fitted face over its frames in the clip editor",
+        update=_redraw_clips,
+    )
+    use_live_pins: BoolProperty(
+        name="Follow Pins",
+        default=True,
+        description="Fit the face again while landmarks are dragged in the clip editor",
     )
     use_frame_range: BoolProperty(
         name="Part of the Clip", description="Capture only some of the footage's frames"

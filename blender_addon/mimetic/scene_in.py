@@ -57,6 +57,27 @@ def no_performance(context) -> str:
     return _face_in_edit_mode(context.scene.mimetic.face)
 
 
+def no_landmarks(context, needs_selection: bool, needs_frame: bool = True) -> str:
+    """Why no landmark can be pinned."""
+    if reason := no_clip(context):
+        return reason
+    clip = clip_of(context)
+    if not context.scene.mimetic.face_fit or "Face" not in clip.tracking.objects:
+        return "Find the face first: its landmarks are what is pinned"
+    tracks = clip.tracking.objects["Face"].tracks
+    if needs_selection and not any(track.select for track in tracks):
+        return "Select landmarks in the clip editor first"
+    frame = context.scene.frame_current - clip.frame_start + 1
+    if needs_frame and tracks and not _is_marked(tracks[0], frame):
+        return "The face was not found in this frame: press Landmarks Here"
+    return ""
+
+
+def _is_marked(track: bpy.types.MovieTrackingTrack, frame: int) -> bool:
+    marker = track.markers.find_frame(frame, exact=True)
+    return marker is not None and not marker.mute
+
+
 def no_head_target(context) -> str:
     """Why the head's motion cannot be keyed on what is chosen."""
     if reason := no_start():

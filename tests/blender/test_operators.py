@@ -118,7 +118,7 @@ def test_stripes_have_no_face(scene, footage):
     bpy.ops.mimetic.load_clip(filepath=str(footage))
     with pytest.raises(RuntimeError, match="face"):
         bpy.ops.mimetic.find_face()
-    assert scene.mimetic.face_fit is None
+    assert scene.mimetic.face_fit == ""
 
 
 def test_a_run_stops_where_its_work_asks(extension):

@@ -54,7 +54,7 @@ def find_the_face(walk: Walk) -> Steps:
     invoke("CLIP_EDITOR", bpy.ops.mimetic.find_face)
     walk.check("finding the face does not block the window", not is_idle())
     yield from walk.until(is_idle, 120, "finding the face ends")
-    walk.check("a face was found", scene.mimetic.face_fit is not None)
+    walk.check("a face was found", scene.mimetic.face_fit != "")
     scene.frame_set(walk.settings["frames"][0])
     with bpy.context.temp_override(**override("CLIP_EDITOR")):
         bpy.ops.clip.view_all(fit_view=True)

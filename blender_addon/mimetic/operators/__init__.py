@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import bake, capture, clip, face, gltf, head, performance, sliders, stabilise
+from . import bake, capture, clip, face, gltf, head, performance, pins, sliders, stabilise
 
 CLASSES = (
     clip.MIMETIC_OT_load_clip,
@@ -14,6 +14,7 @@ CLASSES = (
     gltf.MIMETIC_OT_export_gltf,
     *head.CLASSES,
     *stabilise.CLASSES,
+    *pins.CLASSES,
     sliders.MIMETIC_OT_add_face,
     sliders.MIMETIC_OT_rest_face,
 )

@@ -39,4 +39,4 @@ class MIMETIC_OT_find_face(Job, Operator):
     def write(self, context, result):
         clip_name, fit = result
         scene_out.face_fit.store(context.scene, bpy.data.movieclips[clip_name], fit)
-        return f"Face found in frame {fit.frame}; its landmarks are tracks in the clip editor"
+        return f"Face found in frame {fit.frame}; drag its landmarks in the clip editor to pin them"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Muscles and skin strain drawn over faces in the 3D view; switched on by the scene's settings.
+"""What is drawn over faces: muscles and strain in the 3D view, the fit in the clip editor.
 
 The drawing is never part of the face: switched off, nothing of it is left.
 """
@@ -7,7 +7,7 @@ The drawing is never part of the face: switched off, nothing of it is left.
 import bpy
 from bpy.app.handlers import persistent
 
-from . import drawing, live
+from . import drawing, fitted, live
 
 _drawn = []  # handles of Blender's draw callbacks
 
@@ -35,9 +35,12 @@ HANDLERS = (
 
 
 def register() -> None:
-    add = bpy.types.SpaceView3D.draw_handler_add
-    _drawn.append(add(drawing.draw_faces, (), "WINDOW", "POST_VIEW"))
-    _drawn.append(add(drawing.draw_legend, (), "WINDOW", "POST_PIXEL"))
+    for space, draw, kind in (
+        (bpy.types.SpaceView3D, drawing.draw_faces, "POST_VIEW"),
+        (bpy.types.SpaceView3D, drawing.draw_legend, "POST_PIXEL"),
+        (bpy.types.SpaceClipEditor, fitted.draw_fit, "POST_VIEW"),
+    ):
+        _drawn.append((space, space.draw_handler_add(draw, (), "WINDOW", kind)))
     for handlers, handler in HANDLERS:
         handlers.append(handler)
 
@@ -46,5 +49,7 @@ def unregister() -> None:
     for handlers, handler in HANDLERS:
         handlers.remove(handler)
     while _drawn:
-        bpy.types.SpaceView3D.draw_handler_remove(_drawn.pop(), "WINDOW")
+        space, handle = _drawn.pop()
+        space.draw_handler_remove(handle, "WINDOW")
     live.forget()
+    fitted.forget()

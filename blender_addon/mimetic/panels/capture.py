@@ -35,7 +35,17 @@ class Capture:
         row.operator("mimetic.find_face", icon="VIEWZOOM")
         row.operator("mimetic.find_face", text="", icon="TIME").use_shown_frame = True
         if settings.face_fit:
-            layout.label(text=settings.face_fit.name, icon="CHECKMARK")
+            self.draw_pins(layout, settings)
+
+    def draw_pins(self, layout, settings):
+        row = layout.row(align=True)
+        row.operator("mimetic.pin", icon="PINNED")
+        row.operator("mimetic.unpin", icon="UNPINNED")
+        row.operator("mimetic.show_landmarks", text="", icon="ADD")
+        row.prop(settings, "use_live_pins", text="", icon="FORWARD")
+        row.prop(settings, "show_fit", text="", icon="MESH_GRID")
+        if not settings.use_live_pins:
+            layout.operator("mimetic.follow_pins")
 
     def draw_capture(self, layout, settings):
         layout.prop(settings, "use_frame_range")

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The person found in the footage: kept in the .blend as JSON, shown as tracks in the clip."""
+"""The person found in the footage: kept in the .blend as JSON, shown as tracks in the clip.
+
+The JSON is a property of the scene, and not a text, which undo would not take back with the tracks.
+"""
 
 from __future__ import annotations
 
@@ -9,45 +12,41 @@ from pathlib import Path
 import bpy
 
 from .. import native
+from . import landmarks
 
-TRACKING_OBJECT = "Face"  # apart from the user's own tracks
+_parsed: tuple[str, object] | None = None  # the JSON that was read last, and its fit
 
 
 def store(scene: bpy.types.Scene, clip: bpy.types.MovieClip, fit) -> None:
-    """Keeps a mimetic.fit.FaceFit with the scene, and marks its landmarks in the clip."""
-    name = f"{Path(clip.name).stem} face.json"
-    text = bpy.data.texts.get(name) or bpy.data.texts.new(name)
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "face.json")
-        fit.save(path)
-        text.from_string(path.read_text(encoding="utf-8"))
-    scene.mimetic.face_fit = text
-    _mark(clip, fit)
+    """Keeps a mimetic.fit.FaceFit with the scene, and shows its landmarks in the clip."""
+    _write(scene, fit)
+    landmarks.show(clip, fit)
+
+
+def update(scene: bpy.types.Scene, clip: bpy.types.MovieClip, fit) -> None:
+    """As `store`, for a fit of the same frames: the tracks stay, only their markers move."""
+    _write(scene, fit)
+    landmarks.place(clip, fit)
 
 
 def stored(scene: bpy.types.Scene):
-    """The scene's FaceFit, or None; raises InvalidInput if the text was edited into nonsense."""
-    text = scene.mimetic.face_fit
-    if text is None:
+    """The scene's FaceFit, or None; raises InvalidInput if it was edited into nonsense."""
+    global _parsed
+    content = scene.mimetic.face_fit
+    if not content:
         return None
+    if _parsed is None or _parsed[0] != content:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "face.json")
+            path.write_text(content, encoding="utf-8")
+            _parsed = (content, native.part("fit").FaceFit.load(path))
+    return _parsed[1]
+
+
+def _write(scene: bpy.types.Scene, fit) -> None:
+    global _parsed
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, text.name)
-        path.write_text(text.as_string(), encoding="utf-8")
-        return native.part("fit").FaceFit.load(path)
-
-
-def _mark(clip: bpy.types.MovieClip, fit) -> None:
-    """Marks the measured landmarks in the clip, instead of those of an earlier fit."""
-    objects = clip.tracking.objects
-    if TRACKING_OBJECT in objects:
-        objects.remove(objects[TRACKING_OBJECT])
-    marked = objects.new(TRACKING_OBJECT)
-    places = native.part("projection").picture_coordinates(
-        list(fit.features.values()), fit.image_size
-    )
-    frame = fit.frame - clip.frame_offset
-    for name, place in zip(fit.features, places, strict=True):
-        track = marked.tracks.new(name=name, frame=frame)
-        track.markers.find_frame(frame).co = place
-        track.lock = True
-    objects.active = marked
+        path = Path(folder, "face.json")
+        fit.save(path)
+        scene.mimetic.face_fit = path.read_text(encoding="utf-8")
+    _parsed = (scene.mimetic.face_fit, fit)

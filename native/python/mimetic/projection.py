@@ -42,6 +42,12 @@ def picture_coordinates(pixels: ArrayLike, image_size: ArrayLike) -> NDArray[np.
     return np.column_stack([parts[:, 0], 1 - parts[:, 1]])
 
 
+def picture_pixels(coordinates: ArrayLike, image_size: ArrayLike) -> NDArray[np.float64]:
+    """The inverse of `picture_coordinates`: K x 2."""
+    parts = np.asarray(coordinates, dtype=np.float64).reshape(-1, 2)
+    return np.column_stack([parts[:, 0], 1 - parts[:, 1]]) * np.asarray(image_size) - 0.5
+
+
 def project_uv(performance: Performance, i: int) -> NDArray[np.float64]:
     """Texture coordinates (V x 2, 0 to 1, origin bottom left) of the vertices in frame index `i`.
 

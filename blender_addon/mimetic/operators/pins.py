@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
+from bpy.types import Operator
+
+from .. import native, pins, scene_in, scene_out
+from ..jobs import Job
+from ..scene_out import landmarks
+
+
+class Pinning:
+    """Mixin of operators that change pins: `change(context, clip)` returns what to tell."""
+
+    bl_options = {"REGISTER", "UNDO"}
+    needs_selection = True
+
+    @classmethod
+    def poll(cls, context):
+        if reason := scene_in.no_landmarks(context, cls.needs_selection):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context):
+        try:
+            told = self.change(context, scene_in.clip_of(context))
+        except native.known_errors() as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        pins.redraw()
+        self.report({"INFO"}, told)
+        return {"FINISHED"}
+
+
+class MIMETIC_OT_pin(Pinning, Operator):
+    """Hold the selected landmarks where they are in the frame on show; dragging one pins it too"""
+
+    bl_idname = "mimetic.pin"
+    bl_label = "Pin"
+
+    def change(self, context, clip):
+        names = landmarks.selected(clip)
+        pins.pin(context.scene, clip, names, scene_in.shown_frame(context))
+        return f"Pinned {', '.join(names)}"
+
+
+class MIMETIC_OT_unpin(Pinning, Operator):
+    """Let go of the selected landmarks: they go where the fit has them"""
+
+    bl_idname = "mimetic.unpin"
+    bl_label = "Unpin"
+
+    def change(self, context, clip):
+        names = landmarks.selected(clip)
+        pins.unpin(context.scene, clip, names)
+        return f"Let go of {', '.join(names)}"
+
+
+class MIMETIC_OT_follow_pins(Pinning, Operator):
+    """Pin the landmarks that were moved, and fit the face to them; happens by itself in a window"""
+
+    bl_idname = "mimetic.follow_pins"
+    bl_label = "Fit to Pins"
+    needs_selection = False
+
+    def change(self, context, clip):
+        names = pins.follow(context.scene, clip)
+        return f"The face follows {', '.join(names)}" if names else "No landmark was moved"
+
+
+class MIMETIC_OT_show_landmarks(Job, Operator):
+    """Find the face in the frame on show too, so that landmarks can be pinned there"""
+
+    bl_idname = "mimetic.show_landmarks"
+    bl_label = "Landmarks Here"
+    bl_options = {"UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if reason := scene_in.no_landmarks(context, needs_selection=False, needs_frame=False):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def read(self, context):
+        fit = scene_out.face_fit.stored(context.scene)
+        return scene_in.footage(context), fit, scene_in.shown_frame(context)
+
+    def work(self, inputs, progress):
+        footage, fit, frame = inputs
+        progress(0.0, f"finding the face in frame {frame}")
+        image = native.part("footage").Footage(footage.path).read(frame)
+        return footage.clip_name, native.part("fit_frames").with_frame(fit, image, frame), frame
+
+    def write(self, context, result):
+        clip_name, fit, frame = result
+        scene_out.face_fit.store(context.scene, bpy.data.movieclips[clip_name], fit)
+        return f"The face rests on {len(fit.views)} frames now, frame {frame} among them"
+
+
+CLASSES = (
+    MIMETIC_OT_pin,
+    MIMETIC_OT_unpin,
+    MIMETIC_OT_follow_pins,
+    MIMETIC_OT_show_landmarks,
+)

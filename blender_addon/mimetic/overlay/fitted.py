@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws the fitted face's mesh over its frames in the clip editor."""
+
+from __future__ import annotations
+
+import bpy
+import gpu
+import numpy as np
+from gpu_extras.batch import batch_for_shader
+
+from .. import native, scene_in
+from ..scene_out import face_fit
+
+COLOUR = (0.1, 0.9, 1.0, 0.35)
+
+_drawn: tuple[object, int, object] | None = None  # fit, frame, batch
+
+
+def draw_fit() -> None:
+    """In the clip's own coordinates: 0 to 1 over the picture, stabilised or not."""
+    context = bpy.context
+    settings = context.scene.mimetic
+    clip = getattr(context, "edit_movieclip", None)
+    if not settings.show_fit or native.problem() or clip is None or clip != settings.clip:
+        return
+    batch = _batch(context)
+    if batch is None:
+        return
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    gpu.state.blend_set("ALPHA")
+    try:
+        shader.uniform_float("color", COLOUR)
+        batch.draw(shader)
+    finally:
+        gpu.state.blend_set("NONE")
+
+
+def _batch(context):
+    global _drawn
+    try:
+        fit = face_fit.stored(context.scene)
+    except native.known_errors():  # it was edited into nonsense; the buttons say so
+        return None
+    if fit is None:
+        return None
+    frame = scene_in.shown_frame(context)
+    if _drawn is None or _drawn[0] is not fit or _drawn[1] != frame:
+        lines = native.part("fit_lines").fit_lines(fit, frame).reshape(-1, 2)
+        places = np.column_stack([lines, np.zeros(len(lines))]).astype(np.float32)
+        shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+        made = batch_for_shader(shader, "LINES", {"pos": places}) if len(lines) else None
+        _drawn = (fit, frame, made)
+    return _drawn[2]
+
+
+def forget() -> None:
+    global _drawn
+    _drawn = None

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The fitted face's landmarks as tracks of the clip, one marker for each frame the fit rests on.
+
+A pinned landmark's track has a colour of its own and is where the user put it; the others are where
+the fit has them. So the pins are in the .blend twice, as markers and in the fit itself.
+"""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from .. import native
+
+TRACKING_OBJECT = "Face"  # apart from the user's own tracks
+PIN_COLOUR = (1.0, 0.25, 0.1)
+PATTERN_PIXELS = 7, 15  # of markers, small enough to see the face between them
+MOVED_PIXELS = 0.02  # markers are single precision
+
+
+def tracks_of(clip: bpy.types.MovieClip):
+    """The landmarks' tracks, or nothing if the clip has none."""
+    marked = clip.tracking.objects.get(TRACKING_OBJECT)
+    return marked.tracks if marked else ()
+
+
+def show(clip: bpy.types.MovieClip, fit) -> None:
+    """Marks a mimetic.fit.FaceFit's landmarks in the clip, instead of those of an earlier fit."""
+    objects = clip.tracking.objects
+    if TRACKING_OBJECT in objects:
+        objects.remove(objects[TRACKING_OBJECT])
+    marked = objects.new(TRACKING_OBJECT)
+    frames = [frame - clip.frame_offset for frame in _frames(fit)]
+    around = {frame + step for frame in frames for step in (-1, 1)}.difference(frames)
+    settings = clip.tracking.settings
+    usual = settings.default_pattern_size, settings.default_search_size
+    settings.default_pattern_size, settings.default_search_size = PATTERN_PIXELS
+    for name in native.part("fit").landmark_places(fit):
+        track = marked.tracks.new(name=name, frame=frames[0])
+        for frame in frames:
+            track.markers.insert_frame(frame)
+        for silent in around:  # nothing is known of other frames
+            track.markers.insert_frame(silent).mute = True
+    settings.default_pattern_size, settings.default_search_size = usual
+    objects.active = marked
+    place(clip, fit)
+
+
+def place(clip: bpy.types.MovieClip, fit) -> None:
+    """Puts the markers where the fit has their landmarks, but for pins, which are the user's."""
+    pinned = {name for pins in fit.pins.values() for name in pins}
+    tracks = {track.name: track for track in tracks_of(clip)}
+    for frame in _frames(fit):
+        places = expected(fit, frame)
+        coordinates = native.part("projection").picture_coordinates(
+            list(places.values()), fit.image_size
+        )
+        for name, coordinate in zip(places, coordinates, strict=True):
+            marker = _marker(tracks.get(name), frame - clip.frame_offset)
+            if marker is not None and np.abs(np.subtract(marker.co, coordinate)).max() > 1e-7:
+                marker.co = coordinate
+    for name, track in tracks.items():
+        track.use_custom_color = name in pinned
+        if name in pinned:
+            track.color = PIN_COLOUR
+
+
+def expected(fit, frame: int) -> dict[str, tuple[float, float]]:
+    """Where a frame's markers belong, pixels: pins at their own place, the rest as fitted."""
+    places = native.part("fit").landmark_places(fit, frame)
+    return places | fit.pins.get(frame, {})
+
+
+def moved(clip: bpy.types.MovieClip, fit) -> dict[int, dict[str, tuple[float, float]]]:
+    """Footage frame: landmark: pixel, of the markers that are not where the fit has them."""
+    tracks = {track.name: track for track in tracks_of(clip)}
+    found = {}
+    for frame in _frames(fit):
+        places = {n: at for n, at in expected(fit, frame).items() if n in tracks}
+        markers = {n: _marker(tracks[n], frame - clip.frame_offset) for n in places}
+        seen = {n: marker.co for n, marker in markers.items() if marker is not None}
+        pixels = native.part("projection").picture_pixels(list(seen.values()), fit.image_size)
+        away = {
+            name: tuple(pixel.tolist())
+            for name, pixel in zip(seen, pixels, strict=True)
+            if np.abs(pixel - places[name]).max() > MOVED_PIXELS
+        }
+        if away:
+            found[frame] = away
+    return found
+
+
+def state(clip: bpy.types.MovieClip) -> bytes:
+    """Changes when any landmark's marker does."""
+    places = [m.co for track in tracks_of(clip) for m in track.markers if not m.mute]
+    return np.array(places, dtype=np.float32).tobytes()
+
+
+def selected(clip: bpy.types.MovieClip) -> list[str]:
+    return [track.name for track in tracks_of(clip) if track.select]
+
+
+def _frames(fit) -> list[int]:
+    return [view.frame for view in fit.views]
+
+
+def _marker(track, frame: int):
+    return track.markers.find_frame(frame, exact=True) if track is not None else None
