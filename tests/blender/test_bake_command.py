@@ -98,11 +98,9 @@ def test_a_target_gets_the_heads_motion_and_its_file_stays(performance_file, rig
         ("{rig}", [], "RIG.blend:OBJECT"),
         ("{missing}:rig", [], "no such file"),
         ("{rig}:nobody", [], "no object nobody"),
-        ("{rig}:metarig", [], "Generate"),
-        ("{rig}:rig", ["--bone", "nose"], "no bone nose"),
-        ("{rig}:rig", ["--smoothing", "-1"], "smoothing"),
+        ("{rig}:rig", ["--out", "face.glb"], ".blend"),
     ],
-    ids=["form", "missing", "object", "metarig", "bone", "smoothing"],
+    ids=["form", "missing", "object", "suffix"],
 )
 def test_a_bad_target_gets_status_2_and_one_line(
     target, more, said, performance_file, rig_file, tmp_path

@@ -218,3 +218,26 @@ def test_the_button_keys_the_chosen_bones(extension, performance_file, rig, scen
     assert paths == {f'pose.bones["{name}"].rotation_quaternion' for name in ("head", "neck")}
     settings.bone = "nose"
     assert not bpy.ops.mimetic.bake_head.poll()
+
+
+@pytest.mark.parametrize(
+    ("name", "settings", "said"),
+    [
+        ("metarig", {}, "Generate"),
+        ("rig", {"bone": "nose"}, "no bone nose"),
+        ("rig", {"bone": "neck"}, "the head's own bone"),
+        ("rig", {"smoothing": -1.0}, "smoothing"),
+    ],
+    ids=["metarig", "bone", "same", "smoothing"],
+)
+def test_a_file_without_such_bones_is_refused(
+    extension, performance_file, rig_file, tmp_path, name, settings, said
+):
+    from mimetic import InvalidInput
+
+    write = extension("scene_out.rig_file").write
+    usual = {"bone": None, "neck": None, "neck_share": 0.3, "smoothing": 0.5}
+    out = tmp_path / "moved.blend"
+    with pytest.raises(InvalidInput, match=said):
+        write(str(performance_file), str(out), str(rig_file), name, usual | settings)
+    assert list(tmp_path.iterdir()) == []

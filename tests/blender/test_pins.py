@@ -6,17 +6,28 @@ import time
 import bpy
 import numpy as np
 import pytest
-from test_capture import clip_path, with_clip  # noqa: F401
+from test_capture import clip_path  # noqa: F401
 
 FRAME, OTHER = 3, 20
 NAME = "mouth_corner.L"
 
 
+@pytest.fixture(scope="module")
+def found_file(tmp_path_factory):
+    """Where the first test keeps the face that it found, for the others."""
+    return tmp_path_factory.mktemp("found") / "found.blend"
+
+
 @pytest.fixture
-def found(scene, with_clip):  # noqa: F811
-    assert bpy.ops.mimetic.find_face(frame=FRAME) == {"FINISHED"}
-    scene.frame_set(FRAME)
-    return with_clip
+def found(clip_path, found_file):  # noqa: F811
+    if found_file.exists():
+        bpy.ops.wm.open_mainfile(filepath=str(found_file))
+    else:
+        bpy.ops.mimetic.load_clip(filepath=str(clip_path))
+        assert bpy.ops.mimetic.find_face(frame=FRAME) == {"FINISHED"}
+        bpy.context.scene.frame_set(FRAME)
+        bpy.ops.wm.save_as_mainfile(filepath=str(found_file), relative_remap=False)
+    return bpy.context.scene.mimetic.clip
 
 
 def tracks(clip):
@@ -40,18 +51,18 @@ def select(clip, *names: str) -> None:
         track.select = track.name in names
 
 
-def test_a_dragged_landmark_is_pinned_and_the_face_follows(extension, scene, found):
+def test_a_dragged_landmark_is_pinned_and_the_face_follows(extension, found):
     from mimetic import fit as fitting
 
     stored = extension("scene_out").face_fit.stored
-    before = stored(scene)
+    before = stored(bpy.context.scene)
     upper = place(found, "lip_upper")
     drag(found, NAME, 6, -3)
     dragged = place(found, NAME)
     start = time.perf_counter()
     assert bpy.ops.mimetic.follow_pins() == {"FINISHED"}
     print(f"pin followed in {1000 * (time.perf_counter() - start):.0f} ms")
-    after = stored(scene)
+    after = stored(bpy.context.scene)
     np.testing.assert_allclose(after.pins[FRAME][NAME], dragged, atol=1e-3)
     fitted = fitting.landmark_places(after)
     np.testing.assert_allclose(fitted[NAME], dragged, atol=0.5)  # the mesh goes there
@@ -59,10 +70,10 @@ def test_a_dragged_landmark_is_pinned_and_the_face_follows(extension, scene, fou
     assert np.linalg.norm(place(found, "lip_upper") - upper) > 0.05  # and its surroundings along
     assert tracks(found)[NAME].use_custom_color
     assert before.pins == {}  # the fit before is as it was
-    assert extension("pins").follow(scene, found) == []  # nothing is left to follow
+    assert extension("pins").follow(bpy.context.scene, found) == []  # nothing is left to follow
 
 
-def test_pins_hold_while_others_are_dragged_and_are_let_go_of(extension, scene, found):
+def test_pins_hold_while_others_are_dragged_and_are_let_go_of(extension, found):
     stored = extension("scene_out").face_fit.stored
     free = place(found, NAME)
     drag(found, NAME, 6)
@@ -70,33 +81,33 @@ def test_pins_hold_while_others_are_dragged_and_are_let_go_of(extension, scene, 
     pinned = place(found, NAME)
     drag(found, "brow_inner.R", 0, -5)
     bpy.ops.mimetic.follow_pins()
-    assert set(stored(scene).pins[FRAME]) == {NAME, "brow_inner.R"}
+    assert set(stored(bpy.context.scene).pins[FRAME]) == {NAME, "brow_inner.R"}
     np.testing.assert_allclose(place(found, NAME), pinned, atol=1e-3)
     select(found, NAME, "brow_inner.R")
     assert bpy.ops.mimetic.unpin() == {"FINISHED"}
-    assert stored(scene).pins == {}
+    assert stored(bpy.context.scene).pins == {}
     assert np.linalg.norm(place(found, NAME) - free) < 1
     assert not any(track.use_custom_color for track in tracks(found))
 
 
-def test_a_landmark_is_pinned_where_it_is(extension, scene, found):
+def test_a_landmark_is_pinned_where_it_is(extension, found):
     at = place(found, "chin")
     select(found, "chin")
     assert bpy.ops.mimetic.pin() == {"FINISHED"}
-    pins = extension("scene_out").face_fit.stored(scene).pins
+    pins = extension("scene_out").face_fit.stored(bpy.context.scene).pins
     np.testing.assert_allclose(pins[FRAME]["chin"], at, atol=1e-3)
 
 
-def test_landmarks_of_another_frame_can_be_pinned_too(extension, scene, found):
+def test_landmarks_of_another_frame_can_be_pinned_too(extension, found):
     drag(found, NAME, 5)
     bpy.ops.mimetic.follow_pins()
-    scene.frame_set(OTHER)
+    bpy.context.scene.frame_set(OTHER)
     select(found, NAME)
     assert not bpy.ops.mimetic.pin.poll()
     assert bpy.ops.mimetic.show_landmarks() == {"FINISHED"}
     drag(found, "chin", 0, 4, OTHER)
     assert bpy.ops.mimetic.follow_pins() == {"FINISHED"}
-    fit = extension("scene_out").face_fit.stored(scene)
+    fit = extension("scene_out").face_fit.stored(bpy.context.scene)
     assert {frame: set(pins) for frame, pins in fit.pins.items()} == {
         FRAME: {NAME},
         OTHER: {"chin"},
@@ -104,7 +115,7 @@ def test_landmarks_of_another_frame_can_be_pinned_too(extension, scene, found):
     assert fit.frame == FRAME
 
 
-def test_pins_live_in_the_file_and_capture_starts_from_them(extension, scene, found, tmp_path):
+def test_pins_live_in_the_file_and_capture_starts_from_them(extension, found, tmp_path):
     drag(found, NAME, 6)
     bpy.ops.mimetic.follow_pins()
     at = place(found, NAME)
@@ -114,9 +125,9 @@ def test_pins_live_in_the_file_and_capture_starts_from_them(extension, scene, fo
     scene = bpy.context.scene
     clip = scene.mimetic.clip
     np.testing.assert_allclose(place(clip, NAME), at, atol=1e-3)
-    fit = extension("scene_out").face_fit.stored(scene)
+    fit = extension("scene_out").face_fit.stored(bpy.context.scene)
     np.testing.assert_allclose(fit.pins[FRAME][NAME], at, atol=1e-3)
-    assert extension("pins").follow(scene, clip) == []
+    assert extension("pins").follow(bpy.context.scene, clip) == []
     settings = scene.mimetic
     settings.use_frame_range, settings.frame_first, settings.frame_last = True, FRAME, FRAME + 1
     bpy.ops.mimetic.capture(filepath=str(tmp_path / "take.npz"))
@@ -127,14 +138,15 @@ def test_pins_live_in_the_file_and_capture_starts_from_them(extension, scene, fo
     np.testing.assert_allclose(captured, fit.neutral_vertices(load_template()), atol=1e-9)
 
 
-def test_the_buttons_say_why_they_are_grey(extension, scene, with_clip):  # noqa: F811
+def test_the_buttons_say_why_they_are_grey(extension, found):
+    scene = bpy.context.scene
+    kept, scene.mimetic.face_fit = scene.mimetic.face_fit, ""
     why = extension("scene_in").no_landmarks
     assert "Find the face" in why(bpy.context, True)
-    bpy.ops.mimetic.find_face(frame=FRAME)
-    scene.frame_set(FRAME)
-    select(with_clip)
+    scene.mimetic.face_fit = kept
+    select(found)
     assert "Select" in why(bpy.context, True)
-    select(with_clip, NAME)
+    select(found, NAME)
     assert why(bpy.context, True) == ""
     scene.frame_set(FRAME + 5)
     assert "Landmarks Here" in why(bpy.context, True)
