@@ -7,6 +7,7 @@ What is needed to know a face is made once a session, in a thread where there is
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import bpy
@@ -25,6 +26,7 @@ class Known:
     """One face; `problem` says why its contact is not known."""
 
     rest: np.ndarray  # V x 3 float32, object frame
+    make: Callable  # without Blender
     live: object = None  # mimetic.live_contact.LiveContact
     problem: str = ""
     error: BaseException | None = None
@@ -42,7 +44,7 @@ class Known:
 
     def _make(self) -> None:
         try:
-            self.live = native.part("live_contact").LiveContact(self.rest)
+            self.live = self.make()
         except native.known_errors() as error:
             self.problem = str(error)
         except BaseException as error:  # raised where Blender shows it
@@ -86,7 +88,7 @@ def follow(scene, depsgraph) -> None:
         if not scene_in.is_face(face) or face.library:
             continue
         if _is_followed(face):
-            _follow_face(face, depsgraph)
+            _follow_face(scene, face, depsgraph)
         elif face.name in _known:  # switched off, or its shapes are being sculpted
             _known[face.name].look_again()
 
@@ -100,7 +102,7 @@ def _is_followed(face: bpy.types.Object) -> bool:
     )
 
 
-def _follow_face(face: bpy.types.Object, depsgraph) -> None:
+def _follow_face(scene, face: bpy.types.Object, depsgraph) -> None:
     if native.problem():
         return
     keys = face.data.shape_keys
@@ -112,7 +114,7 @@ def _follow_face(face: bpy.types.Object, depsgraph) -> None:
         return
     rest = contact_key.points_of(keys.reference_key)
     if known is None or not np.array_equal(known.rest, rest):
-        known = _known[face.name] = Known(rest)
+        known = _known[face.name] = Known(rest, _maker(scene, face, rest))
         known.start()
     if values == known.values:
         return
@@ -125,6 +127,18 @@ def _follow_face(face: bpy.types.Object, depsgraph) -> None:
     if correction is not None or known.is_parted:
         contact_key.place(face, known.live.moved, correction)
     known.is_parted = correction is not None
+
+
+def _maker(scene, face: bpy.types.Object, rest: np.ndarray) -> Callable:
+    """Makes the mimetic.live_contact.LiveContact of a face, of our own mesh or another's."""
+    head = scene_in.remembered_head(scene, face)
+    if head is None:
+        return lambda: native.part("live_contact").live_contact(rest)
+    parts = native.part("foreign_face")
+    polygons = parts.Polygons(head.starts, head.corners)
+    return lambda: parts.attach_face(
+        head.points, polygons, head.landmarks, head.matrix
+    ).live_contact()
 
 
 def _poll() -> float | None:

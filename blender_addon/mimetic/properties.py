@@ -144,7 +144,21 @@ def _switch_contact(self, context) -> None:
     face.data.shape_keys.update_tag()
 
 
+class MimeticLandmark(bpy.types.PropertyGroup):
+    """A landmark that muscles were attached by, by its name."""
+
+    vertex: IntProperty(default=-1, description="Vertex that it is, or -1")
+    place: FloatVectorProperty(size=3, precision=6, description="Where it is in metres, else")
+
+
 class MimeticFace(bpy.types.PropertyGroup):
+    landmark: StringProperty(name="Landmark", description="What an empty stands for on a head")
+    landmarks: CollectionProperty(
+        type=MimeticLandmark, description="What muscles of another head were attached by"
+    )
+    metres_from_object: FloatVectorProperty(
+        size=16, description="The object's matrix when its muscles were attached, row by row"
+    )
     use_contact: BoolProperty(
         name="Contact",
         description="Let lips rest on each other and lids on each other as sliders move",
@@ -219,7 +233,7 @@ class MimeticScene(bpy.types.PropertyGroup):
     )
 
 
-CLASSES = (MimeticHead, MimeticShape, MimeticFace, MimeticScene)
+CLASSES = (MimeticHead, MimeticShape, MimeticLandmark, MimeticFace, MimeticScene)
 
 
 def register() -> None:

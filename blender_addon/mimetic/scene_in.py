@@ -3,10 +3,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 from . import jobs, native
 
@@ -144,6 +145,100 @@ def no_face(context) -> str:
     if face is None:
         return "Bake a performance or add a face first: the scene has no face"
     return _face_in_edit_mode(face)
+
+
+@dataclass(frozen=True)
+class ForeignHead:
+    """A mesh to attach muscles to, as it rests."""
+
+    name: str
+    points: np.ndarray  # V x 3, object frame
+    starts: np.ndarray  # first corner of each face
+    corners: np.ndarray  # vertices of the faces' corners
+    matrix: np.ndarray  # 4 x 4, metres from object
+    landmarks: dict  # name -> vertex or place in metres
+
+
+def no_foreign_head(context) -> str:
+    if reason := no_start():
+        return reason
+    head = context.active_object
+    if head is None or head.type != "MESH":
+        return "Select the head's mesh first"
+    if head.library or head.data.library:
+        return f"{head.name} is linked from another file; make it local first"
+    return "Leave the edit mode first" if context.mode != "OBJECT" else ""
+
+
+def foreign_head(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHead:
+    """The head without its sliders; landmarks by empties, else by vertex groups."""
+    mesh = head.data
+    points = _rest_points(head)
+    starts = np.empty(len(mesh.polygons), dtype=np.int32)
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    mesh.loops.foreach_get("vertex_index", corners)
+    metre = scene.unit_settings.scale_length or 1.0
+    matrix = np.diag([metre, metre, metre, 1.0]) @ np.array(head.matrix_world)
+    places = {
+        name: metre * np.array(mark.matrix_world.translation)
+        for name, mark in landmark_empties(scene, head).items()
+    }
+    places |= {n: v for n, v in _landmark_groups(head).items() if n not in places}
+    return ForeignHead(head.name, points, starts, corners, matrix, places)
+
+
+def remembered_head(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHead | None:
+    """What a face's muscles were attached by; None for a face of our own mesh."""
+    if not len(head.mimetic.landmarks):
+        return None
+    found = foreign_head(scene, head)
+    marks = {
+        mark.name: mark.vertex if mark.vertex >= 0 else np.array(mark.place)
+        for mark in head.mimetic.landmarks
+    }
+    matrix = np.array(head.mimetic.metres_from_object, dtype=np.float64).reshape(4, 4)
+    return replace(found, landmarks=marks, matrix=matrix)
+
+
+def landmark_empties(scene: bpy.types.Scene, head: bpy.types.Object) -> dict:
+    """Empties with landmarks' names: the head's children, or any if it has none."""
+    marks = [shown for shown in scene.objects if shown.type == "EMPTY" and _landmark_of(shown)]
+    own = [mark for mark in marks if mark.parent == head]
+    free = [mark for mark in marks if mark.parent is None]
+    return {_landmark_of(mark): mark for mark in own or free}
+
+
+def _landmark_of(empty: bpy.types.Object) -> str:
+    name = empty.mimetic.landmark or empty.name
+    return name if name in native.part("face_template").load_template().landmark_names else ""
+
+
+def _landmark_groups(head: bpy.types.Object) -> dict[str, int]:
+    """Vertex groups with landmarks' names: the vertex with the largest weight."""
+    known = native.part("face_template").load_template().landmark_names
+    numbers = {group.index: group.name for group in head.vertex_groups if group.name in known}
+    best: dict[str, tuple[float, int]] = {}
+    if numbers:
+        for vertex in head.data.vertices:
+            for member in vertex.groups:
+                if (name := numbers.get(member.group)) is not None:
+                    best[name] = max(best.get(name, (0.0, -1)), (member.weight, vertex.index))
+    return {name: vertex for name, (_, vertex) in best.items() if vertex >= 0}
+
+
+def world_points(head: bpy.types.Object) -> np.ndarray:
+    """V x 3, the mesh at rest in the world."""
+    matrix = np.array(head.matrix_world)
+    return _rest_points(head) @ matrix[:3, :3].T + matrix[:3, 3]
+
+
+def _rest_points(head: bpy.types.Object) -> np.ndarray:
+    keys = head.data.shape_keys
+    vertices = keys.reference_key.points if keys else head.data.vertices
+    points = np.empty(3 * len(vertices), dtype=np.float32)
+    vertices.foreach_get("co", points)
+    return points.reshape(-1, 3).astype(np.float64)
 
 
 def no_visible_face(context) -> str:

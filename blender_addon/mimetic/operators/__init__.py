@@ -3,7 +3,19 @@
 
 import bpy
 
-from . import bake, capture, clip, face, gltf, head, performance, pins, sliders, stabilise
+from . import (
+    bake,
+    capture,
+    clip,
+    face,
+    foreign,
+    gltf,
+    head,
+    performance,
+    pins,
+    sliders,
+    stabilise,
+)
 
 CLASSES = (
     clip.MIMETIC_OT_load_clip,
@@ -15,6 +27,7 @@ CLASSES = (
     *head.CLASSES,
     *stabilise.CLASSES,
     *pins.CLASSES,
+    *foreign.CLASSES,
     sliders.MIMETIC_OT_add_face,
     sliders.MIMETIC_OT_rest_face,
 )

@@ -27,6 +27,10 @@ class MIMETIC_PT_muscles(Muscles, Panel):
         face = scene_in.face_of(context)
         if face is None or not scene_in.is_face(face):
             layout.operator("mimetic.add_face", icon="USER")
+            column = layout.column(align=True)
+            column.label(text="Muscles on a head of your own:")
+            column.operator("mimetic.add_landmarks", icon="EMPTY_DATA")
+            column.operator("mimetic.attach_muscles", icon="SHAPEKEY_DATA")
             return
         row = layout.row(align=True)
         row.label(text=face.name, icon="USER")

@@ -61,6 +61,7 @@ def set_shapes(face, neutral_vertices, shapes, groups) -> None:
     _place(basis, neutral)
     # The mesh's own vertices follow its first key; foreach_set on keys alone leaves them behind
     face.data.vertices.foreach_set("co", neutral.astype(np.float32).reshape(-1))
+    earlier = {listed.name for listed in (*face.mimetic.shapes, *face.mimetic.groups)}
     levels = _take_off_last(face)
     for shape in (*shapes, *groups):
         key = keys.key_blocks.get(shape.name)
@@ -74,9 +75,9 @@ def set_shapes(face, neutral_vertices, shapes, groups) -> None:
         _place(key, neutral + to_object(shape.offsets))
     if face.mimetic.use_contact:
         contact.ensure_key(face)
-    named = {contact.KEY, *(shape.name for shape in (*shapes, *groups))}
+    named = {shape.name for shape in (*shapes, *groups)}
     for key in keys.key_blocks:  # what an earlier take moved and this one does not
-        if key.name not in named:
+        if key.name in earlier - named:
             key.value = 0.0
     _list(face.mimetic.shapes, shapes)
     _list(face.mimetic.groups, groups)

@@ -11,20 +11,16 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mimetic.contact import contact_on
+from mimetic.contact import Contact, contact_on
 from mimetic.live_face import template_rest
 from mimetic.placement import OBJECT_FROM_HEAD
 
 
 class LiveContact:
-    """What lips and lids of a face of the template's mesh do to each other.
+    """What lips and lids of a face do to each other; contact: in the object's frame."""
 
-    rest_points: V x 3. Takes a second or two. Raises InvalidInput if that is another mesh or one
-    that muscles cannot be attached to.
-    """
-
-    def __init__(self, rest_points: ArrayLike):
-        self._contact = contact_on(template_rest(rest_points)).turned(OBJECT_FROM_HEAD[:3, :3])
+    def __init__(self, contact: Contact):
+        self._contact = contact
 
     @property
     def moved(self) -> NDArray[np.int64]:
@@ -43,3 +39,12 @@ class LiveContact:
         for value, points, start in moves:
             offset += value * (points[vertices] - start[vertices])
         return self._contact.correction(offset)
+
+
+def live_contact(rest_points: ArrayLike) -> LiveContact:
+    """Of a face of the template's mesh, V x 3 at rest; takes a second or two the first time.
+
+    Raises InvalidInput if that is another mesh or one that muscles cannot be attached to.
+    """
+    contact = contact_on(template_rest(rest_points))
+    return LiveContact(contact.turned(OBJECT_FROM_HEAD[:3, :3]))

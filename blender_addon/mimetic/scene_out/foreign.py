@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Landmarks of a head that is not ours, and the muscles that they give it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import bpy
+import numpy as np
+
+from .. import native
+from . import face
+
+SIZE = 0.006  # m, of an empty
+
+
+def add(collection: bpy.types.Collection, head: bpy.types.Object, places: Mapping) -> None:
+    """Empties at places in the world, children of the head, snapped to surfaces when moved."""
+    inverse = head.matrix_world.inverted()
+    for name, place in places.items():
+        mark = bpy.data.objects.new(name, None)
+        mark.mimetic.landmark = name  # Blender numbers names that are taken
+        mark.empty_display_type = "SPHERE"
+        mark.empty_display_size = SIZE / max(head.matrix_world.median_scale, 1e-9)
+        mark.show_name = mark.show_in_front = True
+        mark.parent = head
+        mark.location = inverse @ _vector(place)
+        collection.objects.link(mark)
+
+
+def attach(shown: bpy.types.Object, head, landmarks: Mapping, attached) -> None:
+    """Shape keys of a `mimetic.foreign_face.ForeignFace`; remembers what it was made from.
+
+    head: scene_in.ForeignHead.
+    """
+    to_head = native.part("placement").to_head
+    shown.mimetic.use_contact = True
+    face.set_shapes(shown, to_head(head.points), attached.shapes, attached.groups)
+    shown.mimetic.metres_from_object = np.asarray(head.matrix, dtype=np.float64).ravel().tolist()
+    kept = shown.mimetic.landmarks
+    kept.clear()
+    for name, place in landmarks.items():
+        mark = kept.add()
+        mark.name = name
+        mark.vertex = int(place) if np.ndim(place) == 0 else -1
+        if mark.vertex < 0:
+            mark.place = [float(x) for x in place]
+
+
+def _vector(place):
+    from mathutils import Vector
+
+    return Vector([float(x) for x in place])

@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Muscles on a mesh that is not ours, by landmarks that are empties, vertex groups or a file."""
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+from conftest import MODULE
+
+UNIT = 0.01  # metres in the object's unit: modelled in centimetres, scaled in the scene
+
+
+@pytest.fixture(scope="session")
+def parts():
+    """The template's mesh as anybody's head: points in centimetres, faces, landmarks' vertices."""
+    from mimetic.face_template import load_template
+    from mimetic.foreign_mesh import REQUIRED
+    from mimetic.placement import to_object
+
+    template = load_template()
+    marks = {name: template.landmark(name) for name in REQUIRED}
+    return to_object(template.vertices) / UNIT, template.faces, marks
+
+
+@pytest.fixture
+def head(parts):
+    points, faces, _ = parts
+    return new_head(points, faces.tolist())
+
+
+def new_head(points, faces) -> bpy.types.Object:
+    mesh = bpy.data.meshes.new("Bust")
+    mesh.from_pydata(points, [], faces)
+    head = bpy.data.objects.new("Bust", mesh)
+    bpy.context.scene.collection.objects.link(head)
+    head.scale = (UNIT,) * 3
+    head.location = (0.3, -0.2, 1.5)
+    head.rotation_euler = (0, 0, 0.7)
+    bpy.context.view_layer.objects.active = head
+    bpy.context.view_layer.update()
+    return head
+
+
+def put_landmarks(head, parts) -> None:
+    assert bpy.ops.mimetic.add_landmarks() == {"FINISHED"}
+    for mark in head.children:
+        mark.location = parts[0][parts[2][mark.mimetic.landmark]]
+    bpy.context.view_layer.update()
+
+
+def evaluated(face) -> np.ndarray:
+    shown = face.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    points = np.empty(3 * len(face.data.vertices), dtype=np.float32)
+    shown.data.vertices.foreach_get("co", points)
+    return points.reshape(-1, 3)
+
+
+def offsets_of(head, name) -> np.ndarray:
+    """V x 3 in the object's frame and unit."""
+    keys = head.data.shape_keys
+    both = np.empty((2, 3 * len(head.data.vertices)), dtype=np.float32)
+    keys.key_blocks[name].points.foreach_get("co", both[0])
+    keys.reference_key.points.foreach_get("co", both[1])
+    return (both[0] - both[1]).reshape(-1, 3)
+
+
+def test_a_head_by_empties_gets_the_muscles_of_our_own(parts, head, extension):
+    from mimetic.canonical_head import make_head
+    from mimetic.placement import to_object
+
+    put_landmarks(head, parts)
+    assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+    ours = make_head()
+    expected = {
+        shape.name: to_object(shape.offsets) / UNIT for shape in (*ours.shapes, *ours.groups)
+    }
+    blocks = head.data.shape_keys.key_blocks
+    assert blocks.keys() == ["Basis", *expected, "contact"]
+    assert len(head.mimetic.shapes) == 60
+    for name in ("zygomaticus_major.L", "jaw_open", "look_down.R", "air_cheek.L", "Brow Raisers"):
+        own = offsets_of(head, name)
+        cosine = (own * expected[name]).sum()
+        cosine /= np.linalg.norm(own) * np.linalg.norm(expected[name])
+        assert cosine > 0.95, name
+        assert np.linalg.norm(own) == pytest.approx(np.linalg.norm(expected[name]), rel=0.1), name
+    # Lips rest on each other as on ours, also when the file is opened by another session
+    blocks["oris_close_upper"].value = blocks["oris_close_lower"].value = 1.0
+    pressed = evaluated(head)
+    assert np.abs(offsets_of(head, "contact")).max() > 0.1  # 1 mm
+    extension("contact").forget_all()
+    blocks["oris_close_upper"].value = 0.0
+    evaluated(head)
+    blocks["oris_close_upper"].value = 1.0
+    np.testing.assert_allclose(evaluated(head), pressed, atol=1e-3)
+
+
+def test_other_shape_keys_of_the_head_stay(parts, head):
+    put_landmarks(head, parts)
+    head.shape_key_add(name="Basis", from_mix=False)
+    own = head.shape_key_add(name="viseme", from_mix=False)
+    own.points[7].co.x += 1
+    own.value = 0.6
+    assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+    assert head.data.shape_keys.key_blocks["viseme"].value == pytest.approx(0.6)
+    assert offsets_of(head, "viseme")[7, 0] == pytest.approx(1)
+
+
+def test_landmarks_by_vertex_groups_and_by_file_are_the_same(parts, head, tmp_path):
+    for name, vertex in parts[2].items():
+        head.vertex_groups.new(name=name).add([vertex], 1.0, "REPLACE")
+    assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+    by_groups = offsets_of(head, "mentalis.L")
+    path = tmp_path / "landmarks.json"
+    path.write_text(json.dumps(parts[2]))
+    head.vertex_groups.clear()
+    assert bpy.ops.mimetic.attach_muscles(filepath=str(path)) == {"FINISHED"}
+    np.testing.assert_array_equal(offsets_of(head, "mentalis.L"), by_groups)
+
+
+def test_landmarks_start_near_their_places(parts, head):
+    head.rotation_euler = (0, 0, 0)
+    bpy.context.view_layer.update()
+    assert bpy.ops.mimetic.add_landmarks() == {"FINISHED"}
+    for mark in head.children:
+        away = np.array(mark.location) - parts[0][parts[2][mark.mimetic.landmark]]
+        assert np.linalg.norm(away) < 0.5  # 5 mm
+    with pytest.raises(RuntimeError, match="There are landmarks"):
+        bpy.ops.mimetic.add_landmarks()
+
+
+def test_what_is_wrong_is_said(parts, head, tmp_path):
+    with pytest.raises(RuntimeError, match=r"landmarks lack eye_inner\.L"):
+        bpy.ops.mimetic.attach_muscles()
+    path = tmp_path / "landmarks.json"
+    path.write_text(json.dumps(parts[2]))
+    head.scale = (1, 1, 1)
+    bpy.context.view_layer.update()
+    with pytest.raises(RuntimeError, match="if it is in centimetres"):
+        bpy.ops.mimetic.attach_muscles(filepath=str(path))
+    assert head.data.shape_keys is None
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert not bpy.ops.mimetic.attach_muscles.poll()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.view_layer.objects.active = None
+    assert not bpy.ops.mimetic.attach_muscles.poll()
+
+
+def test_bad_faces_are_named_by_blenders_numbers(parts):
+    """A pentagon among the quads: faces after it count on."""
+    points, faces, marks = parts
+    faces = [list(face) for face in faces.tolist()]
+    middle = 0.5 * (points[faces[3][0]] + points[faces[3][1]])
+    pentagon = [faces[3][0], len(points), *faces[3][1:]]
+    faces[3] = pentagon
+    faces[40] = faces[40][::-1]
+    head = new_head(np.vstack([points, middle]), faces)
+    for name, vertex in marks.items():
+        head.vertex_groups.new(name=name).add([vertex], 1.0, "REPLACE")
+    with pytest.raises(RuntimeError, match=r"\b40\b|edge"):
+        bpy.ops.mimetic.attach_muscles()
+
+
+def test_attaching_is_one_undo_step(parts, head):
+    for name, vertex in parts[2].items():
+        head.vertex_groups.new(name=name).add([vertex], 1.0, "REPLACE")
+    bpy.ops.ed.undo_push(message="before")
+    assert bpy.ops.mimetic.attach_muscles("EXEC_DEFAULT", True) == {"FINISHED"}
+    bpy.ops.ed.undo()
+    assert bpy.data.objects["Bust"].data.shape_keys is None
+    bpy.ops.ed.redo()
+    assert len(bpy.data.objects["Bust"].mimetic.shapes) == 60
+    assert MODULE in bpy.context.preferences.addons
