@@ -61,6 +61,51 @@ def find_the_face(walk: Walk) -> Steps:
     yield from walk.picture("face-found")
 
 
+def stored_fit():
+    return importlib.import_module(f"{PACKAGE}.scene_out.face_fit").stored(bpy.context.scene)
+
+
+def drag_a_landmark(walk: Walk) -> Steps:
+    """With the mouse; the fit follows before the button is released, and one undo takes it back."""
+    frame, name = stored_fit().frame, "mouth_corner.L"
+    with bpy.context.temp_override(**override("CLIP_EDITOR")):
+        bpy.ops.screen.frame_offset(delta=frame - bpy.context.scene.frame_current)
+    yield 0.5
+    window, area = area_of("CLIP_EDITOR")
+    region = next(region for region in area.regions if region.type == "WINDOW")
+
+    def marker() -> bpy.types.MovieTrackingMarker:
+        tracks = bpy.context.scene.mimetic.clip.tracking.objects["Face"].tracks
+        return tracks[name].markers.find_frame(frame, exact=True)
+
+    before = tuple(marker().co)
+    x, y = region.view2d.view_to_region(*before, clip=False)
+    x, y = region.x + x, region.y + y
+
+    def mouse(kind: str, value: str, steps: int) -> None:
+        window.event_simulate(type=kind, value=value, x=x + 2 * steps, y=y - steps)
+
+    mouse("MOUSEMOVE", "NOTHING", 0)
+    yield 0.2
+    mouse("LEFTMOUSE", "PRESS", 0)
+    for step in range(1, 9):
+        mouse("MOUSEMOVE", "NOTHING", step)
+        yield 0.1
+    yield from walk.until(
+        lambda: name in stored_fit().pins.get(frame, {}), 10, "the fit follows a dragged landmark"
+    )
+    yield from walk.picture("landmark-dragged")
+    mouse("LEFTMOUSE", "RELEASE", 8)
+    yield 0.5
+    took = importlib.import_module(f"{PACKAGE}.pins").last_ms
+    walk.check("the landmark is where it was dragged to", marker().co[0] > before[0], f"{took} ms")
+    with bpy.context.temp_override(**override("CLIP_EDITOR")):
+        bpy.ops.ed.undo()
+    yield 0.5
+    walk.check("one undo takes the pin back", not stored_fit().pins)
+    walk.check("and the landmark", tuple(marker().co) == before)
+
+
 def stop_once(walk: Walk) -> Steps:
     settings = bpy.context.scene.mimetic
     settings.use_frame_range = True
@@ -85,6 +130,18 @@ def capture_again(walk: Walk) -> Steps:
     invoke("CLIP_EDITOR", bpy.ops.mimetic.capture, filepath=path)
     yield from walk.until(is_idle, 400, "the capture ends")
     walk.check("all frames are captured", captured_frames() == list(range(first, last + 1)))
+
+
+def hold_the_head_still(walk: Walk) -> Steps:
+    invoke("CLIP_EDITOR", bpy.ops.mimetic.hold_head_still)
+    yield from walk.until(is_idle, 60, "holding the head still ends")
+    clip = bpy.context.scene.mimetic.clip
+    walk.check("the clip is stabilised", len(clip.tracking.stabilization.tracks) == 1)
+    _, editor = area_of("CLIP_EDITOR")
+    walk.check("the clip editor shows it so", editor.spaces.active.show_stable)
+    yield from walk.picture("head-held-still")
+    invoke("CLIP_EDITOR", bpy.ops.mimetic.release_head)
+    walk.check("and lets go again", len(clip.tracking.stabilization.tracks) == 0)
 
 
 def bake_and_export(walk: Walk) -> Steps:
@@ -134,8 +191,10 @@ def steps(walk: Walk) -> Steps:
     yield from install(walk, PACKAGE)
     yield from lay_out(walk)
     yield from find_the_face(walk)
+    yield from drag_a_landmark(walk)
     yield from stop_once(walk)
     yield from capture_again(walk)
+    yield from hold_the_head_still(walk)
     yield from bake_and_export(walk)
 
 

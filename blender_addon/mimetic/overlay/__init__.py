@@ -38,7 +38,7 @@ def register() -> None:
     for space, draw, kind in (
         (bpy.types.SpaceView3D, drawing.draw_faces, "POST_VIEW"),
         (bpy.types.SpaceView3D, drawing.draw_legend, "POST_PIXEL"),
-        (bpy.types.SpaceClipEditor, fitted.draw_fit, "POST_VIEW"),
+        (bpy.types.SpaceClipEditor, fitted.draw_fit, "POST_PIXEL"),
     ):
         _drawn.append((space, space.draw_handler_add(draw, (), "WINDOW", kind)))
     for handlers, handler in HANDLERS:

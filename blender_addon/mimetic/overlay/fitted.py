@@ -11,28 +11,42 @@ from gpu_extras.batch import batch_for_shader
 from .. import native, scene_in
 from ..scene_out import face_fit
 
-COLOUR = (0.1, 0.9, 1.0, 0.35)
+COLOUR = (0.1, 0.9, 1.0, 0.3)
+SPAN = 16.0  # pictures
 
 _drawn: tuple[object, int, object] | None = None  # fit, frame, batch
 
 
 def draw_fit() -> None:
-    """In the clip's own coordinates: 0 to 1 over the picture, stabilised or not."""
     context = bpy.context
     settings = context.scene.mimetic
     clip = getattr(context, "edit_movieclip", None)
     if not settings.show_fit or native.problem() or clip is None or clip != settings.clip:
         return
+    if context.space_data.show_stable and clip.tracking.stabilization.use_2d_stabilization:
+        return  # Blender does not tell where it shows the picture then
     batch = _batch(context)
     if batch is None:
         return
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
     gpu.state.blend_set("ALPHA")
+    gpu.state.line_width_set(1.0)
     try:
-        shader.uniform_float("color", COLOUR)
-        batch.draw(shader)
+        with gpu.matrix.push_pop():
+            _lay_over_picture(context.region.view2d)
+            shader.uniform_float("color", COLOUR)
+            batch.draw(shader)
     finally:
         gpu.state.blend_set("NONE")
+
+
+def _lay_over_picture(view) -> None:
+    """From 0 to 1 over the picture to the region's pixels."""
+    # Far apart: Blender gives whole pixels
+    low, high = (view.view_to_region(at, at, clip=False) for at in (-SPAN, SPAN))
+    size = [(high[i] - low[i]) / (2 * SPAN) for i in (0, 1)]
+    gpu.matrix.translate([0.5 * (low[i] + high[i]) for i in (0, 1)])
+    gpu.matrix.scale(size)
 
 
 def _batch(context):

@@ -15,6 +15,7 @@ from .. import native
 TRACKING_OBJECT = "Face"  # apart from the user's own tracks
 PIN_COLOUR = (1.0, 0.25, 0.1)
 PATTERN_PIXELS = 7, 15  # of markers, small enough to see the face between them
+OUT_OF_SIGHT = (-10.0, -10.0)  # in pictures
 MOVED_PIXELS = 0.02  # markers are single precision
 
 
@@ -40,7 +41,7 @@ def show(clip: bpy.types.MovieClip, fit) -> None:
         for frame in frames:
             track.markers.insert_frame(frame)
         for silent in around:  # nothing is known of other frames
-            track.markers.insert_frame(silent).mute = True
+            track.markers.insert_frame(silent, co=OUT_OF_SIGHT).mute = True
     settings.default_pattern_size, settings.default_search_size = usual
     objects.active = marked
     place(clip, fit)
