@@ -70,8 +70,7 @@ def sheet_tiles(anatomy: Anatomy, extras: Extras) -> dict[str, Tile]:
         tiles[part] = Tile(modes[f"{part}_upper"] + modes[f"{part}_lower"])
     tiles["lip_roll in"] = Tile(-tiles["lip_roll"].displacement)
     tiles["air_cheek"], tiles["air_lips"] = Tile(both(modes, "air_cheek")), Tile(modes["air_lips"])
-    wide = -0.4 * both(modes, "lid_upper")  # or the upper lid would hide the pupil
-    tiles["look up"] = Tile(both(modes, "look_up") + wide, tint=False)
+    tiles["look up"] = Tile(both(modes, "look_up"), tint=False)
     tiles["look down"] = Tile(both(modes, "look_down"), tint=False)
     tiles["look left"] = Tile(modes["look_out.L"] + modes["look_in.R"], tint=False)
     for title in EXPRESSIONS:
