@@ -4,6 +4,7 @@
 from bpy.types import Panel
 
 from .. import native, scene_in
+from ..scene_out import rigs
 from .capture import wrapped
 
 
@@ -56,6 +57,9 @@ class Head:
         row = layout.row(align=True)
         row.prop_search(settings, "bone", settings.target.pose, "bones", text="", icon="BONE_DATA")
         row.operator("mimetic.find_head_bones", text="", icon="VIEWZOOM")
+        if not settings.bone:
+            for line in wrapped(rigs.head_bones(settings.target).remark, 44):
+                layout.label(text=line)
         layout.prop_search(settings, "neck", settings.target.pose, "bones", text="Neck")
         if settings.neck:
             layout.prop(settings, "neck_share", slider=True)
