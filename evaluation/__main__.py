@@ -6,6 +6,7 @@ from __future__ import annotations
 import argparse
 import shutil
 import sys
+from functools import partial
 from pathlib import Path
 
 from mimetic.face_template import load_template
@@ -13,9 +14,12 @@ from mimetic.face_template import load_template
 from .clips import CannotRender, Clip, clip
 from .heads.films import head_clip
 from .heads.recipes import SETS as HEADS
+from .photographs.real import real_stills
 from .recipes import ALL, SETS
 from .stills.image_set import SETS as STILLS
 from .stills.image_set import stills
+
+REAL = "real"
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -26,7 +30,9 @@ def main(arguments: list[str] | None = None) -> int:
     which.add_argument("--set", choices=SETS, default="held-out", help="default: held-out")
     which.add_argument("--small", action="store_true", help="the clips of the tests and the demo")
     which.add_argument("--name", choices=ALL, action="append", help="these alone")
-    which.add_argument("--stills", choices=STILLS, help="still images, not clips; prints the .npz")
+    which.add_argument(
+        "--stills", choices=[*STILLS, REAL], help="still images, not clips; prints the .npz"
+    )
     which.add_argument("--heads", choices=HEADS, help="heads that turn; prints kind, name, paths")
     parser.add_argument("--out", type=Path, help="copy the clips into this folder")
     options = parser.parse_args(arguments)
@@ -36,7 +42,10 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         template = load_template()
         if options.stills:
-            print(stills(options.stills, template, _to_stderr))
+            made = (
+                real_stills if options.stills == REAL else partial(stills, options.stills, template)
+            )
+            print(made(_to_stderr))
             return 0
         if options.heads:
             for wanted in HEADS[options.heads]:

@@ -23,13 +23,14 @@ SAMPLES_PER_SIDE = 4  # of a control face: 1.2 mm apart, pixels are 1.6 mm
 DRAWN_PARTS = ("skin", "eye.L", "eye.R", "mouth_cavity", "teeth_upper", "teeth_lower")
 DARK = {"mouth_cavity": 0.05, "teeth_upper": 0.5, "teeth_lower": 0.45}
 LARGEST = {"yaw": 36.0, "pitch": 14.0, "roll": 6.0}  # degrees
+LARGEST_BEHIND = {"yaw": 50.0, "pitch": 20.0, "roll": 10.0}  # degrees
 
 
 @dataclass(frozen=True)
 class Picture:
-    grey: np.ndarray  # SIDE x SIDE, 0 to 255
+    grey: np.ndarray  # SIDE x SIDE, uint8
     places: np.ndarray  # pupil.L, pupil.R, nose, mouth x 2, pixels
-    yaw: float  # degrees
+    yaw: float  # degrees; a head seen from behind has 180 within LARGEST_BEHIND
 
 
 class Person:
@@ -52,11 +53,13 @@ class Person:
             ]
         )
 
-    def picture(self) -> Picture:
-        """The person in another pose, expression, light and room."""
+    def picture(self, behind: bool = False) -> Picture:
+        """The person in another pose, expression, light and room; or the back of the head."""
         rng = self._rng
         moved = self._neutral + expression_of(rng, self._template)
-        yaw, pitch, roll = rng.uniform(-1, 1, 3) * list(LARGEST.values())
+        largest = LARGEST_BEHIND if behind else LARGEST
+        yaw, pitch, roll = rng.uniform(-1, 1, 3) * list(largest.values())
+        yaw += 180 * behind
         turn = np.diag((1.0, -1, -1)) @ rotation(*np.radians([yaw, pitch, roll]))
         parts = part_places(self._template, self._neutral, moved)
         middle = (parts[:2].mean(0) + parts[3]) / 2
@@ -75,7 +78,7 @@ class Person:
         seen = project(self._sampled(moved))
         facing = normals[:, 2] < 0.15
         grey = _splat(self._room(), seen[facing], 255 * bright[facing] ** (1 / 2.2))
-        return Picture(grey, project(parts)[:, :2], float(yaw))
+        return Picture(grey.astype(np.uint8), project(parts)[:, :2], float(yaw))
 
     def _paint(self, part: str, recipe: Recipe, faces: np.ndarray) -> np.ndarray:
         """Grey reflectance of a part's points, linear light."""

@@ -1,106 +1,146 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Patches of drawn people, and the eigenspaces of them."""
+"""Filters and spaces of faces, against hard negatives that the filters themselves find."""
 
 from __future__ import annotations
 
-import multiprocessing
 from collections.abc import Callable
-from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from mimetic import _core
-from mimetic.eigenspaces import Eigenspaces, train
-from mimetic.face_template import load_template
-from PIL import Image
+from mimetic.eigenspaces import train
+from numpy.lib.stride_tricks import sliding_window_view
 
-from .people import PX_PER_IPD, Person, Picture
+from .calibration import calibrated
+from .natural import natural_images
+from .pictures import Pictures, drawn_pictures
+from .scenes import empty, jumbled, photographed, portrait
+from .windows import FACE_IPDS, FACE_SIDE, MODULES, Windows, windows_of
 
-FIRST_SEED = 1000  # people of evaluation/stills have seeds below
-PICTURES_A_PERSON = 8
-FACE_IPDS = 2.0  # width of the face's patch: temple to temple, brows to under the mouth
-FACE_SIDE = 24
-FACE_MODES, MODULE_MODES = 16, 12
-SHRINKAGE = 0.02
 VIEW_YAWS = (-24.0, 0.0, 24.0)
 VIEW_REACH = 15.0  # degrees: neighbours overlap
-MODULES = {  # patch width in interpupillary distances, patch size
-    "pupil.L": (0.8, (16, 12)),
-    "pupil.R": (0.8, (16, 12)),
-    "nose": (0.9, (18, 14)),
-    "mouth": (1.1, (22, 14)),
-}
+FACE_MODES, OTHER_MODES = 20, 40
+MODULE_MODES, BESIDE_MODES = 16, 24
+SHRINKAGE = 0.02
+FILTER_SHRINKAGE = 0.05
+MISSED = 0.005  # part of the faces of a view that its filter may drop
+EMPTIES, BACKS, JUMBLES = 26, 18, 14  # negative images beside the photographs
+RANDOM_AN_IMAGE = 160  # windows
+HARD_A_LEVEL = 30
+ROUNDS = 3
+SMALLEST = 44.0  # pixels, of the windows in negative images
 
 
-@dataclass(frozen=True)
-class Samples:
-    """Patches of one person's pictures."""
-
-    faces: np.ndarray  # K x FACE_SIDE x FACE_SIDE
-    yaws: np.ndarray  # K, degrees
-    modules: list[np.ndarray]  # K x H x W each
-    places: np.ndarray  # K x modules x 2, from the patch's middle, in its widths
-
-
-def samples_of(seed: int) -> Samples:
-    """What a person adds to the training; the same for the same seed."""
-    person = Person(seed, load_template())
-    rng = np.random.default_rng([seed, 72])
-    pictures = [person.picture() for _ in range(PICTURES_A_PERSON)]
-    faces, places = [], []
-    modules: list[list] = [[] for _ in MODULES]
-    for picture in pictures:
-        # A search stops at steps of place and size: what it compares is never quite centred
-        width = FACE_IPDS * PX_PER_IPD * np.exp(rng.uniform(-0.08, 0.08))
-        middle = _middle(picture) + rng.uniform(-0.02, 0.02, 2) * width
-        faces.append(_cut(picture.grey, middle, width, (FACE_SIDE, FACE_SIDE), rng))
-        places.append((picture.places - middle) / width)
-        for patches, place, (ipds, size) in zip(
-            modules, picture.places, MODULES.values(), strict=True
-        ):
-            scale = np.exp(rng.uniform(-0.08, 0.08))
-            patches.append(_cut(picture.grey, place, scale * ipds * PX_PER_IPD, size, rng))
-    yaws = np.array([picture.yaw for picture in pictures])
-    return Samples(np.array(faces), yaws, [np.array(m) for m in modules], np.array(places))
+def face_spaces(
+    people: int, jobs: int, cache: Path, report: Callable[[str], None]
+) -> _core.FaceSpaces:
+    """The model of this many people; the same for the same sources."""
+    pictures = drawn_pictures(people, jobs, cache, report)
+    report(f"{len(pictures.grey)} pictures of {people} people")
+    rng = np.random.default_rng(5)
+    windows = windows_of(pictures, rng)
+    report(f"{len(windows.faces)} windows of faces")
+    natural = natural_images(cache)
+    levels = _levels([*_drawn_negatives(pictures, rng), *natural])
+    spaces = _trained(windows, levels, rng, report)
+    return calibrated(spaces, pictures, natural, report)
 
 
-def eigenspaces(people: int, jobs: int, report: Callable[[str], None]) -> Eigenspaces:
-    """The model of this many people, with as many processes as `jobs`."""
-    made = []
-    seeds = range(FIRST_SEED, FIRST_SEED + people)
-    with multiprocessing.get_context("spawn").Pool(jobs) as pool:
-        for samples in pool.imap(samples_of, seeds, chunksize=4):
-            made.append(samples)
-            if len(made) % 50 == 0:
-                report(f"{len(made)} of {people} people drawn")
-    faces = np.concatenate([m.faces for m in made])
-    yaws = np.concatenate([m.yaws for m in made])
-    views = [
-        train(faces[np.abs(yaws - at) <= VIEW_REACH], FACE_MODES, SHRINKAGE) for at in VIEW_YAWS
-    ]
-    places = np.concatenate([m.places for m in made])
-    modules = []
-    for i, (name, (ipds, _)) in enumerate(MODULES.items()):
-        space = train(np.concatenate([m.modules[i] for m in made]), MODULE_MODES, SHRINKAGE)
-        modules.append(_core.FaceModule(name, space, ipds / FACE_IPDS, places[:, i].mean(0)))
-    covariance = np.cov(places.reshape(len(places), -1).T) + 1e-5 * np.eye(2 * len(MODULES))
-    return Eigenspaces(views, list(VIEW_YAWS), modules, covariance)
+def _drawn_negatives(pictures: Pictures, rng: np.random.Generator) -> list[np.ndarray]:
+    images = [photographed(empty(300_000 + i), rng) for i in range(EMPTIES)]
+    for i, chosen in enumerate(rng.choice(pictures.backs, BACKS)):
+        images.append(portrait(pictures.grey[chosen], 310_000 + i, rng).grey)
+    for i, chosen in enumerate(rng.choice(pictures.fronts, JUMBLES)):
+        images.append(jumbled(portrait(pictures.grey[chosen], 320_000 + i, rng).grey, rng))
+    return images
 
 
-def _middle(picture: Picture) -> np.ndarray:
-    return (picture.places[:2].mean(0) + picture.places[3]) / 2
+def _levels(images: list[np.ndarray]) -> list[np.ndarray]:
+    """Every level of every image as windows, rows x cols x side x side."""
+    options = _core.FaceSearch(smallest=SMALLEST)
+    levels = []
+    for image in images:
+        for level, _ in _core.flat_levels(np.ascontiguousarray(image), FACE_SIDE, options):
+            levels.append(sliding_window_view(level.astype(np.float32), (FACE_SIDE, FACE_SIDE)))
+    return levels
 
 
-def _cut(
-    grey: np.ndarray,
-    middle: np.ndarray,
-    width: float,
-    size: tuple[int, int],
+def _trained(
+    windows: Windows,
+    levels: list[np.ndarray],
     rng: np.random.Generator,
-) -> np.ndarray:
-    """A patch of `size` (width, height) round a pixel, smoothed and noisy as a camera's, uint8."""
-    half = np.array([width, width * size[1] / size[0]]) / 2
-    low, high = middle + 0.5 - half, middle + 0.5 + half
-    image = Image.fromarray(grey.astype(np.float32))
-    patch = image.resize(size, Image.Resampling.BILINEAR, box=(*low, *high))
-    noisy = np.asarray(patch) + rng.normal(0, rng.uniform(0.5, 4), patch.size[::-1])
-    return np.clip(np.round(noisy), 0, 255).astype(np.uint8)
+    report: Callable[[str], None],
+) -> _core.FaceSpaces:
+    faces, yaws = np.array(windows.faces), np.array(windows.yaws)
+    by_view = [faces[np.abs(yaws - at) <= VIEW_REACH] for at in VIEW_YAWS]
+    beside = np.array(windows.beside)
+    filters, thresholds, hard = _filters(by_view, beside, levels, rng, report)
+    passed = beside[(beside @ filters.T - thresholds).max(1) > 0]
+    sides = (FACE_SIDE, FACE_SIDE)
+    others = np.concatenate([hard, passed]).reshape(-1, *sides)
+    places, place_yaws = np.array(windows.places), np.array(windows.place_yaws)
+    views = []
+    for i, at in enumerate(VIEW_YAWS):
+        seen = places[np.abs(place_yaws - at) <= VIEW_REACH].reshape(-1, 2 * len(MODULES))
+        space = train(by_view[i].reshape(-1, *sides), FACE_MODES, SHRINKAGE)
+        covariance = np.cov(seen.T) + 2e-5 * np.eye(seen.shape[1])
+        views.append(
+            _core.ViewSpace(at, filters[i], thresholds[i], space, seen.mean(0), covariance)
+        )
+    modules = []
+    for name, (ipds, (width, height)) in MODULES.items():
+        both = [
+            train(np.array(rows).reshape(-1, height, width), modes, SHRINKAGE)
+            for rows, modes in (
+                (windows.modules[name], MODULE_MODES),
+                (windows.beside_modules[name], BESIDE_MODES),
+            )
+        ]
+        modules.append(_core.ModuleSpace(name, *both, ipds / FACE_IPDS))
+    evidence = 7 + len(modules)
+    weights = np.zeros(evidence + 1)
+    return _core.FaceSpaces(views, train(others, OTHER_MODES, SHRINKAGE), modules, weights)
+
+
+def _filters(
+    by_view: list[np.ndarray],
+    beside: np.ndarray,
+    levels: list[np.ndarray],
+    rng: np.random.Generator,
+    report: Callable[[str], None],
+) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Filters (V,N), thresholds (V) and the windows (K,N) that pass the last of them."""
+    a_level = max(1, RANDOM_AN_IMAGE // 8)
+    random = [
+        level[rng.integers(0, level.shape[0], a_level), rng.integers(0, level.shape[1], a_level)]
+        for level in levels
+    ]
+    negatives = np.concatenate([*(r.reshape(a_level, -1) for r in random), beside])
+    hard = negatives[:0]
+    for turn in range(ROUNDS):
+        against = np.concatenate([negatives, hard, hard])
+        filters = np.array([_fisher(faces, against) for faces in by_view])
+        thresholds = np.array(
+            [np.quantile(faces @ f, MISSED) for faces, f in zip(by_view, filters, strict=True)]
+        )
+        passing, total, found = 0, 0, []
+        for level in levels:
+            rows = level.reshape(-1, FACE_SIDE**2)
+            response = (rows @ filters.T - thresholds).max(1)
+            best = np.argsort(-response)[:HARD_A_LEVEL]
+            found.append(rows[best[response[best] > 0]])
+            passing, total = passing + (response > 0).sum(), total + len(rows)
+        hard = np.concatenate(found)
+        report(f"filters, round {turn + 1}: {100 * passing / total:.1f} % of empty windows pass")
+        if turn + 1 < ROUNDS:
+            kept = hard[rng.permutation(len(hard))[:6000]]
+            negatives = np.concatenate([negatives, kept])
+    return filters.astype(float), thresholds, hard
+
+
+def _fisher(faces: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Fisher's linear discriminant, of length 1."""
+    within = (np.cov(faces.T) + np.cov(others.T)) / 2
+    within += FILTER_SHRINKAGE * np.trace(within) / len(within) * np.eye(len(within))
+    direction = np.linalg.solve(within, faces.mean(0) - others.mean(0))
+    return (direction / np.linalg.norm(direction)).astype(np.float32)

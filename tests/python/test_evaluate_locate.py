@@ -7,7 +7,8 @@ import json
 import numpy as np
 import pytest
 from mimetic import InvalidInput, UnreadableMedia, _core
-from mimetic.eigenspaces import Eigenspaces, train
+from mimetic.eigenspaces import installed_spaces
+from mimetic.eigenspaces import save as save_spaces
 from mimetic.evaluate import locate
 from mimetic.evaluate.command import add_arguments, run_evaluate
 from mimetic.evaluate.finders import Found, Run, part_shares, run_locator
@@ -139,9 +140,9 @@ def test_drawn_faces_are_where_the_file_says(drawn):
 
         eyes = [tone(place) for place in places[:2]]
         assert max(eyes) < tone(places[:2].mean(0))
-    found = score_run(run_locator(stills), stills).figures
-    assert found["found_at_all"] > 0
-    assert found["eye_median"] < 10
+    found = score_run(run_locator(stills, installed_spaces()), stills).figures
+    assert found["found_at_all"] == 1
+    assert found["eye_median"] < 5
 
 
 def test_command_scores_and_writes(drawn, tmp_path, capsys):
@@ -150,32 +151,49 @@ def test_command_scores_and_writes(drawn, tmp_path, capsys):
     given = ["locate", "--images", str(drawn), "--out", str(tmp_path / "out"), "--json"]
     assert run_evaluate(parser.parse_args(given)) == 0
     printed = json.loads(capsys.readouterr().out)
-    assert set(printed) >= {"mimetic", "Haar cascade"}
+    assert set(printed) >= {"mimetic", "eigenspaces", "cascades, measured", "Haar cascade"}
     assert json.loads((tmp_path / "out" / "locate.json").read_text("utf-8")) == printed
     assert (tmp_path / "out" / "locate_roc.png").read_bytes().startswith(b"\x89PNG")
     with pytest.raises(InvalidInput, match="do not go with"):
         run_evaluate(parser.parse_args(["locate", "--truth", "x"]))
-    with pytest.raises(InvalidInput, match="evaluate locate"):
-        run_evaluate(parser.parse_args(["--out", "x"]))
+    for given in (["--set", "real"], ["--images", "x"]):
+        with pytest.raises(InvalidInput, match="evaluate locate"):
+            run_evaluate(parser.parse_args(given))
 
 
-def test_a_model_is_scored_beside_the_others(drawn, tmp_path, capsys):
-    noise = np.random.default_rng(4).integers(0, 256, (40, 12, 12)).astype(np.uint8)
-    space = train(noise, 4)
-    modules = [_core.FaceModule(name, space, 0.4, (0, 0)) for name in PARTS]
-    Eigenspaces([space], [0.0], modules, 0.001 * np.eye(8)).save(tmp_path / "m.npz")
-    Eigenspaces([space], [0.0]).save(tmp_path / "bare.npz")
+def test_a_model_of_ones_own_is_scored(drawn, tmp_path, capsys):
+    spaces = installed_spaces()
+    blind = np.zeros_like(spaces.weights)
+    blind[-1] = -20
+    save_spaces(
+        _core.FaceSpaces(spaces.views, spaces.other, spaces.modules, blind), tmp_path / "m.npz"
+    )
     parser = argparse.ArgumentParser()
     add_arguments(parser)
-    given = ["locate", "--images", str(drawn), "--json", "--eigenspaces"]
-    assert run_evaluate(parser.parse_args([*given, str(tmp_path / "m.npz")])) == 0
-    scored = json.loads(capsys.readouterr().out)["eigenspaces"]
-    assert scored["found"] == 0  # it knows noise alone
-    assert scored["false_at_all"] > 1
-    with pytest.raises(InvalidInput, match="lack modules for mouth"):
-        run_evaluate(parser.parse_args([*given, str(tmp_path / "bare.npz")]))
+    given = ["locate", "--images", str(drawn), "--json", "--eigenspaces", str(tmp_path / "m.npz")]
+    assert run_evaluate(parser.parse_args(given)) == 0
+    scored = json.loads(capsys.readouterr().out)
+    assert scored["eigenspaces"]["found"] == 0
+    # What the cascades find alone stays
+    assert scored["mimetic"]["found"] == scored["cascades, measured"]["found"]
+    few = _core.FaceSpaces(
+        [_without_mouth(view) for view in spaces.views],
+        spaces.other,
+        spaces.modules[:3],
+        np.delete(spaces.weights, -2),
+    )
+    save_spaces(few, tmp_path / "few.npz")
+    with pytest.raises(InvalidInput, match="no module mouth"):
+        run_evaluate(parser.parse_args([*given[:-1], str(tmp_path / "few.npz")]))
+
+
+def _without_mouth(view):
+    places, covariance = view.places[:6], view.covariance[:6, :6]
+    return _core.ViewSpace(
+        view.yaw, view.filter, view.threshold, view.space, places, np.ascontiguousarray(covariance)
+    )
 
 
 def test_nothing_to_find_is_an_error():
     with pytest.raises(InvalidInput, match="nothing to find"):
-        locate.score_finders(make_stills(num_faces=0))
+        locate.score_finders(make_stills(num_faces=0), installed_spaces())

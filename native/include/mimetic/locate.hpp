@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <memory>
+#include <mimetic/face_spaces.hpp>
 #include <mimetic/image.hpp>
 #include <mimetic/types.hpp>
 #include <string>
@@ -30,6 +31,8 @@ struct FaceFeatures {
     Eigen::Vector4d box =
         Eigen::Vector4d::Zero();  ///< left, top, width, height of the detector's square, pixels
     double likelihood = 0;        ///< 0 to 1: face seen, both eyes and mouth where they should be
+    double yaw = 0;               ///< degrees, of the view that fits best; 0 without eigenspaces
+    double roll = 0;              ///< radians, clockwise in the picture
     std::vector<Feature> features;
     std::vector<FeatureCurve> curves;
 
@@ -43,12 +46,15 @@ struct LocateOptions {
     void check() const;             ///< throws InvalidInput: field, value, limit
 };
 
-/// Finds frontal faces by OpenCV's Haar cascades and measures eyes, brows, nose, mouth and jaw in them.
+/// Finds faces by eigenspaces and OpenCV's Haar cascade together, or by the cascades alone, and measures
+/// eyes, brows, nose, mouth and jaw in them.
 class FaceLocator {
 public:
     /// cascade_directory: holds haarcascade_frontalface_alt2.xml and haarcascade_eye.xml. Throws
     /// InvalidInput.
     explicit FaceLocator(const std::string& cascade_directory, const LocateOptions& options = {});
+    /// Looks with eigenspaces too: at more turned faces, and nearer to where eyes and mouth are.
+    FaceLocator(const std::string& cascade_directory, FaceSpaces spaces, const LocateOptions& options = {});
     ~FaceLocator();
     FaceLocator(FaceLocator&&) noexcept;
     FaceLocator& operator=(FaceLocator&&) noexcept;
@@ -59,6 +65,7 @@ public:
 private:
     struct Cascades;
     std::unique_ptr<Cascades> cascades_;
+    std::unique_ptr<FaceFinder> finder_;  // empty: cascades alone
     LocateOptions options_;
 };
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/eigenspace.hpp>
+#include <mimetic/face_spaces.hpp>
 
 #include "arrays.hpp"
 
@@ -37,77 +37,124 @@ void bind_space(py::module_& m) {
           "Principal components of patches (K x N, grey values, row by row).\n\n"
           "shrinkage: share of every eigenvalue that their mean replaces, 0 to 1");
     m.def("eigenspace_distance", &distance, "space"_a, "patch"_a, "patch: N grey values, row by row");
-    m.def(
-        "likelihood_map",
-        [](const Eigenspace& space, const ImageArray& image) {
-            const GrayView view = view_image<1>(image, "image");
-            py::gil_scoped_release release;
-            return likelihood_map(space, view);
-        },
-        "space"_a, py::arg("image").noconvert(),
-        "Log likelihood of every patch of a (H, W) uint8 image, at its top left corner.");
+}
+
+void bind_face_spaces(py::module_& m) {
+    py::class_<ViewSpace>(m, "ViewSpace", "The whole face under one yaw.")
+        .def(py::init([](double yaw, const Eigen::VectorXd& filter, double threshold, Eigenspace space,
+                         const Eigen::VectorXd& places, const MatrixRows& covariance) {
+                 return ViewSpace{yaw, filter, threshold, std::move(space), places, covariance};
+             }),
+             "yaw"_a, "filter"_a, "threshold"_a, "space"_a, "places"_a, "covariance"_a,
+             "yaw: degrees; filter: N; places: x0, y0, x1, ... of the modules from the middle, in window "
+             "widths")
+        .def_readonly("yaw", &ViewSpace::yaw)
+        .def_readonly("filter", &ViewSpace::filter)
+        .def_readonly("threshold", &ViewSpace::threshold)
+        .def_readonly("space", &ViewSpace::space)
+        .def_readonly("places", &ViewSpace::places)
+        .def_readonly("covariance", &ViewSpace::covariance);
+    py::class_<ModuleSpace>(m, "ModuleSpace", "A part of the face, and its surroundings.")
+        .def(py::init([](std::string name, Eigenspace space, Eigenspace other, double width) {
+                 return ModuleSpace{std::move(name), std::move(space), std::move(other), width};
+             }),
+             "name"_a, "space"_a, "other"_a, "width"_a, "width: of its window, in widths of the face's")
+        .def_readonly("name", &ModuleSpace::name)
+        .def_readonly("space", &ModuleSpace::space)
+        .def_readonly("other", &ModuleSpace::other)
+        .def_readonly("width", &ModuleSpace::width);
+    py::class_<FaceSpaces>(m, "FaceSpaces",
+                           "View-based and modular eigenspaces, and those of what is "
+                           "mistaken for them.")
+        .def(py::init([](std::vector<ViewSpace> views, Eigenspace other, std::vector<ModuleSpace> modules,
+                         const Eigen::VectorXd& weights) {
+                 FaceSpaces spaces{std::move(views), std::move(other), std::move(modules), weights};
+                 spaces.check();
+                 return spaces;
+             }),
+             "views"_a, "other"_a, "modules"_a, "weights"_a,
+             "weights: of the evidence, and a constant: log odds of a face. Raises InvalidInput.")
+        .def_readonly("views", &FaceSpaces::views)
+        .def_readonly("other", &FaceSpaces::other)
+        .def_readonly("modules", &FaceSpaces::modules)
+        .def_readonly("weights", &FaceSpaces::weights)
+        .def("module", &FaceSpaces::module, "name"_a, "Index of a module; raises InvalidInput.");
 }
 
 }  // namespace
 
 void bind_eigenspace(py::module_& m) {
     bind_space(m);
-    const SpaceSearchOptions usual;
-    py::class_<SpaceSearchOptions>(m, "SpaceSearchOptions", "Sizes and turns to search.")
-        .def(py::init([](double smallest, double largest, int steps_per_octave, double largest_roll,
-                         int num_rolls, int num_matches, double least_likelihood) {
-                 SpaceSearchOptions options{smallest,  largest,     steps_per_octave, largest_roll,
-                                            num_rolls, num_matches, least_likelihood};
+    bind_face_spaces(m);
+    const FaceSearch usual;
+    py::class_<FaceSearch>(m, "FaceSearch", "Sizes and turns to search for faces.")
+        .def(py::init([](double smallest, double largest, int steps_per_octave, double roll,
+                         double least_probability) {
+                 FaceSearch options{smallest, largest, steps_per_octave, roll, least_probability};
                  options.check();
                  return options;
              }),
              "smallest"_a = usual.smallest, "largest"_a = usual.largest,
-             "steps_per_octave"_a = usual.steps_per_octave, "largest_roll"_a = usual.largest_roll,
-             "num_rolls"_a = usual.num_rolls, "num_matches"_a = usual.num_matches,
-             "least_likelihood"_a = usual.least_likelihood,
-             "smallest: patch width, pixels; largest: part of the shorter side; largest_roll: radians");
-    py::class_<SpaceMatch>(m, "SpaceMatch", "A place, size and turn that looks like one of the spaces.")
-        .def(py::init(
-                 [](const Eigen::Vector2d& center, double width, double roll, int view,
-                    double log_likelihood) { return SpaceMatch{center, width, roll, view, log_likelihood}; }),
-             "center"_a, "width"_a, "roll"_a = 0.0, "view"_a = 0, "log_likelihood"_a = 0.0)
-        .def_property_readonly("center", [](const SpaceMatch& s) { return s.center; })
-        .def_readonly("width", &SpaceMatch::width, "of the patch, pixels")
-        .def_readonly("roll", &SpaceMatch::roll, "radians, clockwise in the picture")
-        .def_readonly("view", &SpaceMatch::view, "index of the space")
-        .def_readonly("log_likelihood", &SpaceMatch::log_likelihood);
+             "steps_per_octave"_a = usual.steps_per_octave, "roll"_a = usual.roll,
+             "least_probability"_a = usual.least_probability,
+             "smallest: two pupil distances, pixels; largest: part of the shorter side; roll: radians");
+    py::class_<FaceHint>(m, "FaceHint", "A square that another finder takes for a face.")
+        .def(py::init<Eigen::Vector2d, double, double>(), "center"_a, "width"_a, "votes"_a,
+             "center, width: of the face's window, pixels");
+    py::class_<FoundFace>(m, "FoundFace", "A face: where, how large, how turned, and what speaks for it.")
+        .def_property_readonly("center", [](const FoundFace& f) { return f.center; })
+        .def_readonly("width", &FoundFace::width, "of its window, pixels: two pupil distances")
+        .def_readonly("roll", &FoundFace::roll, "radians, clockwise in the picture")
+        .def_readonly("yaw", &FoundFace::yaw, "degrees, of the view that fits best")
+        .def_readonly("probability", &FoundFace::probability)
+        .def_readonly("places", &FoundFace::places, "pixels, a row a module")
+        .def_readonly("evidence", &FoundFace::evidence);
+    py::class_<FaceFinder>(m, "FaceFinder", "Maximum-likelihood search for faces.")
+        .def(py::init<FaceSpaces>(), "spaces"_a)
+        .def(
+            "find",
+            [](const FaceFinder& finder, const ImageArray& image, const FaceSearch& options,
+               const std::vector<FaceHint>& hints) {
+                const GrayView view = view_image<1>(image, "image");
+                py::gil_scoped_release release;
+                return finder.find(view, options, hints);
+            },
+            py::arg("image").noconvert(), "options"_a = usual, "hints"_a = std::vector<FaceHint>{},
+            "Faces that do not overlap, the most probable first.\n\nimage: (H, W) uint8\n"
+            "returns: list of FoundFace")
+        .def(
+            "find_near",
+            [](const FaceFinder& finder, const ImageArray& image, const FoundFace& before,
+               double least_probability) {
+                const GrayView view = view_image<1>(image, "image");
+                py::gil_scoped_release release;
+                return finder.find_near(view, before, least_probability);
+            },
+            py::arg("image").noconvert(), "before"_a, "least_probability"_a = usual.least_probability,
+            "The same face in another frame.");
     m.def(
-        "search_spaces",
-        [](const std::vector<Eigenspace>& views, const ImageArray& image, const SpaceSearchOptions& options) {
+        "flat_levels",
+        [](const ImageArray& image, int side, const FaceSearch& options) {
             const GrayView view = view_image<1>(image, "image");
             py::gil_scoped_release release;
-            return search_spaces(views, view, options);
+            std::vector<std::pair<MatrixRows, double>> made;
+            for (auto& level : flat_levels(view, side, options))
+                made.emplace_back(std::move(level.values), level.width);
+            return made;
         },
-        "views"_a, py::arg("image").noconvert(), "options"_a = usual,
-        "Maximum likelihood over position, scale, turn and view; the likeliest first.\n\n"
-        "image: (H, W) uint8\nreturns: list of SpaceMatch");
-    py::class_<FaceModule>(m, "FaceModule", "A part of the face with an eigenspace of its own.")
-        .def(py::init<std::string, Eigenspace, double, Eigen::Vector2d>(), "name"_a, "space"_a, "width"_a,
-             "place"_a, "width: of its patch; place: from the face's centre; both in the face's widths")
-        .def_readonly("name", &FaceModule::name)
-        .def_readonly("space", &FaceModule::space)
-        .def_readonly("width", &FaceModule::width)
-        .def_property_readonly("place", [](const FaceModule& f) { return f.place; });
-    py::class_<ModulePlaces>(m, "ModulePlaces", "Where the parts of a face are.")
-        .def_readonly("positions", &ModulePlaces::positions, "pixels, a row a module")
-        .def_readonly("log_likelihood", &ModulePlaces::log_likelihood, "of each module by itself")
-        .def_readonly("prior", &ModulePlaces::prior, "squared Mahalanobis distance from the mean places");
+        py::arg("image").noconvert(), "side"_a, "options"_a = usual,
+        "Levels of an image, contrast flattened, as the search sees them: list of (values, window width)");
     m.def(
-        "place_modules",
-        [](const std::vector<FaceModule>& modules, const MatrixRows& covariance, const ImageArray& image,
-           const SpaceMatch& face, int candidates) {
+        "flat_window",
+        [](const ImageArray& image, const Eigen::Vector2d& center, double width, double roll, int cols,
+           int rows, double ipd_px) {
             const GrayView view = view_image<1>(image, "image");
             py::gil_scoped_release release;
-            return place_modules(modules, covariance, view, face, candidates);
+            return flat_window(view, center, width, roll, cols, rows, ipd_px);
         },
-        "modules"_a, "covariance"_a, py::arg("image").noconvert(), "face"_a, "candidates"_a = 4,
-        "The modules' likeliest places together.\n\ncovariance: of all places, in squared widths of the "
-        "face's patch\nimage: (H, W) uint8\nreturns: ModulePlaces");
+        py::arg("image").noconvert(), "center"_a, "width"_a, "roll"_a, "cols"_a, "rows"_a, "ipd_px"_a,
+        "A window of flattened contrast.\n\nwidth: of the window in the image, pixels; roll: radians;\n"
+        "ipd_px: pupil distance in pixels of the window");
 }
 
 }  // namespace mimetic::bindings

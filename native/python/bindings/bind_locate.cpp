@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/cascade.hpp>
 #include <mimetic/locate.hpp>
+#include <optional>
 
 #include "arrays.hpp"
 
@@ -34,23 +35,28 @@ void bind_locate(py::module_& m) {
     py::class_<FaceFeatures>(m, "FaceFeatures", "What one face shows: box, points and curves, pixels.")
         .def(py::init([](std::vector<Feature> features, std::vector<FeatureCurve> curves,
                          const Eigen::Vector4d& box, double likelihood) {
-                 return FaceFeatures{box, likelihood, std::move(features), std::move(curves)};
+                 return FaceFeatures{box, likelihood, 0, 0, std::move(features), std::move(curves)};
              }),
              "features"_a, "curves"_a, "box"_a, "likelihood"_a)
         .def_property_readonly(
             "box", [](const FaceFeatures& f) { return f.box; }, "left, top, width, height")
         .def_readonly("likelihood", &FaceFeatures::likelihood)
+        .def_readonly("yaw", &FaceFeatures::yaw, "degrees, of the view that fits best")
+        .def_readonly("roll", &FaceFeatures::roll, "radians, clockwise in the picture")
         .def_readonly("features", &FaceFeatures::features)
         .def_readonly("curves", &FaceFeatures::curves);
 
     py::class_<FaceLocator>(m, "FaceLocator",
-                            "Finds frontal faces by OpenCV's Haar cascades and measures them.")
-        .def(
-            py::init([](const std::string& cascade_directory, double smallest_face, double least_likelihood) {
-                return FaceLocator(cascade_directory, {smallest_face, least_likelihood});
-            }),
-            "cascade_directory"_a, "smallest_face"_a = LocateOptions{}.smallest_face,
-            "least_likelihood"_a = LocateOptions{}.least_likelihood)
+                            "Finds faces by eigenspaces and OpenCV's Haar cascades and measures them.")
+        .def(py::init([](const std::string& cascade_directory, double smallest_face, double least_likelihood,
+                         const std::optional<FaceSpaces>& spaces) {
+                 const LocateOptions options{smallest_face, least_likelihood};
+                 return spaces ? FaceLocator(cascade_directory, *spaces, options)
+                               : FaceLocator(cascade_directory, options);
+             }),
+             "cascade_directory"_a, "smallest_face"_a = LocateOptions{}.smallest_face,
+             "least_likelihood"_a = LocateOptions{}.least_likelihood, "spaces"_a = std::nullopt,
+             "spaces: FaceSpaces to look with beside the cascades")
         .def(
             "locate",
             [](const FaceLocator& locator, const ImageArray& image) {

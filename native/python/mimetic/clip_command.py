@@ -13,7 +13,7 @@ from mimetic.console import Console, listen_for_interrupt
 from mimetic.fit import FaceFit
 from mimetic.footage import Footage
 from mimetic.performance import Performance
-from mimetic.pipeline import CaptureSummary, Progress
+from mimetic.pipeline import CaptureSummary, Progress, find_face
 from mimetic.report import check_report_packages
 
 INTERRUPTED = 130
@@ -37,6 +37,12 @@ def add_clip_arguments(parser: argparse.ArgumentParser, shown: str) -> None:
     parser.add_argument(
         "--fit", type=Path, metavar="FIT.json", help="a face fit, instead of finding one"
     )
+    parser.add_argument(
+        "--face",
+        type=parse_place,
+        metavar="X,Y",
+        help="of several faces, the one nearest to this pixel (default: the largest)",
+    )
 
 
 def parse_frames(text: str) -> tuple[int | None, int | None]:
@@ -52,6 +58,14 @@ def parse_frames(text: str) -> tuple[int | None, int | None]:
     return first, last
 
 
+def parse_place(text: str) -> tuple[float, float]:
+    """`X,Y` in pixels; raises argparse.ArgumentTypeError."""
+    match = re.fullmatch(r"(\d{1,5}(?:\.\d{1,9})?),(\d{1,5}(?:\.\d{1,9})?)", text)
+    if not match:
+        raise argparse.ArgumentTypeError(f"{text!r} is not X,Y in pixels, such as 320,180")
+    return float(match[1]), float(match[2])
+
+
 def run_on_clip(
     arguments: argparse.Namespace, shares: tuple[float, float], follow: Follow, draw: Draw
 ) -> int:
@@ -62,6 +76,10 @@ def run_on_clip(
     check_report_packages()
     out = arguments.out
     footage = Footage(arguments.footage)
+    if arguments.fit and arguments.face:
+        raise InvalidInput(
+            "--face chooses a face to find, --fit says where it is: give one of them"
+        )
     fit = FaceFit.load(arguments.fit) if arguments.fit else None
     prepare_folder(out)
     with Console() as console, listen_for_interrupt() as interrupted:
@@ -75,6 +93,9 @@ def run_on_clip(
 
         summary = CaptureSummary()
         try:
+            if arguments.face:
+                frames, near = arguments.frames, arguments.face
+                fit = find_face(footage.path, frames=frames, near=near)
             performance = follow(fit, advance(shares[0], 0.0), summary)
         except (InvalidInput, UnreadableMedia):
             if interrupted():  # before there was anything to keep

@@ -1,22 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Eigenspaces of faces and their parts: the model, its file, and finding a face with it."""
+"""Eigenspaces of faces and their parts: training one, and the file they are kept in."""
 
 from __future__ import annotations
 
 import os
 import zipfile
-from dataclasses import dataclass, field
+from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.array_file import check_shape, read_array, read_headers
+from mimetic.face_template import data_folder
 from mimetic.whole_file import whole_file
 
-SCHEMA = 1
+SCHEMA = 2
+FILE_NAME = "face_spaces.npz"  # in the folder of installed data
 MOST_VIEWS, MOST_MODULES = 9, 6
-LARGEST = {"N": 1 << 16, "M": 256, "C": 2 * MOST_MODULES}
+LARGEST = {"N": 1 << 14, "M": 256, "V": MOST_VIEWS, "K": MOST_MODULES, "C": 2 * MOST_MODULES}
+LARGEST |= {"E": 64}
 SPACE_ARRAYS: dict[str, tuple[int | str, ...]] = {
     "size": (2,),
     "mean": ("N",),
@@ -24,89 +28,70 @@ SPACE_ARRAYS: dict[str, tuple[int | str, ...]] = {
     "eigenvalues": ("M",),
     "rho": (),
 }
+VIEW_ARRAYS: dict[str, tuple[int | str, ...]] = {
+    "yaws": ("V",),
+    "filters": ("V", "N"),
+    "thresholds": ("V",),
+    "places": ("V", "C"),
+    "covariances": ("V", "C", "C"),
+}
 
 
-@dataclass(frozen=True)
-class FoundFace:
-    """A face found by maximum likelihood; pixels, left and right are the subject's."""
-
-    match: _core.SpaceMatch
-    yaw: float  # degrees, of the view that fits best
-    places: dict[str, NDArray[np.float64]]  # 2 each, by module
-    log_likelihood: dict[str, float]  # by module
-    score: float  # sum of all log likelihoods less half the prior's distance
-
-
-@dataclass(frozen=True)
-class Eigenspaces:
-    """View-based spaces of the whole face and modular ones of its parts."""
-
-    views: list[_core.Eigenspace]  # of one patch size
-    yaws: list[float]  # degrees, one a view
-    modules: list[_core.FaceModule] = field(default_factory=list)
-    covariance: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0)))
-    # of the modules' places (x0, y0, x1, ...), in squared widths of the face's patch
-
-    def __post_init__(self) -> None:
-        if not 1 <= len(self.views) <= MOST_VIEWS or len(self.yaws) != len(self.views):
-            raise InvalidInput(f"eigenspaces need 1 to {MOST_VIEWS} views and a yaw for each")
-        if len(self.modules) > MOST_MODULES:
-            raise InvalidInput(f"eigenspaces hold at most {MOST_MODULES} modules")
-        check_shape("covariance", self.covariance.shape, (2 * len(self.modules),) * 2, {}, {})
-
-    def find(
-        self, image: NDArray[np.uint8], options: _core.SpaceSearchOptions | None = None
-    ) -> list[FoundFace]:
-        """Faces in a (H, W) grey image, the highest score first; raises InvalidInput."""
-        found = []
-        for match in _core.search_spaces(self.views, image, options or _core.SpaceSearchOptions()):
-            places, likelihoods, score = {}, {}, match.log_likelihood
-            if self.modules:
-                parts = _core.place_modules(self.modules, self.covariance, image, match)
-                names = [module.name for module in self.modules]
-                places = dict(zip(names, parts.positions, strict=True))
-                likelihoods = dict(zip(names, parts.log_likelihood.tolist(), strict=True))
-                score += parts.log_likelihood.sum() - 0.5 * parts.prior
-            yaw = self.yaws[match.view]
-            found.append(FoundFace(match, yaw, places, likelihoods, float(score)))
-        return sorted(found, key=lambda face: -face.score)
-
-    def save(self, path: str | os.PathLike) -> None:
-        """Writes an .npz, whole or not at all; raises OSError."""
-        arrays = {
-            "schema": np.array(SCHEMA),
-            "yaws": np.array(self.yaws, float),
-            "module_names": np.array([module.name for module in self.modules], np.str_),
-            "module_widths": np.array([module.width for module in self.modules], float),
-            "module_places": np.array([m.place for m in self.modules], float).reshape(-1, 2),
-            "covariance": self.covariance,
-        }
-        for i, space in enumerate(self.views):
-            arrays |= _arrays_of(f"view_{i}", space)
-        for i, module in enumerate(self.modules):
-            arrays |= _arrays_of(f"module_{i}", module.space)
-        with whole_file(path) as stream:
-            np.savez_compressed(stream, **arrays)
-
-    @classmethod
-    def load(cls, path: str | os.PathLike) -> Eigenspaces:
-        """Raises InvalidInput for a file that is no model, UnreadableMedia for one unreadable."""
-        try:
-            with zipfile.ZipFile(path) as archive:
-                return _read(archive)
-        except (OSError, zipfile.BadZipFile, EOFError) as error:
-            raise UnreadableMedia(f"{path}: {error}") from None
-        except InvalidInput as error:
-            raise InvalidInput(f"{path}: {error}") from None
-
-
-def train(patches: NDArray[np.uint8], num_modes: int, shrinkage: float = 0.01) -> _core.Eigenspace:
-    """The space of grey patches (K x H x W); raises InvalidInput."""
-    if patches.ndim != 3:
-        raise InvalidInput(f"patches have the shape {patches.shape}; K x H x W is needed")
-    count, height, width = patches.shape
-    flat = np.ascontiguousarray(patches.reshape(count, -1), np.float64)
+def train(windows: NDArray[np.floating], num_modes: int, shrinkage: float) -> _core.Eigenspace:
+    """The space of windows of flattened contrast (K x H x W); raises InvalidInput."""
+    if windows.ndim != 3:
+        raise InvalidInput(f"windows have the shape {windows.shape}; K x H x W is needed")
+    count, height, width = windows.shape
+    flat = np.ascontiguousarray(windows.reshape(count, -1), np.float64)
     return _core.train_eigenspace(flat, width, height, num_modes, shrinkage)
+
+
+def installed_spaces() -> _core.FaceSpaces:
+    """The spaces that come with the package; raises UnreadableMedia without them."""
+    path = data_folder() / FILE_NAME
+    try:
+        return _installed(path, path.stat().st_mtime_ns)
+    except OSError as error:
+        raise UnreadableMedia(f"{path}: {error.strerror}; build the package again") from None
+
+
+@lru_cache(maxsize=1)
+def _installed(path: Path, _changed: int) -> _core.FaceSpaces:
+    return load(path)
+
+
+def save(spaces: _core.FaceSpaces, path: str | os.PathLike) -> None:
+    """Writes an .npz, whole or not at all; raises OSError."""
+    arrays = {
+        "schema": np.array(SCHEMA),
+        "module_names": np.array([module.name for module in spaces.modules], np.str_),
+        "module_widths": np.array([module.width for module in spaces.modules], float),
+        "weights": spaces.weights,
+        "yaws": np.array([view.yaw for view in spaces.views], float),
+        "filters": np.array([view.filter for view in spaces.views], np.float32),
+        "thresholds": np.array([view.threshold for view in spaces.views], float),
+        "places": np.array([view.places for view in spaces.views], float),
+        "covariances": np.array([view.covariance for view in spaces.views], float),
+    }
+    arrays |= _arrays_of("other", spaces.other)
+    for i, view in enumerate(spaces.views):
+        arrays |= _arrays_of(f"view_{i}", view.space)
+    for i, module in enumerate(spaces.modules):
+        arrays |= _arrays_of(f"module_{i}", module.space)
+        arrays |= _arrays_of(f"module_{i}_other", module.other)
+    with whole_file(path) as stream:
+        np.savez_compressed(stream, **arrays)
+
+
+def load(path: str | os.PathLike) -> _core.FaceSpaces:
+    """Raises InvalidInput for a file that holds no spaces, UnreadableMedia for one unreadable."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return _read(archive)
+    except (OSError, zipfile.BadZipFile, EOFError) as error:
+        raise UnreadableMedia(f"{path}: {error}") from None
+    except InvalidInput as error:
+        raise InvalidInput(f"{path}: {error}") from None
 
 
 def _arrays_of(prefix: str, space: _core.Eigenspace) -> dict[str, NDArray]:
@@ -120,7 +105,7 @@ def _arrays_of(prefix: str, space: _core.Eigenspace) -> dict[str, NDArray]:
     }
 
 
-def _read(archive: zipfile.ZipFile) -> Eigenspaces:
+def _read(archive: zipfile.ZipFile) -> _core.FaceSpaces:
     headers = read_headers(archive)
     if not all(header.dtype.kind in "fiuU" for header in headers.values()):
         raise InvalidInput("holds arrays of neither numbers nor names")
@@ -129,9 +114,7 @@ def _read(archive: zipfile.ZipFile) -> Eigenspaces:
         if name not in headers:
             raise InvalidInput(f"lacks {name}: not a file of eigenspaces")
         header = headers[name]
-        check_shape(
-            name, header.shape, shape, lengths, LARGEST | {"V": MOST_VIEWS, "K": MOST_MODULES}
-        )
+        check_shape(name, header.shape, shape, lengths, LARGEST)
         if header.dtype.kind not in kinds:
             raise InvalidInput(f"{name} has the type {header.dtype}")
         return read_array(archive, name)
@@ -153,13 +136,18 @@ def _read(archive: zipfile.ZipFile) -> Eigenspaces:
     if (schema := int(read("schema", (), {}))) != SCHEMA:
         raise InvalidInput(f"has schema {schema}, this version reads {SCHEMA}: update Mimetic")
     counts: dict[str, int] = {}
-    yaws = read("yaws", ("V",), counts).astype(float).tolist()
     names = read("module_names", ("K",), counts, "U").tolist()
     widths = read("module_widths", ("K",), counts).astype(float).tolist()
-    places = read("module_places", ("K", 2), counts).astype(float)
+    v = {n: read(n, shape, counts).astype(float) for n, shape in VIEW_ARRAYS.items()}
+    views = [
+        _core.ViewSpace(yaw, v["filters"][i], threshold, space(f"view_{i}"), *places)
+        for i, (yaw, threshold, *places) in enumerate(
+            zip(v["yaws"], v["thresholds"], v["places"], v["covariances"], strict=True)
+        )
+    ]
     modules = [
-        _core.FaceModule(name, space(f"module_{i}"), widths[i], places[i])
+        _core.ModuleSpace(name, space(f"module_{i}"), space(f"module_{i}_other"), widths[i])
         for i, name in enumerate(names)
     ]
-    covariance = read("covariance", ("C", "C"), {}).astype(float)
-    return Eigenspaces([space(f"view_{i}") for i in range(len(yaws))], yaws, modules, covariance)
+    weights = read("weights", ("E",), {}).astype(float)
+    return _core.FaceSpaces(views, space("other"), modules, weights)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
+from mimetic.eigenspaces import installed_spaces
 from mimetic.face_fit import FaceFit
 from mimetic.face_model import face_model
 from mimetic.face_shape import face_shape
@@ -46,11 +47,19 @@ def score_frame(image: NDArray[np.uint8]) -> float | None:
     return judged[0] if judged else None
 
 
-def judge_frame(image: NDArray[np.uint8]) -> tuple[float, NDArray[np.float64]] | None:
-    """The score of `score_frame`, and the expression (6) by which frames of a clip compare."""
+def judge_frame(
+    image: NDArray[np.uint8], near: tuple[float, float] | None = None
+) -> tuple[float, NDArray[np.float64]] | None:
+    """The score of `score_frame`, and the expression (6) by which frames of a clip compare.
+
+    near: as `find_face` has it
+    """
     image = as_rgb(image)
     faces = _locator().locate(image)
-    return (rest_score(image, faces[0]), expression(faces[0])) if faces else None
+    if not faces:
+        return None
+    face = faces[_nearest(faces, near) if near else 0]
+    return rest_score(image, face), expression(face)
 
 
 def find_face(
@@ -60,12 +69,14 @@ def find_face(
     template: FaceTemplate | None = None,
     camera: _core.Camera | None = None,
     choice: int = 0,
+    near: tuple[float, float] | None = None,
 ) -> FaceFit:
     """Finds a face and fits pose and proportions of the head to it.
 
     image: (H, W, 3) RGB or (H, W) grey, uint8
     camera: its focal length is kept; without one, 1.2 image widths
     choice: which face, the largest first
+    near: a place (x, y) in pixels; the face nearest to it is taken, whatever `choice` is
     Raises NoFace with the reason, InvalidInput for an image that cannot be worked with.
     """
     image = as_rgb(image)
@@ -82,6 +93,8 @@ def find_face(
         raise InvalidInput(
             f"face {choice} was asked for, but frame {frame} shows {len(faces)}: count from 0"
         )
+    if near is not None:
+        choice = _nearest(faces, near)
     warnings = []
     if len(faces) > 1:
         boxes = "; ".join(
@@ -226,6 +239,12 @@ def _expected(model, estimate, camera, features):
     )
 
 
+def _nearest(faces: list[_core.FaceFeatures], near: tuple[float, float]) -> int:
+    """Index of the face whose middle is nearest to a place, pixels."""
+    away = [np.linalg.norm(face.box[:2] + face.box[2:] / 2 - near) for face in faces]
+    return int(np.argmin(away))
+
+
 @lru_cache(maxsize=1)
 def _locator() -> _core.FaceLocator:
-    return _core.FaceLocator(str(data_folder()))
+    return _core.FaceLocator(str(data_folder()), spaces=installed_spaces())

@@ -38,6 +38,7 @@ from mimetic.sequence import Rows, State
 
 Progress = Callable[[float, str], bool]  # fraction, what is done -> go on?
 FrameRange = tuple[int | None, int | None]
+Place = tuple[float, float]  # x, y, pixels
 
 SEARCHED_SECONDS = 8.0  # of the clip, for the frame that shows the face best
 NUM_CANDIDATES = 16
@@ -65,23 +66,25 @@ def find_face(
     frame: int | None = None,
     frames: FrameRange | None = None,
     progress: Progress | None = None,
+    near: Place | None = None,
 ) -> FaceFit:
     """The head fitted to `frame`, or to the best of the first seconds (within `frames`).
 
-    The face must be at rest there. Raises NoFace, UnreadableMedia, InvalidInput.
+    The face must be at rest there. Of several the largest is taken, or the one nearest to `near`.
+    Raises NoFace, UnreadableMedia, InvalidInput.
     """
     footage = Footage(path)
     if frame is not None:
         first, last = check_range((frame, frame), footage)
-        return fitting.find_face(footage.read(first), first)
+        return fitting.find_face(footage.read(first), first, near=near)
     first, last = check_range(frames, footage)
     start = first + SETTLING if first + 3 * SETTLING < last else first
     end = min(last, start + max(1, round(SEARCHED_SECONDS * float(footage.fps))))
-    fit = _best_fit(footage, _spread(start, end, NUM_CANDIDATES), progress)
+    fit = _best_fit(footage, _spread(start, end, NUM_CANDIDATES), progress, near)
     if fit is None and end < last:
-        fit = _best_fit(footage, _spread(end + 1, last, 2 * NUM_CANDIDATES), progress)
+        fit = _best_fit(footage, _spread(end + 1, last, 2 * NUM_CANDIDATES), progress, near)
     if fit is None and start > first:
-        fit = _best_fit(footage, _spread(first, start - 1, SETTLING), progress)
+        fit = _best_fit(footage, _spread(first, start - 1, SETTLING), progress, near)
     if fit is None:
         raise NoFace(
             f"no frontal face found in {footage.path.name}, frames {first} to {last}: choose a "
@@ -95,14 +98,16 @@ def _spread(first: int, last: int, number: int) -> set[int]:
     return set(np.linspace(first, last, min(number, last - first + 1)).astype(int).tolist())
 
 
-def _best_fit(footage: Footage, wanted: set[int], progress: Progress | None) -> FaceFit | None:
+def _best_fit(
+    footage: Footage, wanted: set[int], progress: Progress | None, near: Place | None
+) -> FaceFit | None:
     """The fit to the best of the wanted frames that can be fitted at all."""
     judged: list[tuple[int, float, NDArray[np.float64]]] = []
     for frame, image in footage.frames(min(wanted), max(wanted)):
         if frame in wanted:
             if progress and not progress(0.0, f"looking for the face: frame {frame}"):
                 raise NoFace("stopped while looking for the face")
-            found = fitting.judge_frame(image)
+            found = fitting.judge_frame(image, near)
             if found is not None:
                 judged.append((frame, *found))
     if not judged:
@@ -114,7 +119,8 @@ def _best_fit(footage: Footage, wanted: set[int], progress: Progress | None) -> 
         if len(fits) == NUM_TRIED or (fits and chances[i] < LEAST_CHANCE * chances.max()):
             break
         with contextlib.suppress(NoFace):
-            fits.append(fitting.find_face(footage.read(frames[i]), frames[i]))
+            image = footage.read(frames[i])
+            fits.append(fitting.find_face(image, frames[i], near=near))
     # Pose or expression taken for shape asks for unusual proportions.
     return min(fits, key=_unusualness, default=None)
 

@@ -2,10 +2,9 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
+#include <mimetic/eigenspace.hpp>
 #include <mimetic/error.hpp>
 #include <numbers>
-
-#include "locate/likelihood.hpp"
 
 namespace mimetic {
 namespace {
@@ -21,6 +20,13 @@ bool normalize(Eigen::Ref<Eigen::RowVectorXd> patch) {
     if (!(deviation >= kLeastDeviation)) return false;
     patch /= deviation;
     return true;
+}
+
+double log_normalizer(const Eigenspace& space) {
+    const auto n = static_cast<double>(space.mean.size());
+    const double rest = n - static_cast<double>(space.eigenvalues.size());
+    return -0.5 * (n * std::log(2 * std::numbers::pi) + space.eigenvalues.array().log().sum() +
+                   rest * std::log(space.rho));
 }
 
 }  // namespace
@@ -88,18 +94,8 @@ SpaceDistance distance(const Eigenspace& space, VectorIn patch) {
     SpaceDistance away;
     away.within = (y.array().square() / space.eigenvalues.array()).sum();
     away.from = std::max(0.0, off.squaredNorm() - y.squaredNorm());
-    away.log_likelihood = locate::log_normalizer(space) - 0.5 * (away.within + away.from / space.rho);
+    away.log_likelihood = log_normalizer(space) - 0.5 * (away.within + away.from / space.rho);
     return away;
 }
 
-namespace locate {
-
-double log_normalizer(const Eigenspace& space) {
-    const auto n = static_cast<double>(space.mean.size());
-    const double rest = n - static_cast<double>(space.eigenvalues.size());
-    return -0.5 * (n * std::log(2 * std::numbers::pi) + space.eigenvalues.array().log().sum() +
-                   rest * std::log(space.rho));
-}
-
-}  // namespace locate
 }  // namespace mimetic

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <mimetic/error.hpp>
 #include <mimetic/locate.hpp>
+#include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/objdetect.hpp>
 
@@ -16,9 +17,13 @@ using locate::Expected;
 using locate::FacePatch;
 using locate::Features;
 
-constexpr double kDetectorSide = 480;  // the longer side of the image that the face cascade sees
-constexpr double kCropSide = 160;      // pixels of a face box when eyes are sought
-constexpr double kEyeLine = 0.385;     // of the box
+constexpr double kDetectorSide = 480;   // the longer side of the image that the face cascade sees
+constexpr double kCropSide = 160;       // pixels of a face box when eyes are sought
+constexpr int kNeighbours = 3;          // windows that have to agree where the cascade decides alone
+constexpr double kWindowPerBox = 0.85;  // the eigenspaces' window, two pupil distances, in widths of a box
+constexpr double kMiddleInBox = 0.61;   // of the box: half way from the eyes to the mouth
+constexpr double kSearchNearModules = 0.12;  // pupil distances
+constexpr double kLean = 0.436;              // radians: what upright searches miss
 
 std::unique_ptr<cv::CascadeClassifier> load(const std::string& directory, const char* name) {
     const std::string path = directory + "/haarcascade_" + name + ".xml";
@@ -43,20 +48,32 @@ cv::Mat gray_of(ColorView image) {
     return gray;
 }
 
-/// Turns the image about its centre; faces leant further than about 20 degrees are missed upright.
-cv::Mat turned(const cv::Mat& image, double degrees, cv::Matx23d& turned_from_image) {
-    const cv::Point2f center(0.5f * static_cast<float>(image.cols - 1),
-                             0.5f * static_cast<float>(image.rows - 1));
-    turned_from_image = cv::Matx23d(cv::getRotationMatrix2D(center, degrees, 1));
-    cv::Mat out;
-    cv::warpAffine(image, out, turned_from_image, image.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-    return out;
-}
+/// The image turned about its centre: faces leant further than about 20 degrees are missed upright.
+struct Upright {
+    Upright(const cv::Mat& image, double lean) : gray(image), roll(lean) {
+        if (lean == 0) return;
+        const cv::Point2f center(0.5f * static_cast<float>(image.cols - 1),
+                                 0.5f * static_cast<float>(image.rows - 1));
+        const cv::Matx23d turn(cv::getRotationMatrix2D(center, lean * 180 / std::numbers::pi, 1));
+        cv::invertAffineTransform(turn, image_from_gray);
+        cv::Mat turned;
+        cv::warpAffine(image, turned, turn, image.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+        gray = turned;
+    }
+
+    Eigen::Vector2d in_image(const Eigen::Vector2d& p) const {
+        const auto& m = image_from_gray;
+        return {m(0, 0) * p.x() + m(0, 1) * p.y() + m(0, 2), m(1, 0) * p.x() + m(1, 1) * p.y() + m(1, 2)};
+    }
+
+    cv::Mat gray;
+    double roll;  ///< radians, clockwise: of faces that stand upright here
+    cv::Matx23d image_from_gray = cv::Matx23d(1, 0, 0, 0, 1, 0);
+};
 
 struct Candidate {
     cv::Rect2d box;  ///< in the (turned) image
     double votes = 0;
-    locate::EyePair eyes;  ///< in the (turned) image
 };
 
 /// Measured features as they are passed out: pixels of the image.
@@ -90,6 +107,44 @@ FaceFeatures measure_in_patch(const FacePatch& patch, const Expected& expected) 
     locate::measure_mouth(patch, expected, features, curves);
     locate::measure_jaw(patch, expected, curves);
     return to_image(patch, features, curves);
+}
+
+/// The average face, its nose and mouth where the modules found them.
+Expected expected_of(const FacePatch& patch, const Eigen::Vector2d& nose, const Eigen::Vector2d& mouth) {
+    Expected expected = locate::average_face();
+    expected.search = kSearchNearModules;
+    const auto middle = [&](const std::string& name) {
+        return Eigen::Vector2d(0.5 * (expected.at(name + ".L") + expected.at(name + ".R")));
+    };
+    const Eigen::Vector2d of_nose = patch.to_ipd(nose) - middle("ala");
+    const Eigen::Vector2d of_mouth = patch.to_ipd(mouth) - middle("mouth_corner");
+    for (auto& [name, place] : expected.features) {
+        if (name.starts_with("nostril") || name.starts_with("ala")) place += of_nose;
+        if (name.starts_with("mouth") || name.starts_with("lip")) place += of_mouth;
+    }
+    expected.curves.at("jaw").rowwise() += of_mouth.transpose();
+    return expected;
+}
+
+/// A face of the eigenspaces, measured.
+FaceFeatures measured(ColorView image, const FaceSpaces& spaces, const FoundFace& found) {
+    const auto place = [&](const char* name) {
+        return Eigen::Vector2d(found.places.row(spaces.module(name)));
+    };
+    const FacePatch first = locate::make_patch(image, place("pupil.R"), place("pupil.L"));
+    Expected eyes = locate::average_face();
+    eyes.search = kSearchNearModules;
+    Features irises;
+    locate::measure_irises(first, eyes, irises);
+    const FacePatch patch = locate::make_patch(image, first.to_image(irises.at("pupil.R").position),
+                                               first.to_image(irises.at("pupil.L").position));
+    FaceFeatures face = measure_in_patch(patch, expected_of(patch, place("nose"), place("mouth")));
+    const double width = found.width / kWindowPerBox;
+    face.box << found.center.x() - width / 2, found.center.y() - kMiddleInBox * width, width, width;
+    face.likelihood = found.probability;
+    face.yaw = found.yaw;
+    face.roll = found.roll;
+    return face;
 }
 
 }  // namespace
@@ -150,25 +205,27 @@ struct FaceLocator::Cascades {
     std::unique_ptr<cv::CascadeClassifier> face;
     std::unique_ptr<cv::CascadeClassifier> eye;
 
-    std::vector<Candidate> faces(const cv::Mat& gray, double smallest);
+    std::vector<Candidate> boxes(const cv::Mat& gray, double smallest, int neighbours);
     locate::EyePair eyes(const cv::Mat& gray, const cv::Rect2d& box);
+    std::vector<FaceFeatures> locate(ColorView image, const Upright& seen, const LocateOptions& options);
+    std::vector<FaceFeatures> locate(ColorView image, const cv::Mat& gray, const Upright& seen,
+                                     const LocateOptions& options, const FaceFinder& finder);
 };
 
-std::vector<Candidate> FaceLocator::Cascades::faces(const cv::Mat& gray, double smallest) {
+std::vector<Candidate> FaceLocator::Cascades::boxes(const cv::Mat& gray, double smallest, int neighbours) {
     const double scale = std::min(1.0, kDetectorSide / std::max(gray.rows, gray.cols));
     cv::Mat small = gray;
     if (scale < 1) cv::resize(gray, small, {}, scale, scale, cv::INTER_AREA);
     const int least = std::max(20, static_cast<int>(smallest * std::min(small.rows, small.cols)));
-    std::vector<cv::Rect> boxes;
+    std::vector<cv::Rect> squares;
     std::vector<int> votes;
-    face->detectMultiScale(small, boxes, votes, 1.1, 3, 0, {least, least});
+    face->detectMultiScale(small, squares, votes, 1.1, neighbours, 0, {least, least});
     std::vector<Candidate> found;
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
+    for (std::size_t i = 0; i < squares.size(); ++i) {
         Candidate candidate;
-        candidate.box = {boxes[i].x / scale, boxes[i].y / scale, boxes[i].width / scale,
-                         boxes[i].height / scale};
+        candidate.box = {squares[i].x / scale, squares[i].y / scale, squares[i].width / scale,
+                         squares[i].height / scale};
         candidate.votes = votes[i];
-        candidate.eyes = eyes(gray, candidate.box);
         found.push_back(candidate);
     }
     return found;
@@ -210,6 +267,13 @@ FaceLocator::FaceLocator(const std::string& cascade_directory, const LocateOptio
     cascades_->eye = load(cascade_directory, "eye");
 }
 
+FaceLocator::FaceLocator(const std::string& cascade_directory, FaceSpaces spaces,
+                         const LocateOptions& options)
+    : FaceLocator(cascade_directory, options) {
+    for (const char* name : {"pupil.L", "pupil.R", "nose", "mouth"}) spaces.module(name);
+    finder_ = std::make_unique<FaceFinder>(std::move(spaces));
+}
+
 FaceLocator::~FaceLocator() = default;
 FaceLocator::FaceLocator(FaceLocator&&) noexcept = default;
 FaceLocator& FaceLocator::operator=(FaceLocator&&) noexcept = default;
@@ -218,30 +282,56 @@ std::vector<FaceFeatures> FaceLocator::locate(ColorView image) const {
     check_image_size(image.rows, image.cols, "image");
     const cv::Mat gray = gray_of(image);
     std::vector<FaceFeatures> found;
-    for (const double degrees : {0.0, 25.0, -25.0}) {
-        cv::Matx23d turned_from_image(1, 0, 0, 0, 1, 0);
-        const cv::Mat upright = degrees == 0 ? gray : turned(gray, degrees, turned_from_image);
-        cv::Matx23d back;
-        cv::invertAffineTransform(turned_from_image, back);
-        const auto in_image = [&](const Eigen::Vector2d& p) {
-            return Eigen::Vector2d(back(0, 0) * p.x() + back(0, 1) * p.y() + back(0, 2),
-                                   back(1, 0) * p.x() + back(1, 1) * p.y() + back(1, 2));
-        };
-        for (const auto& candidate : cascades_->faces(upright, options_.smallest_face)) {
-            const FacePatch patch = locate::make_patch(image, in_image(candidate.eyes.right.center),
-                                                       in_image(candidate.eyes.left.center));
-            FaceFeatures face = measure_in_patch(patch, locate::average_face());
-            const auto& box = candidate.box;
-            const Eigen::Vector2d middle = in_image({box.x + box.width / 2, box.y + box.height / 2});
-            face.box << middle.x() - box.width / 2, middle.y() - box.height / 2, box.width, box.height;
-            const double mouth = face.find("lip_line")->likelihood;
-            face.likelihood = (1 - std::exp(-candidate.votes / 8)) * std::sqrt(candidate.eyes.likelihood) *
-                              (0.5 + 0.5 * mouth);
-            if (face.likelihood >= options_.least_likelihood) found.push_back(std::move(face));
-        }
+    for (const double roll : {0.0, kLean, -kLean}) {
+        const Upright seen(gray, roll);
+        if (finder_) found = cascades_->locate(image, gray, seen, options_, *finder_);
+        if (found.empty()) found = cascades_->locate(image, seen, options_);
         if (!found.empty()) break;
     }
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.box(2) > b.box(2); });
+    return found;
+}
+
+/// Faces of the eigenspaces, which also look where the cascade points.
+std::vector<FaceFeatures> FaceLocator::Cascades::locate(ColorView image, const cv::Mat& gray,
+                                                        const Upright& seen, const LocateOptions& options,
+                                                        const FaceFinder& finder) {
+    const GrayView view{gray.data, gray.rows, gray.cols, static_cast<std::ptrdiff_t>(gray.step)};
+    FaceSearch search;
+    search.smallest =
+        std::max(16.0, kWindowPerBox * options.smallest_face * std::min(image.rows, image.cols));
+    search.least_probability = options.least_likelihood;
+    search.roll = seen.roll;
+    std::vector<FaceHint> hints;
+    for (const auto& candidate : boxes(seen.gray, options.smallest_face, 1)) {
+        const auto& box = candidate.box;
+        hints.push_back({seen.in_image({box.x + 0.5 * box.width, box.y + kMiddleInBox * box.width}),
+                         kWindowPerBox * box.width, candidate.votes});
+    }
+    std::vector<FaceFeatures> found;
+    for (const auto& place : finder.find(view, search, hints))
+        found.push_back(measured(image, finder.spaces(), place));
+    return found;
+}
+
+/// Faces of the cascades alone.
+std::vector<FaceFeatures> FaceLocator::Cascades::locate(ColorView image, const Upright& seen,
+                                                        const LocateOptions& options) {
+    std::vector<FaceFeatures> found;
+    for (const auto& candidate : boxes(seen.gray, options.smallest_face, kNeighbours)) {
+        const locate::EyePair pair = eyes(seen.gray, candidate.box);
+        const FacePatch patch =
+            locate::make_patch(image, seen.in_image(pair.right.center), seen.in_image(pair.left.center));
+        FaceFeatures made = measure_in_patch(patch, locate::average_face());
+        const auto& box = candidate.box;
+        const Eigen::Vector2d middle = seen.in_image({box.x + box.width / 2, box.y + box.height / 2});
+        made.box << middle.x() - box.width / 2, middle.y() - box.height / 2, box.width, box.height;
+        made.roll = seen.roll;
+        const double mouth = made.find("lip_line")->likelihood;
+        made.likelihood =
+            (1 - std::exp(-candidate.votes / 8)) * std::sqrt(pair.likelihood) * (0.5 + 0.5 * mouth);
+        if (made.likelihood >= options.least_likelihood) found.push_back(std::move(made));
+    }
     return found;
 }
 

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 
 from mimetic import InvalidInput
-from mimetic.eigenspaces import Eigenspaces
+from mimetic.eigenspaces import installed_spaces, load
 from mimetic.evaluate import head, locate
 from mimetic.evaluate.rendered import scored, shared_images
 from mimetic.evaluate.score import score
@@ -37,13 +37,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--footage", type=Path, help="the footage: score DIS flow beside it")
     parser.add_argument(
         "--set",
-        choices=("held-out", "tuning", "small"),
+        choices=("held-out", "tuning", "small", "real"),
         default="held-out",
-        help="which rendered clips or images (default: held-out)",
+        help="which rendered clips or images (default: held-out); locate: real ones too",
     )
     parser.add_argument("--images", type=Path, help="locate: these images (docs/still-images.md)")
     parser.add_argument(
-        "--eigenspaces", type=Path, help="locate: score this model too (scripts/train_eigenspaces)"
+        "--eigenspaces",
+        type=Path,
+        help="locate: this model, not the installed one (scripts/train_eigenspaces)",
     )
     parser.add_argument("--out", type=Path, help="head, locate: write figures and plots here")
     parser.add_argument("--json", action="store_true", help="print JSON, every figure in it")
@@ -55,6 +57,8 @@ def run_evaluate(options: argparse.Namespace) -> int:
         return _run_locate(options)
     if options.images or options.eigenspaces:
         raise InvalidInput("--images and --eigenspaces go with `mimetic evaluate locate`")
+    if options.set == "real":
+        raise InvalidInput("--set real goes with `mimetic evaluate locate`")
     if options.what == "head":
         return _run_head(options)
     if options.out:
@@ -95,8 +99,8 @@ def _run_locate(options: argparse.Namespace) -> int:
         images = Stills.load(options.images)
     else:
         images = rendered_stills(options.set, _to_stderr)
-    model = Eigenspaces.load(options.eigenspaces) if options.eigenspaces else None
-    scores = locate.score_finders(images, model)
+    spaces = load(options.eigenspaces) if options.eigenspaces else installed_spaces()
+    scores = locate.score_finders(images, spaces)
     if options.out is not None:
         locate.write(scores, options.out)
     print(locate.as_json(scores) if options.json else locate.as_text(scores))

@@ -10,8 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, _core
-from mimetic.eigenspaces import Eigenspaces
+from mimetic import _core
 from mimetic.evaluate.peers import GREY
 from mimetic.evaluate.stills import PARTS, Stills
 from mimetic.face_template import data_folder
@@ -20,7 +19,8 @@ CASCADES = {
     "Haar cascade": "haarcascade_frontalface_alt2.xml",
     "LBP cascade": "lbpcascade_frontalface_improved.xml",
 }
-SMALLEST_PATCH = 45.0  # pixels, of the whole face: two interpupillary distances
+SMALLEST_FACE = 0.1  # of the shorter side: two interpupillary distances, as capture searches
+LEAST_PROBABILITY = 0.001
 
 
 @dataclass(frozen=True)
@@ -39,29 +39,27 @@ class Run:
     seconds: NDArray[np.float64]
 
 
-def run_locator(stills: Stills) -> Run:
-    """Mimetic's finder, with every face it has a likelihood for."""
-    locator = _core.FaceLocator(str(data_folder()), least_likelihood=0.0)
+def run_locator(stills: Stills, spaces: _core.FaceSpaces | None) -> Run:
+    """Mimetic's finder as capture uses it, or without spaces what it falls back on: cascades."""
+    locator = _core.FaceLocator(str(data_folder()), spaces=spaces)
     answers, seconds = _timed(locator.locate, stills)
     return Run([[Found(f.likelihood, _parts_of(f)) for f in faces] for faces in answers], seconds)
 
 
-def run_eigenspaces(model: Eigenspaces, stills: Stills) -> Run:
-    """Trained eigenspaces, the three likeliest places of each image."""
-    if missing := sorted(set(PARTS) - {module.name for module in model.modules}):
-        raise InvalidInput(f"the eigenspaces lack modules for {', '.join(missing)}")
-    options = _core.SpaceSearchOptions(smallest=SMALLEST_PATCH, num_matches=3)
+def run_eigenspaces(spaces: _core.FaceSpaces, stills: Stills) -> Run:
+    """Eigenspaces by themselves, without a cascade's hints, the parts where the modules are."""
+    finder = _core.FaceFinder(spaces)
+    rows = [spaces.module(name) for name in PARTS]
+    smallest = SMALLEST_FACE * min(stills.images.shape[1:3])
+    options = _core.FaceSearch(smallest=smallest, least_probability=LEAST_PROBABILITY)
 
-    def find(image: NDArray[np.uint8]) -> list:
-        grey = np.round(image @ GREY).astype(np.uint8)
-        return model.find(grey, options)
+    def find(image: NDArray[np.uint8]) -> list[_core.FoundFace]:
+        return finder.find(np.round(image @ GREY).astype(np.uint8), options)
 
     answers, seconds = _timed(find, stills)
-    found = [
-        [Found(f.score, np.array([f.places[name] for name in PARTS])) for f in faces]
-        for faces in answers
-    ]
-    return Run(found, seconds)
+    return Run(
+        [[Found(f.probability, f.places[rows]) for f in faces] for faces in answers], seconds
+    )
 
 
 def run_cascade(file: str, stills: Stills) -> Run:

@@ -8,8 +8,7 @@ import math
 from pathlib import Path
 from typing import BinaryIO
 
-from mimetic import InvalidInput
-from mimetic.eigenspaces import Eigenspaces
+from mimetic import InvalidInput, _core
 from mimetic.evaluate.finders import CASCADES, run_cascade, run_eigenspaces, run_locator
 from mimetic.evaluate.locate_score import FALSE_PER_IMAGE, LocateScore, score_run
 from mimetic.evaluate.stills import Stills
@@ -31,13 +30,18 @@ ERRORS = {
 }
 
 
-def score_finders(stills: Stills, model: Eigenspaces | None = None) -> dict[str, LocateScore]:
-    """Mimetic's finder, a model's and OpenCV's cascades on the same images; raises InvalidInput."""
+def score_finders(stills: Stills, spaces: _core.FaceSpaces) -> dict[str, LocateScore]:
+    """Mimetic's finder, its two halves and OpenCV's cascades on the same images.
+
+    Raises InvalidInput for images without a face and for spaces without a module of each part.
+    """
     if not stills.has_face.any():
         raise InvalidInput("none of the images shows a face: there is nothing to find")
-    runs = {"mimetic": run_locator(stills)}
-    if model is not None:
-        runs["eigenspaces"] = run_eigenspaces(model, stills)
+    runs = {
+        "mimetic": run_locator(stills, spaces),
+        "eigenspaces": run_eigenspaces(spaces, stills),
+        "cascades, measured": run_locator(stills, None),
+    }
     for name, file in CASCADES.items():
         if (data_folder() / file).exists():  # systems need not bring every cascade
             runs[name] = run_cascade(file, stills)

@@ -46,12 +46,13 @@ def score_run(run: Run, stills: Stills) -> LocateScore:
     threshold = np.unique(np.concatenate([hits[np.isfinite(hits)], false]))[::-1]
     false_per_image = (np.array(false)[None] >= threshold[:, None]).sum(1) / len(stills.images)
     found_rate = (hits[None] >= threshold[:, None]).mean(1)
-    turned = np.abs(stills.yaw[stills.has_face]) >= TURNED
+    yaw = np.abs(stills.yaw[stills.has_face])  # nan where it is not known
+    frontal, turned = yaw < TURNED, yaw >= TURNED
     allowed = threshold[false_per_image <= FALSE_PER_IMAGE]
     found_there = hits >= (allowed.min() if len(allowed) else np.inf)
     figures = {
         "found": _mean(found_there),
-        "found_frontal": _mean(found_there[~turned]),
+        "found_frontal": _mean(found_there[frontal]),
         "found_turned": _mean(found_there[turned]),
         "found_at_all": _mean(np.isfinite(hits)),
         "false_at_all": len(false) / len(stills.images),

@@ -1,0 +1,2 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Real pictures with and without a face, for scoring what finds faces. Not part of the package."""
