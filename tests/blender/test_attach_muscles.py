@@ -2,6 +2,7 @@
 """Muscles on a mesh that is not ours, by landmarks that are empties, vertex groups or a file."""
 
 import json
+import re
 
 import bpy
 import numpy as np
@@ -146,19 +147,71 @@ def test_what_is_wrong_is_said(parts, head, tmp_path):
     assert not bpy.ops.mimetic.attach_muscles.poll()
 
 
-def test_bad_faces_are_named_by_blenders_numbers(parts):
-    """A pentagon among the quads: faces after it count on."""
-    points, faces, marks = parts
-    faces = [list(face) for face in faces.tolist()]
-    middle = 0.5 * (points[faces[3][0]] + points[faces[3][1]])
-    pentagon = [faces[3][0], len(points), *faces[3][1:]]
-    faces[3] = pentagon
-    faces[40] = faces[40][::-1]
-    head = new_head(np.vstack([points, middle]), faces)
+def with_marks(head, marks) -> bpy.types.Object:
     for name, vertex in marks.items():
         head.vertex_groups.new(name=name).add([vertex], 1.0, "REPLACE")
-    with pytest.raises(RuntimeError, match=r"\b40\b|edge"):
+    return head
+
+
+def forehead_faces(points, faces, marks) -> np.ndarray:
+    """Numbers of faces around the middle of the forehead, the nearest first."""
+    middle = points[marks["nose_bridge"]] + [0, 0, 3]
+    return np.argsort(np.linalg.norm(points[faces].mean(axis=1) - middle, axis=1))
+
+
+def test_bad_faces_are_named_by_blenders_numbers(parts):
+    """Two pentagons among the quads: they are cut, and faces after them count on."""
+    points, faces, marks = parts
+    bad = int(forehead_faces(points, faces, marks)[0])
+    assert bad > 3
+    listed = faces.tolist()
+    middle = 0.5 * (points[listed[3][0]] + points[listed[3][1]])
+    edge = set(listed[3][:2])
+    for face in listed:  # the middle of an edge is a corner of both its faces
+        for k in range(4):
+            if {face[k], face[(k + 1) % len(face)]} == edge:
+                face.insert(k + 1, len(points))
+                break
+    everywhere = np.vstack([points, middle])
+
+    flipped = [list(face) for face in listed]
+    flipped[bad].reverse()
+    with_marks(new_head(everywhere, flipped), marks)
+    with pytest.raises(RuntimeError, match=rf"face {bad} of the head lies turned over"):
         bpy.ops.mimetic.attach_muscles()
+
+    a, b, c, d = listed[bad]
+    third = np.vstack([everywhere, points[a] + [0, -1, 0]])
+    with_marks(new_head(third, [*listed, [a, b, len(third) - 1]]), marks)
+    with pytest.raises(RuntimeError, match=r"of face \d+ belongs to more than two faces"):
+        bpy.ops.mimetic.attach_muscles()
+
+    flat = everywhere.copy()
+    flat[[a, c]] = np.round(64 * flat[[a, c]]) / 64  # halves of which single precision can hold
+    flat[b] = (flat[a] + flat[c]) / 2
+    listed[bad] = [a, b, c]
+    with_marks(new_head(flat, [*listed, [a, c, d]]), marks)
+    with pytest.raises(RuntimeError, match=rf"face {bad} has no area"):
+        bpy.ops.mimetic.attach_muscles()
+
+
+def test_what_was_repaired_or_assumed_is_said(parts, capfd):
+    points, faces, marks = parts
+    near = forehead_faces(points, faces, marks)
+    hole = int(near[0])
+    turned = next(int(face) for face in near if not np.isin(faces[face], faces[hole]).any())
+    points = points.copy()
+    a, _, c, _ = faces[turned]
+    points[a] += 1.6 * (points[c] - points[a])
+    listed = faces.tolist()
+    del listed[hole]
+    with_marks(new_head(points, listed), marks)
+    assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+    said = capfd.readouterr().out
+    assert "Warning: Bust: there is a hole in the skin beside face" in said
+    beside = int(re.search(r"beside face (\d+)", said).group(1))
+    assert len({*listed[beside]} & {*faces[hole].tolist()}) == 2
+    assert re.search(rf"faces .*\b{turned - (turned > hole)}\b.* lie turned over", said)
 
 
 def test_attaching_is_one_undo_step(parts, head):

@@ -86,7 +86,7 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
                 f"{head.name} was changed meanwhile: attach its muscles again"
             )
         scene_out.foreign.attach(shown, head, landmarks, face)
-        for note in face.head.notes:
+        for note in face.notes:
             self.report({"WARNING"}, f"{head.name}: {note}")
         num_sliders = len(face.shapes) + len(face.groups)
         return f"{head.name} has {num_sliders} sliders: sidebar, Mimetic, Muscles"

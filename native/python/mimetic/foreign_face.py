@@ -32,8 +32,11 @@ class Polygons:
     starts: NDArray[np.int64]
     corners: NDArray[np.int64]
 
-    def pieces(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Triangles and quads F x 4 (a triangle ends in -1), and the polygon of each."""
+    def pieces(self, points: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Triangles and quads F x 4 (a triangle ends in -1), and the polygon of each.
+
+        points: V x 3; polygons of five and more are cut from their corner that leaves no sliver.
+        """
         counts = np.diff(np.append(self.starts, len(self.corners)))
         if len(counts) == 0 or counts.min() < 3:
             raise InvalidInput("the mesh has no faces, or one of fewer than three corners")
@@ -41,6 +44,10 @@ class Polygons:
         for count in np.unique(counts):
             own = np.flatnonzero(counts == count)
             corners = self.corners[self.starts[own][:, None] + np.arange(count)]
+            if corners.min() < 0 or corners.max() >= len(points):
+                raise InvalidInput("a face of the mesh names a vertex that it does not have")
+            if count > 4:
+                corners = _from_best_corner(points, corners)
             fan = [[0, 1, 2, 3]] if count == 4 else [[0, k, k + 1, -1] for k in range(1, count - 1)]
             for piece in fan:
                 faces.append(np.column_stack([corners[:, piece[:3]], corners[:, piece[3]]]))
@@ -48,6 +55,18 @@ class Polygons:
                     faces[-1][:, 3] = -1
                 polygon.append(own)
         return np.concatenate(faces), np.concatenate(polygon)
+
+
+def _from_best_corner(points: NDArray[np.float64], corners: NDArray[np.int64]):
+    """Polygons (P x K) turned so that the smallest triangle of their fan is the largest it can be:
+    a corner on a straight edge would make one without area."""
+    count = corners.shape[1]
+    turned = corners[:, (np.arange(count)[:, None] + np.arange(count)) % count]  # P x K x K
+    places = points[turned]
+    arms = places[:, :, 1:] - places[:, :, :1]
+    areas = np.linalg.norm(np.cross(arms[:, :, :-1], arms[:, :, 1:]), axis=3)
+    best = areas.min(axis=2).argmax(axis=1)
+    return turned[np.arange(len(corners)), best]
 
 
 @dataclass(frozen=True)
@@ -58,6 +77,7 @@ class ForeignFace:
     shapes: list[Shape]
     groups: list[Shape]
     object_from_head: NDArray[np.float64]  # 3 x 3, of displacements of the head's own frame
+    notes: tuple[str, ...]  # of the head, with the numbers of polygons
 
     def live_contact(self) -> LiveContact:
         contact: Contact = self.head.make_contact()
@@ -101,7 +121,7 @@ def _attach_face(points: bytes, starts: bytes, corners: bytes, marks, matrix: by
         raise InvalidInput("the object is scaled to nothing: apply its scale (Ctrl A)")
     faces, polygon = Polygons(
         np.frombuffer(starts, np.int64), np.frombuffer(corners, np.int64)
-    ).pieces()
+    ).pieces(own)
     if np.linalg.det(linear) < 0:  # a mirrored object shows its faces turned over
         is_quad = faces[:, 3] >= 0
         faces[:, :3] = faces[:, 2::-1].copy()
@@ -124,15 +144,23 @@ def _attach_face(points: bytes, starts: bytes, corners: bytes, marks, matrix: by
     shapes = [*shapes_of_anatomy(anatomy), *shapes_of_extras(head.extras)]
     groups = group_shapes(anatomy.muscle_names, anatomy.groups, anatomy.muscle_modes)
     return ForeignFace(
-        head, list(map(in_object, shapes)), list(map(in_object, groups)), object_from_head
+        head,
+        list(map(in_object, shapes)),
+        list(map(in_object, groups)),
+        object_from_head,
+        tuple(_by_polygon(note, polygon) for note in head.notes),
     )
 
 
 def _by_polygon(text: str, polygon: NDArray[np.int64]) -> str:
-    def number(match: re.Match) -> str:
-        return f"face {polygon[int(match.group(1))]}"
+    """A text that names faces by their row, with the numbers of their polygons."""
 
-    return re.sub(r"\bface (\d+)", number, text)
+    def number(match: re.Match) -> str:
+        return match.group(1) + re.sub(
+            r"\d+", lambda digits: str(polygon[int(digits.group())]), match.group(2)
+        )
+
+    return re.sub(r"\b(faces? )(\d+(?:, \d+)*)", number, text)
 
 
 def guess_landmarks(points: ArrayLike) -> dict[str, NDArray[np.float64]]:

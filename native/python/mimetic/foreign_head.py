@@ -46,6 +46,7 @@ from mimetic.extras import (
     slit_middle,
     turned_eye,
 )
+from mimetic.foreign_holes import hole_notes
 from mimetic.foreign_mesh import ForeignSkin, Similarity, read_skin
 from mimetic.loose_parts import LooseParts
 from mimetic.skin_mesh import Place, SkinMesh, find_place, multiply
@@ -151,6 +152,7 @@ class _Carried:
         self.free = (self.places.values(free) > 0.5) & (self.places.gaps < TOO_FAR)
         if not self.free.any():
             raise _core.InvalidInput("no skin of the head lies where a face has skin")
+        self.notes += hole_notes(skin, laid, self.free)
         outer = np.zeros(len(laid.vertices))
         outer[np.unique(laid.triangles[laid.triangle_part == "skin"])] = 1
         carries = (self.places.values(outer) > 0.5)[skin.triangles].any(axis=1)

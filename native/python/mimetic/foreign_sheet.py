@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Contact sheet of the muscles on any head's own mesh.
 
-    python -m mimetic.foreign_sheet MESH.obj --landmarks FILE.json --out SHEET.png
+    python -m mimetic.foreign_sheet MESH --landmarks FILE.json --out SHEET.png
 
 Landmarks: {"nose_tip": 123, "chin": [x, y, z], ...}, vertices counted from 0 or places in metres.
 """
@@ -19,7 +19,7 @@ from mimetic.anatomy_sheet import anatomy_tiles, write_sheet
 from mimetic.face_template import load_template
 from mimetic.foreign_head import attach_foreign
 from mimetic.head_painter import COLORS, TALLEST, WIDTH, Painter
-from mimetic.mesh_file import read_landmarks, read_obj
+from mimetic.mesh_file import read_landmarks, read_mesh
 
 
 class PlainMesh:
@@ -61,7 +61,7 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(
         prog="mimetic.foreign_sheet", description=__doc__.splitlines()[0]
     )
-    parser.add_argument("mesh", type=Path, help="Wavefront .obj")
+    parser.add_argument("mesh", type=Path, help=".obj, .ply, .glb or .gltf")
     parser.add_argument(
         "--landmarks", type=Path, required=True, help=".json, name -> vertex or place"
     )
@@ -86,7 +86,7 @@ def _draw(options: argparse.Namespace) -> int:
         raise InvalidInput(f"--scale is {options.scale}, allowed are 1e-6 to 1000")
     if not 16 <= options.size <= 4000:
         raise InvalidInput(f"--size is {options.size}, allowed are 16 to 4000")
-    vertices, faces = read_obj(options.mesh)
+    vertices, faces = read_mesh(options.mesh)
     vertices = options.scale * vertices
     landmarks = {
         name: [options.scale * x for x in value] if isinstance(value, list) else value

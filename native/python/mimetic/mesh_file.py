@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mesh from a Wavefront .obj file, and landmarks from a JSON file. Files are not trusted."""
+"""A mesh from a file, .obj, .ply, .glb or .gltf, and landmarks from a JSON file. Files are not
+trusted."""
 
 from __future__ import annotations
 
@@ -11,10 +12,27 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.foreign_mesh import MAX_VERTICES
+from mimetic.gltf_mesh import check_bytes, read_gltf
+from mimetic.ply_file import read_ply
 
-MAX_BYTES = 400_000_000
 MAX_LANDMARK_BYTES = 1_000_000
 MAX_CORNERS = 64  # of one polygon
+
+
+def read_mesh(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    """Vertices V x 3 and faces F x 4 of a file, by its suffix; triangles end in -1.
+
+    Raises UnreadableMedia, InvalidInput.
+    """
+    if path.suffix.lower() not in READERS:
+        raise InvalidInput(f"{path}: meshes are read from {', '.join(READERS)} files")
+    try:
+        check_bytes(path)
+        return READERS[path.suffix.lower()](path)
+    except OSError as error:
+        if isinstance(error, UnreadableMedia):
+            raise
+        raise UnreadableMedia(f"{path}: {error.strerror}") from None
 
 
 def read_obj(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -26,8 +44,7 @@ def read_obj(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     vertices: list[tuple[float, float, float]] = []
     faces: list[tuple[int, ...]] = []
     try:
-        if path.stat().st_size > MAX_BYTES:
-            raise InvalidInput(f"{path}: larger than {MAX_BYTES // 10**6} MB")
+        check_bytes(path)
         with path.open(encoding="utf-8", errors="replace") as lines:
             for number, line in enumerate(lines, 1):
                 _read_line(line, vertices, faces, f"{path}, line {number}")
@@ -68,6 +85,9 @@ def _pieces(corners: list[int], count: int, where: str) -> list[tuple[int, ...]]
     if len(index) == 4:
         return [tuple(index)]
     return [(index[0], index[k], index[k + 1], -1) for k in range(1, len(index) - 1)]
+
+
+READERS = {".obj": read_obj, ".ply": read_ply, ".glb": read_gltf, ".gltf": read_gltf}
 
 
 def read_landmarks(path: Path) -> dict[str, int | list[float]]:
