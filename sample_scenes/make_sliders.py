@@ -18,13 +18,23 @@ FRAMES_PER_SECOND = 24
 POSES = {
     1: {},
     14: {"Brow Raisers": 0.9, "lid_upper.L": -0.3, "lid_upper.R": -0.3, "jaw_open": 0.35},
-    30: {"Brow Raisers": 0.8, "jaw_open": 0.4},
+    30: {"Brow Raisers": 0.8, "jaw_open": 0.4, "look_up.L": 0.6, "look_up.R": 0.6},
     44: {"Lip Corners": 0.35, "orbicularis_oculi_inferior.L": 0.5, "jaw_open": 0.05},
     52: {"Lip Corners.L": 0.6, "zygomaticus_major.R": 0.9, "orbicularis_oculi_inferior.L": 0.7},
     56: {"Lip Corners": 0.4, "lid_upper.L": 1.0, "lid_lower.L": 1.0},  # a wink
     60: {"Lip Corners": 0.4},
+    66: {"lid_upper.L": 1.0, "lid_upper.R": 1.0, "lid_lower.L": 0.6, "lid_lower.R": 0.6},
+    70: {"look_down.L": 0.5, "look_down.R": 0.5},
     76: {"corrugator_supercilii.L": 1.0, "corrugator_supercilii.R": 1.0, "mentalis.L": 0.7},
-    86: {"Brow Lowerers": 0.6, "Lip Depressors": 0.4, "mentalis.L": 0.6, "mentalis.R": 0.6},
+    86: {  # lips pressed on each other, and a look aside
+        "Brow Lowerers": 0.6,
+        "mentalis.L": 0.6,
+        "mentalis.R": 0.6,
+        "oris_close_upper": 0.9,
+        "oris_close_lower": 0.9,
+        "look_out.L": 0.7,
+        "look_in.R": 0.7,
+    },
     96: {},
 }
 

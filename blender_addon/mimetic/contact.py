@@ -107,7 +107,8 @@ def _follow_face(scene, face: bpy.types.Object, depsgraph) -> None:
         return
     keys = face.data.shape_keys
     # Curves and drivers show in the evaluated keys only, where a picture is rendered
-    values = sliders.levels_of(keys.evaluated_get(depsgraph))
+    evaluated = keys.evaluated_get(depsgraph)
+    values = sliders.levels_of(evaluated)
     values.pop(contact_key.KEY, None)
     known = _known.get(face.name)
     if known is None and not values:
@@ -118,15 +119,21 @@ def _follow_face(scene, face: bpy.types.Object, depsgraph) -> None:
         known.start()
     if values == known.values:
         return
-    if not known.is_ready(bpy.app.background or depsgraph.mode == "RENDER"):
+    if not known.is_ready(_waits(depsgraph)):
         if not known.problem and not bpy.app.timers.is_registered(_poll):
             bpy.app.timers.register(_poll, first_interval=POLL_SECONDS)
         return
     known.values = values
     correction = known.live.correction(sliders.moves(keys, values, rest))
     if correction is not None or known.is_parted:
+        sliders.take_levels(keys, evaluated)
         contact_key.place(face, known.live.moved, correction)
     known.is_parted = correction is not None
+
+
+def _waits(depsgraph) -> bool:
+    """Whether a face must be known at once: nobody looks on, or a picture is being made."""
+    return bpy.app.background or depsgraph.mode == "RENDER"
 
 
 def _maker(scene, face: bpy.types.Object, rest: np.ndarray) -> Callable:

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lips and lids of a face stay apart however it is moved."""
 
+import time
+
 import bpy
 import numpy as np
 import pytest
@@ -142,7 +144,7 @@ def test_handlers_go_with_the_extension():
     assert ours() == 0
 
 
-def test_an_exported_face_takes_its_contact_along(contact, added, tmp_path):
+def test_an_exported_face_takes_its_contact_along(contact, extension, added, tmp_path):
     """The file's morph targets and weights, added up by hand."""
     from mimetic import gltf
 
@@ -161,7 +163,7 @@ def test_an_exported_face_takes_its_contact_along(contact, added, tmp_path):
     assert not weights[0, [targets.index(name) for name in parts]].any()
     by_hand = added.data.shape_keys
     assert by_hand.key_blocks["contact"].value == 1.0
-    assert len(by_hand.animation_data.action.fcurves) == 2
+    assert len(extension("compat").curves(by_hand).fcurves) == 2
     bpy.context.scene.frame_set(5)
     assert depth(contact, evaluated(added)) < 0.05 * MILLIMETRE
     bpy.ops.import_scene.gltf(filepath=str(path))
@@ -227,3 +229,47 @@ def test_a_baked_take_carries_its_contact(contact, extension, scene, performance
 
             np.testing.assert_allclose(evaluated(face), to_object(expected), atol=2e-6)
     assert contact.depth(take.surface(19) - take.neutral_vertices) > 5 * MILLIMETRE
+
+
+def test_with_a_window_a_face_is_made_known_in_the_background(
+    contact, extension, added, monkeypatch
+):
+    follower = extension("contact")
+    monkeypatch.setattr(follower, "_waits", lambda depsgraph: False)
+    put(added, PRESSED)
+    bpy.context.view_layer.update()
+    assert bpy.app.timers.is_registered(follower._poll)
+    while follower._poll() is not None:  # as Blender's timer does
+        time.sleep(0.02)
+    assert depth(contact, evaluated(added)) < 0.05 * MILLIMETRE
+
+
+def test_a_rendered_animation_shows_each_frame_as_it_stands(scene, added, tmp_path):
+    blocks = added.data.shape_keys.key_blocks
+    for frame, value in ((1, 0.0), (3, 1.0)):
+        for name in (*PRESSED, "look_down.L"):
+            blocks[name].value = value
+            blocks[name].keyframe_insert("value", frame=frame)
+    camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    camera.location, camera.rotation_euler = (0, -0.6, -0.03), (np.pi / 2, 0, 0)
+    scene.collection.objects.link(camera)
+    scene.camera, scene.world = camera, bpy.data.worlds.new("World")
+    scene.render.engine = "CYCLES"
+    scene.cycles.samples, scene.cycles.use_denoising = 4, False
+    scene.render.resolution_x = scene.render.resolution_y = 48
+    scene.frame_start = scene.frame_end = 3
+
+    def rendered(name: str, **how) -> np.ndarray:
+        scene.render.filepath = str(tmp_path / name)
+        bpy.ops.render.render(**how)
+        image = bpy.data.images.load(str(next(tmp_path.glob(f"{name}*"))))
+        pixels = np.empty(4 * 48 * 48, dtype=np.float32)
+        image.pixels.foreach_get(pixels)
+        return pixels
+
+    scene.frame_set(1)
+    animation = rendered("animation", animation=True)
+    scene.frame_set(3)
+    np.testing.assert_array_equal(animation, rendered("still.png", write_still=True))
+    added.mimetic.use_contact = False
+    assert np.abs(rendered("without.png", write_still=True) - animation).max() > 0.02

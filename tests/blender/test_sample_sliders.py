@@ -29,6 +29,12 @@ def test_the_scene_has_sliders_keys_and_overlays(tmp_path, extension):
     assert len(face.mimetic.shapes) == 60
     assert len(face.mimetic.groups) == 21
     blocks = face.data.shape_keys.key_blocks
+    parted = extension("scene_out.contact").key_of(face)
+    rest = extension("scene_out.contact").points_of(face.data.shape_keys.reference_key)
+    for frame, least in ((14, 0.0), (66, 0.0003), (86, 0.001)):  # lips apart, a blink, lips pressed
+        scene.frame_set(frame)
+        moved = extension("scene_out.contact").points_of(parted) - rest
+        assert (abs(moved).max() > least) == (least > 0)
     scene.frame_set(56)
     assert blocks["Lip Corners"].value == pytest.approx(0.4)
     assert blocks["lid_upper.L"].value == pytest.approx(1.0)

@@ -33,6 +33,19 @@ def levels_of(keys: bpy.types.Key) -> dict[str, float]:
     return {blocks[int(i)].name: float(levels[i]) for i in np.flatnonzero(levels)}
 
 
+def take_levels(keys: bpy.types.Key, evaluated: bpy.types.Key) -> None:
+    """Gives the keys the values that their curves have where a picture is rendered.
+
+    Keys that are changed there are copied anew, and their curves are not read again.
+    """
+    shown = np.empty(len(keys.key_blocks), dtype=np.float32)
+    own = np.empty_like(shown)
+    evaluated.key_blocks.foreach_get("value", shown)
+    keys.key_blocks.foreach_get("value", own)
+    if not np.array_equal(shown, own):
+        keys.key_blocks.foreach_set("value", shown)
+
+
 def moves(
     keys: bpy.types.Key, values: Mapping[str, float], rest: np.ndarray
 ) -> Iterator[tuple[float, np.ndarray, np.ndarray]]:
