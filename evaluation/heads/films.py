@@ -21,7 +21,7 @@ from ..recipes import Recipe
 from .hand import covered
 from .recipes import FACE_WIDTH, HeadClip
 
-DRAWN_WITH = ("clips", "motion", "noise", "person", "render_frames", "scene", "texture")
+DRAWN_WITH = ("motion", "noise", "person", "render_frames", "scene", "texture")
 SHOWN_WITH = ("footage", "noise", "heads/films", "heads/hand")
 
 

@@ -16,13 +16,14 @@ const HeadScene& scene() {
     return made;
 }
 
-void advance(benchmark::State& state, mimetic::HeadModel model, int max_key_views) {
+void advance(benchmark::State& state, mimetic::HeadModel model, int max_key_views, bool fast = false) {
     std::vector<std::vector<std::uint8_t>> frames;
     for (int frame = 0; frame < 8; ++frame) {
         frames.push_back(scene().render(HeadScene::motion(frame)));
     }
     mimetic::HeadOptions options;
     options.max_key_views = max_key_views;
+    options.fast = fast;
     const auto shape = mimetic::make_head_shape(model, scene().vertices, scene().faces);
     mimetic::HeadTracker tracker(scene().camera, shape, scene().view(frames[0]), HeadScene::motion(0),
                                  options);
@@ -53,6 +54,10 @@ BENCHMARK_CAPTURE(advance, ellipsoid, mimetic::HeadModel::ellipsoid, kKeyViews)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(advance, plane, mimetic::HeadModel::plane, kKeyViews)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(advance, surface, mimetic::HeadModel::surface, kKeyViews)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(advance, ellipsoid_fast, mimetic::HeadModel::ellipsoid, kKeyViews, true)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(advance, surface_fast, mimetic::HeadModel::surface, kKeyViews, true)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(advance, flow_regularised, mimetic::HeadModel::ellipsoid, 0)->Unit(benchmark::kMillisecond);
 BENCHMARK(floor_flow)->Unit(benchmark::kMillisecond);
 

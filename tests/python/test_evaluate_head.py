@@ -91,7 +91,7 @@ def test_all_models_are_scored_on_one_rendered_head(tmp_path, monkeypatch, capsy
     arguments = ["evaluate", "head", "--set", "small", "--out", str(tmp_path), "--json"]
     assert main(arguments) == 0
     found = json.loads(capsys.readouterr().out)
-    assert set(found["clips"]["small"]) == {"ellipsoid", "plane", "surface"}
+    assert set(found["clips"]["small"]) == {"ellipsoid", "plane", "surface", "ellipsoid fast"}
     assert found["summary"]["surface"]["mean"] < 3
     assert found["summary"]["surface"]["lost"] == 0
     written = {path.name for path in tmp_path.iterdir()}

@@ -49,6 +49,7 @@ struct HeadOptions {              // defaults suit 320x240 to 1280x720 at 10 to 
     double least_facing = 0.35;   ///< cosine of normal and view from which skin is measured
     double held_quality = 0.2;    ///< below it a frame is held, 0 to 1
     FlowMethod flow_method = FlowMethod::probabilistic;
+    bool fast = false;   ///< registers samples of the skin; flow only where they leave doubt
     void check() const;  ///< throws InvalidInput: field, value, limit
 };
 

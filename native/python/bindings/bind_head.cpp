@@ -47,7 +47,8 @@ void bind_shape(py::module_& m) {
         .def_readwrite("key_view_angle", &HeadOptions::key_view_angle)
         .def_readwrite("least_facing", &HeadOptions::least_facing)
         .def_readwrite("held_quality", &HeadOptions::held_quality)
-        .def_readwrite("flow_method", &HeadOptions::flow_method);
+        .def_readwrite("flow_method", &HeadOptions::flow_method)
+        .def_readwrite("fast", &HeadOptions::fast);
 }
 
 void bind_tracker(py::module_& m) {

@@ -24,13 +24,20 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="what stands for the head: the paper's ellipsoid (default), the planar patch that it "
         "compares with, or the person's fitted surface, the most accurate",
     )
+    parser.add_argument(
+        "--fast",
+        action="store_true",
+        help="register samples of the skin, and ask the flow only where they leave doubt",
+    )
 
 
 def run_head(arguments: argparse.Namespace) -> int:
     model, out = arguments.model, arguments.out
 
     def follow(fit, progress, summary):
-        return track_head(arguments.footage, model, arguments.frames, fit, progress, summary)
+        return track_head(
+            arguments.footage, model, arguments.frames, fit, progress, summary, arguments.fast
+        )
 
     def draw(performance, footage, summary, progress, interrupted):
         write_motion_plot(performance, out / "motion.png")

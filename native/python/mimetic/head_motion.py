@@ -79,10 +79,12 @@ def track_head(
     fit: FaceFit | None = None,
     progress: Progress | None = None,
     summary: CaptureSummary | None = None,
+    fast: bool = False,
 ) -> Performance:
     """Follows the head in `frames` (both ends included); muscles are at rest and not measured.
 
-    model: one of MODELS. progress: called with (fraction, text) every frame; when it returns False
+    model: one of MODELS. fast: registers samples of the skin, and asks the flow only where they
+    leave doubt. progress: called with (fraction, text) every frame; when it returns False
     the frames done so far are returned, and `notes` say so. Raises NoFace, UnreadableMedia,
     InvalidInput.
     """
@@ -92,7 +94,7 @@ def track_head(
     footage = Footage(path)
     first, last = check_range(frames, footage)
     fit = fit_for(footage, (first, last), fit, progress, summary)
-    return _HeadMotion(footage, fit, model, (first, last), progress, summary).run()
+    return _HeadMotion(footage, fit, model, (first, last), progress, summary, fast).run()
 
 
 class _HeadMotion:
@@ -106,7 +108,10 @@ class _HeadMotion:
         frames: tuple[int, int],
         progress: Progress | None,
         summary: CaptureSummary,
+        fast: bool,
     ) -> None:
+        self.options = _core.HeadOptions()
+        self.options.fast = fast
         self.footage, self.fit, self.model = footage, fit, model
         self.progress, self.summary = progress, summary
         self.first, self.last = frames
@@ -119,7 +124,7 @@ class _HeadMotion:
         reference = np.ascontiguousarray(self.footage.read(self.fit.frame))
         shape = head_shape(self.model, self.neutral, self.template)
         pose = np.asarray(self.fit.head_pose, dtype=np.float64)
-        tracker = _core.HeadTracker(self.fit.camera, shape, reference, pose)
+        tracker = _core.HeadTracker(self.fit.camera, shape, reference, pose, self.options)
         at_reference = tracker.advance(reference)
         backward, forward = Rows(), Rows()
         if self.fit.frame > self.first:

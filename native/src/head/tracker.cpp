@@ -5,13 +5,18 @@
 #include <opencv2/imgproc.hpp>
 
 #include "key_view.hpp"
+#include "registration.hpp"
 
 namespace mimetic {
 
 using head::HeadCrop;
 using head::KeyView;
 using head::PointMeasurement;
+using head::Pyramid;
+using head::Registration;
 using head::RigidMotion;
+using head::SampleView;
+using head::ViewShares;
 
 namespace {
 
@@ -39,7 +44,9 @@ struct HeadTracker::State {
     HeadOptions options;
     cv::Mat1b before;  // the last frame
     HeadEstimate last;
+    Eigen::Isometry3d step = Eigen::Isometry3d::Identity();  // of the head in its own frame, frame to frame
     std::vector<KeyView> views;
+    std::vector<SampleView> sampled;  // of each view, on the fast path
 
     cv::Mat1b to_gray(const ColorView& image) const;
     std::optional<Camera> crop_at(const Eigen::Isometry3d& pose) const {
@@ -49,6 +56,7 @@ struct HeadTracker::State {
     std::vector<std::pair<double, const KeyView*>> views_for(const Eigen::Isometry3d& pose) const;
     std::optional<HeadEstimate> follow_flow(const cv::Mat1b& gray) const;
     std::optional<HeadEstimate> register_frame(const cv::Mat1b& gray, const Eigen::Isometry3d& start) const;
+    std::optional<HeadEstimate> register_samples(const cv::Mat1b& gray) const;
     std::optional<Eigen::Isometry3d> recall(const cv::Mat1b& gray,
                                             const std::optional<Eigen::Isometry3d>& guess) const;
     HeadEstimate estimate(const cv::Mat1b& gray, const std::optional<Eigen::Isometry3d>& guess) const;
@@ -72,8 +80,11 @@ cv::Mat1b HeadTracker::State::to_gray(const ColorView& image) const {
 
 void HeadTracker::State::take_view(const cv::Mat1b& gray, const HeadEstimate& estimate) {
     if (const auto part = crop_at(estimate.camera_from_head)) {
-        views.emplace_back(shape, options, head::cut(gray, camera, *part), estimate.camera_from_head,
-                           estimate.covariance);
+        const HeadCrop crop = head::cut(gray, camera, *part);
+        views.emplace_back(shape, options, crop, estimate.camera_from_head, estimate.covariance);
+        if (options.fast) {
+            sampled.emplace_back(shape, options, head::make_pyramid(crop), estimate.camera_from_head);
+        }
     }
 }
 
@@ -160,6 +171,52 @@ std::optional<HeadEstimate> HeadTracker::State::register_frame(const cv::Mat1b& 
     return found;
 }
 
+/// The fast path; nothing where it leaves doubt. The better one of two guesses, no motion and steady motion,
+/// as the coarsest level tells, is refined.
+std::optional<HeadEstimate> HeadTracker::State::register_samples(const cv::Mat1b& gray) const {
+    const auto part = crop_at(last.camera_from_head);
+    if (!part) {
+        return {};
+    }
+    const Pyramid now = head::make_pyramid(head::cut(gray, camera, *part));
+    const auto samples_for = [this](const Eigen::Isometry3d& pose, Matrix6& covariance) {
+        ViewShares samples;
+        double shares = 0;
+        for (const auto& [share, view] : views_for(pose)) {
+            samples.emplace_back(share, &sampled[static_cast<std::size_t>(view - views.data())]);
+            covariance += share * view->covariance();
+            shares += share;
+        }
+        covariance /= shares;
+        return samples;
+    };
+    Registration best;
+    best.correlation = -1;
+    for (const Eigen::Isometry3d& start : {last.camera_from_head, last.camera_from_head * step}) {
+        Matrix6 unused = Matrix6::Zero();
+        const Registration coarse = head::register_coarsely(samples_for(start, unused), now, start, options);
+        if (coarse.correlation > best.correlation) {
+            best = coarse;
+        }
+    }
+    HeadEstimate found;
+    const ViewShares samples = samples_for(best.camera_from_head, found.covariance);
+    const Registration registered = head::register_views(samples, now, best.camera_from_head, options);
+    constexpr double kSureCorrelation = .95, kSureExplained = .95, kMostPassed = .8;
+    if (registered.correlation < kSureCorrelation || registered.explained < kSureExplained ||
+        registered.in_sight < kMostPassed) {
+        return {};
+    }
+    found.camera_from_head = registered.camera_from_head;
+    found.covariance += registered.covariance;
+    found.correlation = registered.correlation;
+    found.explained = registered.explained;
+    found.num_samples = registered.num_samples;
+    found.residual_px = registered.residual_px / (part->fy / camera.fy);
+    found.quality = std::sqrt(found.explained);
+    return found;
+}
+
 /// Where a lost head may be: the detector's guess, the last pose, or a pose that it was seen in before.
 std::optional<Eigen::Isometry3d> HeadTracker::State::recall(
     const cv::Mat1b& gray, const std::optional<Eigen::Isometry3d>& guess) const {
@@ -190,7 +247,10 @@ HeadEstimate HeadTracker::State::estimate(const cv::Mat1b& gray,
     } else if (last.held || guess) {
         const auto start = recall(gray, guess);
         found = start ? register_frame(gray, *start) : std::nullopt;
-    } else {
+    } else if (options.fast) {
+        found = register_samples(gray);
+    }
+    if (!found && !views.empty() && !last.held && !guess) {
         const auto predicted = follow_flow(gray);
         found = register_frame(gray, predicted ? predicted->camera_from_head : last.camera_from_head);
     }
@@ -258,6 +318,8 @@ HeadEstimate HeadTracker::advance(const ColorView& image, const std::optional<Ei
     }
     found.num_views = static_cast<int>(state.views.size());
     state.before = gray;
+    state.step = found.held ? Eigen::Isometry3d::Identity()
+                            : state.last.camera_from_head.inverse() * found.camera_from_head;
     state.last = found;
     return found;
 }
@@ -265,6 +327,7 @@ HeadEstimate HeadTracker::advance(const ColorView& image, const std::optional<Ei
 void HeadTracker::restart(const ColorView& image, const HeadEstimate& estimate) {
     state_->before = state_->to_gray(image);
     state_->last = estimate;
+    state_->step.setIdentity();
 }
 
 }  // namespace mimetic

@@ -83,6 +83,17 @@ TEST(HeadTracker, ReferenceTexturesStopWhatFlowAloneAddsUp) {
     EXPECT_LT(3 * follow(scene, shape, 60, 1).worst, follow(scene, shape, 60, 1, flow_alone).worst);
 }
 
+TEST(HeadTracker, FastPathFollowsAsWellWhereItIsTaken) {
+    const HeadScene scene(false);
+    HeadOptions fast;
+    fast.fast = true;
+    const Score surface = follow(scene, shape_of(scene, HeadModel::surface), 60, 2, fast);
+    EXPECT_LT(surface.mean, 1);
+    EXPECT_LT(surface.worst, 3);
+    EXPECT_EQ(surface.num_held, 0);
+    EXPECT_GT(surface.num_within_two_std, .9 * surface.num_frames);
+}
+
 TEST(HeadTracker, HoldsALostHeadAndFindsItAtTheDetectorsGuess) {
     const HeadScene scene(false);
     const auto reference = scene.render(HeadScene::pose(0, 0, 0));

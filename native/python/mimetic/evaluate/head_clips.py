@@ -26,6 +26,8 @@ from mimetic.performance import HELD_QUALITY
 
 FACE_MESH = "face mesh"
 TIMED_FRAMES = 60
+# By name: the model, and whether the fast path is taken
+METHODS = {model: (model, False) for model in MODELS} | {"ellipsoid fast": ("ellipsoid", True)}
 Report = Callable[[str], None]
 
 
@@ -74,13 +76,13 @@ def score_clip(clip: HeadClip, face_mesh: Path | None, report: Report) -> Iterat
     """Each model, and MediaPipe's face mesh where its interpreter is given."""
     known = (clip.head_pose, clip.fps)
     fit = calibrated_fit(clip)
-    for model in MODELS:
-        report(f"{clip.name}: {model}")
-        found = track_head(clip.footage, model, fit=fit)
+    for method, (model, fast) in METHODS.items():
+        report(f"{clip.name}: {method}")
+        found = track_head(clip.footage, model, fit=fit, fast=fast)
         poses = found.head_pose.copy()
         poses[found.quality < HELD_QUALITY] = np.nan
-        seconds = _seconds_a_frame(clip, fit, model)
-        yield score_head(clip.name, clip.kind, model, poses, *known, seconds)
+        seconds = _seconds_a_frame(clip, fit, model, fast)
+        yield score_head(clip.name, clip.kind, method, poses, *known, seconds)
     if face_mesh is not None:
         report(f"{clip.name}: {FACE_MESH}")
         poses, seconds = _run_face_mesh(clip, face_mesh)
@@ -94,16 +96,18 @@ def calibrated_fit(clip: HeadClip) -> FaceFit:
     return fitting.find_face(image, chosen, camera=clip.camera)
 
 
-def _seconds_a_frame(clip: HeadClip, fit: FaceFit, model: str) -> float:
+def _seconds_a_frame(clip: HeadClip, fit: FaceFit, model: str, fast: bool) -> float:
     """The median time of a frame, decoded already: what the face mesh is timed by as well."""
     template = load_template()
     shape = head_shape(model, fit.neutral_vertices(template), template)
     images = Footage(clip.footage).frames(fit.frame, fit.frame + TIMED_FRAMES)
+    options = _core.HeadOptions()
+    options.fast = fast
     tracker, seconds = None, []
     for _, image in images:
         image = np.ascontiguousarray(image)
         if tracker is None:
-            tracker = _core.HeadTracker(fit.camera, shape, image, fit.head_pose)
+            tracker = _core.HeadTracker(fit.camera, shape, image, fit.head_pose, options)
         start = time.perf_counter()
         tracker.advance(image)
         seconds.append(time.perf_counter() - start)
