@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Lips and lids of a face stay apart however it is moved."""
 
+import threading
 import time
 
 import bpy
@@ -235,10 +236,18 @@ def test_with_a_window_a_face_is_made_known_in_the_background(
     contact, extension, added, monkeypatch
 ):
     follower = extension("contact")
+    make, may_start = follower._maker, threading.Event()
+
+    def slow(*arguments):
+        made = make(*arguments)
+        return lambda: may_start.wait() and made()
+
     monkeypatch.setattr(follower, "_waits", lambda depsgraph: False)
+    monkeypatch.setattr(follower, "_maker", slow)
     put(added, PRESSED)
-    bpy.context.view_layer.update()
+    assert depth(contact, evaluated(added)) > MILLIMETRE
     assert bpy.app.timers.is_registered(follower._poll)
+    may_start.set()
     while follower._poll() is not None:  # as Blender's timer does
         time.sleep(0.02)
     assert depth(contact, evaluated(added)) < 0.05 * MILLIMETRE
