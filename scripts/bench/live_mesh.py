@@ -93,7 +93,7 @@ def main() -> None:
     modifier.show_viewport = False
     rows.append(("sliders set, face evaluated", median_ms(set_and_evaluate)))
     contact.ensure_key(face)
-    followed = load("live_contact").LiveContact(rest)
+    followed = load("live_contact").live_contact(rest)
     rows.append(("contact looked for, lips apart", median_ms(lambda i: follow_contact(0.01))))
     rows.append(("contact solved, lips pressed", median_ms(lambda i: follow_contact(0.9))))
     contact.place(face, None, None)
