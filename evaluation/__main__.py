@@ -15,6 +15,8 @@ from .clips import CannotRender, Clip, clip
 from .heads.films import head_clip
 from .heads.recipes import SETS as HEADS
 from .photographs.real import real_stills
+from .portraits.portrait_set import SETS as PORTRAITS
+from .portraits.portrait_set import portraits
 from .recipes import ALL, SETS
 from .stills.image_set import SETS as STILLS
 from .stills.image_set import stills
@@ -34,6 +36,7 @@ def main(arguments: list[str] | None = None) -> int:
         "--stills", choices=[*STILLS, REAL], help="still images, not clips; prints the .npz"
     )
     which.add_argument("--heads", choices=HEADS, help="heads that turn; prints kind, name, paths")
+    which.add_argument("--portraits", choices=PORTRAITS, help="portraits; prints the .npz")
     parser.add_argument("--out", type=Path, help="copy the clips into this folder")
     options = parser.parse_args(arguments)
     recipes = SETS["small" if options.small else options.set]
@@ -51,6 +54,9 @@ def main(arguments: list[str] | None = None) -> int:
             for wanted in HEADS[options.heads]:
                 head = head_clip(wanted, template, _to_stderr)
                 print(wanted.kind, wanted.name, head.footage, head.truth, sep="\t", flush=True)
+            return 0
+        if options.portraits:
+            print(portraits(options.portraits, template, _to_stderr))
             return 0
         for recipe in recipes:
             made = clip(recipe, template, _to_stderr)

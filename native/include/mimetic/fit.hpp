@@ -36,11 +36,19 @@ struct FitOptions {
     void check() const;             ///< throws InvalidInput: field, value, limit
 };
 
+/// How far a point of the model moved in the image from the first view to another.
+struct PointMotion {
+    int point = 0;
+    Eigen::Vector2d shift = Eigen::Vector2d::Zero();  ///< pixels
+    double sigma_px = 1;
+};
+
 /// What is known of one picture of the person.
 struct FaceView {
     FaceFeatures features;
     std::vector<Feature> pins;  ///< landmarks placed by hand: they stand for the measured ones of their names
                                 ///< and are held, however far off
+    std::vector<PointMotion> motion;  ///< since the first view, whose own is empty
 };
 
 struct FaceEstimate {
@@ -54,6 +62,8 @@ struct FaceEstimate {
 
 /// Pose of every view, and the proportions and focal length that they share: robust least squares (Ceres)
 /// with Gaussian priors on the coefficients. Focal lengths of the camera must be equal.
+/// The first view is the reference, where the face is at rest: features of others weigh little. What tells
+/// depth is how far points move between views.
 /// start: an estimate for the same views to go on from. Throws InvalidInput when features lack the pupils or
 /// a pin's name is no landmark.
 FaceEstimate fit_face(const FaceModel& model, const std::vector<FaceView>& views, const Camera& camera,

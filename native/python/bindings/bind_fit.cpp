@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/error.hpp>
 #include <mimetic/fit.hpp>
 
 #include "arrays.hpp"
@@ -35,11 +36,20 @@ void bind_fit(py::module_& m) {
             "landmark_weights: L x P, rows sum to 1")
         .def_readonly("landmark_names", &FaceModel::landmark_names);
     py::class_<FaceView>(m, "FaceView", "What is known of one picture of the person.")
-        .def(py::init([](FaceFeatures features, std::vector<Feature> pins) {
-                 return FaceView{std::move(features), std::move(pins)};
+        .def(py::init([](FaceFeatures features, std::vector<Feature> pins, const MatrixRows& motion) {
+                 if (motion.size() > 0 && motion.cols() != 4)
+                     throw InvalidInput("motion must have the shape (points, 4)");
+                 FaceView view{std::move(features), std::move(pins), {}};
+                 for (Eigen::Index i = 0; i < motion.rows(); ++i) {
+                     view.motion.push_back(
+                         {static_cast<int>(motion(i, 0)), {motion(i, 1), motion(i, 2)}, motion(i, 3)});
+                 }
+                 return view;
              }),
-             "features"_a, "pins"_a = std::vector<Feature>{},
-             "features: measured; pins: landmarks placed by hand, which are held however far off")
+             "features"_a, "pins"_a = std::vector<Feature>{}, "motion"_a = MatrixRows(0, 4),
+             "features: measured; pins: landmarks placed by hand, which are held however far off\n"
+             "motion: (K, 4) point of the model, how far it moved right and down since the first view, "
+             "standard deviation, pixels")
         .def_readonly("features", &FaceView::features)
         .def_readonly("pins", &FaceView::pins);
     py::class_<FaceEstimate>(m, "FaceEstimate",

@@ -19,6 +19,10 @@ COMMANDS = {
         "mimetic.capture_command",
         "video of a face -> muscles, head motion, overlay, report",
     ),
+    "fit": (
+        "mimetic.fit_command",
+        "video of a face -> the person's head, and the canonical picture",
+    ),
     "head": ("mimetic.head_command", "video of a head -> its motion alone, overlay, plot"),
     "points": ("mimetic.points", "where pixels of one frame go in all others"),
     "bake": ("mimetic.bake", "a performance -> animated head in a .blend or .glb"),

@@ -20,8 +20,10 @@ from mimetic.residual_shape import FACE, residual_modes
 
 # Modes that a face seen from the front says nothing about
 UNSEEN = ("ear_", "neck_", "asym_ear", "asym_temple", "head_back", "forehead_", "head_scale_depth")
-LIKELY_MOVE = 0.005  # metres at one standard deviation, at the vertex that a mode moves most
-LARGEST_SPREAD = 0.5
+# Spreads of the identity modes make distances of the face differ as much as between adults
+# [Farkas 1994]: nose to chin by 5 mm, subnasale to stomion 2.5, alae 3, zygions 7, gonions 7.
+LIKELY_MOVE = 0.0025  # metres at one standard deviation, at the vertex that a mode moves most
+LARGEST_SPREAD = 0.25
 ODD_SPREAD = 0.3  # of the spread of an even mode
 MOST_COMPONENTS = 96
 

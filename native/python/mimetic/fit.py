@@ -3,20 +3,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
+from mimetic.canonical_image import canonical_image
 from mimetic.eigenspaces import installed_spaces
 from mimetic.face_fit import FaceFit
 from mimetic.face_model import face_model
 from mimetic.face_shape import face_shape
 from mimetic.face_template import FaceTemplate, data_folder, load_template
 from mimetic.fitted_view import FittedView
+from mimetic.reference_views import follow_points
 from mimetic.rest import expression, rest_score
+from mimetic.symmetry import symmetry
 
 __all__ = [
     "FaceFit",
@@ -30,6 +34,12 @@ __all__ = [
 
 DEFAULT_FOCAL = 1.2  # image widths: a webcam's 45 degrees
 LARGEST_ERROR = 0.1  # rms of a face that was found, pupil distances; usual are 0.02
+LEAST_FOLLOWED = 20  # points, for a view to tell anything
+STARTS = (0.0, -25.0, 25.0)  # degrees of yaw
+SYMMETRY_SIZE = 96  # pixels of the canonical picture that is compared with its mirror image
+SURELY_FRONTAL = 0.6  # symmetry from which no other start is tried
+LEAST_SYMMETRY = 0.12  # below, the head lies beside the face; well-fitted ones have 0.2 to 0.9
+SEEN_WEIGHT, SHAPE_WEIGHT, TURNED_COST = 0.1, 0.03, 0.03  # against symmetry; drawn people
 SEARCHES = (0.12, 0.07)  # half widths of the measurements after the first fit, pupil distances
 
 
@@ -44,13 +54,20 @@ def score_frame(image: NDArray[np.uint8]) -> float | None:
     clip only.
     """
     judged = judge_frame(image)
-    return judged[0] if judged else None
+    return judged.score if judged else None
 
 
-def judge_frame(
-    image: NDArray[np.uint8], near: tuple[float, float] | None = None
-) -> tuple[float, NDArray[np.float64]] | None:
-    """The score of `score_frame`, and the expression (6) by which frames of a clip compare.
+@dataclass(frozen=True)
+class Judged:
+    """What the finder says of one frame of a clip."""
+
+    score: float  # of `score_frame`
+    expression: NDArray[np.float64]  # 6, by which frames of a clip compare (`mimetic.rest`)
+    features: _core.FaceFeatures
+
+
+def judge_frame(image: NDArray[np.uint8], near: tuple[float, float] | None = None) -> Judged | None:
+    """Score, expression and features of the face that `find_face` would take, None without one.
 
     near: as `find_face` has it
     """
@@ -59,7 +76,7 @@ def judge_frame(
     if not faces:
         return None
     face = faces[_nearest(faces, near) if near else 0]
-    return rest_score(image, face), expression(face)
+    return Judged(rest_score(image, face), expression(face), face)
 
 
 def find_face(
@@ -110,21 +127,92 @@ def find_face(
             f"the camera is for {camera.width} x {camera.height} pixels, "
             f"the image has {width} x {height}"
         )
+    fit = _fit_upright_or_turned(image, frame, faces[choice], camera, template)
+    if fit is None:
+        raise NoFace(
+            f"what looks like a face in frame {frame} does not fit a head: choose another frame, "
+            "or give a face fit"
+        )
+    fit.warnings += warnings
+    return fit
+
+
+def _fit_upright_or_turned(
+    image: NDArray[np.uint8],
+    frame: int,
+    face: _core.FaceFeatures,
+    camera: _core.Camera,
+    template: FaceTemplate,
+) -> FaceFit | None:
+    """The most credible of the fits that start from a head facing the camera or turned aside.
+
+    Features are looked for where a head so turned has them, so that each start may find itself
+    confirmed; what tells them apart is whether the halves of the warped face are alike.
+    """
+    best, credibility = None, -np.inf
+    for yaw in STARTS:
+        fit = _fit_from(image, frame, face, camera, template, yaw)
+        if fit is None:
+            continue
+        likeness = symmetry(*canonical_image(fit, image, size=SYMMETRY_SIZE, template=template))
+        if likeness < LEAST_SYMMETRY:
+            continue
+        values = face_shape(template).joined(fit.identity, fit.residual)
+        seen = sum(feature.likelihood for feature in fit.views[0].measured.features)
+        credible = likeness + SEEN_WEIGHT * seen - SHAPE_WEIGHT * float(values @ values)
+        credible -= TURNED_COST * (yaw != 0)
+        if credible > credibility:
+            best, credibility = fit, credible
+        if likeness > SURELY_FRONTAL:
+            break
+    return best
+
+
+def _fit_from(
+    image: NDArray[np.uint8],
+    frame: int,
+    face: _core.FaceFeatures,
+    camera: _core.Camera,
+    template: FaceTemplate,
+    yaw: float,
+) -> FaceFit | None:
+    """The fit from features measured where a head turned by `yaw` (degrees) has them."""
     model = face_model(template)
-    features = faces[choice]
-    estimate = _core.fit_face(model, [_core.FaceView(features)], camera)
-    for search in SEARCHES:
+    features = face
+    if yaw == 0:
+        estimate = _core.fit_face(model, [_core.FaceView(features)], camera)
+    else:
+        upright = np.zeros(len(face_shape(template).components))
+        pose = turned_pose(features, camera, template, yaw)
+        estimate = _core.FaceEstimate([pose], camera.fx, upright)
+    for search in SEARCHES if yaw == 0 else (SEARCHES[0], *SEARCHES):
         features = _core.measure_features(
             image, _expected(model, estimate, camera, features), search
         )
         estimate = _core.fit_face(model, [_core.FaceView(features)], camera)
     if not estimate.converged or estimate.rms_ipd > LARGEST_ERROR:
-        raise NoFace(
-            f"what looks like a face in frame {frame} does not fit a head: choose another frame, "
-            "or give a face fit"
-        )
+        return None
     view = FittedView(frame, estimate.camera_from_head[0], features)
-    return _as_fit(template, camera, estimate, [view], warnings)
+    return _as_fit(template, camera, estimate, [view], [])
+
+
+def turned_pose(
+    features: _core.FaceFeatures, camera: _core.Camera, template: FaceTemplate, yaw: float
+) -> NDArray[np.float64]:
+    """camera_from_head (4 x 4) of the canonical head with its eyes at the pupils; yaw: degrees."""
+    at = {f.name: np.array(f.position) for f in features.features}
+    across, middle = at["pupil.L"] - at["pupil.R"], (at["pupil.L"] + at["pupil.R"]) / 2
+    roll, turn = np.arctan2(across[1], across[0]), np.radians(yaw)
+    level = np.array([[np.cos(roll), -np.sin(roll), 0], [np.sin(roll), np.cos(roll), 0], [0, 0, 1]])
+    aside = np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]])
+    pose = np.eye(4)
+    pose[:3, :3] = level @ np.diag([1.0, -1.0, -1.0]) @ aside
+    left, right = template.eye_centers
+    between = pose[:3, :3] @ (left - right)
+    depth = camera.fx * np.linalg.norm(between[:2]) / np.linalg.norm(across)
+    ray = np.array([*(middle - (camera.cx, camera.cy)) / camera.fx, 1.0])
+    pose[:3, 3] = depth * ray - pose[:3, :3] @ (left + right) / 2
+    return pose
 
 
 def refit(
@@ -164,6 +252,42 @@ def refit(
     ]
     observed = [view.observed() for view in views]
     estimate = _core.fit_face(model, observed, fit.camera, start=_estimate_of(fit, template))
+    return _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
+
+
+def join_views(
+    fit: FaceFit,
+    reference: NDArray[np.uint8],
+    others: Sequence[tuple[int, _core.FaceFeatures, NDArray[np.uint8]]],
+    *,
+    template: FaceTemplate | None = None,
+) -> FaceFit:
+    """One head for the reference frame and others: pose of each, shape and camera of all.
+
+    reference: the picture of `fit.frame`; others: frame number, features found in it, its picture.
+    Views in which too little of the face could be followed are left out. Pins stay.
+    """
+    template = template or load_template()
+    model, shape = face_model(template), face_shape(template)
+    values = shape.joined(fit.identity, fit.residual)
+    views = [fit.views[0]]
+    for frame, features, image in others:
+        alone = _core.fit_face(model, [_core.FaceView(features)], fit.camera)
+        if not alone.converged or alone.rms_ipd > LARGEST_ERROR:
+            continue
+        view = FittedView(frame, alone.camera_from_head[0], features)
+        view.motion = follow_points(reference, image, fit, view, template)
+        if len(view.motion) >= LEAST_FOLLOWED:
+            views.append(view)
+    if len(views) == 1:
+        return fit
+    start = _core.FaceEstimate(
+        [view.head_pose for view in views], float(fit.intrinsics[0, 0]), values
+    )
+    observed = [view.observed() for view in views]
+    estimate = _core.fit_face(model, observed, fit.camera, start=start)
+    if not estimate.converged:
+        return fit
     return _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
 
 

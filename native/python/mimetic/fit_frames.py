@@ -29,7 +29,7 @@ def with_frame(fit: FaceFit, image: NDArray[np.uint8], frame: int) -> FaceFit:
         raise InvalidInput("the face fit is from an older version of Mimetic: fit again")
     (view,) = find_face(image, frame, camera=fit.camera).views
     if known := fit.view(frame):
-        view.pins = dict(known.pins)
+        view.pins, view.motion = dict(known.pins), known.motion
         views = [view if v.frame == frame else v for v in fit.views]
     elif len(fit.views) == MOST_VIEWS:
         raise InvalidInput(f"the face fit rests on {MOST_VIEWS} frames already")

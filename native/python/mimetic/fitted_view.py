@@ -23,17 +23,20 @@ class FittedView:
     head_pose: NDArray[np.float64]  # 4 x 4, camera from head, metres; camera x right, y down
     measured: _core.FaceFeatures
     pins: dict[str, tuple[float, float]] = field(default_factory=dict)  # landmark: pixels
+    # K x 4 since the reference: vertex, pixels right, down, standard deviation
+    motion: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 4)))
 
     def __post_init__(self) -> None:
         if isinstance(self.frame, bool) or not isinstance(self.frame, int) or self.frame < 1:
             raise InvalidInput(f"face fit's frame is {self.frame!r}; it is a number from 1")
         self.head_pose = checked_pose(self.head_pose)
         self.pins = checked_places("pin", self.pins)
+        self.motion = numbers("motion", self.motion, (len(self.motion), 4))
 
     def observed(self) -> _core.FaceView:
         """What the solver takes."""
         pins = [_core.Feature(name, place, PIN_SIGMA) for name, place in self.pins.items()]
-        return _core.FaceView(self.measured, pins)
+        return _core.FaceView(self.measured, pins, np.ascontiguousarray(self.motion))
 
     def as_json(self) -> dict:
         """Pixels to a ten thousandth."""
@@ -51,12 +54,13 @@ class FittedView:
                 c.name: np.round(np.column_stack([c.points, c.normals, c.sigma_px]), 4).tolist()
                 for c in self.measured.curves
             },
+            "motion": np.round(self.motion, 4).tolist(),
         }
 
     @classmethod
     def from_json(cls, document: object) -> FittedView:
         """Raises InvalidInput naming the field."""
-        keys = ("frame", "head_pose", "pins", "box", "likelihood", "features", "curves")
+        keys = ("frame", "head_pose", "pins", "box", "likelihood", "features", "curves", "motion")
         if not isinstance(document, dict) or sorted(document) != sorted(keys):
             raise InvalidInput(f"face fit's views must be objects with {', '.join(keys)}")
         features = [
@@ -69,7 +73,7 @@ class FittedView:
         curves = [
             _core.FeatureCurve(name, rows[:, :2], rows[:, 2:4], np.maximum(rows[:, 4], 1e-3))
             for name, rows in (
-                (name, numbers(f"curve {name}", rows, (_count(name, rows), 5)))
+                (name, numbers(f"curve {name}", rows, (_count(f"curve {name}", rows), 5)))
                 for name, rows in named("curves", document["curves"])
             )
         ]
@@ -79,7 +83,10 @@ class FittedView:
             numbers("box", document["box"], (4,)),
             float(numbers("likelihood", document["likelihood"], ())),
         )
-        return cls(document["frame"], document["head_pose"], measured, document["pins"])
+        motion = document["motion"]
+        motion = numbers("motion", motion, (_count("motion", motion), 4)) if motion else []
+        motion = np.array(motion).reshape(-1, 4)
+        return cls(document["frame"], document["head_pose"], measured, document["pins"], motion)
 
 
 def numbers(name: str, value: object, shape: tuple[int, ...]) -> NDArray[np.float64]:
@@ -123,5 +130,5 @@ def checked_places(what: str, places: object) -> dict[str, tuple[float, float]]:
 
 def _count(name: str, rows: object) -> int:
     if not isinstance(rows, list) or len(rows) > MOST_POINTS:
-        raise InvalidInput(f"face fit's curve {name} must have at most {MOST_POINTS} points")
+        raise InvalidInput(f"face fit's {name} must have at most {MOST_POINTS} points")
     return len(rows)

@@ -7,7 +7,6 @@ not depend on the clip's length but for the performance itself: frames are decod
 
 from __future__ import annotations
 
-import contextlib
 import itertools
 import os
 import time
@@ -20,6 +19,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core, sequence, tracking
 from mimetic import fit as fitting
 from mimetic.anatomy import attach
+from mimetic.face_search import best_fit
 from mimetic.face_template import load_template
 from mimetic.fit import FaceFit, NoFace
 from mimetic.following import (
@@ -33,7 +33,6 @@ from mimetic.following import (
 )
 from mimetic.footage import Footage
 from mimetic.performance import Performance
-from mimetic.rest import usual_expression
 from mimetic.sequence import Rows, State
 
 Progress = Callable[[float, str], bool]  # fraction, what is done -> go on?
@@ -42,8 +41,6 @@ Place = tuple[float, float]  # x, y, pixels
 
 SEARCHED_SECONDS = 8.0  # of the clip, for the frame that shows the face best
 NUM_CANDIDATES = 16
-NUM_TRIED = 5  # of the candidates: the most promising
-LEAST_CHANCE = 0.4  # of the best one's, to be tried
 SETTLING = 10  # frames in which a camera finds its exposure and an encoder its quality
 
 
@@ -71,6 +68,8 @@ def find_face(
     """The head fitted to `frame`, or to the best of the first seconds (within `frames`).
 
     The face must be at rest there. Of several the largest is taken, or the one nearest to `near`.
+    A frame chosen by itself is joined by others in which the head is turned otherwise
+    (`FaceFit.views`); one that is asked for stands alone.
     Raises NoFace, UnreadableMedia, InvalidInput.
     """
     footage = Footage(path)
@@ -80,11 +79,11 @@ def find_face(
     first, last = check_range(frames, footage)
     start = first + SETTLING if first + 3 * SETTLING < last else first
     end = min(last, start + max(1, round(SEARCHED_SECONDS * float(footage.fps))))
-    fit = _best_fit(footage, _spread(start, end, NUM_CANDIDATES), progress, near)
+    fit = best_fit(footage, _spread(start, end, NUM_CANDIDATES), progress, near)
     if fit is None and end < last:
-        fit = _best_fit(footage, _spread(end + 1, last, 2 * NUM_CANDIDATES), progress, near)
+        fit = best_fit(footage, _spread(end + 1, last, 2 * NUM_CANDIDATES), progress, near)
     if fit is None and start > first:
-        fit = _best_fit(footage, _spread(first, start - 1, SETTLING), progress, near)
+        fit = best_fit(footage, _spread(first, start - 1, SETTLING), progress, near)
     if fit is None:
         raise NoFace(
             f"no frontal face found in {footage.path.name}, frames {first} to {last}: choose a "
@@ -96,37 +95,6 @@ def find_face(
 def _spread(first: int, last: int, number: int) -> set[int]:
     """At most `number` frames from `first` to `last`, evenly."""
     return set(np.linspace(first, last, min(number, last - first + 1)).astype(int).tolist())
-
-
-def _best_fit(
-    footage: Footage, wanted: set[int], progress: Progress | None, near: Place | None
-) -> FaceFit | None:
-    """The fit to the best of the wanted frames that can be fitted at all."""
-    judged: list[tuple[int, float, NDArray[np.float64]]] = []
-    for frame, image in footage.frames(min(wanted), max(wanted)):
-        if frame in wanted:
-            if progress and not progress(0.0, f"looking for the face: frame {frame}"):
-                raise NoFace("stopped while looking for the face")
-            found = fitting.judge_frame(image, near)
-            if found is not None:
-                judged.append((frame, *found))
-    if not judged:
-        return None
-    frames, scores, expressions = zip(*judged, strict=True)
-    chances = np.array(scores) * usual_expression(np.array(expressions))
-    fits = []
-    for i in np.argsort(-chances):
-        if len(fits) == NUM_TRIED or (fits and chances[i] < LEAST_CHANCE * chances.max()):
-            break
-        with contextlib.suppress(NoFace):
-            image = footage.read(frames[i])
-            fits.append(fitting.find_face(image, frames[i], near=near))
-    # Pose or expression taken for shape asks for unusual proportions.
-    return min(fits, key=_unusualness, default=None)
-
-
-def _unusualness(fit: FaceFit) -> float:
-    return sum(value**2 for value in fit.identity.values())
 
 
 def check_range(frames: FrameRange | None, footage: Footage) -> tuple[int, int]:

@@ -3,22 +3,22 @@
 
 namespace mimetic::fit {
 
-Blend blend(const FaceModel& model, const std::vector<std::pair<int, double>>& weights) {
+Blend Blender::points(const std::vector<std::pair<int, double>>& weights) const {
     Blend sum;
-    sum.modes = Eigen::Matrix3Xd::Zero(3, model.modes.rows());
+    sum.modes = Eigen::Matrix3Xd::Zero(3, by_point_.cols());
     for (const auto& [index, weight] : weights) {
-        sum.mean += weight * model.points.row(index).transpose();
-        sum.modes += weight * model.modes.middleCols<3>(3 * index).transpose();
+        sum.mean += weight * model_.points.row(index).transpose();
+        sum.modes += weight * by_point_.middleRows<3>(3 * index);
     }
     return sum;
 }
 
-Blend landmark(const FaceModel& model, int index) {
+Blend Blender::landmark(int index) const {
     std::vector<std::pair<int, double>> weights;
-    for (SparseRows::InnerIterator it(model.landmark_weights, index); it; ++it) {
+    for (SparseRows::InnerIterator it(model_.landmark_weights, index); it; ++it) {
         weights.emplace_back(static_cast<int>(it.col()), it.value());
     }
-    return blend(model, weights);
+    return points(weights);
 }
 
 int landmark_index(const FaceModel& model, const std::string& name) {

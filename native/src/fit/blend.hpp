@@ -12,8 +12,19 @@ struct Blend {
     Eigen::Vector3d at(VectorIn identity) const { return mean + modes * identity; }
 };
 
-Blend blend(const FaceModel& model, const std::vector<std::pair<int, double>>& weights);
-Blend landmark(const FaceModel& model, int index);
+/// Gives blends of a model's points; a copy of the modes lies so that one point's are together in memory.
+class Blender {
+public:
+    explicit Blender(const FaceModel& model) : model_(model), by_point_(model.modes.transpose()) {}
+
+    Blend points(const std::vector<std::pair<int, double>>& weights) const;
+    Blend landmark(int index) const;
+
+private:
+    const FaceModel& model_;
+    MatrixRows by_point_;  // 3P x I
+};
+
 int landmark_index(const FaceModel& model, const std::string& name);  ///< -1 if there is none
 Eigen::Vector3d landmark_at(const FaceModel& model, const Points& points, int index);
 Camera with_focal(Camera camera, double focal);

@@ -10,7 +10,6 @@ namespace {
 
 using fit::Blend;
 using fit::EdgePoint;
-using fit::landmark;
 using fit::landmark_index;
 using fit::with_focal;
 using Pose = Eigen::Matrix<double, fit::kPose, 1>;
@@ -23,6 +22,10 @@ constexpr double kCurveInflation = 1.8;
 
 /// Interpupillary distances by which a rigid average head may miss a pin.
 constexpr double kRigidPin = 0.03;
+
+/// What features of other views than the first are less trusted by: all views see a face with the same errors
+/// of measurement, and in the first it is most at rest.
+constexpr double kElsewhere = 3.0;
 
 /// Rounds from an estimate that was good before something small changed.
 constexpr int kRestarted = 3;
@@ -120,7 +123,7 @@ class FaceFitter {
 public:
     FaceFitter(const FaceModel& model, const std::vector<FaceView>& views, const Camera& camera,
                const FitOptions& options)
-        : model_(model), views_(views), camera_(camera), options_(options) {
+        : model_(model), views_(views), camera_(camera), options_(options), blender_(model) {
         for (const auto& view : views) {
             const FaceFeatures& seen = view.features;
             ipd_px_.push_back((seen.find("pupil.L")->position - seen.find("pupil.R")->position).norm());
@@ -176,10 +179,10 @@ private:
             // A curve of the same name says where across it, and claims nothing along it
             if (index < 0 || feature.likelihood < 0.05 || seen.find_curve(feature.name) != nullptr) continue;
             if (is_pinned(view, feature.name)) continue;
-            double sigma = feature.sigma_px;
+            double sigma = distrust(view) * feature.sigma_px;
             if (feature.name.starts_with("pupil."))
-                sigma = std::hypot(sigma, options_.gaze_spread * ipd_px_[view]);
-            add(problem, view, landmark(model_, index), feature.position, Eigen::Matrix2d::Identity(), sigma,
+                sigma = std::hypot(sigma, distrust(view) * options_.gaze_spread * ipd_px_[view]);
+            add(problem, view, blender_.landmark(index), feature.position, Eigen::Matrix2d::Identity(), sigma,
                 robust());
         }
     }
@@ -187,8 +190,21 @@ private:
     void add_pins(ceres::Problem& problem, std::size_t view, bool shape) {
         for (const auto& pin : views_[view].pins) {
             const double sigma = std::max(pin.sigma_px, shape ? 0.0 : kRigidPin * ipd_px_[view]);
-            add(problem, view, landmark(model_, landmark_index(model_, pin.name)), pin.position,
+            add(problem, view, blender_.landmark(landmark_index(model_, pin.name)), pin.position,
                 Eigen::Matrix2d::Identity(), sigma, shape ? nullptr : robust());
+        }
+    }
+
+    /// What a view's measured standard deviations are multiplied by.
+    static double distrust(std::size_t view) { return view == 0 ? 1.0 : kElsewhere; }
+
+    void add_motion(ceres::Problem& problem, std::size_t view) {
+        for (const auto& motion : views_[view].motion) {
+            const Blend point = blender_.points({{motion.point, 1.0}});
+            problem.AddResidualBlock(new fit::MotionResidual(point.mean, point.modes, motion.shift,
+                                                             motion.sigma_px, {camera_.cx, camera_.cy}),
+                                     robust(), state_.poses[0].data(), state_.poses[view].data(),
+                                     &state_.log_focal, state_.identity.data());
         }
     }
 
@@ -215,16 +231,16 @@ private:
                                                  is_jaw, 0.35 * ipd_px_[view]);
                 if (match == nullptr) continue;
                 add(problem, view,
-                    fit::blend(model_,
-                               {{match->first, 1 - match->fraction}, {match->second, match->fraction}}),
-                    curve.points.row(i), curve.normals.row(i), kCurveInflation * curve.sigma_px(i), robust());
+                    blender_.points({{match->first, 1 - match->fraction}, {match->second, match->fraction}}),
+                    curve.points.row(i), curve.normals.row(i),
+                    distrust(view) * kCurveInflation * curve.sigma_px(i), robust());
             }
         }
     }
 
     void add_priors(ceres::Problem& problem, bool shape) {
-        const Blend left = landmark(model_, landmark_index(model_, "pupil.L"));
-        const Blend right = landmark(model_, landmark_index(model_, "pupil.R"));
+        const Blend left = blender_.landmark(landmark_index(model_, "pupil.L"));
+        const Blend right = blender_.landmark(landmark_index(model_, "pupil.R"));
         problem.AddResidualBlock(
             new fit::IdentityResidual(model_.spread, left.mean - right.mean, left.modes - right.modes,
                                       options_.pupil_distance, kIpdTolerance),
@@ -257,6 +273,7 @@ private:
             add_pins(problem, view, shape);
             add_curves(problem, view, points, shape);
         }
+        for (std::size_t view = 1; view < views_.size(); ++view) add_motion(problem, view);
         add_priors(problem, shape);
         ceres::Solver::Options how;
         how.linear_solver_type = ceres::DENSE_NORMAL_CHOLESKY;
@@ -271,7 +288,7 @@ private:
     }
 
     double rms(ceres::Problem& problem) const {
-        // The measured residuals were added first; priors follow
+        // Residuals of features, pins and curves were added first; motion and priors follow
         std::vector<ceres::ResidualBlockId> blocks;
         problem.GetResidualBlocks(&blocks);
         double sum = 0;
@@ -294,6 +311,7 @@ private:
     Camera camera_;
     FitOptions options_;
     State state_;
+    fit::Blender blender_;
     std::vector<double> ipd_px_;  // of each view
     double robust_scale_ = 1;
     std::vector<Measured> measured_;
@@ -313,6 +331,11 @@ void check_view(const FaceModel& model, const FaceView& view) {
             require(feature.position.allFinite() && feature.sigma_px > 0,
                     "feature " + feature.name + " must have a finite position and sigma_px above 0");
         }
+    }
+    for (const auto& motion : view.motion) {
+        require(motion.point >= 0 && motion.point < model.points.rows() && motion.shift.allFinite() &&
+                    motion.sigma_px > 0,
+                "motion must name a point of the model, a finite shift and sigma_px above 0");
     }
     for (const auto& pin : view.pins) {
         require(landmark_index(model, pin.name) >= 0, "there is no landmark " + pin.name + " to pin");
@@ -342,6 +365,7 @@ FaceEstimate fit_face(const FaceModel& model, const std::vector<FaceView>& views
     options.check();
     require(!views.empty(), "at least one view is needed");
     for (const auto& view : views) check_view(model, view);
+    require(views[0].motion.empty(), "the first view has no motion: it is since that view");
     if (start != nullptr) {
         require(start->camera_from_head.size() == views.size() && start->focal > 0 &&
                     start->identity.size() == model.modes.rows() && start->identity.allFinite(),

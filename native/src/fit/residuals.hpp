@@ -75,6 +75,58 @@ private:
     Eigen::Vector2d center_;
 };
 
+/// (how far the pixel of mean + modes identity moves between two poses - shift) / sigma.
+class MotionResidual : public ceres::CostFunction {
+public:
+    /// modes: 3 x I; parameters: the two poses, log focal, identity
+    MotionResidual(const Eigen::Vector3d& mean, Eigen::Matrix3Xd modes, const Eigen::Vector2d& shift,
+                   double sigma, const Eigen::Vector2d& center)
+        : mean_(mean), modes_(std::move(modes)), shift_(shift), sigma_(sigma), center_(center) {
+        set_num_residuals(2);
+        *mutable_parameter_block_sizes() = {kPose, kPose, 1, static_cast<int>(modes_.cols())};
+    }
+
+    bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override {
+        const Eigen::Map<const Eigen::VectorXd> identity(parameters[3], modes_.cols());
+        const Eigen::Vector3d point = mean_ + modes_ * identity;
+        Eigen::Map<Eigen::Vector2d> residual(residuals);
+        if (jacobians == nullptr) {
+            residual = (project(parameters[1], parameters[2][0], point.data(), center_) -
+                        project(parameters[0], parameters[2][0], point.data(), center_) - shift_) /
+                       sigma_;
+            return residual.allFinite();
+        }
+        constexpr int kFocal = 2 * kPose;
+        using Jet = ceres::Jet<double, kFocal + 4>;
+        Jet before[kPose], after[kPose], in_head[3];
+        for (int k = 0; k < kPose; ++k) before[k] = Jet(parameters[0][k], k);
+        for (int k = 0; k < kPose; ++k) after[k] = Jet(parameters[1][k], kPose + k);
+        const Jet log_focal(parameters[2][0], kFocal);
+        for (int k = 0; k < 3; ++k) in_head[k] = Jet(point(k), kFocal + 1 + k);
+        const Eigen::Matrix<Jet, 2, 1> moved =
+            project(after, log_focal, in_head, center_) - project(before, log_focal, in_head, center_);
+        residual = (Eigen::Vector2d(moved(0).a, moved(1).a) - shift_) / sigma_;
+        Eigen::Matrix<double, 2, kFocal + 4> derivative;
+        derivative << moved(0).v.transpose(), moved(1).v.transpose();
+        derivative /= sigma_;
+        if (jacobians[0] != nullptr)
+            Eigen::Map<MatrixRows>(jacobians[0], 2, kPose) = derivative.leftCols<kPose>();
+        if (jacobians[1] != nullptr)
+            Eigen::Map<MatrixRows>(jacobians[1], 2, kPose) = derivative.middleCols<kPose>(kPose);
+        if (jacobians[2] != nullptr) Eigen::Map<MatrixRows>(jacobians[2], 2, 1) = derivative.col(kFocal);
+        if (jacobians[3] != nullptr)
+            Eigen::Map<MatrixRows>(jacobians[3], 2, modes_.cols()) = derivative.rightCols<3>() * modes_;
+        return residual.allFinite();
+    }
+
+private:
+    Eigen::Vector3d mean_;
+    Eigen::Matrix3Xd modes_;
+    Eigen::Vector2d shift_;
+    double sigma_;
+    Eigen::Vector2d center_;
+};
+
 /// Gaussian prior of the coefficients, and the eyeballs' distance that sets the scale.
 class IdentityResidual : public ceres::CostFunction {
 public:

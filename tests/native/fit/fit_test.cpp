@@ -86,7 +86,7 @@ TEST(FitFace, RecoversPoseWithinHalfADegreeAndTheProportions) {
          {std::tuple{0.0, 0.0, 0.0}, std::tuple{0.3, -0.1, 0.2}, std::tuple{-0.25, 0.15, -0.3}}) {
         const Eigen::Isometry3d pose = turned(yaw, pitch, roll);
         const FaceEstimate estimate =
-            fit_face(cloud.model, {{cloud.seen(pose, identity, 0.05), {}}}, kCamera, options);
+            fit_face(cloud.model, {{cloud.seen(pose, identity, 0.05), {}, {}}}, kCamera, options);
         EXPECT_TRUE(estimate.converged);
         EXPECT_LT(angle_deg(estimate.camera_from_head[0], pose), 0.5);
         const Points fitted = cloud.model.shaped(estimate.identity);
@@ -100,7 +100,7 @@ TEST(FitFace, OneFeatureFarOffHardlyTurnsTheHead) {
     const Eigen::Isometry3d pose = turned(0.1, 0, 0);
     FaceFeatures features = cloud.seen(pose, Eigen::VectorXd::Zero(4), 0.1);
     features.features[10].position.x() += 40;
-    const FaceEstimate estimate = fit_face(cloud.model, {{features, {}}}, kCamera);
+    const FaceEstimate estimate = fit_face(cloud.model, {{features, {}, {}}}, kCamera);
     EXPECT_LT(angle_deg(estimate.camera_from_head[0], pose), 1.0);
 }
 
@@ -113,14 +113,14 @@ TEST(FitFace, FreeFocalLengthMovesFromAWrongPriorTowardsTheTruth) {
     guess.fx = guess.fy = 900;
     const Eigen::Isometry3d pose = turned(0.3, 0.1, 0);
     const FaceFeatures features = cloud.seen(pose, Eigen::VectorXd::Zero(4), 0);
-    const FaceEstimate estimate = fit_face(cloud.model, {{features, {}}}, guess, options);
+    const FaceEstimate estimate = fit_face(cloud.model, {{features, {}, {}}}, guess, options);
     EXPECT_LT(std::abs(estimate.focal - 700), 100);
 }
 
 TEST(FitFace, ProjectedFeaturesFallOnTheSeenOnes) {
     Cloud cloud;
     const FaceFeatures features = cloud.seen(turned(0.2, 0.1, 0), Eigen::VectorXd::Zero(4), 0);
-    const FaceEstimate estimate = fit_face(cloud.model, {{features, {}}}, kCamera);
+    const FaceEstimate estimate = fit_face(cloud.model, {{features, {}, {}}}, kCamera);
     const FaceFeatures again = project_features(cloud.model, estimate, kCamera);
     for (const auto& feature : features.features) {
         EXPECT_LT((again.find(feature.name)->position - feature.position).norm(), 0.5) << feature.name;
@@ -129,7 +129,7 @@ TEST(FitFace, ProjectedFeaturesFallOnTheSeenOnes) {
 
 TEST(FitFace, PinIsMetHoweverFarOffItIs) {
     Cloud cloud;
-    FaceView view{cloud.seen(turned(0.1, 0, 0), Eigen::VectorXd::Zero(4), 0.1), {}};
+    FaceView view{cloud.seen(turned(0.1, 0, 0), Eigen::VectorXd::Zero(4), 0.1), {}, {}};
     const Feature& seen = view.features.features[10];
     view.pins.push_back({seen.name, seen.position + Eigen::Vector2d(15, -8), 0.1, 1});
     const FaceEstimate estimate = fit_face(cloud.model, {view}, kCamera);
@@ -145,7 +145,7 @@ TEST(FitFace, ViewsOfOnePersonShareTheProportionsAndTellDepthTogether) {
     identity(2) = 1.5;  // depth alone: one view from the front does not show it
     const std::vector<Eigen::Isometry3d> poses{turned(0, 0, 0), turned(0.3, 0, 0), turned(0, 0.25, 0)};
     std::vector<FaceView> views;
-    for (const auto& pose : poses) views.push_back({cloud.seen(pose, identity, 0.05), {}});
+    for (const auto& pose : poses) views.push_back({cloud.seen(pose, identity, 0.05), {}, {}});
     const FaceEstimate alone = fit_face(cloud.model, {views[0]}, kCamera, options);
     const FaceEstimate joint = fit_face(cloud.model, views, kCamera, options);
     EXPECT_LT(std::abs(joint.identity(2) - 1.5), 0.1);
@@ -157,20 +157,45 @@ TEST(FitFace, ViewsOfOnePersonShareTheProportionsAndTellDepthTogether) {
     EXPECT_LT(angle_deg(again.camera_from_head[0], joint.camera_from_head[0]), 0.05);
 }
 
+TEST(FitFace, MotionBetweenViewsTellsThePitchThatFeaturesLeaveOpen) {
+    Cloud cloud;
+    cloud.model.spread.setConstant(0.5);
+    Eigen::VectorXd identity(4);
+    identity << -0.5, 0.2, 0.8, 0.6;
+    const Eigen::Isometry3d bent = turned(0, 0.2, 0), aside = turned(0.2, 0.2, 0);
+    const Points points = cloud.model.shaped(identity);
+    std::vector<FaceView> views{{cloud.seen(bent, identity, 0.5), {}, {}},
+                                {cloud.seen(aside, identity, 0.5), {}, {}}};
+    // Eyes and a few others: the features alone leave pitch to its prior
+    for (auto& view : views) {
+        view.features.features.resize(6);
+        for (auto& feature : view.features.features) feature.sigma_px = 2;
+    }
+    const FaceEstimate alone = fit_face(cloud.model, {views[0]}, kCamera);
+    for (int i = 0; i < points.rows(); ++i) {
+        const Eigen::Vector2d before = kCamera.project(bent * points.row(i).transpose());
+        views[1].motion.push_back({i, kCamera.project(aside * points.row(i).transpose()) - before, 0.05});
+    }
+    const FaceEstimate joint = fit_face(cloud.model, views, kCamera);
+    EXPECT_LT(angle_deg(joint.camera_from_head[0], bent), 0.5 * angle_deg(alone.camera_from_head[0], bent));
+    views[1].motion[0].point = 1000;
+    EXPECT_THROW(fit_face(cloud.model, views, kCamera), InvalidInput);
+}
+
 TEST(FitFace, RefusesFeaturesWithoutPupilsAndModelsThatDoNotFit) {
     Cloud cloud;
     FaceFeatures features = cloud.seen(turned(0, 0, 0), Eigen::VectorXd::Zero(4), 0);
     FaceFeatures blind = features;
     blind.features.erase(blind.features.begin());
-    EXPECT_THROW(fit_face(cloud.model, {{blind, {}}}, kCamera), InvalidInput);
+    EXPECT_THROW(fit_face(cloud.model, {{blind, {}, {}}}, kCamera), InvalidInput);
     FaceModel model = cloud.model;
     model.spread(1) = 0;
-    EXPECT_THROW(fit_face(model, {{features, {}}}, kCamera), InvalidInput);
-    const FaceView stray{features, {{"no such point", {0, 0}, 1, 1}}};
+    EXPECT_THROW(fit_face(model, {{features, {}, {}}}, kCamera), InvalidInput);
+    const FaceView stray{features, {{"no such point", {0, 0}, 1, 1}}, {}};
     EXPECT_THROW(fit_face(cloud.model, {stray}, kCamera), InvalidInput);
     EXPECT_THROW(fit_face(cloud.model, {}, kCamera), InvalidInput);
     features.features[3].position.x() = std::nan("");
-    EXPECT_THROW(fit_face(cloud.model, {{features, {}}}, kCamera), InvalidInput);
+    EXPECT_THROW(fit_face(cloud.model, {{features, {}, {}}}, kCamera), InvalidInput);
 }
 
 }  // namespace

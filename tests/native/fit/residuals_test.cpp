@@ -67,6 +67,12 @@ TEST(ProjectionResidual, DerivativesMeetFiniteDifferences) {
     EXPECT_LT(derivative_error(along_normal, {kPose, kLogFocal, kIdentity}), 1e-6);
 }
 
+TEST(MotionResidual, DerivativesMeetFiniteDifferences) {
+    const fit::MotionResidual cost({0.02, -0.03, 0.08}, some_modes(), {12, -7}, 0.4, {320, 240});
+    const std::vector<double> turned = {2.7, 0.5, -0.3, 0.02, -0.01, 0.68};
+    EXPECT_LT(derivative_error(cost, {kPose, turned, kLogFocal, kIdentity}), 1e-6);
+}
+
 TEST(IdentityResidual, DerivativesMeetFiniteDifferences) {
     const fit::IdentityResidual residual(Eigen::VectorXd::Constant(kModes, 0.4), {0.06, 0.001, 0},
                                          some_modes(), 0.063, 1e-3);

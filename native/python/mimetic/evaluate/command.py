@@ -9,12 +9,14 @@ from pathlib import Path
 
 from mimetic import InvalidInput
 from mimetic.eigenspaces import installed_spaces, load
-from mimetic.evaluate import head, locate
+from mimetic.evaluate import fit, head, locate
+from mimetic.evaluate.portraits import rendered_portraits
 from mimetic.evaluate.rendered import scored, shared_images
 from mimetic.evaluate.score import score
 from mimetic.evaluate.stills import Stills, rendered_stills
 from mimetic.evaluate.tables import as_json, as_text, summary
 from mimetic.evaluate.truth import Truth
+from mimetic.face_template import load_template
 from mimetic.performance import Performance
 
 
@@ -23,12 +25,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "Score a performance against a truth file (docs/truth-file.md). Without --truth, render "
         "heads with known motion (kept in the cache), capture and score them. `locate` scores what "
         "finds faces on still images instead, beside OpenCV's cascades; `head` scores what follows "
-        "heads on rendered sequences, beside MediaPipe's face mesh."
+        "heads on rendered sequences, beside MediaPipe's face mesh; `fit` scores heads fitted to "
+        "portraits (docs/fitting.md)."
     )
     parser.add_argument(
         "what",
         nargs="?",
-        choices=("capture", "head", "locate"),
+        choices=("capture", "fit", "head", "locate"),
         default="capture",
         help="what to score (default: capture)",
     )
@@ -47,7 +50,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="locate: this model, not the installed one (scripts/train_eigenspaces)",
     )
-    parser.add_argument("--out", type=Path, help="head, locate: write figures and plots here")
+    parser.add_argument("--out", type=Path, help="fit, head, locate: write figures and plots here")
     parser.add_argument("--json", action="store_true", help="print JSON, every figure in it")
 
 
@@ -61,8 +64,10 @@ def run_evaluate(options: argparse.Namespace) -> int:
         raise InvalidInput("--set real goes with `mimetic evaluate locate`")
     if options.what == "head":
         return _run_head(options)
+    if options.what == "fit":
+        return _run_fit(options)
     if options.out:
-        raise InvalidInput("--out goes with `mimetic evaluate head` and `locate`")
+        raise InvalidInput("--out goes with `mimetic evaluate fit`, `head` and `locate`")
     if (options.truth is None) != (options.performance is None):
         raise InvalidInput("give both --truth and --performance, or neither")
     if options.truth is not None:
@@ -104,6 +109,17 @@ def _run_locate(options: argparse.Namespace) -> int:
     if options.out is not None:
         locate.write(scores, options.out)
     print(locate.as_json(scores) if options.json else locate.as_text(scores))
+    return 0
+
+
+def _run_fit(options: argparse.Namespace) -> int:
+    if options.truth or options.performance or options.footage:
+        raise InvalidInput("--truth, --performance and --footage do not go with `fit`")
+    template = load_template()
+    scores = fit.score_fits(rendered_portraits(options.set, template, _to_stderr), template)
+    if options.out is not None:
+        fit.write(scores, options.out)
+    print(fit.as_json(scores) if options.json else fit.as_text(scores))
     return 0
 
 

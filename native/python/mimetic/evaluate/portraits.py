@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pictures of faces at rest whose head, pose and camera are known (docs/fitting.md)."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import zipfile
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, UnreadableMedia
+from mimetic.array_file import check_shape, read_array, read_headers
+from mimetic.evaluate.rendered import checkout
+from mimetic.face_template import FaceTemplate
+
+SHAPES: dict[str, tuple[int | str, ...]] = {
+    "images": ("N", "H", "W", 3),
+    "person": ("N",),
+    "head_pose": ("N", 4, 4),
+    "intrinsics": ("N", 3, 3),
+    "yaw": ("N",),
+    "pitch": ("N",),
+    "neutral_vertices": ("P", "V", 3),
+}
+KINDS = {"images": "u", "person": "i"}  # others are float64
+LARGEST = {"N": 20000, "H": 4096, "W": 4096, "P": 20000, "V": 100_000}
+
+
+@dataclass(frozen=True)
+class Portraits:
+    """N pictures of P people whose heads have the canonical head's mesh."""
+
+    images: NDArray[np.uint8]  # N x H x W x 3, RGB
+    person: NDArray[np.int64]  # N, into neutral_vertices
+    head_pose: NDArray[np.float64]  # N x 4 x 4, camera from head
+    intrinsics: NDArray[np.float64]  # N x 3 x 3, pixels
+    yaw: NDArray[np.float64]  # N, degrees
+    pitch: NDArray[np.float64]  # N, degrees
+    neutral_vertices: NDArray[np.float64]  # P x V x 3, metres, head frame
+
+    @classmethod
+    def load(cls, path: str | os.PathLike, template: FaceTemplate) -> Portraits:
+        """Reads the file; raises InvalidInput, UnreadableMedia."""
+        try:
+            with zipfile.ZipFile(path) as archive:
+                arrays = _read(archive)
+        except (OSError, zipfile.BadZipFile, EOFError) as error:
+            raise UnreadableMedia(f"{path}: {error}") from None
+        except InvalidInput as error:
+            raise InvalidInput(f"{path}: {error}") from None
+        people, vertices = arrays["neutral_vertices"].shape[:2]
+        if vertices != len(template.vertices):
+            raise InvalidInput(
+                f"{path}: the people have {vertices} vertices, the canonical head "
+                f"{len(template.vertices)}"
+            )
+        if not ((arrays["person"] >= 0) & (arrays["person"] < people)).all():
+            raise InvalidInput(f"{path}: person must be 0 to {people - 1}")
+        return cls(**arrays)
+
+
+def rendered_portraits(which: str, template: FaceTemplate, report=None) -> Portraits:
+    """The portraits of a set, drawn now if the cache lacks them."""
+    command = [sys.executable, str(checkout() / "scripts" / "render_truth"), "--portraits", which]
+    done = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    said = []
+    for line in done.stderr:
+        said.append(line.rstrip())
+        if report:
+            report(said[-1])
+    output = done.stdout.read()
+    if done.wait() != 0:
+        raise InvalidInput(f"the portraits could not be drawn: {' '.join(said[-3:])}")
+    return Portraits.load(output.strip(), template)
+
+
+def _read(archive: zipfile.ZipFile) -> dict[str, NDArray]:
+    headers = read_headers(archive)
+    if missing := sorted(SHAPES.keys() - headers.keys()):
+        raise InvalidInput(f"lacks {', '.join(missing)}")
+    lengths: dict[str, int] = {}
+    for name, shape in SHAPES.items():
+        check_shape(name, headers[name].shape, shape, lengths, LARGEST)
+        if headers[name].dtype.kind != KINDS.get(name, "f"):
+            raise InvalidInput(f"{name} has the type {headers[name].dtype}")
+    if headers["images"].dtype != np.uint8:
+        raise InvalidInput("images must be uint8")
+    return {name: read_array(archive, name) for name in SHAPES}
