@@ -143,9 +143,9 @@ def _maker(scene, face: bpy.types.Object, rest: np.ndarray) -> Callable:
         return lambda: native.part("live_contact").live_contact(rest)
     parts = native.part("foreign_face")
     polygons = parts.Polygons(head.starts, head.corners)
-    return lambda: parts.attach_face(
-        head.points, polygons, head.landmarks, head.matrix
-    ).live_contact()
+    return lambda: (
+        parts.attach_face(head.points, polygons, head.landmarks, head.matrix).live_contact
+    )
 
 
 def _poll() -> float | None:

@@ -7,8 +7,8 @@ import re
 import bpy
 import numpy as np
 import pytest
-from conftest import MODULE
 
+HOLE = 139  # a face of the forehead
 UNIT = 0.01  # metres in the object's unit: modelled in centimetres, scaled in the scene
 
 
@@ -26,8 +26,18 @@ def parts():
 
 @pytest.fixture
 def head(parts):
+    """With a hole in the forehead."""
     points, faces, _ = parts
-    return new_head(points, faces.tolist())
+    return new_head(points, np.delete(faces, HOLE, axis=0).tolist())
+
+
+def landmark_file(extension, folder) -> str:
+    """The landmarks of the active head's empties."""
+    scene, head = bpy.context.scene, bpy.context.active_object
+    found = extension("scene_in").foreign_head(scene, head).landmarks
+    path = folder / "landmarks.json"
+    path.write_text(json.dumps({name: place.tolist() for name, place in found.items()}))
+    return str(path)
 
 
 def new_head(points, faces) -> bpy.types.Object:
@@ -66,12 +76,15 @@ def offsets_of(head, name) -> np.ndarray:
     return (both[0] - both[1]).reshape(-1, 3)
 
 
-def test_a_head_by_empties_gets_the_muscles_of_our_own(parts, head, extension):
+def test_a_head_by_empties_gets_the_muscles_of_our_own(parts, head, extension, capfd):
     from mimetic.canonical_head import make_head
     from mimetic.placement import to_object
 
     put_landmarks(head, parts)
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+    said = capfd.readouterr().out
+    beside = int(re.search(r"Warning: Bust: there is a hole .* beside face (\d+)", said).group(1))
+    assert len({*head.data.polygons[beside].vertices} & {*parts[1][HOLE].tolist()}) == 2
     ours = make_head()
     expected = {
         shape.name: to_object(shape.offsets) / UNIT for shape in (*ours.shapes, *ours.groups)
@@ -107,16 +120,22 @@ def test_other_shape_keys_of_the_head_stay(parts, head):
     assert offsets_of(head, "viseme")[7, 0] == pytest.approx(1)
 
 
-def test_landmarks_by_vertex_groups_and_by_file_are_the_same(parts, head, tmp_path):
+def test_landmarks_by_vertex_groups_are_their_vertices(extension, scene, parts, head):
     for name, vertex in parts[2].items():
-        head.vertex_groups.new(name=name).add([vertex], 1.0, "REPLACE")
+        group = head.vertex_groups.new(name=name)
+        group.add([vertex], 1.0, "REPLACE")
+        group.add([vertex + 1], 0.4, "REPLACE")
+    assert extension("scene_in").foreign_head(scene, head).landmarks == parts[2]
+
+
+def test_landmarks_by_a_file_are_those_of_the_empties(extension, scene, parts, head, tmp_path):
+    put_landmarks(head, parts)
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
-    by_groups = offsets_of(head, "mentalis.L")
-    path = tmp_path / "landmarks.json"
-    path.write_text(json.dumps(parts[2]))
-    head.vertex_groups.clear()
-    assert bpy.ops.mimetic.attach_muscles(filepath=str(path)) == {"FINISHED"}
-    np.testing.assert_array_equal(offsets_of(head, "mentalis.L"), by_groups)
+    by_empties = offsets_of(head, "mentalis.L")
+    assert bpy.ops.mimetic.attach_muscles(filepath=landmark_file(extension, tmp_path)) == {
+        "FINISHED"
+    }
+    np.testing.assert_array_equal(offsets_of(head, "mentalis.L"), by_empties)
 
 
 def test_landmarks_start_near_their_places(parts, head):
@@ -147,80 +166,23 @@ def test_what_is_wrong_is_said(parts, head, tmp_path):
     assert not bpy.ops.mimetic.attach_muscles.poll()
 
 
-def with_marks(head, marks) -> bpy.types.Object:
+def test_a_bad_face_is_named_by_blenders_number(parts, head):
+    points, faces, marks = parts
+    flipped = faces.tolist()
+    flipped[HOLE + 1].reverse()
+    turned = new_head(points, flipped)
     for name, vertex in marks.items():
-        head.vertex_groups.new(name=name).add([vertex], 1.0, "REPLACE")
-    return head
-
-
-def forehead_faces(points, faces, marks) -> np.ndarray:
-    """Numbers of faces around the middle of the forehead, the nearest first."""
-    middle = points[marks["nose_bridge"]] + [0, 0, 3]
-    return np.argsort(np.linalg.norm(points[faces].mean(axis=1) - middle, axis=1))
-
-
-def test_bad_faces_are_named_by_blenders_numbers(parts):
-    """Two pentagons among the quads: they are cut, and faces after them count on."""
-    points, faces, marks = parts
-    bad = int(forehead_faces(points, faces, marks)[0])
-    assert bad > 3
-    listed = faces.tolist()
-    middle = 0.5 * (points[listed[3][0]] + points[listed[3][1]])
-    edge = set(listed[3][:2])
-    for face in listed:  # the middle of an edge is a corner of both its faces
-        for k in range(4):
-            if {face[k], face[(k + 1) % len(face)]} == edge:
-                face.insert(k + 1, len(points))
-                break
-    everywhere = np.vstack([points, middle])
-
-    flipped = [list(face) for face in listed]
-    flipped[bad].reverse()
-    with_marks(new_head(everywhere, flipped), marks)
-    with pytest.raises(RuntimeError, match=rf"face {bad} of the head lies turned over"):
-        bpy.ops.mimetic.attach_muscles()
-
-    a, b, c, d = listed[bad]
-    third = np.vstack([everywhere, points[a] + [0, -1, 0]])
-    with_marks(new_head(third, [*listed, [a, b, len(third) - 1]]), marks)
-    with pytest.raises(RuntimeError, match=r"of face \d+ belongs to more than two faces"):
-        bpy.ops.mimetic.attach_muscles()
-
-    flat = everywhere.copy()
-    flat[[a, c]] = np.round(64 * flat[[a, c]]) / 64  # halves of which single precision can hold
-    flat[b] = (flat[a] + flat[c]) / 2
-    listed[bad] = [a, b, c]
-    with_marks(new_head(flat, [*listed, [a, c, d]]), marks)
-    with pytest.raises(RuntimeError, match=rf"face {bad} has no area"):
+        turned.vertex_groups.new(name=name).add([vertex], 1.0, "REPLACE")
+    with pytest.raises(RuntimeError, match=rf"face {HOLE + 1} of the head lies turned over"):
         bpy.ops.mimetic.attach_muscles()
 
 
-def test_what_was_repaired_or_assumed_is_said(parts, capfd):
-    points, faces, marks = parts
-    near = forehead_faces(points, faces, marks)
-    hole = int(near[0])
-    turned = next(int(face) for face in near if not np.isin(faces[face], faces[hole]).any())
-    points = points.copy()
-    a, _, c, _ = faces[turned]
-    points[a] += 1.6 * (points[c] - points[a])
-    listed = faces.tolist()
-    del listed[hole]
-    with_marks(new_head(points, listed), marks)
-    assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
-    said = capfd.readouterr().out
-    assert "Warning: Bust: there is a hole in the skin beside face" in said
-    beside = int(re.search(r"beside face (\d+)", said).group(1))
-    assert len({*listed[beside]} & {*faces[hole].tolist()}) == 2
-    assert re.search(rf"faces .*\b{turned - (turned > hole)}\b.* lie turned over", said)
-
-
-def test_attaching_is_one_undo_step(parts, head):
-    for name, vertex in parts[2].items():
-        head.vertex_groups.new(name=name).add([vertex], 1.0, "REPLACE")
+def test_attaching_is_one_undo_step(extension, parts, head, tmp_path):
+    put_landmarks(head, parts)
+    path = landmark_file(extension, tmp_path)
     bpy.ops.ed.undo_push(message="before")
-    assert bpy.ops.mimetic.attach_muscles("EXEC_DEFAULT", True) == {"FINISHED"}
+    assert bpy.ops.mimetic.attach_muscles("EXEC_DEFAULT", True, filepath=path) == {"FINISHED"}
     bpy.ops.ed.undo()
     assert bpy.data.objects["Bust"].data.shape_keys is None
     bpy.ops.ed.redo()
     assert len(bpy.data.objects["Bust"].mimetic.shapes) == 60
-    assert MODULE in bpy.context.preferences.addons

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -8,6 +9,7 @@ from mimetic import InvalidInput, anatomy, foreign_sheet
 from mimetic.extras import attach_extras
 from mimetic.face_template import load_template
 from mimetic.foreign_agreement import compare, disguise
+from mimetic.foreign_face import Polygons, attach_face
 from mimetic.foreign_head import attach_foreign
 from mimetic.foreign_mesh import REQUIRED, fit_similarity, read_skin
 from mimetic.mesh_file import read_landmarks, read_obj
@@ -271,6 +273,49 @@ def test_bad_meshes_are_named_by_the_callers_faces(template, head):
     a, b, c = head.faces[on_skin[9]]
     flat[b] = (flat[a] + flat[c]) / 2
     refused(template, head, rf"face {on_skin[9]} has no area", vertices=flat)
+
+
+def test_polygons_are_cut_without_slivers_and_named_by_their_own_numbers(template):
+    """A hole, a face that is turned over, and two pentagons with a corner on a straight edge."""
+    points, marks = template.vertices.copy(), {n: template.landmark(n) for n in REQUIRED}
+    faces = template.faces.tolist()
+    middle = points[marks["nose_bridge"]] + [0, 0.03, 0]
+    near = np.argsort(np.linalg.norm(points[template.faces].mean(axis=1) - middle, axis=1))
+    hole = int(near[0])
+    turned = next(int(f) for f in near if not {*faces[f]} & {*faces[hole]})
+    a, _, c, _ = faces[turned]
+    points[a] += 1.6 * (points[c] - points[a])
+    edge = set(faces[3][:2])
+    points = np.vstack([points, points[list(edge)].mean(axis=0)])
+    for face in faces:
+        for k in range(4):
+            if {face[k], face[(k + 1) % len(face)]} == edge:
+                face.insert(k + 1, len(points) - 1)
+                break
+    gone = faces.pop(hole)
+    sizes = [len(face) for face in faces]
+    polygons = Polygons(np.cumsum([0, *sizes[:-1]]), np.concatenate(faces))
+    assert sorted(set(sizes)) == [4, 5]
+    found = attach_face(points, polygons, marks, np.eye(4))
+    (folded,) = [note for note in found.notes if "lie turned over" in note]
+    (open_note,) = [note for note in found.notes if "there is a hole" in note]
+    assert re.search(rf"faces .*\b{turned - (turned > hole)}\b", folded)
+    beside = int(re.search(r"beside face (\d+)", open_note).group(1))
+    assert len({*faces[beside]} & {*gone}) == 2
+    assert attach_face(points, polygons, marks, np.eye(4)) is found  # costs nothing again
+
+
+def test_an_edge_of_three_faces_is_named_by_the_callers_face(template):
+    skin = int(template.num_skin_faces)
+    points, faces = template.vertices, template.faces[:skin].tolist()
+    a, b = faces[139][:2]
+    faces.append([a, b, len(points)])
+    sizes = [len(face) for face in faces]
+    polygons = Polygons(np.cumsum([0, *sizes[:-1]]), np.concatenate(faces))
+    marks = {name: template.landmark(name) for name in REQUIRED}
+    named = rf"edge ({a}-{b}|{b}-{a}) of face \d+ belongs to more than two faces"
+    with pytest.raises(InvalidInput, match=named):
+        attach_face(np.vstack([points, points[a] + [0, 0, 0.01]]), polygons, marks, np.eye(4))
 
 
 def test_vertices_that_a_file_has_parted_are_one_again(template, head):

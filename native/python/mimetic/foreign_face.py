@@ -7,13 +7,12 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mimetic import InvalidInput
-from mimetic.contact import Contact
 from mimetic.face_template import load_template
 from mimetic.foreign_head import ForeignHead, attach_foreign
 from mimetic.foreign_mesh import MAX_VERTICES, REQUIRED
@@ -79,9 +78,10 @@ class ForeignFace:
     object_from_head: NDArray[np.float64]  # 3 x 3, of displacements of the head's own frame
     notes: tuple[str, ...]  # of the head, with the numbers of polygons
 
+    @cached_property
     def live_contact(self) -> LiveContact:
-        contact: Contact = self.head.make_contact()
-        return LiveContact(contact.turned(self.object_from_head))
+        """Solved when first asked for."""
+        return LiveContact(self.head.make_contact().turned(self.object_from_head))
 
 
 def attach_face(
