@@ -38,7 +38,9 @@ def real_stills(report: Callable[[str], None]) -> Path:
     if path.exists():
         return path
     report("stills: fetching footage and photographs")
-    subprocess.run([sys.executable, ROOT / "scripts" / "fetch_footage"], check=True)
+    subprocess.run(
+        [sys.executable, ROOT / "scripts" / "fetch_footage"], check=True, stdout=sys.stderr
+    )
     rows = [_row(picture, "photograph") for picture in _photographs(EMPTY).values()]
     listed: dict[str, dict[int, np.ndarray]] = {}
     with LIST.open(encoding="utf-8", newline="") as stream:

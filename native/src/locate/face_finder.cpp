@@ -21,6 +21,7 @@ constexpr std::size_t kPassed = 800;  // windows whose likelihood is computed
 constexpr std::size_t kSeeds = 24;    // places that are looked at closely
 constexpr std::size_t kHints = 8;
 constexpr double kApart = 0.35;          // windows: nearer places are one
+constexpr double kCheekToCheek = 0.8;    // windows: two heads are further apart
 constexpr double kRollStep = 0.17;       // radians
 constexpr double kHalfStep = 1.0905077;  // 2^(1/8): between the search's sizes
 constexpr int kHintReach = 3;            // pixels of the window
@@ -226,7 +227,8 @@ std::vector<FoundFace> FaceFinder::Batch::search(const Pyramid& pyramid, const F
     std::vector<FoundFace> kept;
     for (auto& face : found) {
         const auto overlaps = [&](const FoundFace& other_face) {
-            return (face.center - other_face.center).norm() < 0.5 * std::max(face.width, other_face.width);
+            return (face.center - other_face.center).norm() <
+                   kCheekToCheek * std::max(face.width, other_face.width);
         };
         if (face.probability >= options.least_probability && std::none_of(kept.begin(), kept.end(), overlaps))
             kept.push_back(std::move(face));

@@ -23,6 +23,9 @@ constexpr int kNeighbours = 3;          // windows that have to agree where the 
 constexpr double kWindowPerBox = 0.85;  // the eigenspaces' window, two pupil distances, in widths of a box
 constexpr double kMiddleInBox = 0.61;   // of the box: half way from the eyes to the mouth
 constexpr double kSearchNearModules = 0.12;  // pupil distances
+constexpr double kPlain = 0.75;              // likelihood of a cascade's face that was never wrong
+constexpr double kEyesAgree = 0.2;           // pupil distances
+constexpr double kSure = 0.8;                // likelihood above which no other lean is tried
 constexpr double kLean = 0.436;              // radians: what upright searches miss
 
 std::unique_ptr<cv::CascadeClassifier> load(const std::string& directory, const char* name) {
@@ -147,35 +150,36 @@ FaceFeatures measured(ColorView image, const FaceSpaces& spaces, const FoundFace
     return face;
 }
 
-}  // namespace
-
-namespace locate {
-
-Expected average_face() {
-    Expected expected;
-    const auto pair = [&](const std::string& name, double x, double y) {
-        expected.features[name + ".L"] = {x, y};
-        expected.features[name + ".R"] = {-x, y};
-    };
-    pair("pupil", 0.5, 0);
-    pair("brow_inner", 0.26, -0.29);
-    pair("brow_middle", 0.50, -0.40);
-    pair("brow_outer", 0.80, -0.30);
-    pair("nostril", 0.13, 0.74);
-    pair("ala", 0.29, 0.68);
-    pair("mouth_corner", 0.40, 1.15);
-    expected.features["lip_line"] = {0, 1.13};
-    expected.features["lip_upper"] = {0, 1.00};
-    expected.features["lip_lower"] = {0, 1.30};
-    Points2 jaw(9, 2);  // from the subject's left, so that the normals point out of the face
-    jaw << 1.08, 0.76, 1.04, 1.00, 0.92, 1.30, 0.58, 1.66, 0, 1.84, -0.58, 1.66, -0.92, 1.30, -1.04, 1.00,
-        -1.08, 0.76;
-    expected.curves["jaw"] = jaw;
-    expected.search = 0.2;
-    return expected;
+bool is_same(const FaceFeatures& a, const FaceFeatures& b) {
+    const Eigen::Vector2d apart = (a.box - b.box).head<2>() + 0.5 * (a.box - b.box).tail<2>();
+    return apart.norm() < 0.5 * std::max(a.box(2), b.box(2));
 }
 
-}  // namespace locate
+bool eyes_agree(const FaceFeatures& a, const FaceFeatures& b) {
+    const auto at = [](const FaceFeatures& face, const char* name) { return face.find(name)->position; };
+    const double ipd = (at(b, "pupil.L") - at(b, "pupil.R")).norm();
+    return (at(a, "pupil.L") - at(b, "pupil.L")).norm() < kEyesAgree * ipd &&
+           (at(a, "pupil.R") - at(b, "pupil.R")).norm() < kEyesAgree * ipd;
+}
+
+/// The eigenspaces' faces, corrected and completed by what the cascades see plainly: on photographs of
+/// laughter, which no training picture shows, the cascades err less.
+std::vector<FaceFeatures> together(std::vector<FaceFeatures> by_spaces,
+                                   const std::vector<FaceFeatures>& by_cascades) {
+    if (by_spaces.empty()) return by_cascades;
+    for (const auto& face : by_cascades) {
+        if (face.likelihood < kPlain) continue;
+        const auto same = std::find_if(by_spaces.begin(), by_spaces.end(),
+                                       [&](const FaceFeatures& other) { return is_same(face, other); });
+        if (same == by_spaces.end())
+            by_spaces.push_back(face);
+        else if (!eyes_agree(*same, face))
+            *same = face;
+    }
+    return by_spaces;
+}
+
+}  // namespace
 
 const Feature* FaceFeatures::find(const std::string& name) const {
     for (const auto& feature : features) {
@@ -207,9 +211,11 @@ struct FaceLocator::Cascades {
 
     std::vector<Candidate> boxes(const cv::Mat& gray, double smallest, int neighbours);
     locate::EyePair eyes(const cv::Mat& gray, const cv::Rect2d& box);
-    std::vector<FaceFeatures> locate(ColorView image, const Upright& seen, const LocateOptions& options);
+    std::vector<FaceFeatures> locate(ColorView image, const Upright& seen, const LocateOptions& options,
+                                     const std::vector<Candidate>& all);
     std::vector<FaceFeatures> locate(ColorView image, const cv::Mat& gray, const Upright& seen,
-                                     const LocateOptions& options, const FaceFinder& finder);
+                                     const LocateOptions& options, const std::vector<Candidate>& all,
+                                     const FaceFinder& finder);
 };
 
 std::vector<Candidate> FaceLocator::Cascades::boxes(const cv::Mat& gray, double smallest, int neighbours) {
@@ -281,12 +287,21 @@ FaceLocator& FaceLocator::operator=(FaceLocator&&) noexcept = default;
 std::vector<FaceFeatures> FaceLocator::locate(ColorView image) const {
     check_image_size(image.rows, image.cols, "image");
     const cv::Mat gray = gray_of(image);
+    const auto surest = [](const std::vector<FaceFeatures>& faces) {
+        double likelihood = 0;
+        for (const auto& face : faces) likelihood = std::max(likelihood, face.likelihood);
+        return likelihood;
+    };
     std::vector<FaceFeatures> found;
     for (const double roll : {0.0, kLean, -kLean}) {
         const Upright seen(gray, roll);
-        if (finder_) found = cascades_->locate(image, gray, seen, options_, *finder_);
-        if (found.empty()) found = cascades_->locate(image, seen, options_);
-        if (!found.empty()) break;
+        const std::vector<Candidate> boxes =
+            cascades_->boxes(seen.gray, options_.smallest_face, finder_ ? 1 : kNeighbours);
+        std::vector<FaceFeatures> here = cascades_->locate(image, seen, options_, boxes);
+        if (finder_) here = together(cascades_->locate(image, gray, seen, options_, boxes, *finder_), here);
+        if (surest(here) > surest(found)) found = std::move(here);
+        // Part of a leant face can look somewhat like an upright one
+        if (surest(found) >= (finder_ ? kSure : options_.least_likelihood) && !found.empty()) break;
     }
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.box(2) > b.box(2); });
     return found;
@@ -295,6 +310,7 @@ std::vector<FaceFeatures> FaceLocator::locate(ColorView image) const {
 /// Faces of the eigenspaces, which also look where the cascade points.
 std::vector<FaceFeatures> FaceLocator::Cascades::locate(ColorView image, const cv::Mat& gray,
                                                         const Upright& seen, const LocateOptions& options,
+                                                        const std::vector<Candidate>& all,
                                                         const FaceFinder& finder) {
     const GrayView view{gray.data, gray.rows, gray.cols, static_cast<std::ptrdiff_t>(gray.step)};
     FaceSearch search;
@@ -303,7 +319,7 @@ std::vector<FaceFeatures> FaceLocator::Cascades::locate(ColorView image, const c
     search.least_probability = options.least_likelihood;
     search.roll = seen.roll;
     std::vector<FaceHint> hints;
-    for (const auto& candidate : boxes(seen.gray, options.smallest_face, 1)) {
+    for (const auto& candidate : all) {
         const auto& box = candidate.box;
         hints.push_back({seen.in_image({box.x + 0.5 * box.width, box.y + kMiddleInBox * box.width}),
                          kWindowPerBox * box.width, candidate.votes});
@@ -316,9 +332,11 @@ std::vector<FaceFeatures> FaceLocator::Cascades::locate(ColorView image, const c
 
 /// Faces of the cascades alone.
 std::vector<FaceFeatures> FaceLocator::Cascades::locate(ColorView image, const Upright& seen,
-                                                        const LocateOptions& options) {
+                                                        const LocateOptions& options,
+                                                        const std::vector<Candidate>& all) {
     std::vector<FaceFeatures> found;
-    for (const auto& candidate : boxes(seen.gray, options.smallest_face, kNeighbours)) {
+    for (const auto& candidate : all) {
+        if (candidate.votes <= kNeighbours) continue;
         const locate::EyePair pair = eyes(seen.gray, candidate.box);
         const FacePatch patch =
             locate::make_patch(image, seen.in_image(pair.right.center), seen.in_image(pair.left.center));
