@@ -42,7 +42,8 @@ def bake(request: dict) -> dict:
                 )
             }
         new_file = importlib.import_module(f"{extension}.scene_out.new_file")
-        return {"text": new_file.write(request["performance"], request["out"], request["footage"])}
+        files = (request["performance"], request["out"], request["footage"])
+        return {"text": new_file.write(*files, request["with_detail"])}
     except native.known_errors() as error:
         return {"error": str(error)}
 

@@ -27,6 +27,12 @@ class MIMETIC_OT_bake(Job, Operator):
         default=True,
         description="Let lips rest on each other and lids on each other, by shapes of their own",
     )
+    use_detail: BoolProperty(
+        name="Detail",
+        default=False,
+        description="Shapes of their own for what the muscles leave unexplained: the surface as "
+        "closely as it was seen, and some eighty curves that no hand edits",
+    )
     use_view: BoolProperty(
         name="Look Through Camera", default=True, description="Turn 3D views to the footage"
     )
@@ -41,11 +47,13 @@ class MIMETIC_OT_bake(Job, Operator):
         clip = scene_in.clip_of(context)
         footage = scene_in.footage(context).path if clip and self.use_texture else None
         path = scene_in.performance_path(context.scene)
-        return path, footage, clip.name if clip else "", self.use_contact
+        return path, footage, clip.name if clip else "", self.use_contact, self.use_detail
 
     def work(self, inputs, progress):
-        path, footage, clip_name, use_contact = inputs
+        path, footage, clip_name, use_contact, use_detail = inputs
         performance = native.part("performance").Performance.load(path)
+        if not use_detail:
+            performance = performance.without_detail()
         contact = None
         if use_contact:
             contact = native.part("contact_shapes").contact_shapes(performance, progress)

@@ -14,13 +14,18 @@ from .. import compat, native
 from . import bake, clip, gltf
 
 
-def write(performance_path: str, out: str, footage_path: str | None) -> str:
+def write(
+    performance_path: str, out: str, footage_path: str | None, with_detail: bool = False
+) -> str:
     """Bakes into the scene that is open, which must be empty, and writes it whole or not at all.
 
     Unlike baking into a user's scene this sets the scene's rate, range and resolution to the
-    footage's. Returns what was written; raises what the package raises for bad input, and OSError.
+    footage's. with_detail: shapes for what the muscles leave unexplained too. Returns what was
+    written; raises what the package raises for bad input, and OSError.
     """
     performance = native.part("performance").Performance.load(performance_path)
+    if not with_detail:
+        performance = performance.without_detail()
     appearance = native.part("appearance").appearance_of(performance, footage_path)
     scene = bpy.context.scene
     set_up(scene, performance)

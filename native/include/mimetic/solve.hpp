@@ -22,8 +22,8 @@ struct TrackedSurface {
 /// The skin of V control vertices with a weight each, refined `levels` times on its limit surface.
 TrackedSurface refine_for_tracking(QuadsIn faces, VectorIn vertex_weights, int levels);
 
-/// How a face moves: its surface is neutral + sum of values_j modes_j. Muscles come first, articulators after
-/// them.
+/// How a face moves: its surface is neutral + sum of values_j modes_j + sum of detail_k detail_modes_k.
+/// Muscles come first among the values, articulators after them.
 struct FaceMotion {
     Points neutral;             ///< V x 3, head frame, metres
     MatrixRows modes;           ///< M x 3V (x, y, z of each vertex in turn), metres at the value 1
@@ -32,6 +32,9 @@ struct FaceMotion {
     Eigen::VectorXd upper;      ///< M
     Eigen::VectorXd prior_std;  ///< M: how far a value strays from 0; up to 0.4 it is taken as 0 unless seen
     Eigen::VectorXi partner;    ///< M or empty: the same value of the other side, -1: none
+    MatrixRows
+        detail_modes;  ///< D x 3V, D may be 0: what the values cannot explain, metres at the coefficient 1
+    Eigen::VectorXd detail_std;  ///< D: how far a coefficient strays from 0
 };
 
 /// One eye's opening by its control vertices and the values that its lids are. -1: no such value.
@@ -66,6 +69,15 @@ struct StageTimes {
     double total_ms = 0;
 };
 
+/// Displacement of the surface that the values leave unexplained, by coefficients of the detail modes.
+struct DetailEstimate {
+    Eigen::VectorXd coefficients;  ///< D
+    Eigen::VectorXd std;           ///< D
+    Eigen::MatrixXd information;   ///< D squared: of this frame's measurement alone
+    Eigen::MatrixXd coupling;      ///< D x (6 + M): with a step of pose and values
+    Eigen::VectorXd pull;          ///< D: at the estimate's pose and values and coefficients 0
+};
+
 /// State vectors are (rotation vector, translation; values): the pose after a step d is exp(d_rotation) R, t
 /// + d_translation.
 struct FrameEstimate {
@@ -82,6 +94,7 @@ struct FrameEstimate {
     StageTimes times;
     Eigen::MatrixXd information;  ///< (6 + M) squared: of this frame's measurement alone
     Eigen::VectorXd gradient;     ///< 6 + M: pull of this frame's measurement at the estimate
+    DetailEstimate detail;        ///< empty without detail modes
     Matrix6 pose_cov() const { return covariance.topLeftCorner<6, 6>(); }
     Eigen::VectorXd values_std() const {
         return covariance.diagonal().tail(values.size()).cwiseMax(0).cwiseSqrt();

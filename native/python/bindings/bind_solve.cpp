@@ -12,21 +12,32 @@ namespace {
 
 using ModesArray = py::array_t<double, py::array::c_style>;
 
+MatrixRows to_rows(const char* name, const ModesArray& modes, Eigen::Index num_vertices) {
+    if (modes.ndim() != 3 || modes.shape(1) != num_vertices || modes.shape(2) != 3) {
+        throw InvalidInput(std::string(name) + " must have the shape (number of them, " +
+                           std::to_string(num_vertices) + ", 3): one displacement a vertex of neutral");
+    }
+    return Eigen::Map<const MatrixRows>(modes.data(), modes.shape(0), 3 * modes.shape(1));
+}
+
 FaceMotion make_motion(Points neutral, const ModesArray& modes, int num_muscles, Eigen::VectorXd lower,
                        Eigen::VectorXd upper, Eigen::VectorXd prior_std,
-                       std::optional<Eigen::VectorXi> partner) {
-    if (modes.ndim() != 3 || modes.shape(1) != neutral.rows() || modes.shape(2) != 3) {
-        throw InvalidInput("modes must have the shape (values, " + std::to_string(neutral.rows()) +
-                           ", 3): one displacement a vertex of neutral");
-    }
+                       std::optional<Eigen::VectorXi> partner, const std::optional<ModesArray>& detail_modes,
+                       std::optional<Eigen::VectorXd> detail_std) {
+    const Eigen::Index num_vertices = neutral.rows();
     FaceMotion motion{std::move(neutral),
                       {},
                       num_muscles,
                       std::move(lower),
                       std::move(upper),
                       std::move(prior_std),
-                      partner.value_or(Eigen::VectorXi())};
-    motion.modes = Eigen::Map<const MatrixRows>(modes.data(), modes.shape(0), 3 * modes.shape(1));
+                      partner.value_or(Eigen::VectorXi()),
+                      MatrixRows(0, 3 * num_vertices),
+                      detail_std.value_or(Eigen::VectorXd())};
+    motion.modes = to_rows("modes", modes, num_vertices);
+    if (detail_modes) {
+        motion.detail_modes = to_rows("detail_modes", *detail_modes, num_vertices);
+    }
     return motion;
 }
 
@@ -64,11 +75,13 @@ void bind_model(py::module_& m) {
     py::class_<FaceMotion>(m, "FaceMotion", "How a face moves: neutral + sum of values_j modes_j, metres.")
         .def(py::init(&make_motion), "neutral"_a, py::arg("modes").noconvert(), "num_muscles"_a, "lower"_a,
              "upper"_a, "prior_std"_a, "partner"_a = py::none(),
+             py::arg("detail_modes").noconvert() = py::none(), "detail_std"_a = py::none(),
              "neutral: (V, 3); modes: (M, V, 3) float64, displacement at the value 1, muscles first; lower, "
              "upper,\n"
              "prior_std: (M,), how far a value strays from 0; partner: (M,) int32, the value of the other "
              "side, -1:\n"
-             "none. Raises InvalidInput.")
+             "none. detail_modes: (D, V, 3), for what the values cannot explain; detail_std: (D,). Raises "
+             "InvalidInput.")
         .def_readonly("num_muscles", &FaceMotion::num_muscles)
         .def_readonly("lower", &FaceMotion::lower)
         .def_readonly("upper", &FaceMotion::upper);
@@ -98,6 +111,11 @@ void bind_estimate(py::module_& m) {
         .def_readonly("values", &FrameEstimate::values, "(M,)")
         .def_property_readonly("values_std", &FrameEstimate::values_std, "(M,), model error included")
         .def_readonly("covariance", &FrameEstimate::covariance, "(6 + M, 6 + M), pose first")
+        .def_property_readonly(
+            "detail", [](const FrameEstimate& e) { return e.detail.coefficients; },
+            "(D,) of the detail modes")
+        .def_property_readonly(
+            "detail_std", [](const FrameEstimate& e) { return e.detail.std; }, "(D,)")
         .def_readonly("quality", &FrameEstimate::quality, "0 lost to 1 well explained")
         .def_readonly("held", &FrameEstimate::held, "nothing was measured: the last good state")
         .def_readonly("num_samples", &FrameEstimate::num_samples)

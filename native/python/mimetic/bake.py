@@ -32,6 +32,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="RIG.blend:OBJECT",
         help="put the head's motion on this object or armature instead, in a copy of its file",
     )
+    parser.add_argument(
+        "--detail",
+        action="store_true",
+        help="shapes and curves for what the muscles leave unexplained too",
+    )
     parser.add_argument("--bone", help="the armature's head (default: found by its name)")
     parser.add_argument(
         "--neck", help="the armature's neck (default: found by its name; '' for none)"
@@ -64,11 +69,14 @@ def run_bake(arguments: argparse.Namespace) -> int:
             "neck_share": arguments.neck_share,
             "smoothing": arguments.smoothing,
         }
+        if arguments.detail:
+            raise InvalidInput("--detail is of the person's own face; a --target takes the head")
     elif arguments.bone or arguments.neck:
         raise InvalidInput("--bone and --neck name bones of a --target RIG.blend:OBJECT; give it")
     text = bake(
         *(arguments.performance, arguments.out, arguments.footage, arguments.blender_python),
         target,
+        arguments.detail,
     )
     print(f"{arguments.out}: {text}")
     return 0
@@ -90,11 +98,13 @@ def bake(
     footage: os.PathLike[str] | None = None,
     blender_python: os.PathLike[str] | None = None,
     target: dict | None = None,
+    with_detail: bool = False,
 ) -> str:
     """Writes `out`, whole or not at all; returns a line that says what is in it.
 
     blender_python: a Python with the bpy module, this one if None. target: what `parse_target`
     gives, with `settings` for the head's motion on it; None bakes the person's own face.
+    with_detail: shapes and curves of the surface that the muscles leave unexplained too.
     Raises InvalidInput, UnreadableMedia, and OSError where `out` cannot be written.
     """
     out = Path(out).absolute()
@@ -115,6 +125,7 @@ def bake(
             "footage": None if footage is None else str(Path(footage).absolute()),
             "package_folder": str(Path(__file__).absolute().parents[1]),
             "target": target,
+            "with_detail": with_detail,
             "answer": str(Path(folder, "answer.json")),
         }
         answer = _ask(python, request)

@@ -22,15 +22,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic.anatomy import AttachedSkin, attach_skin, modes_of
-from mimetic.extras import attach_extras, vertex_areas
+from mimetic.extras import attach_extras
 from mimetic.face_template import FaceTemplate, load_template
 from mimetic.least_squares import bounded_fit
 from mimetic.skin_mesh import multiply
+from mimetic.skin_modes import low_energy_modes, visible_area
 from mimetic.unit_muscles import COMPOSITES, UNIT_MUSCLES
 
 NOT_SKIN = ("eyeLook", "tongueOut")
 NUM_ENERGY_MODES = 40
-SUBSPACE_SWEEPS = 6
 FAR = 0.015  # m: reach of a muscle, lid or extra where limits are to play no part
 FREE = (-np.inf, np.inf)
 
@@ -49,9 +49,8 @@ class Gauge:
 
     def __init__(self, skin: AttachedSkin, weights: str = "area"):
         mesh = self.mesh = skin.mesh
-        seen = np.zeros(len(mesh.vertices))
-        seen[mesh.seen_from_front] = 1
-        self.weight = vertex_areas(mesh) * seen if weights == "area" else seen
+        seen = visible_area(mesh)
+        self.weight = seen if weights == "area" else (seen > 0).astype(np.float64)
         self.kept = np.flatnonzero(self.weight)
 
     def field(self, mode, axes: int = 3) -> NDArray[np.float64]:
@@ -77,7 +76,7 @@ def head_columns(
         ("36 muscles", anatomy.muscle_names, anatomy.muscle_modes, np.tile([0.0, 1.0], (36, 1))),
         ("+ jaw and lids", *_articulators(anatomy)),
         (f"+ {len(own)} extras", tuple(own), extras.modes[chosen], extras.limits[chosen]),
-        (f"+ {num_modes} skin modes", (), low_energy_modes(skin, num_modes, gauge, axes), free),
+        (f"+ {num_modes} skin modes", (), _skin_modes(skin, num_modes, gauge, axes), free),
     ]
     none = np.empty((0, *anatomy.muscle_modes.shape[1:]))
     table, so_far = [], Columns((), none, np.empty((0, 2)))
@@ -101,33 +100,12 @@ def with_reach(columns: Columns, num_skin_vertices: int, reach: float = FAR) -> 
     return Columns(columns.names, columns.modes, columns.limits * wider[:, None])
 
 
-def low_energy_modes(
-    skin: AttachedSkin, count: int, gauge: Gauge | None = None, axes: int = 3
+def _skin_modes(
+    skin: AttachedSkin, count: int, gauge: Gauge | None, axes: int
 ) -> NDArray[np.float64]:
-    """count x V x 3: shapes that move the visible skin most for their elastic energy.
-
-    By subspace iteration on "what the gauge counts on its first `axes` axes over stiffness"; of
-    length 1 mm in the gauge.
-    """
-    gauge = gauge or Gauge(skin)
-    counted = gauge.weight[:, None] * (np.arange(3) < axes)
-    random = np.random.default_rng(0)
-    unknowns = 3 * int(skin.free.sum())
-    basis = random.normal(size=(unknowns, count + 20))
-    for _ in range(SUBSPACE_SWEEPS):
-        basis = np.linalg.qr(basis)[0]
-        shapes = multiply(skin.basis, basis.reshape(-1, 3, basis.shape[1]))
-        loads = counted[:, :, None] * shapes
-        solved = skin.model.solve(loads.reshape(-1, basis.shape[1]))
-        energy = basis.T @ solved
-        basis = solved
-    order = np.linalg.eigh((energy + energy.T) / 2)[1][:, ::-1][:, :count]
-    chosen = (basis @ order).T.reshape(count, -1, 3)
-    response = np.zeros((count, len(skin.free), 3))
-    response[:, skin.free] = chosen
-    modes = skin.spread(response)
-    lengths = [np.linalg.norm(gauge.field(mode)) for mode in modes]
-    return modes / np.array(lengths)[:, None, None] * 1e-3
+    """Those that move most of what the gauge counts on its first axes for their energy."""
+    weight = gauge.weight if gauge else None
+    return low_energy_modes(skin, count, weight, (1, 1, float(axes == 3))).modes
 
 
 def skin_units(template: FaceTemplate) -> dict[str, NDArray[np.float64]]:

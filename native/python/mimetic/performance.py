@@ -6,7 +6,7 @@ from __future__ import annotations
 import os
 import zipfile
 import zlib
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
@@ -45,6 +45,7 @@ OPTIONAL = {
     "articulator_values_std": ("f", ("N", "A")),
     "detail_modes": ("m", ("M", "V", 3)),
     "detail_coefficients": ("f", ("N", "M")),
+    "detail_coefficients_std": ("f", ("N", "M")),
     "notes": ("U", ("K",)),
 }
 # Modes are kept in single precision: 1e-7 of a displacement of centimetres, at half the memory.
@@ -81,6 +82,7 @@ class Performance:
     articulator_values_std: NDArray[np.float64] | None = None  # N x A
     detail_modes: NDArray[np.float32] | None = None  # M x V x 3
     detail_coefficients: NDArray[np.float64] | None = None  # N x M
+    detail_coefficients_std: NDArray[np.float64] | None = None  # N x M
     notes: list[str] | None = None  # what the reader should know: stopped early, cut, held frames
 
     def __post_init__(self) -> None:
@@ -129,6 +131,12 @@ class Performance:
             moved += coefficients @ self.detail_modes.reshape(shape)
         return self.neutral_vertices + moved.reshape(-1, 3)
 
+    def without_detail(self) -> Performance:
+        """The same performance by its muscles and articulators alone."""
+        return replace(
+            self, detail_modes=None, detail_coefficients=None, detail_coefficients_std=None
+        )
+
     def surface_in_camera(self, i: int) -> NDArray[np.float64]:
         """Control vertices (V x 3, metres, camera frame) at frame index `i`, counted from 0."""
         camera_from_head = self.head_pose[i]
@@ -154,6 +162,8 @@ class Performance:
             raise InvalidInput(
                 "performance has one of detail_modes and detail_coefficients; it needs both or none"
             )
+        if self.detail_coefficients_std is not None and self.detail_modes is None:
+            raise InvalidInput("performance has detail_coefficients_std without detail_modes")
         if lengths["N"] < 1 or lengths["F"] < 1:
             raise InvalidInput("performance has no frames or no faces")
         self._check_finite()
@@ -192,6 +202,9 @@ class Performance:
             raise InvalidInput("performance activations_std must not be negative")
         if self.articulator_values_std is not None and (self.articulator_values_std < 0).any():
             raise InvalidInput("performance articulator_values_std must not be negative")
+        std = self.detail_coefficients_std
+        if std is not None and (std < 0).any():
+            raise InvalidInput("performance detail_coefficients_std must not be negative")
         self._check_poses()
 
     def _check_poses(self) -> None:

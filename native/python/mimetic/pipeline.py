@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core, sequence, tracking
 from mimetic import fit as fitting
-from mimetic.anatomy import attach
+from mimetic.anatomy import attach_skin, modes_of
+from mimetic.detail import detail_of
 from mimetic.face_search import best_fit
 from mimetic.face_template import load_template
 from mimetic.fit import FaceFit, NoFace
@@ -175,8 +176,10 @@ class _Capture:
         start = time.perf_counter()
         self.template = load_template()
         self.neutral = fit.neutral_vertices(self.template)
-        self.anatomy = attach(self.neutral, self.template)
-        self.motion = tracking.face_motion(self.neutral, self.template, self.anatomy)
+        skin = attach_skin(self.neutral, self.template)
+        self.anatomy = modes_of(skin)
+        self.detail = detail_of(skin, tracking.UNMEASURED)
+        self.motion = tracking.face_motion(self.neutral, self.template, self.anatomy, self.detail)
         summary.add("attach the muscles", time.perf_counter() - start)
 
     def run(self) -> Performance:
@@ -280,6 +283,9 @@ class _Capture:
             articulator_values=values[:, num_muscles:],
             articulator_values_std=std[:, num_muscles:],
             articulator_modes=self.anatomy.articulator_modes,
+            detail_modes=self.detail.modes,
+            detail_coefficients=np.array(rows.detail),
+            detail_coefficients_std=np.array(rows.detail_std),
             neutral_vertices=self.neutral,
             faces=self.template.faces,
             quality=np.clip(rows.quality, 0, 1),

@@ -32,6 +32,8 @@ class Rows:
     pose_cov: list[NDArray[np.float64]] = field(default_factory=list)
     values: list[NDArray[np.float64]] = field(default_factory=list)
     values_std: list[NDArray[np.float64]] = field(default_factory=list)
+    detail: list[NDArray[np.float64]] = field(default_factory=list)
+    detail_std: list[NDArray[np.float64]] = field(default_factory=list)
     quality: list[float] = field(default_factory=list)
 
     def append(self, state: State) -> None:
@@ -41,6 +43,8 @@ class Rows:
         self.pose_cov.append(np.asarray(estimate.pose_cov))
         self.values.append(np.asarray(estimate.values))
         self.values_std.append(np.asarray(estimate.values_std))
+        self.detail.append(np.asarray(estimate.detail))
+        self.detail_std.append(np.asarray(estimate.detail_std))
         self.quality.append(0.0 if state.held else estimate.quality)
 
     def reversed(self) -> Rows:

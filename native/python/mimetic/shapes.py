@@ -50,7 +50,7 @@ def shapes_of(performance: Performance) -> list[Shape]:
     """Muscles, articulators and detail of a performance, in this order.
 
     At every frame the neutral vertices plus the sum of value times offsets are
-    `performance.surface(i)`.
+    `performance.surface(i)`; without detail, give `performance.without_detail()`.
     """
     shapes = [
         _shape(name, GROUPS[int(group)], modes, values, 0.0)

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from mimetic import _core
 from mimetic.anatomy import Anatomy
+from mimetic.detail import Detail
 from mimetic.face_template import FaceTemplate
 from mimetic.fit import FaceFit
 
@@ -26,9 +27,15 @@ ARTICULATOR_STD = {
 
 
 def face_motion(
-    neutral_vertices: NDArray[np.float64], template: FaceTemplate, anatomy: Anatomy
+    neutral_vertices: NDArray[np.float64],
+    template: FaceTemplate,
+    anatomy: Anatomy,
+    detail: Detail | None = None,
 ) -> _core.FaceMotion:
-    """The skin's motion: 36 muscles, then the articulators; neutral_vertices: V x 3, metres."""
+    """The skin's motion: 36 muscles, the articulators, then detail.
+
+    neutral_vertices: V x 3, metres; detail: None for muscles and articulators alone.
+    """
     skin = template.num_skin_vertices
     modes = np.concatenate([anatomy.muscle_modes, anatomy.articulator_modes])[:, :skin]
     muscles = len(anatomy.muscle_names)
@@ -43,6 +50,8 @@ def face_motion(
         limits[:, 1],
         np.array(std),
         partners([*anatomy.muscle_names, *anatomy.articulator_names]),
+        None if detail is None else np.ascontiguousarray(detail.modes[:, :skin]),
+        None if detail is None else detail.std,
     )
 
 

@@ -22,11 +22,17 @@ FaceSurface::FaceSurface(const TrackedSurface& surface, const FaceMotion& motion
     }
     Points refined = surface.stencils * motion.neutral;
     neutral_ = Eigen::Map<const Eigen::VectorXd>(refined.data(), 3 * num_refined).cast<float>();
-    modes_.resize(3 * num_refined, motion.modes.rows());
-    for (Eigen::Index mode = 0; mode < motion.modes.rows(); ++mode) {
-        refined = surface.stencils * Eigen::Map<const Points>(motion.modes.row(mode).data(), num_vertices, 3);
-        modes_.col(mode) = Eigen::Map<const Eigen::VectorXd>(refined.data(), 3 * num_refined).cast<float>();
-    }
+    const auto refine = [&](const MatrixRows& modes) {
+        Eigen::MatrixXf columns(3 * num_refined, modes.rows());
+        for (Eigen::Index mode = 0; mode < modes.rows(); ++mode) {
+            refined = surface.stencils * Eigen::Map<const Points>(modes.row(mode).data(), num_vertices, 3);
+            columns.col(mode) =
+                Eigen::Map<const Eigen::VectorXd>(refined.data(), 3 * num_refined).cast<float>();
+        }
+        return columns;
+    };
+    modes_ = refine(motion.modes);
+    detail_modes_ = refine(motion.detail_modes);
 }
 
 void FaceSurface::evaluate(const Eigen::VectorXd& values, FloatPoints& points) const {
@@ -41,11 +47,13 @@ void FaceSurface::evaluate(const Eigen::VectorXd& values, FloatPoints& points) c
 }
 
 SkinPoint FaceSurface::at(int triangle, const Eigen::Vector3f& barycentric) const {
-    SkinPoint point{Eigen::Vector3f::Zero(), Eigen::Matrix3Xf::Zero(3, modes_.cols())};
+    SkinPoint point{Eigen::Vector3f::Zero(), Eigen::Matrix3Xf::Zero(3, modes_.cols()),
+                    Eigen::Matrix3Xf::Zero(3, detail_modes_.cols())};
     for (int corner = 0; corner < 3; ++corner) {
         const int vertex = triangles_(triangle, corner);
         point.neutral += barycentric[corner] * neutral_.segment<3>(3 * vertex);
         point.modes += barycentric[corner] * modes_.middleRows<3>(3 * vertex);
+        point.detail_modes += barycentric[corner] * detail_modes_.middleRows<3>(3 * vertex);
     }
     return point;
 }

@@ -19,7 +19,8 @@ using FloatPixels = Rows<float, 2>;
 /// A point fixed to the skin, and how it moves with the values.
 struct SkinPoint {
     Eigen::Vector3f neutral;
-    Eigen::Matrix3Xf modes;  ///< 3 x M
+    Eigen::Matrix3Xf modes;         ///< 3 x M
+    Eigen::Matrix3Xf detail_modes;  ///< 3 x D
 };
 
 /// The refined skin with its modes carried over from the control vertices, head frame, metres.
@@ -35,9 +36,10 @@ public:
 
 private:
     Triangles triangles_;
-    Eigen::VectorXf weights_;  // R
-    Eigen::VectorXf neutral_;  // 3R
-    Eigen::MatrixXf modes_;    // 3R x M
+    Eigen::VectorXf weights_;       // R
+    Eigen::VectorXf neutral_;       // 3R
+    Eigen::MatrixXf modes_;         // 3R x M
+    Eigen::MatrixXf detail_modes_;  // 3R x D
 };
 
 /// Refined vertices in an image; depth is z, and what lies behind the camera has depth 0.

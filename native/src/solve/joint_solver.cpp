@@ -54,6 +54,7 @@ void JointSolver::linearise(const Camera& camera, const FaceState& state,
     displacements_.resize(static_cast<Eigen::Index>(2 * count));
     whiteners_.resize(count);
     field_pixels_.resize(count);
+    projections_.resize(count);
     near_.resize(count);
     Eigen::Matrix<float, 2, Eigen::Dynamic> jacobian;
     Eigen::Matrix<double, 2, 3> by_point;
@@ -65,6 +66,7 @@ void JointSolver::linearise(const Camera& camera, const FaceState& state,
         const auto row = static_cast<Eigen::Index>(2 * k);
         jacobians_.middleRows<2>(row) = jacobian;
         displacements_.segment<2>(row) = measurement.displacement.cast<float>();
+        projections_[k] = by_point.cast<float>();
         find_near_nodes(skin.neutral, near_[k]);
         const double moved = (skin.modes * values).norm();
         const double error = std::hypot(noise.model_error, noise.shape_error * measurement.view_angle_sine,

@@ -39,6 +39,12 @@ public:
     const Eigen::MatrixXd& information() const { return information_; }
     const Eigen::VectorXd& pull() const { return pull_; }  ///< at step 0
     const std::vector<float>& robust_weights() const { return robust_weights_; }
+    /// Of the last linearisation and weighting: sample k's square root of weighted information, d frame pixel
+    /// / d head frame; whitened and weighted Jacobians and displacements.
+    Eigen::Matrix2f whitener(std::size_t k) const { return std::sqrt(weights_[k]) * whiteners_[k]; }
+    const Eigen::Matrix<float, 2, 3>& projection(std::size_t k) const { return projections_[k]; }
+    const Eigen::MatrixXf& rows() const { return rows_; }
+    const Eigen::VectorXf& targets() const { return targets_; }
     std::vector<double>& distances_px() { return distances_px_; }
 
 private:
@@ -46,7 +52,6 @@ private:
         int node;
         float height;
     };
-    using Pulls = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic>;
 
     void find_near_nodes(const Eigen::Vector3f& point, std::vector<NearNode>& near) const;
     void reweight(const Eigen::VectorXd& step, double robust_cut);
@@ -59,8 +64,9 @@ private:
     NoiseModel noise_;
     Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobians_;  // 2K x n
     Eigen::VectorXf displacements_, targets_;
-    Pulls rows_;                                 // n x 2K, whitened and weighted
-    std::vector<Eigen::Matrix2f> whiteners_;     // of each sample for itself
+    Eigen::MatrixXf rows_;                    // n x 2K, whitened and weighted
+    std::vector<Eigen::Matrix2f> whiteners_;  // of each sample for itself
+    std::vector<Eigen::Matrix<float, 2, 3>> projections_;
     std::vector<Eigen::Matrix2f> field_pixels_;  // frame pixels a unit of the field, head x and y
     std::vector<std::vector<NearNode>> near_;
     std::vector<float> robust_weights_, weights_;

@@ -72,12 +72,11 @@ void LocalNormaliser::apply(const cv::Mat1f& image, cv::Mat1f& values) {
     }
 }
 
-ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera,
-                             const Eigen::Isometry3d& camera_from_head, const Eigen::VectorXd& values,
+ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera, const FaceState& state,
                              const cv::Mat1b& gray, int crop_height, int spacing, double flow_blur)
-    : camera_from_head_(camera_from_head), values_(values) {
+    : camera_from_head_(state.camera_from_head) {
     ProjectedSurface projected;
-    projected.update(surface, camera, camera_from_head, values);
+    projected.update(surface, camera, state.camera_from_head, state.values);
     const Box box = box_of_measured(surface, projected);
     const Eigen::Vector2d size = box.high - box.low;
     if (!(size.minCoeff() >= 16) || size.maxCoeff() > 4 * std::max(camera.width, camera.height)) {
@@ -199,16 +198,19 @@ void ReferenceView::blur_modes(double flow_blur) {
     const double reach = 2.5 * flow_blur;
     for (ReferenceSample& sample : samples_) {
         sample.seen_modes = Eigen::Matrix3Xf::Zero(3, sample.skin.modes.cols());
+        sample.seen_detail_modes = Eigen::Matrix3Xf::Zero(3, sample.skin.detail_modes.cols());
         float sum = 0;
         for (const ReferenceSample& other : samples_) {
             const double distance = std::hypot(other.x - sample.x, other.y - sample.y);
             if (distance <= reach) {
                 const auto share = static_cast<float>(std::exp(-.5 * std::pow(distance / flow_blur, 2)));
                 sample.seen_modes += share * other.skin.modes;
+                sample.seen_detail_modes += share * other.skin.detail_modes;
                 sum += share;
             }
         }
         sample.seen_modes /= sum;
+        sample.seen_detail_modes /= sum;
     }
 }
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <opencv2/core.hpp>
 
-#include "face_surface.hpp"
+#include "face_state.hpp"
 
 namespace mimetic {
 
@@ -35,15 +35,16 @@ struct ReferenceSample {
     int triangle = 0;
     Eigen::Vector3f barycentric;
     SkinPoint skin;
-    Eigen::Matrix3Xf seen_modes;  ///< 3 x M: the modes as a flow shows them, blurred
+    Eigen::Matrix3Xf seen_modes;         ///< 3 x M: the modes as a flow shows them, blurred
+    Eigen::Matrix3Xf seen_detail_modes;  ///< 3 x D
     float weight = 1;
 };
 
 /// The face's texture as one frame showed it, each pixel tied to the skin.
 class ReferenceView {
 public:
-    ReferenceView(const FaceSurface& surface, const Camera& camera, const Eigen::Isometry3d& camera_from_head,
-                  const Eigen::VectorXd& values, const cv::Mat1b& gray, int crop_height, int spacing,
+    ReferenceView(const FaceSurface& surface, const Camera& camera, const FaceState& state,
+                  const cv::Mat1b& gray, int crop_height, int spacing,
                   double flow_blur);  ///< crop pixels
 
     /// Fetches the texture of a frame under the hypothesis `projected`; map: frame pixel of each crop pixel.
@@ -51,7 +52,6 @@ public:
                    cv::Mat2f& map, cv::Mat1f& texture);
 
     const Eigen::Isometry3d& camera_from_head() const { return camera_from_head_; }
-    const Eigen::VectorXd& values() const { return values_; }
     const cv::Mat1f& texture() const { return texture_; }  ///< normalised
     const cv::Mat1b& mask() const { return mask_; }
     const std::vector<ReferenceSample>& samples() const { return samples_; }
@@ -63,7 +63,6 @@ private:
     void blur_modes(double flow_blur);
 
     Eigen::Isometry3d camera_from_head_;
-    Eigen::VectorXd values_;
     Eigen::Vector2d origin_;  // image pixel of crop pixel (0, 0)
     double scale_ = 1;
     cv::Mat1i triangle_;  // -1 where the skin is not seen or not measured

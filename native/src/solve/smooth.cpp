@@ -3,7 +3,7 @@
 #include <mimetic/error.hpp>
 
 #include "block_banded.hpp"
-#include "joint_solver.hpp"
+#include "detail_solver.hpp"
 #include "motion_prior.hpp"
 
 namespace mimetic {
@@ -122,8 +122,19 @@ Blocks solve_bounded(SequenceProblem problem, int max_iterations, const Progress
     return within;
 }
 
+bool fits_detail(const FrameEstimate& estimate, Eigen::Index num_detail) {
+    const DetailEstimate& detail = estimate.detail;
+    const Eigen::Index num_measured = estimate.held ? 0 : num_detail;
+    return detail.coefficients.size() == num_detail &&
+           (num_measured == 0 ||
+            (detail.pull.size() == num_detail && detail.information.rows() == num_detail &&
+             detail.information.cols() == num_detail && detail.coupling.rows() == num_detail &&
+             detail.coupling.cols() == estimate.gradient.size() && detail.pull.allFinite() &&
+             detail.information.allFinite() && detail.coupling.allFinite()));
+}
+
 void check_estimates(const std::vector<FrameEstimate>& estimates, const FaceMotion& motion) {
-    const Eigen::Index size = 6 + motion.lower.size();
+    const Eigen::Index size = 6 + motion.lower.size(), num_detail = motion.detail_std.size();
     if (motion.modes.rows() != motion.lower.size()) {
         throw InvalidInput("smooth: the motion has " + std::to_string(motion.modes.rows()) + " modes for " +
                            std::to_string(motion.lower.size()) + " values");
@@ -133,9 +144,10 @@ void check_estimates(const std::vector<FrameEstimate>& estimates, const FaceMoti
         if (estimate.values.size() + 6 != size || estimate.gradient.size() != size ||
             estimate.information.rows() != size || estimate.information.cols() != size ||
             !estimate.gradient.allFinite() || !estimate.information.allFinite() ||
-            !estimate.camera_from_head.matrix().allFinite()) {
+            !estimate.camera_from_head.matrix().allFinite() || !fits_detail(estimate, num_detail)) {
             throw InvalidInput("smooth: estimate " + std::to_string(t) + " does not fit a face of " +
-                               std::to_string(size - 6) + " values or is not finite");
+                               std::to_string(size - 6) + " values and " + std::to_string(num_detail) +
+                               " detail modes or is not finite");
         }
     }
 }
@@ -182,6 +194,8 @@ std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, c
     const std::vector<Eigen::MatrixXd> working =
         any_held ? BlockBandedFactor(problem.matrix).inverse_diagonal() : std::vector<Eigen::MatrixXd>();
     std::vector<FrameEstimate> smoothed = estimates;
+    const std::vector<DetailEstimate> details =
+        smooth_detail(estimates, steps, motion, options.value_acceleration / .3);
     for (std::size_t t = 0; t < estimates.size(); ++t) {
         FaceState state = state_of(estimates[t]);
         state.apply(steps[t]);
@@ -193,6 +207,7 @@ std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, c
             smoothed[t].covariance = working[t];
         }
         smoothed[t].gradient = estimates[t].gradient - estimates[t].information * steps[t];
+        smoothed[t].detail = details[t];
     }
     return smoothed;
 }

@@ -45,6 +45,7 @@ FaceTracker::State::State(const Camera& camera_in, const TrackedSurface& surface
       to_rest(motion),
       surface(surface_in, motion_in),
       options(options_in),
+      detail_solver(motion),
       texture_flow(options_in.flow_method) {
     noise.model_error = options.model_error;
     noise.shape_error = options.shape_error;
@@ -61,7 +62,7 @@ FaceTracker::State::State(const Camera& camera_in, const TrackedSurface& surface
     }
 }
 
-FrameEstimate FaceTracker::State::report(const FrameScore& score, const StepPrior& prior) const {
+FrameEstimate FaceTracker::State::report(const FrameScore& score, const StepPrior& prior) {
     const Eigen::Index size = 6 + num_values();
     FrameEstimate estimate;
     estimate.camera_from_head = state.camera_from_head;
@@ -76,7 +77,14 @@ FrameEstimate FaceTracker::State::report(const FrameScore& score, const StepPrio
     estimate.held = lost;
     if (lost) {
         estimate.covariance = covariance;
+        estimate.detail.coefficients = Eigen::VectorXd::Zero(motion.detail_std.size());
+        estimate.detail.std = motion.detail_std;
         return estimate;
+    }
+    if (motion.detail_std.size() > 0) {
+        // Not put back into the next frame's warp: flow that falls short would let its errors grow.
+        detail_solver.linearise(*solver, measurements, last_step);
+        estimate.detail = detail_solver.solve();
     }
     estimate.covariance =
         (solver->information() + prior.information).llt().solve(Eigen::MatrixXd::Identity(size, size));
@@ -91,7 +99,8 @@ FrameEstimate FaceTracker::State::report(const FrameScore& score, const StepPrio
 
 FloatPixels FaceTracker::State::project_control(const FaceState& at) const {
     Points moved = motion.neutral;
-    Eigen::Map<Eigen::VectorXd>(moved.data(), moved.size()) += motion.modes.transpose() * at.values;
+    Eigen::Map<Eigen::VectorXd> flat(moved.data(), moved.size());
+    flat += motion.modes.transpose() * at.values;
     FloatPixels pixels(moved.rows(), 2);
     for (Eigen::Index i = 0; i < moved.rows(); ++i) {
         const Eigen::Vector3d point = at.camera_from_head * Eigen::Vector3d(moved.row(i));
@@ -150,8 +159,8 @@ void FaceTracker::State::add_key_view(const FrameScore& score) {
         }
     }
     try {
-        views.push_back(std::make_unique<ReferenceView>(surface, camera, state.camera_from_head, state.values,
-                                                        gray, options.crop_height, options.sample_spacing,
+        views.push_back(std::make_unique<ReferenceView>(surface, camera, state, gray, options.crop_height,
+                                                        options.sample_spacing,
                                                         flow_blur_px(options.flow_method)));
         frames_since_key_view = 0;
     } catch (const InvalidInput&) {
@@ -180,9 +189,9 @@ FaceTracker::FaceTracker(const Camera& camera, const TrackedSurface& surface, co
     s.last.camera_from_head = camera_from_head;
     s.last.values = Eigen::VectorXd::Zero(s.num_values());
     s.state = s.predicted = s.last;
-    s.views.push_back(std::make_unique<ReferenceView>(
-        s.surface, camera, camera_from_head, s.last.values, s.last_gray, options.crop_height,
-        options.sample_spacing, flow_blur_px(options.flow_method)));
+    s.views.push_back(std::make_unique<ReferenceView>(s.surface, camera, s.last, s.last_gray,
+                                                      options.crop_height, options.sample_spacing,
+                                                      flow_blur_px(options.flow_method)));
     if (s.views.front()->samples().size() < 100) {
         throw InvalidInput(
             "only " + std::to_string(s.views.front()->samples().size()) +

@@ -79,6 +79,15 @@ void check_inputs(const Camera& camera, const TrackedSurface& surface, const Fac
             fail("partner must be empty or name for every mode the one of the other side, mutually, or -1");
         }
     }
+    if (motion.detail_modes.rows() != motion.detail_std.size() ||
+        (motion.detail_std.size() > 0 && motion.detail_modes.cols() != 3 * num_vertices) ||
+        !motion.detail_modes.allFinite() || !motion.detail_std.allFinite() ||
+        (motion.detail_std.array() <= 0).any()) {
+        fail("detail_modes must be finite and D x " + std::to_string(3 * num_vertices) +
+             ", with D numbers above 0 in detail_std; got " + std::to_string(motion.detail_modes.rows()) +
+             " x " + std::to_string(motion.detail_modes.cols()) + " and " +
+             std::to_string(motion.detail_std.size()));
+    }
     check_surface(surface, num_vertices);
     for (const EyeSlit& eye : eyes) {
         for (const int vertex : {eye.inner, eye.outer, eye.upper, eye.lower}) {

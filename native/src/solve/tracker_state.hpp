@@ -3,6 +3,7 @@
 #include <chrono>
 #include <opencv2/video/tracking.hpp>
 
+#include "detail_solver.hpp"
 #include "face_search.hpp"
 #include "joint_solver.hpp"
 #include "lid_meter.hpp"
@@ -45,7 +46,7 @@ struct FaceTracker::State {
     FrameScore register_textures(const StepPrior& prior, int num_iterations, Eigen::Index num_free);
     FrameScore search_again(const StepPrior& prior, double near_quality,
                             const std::optional<Eigen::Isometry3d>& guess);
-    FrameEstimate report(const FrameScore& score, const StepPrior& prior) const;
+    FrameEstimate report(const FrameScore& score, const StepPrior& prior);
     void measure_lids(FrameEstimate& estimate);
     FloatPixels project_control(const FaceState& at) const;
     void add_key_view(const FrameScore& score);
@@ -67,6 +68,7 @@ struct FaceTracker::State {
     NoiseModel noise;
     std::vector<std::unique_ptr<ReferenceView>> views;
     std::unique_ptr<JointSolver> solver, relative_solver;
+    DetailSolver detail_solver;
     TextureFlow texture_flow;
     std::unique_ptr<FaceSearch> search;
 

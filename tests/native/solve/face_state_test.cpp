@@ -19,7 +19,7 @@ FaceState turned_state() {
 TEST(FaceState, SkinJacobianMeetsFiniteDifferences) {
     const Camera camera{600, 610, 320, 240, 640, 480};
     const FaceState state = turned_state();
-    SkinPoint skin{Eigen::Vector3f(.03f, .05f, .09f), Eigen::Matrix3Xf(3, 3)};
+    SkinPoint skin{Eigen::Vector3f(.03f, .05f, .09f), Eigen::Matrix3Xf(3, 3), {}};
     skin.modes << .01f, 0, .002f, .004f, -.01f, 0, 0, .003f, .008f;
     Eigen::Matrix<float, 2, Eigen::Dynamic> jacobian;
     Eigen::Matrix<double, 2, 3> by_point;

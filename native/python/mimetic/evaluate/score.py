@@ -59,8 +59,11 @@ def score(
     rigid = scores.project(points[:1], truth.head_pose, truth.intrinsics)
     followed = follow(performance, tracks[0])
     stiff = follow(_stiffened(performance), tracks[0])
-    image = {
-        "mimetic": scores.image_motion(tracks, rigid, seen, followed.tracks),
+    image = {"mimetic": scores.image_motion(tracks, rigid, seen, followed.tracks)}
+    if performance.detail_modes is not None:
+        plain = follow(performance.without_detail(), tracks[0])
+        image["its muscles alone"] = scores.image_motion(tracks, rigid, seen, plain.tracks)
+    image |= {
         "its head motion alone": scores.image_motion(tracks, rigid, seen, stiff.tracks),
     }
     if images is not None:
@@ -86,7 +89,7 @@ def _stiffened(performance: Performance) -> Performance:
     """The same head motion with a face that does not move."""
     still = {"activations": np.zeros_like(performance.activations)}
     still["articulator_values"] = np.zeros_like(performance.articulator_values)
-    return replace(performance, **still, detail_modes=None, detail_coefficients=None)
+    return replace(performance.without_detail(), **still)
 
 
 def _shared_frames(truth: Truth, performance: Performance) -> tuple[Truth, Performance]:

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "joint_solver.hpp"
+
+namespace mimetic {
+
+/// What the values leave of the samples' displacements, as the most probable coefficients of the detail
+/// modes. It takes the joint solver's weights, so what was rejected there moves nothing here.
+class DetailSolver {
+public:
+    explicit DetailSolver(const FaceMotion& motion);
+
+    /// Normal equations of what `step`, the joint solver's last, leaves of its displacements.
+    void linearise(const JointSolver& solver, const std::vector<SampleMeasurement>& measurements,
+                   const Eigen::VectorXd& step);
+    /// Of the last linearisation, with the prior's information.
+    DetailEstimate solve() const;
+
+private:
+    Eigen::MatrixXd prior_;  // D squared, diagonal
+    Eigen::MatrixXf rows_;   // D x 2K, whitened and weighted
+    Eigen::MatrixXf sum_;
+    Eigen::MatrixXd information_, coupling_;
+    Eigen::VectorXd pull_;
+};
+
+/// Coefficients over a clip from each frame's normal equations, once pose and values have moved by `steps`.
+/// std_acceleration: of a coefficient's second difference, in its own prior standard deviations.
+std::vector<DetailEstimate> smooth_detail(const std::vector<FrameEstimate>& estimates,
+                                          const std::vector<Eigen::VectorXd>& steps, const FaceMotion& motion,
+                                          double std_acceleration);
+
+}  // namespace mimetic
