@@ -313,6 +313,10 @@ HeadEstimate HeadTracker::advance(const ColorView& image, const std::optional<Ei
     State& state = *state_;
     const cv::Mat1b gray = state.to_gray(image);
     HeadEstimate found = state.estimate(gray, guess);
+    if (state.options.fast && state.wants_view(found)) {
+        // A reference texture must stand where the surer way says: errors of samples would add up.
+        found = state.register_frame(gray, found.camera_from_head).value_or(found);
+    }
     if (state.wants_view(found)) {
         state.take_view(gray, found);
     }
