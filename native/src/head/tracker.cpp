@@ -28,6 +28,8 @@ constexpr double kReferenceStd = 2e-3;  // rad and metres of the first pose: it 
 constexpr double kTooVague = 0.06;      // rad: s.d. of a pose that no reference texture is taken at
 constexpr double kNearer = 0.3;         // share of the distance after which a texture is taken anew
 
+constexpr long kFlowEvery = 6;  // frames on the fast path: samples alone let the distance run away
+
 double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
     return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
 }
@@ -47,6 +49,7 @@ struct HeadTracker::State {
     Eigen::Isometry3d step = Eigen::Isometry3d::Identity();  // of the head in its own frame, frame to frame
     std::vector<KeyView> views;
     std::vector<SampleView> sampled;  // of each view, on the fast path
+    long num_frames = 0;
 
     cv::Mat1b to_gray(const ColorView& image) const;
     std::optional<Camera> crop_at(const Eigen::Isometry3d& pose) const {
@@ -247,7 +250,7 @@ HeadEstimate HeadTracker::State::estimate(const cv::Mat1b& gray,
     } else if (last.held || guess) {
         const auto start = recall(gray, guess);
         found = start ? register_frame(gray, *start) : std::nullopt;
-    } else if (options.fast) {
+    } else if (options.fast && num_frames % kFlowEvery != 0) {
         found = register_samples(gray);
     }
     if (!found && !views.empty() && !last.held && !guess) {
@@ -312,6 +315,7 @@ HeadTracker& HeadTracker::operator=(HeadTracker&&) noexcept = default;
 HeadEstimate HeadTracker::advance(const ColorView& image, const std::optional<Eigen::Isometry3d>& guess) {
     State& state = *state_;
     const cv::Mat1b gray = state.to_gray(image);
+    ++state.num_frames;
     HeadEstimate found = state.estimate(gray, guess);
     if (state.options.fast && state.wants_view(found)) {
         // A reference texture must stand where the surer way says: errors of samples would add up.
