@@ -39,7 +39,7 @@ STARTS = (0.0, -25.0, 25.0)  # degrees of yaw
 SYMMETRY_SIZE = 96  # pixels of the canonical picture that is compared with its mirror image
 SURELY_FRONTAL = 0.6  # symmetry from which no other start is tried
 LEAST_SYMMETRY = 0.12  # below, the head lies beside the face; well-fitted ones have 0.2 to 0.9
-SEEN_WEIGHT, SHAPE_WEIGHT, TURNED_COST = 0.1, 0.03, 0.03  # against symmetry; drawn people
+SEEN_WEIGHT, TURNED_COST = 0.1, 0.03  # against symmetry; drawn people
 SEARCHES = (0.12, 0.07)  # half widths of the measurements after the first fit, pupil distances
 
 
@@ -157,10 +157,8 @@ def _fit_upright_or_turned(
         likeness = symmetry(*canonical_image(fit, image, size=SYMMETRY_SIZE, template=template))
         if likeness < LEAST_SYMMETRY:
             continue
-        values = face_shape(template).joined(fit.identity, fit.residual)
         seen = sum(feature.likelihood for feature in fit.views[0].measured.features)
-        credible = likeness + SEEN_WEIGHT * seen - SHAPE_WEIGHT * float(values @ values)
-        credible -= TURNED_COST * (yaw != 0)
+        credible = likeness + SEEN_WEIGHT * seen - TURNED_COST * (yaw != 0)
         if credible > credibility:
             best, credibility = fit, credible
         if likeness > SURELY_FRONTAL:
