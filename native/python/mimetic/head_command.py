@@ -22,7 +22,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=MODELS,
         default="ellipsoid",
         help="what stands for the head: the paper's ellipsoid (default), the planar patch that it "
-        "compares with, or the person's fitted surface, the most accurate",
+        "compares with, or the person's fitted surface, for large turns",
     )
     parser.add_argument(
         "--fast",
