@@ -138,3 +138,17 @@ def test_a_moved_camera_takes_the_face_along(baked, extension, scene, performanc
     extension("scene_out").bake(scene, performance, "take")
     expected = world_from_camera_points(performance.surface_in_camera(7)) + np.array([1, 2, 3])
     assert np.abs(evaluated_vertices(baked, 8) - expected).max() < 2 * METRES
+
+
+def test_detail_is_baked_when_asked_for(extension, scene, performance):
+    modes = 1e-3 * np.cos(np.arange(3 * performance.neutral_vertices.size)).reshape(3, -1, 3)
+    rates = np.linspace(-1.5, 2.5, performance.num_frames)
+    coefficients = np.stack([rates, rates**2, -rates], axis=1)
+    whole = dataclasses.replace(performance, detail_modes=modes, detail_coefficients=coefficients)
+    extension("scene_out").bake(scene, whole, "take")
+    face = scene.mimetic.face
+    names = [block.name for block in face.data.shape_keys.key_blocks]
+    assert {"detail.000", "detail.001", "detail.002"} <= set(names)
+    expected = world_from_camera_points(whole.surface_in_camera(20))
+    actual = evaluated_vertices(face, performance.frame[20])
+    assert np.abs(actual - expected).max() < METRES

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import UnreadableMedia, _core
+from mimetic import UnreadableMedia
 from mimetic import fit as fitting
-from mimetic.fit import NoFace
+from mimetic.fit import FaceFit, NoFace
 from mimetic.footage import Footage
 from mimetic.performance import HELD_QUALITY
 from mimetic.sequence import Rows
@@ -20,12 +20,15 @@ CUT_DIFFERENCE = 18.0  # mean change of grey levels from frame to frame
 BACKWARD_BYTES = 128 << 20  # of frames held to walk a clip backwards
 
 
-def find_again(
-    image: NDArray[np.uint8], frame: int, camera: _core.Camera
-) -> NDArray[np.float64] | None:
-    """Where the detector sees a lost head, camera from head."""
+def find_again(image: NDArray[np.uint8], frame: int, fit: FaceFit) -> NDArray[np.float64] | None:
+    """Where the detector sees a lost head, camera from head.
+
+    Of several faces the one nearest to where the fit has its own: who was chosen stays chosen.
+    """
+    place = fit.intrinsics @ fit.head_pose[:3, 3]
+    near = (float(place[0] / place[2]), float(place[1] / place[2]))
     try:
-        return fitting.find_face(image, frame, camera=camera).head_pose
+        return fitting.find_face(image, frame, camera=fit.camera, near=near).head_pose
     except NoFace:
         return None
 

@@ -158,7 +158,7 @@ class _HeadMotion:
             small = shrink(image)
             guess = None
             if is_cut(small, before) or (num_lost and num_lost % SEARCH_AGAIN == 0):
-                guess = find_again(image, frame, self.fit.camera)
+                guess = find_again(image, frame, self.fit)
             before = small
             estimate = tracker.advance(np.ascontiguousarray(image), guess)
             num_lost = num_lost + 1 if estimate.held else 0

@@ -259,7 +259,7 @@ class _Capture:
 
     def _look_again(self, image: NDArray[np.uint8], frame: int) -> NDArray[np.float64] | None:
         start = time.perf_counter()
-        guess = find_again(image, frame, self.fit.camera)
+        guess = find_again(image, frame, self.fit)
         self.summary.add("look for the face again", time.perf_counter() - start)
         return guess
 
