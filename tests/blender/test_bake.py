@@ -145,6 +145,7 @@ def test_detail_is_baked_when_asked_for(extension, scene, performance):
     rates = np.linspace(-1.5, 2.5, performance.num_frames)
     coefficients = np.stack([rates, rates**2, -rates], axis=1)
     whole = dataclasses.replace(performance, detail_modes=modes, detail_coefficients=coefficients)
+    scene.render.fps, scene.render.fps_base = 25, 1.0
     extension("scene_out").bake(scene, whole, "take")
     face = scene.mimetic.face
     names = [block.name for block in face.data.shape_keys.key_blocks]
