@@ -61,7 +61,8 @@ def summary(made: list[Score]) -> str:
     """One line a clip: the figures to quote."""
     columns = {
         "nonrigid": ("R2 non-rigid", ".3f"),
-        "peer": ("best peer", ".3f"),
+        "muscles": ("muscles alone", ".3f"),
+        "peer": ("best flow", ".3f"),
         "surface": ("R2 surface", ".3f"),
         "groups": ("group corr.", ".3f"),
         "turn": ("turn deg", ".2f"),
@@ -72,12 +73,14 @@ def summary(made: list[Score]) -> str:
 
 
 def _summary_row(score: Score) -> dict[str, float]:
-    peers = [figures["nonrigid_r2"] for who, figures in score.image.items() if who != "mimetic"]
+    explained = {who: figures["nonrigid_r2"] for who, figures in score.image.items()}
+    peers = [value for who, value in explained.items() if who.startswith("DIS")]
     groups = [figures["correlation"] for figures in score.groups.values()]
     still = not score.groups and not score.controls
     return {
-        "nonrigid": score.image["mimetic"]["nonrigid_r2"],
-        "peer": max(peers),
+        "nonrigid": explained["mimetic"],
+        "muscles": explained.get("its muscles alone", explained["mimetic"]),
+        "peer": max(peers, default=math.nan),
         "surface": score.surface["r2"],
         "groups": statistics.median(groups) if groups else math.nan,
         "turn": statistics.mean(score.head[f"{axis}_deg"] for axis in ("pitch", "yaw", "roll")),
