@@ -35,7 +35,8 @@ __all__ = [
 DEFAULT_FOCAL = 1.2  # image widths: a webcam's 45 degrees
 LARGEST_ERROR = 0.1  # rms of a face that was found, pupil distances; usual are 0.02
 LEAST_FOLLOWED = 20  # points, for a view to tell anything
-STARTS = (0.0, -25.0, 25.0)  # degrees of yaw
+TURNED = 25.0  # degrees of yaw
+STARTS = (0.0, -TURNED, TURNED)
 SYMMETRY_SIZE = 96  # pixels of the canonical picture that is compared with its mirror image
 SURELY_FRONTAL = 0.6  # symmetry from which no other start is tried
 LEAST_SYMMETRY = 0.12  # below, the head lies beside the face; well-fitted ones have 0.2 to 0.9
@@ -144,18 +145,21 @@ def _fit_upright_or_turned(
     camera: _core.Camera,
     template: FaceTemplate,
 ) -> FaceFit | None:
-    """The most credible of the fits that start from a head facing the camera or turned aside.
+    """The fit that starts from a head turned as the finder's views say, or the most credible one.
 
     Features are looked for where a head so turned has them, so that each start may find itself
-    confirmed; what tells them apart is whether the halves of the warped face are alike.
+    confirmed; what tells them apart is the view, which rests on the whole face, and without one
+    whether the halves of the warped face are alike.
     """
+    if face.yaw != 0:
+        start = float(np.copysign(TURNED, face.yaw))
+        fit, likeness = _fit_and_likeness(image, frame, face, camera, template, start)
+        if fit is not None and fit.head_pose[0, 2] * face.yaw > 0:
+            return fit
     best, credibility = None, -np.inf
     for yaw in STARTS:
-        fit = _fit_from(image, frame, face, camera, template, yaw)
+        fit, likeness = _fit_and_likeness(image, frame, face, camera, template, yaw)
         if fit is None:
-            continue
-        likeness = symmetry(*canonical_image(fit, image, size=SYMMETRY_SIZE, template=template))
-        if likeness < LEAST_SYMMETRY:
             continue
         seen = sum(feature.likelihood for feature in fit.views[0].measured.features)
         credible = likeness + SEEN_WEIGHT * seen - TURNED_COST * (yaw != 0)
@@ -164,6 +168,22 @@ def _fit_upright_or_turned(
         if likeness > SURELY_FRONTAL:
             break
     return best
+
+
+def _fit_and_likeness(
+    image: NDArray[np.uint8],
+    frame: int,
+    face: _core.FaceFeatures,
+    camera: _core.Camera,
+    template: FaceTemplate,
+    yaw: float,
+) -> tuple[FaceFit | None, float]:
+    """`_fit_from` and how alike the halves of its face are; None where they do not match."""
+    fit = _fit_from(image, frame, face, camera, template, yaw)
+    if fit is None:
+        return None, 0.0
+    likeness = symmetry(*canonical_image(fit, image, size=SYMMETRY_SIZE, template=template))
+    return (fit if likeness >= LEAST_SYMMETRY else None), likeness
 
 
 def _fit_from(
