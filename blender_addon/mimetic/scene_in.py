@@ -265,6 +265,17 @@ def timing(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None) -> Timing:
     )
 
 
+def scene_frames(performance, clock: Timing):
+    """N scene frames, whole or not, at which the performance's frames are."""
+    return native.part("timing").scene_frames(
+        performance.frame,
+        performance.fps,
+        clock.scene_rate,
+        clock.frame_start,
+        clock.frame_offset,
+    )
+
+
 def shown_frame(context) -> int:
     """The footage frame on show. Blender shows one clip frame a scene frame, whatever the rates."""
     clip = clip_of(context)

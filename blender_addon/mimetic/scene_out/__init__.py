@@ -70,13 +70,7 @@ def bake(
     """
     placement = native.part("placement")
     timing = scene_in.timing(scene, footage)
-    frames = native.part("timing").scene_frames(
-        performance.frame,
-        performance.fps,
-        timing.scene_rate,
-        timing.frame_start,
-        timing.frame_offset,
-    )
+    frames = scene_in.scene_frames(performance, timing)
     parts = native.part("shapes")
     shapes = [*parts.shapes_of(performance), *(contact_shapes or ())]
     groups = parts.groups_of(performance) if with_groups else []

@@ -44,13 +44,7 @@ def bake(scene: bpy.types.Scene, performance, take: str, target: Target, footage
     """
     moved = scene.objects[target.name]
     timing = scene_in.timing(scene, footage)
-    frames = native.part("timing").scene_frames(
-        performance.frame,
-        performance.fps,
-        timing.scene_rate,
-        timing.frame_start,
-        timing.frame_offset,
-    )
+    frames = scene_in.scene_frames(performance, timing)
     if target.bone:
         keyed = _bone_channels(moved, performance, target)
     else:

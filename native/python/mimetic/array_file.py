@@ -47,6 +47,28 @@ def read_array(archive: zipfile.ZipFile, name: str) -> np.ndarray:
             raise InvalidInput(f"array {name} cannot be read: {error}") from None
 
 
+def read_arrays(
+    archive: zipfile.ZipFile,
+    shapes: dict[str, tuple[int | str, ...]],
+    kinds: dict[str, str],
+    largest: dict[str, int],
+) -> dict[str, np.ndarray]:
+    """The arrays named in `shapes`, each checked before the first is read; raises InvalidInput.
+
+    kinds: a type's name or kind, by array; without one "f". Named lengths agree between arrays.
+    """
+    headers = read_headers(archive)
+    if missing := sorted(shapes.keys() - headers.keys()):
+        raise InvalidInput(f"lacks {', '.join(missing)}")
+    lengths: dict[str, int] = {}
+    for name, shape in shapes.items():
+        header, kind = headers[name], kinds.get(name, "f")
+        check_shape(name, header.shape, shape, lengths, largest)
+        if kind not in (header.dtype.name, header.dtype.kind):
+            raise InvalidInput(f"{name} has the type {header.dtype}, expected {kind}")
+    return {name: read_array(archive, name) for name in shapes}
+
+
 def check_shape(
     what: str,
     actual: tuple[int, ...],

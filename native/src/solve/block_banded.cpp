@@ -5,6 +5,17 @@
 
 namespace mimetic {
 
+void BlockBanded::add_second_differences(const Eigen::VectorXd& weights) {
+    for (std::size_t t = 1; t + 1 < diagonal.size(); ++t) {
+        diagonal[t - 1].diagonal() += weights;
+        diagonal[t].diagonal() += 4 * weights;
+        diagonal[t + 1].diagonal() += weights;
+        first[t - 1] -= 2 * weights;
+        first[t] -= 2 * weights;
+        second[t - 1] += weights;
+    }
+}
+
 BlockBandedFactor::BlockBandedFactor(const BlockBanded& matrix) {
     const std::size_t count = matrix.diagonal.size();
     diagonal_.resize(count);

@@ -12,6 +12,10 @@ struct BlockBanded {
     std::vector<Eigen::MatrixXd> diagonal;
     std::vector<Eigen::VectorXd> first;   ///< of (t + 1, t)
     std::vector<Eigen::VectorXd> second;  ///< of (t + 2, t)
+
+    /// Information of small second differences: 1/2 sum over 0 < t < last of weights (x_t-1 - 2 x_t +
+    /// x_t+1)^2.
+    void add_second_differences(const Eigen::VectorXd& weights);
 };
 
 /// Its Cholesky factor.

@@ -8,8 +8,9 @@ namespace mimetic {
 DetailSolver::DetailSolver(const FaceMotion& motion)
     : prior_(motion.detail_std.cwiseAbs2().cwiseInverse().asDiagonal()) {}
 
-void DetailSolver::linearise(const JointSolver& solver, const std::vector<SampleMeasurement>& measurements,
-                             const Eigen::VectorXd& step) {
+DetailEstimate DetailSolver::solve(const JointSolver& solver,
+                                   const std::vector<SampleMeasurement>& measurements,
+                                   const Eigen::VectorXd& step) {
     const Eigen::Index size = prior_.rows();
     rows_.resize(size, static_cast<Eigen::Index>(2 * measurements.size()));
     for (std::size_t k = 0; k < measurements.size(); ++k) {
@@ -19,15 +20,12 @@ void DetailSolver::linearise(const JointSolver& solver, const std::vector<Sample
     }
     sum_.setZero(size, size);
     sum_.selfadjointView<Eigen::Lower>().rankUpdate(rows_);
-    information_ = sum_.selfadjointView<Eigen::Lower>().toDenseMatrix().cast<double>();
-    coupling_ = (rows_ * solver.rows().transpose()).cast<double>();
-    pull_ = (rows_ * solver.targets()).cast<double>() - coupling_ * step;
-}
-
-DetailEstimate DetailSolver::solve() const {
-    const Eigen::LLT<Eigen::MatrixXd> factor(information_ + prior_);
-    const Eigen::MatrixXd covariance = factor.solve(Eigen::MatrixXd::Identity(prior_.rows(), prior_.rows()));
-    return {covariance * pull_, covariance.diagonal().cwiseSqrt(), information_, coupling_, pull_};
+    const Eigen::MatrixXd information = sum_.selfadjointView<Eigen::Lower>().toDenseMatrix().cast<double>();
+    const Eigen::MatrixXd coupling = (rows_ * solver.rows().transpose()).cast<double>();
+    const Eigen::VectorXd pull = (rows_ * solver.targets()).cast<double>() - coupling * step;
+    const Eigen::MatrixXd covariance =
+        (information + prior_).llt().solve(Eigen::MatrixXd::Identity(size, size));
+    return {covariance * pull, covariance.diagonal().cwiseSqrt(), information, coupling, pull};
 }
 
 std::vector<DetailEstimate> smooth_detail(const std::vector<FrameEstimate>& estimates,
@@ -38,7 +36,6 @@ std::vector<DetailEstimate> smooth_detail(const std::vector<FrameEstimate>& esti
         return std::vector<DetailEstimate>(estimates.size());
     }
     const Eigen::VectorXd prior = motion.detail_std.cwiseAbs2().cwiseInverse();
-    const Eigen::VectorXd bend = prior / (std_acceleration * std_acceleration);
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(size);
     const std::size_t count = estimates.size();
     BlockBanded matrix{std::vector<Eigen::MatrixXd>(count, Eigen::MatrixXd(prior.asDiagonal())),
@@ -50,15 +47,8 @@ std::vector<DetailEstimate> smooth_detail(const std::vector<FrameEstimate>& esti
             matrix.diagonal[t] += detail.information;
             coefficients[t] = detail.pull - detail.coupling * steps[t];
         }
-        if (t >= 1 && t + 1 < count) {
-            matrix.diagonal[t - 1].diagonal() += bend;
-            matrix.diagonal[t].diagonal() += 4 * bend;
-            matrix.diagonal[t + 1].diagonal() += bend;
-            matrix.first[t - 1] -= 2 * bend;
-            matrix.first[t] -= 2 * bend;
-            matrix.second[t - 1] += bend;
-        }
     }
+    matrix.add_second_differences(prior / (std_acceleration * std_acceleration));
     BlockBandedFactor(matrix).solve(coefficients);
     std::vector<DetailEstimate> smoothed;
     for (std::size_t t = 0; t < count; ++t) {

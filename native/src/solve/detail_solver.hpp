@@ -10,18 +10,14 @@ class DetailSolver {
 public:
     explicit DetailSolver(const FaceMotion& motion);
 
-    /// Normal equations of what `step`, the joint solver's last, leaves of its displacements.
-    void linearise(const JointSolver& solver, const std::vector<SampleMeasurement>& measurements,
-                   const Eigen::VectorXd& step);
-    /// Of the last linearisation, with the prior's information.
-    DetailEstimate solve() const;
+    /// From what `step`, the joint solver's last, leaves of its displacements.
+    DetailEstimate solve(const JointSolver& solver, const std::vector<SampleMeasurement>& measurements,
+                         const Eigen::VectorXd& step);
 
 private:
     Eigen::MatrixXd prior_;  // D squared, diagonal
     Eigen::MatrixXf rows_;   // D x 2K, whitened and weighted
     Eigen::MatrixXf sum_;
-    Eigen::MatrixXd information_, coupling_;
-    Eigen::VectorXd pull_;
 };
 
 /// Coefficients over a clip from each frame's normal equations, once pose and values have moved by `steps`.

@@ -24,17 +24,12 @@ struct SequenceProblem {
 
 void add_acceleration(const std::vector<FrameEstimate>& estimates, const Eigen::VectorXd& weights,
                       SequenceProblem& problem) {
+    problem.matrix.add_second_differences(weights);
     for (std::size_t t = 1; t + 1 < estimates.size(); ++t) {
         const FaceState before = state_of(estimates[t - 1]), here = state_of(estimates[t]),
                         after = state_of(estimates[t + 1]);
         const Eigen::VectorXd bend =
             weights.cwiseProduct(after.difference_from(here) - here.difference_from(before));
-        problem.matrix.diagonal[t - 1].diagonal() += weights;
-        problem.matrix.diagonal[t].diagonal() += 4 * weights;
-        problem.matrix.diagonal[t + 1].diagonal() += weights;
-        problem.matrix.first[t - 1] -= 2 * weights;
-        problem.matrix.first[t] -= 2 * weights;
-        problem.matrix.second[t - 1] += weights;
         problem.pull[t - 1] -= bend;
         problem.pull[t] += 2 * bend;
         problem.pull[t + 1] -= bend;

@@ -83,8 +83,7 @@ FrameEstimate FaceTracker::State::report(const FrameScore& score, const StepPrio
     }
     if (motion.detail_std.size() > 0) {
         // Not put back into the next frame's warp: flow that falls short would let its errors grow.
-        detail_solver.linearise(*solver, measurements, last_step);
-        estimate.detail = detail_solver.solve();
+        estimate.detail = detail_solver.solve(*solver, measurements, last_step);
     }
     estimate.covariance =
         (solver->information() + prior.information).llt().solve(Eigen::MatrixXd::Identity(size, size));

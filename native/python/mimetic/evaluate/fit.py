@@ -14,6 +14,7 @@ from mimetic import InvalidInput, _core
 from mimetic.canonical_image import canonical_image
 from mimetic.evaluate.fit_score import YAW_BINS, Fitted, ShotScore, figures, score_shot
 from mimetic.evaluate.portraits import Portraits
+from mimetic.evaluate.text_table import text_table
 from mimetic.face_fit import FaceFit
 from mimetic.face_model import face_model
 from mimetic.face_shape import face_shape
@@ -123,12 +124,7 @@ def _average(
 
 def as_text(scores: FitScores) -> str:
     title = f"{scores.num_found} of {scores.num_pictures} portraits fitted"
-    width = max(len(title), *(len(name) for name in scores.rows)) + 2
-    lines = [title.ljust(width) + "".join(head.rjust(10) for head, _ in COLUMNS.values())]
-    for name, row in scores.rows.items():
-        cells = [format(row[key], style).rjust(10) for key, (_, style) in COLUMNS.items()]
-        lines.append(name.ljust(width) + "".join(cells))
-    return "\n".join(lines)
+    return text_table(title, COLUMNS, scores.rows, cell=10)
 
 
 def as_json(scores: FitScores) -> str:

@@ -5,13 +5,15 @@ from __future__ import annotations
 
 import json
 import math
-import os
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 
 from mimetic.evaluate.head_clips import face_mesh_python, head_clips, score_clip
 from mimetic.evaluate.head_score import AXES, HeadScore
+from mimetic.evaluate.text_table import text_table
+from mimetic.whole_file import whole_file
 
 CLIP_COLUMNS = {
     "pitch_mean": ("pitch", ".2f"),
@@ -40,6 +42,7 @@ SUMMARY_COLUMNS = {
     "jitter": ("jitter", ".3f"),
     "ms": ("ms", ".2f"),
 }
+CELL = 11  # letters a column: there are many
 FULL_RATE = ("real", "sweep", "long", "compression", "hand", "light", "expressions", "speed")
 
 
@@ -54,7 +57,7 @@ def score_heads(which: str, report, with_face_mesh: bool = True):
 def clip_text(scores: list[HeadScore]) -> str:
     """One clip: errors in degrees over frames with a pose, each axis's mean and 95th percentile."""
     title = f"{scores[0].clip} ({scores[0].figures['frames']:.0f} frames)"
-    return _table(title, CLIP_COLUMNS, {score.method: score.figures for score in scores})
+    return text_table(title, CLIP_COLUMNS, {score.method: score.figures for score in scores}, CELL)
 
 
 def summary(scores: list[HeadScore]) -> dict[str, dict[str, float]]:
@@ -80,7 +83,7 @@ def summary(scores: list[HeadScore]) -> dict[str, dict[str, float]]:
 
 
 def summary_text(scores: list[HeadScore]) -> str:
-    return _table("all clips", SUMMARY_COLUMNS, summary(scores))
+    return text_table("all clips", SUMMARY_COLUMNS, summary(scores), CELL)
 
 
 def as_json(scores: list[HeadScore]) -> str:
@@ -96,12 +99,15 @@ def as_json(scores: list[HeadScore]) -> str:
 def write(scores: list[HeadScore], folder: Path) -> None:
     """head.json, head_errors.png and head_angles.png, each whole or not at all; raises OSError."""
     folder.mkdir(parents=True, exist_ok=True)
-    _aside(folder / "head.json", lambda path: path.write_text(as_json(scores) + "\n", "utf-8"))
-    _aside(folder / "head_errors.png", lambda path: _plot_errors(scores, path))
-    _aside(folder / "head_angles.png", lambda path: _plot_angles(scores, path))
+    with whole_file(folder / "head.json") as stream:
+        stream.write(f"{as_json(scores)}\n".encode())
+    with whole_file(folder / "head_errors.png") as stream:
+        _plot_errors(scores, stream)
+    with whole_file(folder / "head_angles.png") as stream:
+        _plot_angles(scores, stream)
 
 
-def _plot_errors(scores: list[HeadScore], path: Path) -> None:
+def _plot_errors(scores: list[HeadScore], stream: BinaryIO) -> None:
     """Mean error by clip, a bar for each method."""
     from matplotlib.figure import Figure
 
@@ -119,10 +125,10 @@ def _plot_errors(scores: list[HeadScore], path: Path) -> None:
     axes.axhline(1, color="0.5", linewidth=0.8)
     axes.set_ylabel("mean error over the axes, degrees")
     axes.legend(fontsize=8, ncols=len(methods))
-    figure.savefig(path, format="png", dpi=120)
+    figure.savefig(stream, format="png", dpi=120)
 
 
-def _plot_angles(scores: list[HeadScore], path: Path) -> None:
+def _plot_angles(scores: list[HeadScore], stream: BinaryIO) -> None:
     """Pitch, yaw and roll over time in the first sweep, as the paper's Fig. 16."""
     from matplotlib.figure import Figure
 
@@ -139,34 +145,12 @@ def _plot_angles(scores: list[HeadScore], path: Path) -> None:
     panels[0].legend(fontsize=8, ncols=len(chosen) + 1)
     panels[0].set_title(swept, fontsize=10)
     panels[-1].set_xlabel("frame")
-    figure.savefig(path, format="png", dpi=120)
+    figure.savefig(stream, format="png", dpi=120)
 
 
 def _mean(scores: list[HeadScore], name: str) -> float:
     known = [s.figures[name] for s in scores if math.isfinite(s.figures.get(name, math.nan))]
     return float(np.mean(known)) if known else math.nan
-
-
-def _aside(path: Path, write_to) -> None:
-    part = path.with_name(f".{path.name}.part")
-    try:
-        write_to(part)
-        os.replace(part, path)
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def _table(title: str, columns: dict, rows: dict[str, dict[str, float]]) -> str:
-    width = max(len(title), *(len(name) for name in rows)) + 1
-    lines = [title.ljust(width) + "".join(head.rjust(11) for head, _ in columns.values())]
-    for name, figures in rows.items():
-        cells = (_number(figures.get(key, math.nan), style) for key, (_, style) in columns.items())
-        lines.append(name.ljust(width) + "".join(cell.rjust(11) for cell in cells))
-    return "\n".join(lines)
-
-
-def _number(value: float, style: str) -> str:
-    return format(value, style) if math.isfinite(value) else "-"
 
 
 def _plain(figures: dict[str, float]) -> dict[str, float | None]:

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import subprocess
-import sys
 import tempfile
 import time
 from collections.abc import Callable, Iterator
@@ -17,7 +16,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core, pipeline
 from mimetic import fit as fitting
 from mimetic.evaluate.head_score import REST_SECONDS, HeadScore, score_head
-from mimetic.evaluate.rendered import checkout
+from mimetic.evaluate.rendered import checkout, render
 from mimetic.face_template import load_template
 from mimetic.fit import FaceFit
 from mimetic.footage import Footage
@@ -51,15 +50,7 @@ class HeadClip:
 
 def head_clips(which: str, report: Report) -> list[HeadClip]:
     """The clips of a set, rendered now if the cache lacks them."""
-    command = [sys.executable, str(checkout() / "scripts" / "render_truth"), "--heads", which]
-    done = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    said = []
-    for line in done.stderr:
-        said.append(line.rstrip())
-        report(said[-1])
-    output = done.stdout.read()
-    if done.wait() != 0:
-        raise InvalidInput(f"the heads could not be rendered: {' '.join(said[-3:])}")
+    output = render(["--heads", which], "the heads could not be rendered", report)
     return [_load(*row.split("\t")) for row in output.splitlines()]
 
 

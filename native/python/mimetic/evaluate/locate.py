@@ -12,6 +12,7 @@ from mimetic import InvalidInput, _core
 from mimetic.evaluate.finders import CASCADES, run_cascade, run_eigenspaces, run_locator
 from mimetic.evaluate.locate_score import FALSE_PER_IMAGE, LocateScore, score_run
 from mimetic.evaluate.stills import Stills
+from mimetic.evaluate.text_table import text_table
 from mimetic.face_template import data_folder
 from mimetic.whole_file import whole_file
 
@@ -50,11 +51,12 @@ def score_finders(stills: Stills, spaces: _core.FaceSpaces) -> dict[str, LocateS
 
 def as_text(scores: dict[str, LocateScore]) -> str:
     first = next(iter(scores.values()))
+    rows = {name: score.figures for name, score in scores.items()}
     return "\n\n".join(
         [
             f"{first.images} images, {first.faces} of them of a face",
-            _table(f"rates at {FALSE_PER_IMAGE} false alarms an image", RATES, scores),
-            _table("errors, % of interpupillary distance", ERRORS, scores),
+            text_table(f"rates at {FALSE_PER_IMAGE} false alarms an image", RATES, rows),
+            text_table("errors, % of interpupillary distance", ERRORS, rows),
         ]
     )
 
@@ -94,15 +96,3 @@ def _plot(scores: dict[str, LocateScore], stream: BinaryIO) -> None:
     axes.legend(loc="lower right")
     axes.set_title(f"{score.faces} faces in {score.images} images", fontsize=10)
     figure.savefig(stream, format="png", dpi=130)
-
-
-def _table(title: str, columns: dict, scores: dict[str, LocateScore]) -> str:
-    width = max(len(title), *(len(name) for name in scores)) + 2
-    lines = [title.ljust(width) + "".join(head.rjust(14) for head, _ in columns.values())]
-    for name, score in scores.items():
-        cells = [
-            format(score.figures[key], style) if math.isfinite(score.figures[key]) else "-"
-            for key, (_, style) in columns.items()
-        ]
-        lines.append(name.ljust(width) + "".join(cell.rjust(14) for cell in cells))
-    return "\n".join(lines)

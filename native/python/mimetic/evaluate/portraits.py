@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 import os
-import subprocess
-import sys
 import zipfile
 from dataclasses import dataclass
 
@@ -13,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia
-from mimetic.array_file import check_shape, read_array, read_headers
-from mimetic.evaluate.rendered import checkout
+from mimetic.array_file import read_arrays
+from mimetic.evaluate.rendered import render
 from mimetic.face_template import FaceTemplate
 
 SHAPES: dict[str, tuple[int | str, ...]] = {
@@ -26,7 +24,7 @@ SHAPES: dict[str, tuple[int | str, ...]] = {
     "pitch": ("N",),
     "neutral_vertices": ("P", "V", 3),
 }
-KINDS = {"images": "u", "person": "i"}  # others are float64
+KINDS = {"images": "uint8", "person": "i"}  # others are float64
 LARGEST = {"N": 20000, "H": 4096, "W": 4096, "P": 20000, "V": 100_000}
 
 
@@ -47,7 +45,7 @@ class Portraits:
         """Reads the file; raises InvalidInput, UnreadableMedia."""
         try:
             with zipfile.ZipFile(path) as archive:
-                arrays = _read(archive)
+                arrays = read_arrays(archive, SHAPES, KINDS, LARGEST)
         except (OSError, zipfile.BadZipFile, EOFError) as error:
             raise UnreadableMedia(f"{path}: {error}") from None
         except InvalidInput as error:
@@ -65,28 +63,5 @@ class Portraits:
 
 def rendered_portraits(which: str, template: FaceTemplate, report=None) -> Portraits:
     """The portraits of a set, drawn now if the cache lacks them."""
-    command = [sys.executable, str(checkout() / "scripts" / "render_truth"), "--portraits", which]
-    done = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    said = []
-    for line in done.stderr:
-        said.append(line.rstrip())
-        if report:
-            report(said[-1])
-    output = done.stdout.read()
-    if done.wait() != 0:
-        raise InvalidInput(f"the portraits could not be drawn: {' '.join(said[-3:])}")
+    output = render(["--portraits", which], "the portraits could not be drawn", report)
     return Portraits.load(output.strip(), template)
-
-
-def _read(archive: zipfile.ZipFile) -> dict[str, NDArray]:
-    headers = read_headers(archive)
-    if missing := sorted(SHAPES.keys() - headers.keys()):
-        raise InvalidInput(f"lacks {', '.join(missing)}")
-    lengths: dict[str, int] = {}
-    for name, shape in SHAPES.items():
-        check_shape(name, headers[name].shape, shape, lengths, LARGEST)
-        if headers[name].dtype.kind != KINDS.get(name, "f"):
-            raise InvalidInput(f"{name} has the type {headers[name].dtype}")
-    if headers["images"].dtype != np.uint8:
-        raise InvalidInput("images must be uint8")
-    return {name: read_array(archive, name) for name in SHAPES}

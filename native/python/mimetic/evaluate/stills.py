@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia
-from mimetic.array_file import check_shape, read_array, read_headers
+from mimetic.array_file import read_arrays
 from mimetic.evaluate.rendered import render
 
 PARTS = ("pupil.L", "pupil.R", "nose", "mouth")
@@ -24,7 +24,7 @@ SHAPES: dict[str, tuple[int | str, ...]] = {
     "kinds": ("N",),
     "parts": (len(PARTS),),
 }
-KINDS = {"images": "u", "has_face": "b", "kinds": "U", "parts": "U"}  # others are float64
+KINDS = {"images": "uint8", "has_face": "b", "kinds": "U", "parts": "U"}  # others are float64
 LARGEST = {"N": 20000, "H": 4096, "W": 4096}
 
 
@@ -44,7 +44,7 @@ class Stills:
         """Reads docs/still-images.md's file; raises InvalidInput, UnreadableMedia."""
         try:
             with zipfile.ZipFile(path) as archive:
-                arrays = _read(archive)
+                arrays = read_arrays(archive, SHAPES, KINDS, LARGEST)
         except (OSError, zipfile.BadZipFile, EOFError) as error:
             raise UnreadableMedia(f"{path}: {error}") from None
         except InvalidInput as error:
@@ -61,17 +61,3 @@ def rendered_stills(which: str, report=None) -> Stills:
     """The images of a set, drawn now if the cache lacks them."""
     output = render(["--stills", which], "the images could not be drawn", report)
     return Stills.load(output.strip())
-
-
-def _read(archive: zipfile.ZipFile) -> dict[str, NDArray]:
-    headers = read_headers(archive)
-    if missing := sorted(SHAPES.keys() - headers.keys()):
-        raise InvalidInput(f"lacks {', '.join(missing)}")
-    lengths: dict[str, int] = {}
-    for name, shape in SHAPES.items():
-        check_shape(name, headers[name].shape, shape, lengths, LARGEST)
-        if headers[name].dtype.kind != KINDS.get(name, "f"):
-            raise InvalidInput(f"{name} has the type {headers[name].dtype}")
-    if headers["images"].dtype != np.uint8:
-        raise InvalidInput("images must be uint8")
-    return {name: read_array(archive, name) for name in SHAPES}

@@ -9,6 +9,7 @@ import statistics
 from dataclasses import asdict
 
 from mimetic.evaluate.score import Score
+from mimetic.evaluate.text_table import number_text, text_table
 
 IMAGE_COLUMNS = {
     "r2": ("R2 all", ".3f"),
@@ -33,21 +34,21 @@ def as_text(score: Score) -> str:
         f"{score.name}: {score.num_frames} frames, {100 * score.on_face:.0f} % of the points on "
         f"the fitted face, true non-rigid motion "
         f"{score.image['mimetic']['nonrigid_rms_px']:.2f} px rms",
-        _table("image motion of held-out points", IMAGE_COLUMNS, score.image),
-        f"surface motion: R2 {_number(surface['r2'], '.3f')}, median error "
-        f"{_number(surface['median_mm'], '.2f')} mm, of moving points "
-        f"{_number(surface['moving_median_mm'], '.2f')} mm; neutral shape "
-        f"{_number(surface['neutral_shape_median_mm'], '.2f')} mm",
+        text_table("image motion of held-out points", IMAGE_COLUMNS, score.image),
+        f"surface motion: R2 {number_text(surface['r2'], '.3f')}, median error "
+        f"{number_text(surface['median_mm'], '.2f')} mm, of moving points "
+        f"{number_text(surface['moving_median_mm'], '.2f')} mm; neutral shape "
+        f"{number_text(surface['neutral_shape_median_mm'], '.2f')} mm",
         f"head motion, mean error: pitch {head['pitch_deg']:.2f}, yaw {head['yaw_deg']:.2f}, roll "
         f"{head['roll_deg']:.2f} degrees (largest {head['largest_deg']:.2f}); sideways "
         f"{head['sideways_mm']:.1f}, depth {head['depth_mm']:.1f} mm",
     ]
     if score.groups:
-        parts.append(_table("muscle groups", CURVE_COLUMNS, score.groups))
+        parts.append(text_table("muscle groups", CURVE_COLUMNS, score.groups))
     if score.controls:
-        parts.append(_table("controls that truth moves", CURVE_COLUMNS, score.controls))
+        parts.append(text_table("controls that truth moves", CURVE_COLUMNS, score.controls))
     if score.overall:
-        o = {key: _number(value, ".3f") for key, value in score.overall.items()}
+        o = {key: number_text(value, ".3f") for key, value in score.overall.items()}
         parts.append(
             f"activations: median correlation {o['median_correlation']}, RMSE {o['rmse']} "
             f"(active {o['rmse_active']}), largest false {o['largest_false']}, 90 % intervals hold "
@@ -69,7 +70,7 @@ def summary(made: list[Score]) -> str:
         "false": ("largest false", ".3f"),
         "coverage": ("in 90 % int.", ".3f"),
     }
-    return _table("summary", columns, {score.name: _summary_row(score) for score in made})
+    return text_table("summary", columns, {score.name: _summary_row(score) for score in made})
 
 
 def _summary_row(score: Score) -> dict[str, float]:
@@ -94,19 +95,6 @@ def _summary_row(score: Score) -> dict[str, float]:
 def as_json(scores: list[Score]) -> str:
     """A list of clips with every figure; what cannot be told is null."""
     return json.dumps([_plain(asdict(score)) for score in scores], indent=1)
-
-
-def _table(title: str, columns: dict[str, tuple[str, str]], rows: dict[str, dict]) -> str:
-    width = max(len(title), *(len(name) for name in rows)) + 2
-    lines = [title.ljust(width) + "".join(head.rjust(14) for head, _ in columns.values())]
-    for name, figures in rows.items():
-        cells = (_number(figures[key], style).rjust(14) for key, (_, style) in columns.items())
-        lines.append(name.ljust(width) + "".join(cells))
-    return "\n".join(lines)
-
-
-def _number(value: float, style: str) -> str:
-    return format(value, style) if math.isfinite(value) else "-"
 
 
 def _plain(value):
