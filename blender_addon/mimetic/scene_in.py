@@ -283,6 +283,30 @@ def shown_frame(context) -> int:
     return min(max(shown, 1), max(clip.frame_duration, 1))
 
 
+def no_picture(context) -> str:
+    """Why no place in the footage can be clicked on."""
+    space = context.space_data
+    if space is None or space.type != "CLIP_EDITOR" or space.clip is None:
+        return "Faces are picked in the clip editor, with the footage on show"
+    if space.show_stable and space.clip.tracking.stabilization.use_2d_stabilization:
+        # Blender does not tell where it shows the picture then
+        return "Switch the stabilised view off first"
+    return ""
+
+
+def footage_pixel(context, x: int, y: int) -> tuple[float, float] | None:
+    """The pixel of the footage under a place of the window, None beside it; from a clip editor."""
+    for region in context.area.regions:
+        across, up = x - region.x, y - region.y
+        if region.type == "WINDOW" and 0 <= across < region.width and 0 <= up < region.height:
+            place = region.view2d.region_to_view(across, up)
+            if not all(0 <= part <= 1 for part in place):
+                return None
+            pixels = native.part("projection").picture_pixels(place, context.space_data.clip.size)
+            return tuple(float(part) for part in pixels[0])
+    return None
+
+
 def frame_range(scene: bpy.types.Scene) -> tuple[int, int] | None:
     settings = scene.mimetic
     return (settings.frame_first, settings.frame_last) if settings.use_frame_range else None

@@ -8,6 +8,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from imageio_ffmpeg import write_frames
 
 ROOT = Path(__file__).resolve().parents[2]
 UNREACHABLE = 3
@@ -59,6 +60,30 @@ def test_finding_again_replaces_the_marks(scene, with_clip):
         if not marker.mute and marker.frame > 0
     ]
     assert marker.frame == FIT_FRAME + 2
+
+
+def test_of_several_faces_the_one_near_a_pixel_is_taken(extension, scene, clip_path, tmp_path):
+    from mimetic.footage import Footage
+
+    picture = Footage(clip_path).read(FIT_FRAME)
+    both = np.full((300, 720, 3), 90, np.uint8)
+    both[:, :400] = picture
+    both[40:265, 420:] = picture[::4, ::4].repeat(3, axis=0).repeat(3, axis=1)
+    path = tmp_path / "two.mp4"
+    writer = write_frames(str(path), (720, 300), macro_block_size=1, quality=9)
+    writer.send(None)
+    for _ in range(2):
+        writer.send(both.tobytes())
+    writer.close()
+    bpy.ops.mimetic.load_clip(filepath=str(path))
+    eyes = []
+    for choice in ({}, {"near": (570, 130)}, {}):
+        assert bpy.ops.mimetic.find_face(frame=1, **choice) == {"FINISHED"}
+        fit = extension("scene_out").face_fit.stored(scene)
+        assert "2 faces" in fit.warnings[0]
+        eyes.append(fit.features["pupil.L"][0])
+    assert eyes[0] == eyes[2] < 400 < eyes[1]
+    assert not bpy.ops.mimetic.pick_face.poll()  # without a clip editor there is nothing to click
 
 
 def test_a_fit_edited_into_nonsense_is_refused(scene, with_clip):

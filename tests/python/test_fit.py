@@ -16,6 +16,7 @@ from mimetic.fit import (
     refit,
     score_frame,
 )
+from mimetic.fit_frames import with_frame
 
 CAMERA = _core.Camera(600, 600, 239.5, 199.5, 480, 400)
 
@@ -137,6 +138,10 @@ def test_of_two_faces_the_larger_is_taken_and_the_other_can_be_chosen(template, 
     assert second.features == find_face(both, template=template, choice=1).features
     assert "2 faces" in first.warnings[0]
     assert first.features["pupil.L"][0] < 480 < second.features["pupil.L"][0]
+    (_, view) = with_frame(second, both, 2).views
+    assert {f.name: f.position[0] for f in view.measured.features}[
+        "pupil.L"
+    ] > 480  # who was chosen stays chosen
     with pytest.raises(InvalidInput, match="shows 2"):
         find_face(both, template=template, choice=2)
 

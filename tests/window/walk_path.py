@@ -51,7 +51,7 @@ def find_the_face(walk: Walk) -> Steps:
     yield 0.5
     _, editor = area_of("CLIP_EDITOR")
     walk.check("the clip editor shows it", editor.spaces.active.clip == scene.mimetic.clip)
-    invoke("CLIP_EDITOR", bpy.ops.mimetic.find_face)
+    yield from pick_the_face(walk)
     walk.check("finding the face does not block the window", not is_idle())
     yield from walk.until(is_idle, 120, "finding the face ends")
     walk.check("a face was found", scene.mimetic.face_fit != "")
@@ -59,6 +59,24 @@ def find_the_face(walk: Walk) -> Steps:
     with bpy.context.temp_override(**override("CLIP_EDITOR")):
         bpy.ops.clip.view_all(fit_view=True)
     yield from walk.picture("face-found")
+
+
+def pick_the_face(walk: Walk) -> Steps:
+    """By a click beside the footage, which finds nothing, and one in its middle."""
+    window, area = area_of("CLIP_EDITOR")
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(**override("CLIP_EDITOR")):
+        bpy.ops.clip.view_all(fit_view=True)
+    yield 0.5
+    for place in ((0.5, 1.02), (0.5, 0.5)):
+        walk.check("nothing was looked for yet", is_idle())
+        invoke("CLIP_EDITOR", bpy.ops.mimetic.pick_face)
+        yield 0.2
+        x, y = region.view2d.view_to_region(*place, clip=False)
+        for kind, value in (("MOUSEMOVE", "NOTHING"), ("LEFTMOUSE", "PRESS")):
+            window.event_simulate(type=kind, value=value, x=region.x + x, y=region.y + y)
+        window.event_simulate(type="LEFTMOUSE", value="RELEASE", x=region.x + x, y=region.y + y)
+        yield 0.3
 
 
 def stored_fit():
@@ -112,7 +130,8 @@ def stop_once(walk: Walk) -> Steps:
     settings.frame_first, settings.frame_last = walk.settings["frames"]
     path = str(walk.folder / "stopped.npz")
     invoke("CLIP_EDITOR", bpy.ops.mimetic.capture, filepath=path)
-    yield from walk.until(lambda: progress() > 0.3, 240, "the capture tells its progress")
+    # The way there starts at the fitted frame, which may lie well outside the range
+    yield from walk.until(lambda: progress() > 0.75, 240, "the capture tells its progress")
     yield from walk.picture("capturing")
     walk.check("the capture still runs when Esc is pressed", not is_idle())
     press("CLIP_EDITOR", "ESC")

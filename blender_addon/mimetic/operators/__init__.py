@@ -19,7 +19,7 @@ from . import (
 
 CLASSES = (
     clip.MIMETIC_OT_load_clip,
-    face.MIMETIC_OT_find_face,
+    *face.CLASSES,
     capture.MIMETIC_OT_capture,
     performance.MIMETIC_OT_load_performance,
     bake.MIMETIC_OT_bake,

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import bpy
-from bpy.props import BoolProperty, IntProperty
+from bpy.props import BoolProperty, FloatVectorProperty, IntProperty
 from bpy.types import Operator
 
 from .. import native, scene_in, scene_out
 from ..jobs import Job
+
+LARGEST = (-1.0, -1.0)  # no place: of several faces the largest is taken
 
 
 class MIMETIC_OT_find_face(Job, Operator):
@@ -20,6 +22,14 @@ class MIMETIC_OT_find_face(Job, Operator):
     use_shown_frame: BoolProperty(
         name="Shown Frame", description="Look in the frame that the clip editor shows"
     )
+    near: FloatVectorProperty(
+        name="Near",
+        size=2,
+        default=LARGEST,
+        options={"SKIP_SAVE"},
+        description="Pixel of the footage from the middle of the top left one; of several faces "
+        "the nearest is taken. Outside the picture: the largest",
+    )
 
     @classmethod
     def poll(cls, context):
@@ -29,14 +39,59 @@ class MIMETIC_OT_find_face(Job, Operator):
 
     def read(self, context):
         frame = scene_in.shown_frame(context) if self.use_shown_frame else self.frame
-        return scene_in.footage(context), frame or None
+        near = None if tuple(self.near) == LARGEST else tuple(self.near)
+        return scene_in.footage(context), frame or None, near
 
     def work(self, inputs, progress):
-        footage, frame = inputs
-        pipeline = native.part("pipeline")
-        return footage.clip_name, pipeline.find_face(footage.path, frame, progress=progress)
+        footage, frame, near = inputs
+        find = native.part("pipeline").find_face
+        return footage.clip_name, find(footage.path, frame, progress=progress, near=near)
 
     def write(self, context, result):
         clip_name, fit = result
         scene_out.face_fit.store(context.scene, bpy.data.movieclips[clip_name], fit)
-        return f"Face found in frame {fit.frame}; drag its landmarks in the clip editor to pin them"
+        told = f"Face found in frame {fit.frame}; drag its landmarks in the clip editor to pin them"
+        return "; ".join([told, *fit.warnings])
+
+
+class MIMETIC_OT_pick_face(Operator):
+    """Click on the face to find, where the footage shows several"""
+
+    bl_idname = "mimetic.pick_face"
+    bl_label = "Pick Face"
+
+    @classmethod
+    def poll(cls, context):
+        reason = scene_in.no_clip(context) or scene_in.no_picture(context)
+        if reason:
+            cls.poll_message_set(reason)
+        return not reason
+
+    def invoke(self, context, event):
+        context.window.cursor_modal_set("EYEDROPPER")
+        context.workspace.status_text_set("Click on the face   |   Esc cancels")
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type in {"ESC", "RIGHTMOUSE"}:
+            self.cancel(context)
+            return {"CANCELLED"}
+        if event.type != "LEFTMOUSE":  # the picture may still be moved and enlarged
+            return {"PASS_THROUGH"}
+        if event.value != "PRESS":
+            return {"RUNNING_MODAL"}
+        self.cancel(context)
+        near = scene_in.footage_pixel(context, event.mouse_x, event.mouse_y)
+        if near is None:
+            self.report({"WARNING"}, "That was beside the footage; nothing was changed")
+            return {"CANCELLED"}
+        bpy.ops.mimetic.find_face("INVOKE_DEFAULT", near=near)
+        return {"FINISHED"}
+
+    def cancel(self, context):
+        context.window.cursor_modal_restore()
+        context.workspace.status_text_set(None)
+
+
+CLASSES = (MIMETIC_OT_find_face, MIMETIC_OT_pick_face)

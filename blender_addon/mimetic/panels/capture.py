@@ -34,6 +34,7 @@ class Capture:
         row = layout.row(align=True)
         row.operator("mimetic.find_face", icon="VIEWZOOM")
         row.operator("mimetic.find_face", text="", icon="TIME").use_shown_frame = True
+        row.operator("mimetic.pick_face", text="", icon="EYEDROPPER")
         if settings.face_fit:
             self.draw_pins(layout, settings)
 

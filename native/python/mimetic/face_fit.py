@@ -55,6 +55,11 @@ class FaceFit:
         """Frame: landmark: the pixel it is pinned to. `mimetic.fit.refit` changes them."""
         return {view.frame: dict(view.pins) for view in self.views if view.pins}
 
+    def head_place(self) -> tuple[float, float]:
+        """The pixel of the head's origin in the reference frame: tells this person from others."""
+        place = self.intrinsics @ self.head_pose[:3, 3]
+        return float(place[0] / place[2]), float(place[1] / place[2])
+
     def neutral_vertices(self, template: FaceTemplate) -> NDArray[np.float64]:
         """V x 3 control vertices of the person at rest, metres, head frame."""
         vertices = template.neutral(self.identity)

@@ -17,7 +17,8 @@ def with_frame(fit: FaceFit, image: NDArray[np.uint8], frame: int) -> FaceFit:
     """The person fitted to one more frame; what was measured and pinned in others stays.
 
     image: (H, W, 3) uint8 RGB, the frame `frame` of the same footage. A frame that the fit rests on
-    already is measured anew and keeps its pins. Raises NoFace and InvalidInput.
+    already is measured anew and keeps its pins. Of several faces the one nearest to where the fit
+    has its own is taken. Raises NoFace and InvalidInput.
     """
     height, width = np.shape(image)[:2]
     if (width, height) != tuple(fit.image_size):
@@ -27,7 +28,7 @@ def with_frame(fit: FaceFit, image: NDArray[np.uint8], frame: int) -> FaceFit:
         )
     if not fit.views:
         raise InvalidInput("the face fit is from an older version of Mimetic: fit again")
-    (view,) = find_face(image, frame, camera=fit.camera).views
+    (view,) = find_face(image, frame, camera=fit.camera, near=fit.head_place()).views
     if known := fit.view(frame):
         view.pins, view.motion = dict(known.pins), known.motion
         views = [view if v.frame == frame else v for v in fit.views]

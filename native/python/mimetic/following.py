@@ -25,9 +25,8 @@ def find_again(image: NDArray[np.uint8], frame: int, fit: FaceFit) -> NDArray[np
 
     Of several faces the one nearest to where the fit has its own: who was chosen stays chosen.
     """
-    place = fit.intrinsics @ fit.head_pose[:3, 3]
-    near = (float(place[0] / place[2]), float(place[1] / place[2]))
     try:
+        near = fit.head_place()
         return fitting.find_face(image, frame, camera=fit.camera, near=near).head_pose
     except NoFace:
         return None
