@@ -55,7 +55,7 @@ def find_the_face(walk: Walk) -> Steps:
     walk.check("finding the face does not block the window", not is_idle())
     yield from walk.until(is_idle, 120, "finding the face ends")
     walk.check("a face was found", scene.mimetic.face_fit != "")
-    scene.frame_set(walk.settings["frames"][0])
+    walk.check("the found frame is on show", scene.frame_current == stored_fit().frame)
     with bpy.context.temp_override(**override("CLIP_EDITOR")):
         bpy.ops.clip.view_all(fit_view=True)
     yield from walk.picture("face-found")
@@ -86,9 +86,6 @@ def stored_fit():
 def drag_a_landmark(walk: Walk) -> Steps:
     """With the mouse; the fit follows before the button is released, and one undo takes it back."""
     frame, name = stored_fit().frame, "mouth_corner.L"
-    with bpy.context.temp_override(**override("CLIP_EDITOR")):
-        bpy.ops.screen.frame_offset(delta=frame - bpy.context.scene.frame_current)
-    yield 0.5
     window, area = area_of("CLIP_EDITOR")
     region = next(region for region in area.regions if region.type == "WINDOW")
 

@@ -49,7 +49,10 @@ class MIMETIC_OT_find_face(Job, Operator):
 
     def write(self, context, result):
         clip_name, fit = result
-        scene_out.face_fit.store(context.scene, bpy.data.movieclips[clip_name], fit)
+        clip = bpy.data.movieclips[clip_name]
+        scene_out.face_fit.store(context.scene, clip, fit)
+        # What was found is on show at once; frame_set() would leave the clip editors behind
+        context.scene.frame_current = clip.frame_start - 1 + fit.frame - clip.frame_offset
         told = f"Face found in frame {fit.frame}; drag its landmarks in the clip editor to pin them"
         return "; ".join([told, *fit.warnings])
 
