@@ -27,11 +27,12 @@ struct MovingPart {
 /// The rigid body that stands for the head, head frame, metres.
 struct HeadShape {
     HeadModel model = HeadModel::ellipsoid;
-    Eigen::Vector3d centre = Eigen::Vector3d::Zero();  ///< ellipsoid, plane
-    Eigen::Vector3d half_axes{.075, .11, .095};        ///< along x, y, z; the plane has no z
-    Points vertices;                                   ///< surface: V x 3
-    Quads faces;                                       ///< surface: counter-clockwise seen from outside
-    double depth_error = 5e-3;                         ///< s.d. of the head's depth about the model
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();    ///< ellipsoid, plane
+    Eigen::Vector3d half_axes{.075, .11, .095};          ///< along x, y, z; the plane has no z
+    Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();  ///< ellipsoid: its axes, columns, in the head frame
+    Points vertices;                                     ///< surface: V x 3
+    Quads faces;                                         ///< surface: counter-clockwise seen from outside
+    double depth_error = 5e-3;                           ///< s.d. of the head's depth about the model
     std::vector<MovingPart> moving_parts;
     void check() const;  ///< throws InvalidInput: field, value, limit
 };
@@ -82,6 +83,14 @@ public:
 
     /// Goes back to a frame, to follow the clip the other way; reference textures are kept.
     void restart(const ColorView& image, const HeadEstimate& estimate);
+
+    /// Measures the reference textures against each other anew, and solves for their poses and the shape: a
+    /// clip followed once more after it is followed better. False: there are not two of them that show the
+    /// same skin.
+    bool relax();
+
+    /// The model as it is now: shape and place in the head come from all reference textures together.
+    const HeadShape& shape() const;
 
 private:
     struct State;

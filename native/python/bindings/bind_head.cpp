@@ -32,6 +32,7 @@ void bind_shape(py::module_& m) {
         .def_readonly("model", &HeadShape::model)
         .def_readonly("centre", &HeadShape::centre, "(3,)")
         .def_readonly("half_axes", &HeadShape::half_axes, "(3,) along x, y, z")
+        .def_readonly("turn", &HeadShape::turn, "(3, 3) its axes, columns, in the head frame; ellipsoid")
         .def_readonly("depth_error", &HeadShape::depth_error, "s.d. of the head about the model, metres")
         .def_readwrite("moving_parts", &HeadShape::moving_parts);
     m.def("make_head_shape", &make_head_shape, "model"_a, py::arg("vertices").noconvert(),
@@ -92,7 +93,12 @@ void bind_tracker(py::module_& m) {
                 tracker.restart(view_image<3>(image, "the frame"), estimate);
             },
             py::arg("image").noconvert(), "estimate"_a,
-            "Goes back to a frame, to follow the clip the other way; reference textures are kept.");
+            "Goes back to a frame, to follow the clip the other way; reference textures are kept.")
+        .def("relax", &HeadTracker::relax, py::call_guard<py::gil_scoped_release>(),
+             "Solves for the poses of the reference textures and the shape anew, from all of them: a clip "
+             "followed\n"
+             "once more after it is followed better. False: no two of them show the same skin.")
+        .def_property_readonly("shape", &HeadTracker::shape, "HeadShape as all reference textures say.");
 }
 
 }  // namespace

@@ -5,10 +5,10 @@ from __future__ import annotations
 
 import argparse
 
+from mimetic import _core
 from mimetic.clip_command import add_clip_arguments, run_on_clip
-from mimetic.face_template import load_template
 from mimetic.head_drawing import HeadDrawing, write_motion_plot
-from mimetic.head_motion import MODELS, head_shape, track_head
+from mimetic.head_motion import MODELS, track_head
 from mimetic.overlay import FaceDrawing, write_overlay
 from mimetic.performance import Performance
 
@@ -42,7 +42,7 @@ def run_head(arguments: argparse.Namespace) -> int:
     def draw(performance, footage, summary, progress, interrupted):
         write_motion_plot(performance, out / "motion.png")
         written = ["motion.png"]
-        drawing = _drawing_of(performance, model)
+        drawing = _drawing_of(performance, summary.head_shape)
         if not interrupted() and write_overlay(
             performance, footage, out / "overlay.mp4", progress, drawing
         ):
@@ -52,8 +52,7 @@ def run_head(arguments: argparse.Namespace) -> int:
     return run_on_clip(arguments, (TRACKED, 1.0), follow, draw)
 
 
-def _drawing_of(performance: Performance, model: str) -> FaceDrawing | HeadDrawing:
-    if model == "surface":
+def _drawing_of(performance: Performance, shape: _core.HeadShape) -> FaceDrawing | HeadDrawing:
+    if shape.model == _core.HeadModel.surface:
         return FaceDrawing(performance)
-    neutral = performance.neutral_vertices
-    return HeadDrawing(performance, head_shape(model, neutral, load_template()))
+    return HeadDrawing(performance, shape)

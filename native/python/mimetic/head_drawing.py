@@ -51,7 +51,7 @@ def model_mesh(shape: _core.HeadShape) -> tuple[NDArray[np.float64], NDArray[np.
              flat * np.cos(around)],
             axis=-1,
         )  # fmt: skip
-    vertices = shape.centre + place.reshape(-1, 3) * shape.half_axes
+    vertices = shape.centre + (place.reshape(-1, 3) * shape.half_axes) @ shape.turn.T
     row, column = np.divmod(np.arange(rings * AROUND), AROUND)
     beside = (column + 1) % AROUND
     faces = [row * AROUND + column, row * AROUND + beside]

@@ -43,6 +43,7 @@ MOVING_PARTS = (
     (("eye_inner.L", "eye_outer.L"), 0.025, 0.8),
     (("eye_inner.R", "eye_outer.R"), 0.025, 0.8),
 )
+NUM_PASSES = 2  # over the clip: the second with the shape that the first one found
 NECK_BELOW, NECK_RADIUS = 0.05, 0.04  # metres
 
 
@@ -116,7 +117,7 @@ class _HeadMotion:
         self.progress, self.summary = progress, summary
         self.first, self.last = frames
         self.num_done = 0
-        self.num_needed = 1 + max(fit.frame, self.last) - min(fit.frame, self.first)
+        self.num_needed = NUM_PASSES * (1 + max(fit.frame, self.last) - min(fit.frame, self.first))
         self.template = load_template()
         self.neutral = fit.neutral_vertices(self.template)
 
@@ -125,24 +126,33 @@ class _HeadMotion:
         shape = head_shape(self.model, self.neutral, self.template)
         pose = np.asarray(self.fit.head_pose, dtype=np.float64)
         tracker = _core.HeadTracker(self.fit.camera, shape, reference, pose, self.options)
-        at_reference = tracker.advance(reference)
+        rows = self._both_ways(tracker, reference)
+        # What later frames say about the head's shape and the reference poses serves earlier ones.
+        if not self.summary.stopped and tracker.relax():
+            again = self._both_ways(tracker, reference)
+            rows = rows if self.summary.stopped else again
+        self.summary.head_shape = tracker.shape
+        return self._performance(rows)
+
+    def _both_ways(self, tracker: _core.HeadTracker, reference: NDArray[np.uint8]) -> Rows:
+        """All frames, backward and forward from the reference frame."""
+        at_reference = tracker.advance(reference, self.fit.head_pose)
         backward, forward = Rows(), Rows()
         if self.fit.frame > self.first:
             images = frames_backward(self.footage, self.fit.frame - 1, self.first)
-            self._follow(tracker, images, at_reference, backward)
+            self._follow(tracker, images, backward)
             tracker.restart(reference, at_reference)
         if self.first <= self.fit.frame <= self.last:
             _append(forward, self.fit.frame, at_reference)
-        if self.last > self.fit.frame:
+        if self.last > self.fit.frame and not self.summary.stopped:
             images = self.footage.frames(self.fit.frame + 1, self.last)
-            self._follow(tracker, images, at_reference, forward)
-        return self._performance(backward.reversed() + forward)
+            self._follow(tracker, images, forward)
+        return backward.reversed() + forward
 
     def _follow(
         self,
         tracker: _core.HeadTracker,
         images: Iterator[tuple[int, NDArray[np.uint8]]],
-        estimate: _core.HeadEstimate,
         rows: Rows,
     ) -> None:
         """Appends frame by frame, until the images end or the user stops."""

@@ -53,6 +53,7 @@ class CaptureSummary:
     settings: dict[str, str] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
     fit: FaceFit | None = None
+    head_shape: _core.HeadShape | None = None  # as head tracking left it
     stopped: bool = False
 
     def add(self, stage: str, seconds: float) -> None:

@@ -17,8 +17,6 @@ GrayView view_of(const cv::Mat1b& image) {
     return {image.data, image.rows, image.cols, static_cast<std::ptrdiff_t>(image.step)};
 }
 
-Eigen::Vector3d to_eigen(const cv::Vec3f& v) { return {v[0], v[1], v[2]}; }
-
 Eigen::Matrix2d covariance_at(const FlowField& flow, int y, int x) {
     const float* spread = flow.covariance_at(y, x);
     Eigen::Matrix2d covariance;
@@ -81,7 +79,8 @@ std::vector<PointMeasurement> measure_flow(const HeadShape& shape, const HeadOpt
             const int x = spacing / 2 + spacing * i, y = spacing / 2 + spacing * j;
             const float* motion = flow.flow_at(y, x);
             PointMeasurement m;
-            m.point = to_eigen(seen.points(j, i));
+            const cv::Vec3f& point = seen.points(j, i);
+            m.point = {point[0], point[1], point[2]};
             m.pixel = {double(x) + motion[0], double(y) + motion[1]};
             m.information = covariance_at(flow, y, x).inverse();
             m.weight = rigidity(shape, m.point) * slant_weight(seen.facing(j, i), options.least_facing) *
@@ -97,12 +96,19 @@ KeyView::KeyView(const HeadShape& shape, const HeadOptions& options, const HeadC
                  const Eigen::Isometry3d& camera_from_head, const Matrix6& covariance)
     : camera_from_head_(camera_from_head),
       covariance_(covariance),
-      camera_(crop.camera),
-      seen_(see_head(shape, crop.camera, camera_from_head)),
+      crop_(crop),
       least_facing_(options.least_facing) {
-    const cv::Mat faces_camera = seen_.facing >= options.least_facing;
+    move(shape, camera_from_head, covariance);
+}
+
+void KeyView::move(const HeadShape& shape, const Eigen::Isometry3d& camera_from_head,
+                   const Matrix6& covariance) {
+    camera_from_head_ = camera_from_head;
+    covariance_ = covariance;
+    seen_ = see_head(shape, crop_.camera, camera_from_head);
+    const cv::Mat faces_camera = seen_.facing >= least_facing_;
     faces_camera.convertTo(mask_, CV_32F, 1. / 255);
-    crop.gray.convertTo(texture_, CV_32F);
+    crop_.gray.convertTo(texture_, CV_32F);
     normalise(texture_, mask_);
 }
 

@@ -33,15 +33,23 @@ public:
     void measure(const HeadShape& shape, const HeadOptions& options, const Stabilised& stabilised,
                  double share, std::vector<PointMeasurement>& measurements) const;
 
+    /// To where later views say that it was, of a head that is as they say.
+    void move(const HeadShape& shape, const Eigen::Isometry3d& camera_from_head, const Matrix6& covariance);
+
+    const HeadCrop& crop() const { return crop_; }
+    bool shows(int x, int y) const { return mask_(y, x) != 0; }
+    Eigen::Vector3d point(int x, int y) const { return to_eigen(seen_.points(y, x)); }
+    Eigen::Vector3d normal(int x, int y) const { return to_eigen(seen_.normals(y, x)); }
     const Eigen::Isometry3d& camera_from_head() const { return camera_from_head_; }
     const Matrix6& covariance() const { return covariance_; }
 
 private:
+    static Eigen::Vector3d to_eigen(const cv::Vec3f& v) { return {v[0], v[1], v[2]}; }
     void normalise(cv::Mat1f& image, const cv::Mat1f& mask) const;
 
     Eigen::Isometry3d camera_from_head_;
     Matrix6 covariance_;
-    Camera camera_;
+    HeadCrop crop_;
     SeenHead seen_;
     cv::Mat1f mask_;
     cv::Mat1f texture_;

@@ -16,15 +16,16 @@ cv::Vec3f to_vec(const Eigen::Vector3d& v) {
 /// Distance along a ray (origin, direction in the head frame) and the normal there; 0: past the model.
 double meet_ellipsoid(const HeadShape& shape, const Eigen::Vector3d& origin, const Eigen::Vector3d& ray,
                       Eigen::Vector3d& normal) {
-    const Eigen::Vector3d from = (origin - shape.centre).cwiseQuotient(shape.half_axes);
-    const Eigen::Vector3d along = ray.cwiseQuotient(shape.half_axes);
+    const Eigen::Matrix3d to_axes = shape.turn.transpose();
+    const Eigen::Vector3d from = (to_axes * (origin - shape.centre)).cwiseQuotient(shape.half_axes);
+    const Eigen::Vector3d along = (to_axes * ray).cwiseQuotient(shape.half_axes);
     const double a = along.squaredNorm(), b = along.dot(from), c = from.squaredNorm() - 1;
     const double root = b * b - a * c;
     if (root < 0) {
         return 0;
     }
     const double distance = (-b - std::sqrt(root)) / a;
-    normal = (from + distance * along).cwiseQuotient(shape.half_axes).normalized();
+    normal = shape.turn * (from + distance * along).cwiseQuotient(shape.half_axes).normalized();
     return distance;
 }
 
@@ -132,7 +133,7 @@ std::optional<Camera> crop_camera(const HeadShape& shape, const Camera& camera,
         for (const double side : {-.5, .5}) {
             const Eigen::Vector3d point =
                 camera_from_head *
-                Eigen::Vector3d(body.center() + side * body.sizes()[axis] * Eigen::Vector3d::Unit(axis));
+                Eigen::Vector3d(body.center() + side * body.sizes()[axis] * shape.turn.col(axis));
             if (point.z() < .05) {
                 return {};
             }

@@ -4,8 +4,8 @@
 #include <mimetic/head.hpp>
 #include <opencv2/imgproc.hpp>
 
-#include "key_view.hpp"
 #include "registration.hpp"
+#include "view_graph.hpp"
 
 namespace mimetic {
 
@@ -16,6 +16,7 @@ using head::Pyramid;
 using head::Registration;
 using head::RigidMotion;
 using head::SampleView;
+using head::ViewGraph;
 using head::ViewShares;
 
 namespace {
@@ -25,7 +26,7 @@ constexpr double kAnchorAngle = 0.6;    // rad up to which the first reference t
 constexpr double kAnchorShare = 0.5;    // its weight beside the nearest one's
 constexpr double kStill = 0.3;          // pixels: a stabilised frame that needs no further round
 constexpr double kReferenceStd = 2e-3;  // rad and metres of the first pose: it defines the head frame
-constexpr double kTooVague = 0.06;      // rad: s.d. of a pose that no reference texture is taken at
+constexpr double kTooVague = 0.12;      // rad: s.d. of a pose that no reference texture is taken at
 constexpr double kNearer = 0.3;         // share of the distance after which a texture is taken anew
 
 constexpr long kFlowEvery = 6;  // frames on the fast path: samples alone let the distance run away
@@ -42,20 +43,24 @@ double rotation_std(const Matrix6& covariance) {
 
 struct HeadTracker::State {
     Camera camera;
-    HeadShape shape;
     HeadOptions options;
+    ViewGraph graph;
     cv::Mat1b before;  // the last frame
     HeadEstimate last;
     Eigen::Isometry3d step = Eigen::Isometry3d::Identity();  // of the head in its own frame, frame to frame
-    std::vector<KeyView> views;
-    std::vector<SampleView> sampled;  // of each view, on the fast path
+    std::vector<SampleView> sampled;                         // of each view, on the fast path
     long num_frames = 0;
 
+    State(const Camera& of, const HeadShape& start, const HeadOptions& given)
+        : camera(of), options(given), graph(start, given) {}
+    const HeadShape& shape() const { return graph.shape(); }
+    const std::vector<KeyView>& views() const { return graph.views(); }
     cv::Mat1b to_gray(const ColorView& image) const;
     std::optional<Camera> crop_at(const Eigen::Isometry3d& pose) const {
-        return head::crop_camera(shape, camera, pose, options.crop_height, kMargin);
+        return head::crop_camera(shape(), camera, pose, options.crop_height, kMargin);
     }
-    void take_view(const cv::Mat1b& gray, const HeadEstimate& estimate);
+    void take_view(const cv::Mat1b& gray, HeadEstimate& estimate);
+    bool relax(bool anew);
     std::vector<std::pair<double, const KeyView*>> views_for(const Eigen::Isometry3d& pose) const;
     std::optional<HeadEstimate> follow_flow(const cv::Mat1b& gray) const;
     std::optional<HeadEstimate> register_frame(const cv::Mat1b& gray, const Eigen::Isometry3d& start) const;
@@ -81,14 +86,24 @@ cv::Mat1b HeadTracker::State::to_gray(const ColorView& image) const {
     return gray;
 }
 
-void HeadTracker::State::take_view(const cv::Mat1b& gray, const HeadEstimate& estimate) {
+/// The estimate goes where its texture comes to stand among the others.
+void HeadTracker::State::take_view(const cv::Mat1b& gray, HeadEstimate& estimate) {
     if (const auto part = crop_at(estimate.camera_from_head)) {
-        const HeadCrop crop = head::cut(gray, camera, *part);
-        views.emplace_back(shape, options, crop, estimate.camera_from_head, estimate.covariance);
-        if (options.fast) {
-            sampled.emplace_back(shape, options, head::make_pyramid(crop), estimate.camera_from_head);
+        graph.add(head::cut(gray, camera, *part), estimate.camera_from_head, estimate.covariance);
+        relax(false);
+        estimate.camera_from_head = views().back().camera_from_head();
+    }
+}
+
+bool HeadTracker::State::relax(bool anew) {
+    const bool has_moved = graph.relax(anew);
+    if (options.fast) {
+        sampled.clear();
+        for (const KeyView& view : views()) {
+            sampled.emplace_back(shape(), options, head::make_pyramid(view.crop()), view.camera_from_head());
         }
     }
+    return has_moved;
 }
 
 /// The nearest reference texture, and the first one, which alone is where it was said to be: a texture taken
@@ -96,14 +111,14 @@ void HeadTracker::State::take_view(const cv::Mat1b& gray, const HeadEstimate& es
 std::vector<std::pair<double, const KeyView*>> HeadTracker::State::views_for(
     const Eigen::Isometry3d& pose) const {
     std::vector<std::pair<double, const KeyView*>> order;
-    for (const KeyView& view : views) {
+    for (const KeyView& view : views()) {
         order.emplace_back(angle_between(view.camera_from_head(), pose), &view);
     }
     std::sort(order.begin(), order.end());
     std::vector<std::pair<double, const KeyView*>> chosen{{1, order.front().second}};
-    const double turn = angle_between(views.front().camera_from_head(), pose);
-    if (order.front().second != &views.front() && turn < kAnchorAngle) {
-        chosen.emplace_back(kAnchorShare, &views.front());
+    const double turn = angle_between(views().front().camera_from_head(), pose);
+    if (order.front().second != &views().front() && turn < kAnchorAngle) {
+        chosen.emplace_back(kAnchorShare, &views().front());
     }
     return chosen;
 }
@@ -113,7 +128,7 @@ std::optional<HeadEstimate> HeadTracker::State::follow_flow(const cv::Mat1b& gra
     if (!part) {
         return {};
     }
-    const auto measurements = head::measure_flow(shape, options, head::cut(before, camera, *part),
+    const auto measurements = head::measure_flow(shape(), options, head::cut(before, camera, *part),
                                                  head::cut(gray, camera, *part), last.camera_from_head);
     if (measurements.size() < 12) {
         return {};
@@ -143,7 +158,7 @@ std::optional<HeadEstimate> HeadTracker::State::register_frame(const cv::Mat1b& 
         double shares = 0, correlation = 0;
         for (const auto& [share, view] : views_for(found.camera_from_head)) {
             const auto stabilised = view->stabilise(now, found.camera_from_head);
-            view->measure(shape, options, stabilised, share, measurements);
+            view->measure(shape(), options, stabilised, share, measurements);
             of_views += share * view->covariance();
             correlation += share * stabilised.correlation * std::min(1., 2 * stabilised.in_sight);
             shares += share;
@@ -155,9 +170,9 @@ std::optional<HeadEstimate> HeadTracker::State::register_frame(const cv::Mat1b& 
             m.weight /= shares;
         }
         const RigidMotion motion = head::explain_motion(*part, found.camera_from_head, measurements);
-        const Eigen::Vector3d middle = found.camera_from_head * shape.centre;
+        const Eigen::Vector3d middle = found.camera_from_head * shape().centre;
         const double moved = angle_between(found.camera_from_head, motion.camera_from_head) * .1 +
-                             (motion.camera_from_head * shape.centre - middle).norm();
+                             (motion.camera_from_head * shape().centre - middle).norm();
         found.camera_from_head = motion.camera_from_head;
         found.covariance = motion.covariance + of_views / shares;
         found.correlation = correlation / shares;
@@ -186,7 +201,7 @@ std::optional<HeadEstimate> HeadTracker::State::register_samples(const cv::Mat1b
         ViewShares samples;
         double shares = 0;
         for (const auto& [share, view] : views_for(pose)) {
-            samples.emplace_back(share, &sampled[static_cast<std::size_t>(view - views.data())]);
+            samples.emplace_back(share, &sampled[static_cast<std::size_t>(view - views().data())]);
             covariance += share * view->covariance();
             shares += share;
         }
@@ -227,7 +242,7 @@ std::optional<Eigen::Isometry3d> HeadTracker::State::recall(
     if (guess) {
         candidates.push_back(*guess);
     }
-    for (const KeyView& view : views) {
+    for (const KeyView& view : views()) {
         candidates.push_back(view.camera_from_head());
     }
     double best = -1;
@@ -245,7 +260,7 @@ std::optional<Eigen::Isometry3d> HeadTracker::State::recall(
 HeadEstimate HeadTracker::State::estimate(const cv::Mat1b& gray,
                                           const std::optional<Eigen::Isometry3d>& guess) const {
     std::optional<HeadEstimate> found;
-    if (views.empty()) {
+    if (views().empty()) {
         found = follow_flow(gray);
     } else if (last.held || guess) {
         const auto start = recall(gray, guess);
@@ -253,9 +268,14 @@ HeadEstimate HeadTracker::State::estimate(const cv::Mat1b& gray,
     } else if (options.fast && num_frames % kFlowEvery != 0) {
         found = register_samples(gray);
     }
-    if (!found && !views.empty() && !last.held && !guess) {
+    if (!found && !views().empty() && !last.held && !guess) {
         const auto predicted = follow_flow(gray);
         found = register_frame(gray, predicted ? predicted->camera_from_head : last.camera_from_head);
+        constexpr double kDoubtful = .6;
+        if (found && found->quality < kDoubtful) {  // large steps: flow may have gone elsewhere
+            const auto steady = register_frame(gray, last.camera_from_head * step);
+            found = steady && steady->quality > found->quality ? steady : found;
+        }
     }
     if (found && found->quality >= options.held_quality && found->camera_from_head.matrix().allFinite()) {
         return *found;
@@ -273,11 +293,11 @@ HeadEstimate HeadTracker::State::estimate(const cv::Mat1b& gray,
 
 bool HeadTracker::State::wants_view(const HeadEstimate& estimate) const {
     constexpr double kGood = .9;  // an expression passes; a texture taken on it would stay
-    if (options.max_key_views == 0 || static_cast<int>(views.size()) >= options.max_key_views ||
+    if (options.max_key_views == 0 || static_cast<int>(views().size()) >= options.max_key_views ||
         estimate.held || estimate.quality < kGood || rotation_std(estimate.covariance) > kTooVague) {
         return false;
     }
-    return std::none_of(views.begin(), views.end(), [&](const KeyView& view) {
+    return std::none_of(views().begin(), views().end(), [&](const KeyView& view) {
         const double nearer =
             estimate.camera_from_head.translation().norm() / view.camera_from_head().translation().norm();
         return angle_between(view.camera_from_head(), estimate.camera_from_head) < options.key_view_angle &&
@@ -286,8 +306,7 @@ bool HeadTracker::State::wants_view(const HeadEstimate& estimate) const {
 }
 
 HeadTracker::HeadTracker(const Camera& camera, const HeadShape& shape, const ColorView& image,
-                         const Eigen::Isometry3d& camera_from_head, const HeadOptions& options)
-    : state_(std::make_unique<State>()) {
+                         const Eigen::Isometry3d& camera_from_head, const HeadOptions& options) {
     camera.check();
     shape.check();
     options.check();
@@ -296,9 +315,7 @@ HeadTracker::HeadTracker(const Camera& camera, const HeadShape& shape, const Col
         throw InvalidInput(
             "the head is out of the reference frame or smaller than 48 pixels there: choose another frame");
     }
-    state_->camera = camera;
-    state_->shape = shape;
-    state_->options = options;
+    state_ = std::make_unique<State>(camera, shape, options);
     state_->before = state_->to_gray(image);
     state_->last.camera_from_head = camera_from_head;
     state_->last.covariance = kReferenceStd * kReferenceStd * Matrix6::Identity();
@@ -324,13 +341,17 @@ HeadEstimate HeadTracker::advance(const ColorView& image, const std::optional<Ei
     if (state.wants_view(found)) {
         state.take_view(gray, found);
     }
-    found.num_views = static_cast<int>(state.views.size());
+    found.num_views = static_cast<int>(state.views().size());
     state.before = gray;
     state.step = found.held ? Eigen::Isometry3d::Identity()
                             : state.last.camera_from_head.inverse() * found.camera_from_head;
     state.last = found;
     return found;
 }
+
+bool HeadTracker::relax() { return state_->relax(true); }
+
+const HeadShape& HeadTracker::shape() const { return state_->shape(); }
 
 void HeadTracker::restart(const ColorView& image, const HeadEstimate& estimate) {
     state_->before = state_->to_gray(image);

@@ -1,0 +1,311 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "view_graph.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace mimetic::head {
+namespace {
+
+constexpr double kLargestAngle = .75;  // rad between views that show enough of the same skin
+constexpr std::size_t kMostPairs = 6;  // of one view with earlier ones
+constexpr int kThinning = 2;           // of a registration's measurements
+constexpr double kTukey = 4.7;         // scales: 95 % efficient under Gaussian noise
+constexpr double kLeastScale = .7;
+constexpr double kLeastCorrelation = .4;  // of views of one head
+constexpr double kGrowth = .1;            // s.d. of what the first fit leaves open: logarithm,
+constexpr double kTurn = .1;              // rad
+constexpr double kShift = .01;            // and metres
+constexpr double kTrust = .1;             // faces move and shine: neighbours err together
+constexpr double kConditional = 1.5;      // depth errors seen at poses that already gave way to them
+constexpr double kStartPatches = 3;       // patches that stand for the model's first depth error
+constexpr double kLeastError = 1e-3;      // metres: no head is rigid
+constexpr double kPatch = .025;           // metres over which a model's error is one
+constexpr double kMostChange = .5;        // of a logarithm, radians, and tenths of a metre
+constexpr int kSteps = 2;
+constexpr double kFixed = 1e12;  // information
+
+using Rows6 = Eigen::Matrix<double, 2, 6>;
+
+Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
+    return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
+}
+
+Eigen::Matrix3d turn_of(const Eigen::Vector3d& vector) {
+    const double angle = vector.norm();
+    return angle > 1e-12 ? Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix()
+                         : Eigen::Matrix3d::Identity();
+}
+
+/// Of a view's pose among the unknowns.
+Eigen::Index place_of(std::size_t view) { return static_cast<Eigen::Index>(kShapeSize + 6 * (view - 1)); }
+
+double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+    return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
+}
+
+/// How a point of the model moves by each entry of a change, head frame.
+Eigen::Matrix<double, 3, kShapeSize> motion_by_change(const HeadShape& shape, const Eigen::Vector3d& point) {
+    const Eigen::Vector3d arm = point - shape.centre;
+    Eigen::Matrix<double, 3, kShapeSize> motion;
+    for (int axis = 0; axis < 3; ++axis) {
+        const Eigen::Vector3d direction = shape.turn.col(axis);
+        motion.col(axis) = direction.dot(arm) * direction;
+    }
+    motion.middleCols<3>(3) = -cross_matrix(arm);
+    motion.rightCols<3>().setIdentity();
+    return motion;
+}
+
+ShapeChange prior_information(const HeadShape& shape, bool is_rigid) {
+    ShapeChange information;
+    information << Eigen::Vector3d::Constant(std::pow(kGrowth, -2)),
+        Eigen::Vector3d::Constant(std::pow(kTurn, -2)), Eigen::Vector3d::Constant(std::pow(kShift, -2));
+    if (is_rigid || shape.model == HeadModel::plane) {  // the patch stays what the paper compares with
+        information.setConstant(kFixed);
+    }
+    return information;
+}
+
+}  // namespace
+
+HeadShape changed(const HeadShape& shape, const ShapeChange& change) {
+    HeadShape next = shape;
+    const Eigen::Vector3d growth = change.head<3>().array().exp();
+    const Eigen::Matrix3d turn = turn_of(change.segment<3>(3));
+    const Eigen::Matrix3d grown = turn * shape.turn * growth.asDiagonal() * shape.turn.transpose();
+    next.centre += change.tail<3>();
+    if (shape.model == HeadModel::surface) {
+        const Points arms = shape.vertices.rowwise() - shape.centre.transpose();
+        next.vertices = (arms * grown.transpose()).rowwise() + next.centre.transpose();
+    } else {
+        next.half_axes = shape.half_axes.cwiseProduct(growth);
+        next.turn = turn * shape.turn;
+    }
+    return next;
+}
+
+struct ViewGraph::Normal {
+    Eigen::MatrixXd information;
+    Eigen::VectorXd gradient;
+    explicit Normal(std::size_t num_views) {
+        const Eigen::Index size = place_of(num_views);
+        information.setZero(size, size);
+        gradient.setZero(size);
+    }
+};
+
+void ViewGraph::add(const HeadCrop& crop, const Eigen::Isometry3d& camera_from_head,
+                    const Matrix6& covariance) {
+    views_.emplace_back(shape_, options_, crop, camera_from_head, covariance);
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t i = 0; i + 1 < views_.size(); ++i) {
+        const double angle = angle_between(views_[i].camera_from_head(), camera_from_head);
+        if (angle < kLargestAngle) {
+            order.emplace_back(angle, i);
+        }
+    }
+    std::sort(order.begin(), order.end());
+    order.resize(std::min(order.size(), kMostPairs));
+    for (const auto& [angle, i] : order) {
+        match(i, views_.size() - 1);
+        match(views_.size() - 1, i);
+    }
+}
+
+void ViewGraph::match(std::size_t from, std::size_t to) {
+    const KeyView &first = views_[from], &second = views_[to];
+    const Stabilised stabilised = first.stabilise(second.crop(), second.camera_from_head());
+    if (stabilised.correlation < kLeastCorrelation || stabilised.in_sight < .2) {
+        return;
+    }
+    HeadOptions options = options_;
+    options.sample_spacing *= kThinning;
+    std::vector<PointMeasurement> measurements;
+    first.measure(shape_, options, stabilised, 1, measurements);
+    Pair pair{from, to, {}};
+    for (const PointMeasurement& m : measurements) {
+        const Eigen::Vector2d place =
+            first.crop().camera.project(first.camera_from_head() * m.point).array() + .5;
+        pair.matches.push_back(
+            {static_cast<int>(place.x()), static_cast<int>(place.y()), m.pixel, m.weight * m.information});
+    }
+    pairs_.push_back(std::move(pair));
+}
+
+double ViewGraph::scale_of(const Pair& pair) const {
+    const KeyView &first = views_[pair.from], &second = views_[pair.to];
+    std::vector<double> distances;
+    for (const Match& m : pair.matches) {
+        if (first.shows(m.x, m.y)) {
+            const Eigen::Vector3d place = second.camera_from_head() * first.point(m.x, m.y);
+            const Eigen::Vector2d residual = m.pixel - second.crop().camera.project(place);
+            distances.push_back(std::sqrt(residual.dot(m.information * residual)));
+        }
+    }
+    if (distances.empty()) {
+        return kLeastScale;
+    }
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    return std::max(kLeastScale, *middle / 1.18);
+}
+
+void ViewGraph::add_pair(const Pair& pair, double scale, Normal& normal) const {
+    const KeyView &first = views_[pair.from], &second = views_[pair.to];
+    const Eigen::Isometry3d &from = first.camera_from_head(), &to = second.camera_from_head();
+    const Eigen::Vector3d eye = from.inverse().translation();
+    constexpr int kSize = kShapeSize + 12;
+    Eigen::Matrix<double, kSize, kSize> information = Eigen::Matrix<double, kSize, kSize>::Zero();
+    Eigen::Matrix<double, kSize, 1> gradient = Eigen::Matrix<double, kSize, 1>::Zero();
+    for (const Match& m : pair.matches) {
+        if (!first.shows(m.x, m.y)) {
+            continue;
+        }
+        const Eigen::Vector3d point = first.point(m.x, m.y), normal_there = first.normal(m.x, m.y);
+        const Eigen::Vector3d place = to * point;
+        if (place.z() < .05) {
+            continue;
+        }
+        const Eigen::Vector2d residual = m.pixel - second.crop().camera.project(place);
+        const double x = std::sqrt(residual.dot(m.information * residual)) / (kTukey * scale);
+        if (x >= 1) {
+            continue;
+        }
+        const double weight = kTrust * std::pow(1 - x * x, 2);
+        // A pixel of the first view keeps its ray; where the model moves, its point slides along that.
+        const Eigen::Vector3d ray = (point - eye).normalized();
+        const Eigen::RowVector3d slide = normal_there.transpose() / normal_there.dot(ray);
+        const Eigen::Matrix3d kept = ray * slide;
+        const Eigen::Vector3d turned = from.linear() * point;
+        Eigen::Matrix<double, 3, 6> by_from;  // of the model in the first camera, seen in the head frame
+        by_from << -from.linear().transpose() * cross_matrix(turned), from.linear().transpose();
+        Eigen::Matrix<double, 3, kSize> moved;
+        moved.leftCols<kShapeSize>() = kept * motion_by_change(shape_, point);
+        moved.middleCols<6>(kShapeSize) = (kept - Eigen::Matrix3d::Identity()) * by_from;
+        moved.leftCols<kShapeSize + 6>() = to.linear() * moved.leftCols<kShapeSize + 6>().eval();
+        moved.rightCols<6>() << -cross_matrix(to.linear() * point), Eigen::Matrix3d::Identity();
+        const Eigen::Matrix<double, 2, kSize> jacobian = second.crop().camera.project_jacobian(place) * moved;
+        const Eigen::Matrix<double, kSize, 2> gain = weight * jacobian.transpose() * m.information;
+        information += gain * jacobian;
+        gradient += gain * residual;
+    }
+    struct Block {
+        Eigen::Index here, there, size;
+    };
+    std::vector<Block> blocks{{0, 0, kShapeSize}};
+    for (const auto& [view, here] : {std::pair{pair.from, kShapeSize}, {pair.to, kShapeSize + 6}}) {
+        if (view > 0) {  // the first one is fixed
+            blocks.push_back({here, place_of(view), 6});
+        }
+    }
+    for (const Block& a : blocks) {
+        normal.gradient.segment(a.there, a.size) += gradient.segment(a.here, a.size);
+        for (const Block& b : blocks) {
+            normal.information.block(a.there, b.there, a.size, b.size) +=
+                information.block(a.here, b.here, a.size, b.size);
+        }
+    }
+}
+
+/// By how much patches of skin lie off the model, from where they are seen by other views.
+double ViewGraph::depth_error() const {
+    std::map<std::pair<int, int>, Eigen::Vector2d> patches;  // information, pull
+    for (const Pair& pair : pairs_) {
+        const KeyView &first = views_[pair.from], &second = views_[pair.to];
+        const Eigen::Vector3d eye = first.camera_from_head().inverse().translation();
+        const double scale = scale_of(pair);
+        for (const Match& m : pair.matches) {
+            if (!first.shows(m.x, m.y)) {
+                continue;
+            }
+            const Eigen::Vector3d point = first.point(m.x, m.y);
+            const Eigen::Vector3d place = second.camera_from_head() * point;
+            const Eigen::Vector2d residual = m.pixel - second.crop().camera.project(place);
+            const double x = std::sqrt(residual.dot(m.information * residual)) / (kTukey * scale);
+            if (x >= 1) {
+                continue;
+            }
+            const Eigen::Vector2d shift = second.crop().camera.project_jacobian(place) *
+                                          second.camera_from_head().linear() * (point - eye).normalized();
+            const Eigen::Vector2d pull = std::pow(1 - x * x, 2) * m.information * shift;
+            patches
+                .try_emplace({static_cast<int>(std::floor(point.x() / kPatch)),
+                              static_cast<int>(std::floor(point.y() / kPatch))},
+                             Eigen::Vector2d::Zero())
+                .first->second += Eigen::Vector2d(pull.dot(shift), pull.dot(residual));
+        }
+    }
+    double sum = start_error_ * start_error_ * kStartPatches, num = kStartPatches;
+    for (const auto& [place, patch] : patches) {
+        constexpr double kClear = .002;  // metres
+        if (patch[0] > std::pow(kClear, -2)) {
+            sum += std::pow(patch[1] / patch[0], 2);
+            num += 1;
+        }
+    }
+    return std::max(kLeastError, kConditional * std::sqrt(sum / num));
+}
+
+ViewGraph::Normal ViewGraph::normal_equations(bool is_rigid) const {
+    Normal normal(views_.size());
+    const ShapeChange prior = prior_information(shape_, is_rigid);
+    normal.information.diagonal().array() += 1e-2;
+    normal.information.diagonal().head<kShapeSize>() += prior;
+    if (!is_rigid) {
+        normal.gradient.head<kShapeSize>() -= prior.cwiseProduct(change_);
+    }
+    for (const Pair& pair : pairs_) {
+        add_pair(pair, scale_of(pair), normal);
+    }
+    return normal;
+}
+
+void ViewGraph::step(bool is_rigid) {
+    const Normal normal = normal_equations(is_rigid);
+    const Eigen::LDLT<Eigen::MatrixXd> solver(normal.information);
+    const Eigen::VectorXd change = solver.solve(normal.gradient);
+    const ShapeChange of_shape = change.head<kShapeSize>();
+    const ShapeChange total = change_ + of_shape;
+    const bool is_head =
+        total.head<6>().cwiseAbs().maxCoeff() < kMostChange && total.tail<3>().norm() < .1 * kMostChange;
+    if (!change.allFinite() || !is_head) {
+        if (!is_rigid) {
+            step(true);
+        }
+        return;
+    }
+    const Eigen::MatrixXd spread = solver.solve(Eigen::MatrixXd::Identity(change.size(), change.size()));
+    change_ = total;
+    shape_ = changed(shape_, of_shape);
+    views_.front().move(shape_, views_.front().camera_from_head(), views_.front().covariance());
+    for (std::size_t k = 1; k < views_.size(); ++k) {
+        const auto at = place_of(k);
+        const Vector6 motion = change.segment<6>(at);
+        Eigen::Isometry3d pose = views_[k].camera_from_head();
+        pose.linear() = turn_of(motion.head<3>()) * pose.linear();
+        pose.translation() += motion.tail<3>();
+        views_[k].move(shape_, pose, spread.block<6, 6>(at, at));
+    }
+}
+
+bool ViewGraph::relax(bool anew) {
+    if (anew) {
+        for (const Pair& pair : std::exchange(pairs_, {})) {
+            match(pair.from, pair.to);
+        }
+    }
+    if (pairs_.empty()) {
+        return false;
+    }
+    for (int k = 0; k < (anew ? 2 : 1) * kSteps; ++k) {
+        step(false);
+    }
+    shape_.depth_error = std::min(start_error_, depth_error());
+    return true;
+}
+
+}  // namespace mimetic::head
