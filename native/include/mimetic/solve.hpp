@@ -49,7 +49,7 @@ struct EyeSlit {
 
 struct TrackerOptions {
     int crop_height = 200;         ///< pixels of the face in the reference texture, 48 to 1024
-    int sample_spacing = 3;        ///< reference pixels between samples, 1 to 16
+    int sample_spacing = 4;        ///< reference pixels between samples, 1 to 16
     int max_iterations = 4;        ///< times the frame is stabilised and solved again, 1 to 20
     int max_key_views = 6;         ///< reference textures taken on the way, 0 to 32
     double model_error = 1e-3;     ///< s.d. of what the modes cannot follow, metres, correlated over the skin

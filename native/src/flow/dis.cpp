@@ -45,28 +45,46 @@ cv::Mat blur(const cv::Mat& plane) {
     return blurred;
 }
 
-}  // namespace
+/// What the images say of a flow: its structure tensor, and how far grey levels are from one another.
+struct Appearance {
+    cv::Mat tensor_xx, tensor_xy, tensor_yy, variance;
+};
 
-FlowField compute_dis(const cv::Mat& from, const cv::Mat& to, const FlowOptions& options,
-                      const cv::Mat& initial) {
-    const cv::Mat forward = run_dis(from, to, options, initial);
-    const cv::Mat backward = run_dis(to, from, options, initial.empty() ? initial : cv::Mat(-initial));
-    const cv::Mat targets = targets_of(forward);
-    cv::Mat returned;
+Appearance compare(const cv::Mat& from, const cv::Mat& to, const cv::Mat& targets) {
     cv::Mat warped;
-    cv::remap(backward, returned, targets, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
     cv::remap(to, warped, targets, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-
     cv::Mat gx;
     cv::Mat gy;
     cv::Mat residual;
     cv::Scharr(from, gx, CV_32F, 1, 0, 1.0 / 32);
     cv::Scharr(from, gy, CV_32F, 0, 1, 1.0 / 32);
     cv::subtract(warped, from, residual, cv::noArray(), CV_32F);
-    const cv::Mat tensor_xx = blur(gx.mul(gx));
-    const cv::Mat tensor_xy = blur(gx.mul(gy));
-    const cv::Mat tensor_yy = blur(gy.mul(gy));
-    const cv::Mat variance = blur(residual.mul(residual));
+    return {blur(gx.mul(gx)), blur(gx.mul(gy)), blur(gy.mul(gy)), blur(residual.mul(residual))};
+}
+
+}  // namespace
+
+FlowField compute_dis(const cv::Mat& from, const cv::Mat& to, const FlowOptions& options,
+                      const cv::Mat& initial) {
+    cv::Mat forward;
+    cv::Mat backward;
+    cv::Mat targets;
+    Appearance seen;
+    // Small images leave DIS itself too little to share out between processors.
+    const auto one_way = [&](const cv::Range& range) {
+        for (int way = range.start; way < range.end; ++way) {
+            if (way == 0) {
+                forward = run_dis(from, to, options, initial);
+                targets = targets_of(forward);
+                seen = compare(from, to, targets);
+            } else {
+                backward = run_dis(to, from, options, initial.empty() ? initial : cv::Mat(-initial));
+            }
+        }
+    };
+    cv::parallel_for_({0, 2}, one_way, 2);
+    cv::Mat returned;
+    cv::remap(backward, returned, targets, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
 
     // How far a pixel lands from itself there and back, direction kept: along an edge it may wander, across
     // not.
@@ -84,10 +102,10 @@ FlowField compute_dis(const cv::Mat& from, const cv::Mat& to, const FlowOptions&
     for (int y = 0; y < from.rows; ++y) {
         auto* out = covariance.ptr<cv::Vec3f>(y);
         for (int x = 0; x < from.cols; ++x) {
-            const float xx = tensor_xx.at<float>(y, x) + kSmallestTensor;
-            const float yy = tensor_yy.at<float>(y, x) + kSmallestTensor;
-            const float xy = tensor_xy.at<float>(y, x);
-            const float noise = std::max(variance.at<float>(y, x), 2 * kImageVariance);
+            const float xx = seen.tensor_xx.at<float>(y, x) + kSmallestTensor;
+            const float yy = seen.tensor_yy.at<float>(y, x) + kSmallestTensor;
+            const float xy = seen.tensor_xy.at<float>(y, x);
+            const float noise = std::max(seen.variance.at<float>(y, x), 2 * kImageVariance);
             const float scale = kDisScale * noise / (xx * yy - xy * xy);
             out[x] = {scale * yy + kLoopScale * loop_xx.at<float>(y, x),
                       -scale * xy + kLoopScale * loop_xy.at<float>(y, x),

@@ -3,12 +3,15 @@
 
 #include <Eigen/LU>
 #include <limits>
+#include <opencv2/core/utility.hpp>
 
 #include "bounded_step.hpp"
 
 namespace mimetic {
 
 namespace {
+
+constexpr int kParts = 4;
 
 /// W with W^T W = inverse of the covariance.
 Eigen::Matrix2f whitener_of(const Eigen::Matrix2d& covariance) {
@@ -19,6 +22,18 @@ float gate(float correlation) {
     constexpr float kLost = .35f, kSure = .7f;
     const float share = std::clamp((correlation - kLost) / (kSure - kLost), 0.f, 1.f);
     return share * share * (3 - 2 * share);
+}
+
+/// Runs body(begin, end) over parts of 0 .. count, always the same ones: sums must not depend on who had
+/// time.
+template <typename Body>
+void in_parts(std::size_t count, const Body& body) {
+    cv::parallel_for_({0, kParts}, [&](const cv::Range& range) {
+        for (int part = range.start; part < range.end; ++part) {
+            const auto at = static_cast<std::size_t>(part);
+            body(at, at * count / kParts, (at + 1) * count / kParts);
+        }
+    });
 }
 
 }  // namespace
@@ -56,70 +71,76 @@ void JointSolver::linearise(const Camera& camera, const FaceState& state,
     field_pixels_.resize(count);
     projections_.resize(count);
     near_.resize(count);
-    Eigen::Matrix<float, 2, Eigen::Dynamic> jacobian;
-    Eigen::Matrix<double, 2, 3> by_point;
     const Eigen::VectorXf values = state.values.cast<float>();
-    for (std::size_t k = 0; k < count; ++k) {
-        const SampleMeasurement& measurement = measurements[k];
-        const SkinPoint& skin = measurement.sample->skin;
-        skin_jacobian(camera, state, skin, measurement.sample->seen_modes, jacobian, by_point);
-        const auto row = static_cast<Eigen::Index>(2 * k);
-        jacobians_.middleRows<2>(row) = jacobian;
-        displacements_.segment<2>(row) = measurement.displacement.cast<float>();
-        projections_[k] = by_point.cast<float>();
-        find_near_nodes(skin.neutral, near_[k]);
-        const double moved = (skin.modes * values).norm();
-        const double error = std::hypot(noise.model_error, noise.shape_error * measurement.view_angle_sine,
-                                        noise.motion_error * moved);
-        field_pixels_[k] = (error * by_point.leftCols<2>()).cast<float>();
-        const double fine_px = noise.fine_error * std::sqrt(.5) * by_point.norm();
-        whiteners_[k] = whitener_of(measurement.covariance + fine_px * fine_px * Eigen::Matrix2d::Identity());
-    }
+    in_parts(count, [&](std::size_t, std::size_t begin, std::size_t end) {
+        Eigen::Matrix<float, 2, Eigen::Dynamic> jacobian;
+        Eigen::Matrix<double, 2, 3> by_point;
+        for (std::size_t k = begin; k < end; ++k) {
+            const SampleMeasurement& measurement = measurements[k];
+            const SkinPoint& skin = measurement.sample->skin;
+            skin_jacobian(camera, state, skin, measurement.sample->seen_modes, jacobian, by_point);
+            const auto row = static_cast<Eigen::Index>(2 * k);
+            jacobians_.middleRows<2>(row) = jacobian;
+            displacements_.segment<2>(row) = measurement.displacement.cast<float>();
+            projections_[k] = by_point.cast<float>();
+            find_near_nodes(skin.neutral, near_[k]);
+            const double moved = (skin.modes * values).norm();
+            const double error =
+                std::hypot(noise.model_error, noise.shape_error * measurement.view_angle_sine,
+                           noise.motion_error * moved);
+            field_pixels_[k] = (error * by_point.leftCols<2>()).cast<float>();
+            const double fine_px = noise.fine_error * std::sqrt(.5) * by_point.norm();
+            whiteners_[k] =
+                whitener_of(measurement.covariance + fine_px * fine_px * Eigen::Matrix2d::Identity());
+        }
+    });
 }
 
 void JointSolver::reweight(const Eigen::VectorXd& step, double robust_cut) {
-    // Neighbours share their flow's window: that many of them count as one.
-    constexpr float kShared = 10;
     const std::size_t count = measurements_->size();
     robust_weights_.resize(count);
     weights_.resize(count);
     distances_px_.resize(count);
     rows_.resize(jacobians_.cols(), jacobians_.rows());
     targets_.resize(jacobians_.rows());
-    const Eigen::VectorXf residuals = displacements_ - jacobians_ * step.cast<float>();
-    for (std::size_t k = 0; k < count; ++k) {
-        const SampleMeasurement& measurement = (*measurements_)[k];
-        const auto row = static_cast<Eigen::Index>(2 * k);
-        Eigen::Vector2f field = Eigen::Vector2f::Zero();
-        for (const NearNode& near : near_[k]) {
-            field += near.height * field_.segment<2>(2 * near.node).cast<float>();
+    const Eigen::VectorXf flat = step.cast<float>();
+    std::vector<Sums> parts(kParts);
+    in_parts(count, [&](std::size_t part, std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const SampleMeasurement& measurement = (*measurements_)[k];
+            const auto row = static_cast<Eigen::Index>(2 * k);
+            Eigen::Vector2f field = Eigen::Vector2f::Zero();
+            for (const NearNode& near : near_[k]) {
+                field += near.height * field_.segment<2>(2 * near.node).cast<float>();
+            }
+            const Eigen::Vector2f left =
+                displacements_.segment<2>(row) - jacobians_.middleRows<2>(row) * flat;
+            distances_px_[k] = left.norm();
+            const double distance = (whiteners_[k] * (left - field_pixels_[k] * field)).norm() / robust_cut;
+            const double kept = distance < 1 ? 1 - distance * distance : 0;
+            robust_weights_[k] = static_cast<float>(kept * kept);
+            weights_[k] = robust_weights_[k] * measurement.weight * gate(measurement.correlation) /
+                          static_cast<float>(noise_.samples_a_window);
+            const Eigen::Matrix2f whitener = std::sqrt(weights_[k]) * whiteners_[k];
+            rows_.middleCols<2>(row).noalias() =
+                jacobians_.middleRows<2>(row).transpose() * whitener.transpose();
+            targets_.segment<2>(row) = whitener * displacements_.segment<2>(row);
         }
-        distances_px_[k] = residuals.segment<2>(row).norm();
-        const Eigen::Vector2f residual = residuals.segment<2>(row) - field_pixels_[k] * field;
-        const double distance = (whiteners_[k] * residual).norm() / robust_cut;
-        const double kept = distance < 1 ? 1 - distance * distance : 0;
-        robust_weights_[k] = static_cast<float>(kept * kept);
-        weights_[k] = robust_weights_[k] * measurement.weight * gate(measurement.correlation) / kShared;
-        const Eigen::Matrix2f whitener = std::sqrt(weights_[k]) * whiteners_[k];
-        rows_.middleCols<2>(row).noalias() = jacobians_.middleRows<2>(row).transpose() * whitener.transpose();
-        targets_.segment<2>(row) = whitener * displacements_.segment<2>(row);
-    }
-    sum_up();
+        parts[part] = sums_of(begin, end);
+    });
+    sum_up(parts);
 }
 
-void JointSolver::sum_up() {
+JointSolver::Sums JointSolver::sums_of(std::size_t begin, std::size_t end) const {
     const Eigen::Index size = jacobians_.cols();
     const auto num_field = static_cast<Eigen::Index>(2 * error_nodes_.size());
-    sum_.setZero(size, size);
-    sum_.selfadjointView<Eigen::Lower>().rankUpdate(rows_);
-    information_ = sum_.selfadjointView<Eigen::Lower>().toDenseMatrix().cast<double>();
-    pull_ = (rows_ * targets_).cast<double>();
-
-    field_information_.setIdentity(num_field, num_field);
-    field_coupling_.setZero(num_field, size);
-    field_pull_.setZero(num_field);
-    Eigen::MatrixXf coupling = Eigen::MatrixXf::Zero(size, num_field);
-    for (std::size_t k = 0; k < measurements_->size(); ++k) {
+    const auto first_row = static_cast<Eigen::Index>(2 * begin);
+    const auto rows = rows_.middleCols(first_row, static_cast<Eigen::Index>(2 * end) - first_row);
+    Sums sums{Eigen::MatrixXf::Zero(size, size), Eigen::MatrixXf::Zero(size, num_field),
+              rows * targets_.segment(first_row, rows.cols()), Eigen::MatrixXd::Zero(num_field, num_field),
+              Eigen::VectorXd::Zero(num_field)};
+    sums.information.selfadjointView<Eigen::Lower>().rankUpdate(rows);
+    for (std::size_t k = begin; k < end; ++k) {
         if (weights_[k] <= 0) {
             continue;
         }
@@ -129,15 +150,32 @@ void JointSolver::sum_up() {
         const Eigen::Matrix2d own = (field_rows.transpose() * field_rows).cast<double>();
         const Eigen::Vector2d target = (field_rows.transpose() * targets_.segment<2>(row)).cast<double>();
         for (const NearNode& first : near_[k]) {
-            coupling.middleCols<2>(2 * first.node) += first.height * moved;
-            field_pull_.segment<2>(2 * first.node) += first.height * target;
+            sums.field_coupling.middleCols<2>(2 * first.node) += first.height * moved;
+            sums.field_pull.segment<2>(2 * first.node) += first.height * target;
             for (const NearNode& second : near_[k]) {
-                field_information_.block<2, 2>(2 * first.node, 2 * second.node) +=
+                sums.field_information.block<2, 2>(2 * first.node, 2 * second.node) +=
                     first.height * second.height * own;
             }
         }
     }
-    field_coupling_ = coupling.transpose().cast<double>();
+    return sums;
+}
+
+void JointSolver::sum_up(const std::vector<Sums>& parts) {
+    Sums all = parts.front();
+    for (std::size_t part = 1; part < parts.size(); ++part) {
+        all.information += parts[part].information;
+        all.field_coupling += parts[part].field_coupling;
+        all.pull += parts[part].pull;
+        all.field_information += parts[part].field_information;
+        all.field_pull += parts[part].field_pull;
+    }
+    information_ = all.information.selfadjointView<Eigen::Lower>().toDenseMatrix().cast<double>();
+    pull_ = all.pull.cast<double>();
+    field_information_ = all.field_information;
+    field_information_.diagonal().array() += 1;
+    field_coupling_ = all.field_coupling.transpose().cast<double>();
+    field_pull_ = all.field_pull;
     const Eigen::LLT<Eigen::MatrixXd> factor(field_information_);
     const Eigen::MatrixXd half = factor.matrixL().solve(field_coupling_);
     information_ -= half.transpose() * half;

@@ -19,6 +19,7 @@ struct NoiseModel {
     double fine_error = 4e-4;          ///< metres; of each flow window for itself
     double correlation_length = .012;  ///< metres over the skin, of the smooth field
     double robust_cut = 4.7;           ///< Tukey, in standard deviations
+    double samples_a_window = 10;      ///< neighbours share their flow's window and count as one
 };
 
 /// Robust whitened normal equations of all samples for one joint step of pose and values. The modes' own
@@ -53,9 +54,18 @@ private:
         float height;
     };
 
+    /// Of some samples, towards the normal equations of step and error field.
+    struct Sums {
+        Eigen::MatrixXf information, field_coupling;
+        Eigen::VectorXf pull;
+        Eigen::MatrixXd field_information;
+        Eigen::VectorXd field_pull;
+    };
+
     void find_near_nodes(const Eigen::Vector3f& point, std::vector<NearNode>& near) const;
     void reweight(const Eigen::VectorXd& step, double robust_cut);
-    void sum_up();
+    void sum_up(const std::vector<Sums>& parts);
+    Sums sums_of(std::size_t begin, std::size_t end) const;
     Eigen::VectorXd bounded(const StepPrior& prior, const FaceState& state, Eigen::Index num_free) const;
 
     const FaceMotion& motion_;
@@ -76,7 +86,6 @@ private:
     Eigen::VectorXd field_pull_, field_;
     Eigen::MatrixXd information_;
     Eigen::VectorXd pull_;
-    Eigen::MatrixXf sum_;
 };
 
 }  // namespace mimetic

@@ -8,6 +8,7 @@ namespace mimetic {
 
 namespace {
 
+constexpr double kFlowWindow = 9.5;    // reference pixels on a side
 constexpr double kErrorSpacing = .02;  // metres between the nodes of the model error field
 constexpr double kFoundQuality = .45;  // a lost face counts as found again from here
 constexpr double kKeyViewAngle = .26;  // rad from the nearest texture
@@ -49,6 +50,7 @@ FaceTracker::State::State(const Camera& camera_in, const TrackedSurface& surface
       texture_flow(options_in.flow_method) {
     noise.model_error = options.model_error;
     noise.shape_error = options.shape_error;
+    noise.samples_a_window = std::max(1., std::pow(kFlowWindow / options.sample_spacing, 2));
     relative_dis = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_ULTRAFAST);
     velocity = Eigen::VectorXd::Zero(6 + num_values());
     rest = rest_covariance(motion);

@@ -117,6 +117,7 @@ void FaceTracker::State::follow_flow(const StepPrior& prior) {
     state = last;
     NoiseModel wide = noise;
     wide.robust_cut = 8;
+    wide.samples_a_window = 10;
     relative_solver->linearise(camera, state, measurements, wide);
     state.apply(relative_solver->solve(at_state(prior), state, 6 + num_values(), 2));
 }
