@@ -12,6 +12,9 @@ from pathlib import Path
 from mimetic.face_template import load_template
 
 from .clips import CannotRender, Clip, clip
+from .expressions.films import long_clip, take_clip
+from .expressions.recipes import SETS as EXPRESSIONS
+from .expressions.recipes import some_of
 from .heads.films import head_clip
 from .heads.recipes import SETS as HEADS
 from .photographs.real import real_stills
@@ -36,7 +39,9 @@ def main(arguments: list[str] | None = None) -> int:
         "--stills", choices=[*STILLS, REAL], help="still images, not clips; prints the .npz"
     )
     which.add_argument("--heads", choices=HEADS, help="heads that turn; prints kind, name, paths")
+    which.add_argument("--expressions", choices=EXPRESSIONS, help="nine expressions by many people")
     which.add_argument("--portraits", choices=PORTRAITS, help="portraits; prints the .npz")
+    parser.add_argument("--people", type=int, help="with --expressions: so many, evenly chosen")
     parser.add_argument("--out", type=Path, help="copy the clips into this folder")
     options = parser.parse_args(arguments)
     recipes = SETS["small" if options.small else options.set]
@@ -58,6 +63,9 @@ def main(arguments: list[str] | None = None) -> int:
         if options.portraits:
             print(portraits(options.portraits, template, _to_stderr))
             return 0
+        if options.expressions:
+            _print_takes(some_of(EXPRESSIONS[options.expressions], options.people), template)
+            return 0
         for recipe in recipes:
             made = clip(recipe, template, _to_stderr)
             if options.out:
@@ -69,6 +77,17 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         return 130
     return 0
+
+
+def _print_takes(takes, template) -> None:
+    """Kind, the head's motion and the paths of each take; at last the long clip of the first."""
+    for number, take in enumerate(takes):
+        made = take_clip(take, template, _to_stderr)
+        row = (take.recipe.kind, take.head, made.name, made.footage, made.truth)
+        print(*row, sep="\t", flush=True)
+        if number == 0:
+            long = long_clip(take, template, _to_stderr)
+    print("long", takes[0].head, long.name, long.footage, long.truth, sep="\t", flush=True)
 
 
 def _to_stderr(line: str) -> None:

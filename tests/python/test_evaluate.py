@@ -8,13 +8,20 @@ import json
 import numpy as np
 import pytest
 from mimetic import InvalidInput, UnreadableMedia
-from mimetic.evaluate import Truth, scores
+from mimetic.evaluate import Truth, expression_tables, scores
 from mimetic.evaluate.command import add_arguments, run_evaluate
+from mimetic.evaluate.curves import onset_and_peak, timing_errors
+from mimetic.evaluate.deviation import Explained
+from mimetic.evaluate.drift import drift_of
+from mimetic.evaluate.expressions import Take, shown_expressions
+from mimetic.evaluate.methods import Motion
 from mimetic.evaluate.peers import dis_tracks
-from mimetic.evaluate.prediction import follow
+from mimetic.evaluate.prediction import follow, places_under
 from mimetic.evaluate.score import score
 from mimetic.evaluate.tables import as_json, as_text, summary
+from mimetic.evaluate.vertex_flow import SeenVertices
 from mimetic.footage import Footage
+from mimetic.points import RefinedSurface, find_places
 from sample_performance import make_performance
 
 
@@ -259,11 +266,22 @@ def evaluate_options(**given):
 
 
 def test_people_of_tuning_and_held_out_clips_do_not_meet():
+    from evaluation.expressions.recipes import SETS as EXPRESSIONS
     from evaluation.recipes import HELD_OUT, SETS
 
     held_out = {recipe.seed for recipe in HELD_OUT}
+    held_out |= {take.recipe.seed for take in EXPRESSIONS["full"]}
     others = {r.seed for name, rs in SETS.items() if name != "held-out" for r in rs}
+    others |= {take.recipe.seed for take in EXPRESSIONS["full-tuning"]}
     assert min(held_out) >= 100 > max(others)
+
+
+def test_every_expression_is_shown_by_ten_people():
+    from evaluation.expressions.recipes import SETS
+
+    shown = [name for take in SETS["full"] for name in take.expressions]
+    assert {shown.count(name) for name in shown} == {10}
+    assert len({take.recipe.seed for take in SETS["full"]}) == 30
 
 
 def test_rendered_truth_agrees_with_its_picture(rendered_clip):
@@ -331,3 +349,53 @@ def true_performance(truth):
         neutral_vertices=truth.neutral_vertices,
         faces=template.faces,
     )
+
+
+def test_points_are_found_under_their_pixels_tile_by_tile(performance):
+    pixels = performance.image_size / 2 + np.random.default_rng(5).uniform(-40, 40, (60, 2))
+    surface = RefinedSurface(performance)
+    asked = find_places(performance, pixels, surface.in_camera(0), surface.triangles)
+    tiled = places_under(performance, pixels, surface)
+    np.testing.assert_array_equal(tiled[0], asked[0])
+    np.testing.assert_allclose(tiled[1], asked[1])
+
+
+def test_onset_and_peak_are_read_between_frames():
+    time = np.arange(30.0)
+    curve = np.interp(time, [5, 10, 14, 20], [0, 1, 1, 0])
+    onset, peak = onset_and_peak(curve)
+    assert onset == pytest.approx(6, abs=0.05)
+    assert peak == pytest.approx((9.5 + 14.6) / 2, abs=0.05)
+    late = {"a": (curve, np.interp(time - 2.5, time, curve)), "b": (curve, curve)}
+    errors = timing_errors(late, slice(0, 30))
+    assert errors["onset"] == pytest.approx([2.5, 0], abs=0.3)
+    assert errors["delay"] == pytest.approx([2.5], abs=0.3)
+
+
+def test_expressions_are_scored_on_their_own_frames_and_pooled(performance, truth):
+    wrong = truth.tracks.copy()
+    wrong[20:] += 3
+    shown = dataclasses.replace(
+        truth, expressions=["first", "second"], expression_frames=[[2, 20], [21, 40]]
+    )
+    take = Take(None, "muscles", "still")
+    take = dataclasses.replace(take, clip=argparse.Namespace(name="one"))
+    motion = Motion(wrong, truth.points, performance)
+    first, second = shown_expressions(take, shown, {"mimetic": motion})
+    assert first.image["mimetic"].r2 == pytest.approx(1, abs=1e-9)
+    assert second.image["mimetic"].r2 < 0.9
+    assert second.image["mimetic"].median == pytest.approx(3 * np.sqrt(2))
+    both = Explained.all_of([first.image["mimetic"], second.image["mimetic"]])
+    assert both.error == second.image["mimetic"].error
+    assert "second" in expression_tables.as_text([first, second])
+    drift = drift_of(dataclasses.replace(truth, activations=0 * truth.activations), performance)
+    assert drift.degrees == pytest.approx(0, abs=1e-9)
+
+
+def test_vertices_on_the_flow_follow_a_rigid_head(performance, truth):
+    """Where the flow is a rigid motion, nothing moves in the head frame."""
+    seen = SeenVertices.under(performance, truth.tracks[0])
+    poses = performance.head_pose
+    tracks = scores.project(seen.neutral[None], poses, performance.intrinsics)
+    points = seen.points(tracks)
+    np.testing.assert_allclose(points - points[:1], 0, atol=2e-5)

@@ -9,7 +9,8 @@ from pathlib import Path
 
 from mimetic import InvalidInput
 from mimetic.eigenspaces import installed_spaces, load
-from mimetic.evaluate import fit, head, locate
+from mimetic.evaluate import expression_tables, expressions, fit, head, locate
+from mimetic.evaluate.head_clips import face_mesh_python
 from mimetic.evaluate.portraits import rendered_portraits
 from mimetic.evaluate.rendered import scored, shared_images
 from mimetic.evaluate.score import score
@@ -18,6 +19,7 @@ from mimetic.evaluate.tables import as_json, as_text, summary
 from mimetic.evaluate.truth import Truth
 from mimetic.face_template import load_template
 from mimetic.performance import Performance
+from mimetic.whole_file import whole_file
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,9 +42,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--footage", type=Path, help="the footage: score DIS flow beside it")
     parser.add_argument(
         "--set",
-        choices=("held-out", "tuning", "small", "real"),
+        choices=("held-out", "tuning", "small", "real", *expressions.SETS),
         default="held-out",
-        help="which rendered clips or images (default: held-out); locate: real ones too",
+        help="which rendered clips or images (default: held-out); locate: real ones too; capture: "
+        "full, nine expressions by 30 people, beside all peers (docs/evaluation.md)",
     )
     parser.add_argument("--images", type=Path, help="locate: these images (docs/still-images.md)")
     parser.add_argument(
@@ -50,7 +53,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         help="locate: this model, not the installed one (scripts/train_eigenspaces)",
     )
-    parser.add_argument("--out", type=Path, help="fit, head, locate: write figures and plots here")
+    parser.add_argument(
+        "--people", type=int, metavar="N", help="--set full: only N of the people, evenly"
+    )
+    parser.add_argument(
+        "--jobs", type=int, default=2, help="--set full: clips at once (default: 2)"
+    )
+    parser.add_argument(
+        "--out", type=Path, help="--set full, fit, head, locate: write figures and plots here"
+    )
     parser.add_argument("--json", action="store_true", help="print JSON, every figure in it")
 
 
@@ -60,6 +71,10 @@ def run_evaluate(options: argparse.Namespace) -> int:
         return _run_locate(options)
     if options.images or options.eigenspaces:
         raise InvalidInput("--images and --eigenspaces go with `mimetic evaluate locate`")
+    if options.set in expressions.SETS:
+        return _run_expressions(options)
+    if options.people is not None:
+        raise InvalidInput("--people goes with --set full")
     if options.set == "real":
         raise InvalidInput("--set real goes with `mimetic evaluate locate`")
     if options.what == "head":
@@ -67,7 +82,7 @@ def run_evaluate(options: argparse.Namespace) -> int:
     if options.what == "fit":
         return _run_fit(options)
     if options.out:
-        raise InvalidInput("--out goes with `mimetic evaluate fit`, `head` and `locate`")
+        raise InvalidInput("--out goes with --set full, `fit`, `head` and `locate`")
     if (options.truth is None) != (options.performance is None):
         raise InvalidInput("give both --truth and --performance, or neither")
     if options.truth is not None:
@@ -80,6 +95,29 @@ def run_evaluate(options: argparse.Namespace) -> int:
         if not options.json:
             print(as_text(one), end="\n\n", flush=True)
     print(as_json(done) if options.json else summary(done))
+    return 0
+
+
+def _run_expressions(options: argparse.Namespace) -> int:
+    if options.what != "capture" or options.truth or options.performance or options.footage:
+        raise InvalidInput(f"--set {options.set} goes with plain `mimetic evaluate`")
+    if options.jobs < 1 or (options.people is not None and options.people < 1):
+        raise InvalidInput("--jobs and --people must be 1 or more")
+    chosen, long = expressions.takes(options.set, options.people, _to_stderr)
+    python = face_mesh_python(_to_stderr)
+    shown = []
+    for one in expressions.scored(chosen, python, _to_stderr, options.jobs):
+        shown += one
+    _to_stderr(f"{long.clip.name}: drift")
+    drifts = expressions.long_drift(long)
+    if options.out is not None:
+        options.out.mkdir(parents=True, exist_ok=True)
+        with whole_file(options.out / "expressions.json") as stream:
+            stream.write(f"{expression_tables.as_json(shown, drifts)}\n".encode())
+    if options.json:
+        print(expression_tables.as_json(shown, drifts))
+    else:
+        print(expression_tables.as_text(shown), expression_tables.drift_text(drifts), sep="\n\n")
     return 0
 
 

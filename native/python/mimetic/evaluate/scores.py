@@ -65,7 +65,7 @@ def surface_motion(points: Floats, seen: Bools, predicted: Floats) -> dict[str, 
     Head frames of two models differ by how each was fitted, so the predicted motion is turned by
     the rotation that best lays its points of frame 0 on the true ones; what is compared is motion.
     """
-    rotation = _rotation_between(predicted[0], points[0])
+    rotation = rotation_between(predicted[0], points[0])
     true_motion = points - points[:1]
     error = (predicted - predicted[:1]) @ rotation.T - true_motion
     counted = seen.copy()
@@ -87,8 +87,7 @@ def head_motion(true_pose: Floats, pose: Floats) -> dict[str, float]:
     Rotations are compared in camera axes: pitch about x, yaw about y, roll about z (components of
     the rotation vector of the error). Translation is that of the midpoint between the ears.
     """
-    turned = [(p[:, :3, :3] @ p[0, :3, :3].T) for p in (np.asarray(pose), np.asarray(true_pose))]
-    error = np.degrees([_rotation_vector(a @ b.T) for a, b in zip(*turned, strict=True)])
+    error = head_errors(true_pose, pose)
     moved = [1000 * (p[:, :3, 3] - p[0, :3, 3]) for p in (pose, true_pose)]
     shift = np.abs(moved[0] - moved[1])[1:]
     mean = np.abs(error[1:]).mean(0)
@@ -100,6 +99,12 @@ def head_motion(true_pose: Floats, pose: Floats) -> dict[str, float]:
         "sideways_mm": float(shift[:, :2].mean()),
         "depth_mm": float(shift[:, 2].mean()),
     }
+
+
+def head_errors(true_pose: Floats, pose: Floats) -> Floats:
+    """Rotation vectors (N,3), degrees, camera axes, of the error in turning since frame 0."""
+    turned = [(p[:, :3, :3] @ p[0, :3, :3].T) for p in (np.asarray(pose), np.asarray(true_pose))]
+    return np.degrees([_rotation_vector(a @ b.T) for a, b in zip(*turned, strict=True)])
 
 
 def correlation(true: Floats, estimated: Floats) -> float:
@@ -152,7 +157,7 @@ def _overlap(a: Floats, b: Floats, lag: int) -> float:
     return float(inner @ moved / np.sqrt((inner @ inner) * (moved @ moved) + 1e-30))
 
 
-def _rotation_between(source: Floats, target: Floats) -> Floats:
+def rotation_between(source: Floats, target: Floats) -> Floats:
     """Rotation (3,3) that best lays centred source points (K,3) on target ones (Kabsch 1976)."""
     u, _, vt = np.linalg.svd((target - target.mean(0)).T @ (source - source.mean(0)))
     flip = np.sign(np.linalg.det(u @ vt))

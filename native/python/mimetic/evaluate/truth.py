@@ -18,6 +18,7 @@ from mimetic.whole_file import whole_file
 
 SCHEMA = 1
 LARGEST = {"N": 1_000_000, "K": 100_000, "M": 1000, "A": 1000, "U": 1000, "V": 2_000_000}
+LARGEST["E"] = 10_000
 # key: (kind of number, shape); equal letters are equal lengths
 REQUIRED = {
     "frame": ("i", ("N",)),
@@ -41,11 +42,14 @@ OPTIONAL = {
     "articulator_values": ("f", ("N", "A")),
     "units": ("U", ("U",)),
     "unit_values": ("f", ("N", "U")),
+    "expressions": ("U", ("E",)),
+    "expression_frames": ("i", ("E", 2)),
 }
 KEYS = REQUIRED | OPTIONAL
 ACCEPTED = {"f": "fiu", "i": "iu", "b": "b", "U": "U"}
 DTYPES = {"f": np.float64, "i": np.int64, "b": np.bool_}
 NAMED = {"muscles": "activations", "articulators": "articulator_values", "units": "unit_values"}
+NAMED["expressions"] = "expression_frames"
 
 
 @dataclass
@@ -71,6 +75,8 @@ class Truth:
     articulator_values: NDArray[np.float64] | None = None  # N x A
     units: list[str] | None = None  # U
     unit_values: NDArray[np.float64] | None = None  # N x U
+    expressions: list[str] | None = None  # E, what is shown from when to when
+    expression_frames: NDArray[np.int64] | None = None  # E x 2, first and last frame of each
 
     def __post_init__(self) -> None:
         for key, (kind, _) in KEYS.items():
