@@ -126,10 +126,10 @@ def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, t
         told.append(fraction)
         return len(told) < 6
 
-    work = extension("operators.capture").MIMETIC_OT_capture.work
+    operator = extension("operators.capture").MIMETIC_OT_capture
     path = str(tmp_path / "part.npz")
-    inputs = (bpy.path.abspath(with_clip.filepath), (1, 40), fit, (path, path))
-    assert work(None, inputs, progress)[0] == path
+    inputs = (bpy.path.abspath(with_clip.filepath), (1, 40), fit, (path, path), None)
+    assert operator.work(operator, inputs, progress)[0] == path
     from mimetic.performance import Performance
 
     part = Performance.load(path)

@@ -4,11 +4,12 @@
 from pathlib import Path
 
 import bpy
-from bpy.props import EnumProperty, StringProperty
+from bpy.props import EnumProperty
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out, takes
+from .. import native, scene_in, scene_out
 from ..jobs import Job
+from .following import Following
 
 MODELS = (
     ("SURFACE", "Surface", "The person's fitted surface: the most accurate"),
@@ -17,49 +18,21 @@ MODELS = (
 )
 
 
-class MIMETIC_OT_track_head(Job, Operator):
+class MIMETIC_OT_track_head(Following, Operator):
     """Follow the head through the clip without its muscles; stopping keeps what is done"""
 
     bl_idname = "mimetic.track_head"
     bl_label = "Track Head"
-    bl_options = {"UNDO"}
+    told = "Followed the head from frame {first} to {last}"
 
     model: EnumProperty(name="Model", items=MODELS, description="What stands for the head")
-    filepath: StringProperty(
-        name="Performance",
-        subtype="FILE_PATH",
-        description="File to write (.npz); empty: beside the .blend, a new one for each take",
-    )
 
-    @classmethod
-    def poll(cls, context):
-        if reason := scene_in.no_clip(context):
-            cls.poll_message_set(reason)
-        return not reason
+    def option(self, context):
+        return self.model.lower()
 
-    def read(self, context):
-        footage = scene_in.footage(context)
-        paths = (
-            self.filepath or scene_in.capture_path(footage.clip_name),
-            scene_in.spare_path(footage.clip_name),
-        )
-        fit = scene_out.face_fit.stored(context.scene)
-        model = self.model.lower()
-        return footage.path, model, scene_in.frame_range(context.scene), fit, paths
-
-    def work(self, inputs, progress):
-        footage_path, model, frames, fit, paths = inputs
-        performance = native.part("head_motion").track_head(
-            footage_path, model, frames, fit, progress
-        )
-        path, told = takes.save(performance, *paths)
-        first, last = performance.frame[0], performance.frame[-1]
-        return path, "; ".join([f"Followed the head from frame {first} to {last}", *told])
-
-    def write(self, context, result):
-        path, told = result
-        context.scene.mimetic.performance_path = path
-        return told
+    @staticmethod
+    def follow(option, footage_path, frames, fit, progress):
+        return native.part("head_motion").track_head(footage_path, option, frames, fit, progress)
 
 
 class MIMETIC_OT_find_head_bones(Operator):
