@@ -8,7 +8,7 @@ import json
 import numpy as np
 import pytest
 from mimetic import InvalidInput, UnreadableMedia
-from mimetic.evaluate import Truth, expression_tables, scores
+from mimetic.evaluate import Truth, expression_tables, flow, scores
 from mimetic.evaluate.command import add_arguments, run_evaluate
 from mimetic.evaluate.curves import onset_and_peak, timing_errors
 from mimetic.evaluate.deviation import Explained
@@ -399,3 +399,26 @@ def test_vertices_on_the_flow_follow_a_rigid_head(performance, truth):
     tracks = scores.project(seen.neutral[None], poses, performance.intrinsics)
     points = seen.points(tracks)
     np.testing.assert_allclose(points - points[:1], 0, atol=2e-5)
+
+
+def test_flow_that_knows_its_error_has_the_normalised_error_two():
+    rng = np.random.default_rng(4)
+    std = rng.uniform(0.05, 0.5, 20000)
+    off = rng.normal(0, 1, (20000, 2)) * std[:, None]
+    error = np.linalg.norm(off, axis=1)
+    honest = flow.by_decile(flow.FlowErrors(std**2, error, (error / std) ** 2))
+    for row in honest.values():
+        assert row["normalised"] == pytest.approx(2, abs=0.25)
+        assert row["typical"] == pytest.approx(2, abs=0.25)
+        assert row["rms"] == pytest.approx(row["std"], rel=0.08)
+    assert honest["tenth 1"]["std"] < 0.1 < honest["tenth 10"]["std"]
+
+
+def test_flow_is_compared_with_the_true_motion_of_points(truth):
+    """A picture that does not move, of points that do: the error is their motion."""
+    noise = np.random.default_rng(6).integers(0, 255, tuple(truth.image_size[::-1]), np.uint8)
+    moving = dataclasses.replace(truth, tracks=truth.tracks[:1] + np.arange(40)[:, None, None])
+    pairs = list(flow.flow_errors(moving, [noise] * 3, "dis", 2))
+    assert len(pairs) == 1
+    np.testing.assert_allclose(pairs[0].error, 2 * np.sqrt(2), atol=0.2)
+    assert (pairs[0].normalised > 0).all()

@@ -9,7 +9,15 @@ from pathlib import Path
 
 from mimetic import InvalidInput
 from mimetic.eigenspaces import installed_spaces, load
-from mimetic.evaluate import expression_tables, expressions, fit, head, locate
+from mimetic.evaluate import (
+    ablations,
+    expression_tables,
+    expressions,
+    fit,
+    flow,
+    head,
+    locate,
+)
 from mimetic.evaluate.head_clips import face_mesh_python
 from mimetic.evaluate.portraits import rendered_portraits
 from mimetic.evaluate.rendered import scored, shared_images
@@ -28,12 +36,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "heads with known motion (kept in the cache), capture and score them. `locate` scores what "
         "finds faces on still images instead, beside OpenCV's cascades; `head` scores what follows "
         "heads on rendered sequences, beside MediaPipe's face mesh; `fit` scores heads fitted to "
-        "portraits (docs/fitting.md)."
+        "portraits (docs/fitting.md); `flow` tells whether optical flow knows how far it is off, "
+        "`ablations` what each part of the capture is good for (docs/evaluation.md)."
     )
     parser.add_argument(
         "what",
         nargs="?",
-        choices=("capture", "fit", "head", "locate"),
+        choices=("ablations", "capture", "fit", "flow", "head", "locate"),
         default="capture",
         help="what to score (default: capture)",
     )
@@ -81,6 +90,8 @@ def run_evaluate(options: argparse.Namespace) -> int:
         return _run_head(options)
     if options.what == "fit":
         return _run_fit(options)
+    if options.what in ("ablations", "flow"):
+        return _run_parts(options)
     if options.out:
         raise InvalidInput("--out goes with --set full, `fit`, `head` and `locate`")
     if (options.truth is None) != (options.performance is None):
@@ -132,6 +143,20 @@ def _run_head(options: argparse.Namespace) -> int:
     if options.out is not None:
         head.write(done, options.out)
     print(head.as_json(done) if options.json else head.summary_text(done))
+    return 0
+
+
+def _run_parts(options: argparse.Namespace) -> int:
+    if options.truth or options.performance or options.footage or options.out:
+        raise InvalidInput(
+            f"--truth, --performance, --footage and --out do not go with `{options.what}`"
+        )
+    if options.what == "flow":
+        found = flow.score_flow(options.set, _to_stderr)
+        print(flow.as_json(found) if options.json else flow.as_text(found))
+    else:
+        made = ablations.score_ablations(options.set, _to_stderr)
+        print(ablations.as_json(made) if options.json else ablations.as_text(made))
     return 0
 
 
