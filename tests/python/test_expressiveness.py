@@ -7,6 +7,7 @@ from mimetic.expressiveness import (
     Gauge,
     composites,
     explained,
+    face_weight,
     head_columns,
     likeness,
     skin_units,
@@ -61,10 +62,11 @@ def test_a_bounded_fit_refuses_bounds_that_cross():
 def test_what_columns_hold_is_explained_and_what_bounds_forbid_is_not(skin, table):
     columns = table[0][1]
     gauge = Gauge(skin)
-    inside, beyond = 0.7 * columns.modes[22], -columns.modes[22]
+    cheek_raiser = columns.modes[columns.names.index("orbicularis_oculi_inferior.L")]
+    inside, beyond = 0.7 * cheek_raiser, -cheek_raiser  # nothing lowers the cheek
     scores = explained(columns, gauge, [inside, beyond], 3)
     assert scores[0] > 0.9999
-    assert scores[1] < 0.75
+    assert scores[1] < 0.5
 
 
 def test_every_row_explains_more_of_the_sculpted_units(skin, table, units):
@@ -82,6 +84,8 @@ def test_every_row_explains_more_of_the_sculpted_units(skin, table, units):
 
 def test_low_energy_modes_are_broad_and_independent(skin, table):
     gauge = Gauge(skin)
+    gauge.weight = face_weight(gauge)
+    gauge.kept = np.flatnonzero(gauge.weight)
     fields = np.stack([gauge.field(mode) for mode in table[-1][1].modes[-10:]])
     np.testing.assert_allclose(np.linalg.norm(fields, axis=1), 1e-3, rtol=1e-9)
     assert np.linalg.cond(fields) < 2

@@ -34,6 +34,9 @@ NECK_START = 0.005
 NECK_BLEND = 0.030
 LOWER_LID_RAISE = 0.003
 LID_REACH = 0.013  # from the margin to the fold of the upper lid
+LOWER_TARSUS = 0.005  # the lower lid moves as one so far from its margin
+LOWER_REACH = 0.020  # and less and less to the lower rim of the orbit, without a fold
+CORNER_SHARPNESS = 4.0  # how soon a lid's motion ends where the other lid is nearer
 
 
 def rotate(points: np.ndarray, centre: np.ndarray, axis: np.ndarray, angle) -> np.ndarray:
@@ -213,10 +216,13 @@ class EyeLids:
 
     def angles(self) -> list[np.ndarray]:
         """How far the skin turns about the eye with the upper and the lower lid, S radians each."""
-        return [self._angle(self.upper, self.opening), self._angle(self.lower, self._raise)]
+        return [
+            self._angle(self.upper, self.opening, 0, LID_REACH),
+            self._angle(self.lower, self._raise, LOWER_TARSUS, LOWER_REACH),
+        ]
 
-    def _angle(self, margin: np.ndarray, angle_at) -> np.ndarray:
-        """The margin turns in full, lid skin less up to the fold."""
+    def _angle(self, margin: np.ndarray, angle_at, full: float, end: float) -> np.ndarray:
+        """Skin turns in full within `full` of the margin, less and less up to `end`, metres."""
         frame, mesh = self.frame, self.frame.mesh
         count = int(mesh.template.num_skin_vertices)
         other = self.lower if margin is self.upper else self.upper
@@ -226,9 +232,12 @@ class EyeLids:
             np.minimum(mesh.whole_surface.distances(mesh.vertices[edge], far)[:count], far)
             for edge in (margin, other)
         )
-        reach = mesh.size * np.where(mesh.in_region("eye_socket"), LID_REACH / 2, LID_REACH)
+        behind = mesh.in_region("eye_socket")
+        full = mesh.size * np.where(behind, 0, full)
+        end = mesh.size * np.where(behind, LID_REACH / 2, end)
         # Round the corner lies the other lid, which stays.
-        share = smooth_step(1 - own / reach) * smooth_step(2 * (across - own) / (across + own))
+        nearer = CORNER_SHARPNESS * (across - own) / (across + own)
+        share = smooth_step((end - own) / (end - full)) * smooth_step(nearer)
         return share * angle_at(frame.polar(mesh.neutral[:count])[0])
 
     def turn(self, angle: np.ndarray) -> np.ndarray:

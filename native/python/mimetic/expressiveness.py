@@ -30,6 +30,7 @@ from mimetic.skin_modes import low_energy_modes, visible_area
 from mimetic.unit_muscles import COMPOSITES, UNIT_MUSCLES
 
 NOT_SKIN = ("eyeLook", "tongueOut")
+NOT_FACE = ("neck", "scalp", "ear")
 NUM_ENERGY_MODES = 40
 FAR = 0.015  # m: reach of a muscle, lid or extra where limits are to play no part
 FREE = (-np.inf, np.inf)
@@ -66,7 +67,7 @@ def head_columns(
 ) -> list[tuple[str, Columns]]:
     """The table's rows: each has the columns of all above it and its own.
 
-    gauge, axes: what the skin's modes are to move most; the area in 3-D by default.
+    gauge, axes: what the skin's modes are to move most (`face_weight`); the area in 3-D by default.
     """
     anatomy, extras = modes_of(skin), attach_extras(skin)
     own = [name for name in extras.names if not name.startswith("look_")]
@@ -103,9 +104,21 @@ def with_reach(columns: Columns, num_skin_vertices: int, reach: float = FAR) -> 
 def _skin_modes(
     skin: AttachedSkin, count: int, gauge: Gauge | None, axes: int
 ) -> NDArray[np.float64]:
-    """Those that move most of what the gauge counts on its first axes for their energy."""
-    weight = gauge.weight if gauge else None
+    """Those that move most of the face, on its first axes, for their energy."""
+    weight = face_weight(gauge or Gauge(skin))
     return low_energy_modes(skin, count, weight, (1, 1, float(axes == 3))).modes
+
+
+def face_weight(gauge: Gauge) -> NDArray[np.float64]:
+    """N: root of what the gauge counts times area, without neck, scalp and ears.
+
+    Vertices that counted alike would spend a third of the modes on lids and nose, where the mesh is
+    dense, and areas most of them on cheeks and neck.
+    """
+    mesh = gauge.mesh
+    face = 1 - sum(1.0 * mesh.in_region(name) for name in NOT_FACE)
+    share = np.clip(multiply(mesh.stencils, face), 0, 1)  # stencils may have negative weights
+    return np.sqrt(gauge.weight * visible_area(mesh)) * share
 
 
 def skin_units(template: FaceTemplate) -> dict[str, NDArray[np.float64]]:

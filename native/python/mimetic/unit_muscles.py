@@ -44,7 +44,9 @@ UNIT_MUSCLES: dict[str, dict[str, float]] = {
     "jawLeft": {"jaw_side": 1},
 }
 
-# Sums of face units: truth for whole expressions, by the action units of the basic emotions.
+# Sums of face units: truth for whole expressions. The seven basic emotions by their action units
+# (Ekman and Friesen), smile and open smile for happiness, and three of the lips. None is a unit by
+# itself: a blink is one, and counts among the units.
 COMPOSITES: dict[str, dict[str, float]] = {
     "smile": {"mouthSmile": 0.8, "cheekSquint": 0.7},
     "open smile": {"mouthSmile": 0.9, "cheekSquint": 0.8, "jawOpen": 0.3, "mouthUpperUp": 0.4},
@@ -60,8 +62,8 @@ COMPOSITES: dict[str, dict[str, float]] = {
         "mouthStretch": 0.8,
         "jawOpen": 0.2,
     },
-    "pucker": {"mouthPucker": 0.9},
-    "blink": {"eyeBlink": 1.0, "cheekSquint": 0.2},
+    "contempt": {"mouthSmileLeft": 0.4, "mouthDimpleLeft": 0.7},  # of one side: 12 + 14
+    "pucker": {"mouthPucker": 0.9, "mouthShrugLower": 0.3},  # 18 + 17
     "pout": {"mouthShrugLower": 0.9, "mouthShrugUpper": 0.5, "mouthPucker": 0.3},
     "speech, o": {"jawOpen": 0.3, "mouthFunnel": 0.7, "mouthPucker": 0.3},
 }
