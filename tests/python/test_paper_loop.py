@@ -6,7 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from mimetic import paper_loop
-from mimetic.paper_loop import Observer, ReducedFace
+from mimetic.paper_loop import Observer, ReducedFace, capture_by_loop
+from mimetic.pipeline import CaptureSummary, find_face
 from mimetic.sampling import sampled
 
 CAMERA = np.array([[300.0, 0, 79.5], [0, 300, 59.5], [0, 0, 1]])
@@ -76,3 +77,21 @@ def test_a_head_that_slides_moves_the_pose_and_no_muscle():
         observer.advance(shown(0, 0.001 * i), shown(0, 0.001 * (i + 1)), CAMERA)
     assert observer.pose[0, 3] == pytest.approx(0.004, abs=0.001)
     assert observer.control[11] < 0.1
+
+
+def test_a_clip_is_captured_until_the_user_stops(rendered_clip):
+    fit = find_face(rendered_clip.footage, frame=4)
+    summary = CaptureSummary()
+    made = capture_by_loop(
+        rendered_clip.footage,
+        (2, 50),
+        fit,
+        lambda _, told: not told.endswith("frame 8"),
+        summary,
+    )
+    assert summary.stopped
+    assert made.frame.tolist() == [2, 3, 4, 5, 6, 7]
+    np.testing.assert_allclose(made.head_pose[2], fit.head_pose)
+    np.testing.assert_allclose(made.surface(2), made.neutral_vertices, atol=1e-9)
+    assert np.abs(made.surface(5) - made.neutral_vertices).max() > 1e-6
+    assert made.activations_std[5].min() > 0

@@ -11,6 +11,7 @@ from pathlib import Path
 from mimetic.clip_command import add_clip_arguments, run_on_clip
 from mimetic.footage import Footage
 from mimetic.overlay import write_overlay
+from mimetic.paper_loop import capture_by_loop
 from mimetic.performance import Performance
 from mimetic.pipeline import CaptureSummary, Progress, capture
 from mimetic.report import write_report
@@ -21,11 +22,21 @@ CAPTURED, DRAWN = 0.8, 0.95
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_clip_arguments(parser, "face")
+    parser.add_argument(
+        "--estimator",
+        choices=("anchored", "loop"),
+        default="anchored",
+        help="anchored: each frame against reference textures; loop: the paper's own, from frame "
+        "to frame, to compare with (default: anchored)",
+    )
 
 
 def run_capture(arguments: argparse.Namespace) -> int:
+    follow_face = capture if arguments.estimator == "anchored" else capture_by_loop
+
     def follow(fit, progress, summary):
-        return capture(arguments.footage, arguments.frames, fit, progress, summary)
+        summary.settings["estimator"] = arguments.estimator
+        return follow_face(arguments.footage, arguments.frames, fit, progress, summary)
 
     def draw(performance, footage, summary, progress, interrupted):
         out = arguments.out

@@ -13,8 +13,10 @@ theirs did. The head's pose is solved together with the skin, from the same flow
 from __future__ import annotations
 
 import os
+import time
 from collections.abc import Iterable
 from dataclasses import dataclass, field
+from itertools import compress
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,9 +26,10 @@ from mimetic.anatomy import Anatomy, modes_of
 from mimetic.articulators import ARTICULATORS
 from mimetic.face_template import FaceTemplate, load_template
 from mimetic.fit import FaceFit
-from mimetic.following import frames_backward
+from mimetic.following import check_any_done, frames_backward
 from mimetic.footage import Footage
 from mimetic.performance import NUM_MUSCLES, Performance
+from mimetic.pipeline import CaptureSummary, FrameRange, Progress, check_range, fit_for
 from mimetic.rotations import from_rotation_vectors
 from mimetic.sampling import sampled
 from mimetic.skin_mesh import multiply
@@ -253,47 +256,84 @@ class _Followed:
         self.control.append(observer.control)
         self.control_std.append(observer.control_std)
 
+    def within(self, first: int, last: int) -> _Followed:
+        """Only the frames from first to last, both included."""
+        kept = [first <= frame <= last for frame in self.frame]
+        return _Followed(*(list(compress(column, kept)) for column in vars(self).values()))
 
-def follow_by_loop(path: str | os.PathLike[str], fit: FaceFit) -> Performance:
-    """The whole clip by the paper's loop, from the fit's frame both ways.
+
+def capture_by_loop(
+    path: str | os.PathLike[str],
+    frames: FrameRange | None = None,
+    fit: FaceFit | None = None,
+    progress: Progress | None = None,
+    summary: CaptureSummary | None = None,
+) -> Performance:
+    """Frames of a clip by the paper's loop, from the fit's frame both ways: as `pipeline.capture`.
 
     The activations are the controls, which stay within 0 and 1 (unbounded, antagonists run off
     against each other on what a flow cannot tell apart); what the skin does beyond their static
-    answer is kept as detail. Raises UnreadableMedia, InvalidInput.
+    answer is kept as detail. Nothing tells a frame that is lost. Raises NoFace, UnreadableMedia,
+    InvalidInput.
     """
+    summary = summary if summary is not None else CaptureSummary()
     footage = Footage(path)
+    first, last = check_range(frames, footage)
+    fit = fit_for(footage, (first, last), fit, progress, summary)
+    begun = time.perf_counter()
     template = load_template()
     skin = load_skin(fit.neutral_vertices(template), template)
     face = ReducedFace.of(skin)
-    reference = footage.read(fit.frame)
-    rows = _Followed()
+    summary.add("attach the muscles", time.perf_counter() - begun)
+    begun = time.perf_counter()
+    walk = _Walk(face, fit, footage, progress, summary, max(1, last - first))
     start = _Followed()
-    start.add(fit.frame, Observer(face, fit.head_pose, 1.0))
-    back = _walk(face, fit, reference, frames_backward(footage, fit.frame - 1, 1), footage)
-    ahead = footage.frames(fit.frame + 1, footage.num_frames)
-    forward = _walk(face, fit, reference, ahead, footage)
+    start.add(fit.frame, walk.observer())
+    back = walk.along(frames_backward(footage, fit.frame - 1, first))
+    forward = walk.along(footage.frames(fit.frame + 1, last) if last > fit.frame else ())
+    rows = _Followed()
     for name in vars(rows):
         joined = [*getattr(back, name)[::-1], *getattr(start, name), *getattr(forward, name)]
         setattr(rows, name, joined)
+    rows = rows.within(first, last)
+    check_any_done(rows, footage, (first, last), summary.stopped)
+    summary.add("follow the face", time.perf_counter() - begun)
     return _performance(rows, face, modes_of(skin.skin), fit, footage, template)
 
 
-def _walk(
-    face: ReducedFace,
-    fit: FaceFit,
-    reference: NDArray[np.uint8],
-    images: Iterable[tuple[int, NDArray[np.uint8]]],
-    footage: Footage,
-) -> _Followed:
-    observer = Observer(face, np.asarray(fit.head_pose, np.float64), 1 / float(footage.fps))
-    rows = _Followed()
-    previous = _grey(reference)
-    for frame, image in images:
-        grey = _grey(image)
-        observer.advance(previous, grey, np.asarray(fit.intrinsics))
-        rows.add(frame, observer)
-        previous = grey
-    return rows
+@dataclass
+class _Walk:
+    """Through the footage, away from the fit's frame."""
+
+    face: ReducedFace
+    fit: FaceFit
+    footage: Footage
+    progress: Progress | None
+    summary: CaptureSummary
+    num_needed: int
+    num_done: int = 0
+
+    def observer(self) -> Observer:
+        pose = np.asarray(self.fit.head_pose, np.float64)
+        return Observer(self.face, pose, 1 / float(self.footage.fps))
+
+    def along(self, images: Iterable[tuple[int, NDArray[np.uint8]]]) -> _Followed:
+        """The images, or fewer when the user stops."""
+        rows = _Followed()
+        observer = self.observer()
+        previous = _grey(self.footage.read(self.fit.frame))
+        for frame, image in images:
+            fraction = min(1.0, self.num_done / self.num_needed)
+            told = f"following the face: frame {frame}"
+            if self.summary.stopped or (self.progress and not self.progress(fraction, told)):
+                self.summary.stopped = True
+                break
+            grey = _grey(image)
+            observer.advance(previous, grey, np.asarray(self.fit.intrinsics))
+            rows.add(frame, observer)
+            previous = grey
+            self.num_done += 1
+        return rows
 
 
 def _grey(image: NDArray[np.uint8]) -> NDArray[np.uint8]:

@@ -116,11 +116,7 @@ def _run_expressions(options: argparse.Namespace) -> int:
         raise InvalidInput("--jobs and --people must be 1 or more")
     chosen, long = expressions.takes(options.set, options.people, _to_stderr)
     python = face_mesh_python(_to_stderr)
-    shown = []
-    for one in expressions.scored(chosen, python, _to_stderr, options.jobs):
-        shown += one
-    _to_stderr(f"{long.clip.name}: drift")
-    drifts = expressions.long_drift(long)
+    shown, drifts = expressions.score_set(chosen, long, python, _to_stderr, options.jobs)
     if options.out is not None:
         options.out.mkdir(parents=True, exist_ok=True)
         with whole_file(options.out / "expressions.json") as stream:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -22,7 +22,7 @@ from mimetic.evaluate.methods import LOOP, MUSCLES, OURS, Motion, of_performance
 from mimetic.evaluate.rendered import Clip, render
 from mimetic.evaluate.truth import Truth
 from mimetic.footage import Footage
-from mimetic.paper_loop import follow_by_loop
+from mimetic.paper_loop import capture_by_loop
 from mimetic.performance import Performance
 
 SETS = ("full", "full-tuning")
@@ -65,7 +65,7 @@ def score_take(take: Take, mesh_python: Path | None) -> list[ShownExpression]:
     """Every method on one clip."""
     fit = pipeline.find_face(take.clip.footage)
     ours = pipeline.capture(take.clip.footage, fit=fit)
-    loop = follow_by_loop(take.clip.footage, fit)
+    loop = capture_by_loop(take.clip.footage, fit=fit)
     truth = seen_at_start(Truth.load(take.clip.truth))
     start = truth.tracks[0]
     images = [image for _, image in Footage(take.clip.footage)]
@@ -150,18 +150,21 @@ def seen_at_start(truth: Truth) -> Truth:
     )
 
 
-def scored(
-    chosen: list[Take], mesh_python: Path | None, report: Report, jobs: int
-) -> Iterator[list[ShownExpression]]:
-    """Takes in their order, `jobs` of them at once, each in a process of its own."""
-    # Spawned, not forked: OpenCV's threads do not survive a fork.
+def score_set(
+    chosen: list[Take], long: Take, mesh_python: Path | None, report: Report, jobs: int
+) -> tuple[list[ShownExpression], dict[str, Drift]]:
+    """Every expression of the takes and the long one's drift, `jobs` of them at once."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    # Spawned, not forked: OpenCV's threads do not survive a fork.
     context = multiprocessing.get_context("spawn")
+    shown: list[ShownExpression] = []
     with ProcessPoolExecutor(jobs, mp_context=context) as pool:
-        waiting = [(take, pool.submit(score_take, take, mesh_python)) for take in chosen]
-        for number, (take, result) in enumerate(waiting):
-            report(f"{take.clip.name}: {number + 1} of {len(waiting)}")
-            yield result.result()
+        drifts = pool.submit(long_drift, long)  # the longest first
+        waiting = [pool.submit(score_take, take, mesh_python) for take in chosen]
+        for number, (take, result) in enumerate(zip(chosen, waiting, strict=True)):
+            shown += result.result()
+            report(f"{take.clip.name}: {number + 1} of {len(chosen)}")
+        return shown, drifts.result()
 
 
 def long_drift(take: Take) -> dict[str, Drift]:
@@ -170,5 +173,5 @@ def long_drift(take: Take) -> dict[str, Drift]:
     truth = Truth.load(take.clip.truth)
     return {
         OURS: drift_of(truth, pipeline.capture(take.clip.footage, fit=fit)),
-        LOOP: drift_of(truth, follow_by_loop(take.clip.footage, fit)),
+        LOOP: drift_of(truth, capture_by_loop(take.clip.footage, fit=fit)),
     }
