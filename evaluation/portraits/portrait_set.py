@@ -20,8 +20,8 @@ from ..recipes import Recipe
 from ..stills.sitters import toward_light
 
 # Seeds of people. Nobody else has them: clips end at 102, stills have 40 to 59 and 500 to 799,
-# eigenspaces are trained on people from 1000 on.
-SETS = {"held-out": range(300, 316), "tuning": range(200, 212), "small": range(220, 221)}
+# eigenspaces are trained on people from 1000 on, landmarks from 2000 on.
+SETS = {"held-out": range(300, 330), "tuning": range(200, 212), "small": range(220, 221)}
 SHOTS = ((0.0, 8.0), (10.0, 20.0), (20.0, 30.0))  # least and largest yaw, degrees, to either side
 LARGEST_PITCH, LARGEST_ROLL = 12.0, 6.0  # degrees
 FACE_WIDTHS = (100.0, 120.0)  # pixels

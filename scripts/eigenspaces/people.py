@@ -77,7 +77,7 @@ class Person:
         bright = self._albedo * (rng.uniform(0.25, 0.6) + lit)
         seen = project(self._sampled(moved))
         facing = normals[:, 2] < 0.15
-        grey = _splat(self._room(), seen[facing], 255 * bright[facing] ** (1 / 2.2))
+        grey = splatted(self._room(), seen[facing], 255 * bright[facing] ** (1 / 2.2))
         return Picture(grey.astype(np.uint8), project(parts)[:, :2], float(yaw))
 
     def _paint(self, part: str, recipe: Recipe, faces: np.ndarray) -> np.ndarray:
@@ -103,14 +103,14 @@ class Person:
         return 0.7 * blocks + 0.3 * self._rng.uniform(20, 235)
 
 
-def _splat(picture: np.ndarray, seen: np.ndarray, grey: np.ndarray) -> np.ndarray:
+def splatted(picture: np.ndarray, seen: np.ndarray, grey: np.ndarray) -> np.ndarray:
     """The picture under points (x, y, depth), the nearest on top."""
     order = np.argsort(-seen[:, 2])
     corner = np.floor(seen[order, :2]).astype(int)
     # Each point covers the four pixels round it: no holes between points
     around = corner[:, None] + np.array([[0, 0], [1, 0], [0, 1], [1, 1]])
     x, y = around.reshape(-1, 2).T
-    inside = (x >= 0) & (y >= 0) & (x < SIDE) & (y < SIDE)
+    inside = (x >= 0) & (y >= 0) & (x < picture.shape[1]) & (y < picture.shape[0])
     drawn = picture.copy()
     drawn[y[inside], x[inside]] = np.repeat(grey[order], 4)[inside]
     return np.clip(drawn, 0, 255)

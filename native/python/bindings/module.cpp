@@ -10,6 +10,7 @@ void bind_skin_dynamics(pybind11::module_& m);
 void bind_contact(pybind11::module_& m);
 void bind_muscles(pybind11::module_& m);
 void bind_locate(pybind11::module_& m);
+void bind_landmarks(pybind11::module_& m);
 void bind_eigenspace(pybind11::module_& m);
 void bind_fit(pybind11::module_& m);
 void bind_flow(pybind11::module_& m);
@@ -33,6 +34,7 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_contact(m);
     bindings::bind_muscles(m);
     bindings::bind_locate(m);
+    bindings::bind_landmarks(m);
     bindings::bind_eigenspace(m);
     bindings::bind_fit(m);
     bindings::bind_flow(m);

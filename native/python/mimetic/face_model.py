@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from mimetic import _core
 from mimetic.face_shape import face_shape
 from mimetic.face_template import FaceTemplate
+from mimetic.landmarks import landmark_points
 
 COMPONENT_LIMIT = 30.0  # prior standard deviations: a pin may be far off
 OUTLINE_REGIONS = ("cheek", "zygomatic", "chin", "jaw_line", "temple")
@@ -39,7 +40,7 @@ def face_model(
     """
     skin = template.num_skin_vertices
     faces = np.ascontiguousarray(template.skin_faces, dtype=np.int32)
-    on_limit = _limit(faces, skin)
+    on_limit = limit_positions(template)
     eyes = [template.part_vertices(name) for name in ("eye.L", "eye.R")]
     components = face_shape(template, with_identity, with_residual).components
     points = np.array(
@@ -74,8 +75,10 @@ def face_model(
     )
 
 
-def _limit(faces: NDArray[np.int32], num_vertices: int):
-    """A function from control vertices (V x 3) to their limits on the Catmull-Clark surface."""
+def limit_positions(template: FaceTemplate):
+    """A function from the skin's control vertices (S x 3) to their limits on the surface."""
+    faces = np.ascontiguousarray(template.skin_faces, dtype=np.int32)
+    num_vertices = template.num_skin_vertices
     indptr, indices, weights = _core.SubdividedMesh(faces, num_vertices, 0).stencils()
     indptr, count = indptr[: num_vertices + 1], indptr[num_vertices]
 
@@ -96,9 +99,8 @@ def _landmark_weights(
         rows[name][vertex] = 1
     for name, parts in BETWEEN.items():
         rows[name] = sum(weight * rows[part] for part, weight in parts.items())
-    for i, name in enumerate(("pupil.L", "pupil.R")):
-        rows[name] = np.zeros(num_points)
-        rows[name][template.num_skin_vertices + i] = 1
+    for name, row in zip(*landmark_points(template), strict=True):
+        rows.setdefault(name, row)
     return list(rows), np.array(list(rows.values()))
 
 

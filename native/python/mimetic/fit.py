@@ -18,6 +18,7 @@ from mimetic.face_model import face_model
 from mimetic.face_shape import face_shape
 from mimetic.face_template import FaceTemplate, data_folder, load_template
 from mimetic.fitted_view import FittedView
+from mimetic.landmarks import BETWEEN_PREFIX, installed_cascade, measured_landmarks
 from mimetic.reference_views import follow_points
 from mimetic.rest import expression, rest_score
 from mimetic.symmetry import symmetry
@@ -35,13 +36,10 @@ __all__ = [
 DEFAULT_FOCAL = 1.2  # image widths: a webcam's 45 degrees
 LARGEST_ERROR = 0.1  # rms of a face that was found, pupil distances; usual are 0.02
 LEAST_FOLLOWED = 20  # points, for a view to tell anything
-TURNED = 25.0  # degrees of yaw
-STARTS = (0.0, -TURNED, TURNED)
 SYMMETRY_SIZE = 96  # pixels of the canonical picture that is compared with its mirror image
-SURELY_FRONTAL = 0.6  # symmetry from which no other start is tried
 LEAST_SYMMETRY = 0.12  # below, the head lies beside the face; well-fitted ones have 0.2 to 0.9
-SEEN_WEIGHT, TURNED_COST = 0.1, 0.03  # against symmetry; drawn people
-SEARCHES = (0.12, 0.07)  # half widths of the measurements after the first fit, pupil distances
+LINES = ("lip_line", "jaw")  # sharper in the picture than points on them
+LINE_SEARCH = 0.07  # half width, pupil distances
 
 
 class NoFace(InvalidInput):
@@ -128,7 +126,7 @@ def find_face(
             f"the camera is for {camera.width} x {camera.height} pixels, "
             f"the image has {width} x {height}"
         )
-    fit = _fit_upright_or_turned(image, frame, faces[choice], camera, template)
+    fit = _fitted(image, frame, faces[choice], camera, template)
     if fit is None:
         raise NoFace(
             f"what looks like a face in frame {frame} does not fit a head: choose another frame, "
@@ -138,99 +136,54 @@ def find_face(
     return fit
 
 
-def _fit_upright_or_turned(
+def _fitted(
     image: NDArray[np.uint8],
     frame: int,
     face: _core.FaceFeatures,
     camera: _core.Camera,
     template: FaceTemplate,
 ) -> FaceFit | None:
-    """The fit that starts from a head turned as the finder's views say, or the most credible one.
+    """The head fitted to a face; None where none fits.
 
-    Features are looked for where a head so turned has them, so that each start may find itself
-    confirmed; what tells them apart is the view, which rests on the whole face, and without one
-    whether the halves of the warped face are alike.
+    Landmarks come from a regression that starts from a view of the face. The finder's is mostly
+    right; where the halves of the warped face do not match, it was not, or this is no face.
     """
-    if face.yaw != 0:
-        start = float(np.copysign(TURNED, face.yaw))
-        fit, likeness = _fit_and_likeness(image, frame, face, camera, template, start)
-        if fit is not None and fit.head_pose[0, 2] * face.yaw > 0:
-            return fit
-    best, credibility = None, -np.inf
-    for yaw in STARTS:
-        fit, likeness = _fit_and_likeness(image, frame, face, camera, template, yaw)
+    views = [view.yaw for view in installed_cascade().views]
+    for yaw in sorted(views, key=lambda yaw: abs(yaw - face.yaw)):
+        try:
+            landmarks = measured_landmarks(image, face, yaw)
+        except InvalidInput:  # lost: what looks like a face shrank to nothing
+            continue
+        fit = _fit_from(image, frame, landmarks, camera, template)
         if fit is None:
             continue
-        seen = sum(feature.likelihood for feature in fit.views[0].measured.features)
-        credible = likeness + SEEN_WEIGHT * seen - TURNED_COST * (yaw != 0)
-        if credible > credibility:
-            best, credibility = fit, credible
-        if likeness > SURELY_FRONTAL:
-            break
-    return best
-
-
-def _fit_and_likeness(
-    image: NDArray[np.uint8],
-    frame: int,
-    face: _core.FaceFeatures,
-    camera: _core.Camera,
-    template: FaceTemplate,
-    yaw: float,
-) -> tuple[FaceFit | None, float]:
-    """`_fit_from` and how alike the halves of its face are; None where they do not match."""
-    fit = _fit_from(image, frame, face, camera, template, yaw)
-    if fit is None:
-        return None, 0.0
-    likeness = symmetry(*canonical_image(fit, image, size=SYMMETRY_SIZE, template=template))
-    return (fit if likeness >= LEAST_SYMMETRY else None), likeness
+        warped = canonical_image(fit, image, size=SYMMETRY_SIZE, template=template)
+        if symmetry(*warped) >= LEAST_SYMMETRY:
+            return fit
+    return None
 
 
 def _fit_from(
     image: NDArray[np.uint8],
     frame: int,
-    face: _core.FaceFeatures,
+    landmarks: _core.FaceFeatures,
     camera: _core.Camera,
     template: FaceTemplate,
-    yaw: float,
 ) -> FaceFit | None:
-    """The fit from features measured where a head turned by `yaw` (degrees) has them."""
     model = face_model(template)
-    features = face
-    if yaw == 0:
-        estimate = _core.fit_face(model, [_core.FaceView(features)], camera)
-    else:
-        upright = np.zeros(len(face_shape(template).components))
-        pose = turned_pose(features, camera, template, yaw)
-        estimate = _core.FaceEstimate([pose], camera.fx, upright)
-    for search in SEARCHES if yaw == 0 else (SEARCHES[0], *SEARCHES):
-        features = _core.measure_features(
-            image, _expected(model, estimate, camera, features), search
-        )
-        estimate = _core.fit_face(model, [_core.FaceView(features)], camera)
+    estimate = _core.fit_face(model, [_core.FaceView(landmarks)], camera)
+    seen = _core.measure_features(image, _expected(model, estimate, camera, landmarks), LINE_SEARCH)
+    features = _core.FaceFeatures(
+        landmarks.features,
+        [curve for curve in seen.curves if curve.name in LINES],
+        landmarks.box,
+        landmarks.likelihood,
+    )
+    estimate = _core.fit_face(model, [_core.FaceView(features)], camera)
     if not estimate.converged or estimate.rms_ipd > LARGEST_ERROR:
         return None
     view = FittedView(frame, estimate.camera_from_head[0], features)
     return _as_fit(template, camera, estimate, [view], [])
-
-
-def turned_pose(
-    features: _core.FaceFeatures, camera: _core.Camera, template: FaceTemplate, yaw: float
-) -> NDArray[np.float64]:
-    """camera_from_head (4 x 4) of the canonical head with its eyes at the pupils; yaw: degrees."""
-    at = {f.name: np.array(f.position) for f in features.features}
-    across, middle = at["pupil.L"] - at["pupil.R"], (at["pupil.L"] + at["pupil.R"]) / 2
-    roll, turn = np.arctan2(across[1], across[0]), np.radians(yaw)
-    level = np.array([[np.cos(roll), -np.sin(roll), 0], [np.sin(roll), np.cos(roll), 0], [0, 0, 1]])
-    aside = np.array([[np.cos(turn), 0, np.sin(turn)], [0, 1, 0], [-np.sin(turn), 0, np.cos(turn)]])
-    pose = np.eye(4)
-    pose[:3, :3] = level @ np.diag([1.0, -1.0, -1.0]) @ aside
-    left, right = template.eye_centers
-    between = pose[:3, :3] @ (left - right)
-    depth = camera.fx * np.linalg.norm(between[:2]) / np.linalg.norm(across)
-    ray = np.array([*(middle - (camera.cx, camera.cy)) / camera.fx, 1.0])
-    pose[:3, 3] = depth * ray - pose[:3, :3] @ (left + right) / 2
-    return pose
 
 
 def refit(
@@ -254,10 +207,10 @@ def refit(
             f"the fit does not rest on frame {frame} (its frames: {shown}): add it, or fit again"
         )
     model = face_model(template)
-    if unknown := sorted(set(pins) - set(model.landmark_names)):
+    names = [name for name in model.landmark_names if not name.startswith(BETWEEN_PREFIX)]
+    if unknown := sorted(set(pins) - set(names)):
         raise InvalidInput(
-            f"there is no landmark {', '.join(unknown)}; there are "
-            f"{', '.join(model.landmark_names)}"
+            f"there is no landmark {', '.join(unknown)}; there are {', '.join(names)}"
         )
     views = [
         FittedView(
@@ -290,10 +243,11 @@ def join_views(
     values = shape.joined(fit.identity, fit.residual)
     views = [fit.views[0]]
     for frame, features, image in others:
-        alone = _core.fit_face(model, [_core.FaceView(features)], fit.camera)
+        landmarks = measured_landmarks(image, features)
+        alone = _core.fit_face(model, [_core.FaceView(landmarks)], fit.camera)
         if not alone.converged or alone.rms_ipd > LARGEST_ERROR:
             continue
-        view = FittedView(frame, alone.camera_from_head[0], features)
+        view = FittedView(frame, alone.camera_from_head[0], landmarks)
         view.motion = follow_points(reference, image, fit, view, template)
         if len(view.motion) >= LEAST_FOLLOWED:
             views.append(view)
@@ -321,7 +275,11 @@ def landmark_places(
     projected = _core.project_features(
         face_model(template), _estimate_of(fit, template), fit.camera, frames.index(frame)
     )
-    return {f.name: (float(f.position[0]), float(f.position[1])) for f in projected.features}
+    return {
+        f.name: (float(f.position[0]), float(f.position[1]))
+        for f in projected.features
+        if not f.name.startswith(BETWEEN_PREFIX)
+    }
 
 
 def _estimate_of(fit: FaceFit, template: FaceTemplate) -> _core.FaceEstimate:

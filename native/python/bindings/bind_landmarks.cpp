@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/landmarks.hpp>
+
+#include "arrays.hpp"
+
+namespace mimetic::bindings {
+
+namespace py = pybind11;
+using namespace pybind11::literals;
+
+void bind_landmarks(py::module_& m) {
+    py::class_<LandmarkStage>(m, "LandmarkStage", "One step of a cascade of linear regressions.")
+        .def(py::init<double, Eigen::VectorXd, MatrixRows, MatrixRows>(), "cell"_a, "mean"_a, "basis"_a,
+             "regression"_a);
+    py::class_<LandmarkView>(m, "LandmarkView", "Start and errors of landmarks for heads turned alike.")
+        .def(py::init<double, Points2, Eigen::VectorXd>(), "yaw"_a, "start"_a, "sigma"_a)
+        .def_readonly("yaw", &LandmarkView::yaw, "degrees")
+        .def_property_readonly("sigma", [](const LandmarkView& v) { return v.sigma; });
+    py::class_<FaceLandmarks>(m, "FaceLandmarks", "What a cascade says of one face.")
+        .def_property_readonly(
+            "places", [](const FaceLandmarks& f) { return f.places; }, "L x 2, pixels")
+        .def_property_readonly(
+            "sigma_px", [](const FaceLandmarks& f) { return f.sigma_px; }, "L")
+        .def_readonly("yaw", &FaceLandmarks::yaw, "degrees, of the view");
+    py::class_<LandmarkCascade>(m, "LandmarkCascade",
+                                "Places of landmarks by supervised descent [Xiong and De la Torre 2013].")
+        .def(py::init([](std::vector<std::string> names, const Points2& reference,
+                         std::vector<LandmarkView> views, std::vector<LandmarkStage> stages) {
+                 LandmarkCascade cascade{std::move(names), reference, std::move(views), std::move(stages)};
+                 cascade.check();
+                 return cascade;
+             }),
+             "names"_a, "reference"_a, "views"_a, "stages"_a, "Raises InvalidInput where sizes do not agree.")
+        .def_readonly("names", &LandmarkCascade::names)
+        .def_readonly("views", &LandmarkCascade::views)
+        .def(
+            "start",
+            [](const LandmarkCascade& cascade, const Eigen::Vector2d& right, const Eigen::Vector2d& left,
+               double yaw) { return landmark_start(cascade, right, left, yaw); },
+            "pupil_right"_a, "pupil_left"_a, "yaw"_a,
+            "Average places (L, 2) of a head turned by `yaw` degrees; pupils in pixels.")
+        .def(
+            "find",
+            [](const LandmarkCascade& cascade, const ImageArray& image, const Points2& start) {
+                const ColorView view = view_image<3>(image, "image");
+                py::gil_scoped_release release;
+                return find_landmarks(view, cascade, start);
+            },
+            py::arg("image").noconvert(), "start"_a,
+            "The landmarks of a face.\n\nimage: (H, W, 3) uint8 RGB\nstart: (L, 2) pixels\n"
+            "returns: FaceLandmarks");
+    m.def(
+        "landmark_descriptors",
+        [](const ImageArray& image, const Points2& places, const Points2& reference, double cell) {
+            const ColorView view = view_image<3>(image, "image");
+            py::gil_scoped_release release;
+            return landmark_descriptors(view, places, reference, cell);
+        },
+        py::arg("image").noconvert(), "places"_a, "reference"_a, "cell"_a,
+        "Orientations of gradients round places, (L, 128).\n\nimage: (H, W, 3) uint8 RGB\n"
+        "places: (L, 2) pixels\nreference: (L, 2) interpupillary distances\ncell: the same");
+}
+
+}  // namespace mimetic::bindings
