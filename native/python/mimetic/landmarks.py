@@ -20,7 +20,7 @@ from mimetic.whole_file import whole_file
 FILE_NAME = "face_landmarks.npz"  # in the folder of installed data
 BETWEEN_PREFIX = "skin."  # of points that have no name of their own
 NUM_PLACES = 44  # on the left half and the midline, named ones among them
-ALIKE = 2.5  # what sigma is multiplied by: landmarks of a face err together
+ALIKE = 1.6  # what sigma is multiplied by: landmarks of a face err together
 SHAPES: dict[str, tuple[int | str, ...]] = {
     "schema": (),
     "names": ("L",),
