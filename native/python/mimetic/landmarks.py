@@ -20,7 +20,12 @@ from mimetic.whole_file import whole_file
 FILE_NAME = "face_landmarks.npz"  # in the folder of installed data
 BETWEEN_PREFIX = "skin."  # of points that have no name of their own
 NUM_PLACES = 44  # on the left half and the midline, named ones among them
+RESIZED = 0.2  # logarithm of the size, beyond what pupils well found leave to mend: start again
 ALIKE = 1.6  # what sigma is multiplied by: landmarks of a face err together
+# Nothing marks these points: they follow from the rest of the face as in drawn people, and lines that
+# are measured say more of a real one
+ON_BARE_SKIN = (BETWEEN_PREFIX, "gonion", "zygion", "tragus")
+BARE = 3.0  # what sigma there is multiplied by, too
 SHAPES: dict[str, tuple[int | str, ...]] = {
     "schema": (),
     "names": ("L",),
@@ -111,12 +116,20 @@ def measured_landmarks(
     """
     cascade = installed_cascade()
     pupils = [f.position for n in ("pupil.R", "pupil.L") for f in face.features if f.name == n]
-    found = cascade.find(image, cascade.start(*pupils, face.yaw if yaw is None else yaw))
+    start = cascade.start(*pupils, face.yaw if yaw is None else yaw)
+    found = cascade.find(image, start)
+    if abs(np.log(_size(found.places) / _size(start))) > RESIZED:
+        found = cascade.find(image, found.places)
+    weight = [ALIKE * (BARE if name.startswith(ON_BARE_SKIN) else 1) for name in cascade.names]
     features = [
-        _core.Feature(name, place, ALIKE * sigma)
-        for name, place, sigma in zip(cascade.names, found.places, found.sigma_px, strict=True)
+        _core.Feature(*one)
+        for one in zip(cascade.names, found.places, weight * found.sigma_px, strict=True)
     ]
     return _core.FaceFeatures(features, [], face.box, face.likelihood)
+
+
+def _size(places: NDArray[np.float64]) -> float:
+    return float(np.linalg.norm(places - places.mean(axis=0)))
 
 
 def save(arrays: dict[str, NDArray], path: str | os.PathLike) -> None:
