@@ -49,6 +49,8 @@ def test_models_stand_where_the_head_is(fit):
     radius = np.linalg.norm((vertices - ellipsoid.centre) / ellipsoid.half_axes, axis=1)
     np.testing.assert_allclose(radius, 1, atol=1e-12)
     assert faces.min() == 0 and faces.max() == len(vertices) - 1
+    cut, _ = model_mesh(ellipsoid, (-0.08, 0.05))
+    np.testing.assert_allclose((cut[:, 1].min(), cut[:, 1].max()), (-0.08, 0.05), atol=1e-12)
     with pytest.raises(InvalidInput, match="cube"):
         head_shape("cube", neutral, template)
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
+from mimetic.face_template import load_template
 from mimetic.overlay import make_painter
 from mimetic.performance import HELD_QUALITY, Performance
 from mimetic.whole_file import whole_file
@@ -23,7 +24,7 @@ class HeadDrawing:
 
     def __init__(self, performance: Performance, shape: _core.HeadShape) -> None:
         self.performance = performance
-        self.vertices, faces = model_mesh(shape)
+        self.vertices, faces = model_mesh(shape, _height_of(performance.neutral_vertices))
         self.painter = make_painter(performance, len(self.vertices), faces, [])
 
     def paint(self, image: NDArray[np.uint8], i: int) -> NDArray[np.uint8]:
@@ -34,8 +35,20 @@ class HeadDrawing:
         return self.painter.paint(image, points, quality, frame)
 
 
-def model_mesh(shape: _core.HeadShape) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Vertices (V x 3, metres, head frame) and quads (F x 4) of an ellipsoid or a patch."""
+def _height_of(neutral_vertices: NDArray[np.float64]) -> tuple[float, float]:
+    """Chin and crown (metres, y of the head frame): past them an ellipsoid stands for no skin."""
+    template = load_template()
+    chin = neutral_vertices[template.landmark("menton"), 1]
+    return float(chin), float(neutral_vertices[: template.num_skin_vertices, 1].max())
+
+
+def model_mesh(
+    shape: _core.HeadShape, height: tuple[float, float] = (-np.inf, np.inf)
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Vertices (V x 3, metres, head frame) and quads (F x 4) of an ellipsoid or a patch.
+
+    height: between which y of the head frame an ellipsoid is wanted; metres.
+    """
     is_plane = shape.model == _core.HeadModel.plane
     around = np.linspace(0, 2 * np.pi, AROUND, endpoint=False)
     rings = RINGS if is_plane else UP
@@ -44,7 +57,10 @@ def model_mesh(shape: _core.HeadShape) -> tuple[NDArray[np.float64], NDArray[np.
         place = np.stack([radius * np.cos(around), radius * np.sin(around)], axis=-1)
         place = np.concatenate([place, np.zeros((rings + 1, AROUND, 1))], axis=-1)
     else:
-        up = np.linspace(-0.49 * np.pi, 0.49 * np.pi, rings + 1)[:, None]
+        low, high = (np.array(height) - shape.centre[1]) / shape.half_axes[1]
+        pole = 0.49 * np.pi
+        lowest, highest = np.clip(np.arcsin(np.clip((low, high), -1, 1)), -pole, pole)
+        up = np.linspace(lowest, highest, rings + 1)[:, None]
         flat = np.cos(up)
         place = np.stack(
             [flat * np.sin(around), np.broadcast_to(np.sin(up), (rings + 1, AROUND)),

@@ -7,7 +7,7 @@
 namespace mimetic::head {
 namespace {
 
-constexpr int kSmallestCrop = 48;  // pixels
+constexpr int kSmallestCrop = 64;  // pixels
 
 cv::Vec3f to_vec(const Eigen::Vector3d& v) {
     return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
@@ -145,9 +145,10 @@ std::optional<Camera> crop_camera(const HeadShape& shape, const Camera& camera,
     const int top = std::max(0, static_cast<int>(std::floor(box.min().y() - beyond.y())));
     const int right = std::min(camera.width, static_cast<int>(std::ceil(box.max().x() + beyond.x())) + 1);
     const int bottom = std::min(camera.height, static_cast<int>(std::ceil(box.max().y() + beyond.y())) + 1);
-    const double wanted = std::min(1., crop_height / box.sizes().maxCoeff());
-    const int cols = static_cast<int>((right - left) * wanted);
-    const int rows = static_cast<int>((bottom - top) * wanted);
+    const double least = kSmallestCrop / double(std::max(1, std::min(right - left, bottom - top)));
+    const double wanted = std::min(1., std::max(least, crop_height / box.sizes().maxCoeff()));
+    const int cols = static_cast<int>((right - left) * wanted + 1e-6);
+    const int rows = static_cast<int>((bottom - top) * wanted + 1e-6);
     if (right <= left || bottom <= top || cols < kSmallestCrop || rows < kSmallestCrop) {
         return {};
     }

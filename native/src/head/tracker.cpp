@@ -29,7 +29,9 @@ constexpr double kReferenceStd = 2e-3;  // rad and metres of the first pose: it 
 constexpr double kTooVague = 0.12;      // rad: s.d. of a pose that no reference texture is taken at
 constexpr double kNearer = 0.3;         // share of the distance after which a texture is taken anew
 
-constexpr long kFlowEvery = 6;  // frames on the fast path: samples alone let the distance run away
+constexpr std::size_t kNearViews = 5;   // from which a doubtful frame is tried anew
+constexpr std::size_t kCloseViews = 6;  // taken at half the angle
+constexpr long kFlowEvery = 6;          // frames on the fast path: samples alone let the distance run away
 
 double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
     return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
@@ -61,12 +63,14 @@ struct HeadTracker::State {
     }
     void take_view(const cv::Mat1b& gray, HeadEstimate& estimate);
     bool relax(bool anew);
+    std::vector<std::pair<double, const KeyView*>> views_by_angle(const Eigen::Isometry3d& pose) const;
     std::vector<std::pair<double, const KeyView*>> views_for(const Eigen::Isometry3d& pose) const;
     std::optional<HeadEstimate> follow_flow(const cv::Mat1b& gray) const;
     std::optional<HeadEstimate> register_frame(const cv::Mat1b& gray, const Eigen::Isometry3d& start) const;
     std::optional<HeadEstimate> register_samples(const cv::Mat1b& gray) const;
     std::optional<Eigen::Isometry3d> recall(const cv::Mat1b& gray,
-                                            const std::optional<Eigen::Isometry3d>& guess) const;
+                                            const std::optional<Eigen::Isometry3d>& guess,
+                                            std::size_t num_views) const;
     HeadEstimate estimate(const cv::Mat1b& gray, const std::optional<Eigen::Isometry3d>& guess) const;
     bool wants_view(const HeadEstimate& estimate) const;
 };
@@ -106,15 +110,22 @@ bool HeadTracker::State::relax(bool anew) {
     return has_moved;
 }
 
-/// The nearest reference texture, and the first one, which alone is where it was said to be: a texture taken
-/// at a wrong pose must not confirm itself.
-std::vector<std::pair<double, const KeyView*>> HeadTracker::State::views_for(
+/// Each with its angle from a pose, rad; the nearest first.
+std::vector<std::pair<double, const KeyView*>> HeadTracker::State::views_by_angle(
     const Eigen::Isometry3d& pose) const {
     std::vector<std::pair<double, const KeyView*>> order;
     for (const KeyView& view : views()) {
         order.emplace_back(angle_between(view.camera_from_head(), pose), &view);
     }
     std::sort(order.begin(), order.end());
+    return order;
+}
+
+/// The nearest reference texture, and the first one, which alone is where it was said to be: a texture taken
+/// at a wrong pose must not confirm itself.
+std::vector<std::pair<double, const KeyView*>> HeadTracker::State::views_for(
+    const Eigen::Isometry3d& pose) const {
+    const auto order = views_by_angle(pose);
     std::vector<std::pair<double, const KeyView*>> chosen{{1, order.front().second}};
     const double turn = angle_between(views().front().camera_from_head(), pose);
     if (order.front().second != &views().front() && turn < kAnchorAngle) {
@@ -235,15 +246,18 @@ std::optional<HeadEstimate> HeadTracker::State::register_samples(const cv::Mat1b
     return found;
 }
 
-/// Where a lost head may be: the detector's guess, the last pose, or a pose that it was seen in before.
-std::optional<Eigen::Isometry3d> HeadTracker::State::recall(
-    const cv::Mat1b& gray, const std::optional<Eigen::Isometry3d>& guess) const {
+/// Where a lost head may be: a guess, the last pose, or one of the `num_views` nearest poses that it was seen
+/// in.
+std::optional<Eigen::Isometry3d> HeadTracker::State::recall(const cv::Mat1b& gray,
+                                                            const std::optional<Eigen::Isometry3d>& guess,
+                                                            std::size_t num_views) const {
     std::vector<Eigen::Isometry3d> candidates{last.camera_from_head};
     if (guess) {
         candidates.push_back(*guess);
     }
-    for (const KeyView& view : views()) {
-        candidates.push_back(view.camera_from_head());
+    const auto order = views_by_angle(last.camera_from_head);
+    for (std::size_t k = 0; k < std::min(num_views, order.size()); ++k) {
+        candidates.push_back(order[k].second->camera_from_head());
     }
     double best = -1;
     std::optional<Eigen::Isometry3d> chosen;
@@ -263,18 +277,22 @@ HeadEstimate HeadTracker::State::estimate(const cv::Mat1b& gray,
     if (views().empty()) {
         found = follow_flow(gray);
     } else if (last.held || guess) {
-        const auto start = recall(gray, guess);
+        const auto start = recall(gray, guess, views().size());
         found = start ? register_frame(gray, *start) : std::nullopt;
-    } else if (options.fast && num_frames % kFlowEvery != 0) {
+    } else if (options.fast) {
         found = register_samples(gray);
+        if (found && num_frames % kFlowEvery == 0) {
+            found = register_frame(gray, found->camera_from_head);
+        }
     }
     if (!found && !views().empty() && !last.held && !guess) {
         const auto predicted = follow_flow(gray);
         found = register_frame(gray, predicted ? predicted->camera_from_head : last.camera_from_head);
         constexpr double kDoubtful = .6;
-        if (found && found->quality < kDoubtful) {  // large steps: flow may have gone elsewhere
-            const auto steady = register_frame(gray, last.camera_from_head * step);
-            found = steady && steady->quality > found->quality ? steady : found;
+        if (!found || found->quality < kDoubtful) {  // large steps: flow may have gone elsewhere
+            const auto start = recall(gray, last.camera_from_head * step, kNearViews);
+            const auto other = start ? register_frame(gray, *start) : std::nullopt;
+            found = other && (!found || other->quality > found->quality) ? other : found;
         }
     }
     if (found && found->quality >= options.held_quality && found->camera_from_head.matrix().allFinite()) {
@@ -297,10 +315,12 @@ bool HeadTracker::State::wants_view(const HeadEstimate& estimate) const {
         estimate.held || estimate.quality < kGood || rotation_std(estimate.covariance) > kTooVague) {
         return false;
     }
+    // The first ones stand close: the shape is not known yet, and wrong shapes do not register far.
+    const double apart = (views().size() < kCloseViews ? .5 : 1) * options.key_view_angle;
     return std::none_of(views().begin(), views().end(), [&](const KeyView& view) {
         const double nearer =
             estimate.camera_from_head.translation().norm() / view.camera_from_head().translation().norm();
-        return angle_between(view.camera_from_head(), estimate.camera_from_head) < options.key_view_angle &&
+        return angle_between(view.camera_from_head(), estimate.camera_from_head) < apart &&
                std::abs(nearer - 1) < kNearer;
     });
 }
@@ -313,7 +333,7 @@ HeadTracker::HeadTracker(const Camera& camera, const HeadShape& shape, const Col
     if (!camera_from_head.matrix().allFinite() ||
         !head::crop_camera(shape, camera, camera_from_head, options.crop_height, kMargin)) {
         throw InvalidInput(
-            "the head is out of the reference frame or smaller than 48 pixels there: choose another frame");
+            "the head is out of the reference frame or smaller than 43 pixels there: choose another frame");
     }
     state_ = std::make_unique<State>(camera, shape, options);
     state_->before = state_->to_gray(image);
