@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Writes a .blend with a rig that Rigify has generated: spine, neck and head of its human.
 
-    python make_rigify_rig.py OUT.blend
+    python make_rig.py OUT.blend
 
 A process of its own: Blender 4.5 as a module does not come to its end once Rigify has been in it.
 """
