@@ -41,7 +41,9 @@ def as_text(shown: list[ShownExpression]) -> str:
     listed = ", ".join(f"{name} {count}" for name, count in people.items())
     tables = [
         f"people: {listed}",
+        _true_motion(rows),
         _table("image motion, R2 beyond the true head's", rows, IMAGE, _image_r2, ".3f"),
+        _table("the same of the median person", rows, IMAGE, _median_person, ".3f"),
         _table("moving points, median px", rows, IMAGE, _image_median, ".2f"),
         _table("surface motion in space, R2", rows, SPACE, _space_r2, ".3f"),
         _table("moving points, median mm", rows, SPACE, _space_median, ".2f"),
@@ -50,6 +52,18 @@ def as_text(shown: list[ShownExpression]) -> str:
         own = {name: _own(ones, method) for name, ones in rows.items()}
         tables.append(text_table(f"{method}: muscles, head, time", OWN_COLUMNS, own, CELL))
     return "\n\n".join(tables)
+
+
+def _true_motion(rows: Rows) -> str:
+    columns = {"px": ("px rms", ".2f"), "mm": ("mm rms", ".2f")}
+    values = {
+        name: {
+            "px": _pooled(ones, OURS, "image").rms_motion,
+            "mm": _pooled(ones, OURS, "space").rms_motion,
+        }
+        for name, ones in rows.items()
+    }
+    return text_table("motion beyond the true head's", columns, values, CELL)
 
 
 def grouped(shown: list[ShownExpression]) -> Rows:
@@ -85,6 +99,7 @@ def as_json(shown: list[ShownExpression], drifts: dict[str, Drift]) -> str:
         for method in dict.fromkeys((*IMAGE, *SPACE)):
             made[name][method] = {
                 "image_r2": _image_r2(ones, method),
+                "image_r2_median_person": _median_person(ones, method),
                 "image_median_px": _image_median(ones, method),
                 "surface_r2": _space_r2(ones, method),
                 "surface_median_mm": _space_median(ones, method),
@@ -116,6 +131,11 @@ def _pooled(ones: list[ShownExpression], method: str, where: str) -> Explained:
 
 def _image_r2(ones: list[ShownExpression], method: str) -> float:
     return _pooled(ones, method, "image").r2
+
+
+def _median_person(ones: list[ShownExpression], method: str) -> float:
+    found = [one.image[method].r2 for one in ones if method in one.image]
+    return float(np.median(found)) if found else math.nan
 
 
 def _image_median(ones: list[ShownExpression], method: str) -> float:
