@@ -73,7 +73,7 @@ def main(rig_file: str, performance: str, folder: str) -> None:
     bpy.ops.wm.open_mainfile(filepath=rig_file)
     with np.load(performance, allow_pickle=False) as known:
         vertices, faces = known["neutral_vertices"], known["faces"]
-        seconds = (known["frame"] - 1) / float(known["fps"])
+        seconds = (known["frame"] - 1) / known["fps"].item()
     add_camera_and_light(add_head(bpy.data.objects["rig"], vertices, faces))
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
