@@ -29,9 +29,9 @@ POINT_REGIONS = (
     *("upper_lip", "lower_lip", "chin", "temple"),
 )
 LEAST_COSINE = 0.35  # between a point's normal and the way to the camera
-FLOW_SIGMA = (
-    0.012  # pupil distances: flow's own error, and what faces do between two frames at rest
-)
+# Pupil distances: flow's own error, and what faces do between two frames at rest. Points move alike
+# wrongly, so that smaller values let motion outweigh the landmarks of a good single fit
+FLOW_SIGMA = 0.036
 LARGEST_MISMATCH = 0.04  # pupil distances between flow there and back
 GREY = np.array([0.299, 0.587, 0.114])
 
