@@ -24,6 +24,7 @@ INSERTION_MM, STIFFNESS_FACTOR = 3.0, 2.0
 # grows with the load's square: under this load it is a micrometre.
 SOLVED_STEP = 3
 LEAST_LOAD = 0.05
+MOST_ITERATIONS = 3000  # where a pucker buckles the skin, hundreds are needed
 TOLERANCE = 5e-4  # of the force that is left: some hundredths of a millimetre
 
 
@@ -60,7 +61,7 @@ def _corrections(
         if loads[i].max() < LEAST_LOAD:
             continue
         forces = np.tensordot(loads[i], loaded.forces, axes=1).ravel()
-        solution = solver.solve(forces, tolerance=TOLERANCE)
+        solution = solver.solve(forces, MOST_ITERATIONS, TOLERANCE)
         if not solution.converged:
             raise ValueError(f"{recipe.name}: the skin found no rest in frame {i + 1}")
         linear = loaded.skin.model.solve(forces[:, None])[:, 0]
