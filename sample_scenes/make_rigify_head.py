@@ -44,6 +44,7 @@ def build(arguments: argparse.Namespace, folder: Path) -> None:
     import bpy
     from make_sliders import load_extension
     from mimetic.performance import Performance
+    from rigify_rig import generate_rig
 
     load_extension()
     scene = bpy.context.scene
@@ -62,24 +63,6 @@ def build(arguments: argparse.Namespace, folder: Path) -> None:
     scene.mimetic.head.neck_share = arguments.neck_share
     bpy.ops.mimetic.bake_head()
     film(scene, arguments, folder, first, last)
-
-
-def generate_rig():
-    """Rigify's human, from the hips to the head, generated."""
-    import bpy
-
-    bpy.ops.preferences.addon_enable(module="rigify")
-    bpy.ops.object.armature_human_metarig_add()
-    metarig = bpy.context.object
-    bpy.ops.object.mode_set(mode="EDIT")
-    bones = metarig.data.edit_bones
-    for bone in [bone for bone in bones if not bone.name.startswith("spine")]:
-        bones.remove(bone)
-    bpy.ops.object.mode_set(mode="OBJECT")
-    bpy.ops.pose.rigify_generate()
-    metarig.hide_render = True
-    metarig.hide_set(True)
-    return bpy.context.object
 
 
 def bind(face, rig) -> None:

@@ -16,7 +16,7 @@ import numpy as np
 import pytest
 
 ADDONS = Path(__file__).resolve().parents[2] / "blender_addon"
-RIGIFY = Path(__file__).resolve().parents[2] / "scripts/rigify/make_rig.py"
+RIGIFY = Path(__file__).resolve().parents[2] / "sample_scenes/rigify_rig.py"
 REPOSITORY = "mimetic_tests"
 MODULE = f"bl_ext.{REPOSITORY}.mimetic"
 
