@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
+import os
 import zipfile
+import zlib
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.lib import format as npy
 
-from mimetic import InvalidInput
+from mimetic import InvalidInput, UnreadableMedia
 
 LARGEST_BYTES = 4 << 30
 
@@ -67,6 +69,22 @@ def read_arrays(
         if kind not in (header.dtype.name, header.dtype.kind):
             raise InvalidInput(f"{name} has the type {header.dtype}, expected {kind}")
     return {name: read_array(archive, name) for name in shapes}
+
+
+def read_archive(
+    path: str | os.PathLike,
+    shapes: dict[str, tuple[int | str, ...]],
+    kinds: dict[str, str],
+    largest: dict[str, int],
+) -> dict[str, np.ndarray]:
+    """`read_arrays` of a file; raises InvalidInput, and UnreadableMedia for what is no archive."""
+    try:
+        with zipfile.ZipFile(path) as archive:
+            return read_arrays(archive, shapes, kinds, largest)
+    except (OSError, zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError) as error:
+        raise UnreadableMedia(f"{path}: {error}") from None
+    except InvalidInput as error:
+        raise InvalidInput(f"{path}: {error}") from None
 
 
 def check_shape(

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import os
-import zipfile
 from functools import lru_cache
 from pathlib import Path
 
@@ -12,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia, _core
-from mimetic.array_file import read_arrays
+from mimetic.array_file import read_archive
 from mimetic.face_template import FaceTemplate, data_folder
 from mimetic.residual_shape import FACE
 from mimetic.whole_file import whole_file
@@ -140,13 +139,7 @@ def save(arrays: dict[str, NDArray], path: str | os.PathLike) -> None:
 
 def load(path: str | os.PathLike) -> _core.LandmarkCascade:
     """Raises InvalidInput for a file that holds no cascade, UnreadableMedia for one unreadable."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            arrays = read_arrays(archive, SHAPES, KINDS, LARGEST)
-    except (OSError, zipfile.BadZipFile, EOFError) as error:
-        raise UnreadableMedia(f"{path}: {error}") from None
-    except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from None
+    arrays = read_archive(path, SHAPES, KINDS, LARGEST)
     if (schema := int(arrays["schema"])) != SCHEMA:
         raise InvalidInput(f"{path}: has schema {schema}, this version reads {SCHEMA}")
     try:

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 import statistics
 from collections.abc import Callable, Iterator
@@ -14,6 +13,7 @@ import numpy as np
 
 from mimetic import _core, pipeline, sequence, tracking
 from mimetic.anatomy import AnatomyPerturbation, attach_skin, modes_of
+from mimetic.evaluate.json_text import json_text
 from mimetic.evaluate.rendered import clips
 from mimetic.evaluate.score import score
 from mimetic.evaluate.text_table import text_table
@@ -128,9 +128,5 @@ def as_text(made: dict[str, dict[str, float]]) -> str:
 
 
 def as_json(made: dict[str, dict[str, float]]) -> str:
-    plain = {
-        name: {k: v if math.isfinite(v) else None for k, v in figures.items()}
-        for name, figures in made.items()
-    }
     variants = {name: str(asdict(variant)) for name, variant in VARIANTS.items()}
-    return json.dumps({"variants": variants, "figures": plain}, indent=1)
+    return json_text({"variants": variants, "figures": made})

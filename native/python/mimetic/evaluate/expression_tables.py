@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable
 
@@ -12,6 +11,7 @@ import numpy as np
 from mimetic.evaluate.deviation import Explained
 from mimetic.evaluate.drift import Drift
 from mimetic.evaluate.expressions import ShownExpression
+from mimetic.evaluate.json_text import json_text
 from mimetic.evaluate.methods import CHAINED, DIRECT, LOOP, MESH, MUSCLES, OURS, VERTICES
 from mimetic.evaluate.text_table import text_table
 
@@ -112,7 +112,7 @@ def as_json(shown: list[ShownExpression], drifts: dict[str, Drift]) -> str:
         for one in shown
     }
     document = {"pooled": made, "takes": takes, "drift": {k: vars(v) for k, v in drifts.items()}}
-    return json.dumps(_plain(document), indent=1)
+    return json_text(document)
 
 
 def _table(title: str, rows: Rows, methods: tuple[str, ...], figure: Callable, style: str) -> str:
@@ -168,11 +168,3 @@ def _own(ones: list[ShownExpression], method: str) -> dict[str, float]:
     made["missed"] = 100 * float(np.isnan(onsets).mean()) if len(onsets) else math.nan
     made["false"] = known("false", np.max)
     return made
-
-
-def _plain(value):
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,6 +12,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core
 from mimetic.canonical_image import canonical_image
 from mimetic.evaluate.fit_score import YAW_BINS, Fitted, ShotScore, figures, score_shot
+from mimetic.evaluate.json_text import json_text
 from mimetic.evaluate.portraits import Portraits
 from mimetic.evaluate.text_table import text_table
 from mimetic.face_fit import FaceFit
@@ -129,7 +129,7 @@ def as_text(scores: FitScores) -> str:
 
 def as_json(scores: FitScores) -> str:
     counts = {"pictures": scores.num_pictures, "found": scores.num_found}
-    return json.dumps(counts | {"rows": scores.rows}, indent=1)
+    return json_text(counts | {"rows": scores.rows})
 
 
 def write(scores: FitScores, folder: Path) -> None:

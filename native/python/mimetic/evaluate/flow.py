@@ -8,7 +8,6 @@ by decile of the uncertainty.
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -17,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic._core import FlowMethod, FlowOptions, compute_flow
+from mimetic.evaluate.json_text import json_text
 from mimetic.evaluate.peers import GREY
 from mimetic.evaluate.rendered import clips
 from mimetic.evaluate.text_table import text_table
@@ -106,4 +106,4 @@ def as_text(found: dict[str, FlowErrors]) -> str:
 
 
 def as_json(found: dict[str, FlowErrors]) -> str:
-    return json.dumps({name: by_decile(errors) for name, errors in found.items()}, indent=1)
+    return json_text({name: by_decile(errors) for name, errors in found.items()})

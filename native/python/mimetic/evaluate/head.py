@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 from typing import BinaryIO
@@ -12,6 +11,7 @@ import numpy as np
 
 from mimetic.evaluate.head_clips import face_mesh_python, head_clips, score_clip
 from mimetic.evaluate.head_score import AXES, HeadScore
+from mimetic.evaluate.json_text import json_text
 from mimetic.evaluate.text_table import text_table
 from mimetic.whole_file import whole_file
 
@@ -90,10 +90,9 @@ def as_json(scores: list[HeadScore]) -> str:
     """Figures by clip and method, and the summary; what cannot be told is null."""
     clips: dict[str, dict] = {}
     for score in scores:
-        row = {"kind": score.kind, **_plain(score.figures)}
+        row = {"kind": score.kind, **score.figures}
         clips.setdefault(score.clip, {})[score.method] = row
-    whole = {method: _plain(figures) for method, figures in summary(scores).items()}
-    return json.dumps({"summary": whole, "clips": clips}, indent=1)
+    return json_text({"summary": summary(scores), "clips": clips})
 
 
 def write(scores: list[HeadScore], folder: Path) -> None:
@@ -151,7 +150,3 @@ def _plot_angles(scores: list[HeadScore], stream: BinaryIO) -> None:
 def _mean(scores: list[HeadScore], name: str) -> float:
     known = [s.figures[name] for s in scores if math.isfinite(s.figures.get(name, math.nan))]
     return float(np.mean(known)) if known else math.nan
-
-
-def _plain(figures: dict[str, float]) -> dict[str, float | None]:
-    return {name: value if math.isfinite(value) else None for name, value in figures.items()}

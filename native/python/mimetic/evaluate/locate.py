@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-import json
-import math
 from pathlib import Path
 from typing import BinaryIO
 
 from mimetic import InvalidInput, _core
 from mimetic.evaluate.finders import CASCADES, run_cascade, run_eigenspaces, run_locator
+from mimetic.evaluate.json_text import json_text
 from mimetic.evaluate.locate_score import FALSE_PER_IMAGE, LocateScore, score_run
 from mimetic.evaluate.stills import Stills
 from mimetic.evaluate.text_table import text_table
@@ -65,10 +64,9 @@ def as_json(scores: dict[str, LocateScore]) -> str:
     """Figures and curves by finder; what cannot be told is null."""
     document = {}
     for name, score in scores.items():
-        known = {k: v if math.isfinite(v) else None for k, v in score.figures.items()}
         curve = ("threshold", "false_per_image", "found_rate")
-        document[name] = known | {key: getattr(score, key).tolist() for key in curve}
-    return json.dumps(document, indent=1)
+        document[name] = score.figures | {key: getattr(score, key).tolist() for key in curve}
+    return json_text(document)
 
 
 def write(scores: dict[str, LocateScore], folder: Path) -> None:

@@ -4,14 +4,13 @@
 from __future__ import annotations
 
 import os
-import zipfile
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, UnreadableMedia
-from mimetic.array_file import read_arrays
+from mimetic import InvalidInput
+from mimetic.array_file import read_archive
 from mimetic.evaluate.rendered import render
 from mimetic.face_template import FaceTemplate
 
@@ -43,13 +42,7 @@ class Portraits:
     @classmethod
     def load(cls, path: str | os.PathLike, template: FaceTemplate) -> Portraits:
         """Reads the file; raises InvalidInput, UnreadableMedia."""
-        try:
-            with zipfile.ZipFile(path) as archive:
-                arrays = read_arrays(archive, SHAPES, KINDS, LARGEST)
-        except (OSError, zipfile.BadZipFile, EOFError) as error:
-            raise UnreadableMedia(f"{path}: {error}") from None
-        except InvalidInput as error:
-            raise InvalidInput(f"{path}: {error}") from None
+        arrays = read_archive(path, SHAPES, KINDS, LARGEST)
         people, vertices = arrays["neutral_vertices"].shape[:2]
         if vertices != len(template.vertices):
             raise InvalidInput(

@@ -4,14 +4,13 @@
 from __future__ import annotations
 
 import os
-import zipfile
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, UnreadableMedia
-from mimetic.array_file import read_arrays
+from mimetic import InvalidInput
+from mimetic.array_file import read_archive
 from mimetic.evaluate.rendered import render
 
 PARTS = ("pupil.L", "pupil.R", "nose", "mouth")
@@ -42,13 +41,7 @@ class Stills:
     @classmethod
     def load(cls, path: str | os.PathLike) -> Stills:
         """Reads docs/still-images.md's file; raises InvalidInput, UnreadableMedia."""
-        try:
-            with zipfile.ZipFile(path) as archive:
-                arrays = read_arrays(archive, SHAPES, KINDS, LARGEST)
-        except (OSError, zipfile.BadZipFile, EOFError) as error:
-            raise UnreadableMedia(f"{path}: {error}") from None
-        except InvalidInput as error:
-            raise InvalidInput(f"{path}: {error}") from None
+        arrays = read_archive(path, SHAPES, KINDS, LARGEST)
         if tuple(arrays.pop("parts").tolist()) != PARTS:
             raise InvalidInput(f"{path}: parts must be {', '.join(PARTS)}")
         known = np.isfinite(arrays["places"]).all((1, 2)) & (arrays["ipd"] > 0)

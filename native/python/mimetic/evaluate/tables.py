@@ -3,11 +3,11 @@
 
 from __future__ import annotations
 
-import json
 import math
 import statistics
 from dataclasses import asdict
 
+from mimetic.evaluate.json_text import json_text
 from mimetic.evaluate.score import Score
 from mimetic.evaluate.text_table import number_text, text_table
 
@@ -94,12 +94,4 @@ def _summary_row(score: Score) -> dict[str, float]:
 
 def as_json(scores: list[Score]) -> str:
     """A list of clips with every figure; what cannot be told is null."""
-    return json.dumps([_plain(asdict(score)) for score in scores], indent=1)
-
-
-def _plain(value):
-    if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
-    return value
+    return json_text([asdict(score) for score in scores])
