@@ -57,6 +57,9 @@ def test_a_point_that_turns_away_is_not_visible():
     found = track_points(still_performance(head_pose=turned), np.array([[159.5, 119.5]]), 1)
     assert found.visible[:6, 0].all() and found.visible[7:, 0].all()
     assert not found.visible[6, 0]
+    # Nor is anything under a pixel where all of the sample's skin faces away
+    away = track_points(still_performance(head_pose=turned), np.array([[159.5, 119.5]]), 7)
+    assert not away.on_face.any()
 
 
 def test_the_command_writes_the_tracks(tmp_path, capsys):

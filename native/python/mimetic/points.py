@@ -110,6 +110,10 @@ def find_places(
         vertices[triangles[:, 0]],
     )
     candidates = np.flatnonzero((facing < 0) & (vertices[triangles, 2] > 1e-3).all(axis=1))
+    found = np.full(len(points), -1)
+    weights = np.zeros((len(points), 3))
+    if len(candidates) == 0:
+        return found, weights
     a, b, c = (vertices[triangles[candidates, k]] for k in range(3))
     k = performance.intrinsics
     rays = np.column_stack([points, np.ones(len(points))]) @ np.linalg.inv(k).T
@@ -118,8 +122,6 @@ def find_places(
     volume = np.einsum("tx,tx->t", a, np.cross(b, c))
     with np.errstate(divide="ignore", invalid="ignore"):
         planes = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)]) / volume[:, None]
-    found = np.full(len(points), -1)
-    weights = np.zeros((len(points), 3))
     for first in range(0, len(points), RAYS_AT_ONCE):
         part = slice(first, first + RAYS_AT_ONCE)
         parts = np.einsum("ctx,kx->kct", planes, rays[part])
