@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from mimetic.face_template import FaceTemplate
+from mimetic.luminance import GREY
 
 from evaluation import scene
 from evaluation.motion import rotation
@@ -91,7 +92,7 @@ class Person:
         else:
             centers, radius = self._template.eye_spheres(self._neutral)
             color = eye_albedo(points, centers["LR".index(part[-1])], radius, recipe.seed)
-        return color @ (0.299, 0.587, 0.114)
+        return color @ GREY
 
     def _sampled(self, values: np.ndarray) -> np.ndarray:
         return np.einsum("fcd,cs->fsd", values[self._faces], self._weights).reshape(-1, 3)

@@ -7,14 +7,13 @@ import io
 from dataclasses import dataclass
 
 import numpy as np
+from mimetic.luminance import GREY
 from PIL import Image, ImageDraw, ImageFilter
 
 from evaluation.stills import photograph
 from evaluation.stills.sitters import IMAGE_SIZE
 
 from .people import PX_PER_IPD, SIDE
-
-GREY = np.array([0.299, 0.587, 0.114])
 
 
 @dataclass(frozen=True)

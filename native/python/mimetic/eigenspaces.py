@@ -5,15 +5,13 @@ from __future__ import annotations
 
 import os
 import zipfile
-from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.array_file import check_shape, read_array, read_headers
-from mimetic.face_template import data_folder
+from mimetic.installed_data import installed
 from mimetic.whole_file import whole_file
 
 SCHEMA = 2
@@ -48,16 +46,7 @@ def train(windows: NDArray[np.floating], num_modes: int, shrinkage: float) -> _c
 
 def installed_spaces() -> _core.FaceSpaces:
     """The spaces that come with the package; raises UnreadableMedia without them."""
-    path = data_folder() / FILE_NAME
-    try:
-        return _installed(path, path.stat().st_mtime_ns)
-    except OSError as error:
-        raise UnreadableMedia(f"{path}: {error.strerror}; build the package again") from None
-
-
-@lru_cache(maxsize=1)
-def _installed(path: Path, _changed: int) -> _core.FaceSpaces:
-    return load(path)
+    return installed(FILE_NAME, load)
 
 
 def save(spaces: _core.FaceSpaces, path: str | os.PathLike) -> None:

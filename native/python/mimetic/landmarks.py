@@ -4,15 +4,14 @@
 from __future__ import annotations
 
 import os
-from functools import lru_cache
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, UnreadableMedia, _core
+from mimetic import InvalidInput, _core
 from mimetic.array_file import read_archive
-from mimetic.face_template import FaceTemplate, data_folder
+from mimetic.face_template import FaceTemplate
+from mimetic.installed_data import installed
 from mimetic.residual_shape import FACE
 from mimetic.whole_file import whole_file
 
@@ -93,16 +92,7 @@ def _spread(template: FaceTemplate) -> list[int]:
 
 def installed_cascade() -> _core.LandmarkCascade:
     """The cascade that comes with the package; raises UnreadableMedia without it."""
-    path = data_folder() / FILE_NAME
-    try:
-        return _installed(path, path.stat().st_mtime_ns)
-    except OSError as error:
-        raise UnreadableMedia(f"{path}: {error.strerror}; build the package again") from None
-
-
-@lru_cache(maxsize=1)
-def _installed(path: Path, _changed: int) -> _core.LandmarkCascade:
-    return load(path)
+    return installed(FILE_NAME, load)
 
 
 def measured_landmarks(

@@ -21,7 +21,7 @@ from itertools import compress
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import _core
+from mimetic import _core, luminance
 from mimetic.anatomy import Anatomy, modes_of
 from mimetic.articulators import ARTICULATORS
 from mimetic.face_template import FaceTemplate, load_template
@@ -37,7 +37,7 @@ from mimetic.skin_motion import JAW_MOTIONS, LoadedSkin, dynamics_options, load_
 from mimetic.tracking import UNMEASURED
 
 Floats = NDArray[np.float64]
-GREY = np.array([0.299, 0.587, 0.114], np.float32)
+GREY = luminance.GREY.astype(np.float32)
 NUM_MODES = 8
 MOST_SAMPLES = 1000
 LEAST_COSINE = 0.35  # between a sample's normal and the view

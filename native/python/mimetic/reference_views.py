@@ -18,6 +18,7 @@ from mimetic import _core
 from mimetic.face_fit import FaceFit
 from mimetic.face_template import FaceTemplate
 from mimetic.fitted_view import FittedView
+from mimetic.luminance import GREY
 from mimetic.sampling import sampled
 
 MOST_VIEWS = 6  # beside the reference
@@ -33,7 +34,6 @@ LEAST_COSINE = 0.35  # between a point's normal and the way to the camera
 # wrongly, so that smaller values let motion outweigh the landmarks of a good single fit
 FLOW_SIGMA = 0.036
 LARGEST_MISMATCH = 0.04  # pupil distances between flow there and back
-GREY = np.array([0.299, 0.587, 0.114])
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
+from mimetic.luminance import GREY
 
 Window = NDArray[np.float64]
 
@@ -79,7 +80,7 @@ class _FaceView:
     """The picture in pupil distances from the mid-eye point, x right, y down."""
 
     def __init__(self, image: NDArray[np.uint8], face: _core.FaceFeatures) -> None:
-        self._grey = image @ np.array([0.299, 0.587, 0.114])
+        self._grey = image @ GREY
         self._box = face.box
         places = {feature.name: np.array(feature.position) for feature in face.features}
         self._middle = (places["pupil.R"] + places["pupil.L"]) / 2

@@ -6,7 +6,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-GREY = np.array([0.299, 0.587, 0.114])
+from mimetic.luminance import GREY
+
 REACH = 12  # the surroundings that brightness is judged by: the picture's width over this
 LEAST_CONTRAST = 2.0  # grey levels
 

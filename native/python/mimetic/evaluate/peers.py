@@ -8,10 +8,11 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import NDArray
 
+from mimetic import luminance
 from mimetic._core import FlowMethod, FlowOptions, compute_flow
 from mimetic.sampling import sampled
 
-GREY = np.array([0.299, 0.587, 0.114], np.float32)
+GREY = luminance.GREY.astype(np.float32)
 
 
 def dis_tracks(
