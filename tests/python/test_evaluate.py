@@ -16,12 +16,11 @@ from mimetic.evaluate.drift import drift_of
 from mimetic.evaluate.expressions import Take, shown_expressions
 from mimetic.evaluate.methods import Motion
 from mimetic.evaluate.peers import dis_tracks
-from mimetic.evaluate.prediction import follow, places_under
+from mimetic.evaluate.prediction import follow
 from mimetic.evaluate.score import score
 from mimetic.evaluate.tables import as_json, as_text, summary
 from mimetic.evaluate.vertex_flow import SeenVertices
 from mimetic.footage import Footage
-from mimetic.points import RefinedSurface, find_places
 from sample_performance import make_performance
 
 
@@ -153,15 +152,6 @@ def test_a_silent_muscle_that_moves_is_a_false_activation():
     made = scores.activations(true, estimated, np.ones(true.shape))
     assert made["largest_false"] == pytest.approx(0.3)
     assert made["rmse_active"] == 0
-
-
-def test_points_beside_the_face_move_with_the_nearest_on_it(performance):
-    pixels = np.array([[159.5, 119.5], [5.0, 5.0]])
-    followed = follow(performance, pixels)
-    assert followed.on_face.tolist() == [True, False]
-    np.testing.assert_allclose(followed.tracks[0], pixels, atol=1e-9)
-    motion = followed.tracks - followed.tracks[:1]
-    np.testing.assert_allclose(motion[:, 1], motion[:, 0])
 
 
 def test_a_face_elsewhere_in_the_image_is_an_error(performance):
@@ -349,15 +339,6 @@ def true_performance(truth):
         neutral_vertices=truth.neutral_vertices,
         faces=template.faces,
     )
-
-
-def test_points_are_found_under_their_pixels_tile_by_tile(performance):
-    pixels = performance.image_size / 2 + np.random.default_rng(5).uniform(-40, 40, (60, 2))
-    surface = RefinedSurface(performance)
-    asked = find_places(performance, pixels, surface.in_camera(0), surface.triangles)
-    tiled = places_under(performance, pixels, surface)
-    np.testing.assert_array_equal(tiled[0], asked[0])
-    np.testing.assert_allclose(tiled[1], asked[1])
 
 
 def test_onset_and_peak_are_read_between_frames():

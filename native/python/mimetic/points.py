@@ -14,12 +14,10 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.performance import Performance
+from mimetic.surface_places import COVERED, RefinedSurface, places_under
 from mimetic.whole_file import whole_file
 
-LEVELS = 2  # of refinement: facets of a millimetre or two
 LARGEST_TABLE = 1_000_000  # points
-RAYS_AT_ONCE = 64
-COVERED = 2e-3  # metres behind the surface that still count as seen
 GRAZING = 0.1  # cosine between normal and view below which a point is turned away
 
 
@@ -45,22 +43,23 @@ def track_points(
 ) -> Tracks:
     """Follows pixels (K x 2; (0, 0) is the centre of the top-left one) of `frame`, or of the first.
 
-    Each pixel's ray meets the surface of that frame; the place on the skin is then projected in
-    every frame. Raises InvalidInput on points that are not finite or a frame the file lacks.
+    Each pixel's ray meets the surface of that frame (beside an outline, skin that faces the camera:
+    `surface_places`); the place on the skin is then projected in every frame. Raises InvalidInput
+    on points that are not finite or a frame the file lacks.
     """
     points = np.asarray(points, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
         raise InvalidInput("points must be K rows of two finite numbers, x and y in pixels")
     surface = RefinedSurface(performance)
     start = performance.index_of(frame) if frame is not None else 0
-    vertices = surface.in_camera(start)
-    triangle, weights = find_places(performance, points, vertices, surface.triangles)
-    on_face = triangle >= 0
-    corners = surface.triangles[triangle[on_face]]
-    weights = weights[on_face]
-
+    under = places_under(surface, points, start)
     shape = (performance.num_frames, len(points))
     tracks, visible = np.full((*shape, 2), np.nan), np.zeros(shape, dtype=bool)
+    if under is None:
+        return Tracks(tracks, visible, np.zeros(len(points), dtype=bool))
+    on_face = under.on_face
+    corners = surface.triangles[under.triangle[on_face]]
+    weights, offset = under.weights[on_face], under.offset[on_face]
     for i in range(performance.num_frames):
         vertices = surface.in_camera(i)
         seen = vertices[corners]
@@ -69,74 +68,11 @@ def track_points(
         lengths = np.linalg.norm(normals, axis=1) * np.linalg.norm(places, axis=1)
         turned = -np.einsum("kx,kx->k", normals, places) > GRAZING * lengths
         in_front = places[:, 2] > 1e-3
-        tracks[i, on_face] = performance.project(np.where(in_front[:, None], places, np.nan))
+        shown_at = performance.project(np.where(in_front[:, None], places, np.nan))
+        tracks[i, on_face] = shown_at + offset
         shown = _core.show_points(surface.camera, vertices, surface.faces, places, COVERED)
         visible[i, on_face] = turned & shown
     return Tracks(tracks, visible, on_face)
-
-
-class RefinedSurface:
-    """The performance's limit surface, refined to small facets."""
-
-    def __init__(self, performance: Performance) -> None:
-        self.performance = performance
-        self.used, faces = np.unique(performance.faces, return_inverse=True)
-        faces = np.ascontiguousarray(faces.reshape(-1, 4), dtype=np.int32)
-        self.mesh = _core.SubdividedMesh(faces, len(self.used), LEVELS)
-        self.faces = np.ascontiguousarray(self.mesh.faces, dtype=np.int32)
-        self.triangles = np.concatenate([self.faces[:, [0, 1, 2]], self.faces[:, [0, 2, 3]]])
-        k = performance.intrinsics
-        width, height = (int(side) for side in performance.image_size)
-        self.camera = _core.Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], width, height)
-
-    def in_camera(self, i: int) -> NDArray[np.float64]:
-        control = np.ascontiguousarray(self.performance.surface_in_camera(i)[self.used])
-        return np.ascontiguousarray(self.mesh.positions(control))
-
-
-def find_places(
-    performance: Performance,
-    points: NDArray[np.float64],
-    vertices: NDArray[np.float64],
-    triangles: NDArray[np.int32],
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """The nearest triangle under each pixel (-1: none) and the place in it, K x 3 weights."""
-    facing = np.einsum(
-        "tx,tx->t",
-        np.cross(
-            vertices[triangles[:, 1]] - vertices[triangles[:, 0]],
-            vertices[triangles[:, 2]] - vertices[triangles[:, 0]],
-        ),
-        vertices[triangles[:, 0]],
-    )
-    candidates = np.flatnonzero((facing < 0) & (vertices[triangles, 2] > 1e-3).all(axis=1))
-    found = np.full(len(points), -1)
-    weights = np.zeros((len(points), 3))
-    if len(candidates) == 0:
-        return found, weights
-    a, b, c = (vertices[triangles[candidates, k]] for k in range(3))
-    k = performance.intrinsics
-    rays = np.column_stack([points, np.ones(len(points))]) @ np.linalg.inv(k).T
-    # The ray s r meets a plane where its corners' weights solve s r = u a + v b + w c; each is a
-    # triple product with the ray, and before scaling they sum to 1 / s.
-    volume = np.einsum("tx,tx->t", a, np.cross(b, c))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        planes = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)]) / volume[:, None]
-    for first in range(0, len(points), RAYS_AT_ONCE):
-        part = slice(first, first + RAYS_AT_ONCE)
-        parts = np.einsum("ctx,kx->kct", planes, rays[part])
-        total = parts.sum(axis=1)
-        inside = (
-            np.isfinite(total) & (parts >= -1e-9 * np.abs(total[:, None])).all(axis=1) & (total > 0)
-        )
-        nearness = np.where(inside, total, -1)  # 1 / s
-        best = nearness.argmax(axis=1)
-        rows = np.arange(len(best))
-        hit = nearness[rows, best] > 0
-        found[part] = np.where(hit, candidates[best], -1)
-        chosen = parts[rows, :, best]
-        weights[part] = np.where(hit[:, None], chosen / chosen.sum(axis=1, keepdims=True), 0)
-    return found, weights
 
 
 def read_points(path: str | os.PathLike[str]) -> NDArray[np.float64]:

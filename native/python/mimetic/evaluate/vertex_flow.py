@@ -12,10 +12,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic.evaluate.prediction import places_under
+from mimetic import InvalidInput
 from mimetic.performance import Performance
-from mimetic.points import RefinedSurface
 from mimetic.rotations import from_rotation_vectors
+from mimetic.surface_places import RefinedSurface, places_under
 
 ITERATIONS = 10
 ROBUST_PX = 0.7  # residuals larger than this count less and less
@@ -40,15 +40,17 @@ class SeenVertices:
     def under(cls, performance: Performance, start: NDArray[np.float64]) -> SeenVertices:
         surface = RefinedSurface(performance)
         at_start = surface.in_camera(0)
-        triangle, weights = places_under(performance, start, surface)
-        on_face = triangle >= 0
-        used, places = np.unique(surface.triangles[triangle[on_face]], return_inverse=True)
+        under = places_under(surface, start)
+        if under is None:
+            raise InvalidInput("no skin of the performance faces the camera in the first frame")
+        on_face = under.on_face
+        used, places = np.unique(surface.triangles[under.triangle[on_face]], return_inverse=True)
         pose = performance.head_pose[0]
         return cls(
             performance.project(at_start[used]),
             (at_start[used] - pose[:3, 3]) @ pose[:3, :3],
             places.reshape(-1, 3),
-            weights[on_face],
+            under.weights[on_face],
             on_face,
             pose,
             performance.intrinsics,
