@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
 #include <memory>
 #include <mimetic/face_spaces.hpp>
 #include <mimetic/image.hpp>
@@ -64,14 +65,20 @@ public:
 
 private:
     struct Cascades;
-    std::unique_ptr<Cascades> cascades_;
-    std::unique_ptr<FaceFinder> finder_;  // empty: cascades alone
+    std::unique_ptr<std::array<Cascades, 2>> cascades_;  // two leans are looked at at once
+    std::unique_ptr<FaceFinder> finder_;                 // empty: cascades alone
     LocateOptions options_;
+};
+
+enum class MeasuredParts {
+    all,
+    mouth_and_jaw,
 };
 
 /// Measures the features again, near where a fitted model expects them.
 /// expected: at least the features `pupil.L` and `pupil.R`; the other features and curves guide the search.
 /// search: half width of the search, in interpupillary distances.
-FaceFeatures measure_features(ColorView image, const FaceFeatures& expected, double search = 0.1);
+FaceFeatures measure_features(ColorView image, const FaceFeatures& expected, double search = 0.1,
+                              MeasuredParts parts = MeasuredParts::all);
 
 }  // namespace mimetic

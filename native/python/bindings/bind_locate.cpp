@@ -86,15 +86,17 @@ void bind_locate(py::module_& m) {
             "smallest: least width as a part of the image's shorter side\nreturns: list of CascadeHit");
     m.def(
         "measure_features",
-        [](const ImageArray& image, const FaceFeatures& expected, double search) {
+        [](const ImageArray& image, const FaceFeatures& expected, double search, bool mouth_and_jaw) {
             const ColorView view = view_image<3>(image, "image");
             py::gil_scoped_release release;
-            return measure_features(view, expected, search);
+            return measure_features(view, expected, search,
+                                    mouth_and_jaw ? MeasuredParts::mouth_and_jaw : MeasuredParts::all);
         },
-        py::arg("image").noconvert(), "expected"_a, "search"_a = 0.1,
+        py::arg("image").noconvert(), "expected"_a, "search"_a = 0.1, "mouth_and_jaw"_a = false,
         "Measures the features again, near where a fitted model expects them.\n\n"
         "image: (H, W, 3) uint8 RGB\nexpected: FaceFeatures with pupil.L and pupil.R at least\n"
-        "search: half width of the search, interpupillary distances");
+        "search: half width of the search, interpupillary distances\n"
+        "mouth_and_jaw: measure these alone");
 }
 
 }  // namespace mimetic::bindings

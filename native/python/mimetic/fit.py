@@ -172,7 +172,8 @@ def _fit_from(
 ) -> FaceFit | None:
     model = face_model(template)
     estimate = _core.fit_face(model, [_core.FaceView(landmarks)], camera)
-    seen = _core.measure_features(image, _expected(model, estimate, camera, landmarks), LINE_SEARCH)
+    expected = _expected(model, estimate, camera, landmarks)
+    seen = _core.measure_features(image, expected, LINE_SEARCH, mouth_and_jaw=True)
     features = _core.FaceFeatures(
         landmarks.features,
         [curve for curve in seen.curves if curve.name in LINES],

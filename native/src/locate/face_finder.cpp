@@ -71,6 +71,7 @@ struct FaceFinder::Batch {
         }
     }
 
+    cv::Mat1f highest_response(const cv::Mat1f& flat) const;
     std::vector<Passed> passed(const std::vector<Level>& levels) const;
     std::vector<Seed> seeds(const Pyramid& pyramid, const FaceSearch& options, double largest) const;
     FoundFace closely(const Pyramid& pyramid, const Seed& seed) const;
@@ -85,23 +86,36 @@ struct FaceFinder::Batch {
     int side = 0;
 };
 
+/// Of every window, by its upper left corner: how far the best filter is above its threshold.
+cv::Mat1f FaceFinder::Batch::highest_response(const cv::Mat1f& flat) const {
+    // One transform of the level serves all filters; what wraps round lies beyond the last window
+    const cv::Size padded(cv::getOptimalDFTSize(flat.cols), cv::getOptimalDFTSize(flat.rows));
+    const cv::Rect valid(0, 0, flat.cols - side + 1, flat.rows - side + 1);
+    const auto spectrum_of = [&](const cv::Mat1f& values) {
+        cv::Mat1f spectrum(padded, 0.0f);
+        values.copyTo(spectrum({{0, 0}, values.size()}));
+        cv::dft(spectrum, spectrum, 0, values.rows);
+        return spectrum;
+    };
+    const cv::Mat1f of_level = spectrum_of(flat);
+    cv::Mat1f best, product;
+    for (std::size_t v = 0; v < filters.size(); ++v) {
+        cv::mulSpectrums(of_level, spectrum_of(filters[v]), product, 0, true);
+        cv::dft(product, product, cv::DFT_INVERSE | cv::DFT_SCALE, valid.height);
+        const cv::Mat1f response = product(valid) - spaces.views[v].threshold;
+        best = v == 0 ? response : cv::Mat1f(cv::max(best, response));
+    }
+    return best;
+}
+
 /// Local maxima of the filters above their thresholds, the highest first.
 std::vector<Passed> FaceFinder::Batch::passed(const std::vector<Level>& levels) const {
     std::vector<std::vector<Passed>> by_level(levels.size());
     cv::parallel_for_({0, static_cast<int>(levels.size())}, [&](const cv::Range& range) {
         for (int i = range.start; i < range.end; ++i) {
             const auto at = static_cast<std::size_t>(i);
-            const cv::Mat1f& flat = levels[at].flat;
-            const cv::Rect valid(0, 0, flat.cols - side + 1, flat.rows - side + 1);
-            cv::Mat1f best, response, highest;
-            for (std::size_t v = 0; v < filters.size(); ++v) {
-                cv::filter2D(flat, response, CV_32F, filters[v], {0, 0}, -spaces.views[v].threshold,
-                             cv::BORDER_CONSTANT);
-                if (v == 0)
-                    best = response(valid).clone();
-                else
-                    best = cv::max(best, response(valid));
-            }
+            const cv::Mat1f best = highest_response(levels[at].flat);
+            cv::Mat1f highest;
             cv::dilate(best, highest, {});
             for (int y = 0; y < best.rows; ++y) {
                 for (int x = 0; x < best.cols; ++x) {

@@ -12,10 +12,10 @@
 namespace mimetic {
 namespace {
 
-using locate::Curves;
 using locate::Expected;
 using locate::FacePatch;
 using locate::Features;
+using locate::measure_in_patch;
 
 constexpr double kDetectorSide = 480;   // the longer side of the image that the face cascade sees
 constexpr double kCropSide = 160;       // pixels of a face box when eyes are sought
@@ -78,39 +78,6 @@ struct Candidate {
     cv::Rect2d box;  ///< in the (turned) image
     double votes = 0;
 };
-
-/// Measured features as they are passed out: pixels of the image.
-FaceFeatures to_image(const FacePatch& patch, const Features& features, const Curves& curves) {
-    FaceFeatures face;
-    const double px = patch.image_px_per_ipd();
-    const Eigen::Matrix2d turn = patch.turn / patch.turn.col(0).norm();
-    for (const auto& [name, measured] : features) {
-        face.features.push_back(
-            {name, patch.to_image(measured.position), measured.sigma * px, measured.likelihood});
-    }
-    for (const auto& [name, measured] : curves) {
-        FeatureCurve curve{name, measured.line.points, measured.line.normals,
-                           Eigen::VectorXd(measured.line.points.rows())};
-        for (int i = 0; i < curve.points.rows(); ++i) {
-            curve.points.row(i) = patch.to_image(measured.line.points.row(i));
-            curve.normals.row(i) = turn * measured.line.normals.row(i).transpose();
-            curve.sigma_px(i) = measured.sigma[static_cast<std::size_t>(i)] * px;
-        }
-        face.curves.push_back(std::move(curve));
-    }
-    return face;
-}
-
-FaceFeatures measure_in_patch(const FacePatch& patch, const Expected& expected) {
-    Features features;
-    Curves curves;
-    locate::measure_irises(patch, expected, features);
-    locate::measure_brows(patch, expected, curves);
-    locate::measure_nose(patch, expected, features);
-    locate::measure_mouth(patch, expected, features, curves);
-    locate::measure_jaw(patch, expected, curves);
-    return to_image(patch, features, curves);
-}
 
 /// The average face, its nose and mouth where the modules found them.
 Expected expected_of(const FacePatch& patch, const Eigen::Vector2d& nose, const Eigen::Vector2d& mouth) {
@@ -180,20 +147,6 @@ std::vector<FaceFeatures> together(std::vector<FaceFeatures> by_spaces,
 }
 
 }  // namespace
-
-const Feature* FaceFeatures::find(const std::string& name) const {
-    for (const auto& feature : features) {
-        if (feature.name == name) return &feature;
-    }
-    return nullptr;
-}
-
-const FeatureCurve* FaceFeatures::find_curve(const std::string& name) const {
-    for (const auto& curve : curves) {
-        if (curve.name == name) return &curve;
-    }
-    return nullptr;
-}
 
 void LocateOptions::check() const {
     if (!(smallest_face >= 0.02 && smallest_face <= 1)) {
@@ -267,10 +220,12 @@ locate::EyePair FaceLocator::Cascades::eyes(const cv::Mat& gray, const cv::Rect2
 }
 
 FaceLocator::FaceLocator(const std::string& cascade_directory, const LocateOptions& options)
-    : cascades_(std::make_unique<Cascades>()), options_(options) {
+    : cascades_(std::make_unique<std::array<Cascades, 2>>()), options_(options) {
     options_.check();
-    cascades_->face = load(cascade_directory, "frontalface_alt2");
-    cascades_->eye = load(cascade_directory, "eye");
+    for (auto& cascades : *cascades_) {
+        cascades.face = load(cascade_directory, "frontalface_alt2");
+        cascades.eye = load(cascade_directory, "eye");
+    }
 }
 
 FaceLocator::FaceLocator(const std::string& cascade_directory, FaceSpaces spaces,
@@ -292,16 +247,30 @@ std::vector<FaceFeatures> FaceLocator::locate(ColorView image) const {
         for (const auto& face : faces) likelihood = std::max(likelihood, face.likelihood);
         return likelihood;
     };
-    std::vector<FaceFeatures> found;
-    for (const double roll : {0.0, kLean, -kLean}) {
+    const auto is_sure = [&](const std::vector<FaceFeatures>& faces) {
+        return !faces.empty() && surest(faces) >= (finder_ ? kSure : options_.least_likelihood);
+    };
+    const auto leant_by = [&](double roll, Cascades& cascades) {
         const Upright seen(gray, roll);
         const std::vector<Candidate> boxes =
-            cascades_->boxes(seen.gray, options_.smallest_face, finder_ ? 1 : kNeighbours);
-        std::vector<FaceFeatures> here = cascades_->locate(image, seen, options_, boxes);
-        if (finder_) here = together(cascades_->locate(image, gray, seen, options_, boxes, *finder_), here);
-        if (surest(here) > surest(found)) found = std::move(here);
-        // Part of a leant face can look somewhat like an upright one
-        if (surest(found) >= (finder_ ? kSure : options_.least_likelihood) && !found.empty()) break;
+            cascades.boxes(seen.gray, options_.smallest_face, finder_ ? 1 : kNeighbours);
+        std::vector<FaceFeatures> here = cascades.locate(image, seen, options_, boxes);
+        if (finder_) here = together(cascades.locate(image, gray, seen, options_, boxes, *finder_), here);
+        return here;
+    };
+    std::vector<FaceFeatures> found = leant_by(0, cascades_->at(0));
+    if (!is_sure(found)) {
+        std::array<std::vector<FaceFeatures>, 2> leant;
+        cv::parallel_for_({0, 2}, [&](const cv::Range& range) {
+            for (int i = range.start; i < range.end; ++i) {
+                const auto at = static_cast<std::size_t>(i);
+                leant[at] = leant_by(i == 0 ? kLean : -kLean, cascades_->at(at));
+            }
+        });
+        for (auto& here : leant) {
+            // Part of a leant face can look somewhat like an upright one
+            if (!is_sure(found) && surest(here) > surest(found)) found = std::move(here);
+        }
     }
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.box(2) > b.box(2); });
     return found;
@@ -351,42 +320,6 @@ std::vector<FaceFeatures> FaceLocator::Cascades::locate(ColorView image, const U
         if (made.likelihood >= options.least_likelihood) found.push_back(std::move(made));
     }
     return found;
-}
-
-FaceFeatures measure_features(ColorView image, const FaceFeatures& expected, double search) {
-    check_image_size(image.rows, image.cols, "image");
-    const Feature* right = expected.find("pupil.R");
-    const Feature* left = expected.find("pupil.L");
-    if (right == nullptr || left == nullptr || (left->position - right->position).norm() < 4) {
-        throw InvalidInput("expected features must hold pupil.R and pupil.L at least 4 pixels apart");
-    }
-    const auto refuse = [](const std::string& name) {
-        throw InvalidInput("expected " + name + " is not finite: the fit before has failed");
-    };
-    for (const auto& feature : expected.features) {
-        if (!feature.position.allFinite()) refuse(feature.name);
-    }
-    for (const auto& curve : expected.curves) {
-        if (curve.points.rows() < 2 || !curve.points.allFinite()) refuse(curve.name);
-    }
-    if (!(search > 0 && search <= 1)) {
-        throw InvalidInput("search is " + std::to_string(search) +
-                           "; it must be above 0 and at most 1 (IPD)");
-    }
-    const FacePatch patch = locate::make_patch(image, right->position, left->position);
-    Expected near = locate::average_face();
-    near.search = search;
-    for (const auto& feature : expected.features)
-        near.features[feature.name] = patch.to_ipd(feature.position);
-    for (const auto& curve : expected.curves) {
-        Points2 points(curve.points.rows(), 2);
-        for (int i = 0; i < points.rows(); ++i) points.row(i) = patch.to_ipd(curve.points.row(i));
-        near.curves[curve.name] = points;
-    }
-    FaceFeatures face = measure_in_patch(patch, near);
-    face.box = expected.box;
-    face.likelihood = expected.likelihood;
-    return face;
 }
 
 }  // namespace mimetic

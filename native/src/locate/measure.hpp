@@ -33,6 +33,10 @@ struct MeasuredCurve {
 using Features = std::map<std::string, Measured>;
 using Curves = std::map<std::string, MeasuredCurve>;
 
+/// Features and curves of one face, in pixels of the image.
+FaceFeatures measure_in_patch(const FacePatch& patch, const Expected& expected,
+                              MeasuredParts parts = MeasuredParts::all);
+
 void measure_irises(const FacePatch& patch, const Expected& expected, Features& features);
 void measure_mouth(const FacePatch& patch, const Expected& expected, Features& features, Curves& curves);
 void measure_nose(const FacePatch& patch, const Expected& expected, Features& features);

@@ -96,6 +96,10 @@ TEST(MeasureFeatures, JawCurveLiesOnTheOutlineWithNormalsOutwards) {
         EXPECT_GT(ray.normalized().dot(jaw->normals.row(i)), 0.5);
     }
     EXPECT_LT(off, 0.03);
+    const FaceFeatures lines =
+        measure_features(face.view(), pupils_off_by(face, 0), 0.2, MeasuredParts::mouth_and_jaw);
+    EXPECT_EQ(lines.find("pupil.R"), nullptr);
+    EXPECT_EQ(lines.find_curve("jaw")->points, jaw->points);
 }
 
 TEST(MeasureFeatures, RefusesPupilsThatCoincide) {
