@@ -50,6 +50,7 @@ class CaptureSummary:
     """How a capture went: for the report."""
 
     seconds: dict[str, float] = field(default_factory=dict)  # by stage
+    tracker_seconds: dict[str, float] = field(default_factory=dict)  # of following, by its stages
     settings: dict[str, str] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
     fit: FaceFit | None = None
@@ -58,6 +59,11 @@ class CaptureSummary:
 
     def add(self, stage: str, seconds: float) -> None:
         self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
+
+    def add_tracker(self, times: _core.StageTimes) -> None:
+        for stage in ("predict", "warp", "flow", "solve"):
+            seconds = getattr(times, f"{stage}_ms") / 1e3
+            self.tracker_seconds[stage] = self.tracker_seconds.get(stage, 0.0) + seconds
 
 
 def find_face(
@@ -222,6 +228,7 @@ class _Capture:
         start = time.perf_counter()
         estimate = tracker.advance(image, guess)
         self.summary.add("follow the face", time.perf_counter() - start)
+        self.summary.add_tracker(estimate.times)
         self.num_done += 1
         return estimate
 

@@ -21,6 +21,10 @@ cv::Mat run_dis(const cv::Mat& from, const cv::Mat& to, const FlowOptions& optio
     // Skin moves by fractions of a pixel: the preset's last level, a quarter of the size, is too coarse. The
     // full size costs six times the half, from which OpenCV interpolates.
     dis->setFinestScale(options.finest_level + 1);
+    if (options.first_guess) {
+        constexpr int kFewRefinements = 1;  // they take most of the time
+        dis->setVariationalRefinementIterations(kFewRefinements);
+    }
     cv::Mat flow = initial.clone();
     dis->calc(from, to, flow);
     return flow;
@@ -62,6 +66,23 @@ Appearance compare(const cv::Mat& from, const cv::Mat& to, const cv::Mat& target
     return {blur(gx.mul(gx)), blur(gx.mul(gy)), blur(gy.mul(gy)), blur(residual.mul(residual))};
 }
 
+/// Second moments of how far a pixel lands from itself there and back, direction kept: along an edge it may
+/// wander, across not.
+std::array<cv::Mat, 3> loop_moments(const cv::Mat& forward, const cv::Mat& backward, const cv::Mat& targets) {
+    cv::Mat returned;
+    cv::remap(backward, returned, targets, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+    const cv::Mat loop = forward + returned;
+    std::array<cv::Mat, 2> loops;
+    cv::split(loop, loops.data());
+    return {blur(loops[0].mul(loops[0])), blur(loops[0].mul(loops[1])), blur(loops[1].mul(loops[1]))};
+}
+
+/// What has not gone the way back.
+std::array<cv::Mat, 3> no_moments(const cv::Size& size) {
+    const cv::Mat none = cv::Mat::zeros(size, CV_32F);
+    return {none, none, none};
+}
+
 }  // namespace
 
 FlowField compute_dis(const cv::Mat& from, const cv::Mat& to, const FlowOptions& options,
@@ -82,18 +103,10 @@ FlowField compute_dis(const cv::Mat& from, const cv::Mat& to, const FlowOptions&
             }
         }
     };
-    cv::parallel_for_({0, 2}, one_way, 2);
-    cv::Mat returned;
-    cv::remap(backward, returned, targets, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-
-    // How far a pixel lands from itself there and back, direction kept: along an edge it may wander, across
-    // not.
-    const cv::Mat loop = forward + returned;
-    std::array<cv::Mat, 2> loops;
-    cv::split(loop, loops.data());
-    const cv::Mat loop_xx = blur(loops[0].mul(loops[0]));
-    const cv::Mat loop_xy = blur(loops[0].mul(loops[1]));
-    const cv::Mat loop_yy = blur(loops[1].mul(loops[1]));
+    const int num_ways = options.first_guess ? 1 : 2;
+    cv::parallel_for_({0, num_ways}, one_way, num_ways);
+    const auto [loop_xx, loop_xy, loop_yy] =
+        options.first_guess ? no_moments(from.size()) : loop_moments(forward, backward, targets);
 
     FlowField field{from.rows, from.cols, {}, {}};
     field.flow.assign(forward.ptr<float>(), forward.ptr<float>() + 2 * forward.total());

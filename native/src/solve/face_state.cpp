@@ -35,14 +35,13 @@ Eigen::VectorXd FaceState::difference_from(const FaceState& other) const {
     return step;
 }
 
-void skin_jacobian(const Camera& camera, const FaceState& state, const SkinPoint& skin,
-                   const Eigen::Matrix3Xf& modes, Eigen::Matrix<float, 2, Eigen::Dynamic>& jacobian,
-                   Eigen::Matrix<double, 2, 3>& by_point) {
-    const Eigen::Vector3d turned = state.camera_from_head.linear() *
-                                   (skin.neutral + skin.modes * state.values.cast<float>()).cast<double>();
+void skin_jacobian(const Camera& camera, const Eigen::Isometry3d& camera_from_head,
+                   const Eigen::Vector3d& point_in_head, const Eigen::Matrix3Xf& modes,
+                   Eigen::Matrix<float, 2, Eigen::Dynamic>& jacobian, Eigen::Matrix<double, 2, 3>& by_point) {
+    const Eigen::Vector3d turned = camera_from_head.linear() * point_in_head;
     const Eigen::Matrix<double, 2, 3> projection =
-        camera.project_jacobian(turned + state.camera_from_head.translation());
-    by_point = projection * state.camera_from_head.linear();
+        camera.project_jacobian(turned + camera_from_head.translation());
+    by_point = projection * camera_from_head.linear();
     jacobian.resize(2, 6 + modes.cols());
     jacobian.leftCols<3>() = (-projection * cross_matrix(turned)).cast<float>();
     jacobian.middleCols<3>(3) = projection.cast<float>();

@@ -13,10 +13,10 @@ struct FaceState {
     Eigen::VectorXd difference_from(const FaceState& other) const;  ///< step that leads from other to this
 };
 
-/// d frame pixel / d (rotation vector, translation, values) of a skin point, 2 x (6 + M); modes: 3 x M, those
-/// of the point or as a flow shows them.
-void skin_jacobian(const Camera& camera, const FaceState& state, const SkinPoint& skin,
-                   const Eigen::Matrix3Xf& modes, Eigen::Matrix<float, 2, Eigen::Dynamic>& jacobian,
-                   Eigen::Matrix<double, 2, 3>& by_point);
+/// d frame pixel / d (rotation vector, translation, values) of a point of the head, 2 x (6 + M); modes: 3 x
+/// M, those of the point or as a flow shows them.
+void skin_jacobian(const Camera& camera, const Eigen::Isometry3d& camera_from_head,
+                   const Eigen::Vector3d& point_in_head, const Eigen::Matrix3Xf& modes,
+                   Eigen::Matrix<float, 2, Eigen::Dynamic>& jacobian, Eigen::Matrix<double, 2, 3>& by_point);
 
 }  // namespace mimetic

@@ -43,8 +43,8 @@ JointSolver::JointSolver(const FaceMotion& motion, std::vector<Eigen::Vector3f> 
       error_nodes_(std::move(error_nodes)),
       field_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(2 * error_nodes_.size()))) {}
 
-void JointSolver::find_near_nodes(const Eigen::Vector3f& point, std::vector<NearNode>& near) const {
-    near.clear();
+std::vector<JointSolver::NearNode> JointSolver::find_near_nodes(const Eigen::Vector3f& point) const {
+    std::vector<NearNode> near;
     const auto radius = static_cast<float>(noise_.correlation_length);
     float energy = 1e-9f;
     for (std::size_t node = 0; node < error_nodes_.size(); ++node) {
@@ -56,6 +56,18 @@ void JointSolver::find_near_nodes(const Eigen::Vector3f& point, std::vector<Near
     }
     for (NearNode& entry : near) {
         entry.height /= std::sqrt(energy);
+    }
+    return near;
+}
+
+void JointSolver::find_near_nodes() {
+    near_.clear();
+    for (const SampleMeasurement& measurement : *measurements_) {
+        const auto [entry, is_new] = near_of_.try_emplace(measurement.sample);
+        if (is_new) {
+            entry->second = find_near_nodes(measurement.sample->skin.neutral);
+        }
+        near_.push_back(&entry->second);
     }
 }
 
@@ -70,7 +82,7 @@ void JointSolver::linearise(const Camera& camera, const FaceState& state,
     whiteners_.resize(count);
     field_pixels_.resize(count);
     projections_.resize(count);
-    near_.resize(count);
+    find_near_nodes();
     const Eigen::VectorXf values = state.values.cast<float>();
     in_parts(count, [&](std::size_t, std::size_t begin, std::size_t end) {
         Eigen::Matrix<float, 2, Eigen::Dynamic> jacobian;
@@ -78,16 +90,16 @@ void JointSolver::linearise(const Camera& camera, const FaceState& state,
         for (std::size_t k = begin; k < end; ++k) {
             const SampleMeasurement& measurement = measurements[k];
             const SkinPoint& skin = measurement.sample->skin;
-            skin_jacobian(camera, state, skin, measurement.sample->seen_modes, jacobian, by_point);
+            const Eigen::Vector3f moved = skin.modes * values;
+            skin_jacobian(camera, state.camera_from_head, (skin.neutral + moved).cast<double>(),
+                          measurement.sample->seen_modes, jacobian, by_point);
             const auto row = static_cast<Eigen::Index>(2 * k);
             jacobians_.middleRows<2>(row) = jacobian;
             displacements_.segment<2>(row) = measurement.displacement.cast<float>();
             projections_[k] = by_point.cast<float>();
-            find_near_nodes(skin.neutral, near_[k]);
-            const double moved = (skin.modes * values).norm();
             const double error =
                 std::hypot(noise.model_error, noise.shape_error * measurement.view_angle_sine,
-                           noise.motion_error * moved);
+                           noise.motion_error * double(moved.norm()));
             field_pixels_[k] = (error * by_point.leftCols<2>()).cast<float>();
             const double fine_px = noise.fine_error * std::sqrt(.5) * by_point.norm();
             whiteners_[k] =
@@ -110,7 +122,7 @@ void JointSolver::reweight(const Eigen::VectorXd& step, double robust_cut) {
             const SampleMeasurement& measurement = (*measurements_)[k];
             const auto row = static_cast<Eigen::Index>(2 * k);
             Eigen::Vector2f field = Eigen::Vector2f::Zero();
-            for (const NearNode& near : near_[k]) {
+            for (const NearNode& near : *near_[k]) {
                 field += near.height * field_.segment<2>(2 * near.node).cast<float>();
             }
             const Eigen::Vector2f left =
@@ -123,7 +135,7 @@ void JointSolver::reweight(const Eigen::VectorXd& step, double robust_cut) {
                           static_cast<float>(noise_.samples_a_window);
             const Eigen::Matrix2f whitener = std::sqrt(weights_[k]) * whiteners_[k];
             rows_.middleCols<2>(row).noalias() =
-                jacobians_.middleRows<2>(row).transpose() * whitener.transpose();
+                jacobians_.middleRows<2>(row).transpose().lazyProduct(whitener.transpose());
             targets_.segment<2>(row) = whitener * displacements_.segment<2>(row);
         }
         parts[part] = sums_of(begin, end);
@@ -140,19 +152,20 @@ JointSolver::Sums JointSolver::sums_of(std::size_t begin, std::size_t end) const
               rows * targets_.segment(first_row, rows.cols()), Eigen::MatrixXd::Zero(num_field, num_field),
               Eigen::VectorXd::Zero(num_field)};
     sums.information.selfadjointView<Eigen::Lower>().rankUpdate(rows);
+    Eigen::Matrix<float, Eigen::Dynamic, 2> moved(size, 2);
     for (std::size_t k = begin; k < end; ++k) {
         if (weights_[k] <= 0) {
             continue;
         }
         const auto row = static_cast<Eigen::Index>(2 * k);
         const Eigen::Matrix2f field_rows = std::sqrt(weights_[k]) * whiteners_[k] * field_pixels_[k];
-        const Eigen::Matrix<float, Eigen::Dynamic, 2> moved = rows_.middleCols<2>(row) * field_rows;
+        moved.noalias() = rows_.middleCols<2>(row).lazyProduct(field_rows);
         const Eigen::Matrix2d own = (field_rows.transpose() * field_rows).cast<double>();
         const Eigen::Vector2d target = (field_rows.transpose() * targets_.segment<2>(row)).cast<double>();
-        for (const NearNode& first : near_[k]) {
+        for (const NearNode& first : *near_[k]) {
             sums.field_coupling.middleCols<2>(2 * first.node) += first.height * moved;
             sums.field_pull.segment<2>(2 * first.node) += first.height * target;
-            for (const NearNode& second : near_[k]) {
+            for (const NearNode& second : *near_[k]) {
                 sums.field_information.block<2, 2>(2 * first.node, 2 * second.node) +=
                     first.height * second.height * own;
             }
@@ -176,10 +189,11 @@ void JointSolver::sum_up(const std::vector<Sums>& parts) {
     field_information_.diagonal().array() += 1;
     field_coupling_ = all.field_coupling.transpose().cast<double>();
     field_pull_ = all.field_pull;
-    const Eigen::LLT<Eigen::MatrixXd> factor(field_information_);
-    const Eigen::MatrixXd half = factor.matrixL().solve(field_coupling_);
-    information_ -= half.transpose() * half;
-    pull_ -= field_coupling_.transpose() * factor.solve(field_pull_);
+    field_factor_.compute(field_information_);
+    const Eigen::MatrixXd half = field_factor_.matrixL().solve(field_coupling_);
+    information_.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose(), -1);
+    information_.triangularView<Eigen::StrictlyUpper>() = information_.transpose();
+    pull_ -= field_coupling_.transpose() * field_factor_.solve(field_pull_);
 }
 
 Eigen::VectorXd JointSolver::solve(const StepPrior& prior, const FaceState& state, Eigen::Index num_free,
@@ -190,7 +204,7 @@ Eigen::VectorXd JointSolver::solve(const StepPrior& prior, const FaceState& stat
         constexpr double kBeforeStep = 3;
         reweight(step, noise_.robust_cut * (round == 0 ? kBeforeStep : 1));
         step = bounded(prior, state, num_free);
-        field_ = field_information_.llt().solve(field_pull_ - field_coupling_ * step);
+        field_ = field_factor_.solve(field_pull_ - field_coupling_ * step);
     }
     return step;
 }

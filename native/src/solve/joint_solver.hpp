@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <unordered_map>
+
 #include "face_state.hpp"
 #include "texture_flow.hpp"
 
@@ -62,7 +64,8 @@ private:
         Eigen::VectorXd field_pull;
     };
 
-    void find_near_nodes(const Eigen::Vector3f& point, std::vector<NearNode>& near) const;
+    std::vector<NearNode> find_near_nodes(const Eigen::Vector3f& point) const;
+    void find_near_nodes();
     void reweight(const Eigen::VectorXd& step, double robust_cut);
     void sum_up(const std::vector<Sums>& parts);
     Sums sums_of(std::size_t begin, std::size_t end) const;
@@ -78,12 +81,14 @@ private:
     std::vector<Eigen::Matrix2f> whiteners_;  // of each sample for itself
     std::vector<Eigen::Matrix<float, 2, 3>> projections_;
     std::vector<Eigen::Matrix2f> field_pixels_;  // frame pixels a unit of the field, head x and y
-    std::vector<std::vector<NearNode>> near_;
+    std::unordered_map<const ReferenceSample*, std::vector<NearNode>> near_of_;  // a sample keeps its own
+    std::vector<const std::vector<NearNode>*> near_;
     std::vector<float> robust_weights_, weights_;
     std::vector<double> distances_px_;
     // The field's normal equations: two coefficients a node, of unit variance
     Eigen::MatrixXd field_information_, field_coupling_;  // 2N x 2N, 2N x n
     Eigen::VectorXd field_pull_, field_;
+    Eigen::LLT<Eigen::MatrixXd> field_factor_;
     Eigen::MatrixXd information_;
     Eigen::VectorXd pull_;
 };

@@ -64,8 +64,9 @@ void TextureFlow::compare_patches(const cv::Mat1f& reference, const cv::Mat1f& t
 }
 
 void TextureFlow::measure(const ReferenceView& view, const cv::Mat2f& map, const cv::Mat1f& texture,
-                          const std::vector<float>& visible, double view_angle_sine,
+                          const std::vector<float>& visible, double view_angle_sine, bool first_guess,
                           std::vector<SampleMeasurement>& measurements) {
+    options_.first_guess = first_guess;
     view.texture().convertTo(from_, CV_8U, 1, 128);
     texture.convertTo(to_, CV_8U, 1, 128);
     const FlowField flow =

@@ -22,9 +22,10 @@ struct SampleMeasurement {
 class TextureFlow {
 public:
     explicit TextureFlow(FlowMethod method);
-    /// map: as ReferenceView::stabilise gives it; visible: of each sample. Appends to `measurements`.
+    /// map: as ReferenceView::stabilise gives it; visible: of each sample; first_guess: as in FlowOptions.
+    /// Appends to `measurements`.
     void measure(const ReferenceView& view, const cv::Mat2f& map, const cv::Mat1f& texture,
-                 const std::vector<float>& visible, double view_angle_sine,
+                 const std::vector<float>& visible, double view_angle_sine, bool first_guess,
                  std::vector<SampleMeasurement>& measurements);
 
 private:

@@ -168,18 +168,24 @@ void FaceTracker::State::find_visible(const ReferenceView& view, std::vector<flo
     }
 }
 
-void FaceTracker::State::measure(std::vector<SampleMeasurement>& out, FrameScore& score) {
-    out.clear();
+void FaceTracker::State::raster_surface() {
+    constexpr int kRasterHeight = 80;
+    const double face_height = face_pixels_per_crop_pixel() * options.crop_height;
+    raster_scale = std::min(1., kRasterHeight / face_height);
+    const Eigen::Vector2d head = camera.project(state.camera_from_head.translation());
+    raster_origin = head - Eigen::Vector2d::Constant(1.2 * face_height);
+    const int side = static_cast<int>(2.4 * face_height * raster_scale);
+    raster.update(projected, surface.triangles(), raster_origin, raster_scale, side, side);
+}
+
+void FaceTracker::State::measure(bool first_guess, FrameScore& score) {
+    measurements.clear();
     {
         const StageClock clock(times.warp_ms);
         projected.update(surface, camera, state.camera_from_head, state.values);
-        constexpr int kRasterHeight = 80;
-        const double face_height = face_pixels_per_crop_pixel() * options.crop_height;
-        raster_scale = std::min(1., kRasterHeight / face_height);
-        const Eigen::Vector2d head = camera.project(state.camera_from_head.translation());
-        raster_origin = head - Eigen::Vector2d::Constant(1.2 * face_height);
-        const int side = static_cast<int>(2.4 * face_height * raster_scale);
-        raster.update(projected, surface.triangles(), raster_origin, raster_scale, side, side);
+        if (first_guess) {
+            raster_surface();  // what hides what hardly changes with the steps that follow
+        }
     }
     const std::vector<std::size_t> chosen = choose_views();
     score.num_views = static_cast<int>(chosen.size());
@@ -192,9 +198,10 @@ void FaceTracker::State::measure(std::vector<SampleMeasurement>& out, FrameScore
             view.stabilise(surface.triangles(), projected, frame, map, stabilised);
         }
         const StageClock clock(times.flow_ms);
-        texture_flow.measure(view, map, stabilised, visible, std::sin(std::min(1.5, view_angle(view))), out);
+        texture_flow.measure(view, map, stabilised, visible, std::sin(std::min(1.5, view_angle(view))),
+                             first_guess, measurements);
     }
-    score.num_samples = static_cast<int>(out.size());
+    score.num_samples = static_cast<int>(measurements.size());
 }
 
 FrameScore FaceTracker::State::register_textures(const StepPrior& prior, int num_iterations,
@@ -205,20 +212,19 @@ FrameScore FaceTracker::State::register_textures(const StepPrior& prior, int num
         if (!(state.camera_from_head.translation().z() > .02)) {
             return {};
         }
-        measure(measurements, score);
+        measure(iteration == 0, score);
         if (measurements.size() < 30) {
             return {};
         }
         const StageClock clock(times.solve_ms);
         NoiseModel present = noise;
-        // Far off at first: the robust cut closes in as the texture does.
-        present.robust_cut *= iteration == 0 ? 2.5 : iteration == 1 ? 1.5 : 1;
+        present.robust_cut *= iteration == 0 ? 2.5 : 1;  // far off at first
         solver->linearise(camera, state, measurements, present);
         const Eigen::VectorXd step = solver->solve(at_state(prior), state, num_free, iteration == 0 ? 3 : 2);
         last_step = step;
         state.apply(step);
         state.values = state.values.cwiseMax(motion.lower).cwiseMin(motion.upper);
-        constexpr double kStill = 2e-3;  // of values; rad of turn are alike in pixels
+        constexpr double kStill = 5e-3;  // of values; rad of turn are alike in pixels
         if (iteration > 0 && step.head<3>().norm() < kStill &&
             step.tail(num_values()).cwiseAbs().maxCoeff() < 3 * kStill) {
             break;

@@ -23,7 +23,9 @@ TEST(FaceState, SkinJacobianMeetsFiniteDifferences) {
     skin.modes << .01f, 0, .002f, .004f, -.01f, 0, 0, .003f, .008f;
     Eigen::Matrix<float, 2, Eigen::Dynamic> jacobian;
     Eigen::Matrix<double, 2, 3> by_point;
-    skin_jacobian(camera, state, skin, skin.modes, jacobian, by_point);
+    const Eigen::Vector3f point_in_head = skin.neutral + skin.modes * state.values.cast<float>();
+    skin_jacobian(camera, state.camera_from_head, point_in_head.cast<double>(), skin.modes, jacobian,
+                  by_point);
     const auto project = [&](const Eigen::VectorXd& step) {
         FaceState moved = state;
         moved.apply(step);
