@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import itertools
 import resource
 import subprocess
 import sys
@@ -40,11 +41,12 @@ def clip_of(num_frames: int) -> Path:
 
 def flow_ms(path: Path, method: FlowMethod) -> float:
     """Median milliseconds of the flow with covariance between whole neighbouring frames."""
-    frames = [np.round(image @ GREY).astype(np.uint8) for _, image in Footage(path).frames(1, 1 + FLOW_PAIRS)]
+    images = Footage(path).frames(1, 1 + FLOW_PAIRS)
+    frames = [np.round(image @ GREY).astype(np.uint8) for _, image in images]
     options = FlowOptions()
     options.method = method
     taken = []
-    for before, after in zip(frames, frames[1:], strict=False):
+    for before, after in itertools.pairwise(frames):
         start = time.perf_counter()
         compute_flow(before, after, options)
         taken.append(1e3 * (time.perf_counter() - start))
