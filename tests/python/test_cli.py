@@ -17,7 +17,9 @@ def test_version_and_help_name_the_commands(capsys):
     assert all(name in text for name in cli.COMMANDS)
 
 
-@pytest.mark.parametrize("name", ["capture", "head", "points", "evaluate", "info", "bake"])
+@pytest.mark.parametrize(
+    "name", ["calibrate", "capture", "head", "points", "evaluate", "info", "bake"]
+)
 def test_every_command_has_help(name, capsys):
     assert main([name, "--help"]) == 0
     assert name in capsys.readouterr().out

@@ -101,6 +101,14 @@ struct FrameEstimate {
     }
 };
 
+/// Where the skin was seen in one frame: K points of it, found by flow against reference textures.
+struct SkinObservations {
+    Triangles vertices;           ///< K x 3: refined vertices around each point
+    Points barycentric;           ///< K x 3: their shares
+    Rows<double, 2> pixels;       ///< K x 2: where the point is in the frame, by flow alone
+    Rows<double, 4> information;  ///< K x (2 x 2), frame pixels^-2; neighbours share, outliers have 0
+};
+
 /// Follows one face: pose, muscles and articulators together, each frame against reference textures
 /// (no drift), after a first guess by frame-to-frame flow. Memory does not depend on the clip's length.
 class FaceTracker {
@@ -115,6 +123,9 @@ public:
 
     /// The next frame. guess: where a detector sees the head, used when the face was lost.
     FrameEstimate advance(const ColorView& image, const std::optional<Eigen::Isometry3d>& guess = {});
+
+    /// What the last frame's estimate rests on; none where the face was lost.
+    SkinObservations observations() const;
 
     /// Goes back to a state, to follow the clip the other way; reference textures are kept.
     void restart(const ColorView& image, const FrameEstimate& estimate);

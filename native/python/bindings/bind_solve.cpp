@@ -126,6 +126,17 @@ void bind_estimate(py::module_& m) {
         .def_readonly("times", &FrameEstimate::times);
 }
 
+void bind_observations(py::module_& m) {
+    py::class_<SkinObservations>(m, "SkinObservations",
+                                 "Where K points of the skin were seen in one frame, by flow alone.")
+        .def_readonly("vertices", &SkinObservations::vertices,
+                      "(K, 3) int32, refined vertices around each point")
+        .def_readonly("barycentric", &SkinObservations::barycentric, "(K, 3), their shares")
+        .def_readonly("pixels", &SkinObservations::pixels, "(K, 2), in the frame")
+        .def_readonly("information", &SkinObservations::information,
+                      "(K, 4), rows of 2 x 2, pixels^-2; neighbours share, outliers have 0");
+}
+
 void bind_tracker(py::module_& m) {
     py::class_<FaceTracker>(
         m, "FaceTracker",
@@ -158,6 +169,8 @@ void bind_tracker(py::module_& m) {
             "FrameEstimate of the next frame.\n\nimage: (H, W, 3) uint8; guess: (4, 4) where a detector sees "
             "the head,\n"
             "used when the face was lost.")
+        .def("observations", &FaceTracker::observations,
+             "SkinObservations that the last frame's estimate rests on; none where the face was lost.")
         .def(
             "restart",
             [](FaceTracker& tracker, const ImageArray& image, const FrameEstimate& estimate) {
@@ -176,6 +189,7 @@ void bind_solve(py::module_& m) {
     bind_options(m);
     bind_model(m);
     bind_estimate(m);
+    bind_observations(m);
     bind_tracker(m);
 }
 

@@ -16,8 +16,9 @@ import numpy as np
 
 from mimetic import _core
 from mimetic.articulators import ARTICULATORS, EyeLids, Jaw, eye_frames
+from mimetic.calibration import Calibration
 from mimetic.skin_checks import check_areas, check_size
-from mimetic.skin_mesh import LEVELS, SkinMesh, find_place, keep_columns, multiply
+from mimetic.skin_mesh import LEVELS, Place, SkinMesh, find_place, keep_columns, multiply
 
 SIDES = ("L", "R")
 MATERIALS = ("young", "poisson", "thickness", "pre_stress", "tangential", "normal")
@@ -87,9 +88,15 @@ def attach(
 
 
 def attach_skin(
-    neutral_vertices, template, perturbation: AnatomyPerturbation | None = None
+    neutral_vertices,
+    template,
+    perturbation: AnatomyPerturbation | None = None,
+    calibration: Calibration | None = None,
 ) -> AttachedSkin:
-    """A head's skin on its bones, checked; arguments and errors of `attach`."""
+    """A head's skin on its bones, checked; arguments and errors of `attach`.
+
+    calibration: what is known of this person's skin and muscles.
+    """
     neutral = np.ascontiguousarray(neutral_vertices, dtype=np.float64)
     if neutral.shape != np.shape(template.vertices):
         raise _core.InvalidInput(
@@ -101,24 +108,27 @@ def attach_skin(
     mesh = SkinMesh(template, neutral)
     _core.check_openings(mesh.triangles, 1, 2 * 4**LEVELS)
     check_areas(mesh.vertices, mesh.triangles, mesh.refinement.parent_face)
-    return AttachedSkin(mesh, (perturbation or AnatomyPerturbation()).stiffness_factor)
+    factor = (perturbation or AnatomyPerturbation()).stiffness_factor
+    return AttachedSkin(mesh, factor, calibration)
 
 
 def modes_of(skin: AttachedSkin, perturbation: AnatomyPerturbation | None = None) -> Anatomy:
-    """Muscles, jaw and lids on a skin that is attached."""
+    """Muscles, jaw and lids on a skin that is attached; strengths as it was calibrated."""
     mesh, template = skin.mesh, skin.mesh.template
     canonical = SkinMesh(template, np.ascontiguousarray(template.vertices, dtype=np.float64))
-    muscles = place_muscles(canonical, mesh, perturbation or AnatomyPerturbation())
+    names = muscle_names()
+    shifts = skin.calibration.insertion_shifts(names)
+    muscles = place_muscles(canonical, mesh, perturbation or AnatomyPerturbation(), shifts)
     forces = np.stack([mesh.surface.forces(muscle) for muscle in muscles])
     responses = skin.respond(forces)
-    strengths = calibrate(canonical, mesh, responses)
+    strengths = calibrate(canonical, mesh, responses) * skin.calibration.strength_factors(names)
     muscle_modes = skin.spread(responses * strengths[:, None, None])
     jaw = Jaw(mesh)
     jaw_modes = [skin.move_bone(jaw, name) for name in ("jaw_open", "jaw_side", "jaw_thrust")]
     lid_modes = [lid for frame in eye_frames(mesh) for lid in EyeLids(frame).modes()]
     modes = dict(zip(ARTICULATORS, [*jaw_modes, *lid_modes], strict=True))
     return Anatomy(
-        muscle_names=tuple(f"{row['name']}.{side}" for row in muscle_table() for side in SIDES),
+        muscle_names=names,
         groups=np.repeat([row["group"] for row in muscle_table()], 2).astype(np.int32),
         muscle_modes=muscle_modes,
         muscle_strengths=strengths,
@@ -128,16 +138,29 @@ def modes_of(skin: AttachedSkin, perturbation: AnatomyPerturbation | None = None
     )
 
 
+def muscle_names() -> tuple[str, ...]:
+    """The 36, left and right of each pair in turn."""
+    return tuple(f"{row['name']}.{side}" for row in muscle_table() for side in SIDES)
+
+
 def place_muscles(
-    canonical: SkinMesh, mesh: SkinMesh, perturbation: AnatomyPerturbation
+    canonical: SkinMesh,
+    mesh: SkinMesh,
+    perturbation: AnatomyPerturbation,
+    shifts_mm: np.ndarray | None = None,
 ) -> list[_core.Muscle]:
-    """The 36 muscles on a person's skin, left and right of each pair in turn."""
+    """The 36 muscles on a person's skin, left and right of each pair in turn.
+
+    shifts_mm: 36 x 2 of the insertions along the skin, away from the midline and up.
+    """
+    shifts_mm = np.zeros((2 * len(muscle_table()), 2)) if shifts_mm is None else shifts_mm
     random = np.random.default_rng(perturbation.seed)
     muscles = []
     for row in muscle_table():
         for side in SIDES:
             angle = random.uniform(0, 2 * np.pi)
             shift = perturbation.insertion_mm * np.array([np.cos(angle), np.sin(angle)])
+            shift += shifts_mm[len(muscles)]
             muscles.append(place_muscle(canonical, mesh, row, side, shift))
     return muscles
 
@@ -177,8 +200,7 @@ def calibrate(canonical: SkinMesh, mesh: SkinMesh, responses: np.ndarray) -> np.
     strengths = []
     for row in muscle_table():
         for side in SIDES:
-            anchor, x, y = row["measured_at"]
-            place = find_place(canonical, anchor, x, y, 0, side)
+            place = measured_place(canonical, row, side)
             response = responses[len(strengths)]
             indptr, indices, weights = mesh.stencils
             own = slice(indptr[place.vertex], indptr[place.vertex + 1])
@@ -187,15 +209,27 @@ def calibrate(canonical: SkinMesh, mesh: SkinMesh, responses: np.ndarray) -> np.
     return np.array(strengths)
 
 
+def measured_place(canonical: SkinMesh, row: dict, side: str) -> Place:
+    """The place on the skin by whose motion a muscle's strength is known."""
+    anchor, x, y = row["measured_at"]
+    return find_place(canonical, anchor, x, y, 0, side)
+
+
 class AttachedSkin:
     """Skin with its materials on its bones, factored when first asked."""
 
-    def __init__(self, mesh: SkinMesh, stiffness_factor: float):
+    def __init__(
+        self, mesh: SkinMesh, stiffness_factor: float, calibration: Calibration | None = None
+    ):
         self.mesh = mesh
+        self.calibration = calibration or Calibration()
         template = mesh.template
         self.free = self._free_vertices()
         self.basis = keep_columns(mesh.stencils, self.free)
-        self.materials = self._materials(stiffness_factor)
+        stiffness = stiffness_factor
+        if self.calibration.stiffness:
+            stiffness = stiffness * self.calibration.stiffness_factors(mesh)
+        self.materials = self._materials(stiffness)
         self.num_vertices = len(template.vertices)
 
     @cached_property
@@ -247,7 +281,7 @@ class AttachedSkin:
         held |= mesh.in_region("eye_socket") & ~np.isfinite(depth)
         return ~held
 
-    def _materials(self, stiffness_factor: float) -> _core.SkinMaterials:
+    def _materials(self, stiffness_factor: float | np.ndarray) -> _core.SkinMaterials:
         mesh = self.mesh
         table = load_table("materials.toml")
         count = int(mesh.template.num_skin_vertices)

@@ -23,6 +23,10 @@ COMMANDS = {
         "mimetic.fit_command",
         "video of a face -> the person's head, and the canonical picture",
     ),
+    "calibrate": (
+        "mimetic.calibrate_command",
+        "a few seconds of a face -> how its skin is held, how strong its muscles are",
+    ),
     "head": ("mimetic.head_command", "video of a head -> its motion alone, overlay, plot"),
     "points": ("mimetic.points", "where pixels of one frame go in all others"),
     "bake": ("mimetic.bake", "a performance -> animated head in a .blend or .glb"),

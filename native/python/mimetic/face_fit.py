@@ -12,13 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia, _core
+from mimetic.calibration import Calibration
 from mimetic.face_template import FaceTemplate
 from mimetic.fitted_view import FittedView, checked_places, checked_pose, named, numbers
 from mimetic.residual_shape import residual_modes
 from mimetic.whole_file import whole_file
 
-SCHEMA = 2
-OLDER_SCHEMA = 1  # without residual and views
+SCHEMA = 3
+# Keys that came with a schema; files of older ones still load.
+ADDED = {2: {"residual", "views"}, 3: {"calibration"}}
 LARGEST_FILE = 4 << 20  # bytes
 MOST_VIEWS = 100
 
@@ -41,6 +43,7 @@ class FaceFit:
     warnings: list[str] = field(default_factory=list)
     residual: list[float] = field(default_factory=list)  # of `residual_shape.residual_modes`
     views: list[FittedView] = field(default_factory=list)
+    calibration: Calibration = field(default_factory=Calibration)  # `mimetic calibrate` finds it
 
     def __post_init__(self) -> None:
         _check(self)
@@ -91,6 +94,7 @@ class FaceFit:
             "warnings": self.warnings,
             "residual": self.residual,
             "views": [view.as_json() for view in self.views],
+            "calibration": self.calibration.as_json(),
         }
         with whole_file(path) as stream:
             stream.write(json.dumps(document, indent=1, allow_nan=False).encode() + b"\n")
@@ -124,13 +128,13 @@ def _fields(document: object) -> dict:
     needed = {"schema", "frame", "image_size", "intrinsics", "head_pose", "identity"}
     known = needed | {"features", "error", "warnings"}
     schema = document.get("schema")
-    if schema not in (SCHEMA, OLDER_SCHEMA):
+    if isinstance(schema, bool) or schema not in range(1, SCHEMA + 1):
         raise InvalidInput(
             f"face fit has schema {schema!r}, this version reads {SCHEMA}: "
             "update Mimetic or fit again"
         )
-    if schema == SCHEMA:
-        known |= {"residual", "views"}
+    for number, keys in ADDED.items():
+        known |= keys if schema >= number else set()
     if missing := sorted(needed - document.keys()):
         raise InvalidInput(f"face fit lacks {', '.join(missing)}")
     if unknown := sorted(document.keys() - known):
@@ -139,7 +143,11 @@ def _fields(document: object) -> dict:
     views = fields.get("views", [])
     if not isinstance(views, list) or len(views) > MOST_VIEWS:
         raise InvalidInput(f"face fit's views must be a list of at most {MOST_VIEWS}")
-    return fields | {"views": [FittedView.from_json(view) for view in views]}
+    calibration = Calibration.from_json(fields.get("calibration", {}))
+    return fields | {
+        "views": [FittedView.from_json(view) for view in views],
+        "calibration": calibration,
+    }
 
 
 def _check(fit: FaceFit) -> None:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -224,7 +224,8 @@ def refit(
     ]
     observed = [view.observed() for view in views]
     estimate = _core.fit_face(model, observed, fit.camera, start=_estimate_of(fit, template))
-    return _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
+    found = _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
+    return replace(found, calibration=fit.calibration)
 
 
 def join_views(
@@ -261,7 +262,8 @@ def join_views(
     estimate = _core.fit_face(model, observed, fit.camera, start=start)
     if not estimate.converged:
         return fit
-    return _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
+    found = _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
+    return replace(found, calibration=fit.calibration)
 
 
 def landmark_places(

@@ -282,7 +282,7 @@ def capture_by_loop(
     fit = fit_for(footage, (first, last), fit, progress, summary)
     begun = time.perf_counter()
     template = load_template()
-    skin = load_skin(fit.neutral_vertices(template), template)
+    skin = load_skin(fit.neutral_vertices(template), template, calibration=fit.calibration)
     face = ReducedFace.of(skin)
     summary.add("attach the muscles", time.perf_counter() - begun)
     begun = time.perf_counter()

@@ -183,7 +183,7 @@ class _Capture:
         start = time.perf_counter()
         self.template = load_template()
         self.neutral = fit.neutral_vertices(self.template)
-        skin = attach_skin(self.neutral, self.template)
+        skin = attach_skin(self.neutral, self.template, calibration=fit.calibration)
         self.anatomy = modes_of(skin)
         self.detail = detail_of(skin, tracking.UNMEASURED)
         self.motion = tracking.face_motion(self.neutral, self.template, self.anatomy, self.detail)
@@ -303,6 +303,7 @@ class _Capture:
     def _notes(self, rows: Rows) -> list[str] | None:
         notes = [
             *(*self.footage.warnings, *self.fit.warnings),
+            *self.fit.calibration.notes(),
             *notes_on(rows, (self.first, self.last), self.summary.stopped, "face"),
         ]
         self.summary.warnings = notes

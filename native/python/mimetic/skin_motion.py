@@ -15,15 +15,15 @@ import numpy as np
 
 from mimetic import _core
 from mimetic.anatomy import (
-    SIDES,
     AnatomyPerturbation,
     AttachedSkin,
     calibrate,
     load_table,
-    muscle_table,
+    muscle_names,
     place_muscles,
 )
 from mimetic.articulators import Jaw
+from mimetic.calibration import Calibration
 from mimetic.skin_mesh import Csr, SkinMesh, keep_columns
 
 JAW_MOTIONS = ("jaw_open", "jaw_side", "jaw_thrust")
@@ -94,23 +94,29 @@ class LoadedSkin:
 
 
 def load_skin(
-    neutral_vertices, template, *, perturbation: AnatomyPerturbation | None = None
+    neutral_vertices,
+    template,
+    *,
+    perturbation: AnatomyPerturbation | None = None,
+    calibration: Calibration | None = None,
 ) -> LoadedSkin:
-    """A head's skin with the forces that give `anatomy.attach`'s modes; arguments as there."""
+    """A head's skin with the forces that give `modes_of`'s modes; arguments of `attach_skin`."""
     perturbation = perturbation or AnatomyPerturbation()
     neutral = np.ascontiguousarray(neutral_vertices, dtype=np.float64)
     mesh = SkinMesh(template, neutral)
     canonical = SkinMesh(template, np.ascontiguousarray(template.vertices, dtype=np.float64))
-    skin = AttachedSkin(mesh, perturbation.stiffness_factor)
-    muscles = place_muscles(canonical, mesh, perturbation)
+    skin = AttachedSkin(mesh, perturbation.stiffness_factor, calibration)
+    names = muscle_names()
+    shifts = skin.calibration.insertion_shifts(names)
+    muscles = place_muscles(canonical, mesh, perturbation, shifts)
     forces = np.stack([mesh.surface.forces(muscle) for muscle in muscles])
     strengths = calibrate(canonical, mesh, skin.respond(forces))
+    strengths *= skin.calibration.strength_factors(names)
     jaw = Jaw(mesh)
     jaw_forces = [
         skin.model.foundation_forces(jaw.influence[:, None] * jaw.motion(name, mesh.vertices))
         for name in JAW_MOTIONS
     ]
-    names = [f"{row['name']}.{side}" for row in muscle_table() for side in SIDES]
     return LoadedSkin(
         skin,
         (*names, *JAW_MOTIONS),

@@ -11,6 +11,7 @@ from mimetic import InvalidInput
 from mimetic.eigenspaces import installed_spaces, load
 from mimetic.evaluate import (
     ablations,
+    calibration,
     expression_tables,
     expressions,
     fit,
@@ -37,12 +38,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "finds faces on still images instead, beside OpenCV's cascades; `head` scores what follows "
         "heads on rendered sequences, beside MediaPipe's face mesh; `fit` scores heads fitted to "
         "portraits (docs/fitting.md); `flow` tells whether optical flow knows how far it is off, "
-        "`ablations` what each part of the capture is good for (docs/evaluation.md)."
+        "`ablations` what each part of the capture is good for (docs/evaluation.md), `calibration` "
+        "what knowing a person's skin is worth (docs/calibration.md)."
     )
     parser.add_argument(
         "what",
         nargs="?",
-        choices=("ablations", "capture", "fit", "flow", "head", "locate"),
+        choices=("ablations", "calibration", "capture", "fit", "flow", "head", "locate"),
         default="capture",
         help="what to score (default: capture)",
     )
@@ -80,6 +82,8 @@ def run_evaluate(options: argparse.Namespace) -> int:
         return _run_locate(options)
     if options.images or options.eigenspaces:
         raise InvalidInput("--images and --eigenspaces go with `mimetic evaluate locate`")
+    if options.what == "calibration":
+        return _run_calibration(options)
     if options.set in expressions.SETS:
         return _run_expressions(options)
     if options.people is not None:
@@ -153,6 +157,18 @@ def _run_parts(options: argparse.Namespace) -> int:
     else:
         made = ablations.score_ablations(options.set, _to_stderr)
         print(ablations.as_json(made) if options.json else ablations.as_text(made))
+    return 0
+
+
+def _run_calibration(options: argparse.Namespace) -> int:
+    if options.truth or options.performance or options.footage or options.out:
+        raise InvalidInput(
+            "--truth, --performance, --footage and --out do not go with `calibration`"
+        )
+    if options.people is not None and options.set not in expressions.SETS:
+        raise InvalidInput("--people goes with --set full")
+    made = calibration.score_calibration(options.set, options.people, _to_stderr)
+    print(calibration.as_json(made) if options.json else calibration.as_text(made))
     return 0
 
 

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From footage to a calibrated fit: the capture, keeping where the skin was seen."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+import numpy as np
+
+from mimetic import InvalidInput, pipeline
+from mimetic.calibrate import Found, estimate
+from mimetic.fit import FaceFit
+from mimetic.footage import Footage
+from mimetic.pipeline import CaptureSummary, FrameRange, Progress
+from mimetic.sightings import Sighting
+from mimetic.skin_mesh import SkinMesh
+
+LEAST_FRAMES = 15  # in which the face was followed
+MOST_FRAMES = 600  # of footage: 20 s show what there is, and all are kept in memory
+FOLLOWED = 0.6  # of the work, for the progress
+
+
+class _ObservedCapture(pipeline._Capture):
+    """A capture that keeps where the skin was seen in every frame that was followed."""
+
+    sightings: list[Sighting]
+
+    def _advance(self, tracker, frame, image, guess=None):
+        found = super()._advance(tracker, frame, image, guess)
+        if not found.held and self.first <= frame <= self.last:
+            self.sightings.append(Sighting.of(frame, found, tracker.observations()))
+        return found
+
+
+def calibrate(
+    path: str | os.PathLike[str],
+    frames: FrameRange | None = None,
+    fit: FaceFit | None = None,
+    progress: Progress | None = None,
+) -> tuple[FaceFit, Found]:
+    """The fit with the calibration that `frames` of the footage make most probable.
+
+    fit: of this footage, found if there is none; what it was calibrated to before is replaced.
+    progress: as `pipeline.capture` has it; False raises KeyboardInterrupt. Raises NothingSeen where
+    no expression was seen, NoFace, UnreadableMedia, InvalidInput.
+    """
+    footage = Footage(path)
+    first, last = pipeline.check_range(frames, footage)
+    num_asked = last - first + 1
+    if not LEAST_FRAMES <= num_asked <= MOST_FRAMES:
+        raise InvalidInput(
+            f"calibration rests on {LEAST_FRAMES} to {MOST_FRAMES} frames, {first}:{last} are "
+            f"{num_asked}: choose a few seconds in which the face moves (--frames A:B)"
+        )
+    summary = CaptureSummary()
+    fit = pipeline.fit_for(footage, (first, last), fit, progress, summary)
+    fit = replace(fit, calibration=type(fit.calibration)())
+
+    def part(start: float, share: float) -> Progress:
+        return lambda fraction, text: not progress or progress(start + share * fraction, text)
+
+    capture = _ObservedCapture(footage, fit, (first, last), part(0.0, FOLLOWED), summary)
+    capture.sightings = []
+    capture.run()
+    if summary.stopped:
+        raise KeyboardInterrupt
+    if len(capture.sightings) < LEAST_FRAMES:
+        raise InvalidInput(
+            f"{footage.path.name}: the face was followed in {len(capture.sightings)} of the frames "
+            f"{first} to {last}, calibration needs {LEAST_FRAMES}: choose others (--frames A:B)"
+        )
+    mesh = SkinMesh(capture.template, np.ascontiguousarray(capture.neutral))
+    weigh = part(FOLLOWED, 1 - FOLLOWED)
+    found = estimate(
+        mesh,
+        capture.sightings,
+        fit.camera,
+        fit.head_pose,
+        lambda fraction: weigh(fraction, "weighing the evidence"),
+    )
+    return replace(fit, calibration=found.calibration), found

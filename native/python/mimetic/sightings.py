@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the skin was seen in a frame, as displacements that a person's modes should explain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import _core
+from mimetic.skin_mesh import SkinMesh, multiply
+
+Floats = NDArray[np.float64]
+MOST_POINTS = 350  # of a frame that are worked with, spread evenly
+POSE_STD = np.array([0.1, 0.1, 0.1, 0.02, 0.02, 0.02])  # rad, metres: nearly free
+# What no skin of ours explains: a smooth field with these s.d. of its amplitude
+MODEL_ERROR = 0.3e-3  # metres, whatever moves
+SHAPE_ERROR = 4e-3  # metres of depth, seen as the head turns: as the capture takes it
+MOTION_ERROR = 0.1  # of the displacement, beside what calibration may change
+CORRELATION_LENGTH = 0.012  # metres over the skin
+NODE_SPACING = 0.02
+
+
+@dataclass(frozen=True)
+class Sighting:
+    """K points of the skin in one frame, and the state that the capture gave it."""
+
+    frame: int
+    camera_from_head: Floats  # 4 x 4, metres
+    values: Floats  # M
+    vertices: NDArray[np.int32]  # K x 3, refined vertices around each point
+    barycentric: Floats  # K x 3
+    pixels: Floats  # K x 2, by flow alone
+    information: Floats  # K x 2 x 2
+
+    @classmethod
+    def of(
+        cls, frame: int, estimate: _core.FrameEstimate, seen: _core.SkinObservations
+    ) -> Sighting:
+        """Of a frame that the tracker has just advanced to."""
+        information = np.asarray(seen.information).reshape(-1, 2, 2)
+        kept = np.flatnonzero(np.trace(information, axis1=1, axis2=2) > 0)
+        share = max(1, -(-len(kept) // MOST_POINTS))
+        kept = kept[::share]
+        return cls(
+            frame,
+            np.array(estimate.camera_from_head),
+            np.array(estimate.values),
+            np.asarray(seen.vertices)[kept],
+            np.asarray(seen.barycentric)[kept],
+            np.asarray(seen.pixels)[kept],
+            share * information[kept],
+        )
+
+
+def at_points(mesh: SkinMesh, sighting: Sighting, modes: Floats) -> Floats:
+    """K x 3 x M of the seen points from modes M x S x 3 of the skin."""
+    used, place = np.unique(sighting.vertices, return_inverse=True)
+    indptr, indices, weights = mesh.stencils
+    rows = [np.arange(indptr[v], indptr[v + 1]) for v in used]
+    starts = np.concatenate([[0], np.cumsum([len(row) for row in rows])]).astype(np.int32)
+    entries = np.concatenate(rows)
+    stencils = (starts, indices[entries], weights[entries])
+    refined = multiply(stencils, modes.transpose(1, 2, 0))
+    corners = refined[place.reshape(sighting.vertices.shape)]
+    return np.einsum("kc,kcxm->kxm", sighting.barycentric, corners)
+
+
+@dataclass(frozen=True)
+class Whitened:
+    """A frame's measured displacements, and what turns displacements of its points into them."""
+
+    sighting: Sighting
+    displacement: Floats  # 2K, whitened
+    by_point: Floats  # 2K x 3K, whitened pixels a metre in the head frame
+
+
+def whiten(
+    mesh: SkinMesh, sighting: Sighting, modes: Floats, camera: _core.Camera, reference: Floats
+) -> Whitened:
+    """Displacements from the neutral, free of pose, noise and smooth model error of unit variance.
+
+    modes: those that the capture used, M x S x 3; reference: 4 x 4, pose of the fitted frame.
+    """
+    count = len(sighting.pixels)
+    rest = at_points(mesh, sighting, mesh.neutral[None, : modes.shape[1]])[:, :, 0]
+    moved = at_points(mesh, sighting, modes) @ sighting.values
+    pixels, by_point, by_pose = _projected(camera, sighting.camera_from_head, rest + moved)
+    found = sighting.pixels - pixels + np.einsum("kpx,kx->kp", by_point, moved)
+    view = _view(reference) @ _view(sighting.camera_from_head)
+    error = np.hypot(
+        np.hypot(MODEL_ERROR, SHAPE_ERROR * np.sqrt(max(0.0, 1 - view**2))),
+        MOTION_ERROR * np.linalg.norm(moved, axis=1),
+    )
+    field = _smooth_field(rest) * error[:, None]
+    across = np.einsum("kpx,kn->kpnx", by_point[:, :, :2], field).reshape(2 * count, -1)
+    whole = np.concatenate([by_pose.reshape(2 * count, 6) * POSE_STD, across], axis=1)
+    roots = np.linalg.cholesky(sighting.information + 1e-12 * np.eye(2)).transpose(0, 2, 1)
+    own = np.einsum("kij,kjc->kic", roots, whole.reshape(count, 2, -1)).reshape(2 * count, -1)
+    root = np.linalg.cholesky(np.eye(2 * count) + own @ own.T)
+    spread = np.zeros((count, 2, count, 3))
+    at = np.arange(count)
+    spread[at, :, at] = roots @ by_point
+    both = np.concatenate(
+        [
+            np.einsum("kij,kj->ki", roots, found).reshape(-1, 1),
+            spread.reshape(2 * count, 3 * count),
+        ],
+        axis=1,
+    )
+    both = np.linalg.solve(root, both)
+    return Whitened(sighting, both[:, 0], both[:, 1:])
+
+
+def _view(pose: Floats) -> Floats:
+    """Direction from the head to the camera, head frame."""
+    towards = -pose[:3, :3].T @ pose[:3, 3]
+    return towards / np.linalg.norm(towards)
+
+
+def _projected(camera: _core.Camera, pose: Floats, points: Floats) -> tuple[Floats, Floats, Floats]:
+    """Pixels K x 2, derivatives by the points K x 2 x 3 and by a step of the pose K x 2 x 6."""
+    turned = points @ pose[:3, :3].T
+    x, y, z = (turned + pose[:3, 3]).T
+    zero = np.zeros_like(z)
+    by_place = np.stack(
+        [
+            np.stack([camera.fx / z, zero, -camera.fx * x / z**2], axis=1),
+            np.stack([zero, camera.fy / z, -camera.fy * y / z**2], axis=1),
+        ],
+        axis=1,
+    )
+    a, b, c = turned.T
+    cross = np.stack([zero, c, -b, -c, zero, a, b, -a, zero], axis=1).reshape(-1, 3, 3)
+    pixels = np.stack([camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy], axis=1)
+    return pixels, by_place @ pose[:3, :3], np.concatenate([by_place @ cross, by_place], axis=2)
+
+
+def _smooth_field(points: Floats) -> Floats:
+    """K x nodes: heights of unit variance of a field over the skin."""
+    nodes = points[:0]
+    for point in points:
+        if len(nodes) == 0 or np.linalg.norm(nodes - point, axis=1).min() > NODE_SPACING:
+            nodes = np.vstack([nodes, point])
+    square = ((points[:, None] - nodes) ** 2).sum(axis=2)
+    heights = np.exp(-square / (2 * CORRELATION_LENGTH**2))
+    return heights / np.linalg.norm(heights, axis=1, keepdims=True)
