@@ -19,7 +19,7 @@ from mimetic.calibration import LEAST, MOST, REGIONS, Calibration
 from mimetic.evidence import LARGEST_STEP, LinearFrame, Peak, linear_frame, maximise
 from mimetic.sightings import Sighting, Whitened, at_points, whiten
 from mimetic.skin_mesh import SkinMesh
-from mimetic.skin_response import ResponsiveModes, SkinResponse
+from mimetic.skin_response import JAW_MODES, ResponsiveModes, SkinResponse
 from mimetic.tracking import ARTICULATOR_STD
 
 Floats = NDArray[np.float64]
@@ -30,7 +30,9 @@ ACTIVATION_STD = 0.5  # of a muscle that is seen at work
 AT_WORK = 0.05  # a smaller value counts as at rest
 LEAST_PEAK = 0.15  # of an activation: less tells nothing of the muscle's strength
 MOST_FRAMES = 8
-LEAST_APART = 0.5  # root sum of squared activations between frames that count as different
+# Root sum of squares of activations and jaw: of an expression, and between frames that count as
+# different where expressions are strong; half the strongest where they are weak.
+LEAST_SEEN, LEAST_APART = 0.15, 0.5
 MOST_ROUNDS = 3
 SETTLED = 0.03  # change of a logarithm
 # With more of its prior's standard deviation left, a factor is not informed and stays at 1.
@@ -55,17 +57,22 @@ class NothingSeen(InvalidInput):
     """The footage shows too little motion to tell anything; the text says so."""
 
 
-def choose(sightings: Sequence[Sighting], num_muscles: int) -> list[Sighting]:
-    """The frames that show most and differ most; raises NothingSeen."""
-    values = np.array([sighting.values[:num_muscles] for sighting in sightings])
-    if len(values) == 0 or np.linalg.norm(values, axis=1).max() < LEAST_APART:
+def choose(sightings: Sequence[Sighting], num_moving: int) -> list[Sighting]:
+    """The frames that show most and differ most; raises NothingSeen.
+
+    num_moving: the first so many values count, muscles and jaw; lids move no skin that is measured.
+    """
+    values = np.array([sighting.values[:num_moving] for sighting in sightings])
+    largest = np.linalg.norm(values, axis=1).max() if len(values) else 0.0
+    if largest < LEAST_SEEN:
         raise NothingSeen(
             "no expression was seen, so that skin and muscles cannot be told: all factors stay at "
             "1; choose frames in which the face moves (--frames A:B), best every part of it"
         )
     away = np.linalg.norm(values, axis=1)  # from rest, which tells nothing
     chosen: list[int] = []
-    while len(chosen) < MOST_FRAMES and away.max() >= LEAST_APART:
+    apart = min(LEAST_APART, largest / 2)
+    while len(chosen) < MOST_FRAMES and away.max() >= apart:
         chosen.append(int(away.argmax()))
         away = np.minimum(away, np.linalg.norm(values - values[chosen[-1]], axis=1))
     return [sightings[i] for i in sorted(chosen)]
@@ -85,7 +92,7 @@ def estimate(
     NothingSeen.
     """
     response = SkinResponse(mesh)
-    chosen = choose(sightings, len(response.names))
+    chosen = choose(sightings, len(response.names) + len(JAW_MODES))
     peaks = np.max([one.values[: len(response.names)] for one in chosen], axis=0)
     asked = Parameters(response.names, tuple(np.flatnonzero(peaks > LEAST_PEAK)))
     place = np.zeros(len(asked.prior))

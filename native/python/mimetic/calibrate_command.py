@@ -43,7 +43,7 @@ def run_calibrate(arguments: argparse.Namespace) -> int:
     if out.is_dir() or not out.parent.is_dir():
         raise InvalidInput(f"--out {out}: give a file in a folder that exists")
     fit = FaceFit.load(arguments.fit) if arguments.fit else None
-    with Console() as console, listen_for_interrupt() as interrupted:
+    with Console() as console, listen_for_interrupt("nothing is kept") as interrupted:
 
         def progress(fraction: float, text: str) -> bool:
             console.show(fraction, text)

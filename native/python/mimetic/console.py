@@ -74,15 +74,20 @@ def _make_bar():
 
 
 @contextlib.contextmanager
-def listen_for_interrupt() -> Iterator[Callable[[], bool]]:
-    """The first Ctrl-C asks to finish what is begun, the second ends at once."""
+def listen_for_interrupt(
+    announced: str = "keeping what is done",
+) -> Iterator[Callable[[], bool]]:
+    """The first Ctrl-C asks to finish what is begun, the second ends at once.
+
+    announced: what the user is told will become of the work.
+    """
     asked = threading.Event()
 
     def ask(_signal, _frame) -> None:
         if asked.is_set():
             raise KeyboardInterrupt
         asked.set()
-        print("\nstopping: keeping what is done (Ctrl-C again ends at once)", file=sys.stderr)
+        print(f"\nstopping: {announced} (Ctrl-C again ends at once)", file=sys.stderr)
 
     before = signal.signal(signal.SIGINT, ask)
     try:
