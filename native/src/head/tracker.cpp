@@ -50,7 +50,8 @@ struct HeadTracker::State {
     cv::Mat1b before;  // the last frame
     HeadEstimate last;
     Eigen::Isometry3d step = Eigen::Isometry3d::Identity();  // of the head in its own frame, frame to frame
-    std::vector<SampleView> sampled;                         // of each view, on the fast path
+    // Of each view, on the fast path, once it is wanted: relaxing moves all of them
+    mutable std::vector<std::optional<SampleView>> sampled;
     long num_frames = 0;
 
     State(const Camera& of, const HeadShape& start, const HeadOptions& given)
@@ -63,6 +64,7 @@ struct HeadTracker::State {
     }
     void take_view(const cv::Mat1b& gray, HeadEstimate& estimate);
     bool relax(bool anew);
+    const SampleView& samples_of(const KeyView& view) const;
     std::vector<std::pair<double, const KeyView*>> views_by_angle(const Eigen::Isometry3d& pose) const;
     std::vector<std::pair<double, const KeyView*>> views_for(const Eigen::Isometry3d& pose) const;
     std::optional<HeadEstimate> follow_flow(const cv::Mat1b& gray) const;
@@ -101,13 +103,17 @@ void HeadTracker::State::take_view(const cv::Mat1b& gray, HeadEstimate& estimate
 
 bool HeadTracker::State::relax(bool anew) {
     const bool has_moved = graph.relax(anew);
-    if (options.fast) {
-        sampled.clear();
-        for (const KeyView& view : views()) {
-            sampled.emplace_back(shape(), options, head::make_pyramid(view.crop()), view.camera_from_head());
-        }
-    }
+    sampled.clear();
+    sampled.resize(views().size());
     return has_moved;
+}
+
+const SampleView& HeadTracker::State::samples_of(const KeyView& view) const {
+    std::optional<SampleView>& samples = sampled[static_cast<std::size_t>(&view - views().data())];
+    if (!samples) {
+        samples.emplace(shape(), options, head::make_pyramid(view.crop()), view.camera_from_head());
+    }
+    return *samples;
 }
 
 /// Each with its angle from a pose, rad; the nearest first.
@@ -212,7 +218,7 @@ std::optional<HeadEstimate> HeadTracker::State::register_samples(const cv::Mat1b
         ViewShares samples;
         double shares = 0;
         for (const auto& [share, view] : views_for(pose)) {
-            samples.emplace_back(share, &sampled[static_cast<std::size_t>(view - views().data())]);
+            samples.emplace_back(share, &samples_of(*view));
             covariance += share * view->covariance();
             shares += share;
         }
