@@ -49,21 +49,25 @@ cv::Mat blur(const cv::Mat& plane) {
     return blurred;
 }
 
-/// What the images say of a flow: its structure tensor, and how far grey levels are from one another.
-struct Appearance {
-    cv::Mat tensor_xx, tensor_xy, tensor_yy, variance;
+struct StructureTensor {
+    cv::Mat xx, xy, yy;
 };
 
-Appearance compare(const cv::Mat& from, const cv::Mat& to, const cv::Mat& targets) {
-    cv::Mat warped;
-    cv::remap(to, warped, targets, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
+StructureTensor tensor_of(const cv::Mat& image) {
     cv::Mat gx;
     cv::Mat gy;
+    cv::Scharr(image, gx, CV_32F, 1, 0, 1.0 / 32);
+    cv::Scharr(image, gy, CV_32F, 0, 1, 1.0 / 32);
+    return {blur(gx.mul(gx)), blur(gx.mul(gy)), blur(gy.mul(gy))};
+}
+
+/// How far the grey levels that a flow joins are from one another.
+cv::Mat variance_of(const cv::Mat& from, const cv::Mat& to, const cv::Mat& targets) {
+    cv::Mat warped;
     cv::Mat residual;
-    cv::Scharr(from, gx, CV_32F, 1, 0, 1.0 / 32);
-    cv::Scharr(from, gy, CV_32F, 0, 1, 1.0 / 32);
+    cv::remap(to, warped, targets, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
     cv::subtract(warped, from, residual, cv::noArray(), CV_32F);
-    return {blur(gx.mul(gx)), blur(gx.mul(gy)), blur(gy.mul(gy)), blur(residual.mul(residual))};
+    return blur(residual.mul(residual));
 }
 
 /// Second moments of how far a pixel lands from itself there and back, direction kept: along an edge it may
@@ -90,21 +94,24 @@ FlowField compute_dis(const cv::Mat& from, const cv::Mat& to, const FlowOptions&
     cv::Mat forward;
     cv::Mat backward;
     cv::Mat targets;
-    Appearance seen;
+    cv::Mat variance;
+    StructureTensor tensor;
     // Small images leave DIS itself too little to share out between processors.
     const auto one_way = [&](const cv::Range& range) {
         for (int way = range.start; way < range.end; ++way) {
             if (way == 0) {
                 forward = run_dis(from, to, options, initial);
                 targets = targets_of(forward);
-                seen = compare(from, to, targets);
+                variance = variance_of(from, to, targets);
             } else {
-                backward = run_dis(to, from, options, initial.empty() ? initial : cv::Mat(-initial));
+                tensor = tensor_of(from);
+                if (!options.first_guess) {
+                    backward = run_dis(to, from, options, initial.empty() ? initial : cv::Mat(-initial));
+                }
             }
         }
     };
-    const int num_ways = options.first_guess ? 1 : 2;
-    cv::parallel_for_({0, num_ways}, one_way, num_ways);
+    cv::parallel_for_({0, 2}, one_way, 2);
     const auto [loop_xx, loop_xy, loop_yy] =
         options.first_guess ? no_moments(from.size()) : loop_moments(forward, backward, targets);
 
@@ -115,10 +122,10 @@ FlowField compute_dis(const cv::Mat& from, const cv::Mat& to, const FlowOptions&
     for (int y = 0; y < from.rows; ++y) {
         auto* out = covariance.ptr<cv::Vec3f>(y);
         for (int x = 0; x < from.cols; ++x) {
-            const float xx = seen.tensor_xx.at<float>(y, x) + kSmallestTensor;
-            const float yy = seen.tensor_yy.at<float>(y, x) + kSmallestTensor;
-            const float xy = seen.tensor_xy.at<float>(y, x);
-            const float noise = std::max(seen.variance.at<float>(y, x), 2 * kImageVariance);
+            const float xx = tensor.xx.at<float>(y, x) + kSmallestTensor;
+            const float yy = tensor.yy.at<float>(y, x) + kSmallestTensor;
+            const float xy = tensor.xy.at<float>(y, x);
+            const float noise = std::max(variance.at<float>(y, x), 2 * kImageVariance);
             const float scale = kDisScale * noise / (xx * yy - xy * xy);
             out[x] = {scale * yy + kLoopScale * loop_xx.at<float>(y, x),
                       -scale * xy + kLoopScale * loop_xy.at<float>(y, x),

@@ -41,7 +41,7 @@ void in_parts(std::size_t count, const Body& body) {
 JointSolver::JointSolver(const FaceMotion& motion, std::vector<Eigen::Vector3f> error_nodes)
     : motion_(motion),
       error_nodes_(std::move(error_nodes)),
-      field_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(2 * error_nodes_.size()))) {}
+      field_(Eigen::VectorXf::Zero(static_cast<Eigen::Index>(2 * error_nodes_.size()))) {}
 
 std::vector<JointSolver::NearNode> JointSolver::find_near_nodes(const Eigen::Vector3f& point) const {
     std::vector<NearNode> near;
@@ -123,7 +123,7 @@ void JointSolver::reweight(const Eigen::VectorXd& step, double robust_cut) {
             const auto row = static_cast<Eigen::Index>(2 * k);
             Eigen::Vector2f field = Eigen::Vector2f::Zero();
             for (const NearNode& near : *near_[k]) {
-                field += near.height * field_.segment<2>(2 * near.node).cast<float>();
+                field += near.height * field_.segment<2>(2 * near.node);
             }
             const Eigen::Vector2f left =
                 displacements_.segment<2>(row) - jacobians_.middleRows<2>(row) * flat;
@@ -149,8 +149,8 @@ JointSolver::Sums JointSolver::sums_of(std::size_t begin, std::size_t end) const
     const auto first_row = static_cast<Eigen::Index>(2 * begin);
     const auto rows = rows_.middleCols(first_row, static_cast<Eigen::Index>(2 * end) - first_row);
     Sums sums{Eigen::MatrixXf::Zero(size, size), Eigen::MatrixXf::Zero(size, num_field),
-              rows * targets_.segment(first_row, rows.cols()), Eigen::MatrixXd::Zero(num_field, num_field),
-              Eigen::VectorXd::Zero(num_field)};
+              rows * targets_.segment(first_row, rows.cols()), Eigen::MatrixXf::Zero(num_field, num_field),
+              Eigen::VectorXf::Zero(num_field)};
     sums.information.selfadjointView<Eigen::Lower>().rankUpdate(rows);
     Eigen::Matrix<float, Eigen::Dynamic, 2> moved(size, 2);
     for (std::size_t k = begin; k < end; ++k) {
@@ -160,8 +160,8 @@ JointSolver::Sums JointSolver::sums_of(std::size_t begin, std::size_t end) const
         const auto row = static_cast<Eigen::Index>(2 * k);
         const Eigen::Matrix2f field_rows = std::sqrt(weights_[k]) * whiteners_[k] * field_pixels_[k];
         moved.noalias() = rows_.middleCols<2>(row).lazyProduct(field_rows);
-        const Eigen::Matrix2d own = (field_rows.transpose() * field_rows).cast<double>();
-        const Eigen::Vector2d target = (field_rows.transpose() * targets_.segment<2>(row)).cast<double>();
+        const Eigen::Matrix2f own = field_rows.transpose() * field_rows;
+        const Eigen::Vector2f target = field_rows.transpose() * targets_.segment<2>(row);
         for (const NearNode& first : *near_[k]) {
             sums.field_coupling.middleCols<2>(2 * first.node) += first.height * moved;
             sums.field_pull.segment<2>(2 * first.node) += first.height * target;
@@ -185,15 +185,15 @@ void JointSolver::sum_up(const std::vector<Sums>& parts) {
     }
     information_ = all.information.selfadjointView<Eigen::Lower>().toDenseMatrix().cast<double>();
     pull_ = all.pull.cast<double>();
-    field_information_ = all.field_information;
-    field_information_.diagonal().array() += 1;
-    field_coupling_ = all.field_coupling.transpose().cast<double>();
+    field_coupling_ = all.field_coupling.transpose();
     field_pull_ = all.field_pull;
-    field_factor_.compute(field_information_);
-    const Eigen::MatrixXd half = field_factor_.matrixL().solve(field_coupling_);
-    information_.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose(), -1);
-    information_.triangularView<Eigen::StrictlyUpper>() = information_.transpose();
-    pull_ -= field_coupling_.transpose() * field_factor_.solve(field_pull_);
+    all.field_information.diagonal().array() += 1;
+    field_factor_.compute(all.field_information);
+    const Eigen::MatrixXf half = field_factor_.matrixL().solve(field_coupling_);
+    Eigen::MatrixXf explained = Eigen::MatrixXf::Zero(half.cols(), half.cols());
+    explained.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose());
+    information_ -= explained.selfadjointView<Eigen::Lower>().toDenseMatrix().cast<double>();
+    pull_ -= (field_coupling_.transpose() * field_factor_.solve(field_pull_)).cast<double>();
 }
 
 Eigen::VectorXd JointSolver::solve(const StepPrior& prior, const FaceState& state, Eigen::Index num_free,
@@ -204,7 +204,7 @@ Eigen::VectorXd JointSolver::solve(const StepPrior& prior, const FaceState& stat
         constexpr double kBeforeStep = 3;
         reweight(step, noise_.robust_cut * (round == 0 ? kBeforeStep : 1));
         step = bounded(prior, state, num_free);
-        field_ = field_factor_.solve(field_pull_ - field_coupling_ * step);
+        field_ = field_factor_.solve(field_pull_ - field_coupling_ * step.cast<float>());
     }
     return step;
 }

@@ -60,8 +60,8 @@ private:
     struct Sums {
         Eigen::MatrixXf information, field_coupling;
         Eigen::VectorXf pull;
-        Eigen::MatrixXd field_information;
-        Eigen::VectorXd field_pull;
+        Eigen::MatrixXf field_information;
+        Eigen::VectorXf field_pull;
     };
 
     std::vector<NearNode> find_near_nodes(const Eigen::Vector3f& point) const;
@@ -86,9 +86,9 @@ private:
     std::vector<float> robust_weights_, weights_;
     std::vector<double> distances_px_;
     // The field's normal equations: two coefficients a node, of unit variance
-    Eigen::MatrixXd field_information_, field_coupling_;  // 2N x 2N, 2N x n
-    Eigen::VectorXd field_pull_, field_;
-    Eigen::LLT<Eigen::MatrixXd> field_factor_;
+    Eigen::MatrixXf field_coupling_;  // 2N x n
+    Eigen::VectorXf field_pull_, field_;
+    Eigen::LLT<Eigen::MatrixXf> field_factor_;
     Eigen::MatrixXd information_;
     Eigen::VectorXd pull_;
 };

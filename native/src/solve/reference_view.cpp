@@ -2,6 +2,7 @@
 #include "reference_view.hpp"
 
 #include <mimetic/error.hpp>
+#include <opencv2/core/utility.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace mimetic {
@@ -137,7 +138,7 @@ void ReferenceView::stabilise(const Triangles& triangles, const ProjectedSurface
     scaled_map_.create(triangle_.size());
     const auto scale = static_cast<float>(frame.scale);
     const float shift = (scale - 1) / 2;
-    for (int y = 0; y < map.rows; ++y) {
+    const auto fill_row = [&](int y) {
         for (int x = 0; x < map.cols; ++x) {
             const int index = triangle_(y, x);
             if (index < 0) {
@@ -153,7 +154,16 @@ void ReferenceView::stabilise(const Triangles& triangles, const ProjectedSurface
             map(y, x) = {pixel.x(), pixel.y()};
             scaled_map_(y, x) = {pixel.x() * scale + shift, pixel.y() * scale + shift};
         }
-    }
+    };
+    constexpr int kParts = 4;
+    cv::parallel_for_(
+        {0, map.rows},
+        [&](const cv::Range& rows) {
+            for (int y = rows.start; y < rows.end; ++y) {
+                fill_row(y);
+            }
+        },
+        kParts);
     cv::Mat1b fetched;
     cv::remap(frame.gray, fetched, scaled_map_, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
     fetched.convertTo(raw_, CV_32F);

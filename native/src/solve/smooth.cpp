@@ -76,8 +76,14 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
     return problem;
 }
 
+/// Where alternating directions stand; a problem that differs little starts from the last one's.
+struct BoundedSteps {
+    Blocks within, dual;
+};
+
 /// Alternating directions: a smooth solve, then the bounds, until both agree.
-Blocks solve_bounded(SequenceProblem problem, int max_iterations, const Progress& progress) {
+void solve_bounded(SequenceProblem problem, int max_iterations, const Progress& progress,
+                   BoundedSteps& bounded) {
     const std::size_t count = problem.pull.size();
     const Eigen::Index size = problem.pull.front().size();
     const Eigen::Index num_values = problem.lower.front().size();
@@ -90,7 +96,8 @@ Blocks solve_bounded(SequenceProblem problem, int max_iterations, const Progress
         block.diagonal() += penalty;
     }
     const BlockBandedFactor factor(problem.matrix);
-    Blocks steps, within(count, Eigen::VectorXd::Zero(size)), dual(count, Eigen::VectorXd::Zero(size));
+    auto& [within, dual] = bounded;
+    Blocks steps;
     for (int iteration = 0; iteration < max_iterations; ++iteration) {
         steps = problem.pull;
         for (std::size_t t = 0; t < count; ++t) {
@@ -114,7 +121,6 @@ Blocks solve_bounded(SequenceProblem problem, int max_iterations, const Progress
             break;
         }
     }
-    return within;
 }
 
 bool fits_detail(const FrameEstimate& estimate, Eigen::Index num_detail) {
@@ -171,7 +177,9 @@ std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, c
     if (estimates.empty()) {
         return {};
     }
-    Blocks steps(estimates.size(), Eigen::VectorXd::Zero(6 + motion.lower.size()));
+    const Blocks none(estimates.size(), Eigen::VectorXd::Zero(6 + motion.lower.size()));
+    BoundedSteps bounded{none, none};
+    const Blocks& steps = bounded.within;
     SequenceProblem problem;
     const RestPull rest_pull(motion);
     // Which values are active, and so not to be pulled to rest, shows once the sequence has been solved
@@ -182,7 +190,7 @@ std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, c
         const Progress part = [&](double fraction) {
             return !progress || progress((pass + fraction) / kPasses);
         };
-        steps = solve_bounded(problem, options.max_iterations, part);
+        solve_bounded(problem, options.max_iterations, part, bounded);
     }
     const bool any_held =
         std::any_of(estimates.begin(), estimates.end(), [](const auto& e) { return e.held; });
