@@ -74,7 +74,12 @@ def _scenes(pictures: Pictures, natural: list[np.ndarray]):
 
 
 def _evidence(spaces: _core.FaceSpaces, scenes: list[Scene]) -> tuple[np.ndarray, np.ndarray]:
-    """What is found in scenes, and which of it is a face. Places near a face are left out."""
+    """What is found in scenes, and which of it is a face. Places near a face are left out.
+
+    Without weights yet, of places that overlap the search keeps any: faces a little off as well,
+    so that fewer than all count as found. On photographs, weights from the best places alone are
+    less sure of faces.
+    """
     finder = _core.FaceFinder(spaces)
     cascade = _core.CascadeDetector(str(data_folder() / CASCADE))
     options = _core.FaceSearch(smallest=SMALLEST, least_probability=0.0)
