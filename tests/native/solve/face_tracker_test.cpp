@@ -74,6 +74,27 @@ void cover(Image& image, int first, int last, unsigned seed) {
     }
 }
 
+/// Median distance in pixels of where the skin was seen from where it is.
+double median_miss(const SkinObservations& seen, const Eigen::Isometry3d& pose,
+                   const Eigen::VectorXd& values) {
+    Points moved = scene().motion.neutral;
+    Eigen::Map<Eigen::VectorXd>(moved.data(), moved.size()) += scene().motion.modes.transpose() * values;
+    const Points refined = scene().surface.stencils * moved;
+    std::vector<double> misses;
+    for (Eigen::Index k = 0; k < seen.pixels.rows(); ++k) {
+        if (seen.information(k, 0) + seen.information(k, 3) > 0) {
+            Eigen::Vector3d point = Eigen::Vector3d::Zero();
+            for (int corner = 0; corner < 3; ++corner) {
+                point += seen.barycentric(k, corner) * refined.row(seen.vertices(k, corner)).transpose();
+            }
+            const Eigen::Vector2d found = seen.pixels.row(k);
+            misses.push_back((scene().camera.project(pose * point) - found).norm());
+        }
+    }
+    std::sort(misses.begin(), misses.end());
+    return misses.size() < 100 ? 1e9 : misses[misses.size() / 2];
+}
+
 TEST(FaceTracker, RecoversPoseAndValuesThroughExpressionsAndHeadMotion) {
     const Clip clip = expressive_clip(40);
     FaceTracker tracker = make_tracker();
@@ -86,6 +107,7 @@ TEST(FaceTracker, RecoversPoseAndValuesThroughExpressionsAndHeadMotion) {
         worst_turn = std::max(worst_turn, degrees_between(estimates.back().camera_from_head, clip.poses[t]));
         EXPECT_GT(estimates.back().quality, .6) << "frame " << t;
         EXPECT_LT(error.cwiseAbs().maxCoeff(), .16) << "frame " << t;
+        EXPECT_LT(median_miss(tracker.observations(), clip.poses[t], clip.values[t]), .4) << "frame " << t;
     }
     EXPECT_LT(worst_turn, .5);
     double sum = 0;
@@ -157,6 +179,7 @@ TEST(FaceTracker, HoldsAHiddenFaceAndFindsItAgainElsewhere) {
         EXPECT_TRUE(held.held);
         EXPECT_LT(held.quality, .2);
         EXPECT_EQ(held.values, before.values);
+        EXPECT_EQ(tracker.observations().pixels.rows(), 0);
     }
     EXPECT_GT(held.pose_cov().trace(), 10 * before.pose_cov().trace());
     Eigen::Isometry3d moved = scene().camera_from_head;
