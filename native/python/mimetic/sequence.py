@@ -37,14 +37,15 @@ class Rows:
     quality: list[float] = field(default_factory=list)
 
     def append(self, state: State) -> None:
+        # Copies: a view would keep all the estimate, a tenth of a megabyte a frame.
         estimate = state.estimate
         self.frame.append(state.frame)
-        self.pose.append(np.asarray(estimate.camera_from_head))
-        self.pose_cov.append(np.asarray(estimate.pose_cov))
-        self.values.append(np.asarray(estimate.values))
-        self.values_std.append(np.asarray(estimate.values_std))
-        self.detail.append(np.asarray(estimate.detail))
-        self.detail_std.append(np.asarray(estimate.detail_std))
+        self.pose.append(np.array(estimate.camera_from_head))
+        self.pose_cov.append(np.array(estimate.pose_cov))
+        self.values.append(np.array(estimate.values))
+        self.values_std.append(np.array(estimate.values_std))
+        self.detail.append(np.array(estimate.detail))
+        self.detail_std.append(np.array(estimate.detail_std))
         self.quality.append(0.0 if state.held else estimate.quality)
 
     def reversed(self) -> Rows:
