@@ -51,7 +51,7 @@ struct FaceTracker::State {
     FloatPixels project_control(const FaceState& at) const;
     void add_key_view(const FrameScore& score);
 
-    void measure(bool first_guess, FrameScore& score);
+    void measure(bool is_first, bool is_last, FrameScore& score);
     void raster_surface();
     std::vector<std::size_t> choose_views() const;
     void find_visible(const ReferenceView& view, std::vector<float>& visible) const;

@@ -178,12 +178,12 @@ void FaceTracker::State::raster_surface() {
     raster.update(projected, surface.triangles(), raster_origin, raster_scale, side, side);
 }
 
-void FaceTracker::State::measure(bool first_guess, FrameScore& score) {
+void FaceTracker::State::measure(bool is_first, bool is_last, FrameScore& score) {
     measurements.clear();
     {
         const StageClock clock(times.warp_ms);
         projected.update(surface, camera, state.camera_from_head, state.values);
-        if (first_guess) {
+        if (is_first) {
             raster_surface();  // what hides what hardly changes with the steps that follow
         }
     }
@@ -199,7 +199,7 @@ void FaceTracker::State::measure(bool first_guess, FrameScore& score) {
         }
         const StageClock clock(times.flow_ms);
         texture_flow.measure(view, map, stabilised, visible, std::sin(std::min(1.5, view_angle(view))),
-                             first_guess, measurements);
+                             is_first && !is_last, measurements);
     }
     score.num_samples = static_cast<int>(measurements.size());
 }
@@ -212,7 +212,7 @@ FrameScore FaceTracker::State::register_textures(const StepPrior& prior, int num
         if (!(state.camera_from_head.translation().z() > .02)) {
             return {};
         }
-        measure(iteration == 0, score);
+        measure(iteration == 0, iteration + 1 == num_iterations, score);
         if (measurements.size() < 30) {
             return {};
         }
