@@ -16,10 +16,10 @@ from mimetic.anatomy import AttachedSkin
 from mimetic.skin_mesh import multiply
 from mimetic.skin_modes import low_energy_modes, visible_area
 
-NUM_MODES = 80
+NUM_MODES = 120
 # One camera hardly sees depth: what it does not see must not be invented.
 FRONTAL = (1, 1, 0)
-TYPICAL = 1.5  # mm, root mean square over the skin, of all modes together
+TYPICAL = 1.0  # mm, root mean square over the skin, of all modes together
 
 
 @dataclass(frozen=True)
