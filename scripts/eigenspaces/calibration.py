@@ -21,6 +21,8 @@ LARGEST_ERROR = 0.25  # of the worse eye, interpupillary distances
 CASCADE = "haarcascade_frontalface_alt2.xml"
 BOX_MIDDLE, WINDOW_PER_BOX = np.array([0.5, 0.61]), 0.85  # as native/src/locate/locate.cpp has them
 RIDGE = 0.3
+RATIO, FIRST_WEIGHT = 1, 0.02  # which evidence is the log likelihood ratio; log odds a unit
+ROUNDS = 2
 
 
 def calibrated(
@@ -29,10 +31,21 @@ def calibrated(
     natural: list[np.ndarray],
     report: Callable[[str], None],
 ) -> _core.FaceSpaces:
-    """The spaces with weights by which the log odds of a face are right."""
-    evidence, is_face = _evidence(spaces, list(_scenes(pictures, natural)))
-    report(f"{len(evidence)} places in scenes, {int(is_face.sum())} of them faces")
-    return _core.FaceSpaces(spaces.views, spaces.other, spaces.modules, logistic(evidence, is_face))
+    """The spaces with weights by which the log odds of a face are right.
+
+    The search keeps the most probable of places that overlap, so that what is there to weigh
+    depends on weights: first those of the likelihood ratio alone, then what they lead to.
+    """
+    scenes = list(_scenes(pictures, natural))
+    weights = np.zeros(len(spaces.weights))
+    weights[RATIO] = FIRST_WEIGHT
+    for number in range(ROUNDS):
+        spaces = _core.FaceSpaces(spaces.views, spaces.other, spaces.modules, weights)
+        evidence, is_face = _evidence(spaces, scenes)
+        told = f"{len(evidence)} places in scenes, {int(is_face.sum())} of them faces"
+        report(f"weights, round {number + 1}: {told}")
+        weights = logistic(evidence, is_face)
+    return _core.FaceSpaces(spaces.views, spaces.other, spaces.modules, weights)
 
 
 def logistic(evidence: np.ndarray, is_face: np.ndarray) -> np.ndarray:
@@ -74,12 +87,7 @@ def _scenes(pictures: Pictures, natural: list[np.ndarray]):
 
 
 def _evidence(spaces: _core.FaceSpaces, scenes: list[Scene]) -> tuple[np.ndarray, np.ndarray]:
-    """What is found in scenes, and which of it is a face. Places near a face are left out.
-
-    Without weights yet, of places that overlap the search keeps any: faces a little off as well,
-    so that fewer than all count as found. On photographs, weights from the best places alone are
-    less sure of faces.
-    """
+    """What is found in scenes, and which of it is a face. Places near a face are left out."""
     finder = _core.FaceFinder(spaces)
     cascade = _core.CascadeDetector(str(data_folder() / CASCADE))
     options = _core.FaceSearch(smallest=SMALLEST, least_probability=0.0)
