@@ -41,7 +41,7 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
                              const SmootherOptions& options) {
     const Eigen::Index num_values = motion.lower.size();
     const Eigen::Index size = 6 + num_values;
-    constexpr double kDeadZone = 9;
+    constexpr double kDeadZone = 12;
     Eigen::MatrixXd rest = Eigen::MatrixXd::Zero(size, size);
     rest.diagonal().head<6>().setConstant(1e-3);
     // A state lasts for several frames and each must not count the prior in full; but most of a measurement's

@@ -10,7 +10,7 @@ namespace mimetic {
 namespace {
 
 constexpr double kRotationStd = .1;      // rad a frame beyond the prediction
-constexpr double kDeadZone = 1.5;        // more would delay onsets
+constexpr double kDeadZone = 2;          // more would delay onsets
 constexpr double kTranslationStd = .02;  // metres a frame
 constexpr int kRelativeHeight = 110;     // pixels of the face for the frame-to-frame flow
 constexpr double kFarthest = .008;       // metres from the model at which skin is still explained
