@@ -20,3 +20,19 @@ def rendered_clip():
     from evaluation.recipes import TEST
 
     return clip(TEST, load_template())
+
+
+@pytest.fixture
+def performance():
+    """A made-up performance of 40 frames."""
+    from sample_performance import make_performance
+
+    return make_performance(num_frames=40)
+
+
+@pytest.fixture
+def truth(performance):
+    """Truth that the made-up performance explains exactly."""
+    from sample_truth import make_truth
+
+    return make_truth(performance)

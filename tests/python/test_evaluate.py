@@ -16,18 +16,6 @@ from mimetic.evaluate.expressions import Take, shown_expressions
 from mimetic.evaluate.methods import Motion
 from mimetic.evaluate.score import score
 from mimetic.evaluate.tables import as_json, as_text, summary
-from sample_performance import make_performance
-from sample_truth import make_truth
-
-
-@pytest.fixture
-def performance():
-    return make_performance(num_frames=40)
-
-
-@pytest.fixture
-def truth(performance):
-    return make_truth(performance)
 
 
 def test_a_performance_that_is_the_truth_scores_one(performance, truth):

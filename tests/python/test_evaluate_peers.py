@@ -10,18 +10,6 @@ from mimetic.evaluate import flow, scores
 from mimetic.evaluate.peers import dis_tracks
 from mimetic.evaluate.prediction import follow
 from mimetic.evaluate.vertex_flow import SeenVertices
-from sample_performance import make_performance
-from sample_truth import make_truth
-
-
-@pytest.fixture
-def performance():
-    return make_performance(num_frames=40)
-
-
-@pytest.fixture
-def truth(performance):
-    return make_truth(performance)
 
 
 def test_a_face_elsewhere_in_the_image_is_an_error(performance):

@@ -5,18 +5,6 @@ import numpy as np
 import pytest
 from mimetic.evaluate import scores
 from mimetic.evaluate.curves import onset_and_peak, timing_errors
-from sample_performance import make_performance
-from sample_truth import make_truth
-
-
-@pytest.fixture
-def performance():
-    return make_performance(num_frames=40)
-
-
-@pytest.fixture
-def truth(performance):
-    return make_truth(performance)
 
 
 def test_r2_is_that_of_a_known_error(truth):

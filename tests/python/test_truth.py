@@ -8,17 +8,6 @@ from mimetic.evaluate import Truth
 from mimetic.evaluate.score import score
 from mimetic.footage import Footage
 from sample_performance import make_performance
-from sample_truth import make_truth
-
-
-@pytest.fixture
-def performance():
-    return make_performance(num_frames=40)
-
-
-@pytest.fixture
-def truth(performance):
-    return make_truth(performance)
 
 
 def test_truth_comes_back_as_saved(tmp_path, truth):
