@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Smoothing takes jitter away and nothing else: no lag, no shrinking, no invention."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from mimetic import InvalidInput
-from mimetic.pose_smoothing import smooth_poses, smoothed
+from mimetic.pose_smoothing import smooth_poses, smoothed, smoothed_scenes
 from mimetic.rotations import from_rotation_vectors, rotation_vectors
 from sample_performance import make_performance
 
@@ -106,6 +108,21 @@ def test_frames_that_were_not_measured_are_bridged():
     held, bridged = (np.abs(pose_errors(p, true))[60:72, 1].max() for p in (measured, poses))
     assert bridged < 0.25 * held
     assert spreads[65, 1, 1] > 2 * spreads[50, 1, 1]
+
+
+def test_a_cut_is_not_smoothed_over():
+    performance = make_performance(20)
+    jittered = performance.head_pose.copy()
+    jittered[:, 0, 3] += np.random.default_rng(1).normal(0, 1e-3, 20)
+    jittered[10:, 0, 3] += 0.3  # another scene
+    performance = replace(performance, head_pose=jittered, quality=np.ones(20))
+    result = smoothed_scenes(performance, {11}, 1.0)
+    covariances, seconds = performance.head_pose_cov[10:], np.arange(10) / performance.fps
+    alone, _ = smooth_poses(jittered[10:], covariances, seconds, np.ones(10), 1.0)
+    np.testing.assert_allclose(result.head_pose[10:], alone, atol=1e-12)
+    assert np.abs(result.head_pose[:10, 0, 3]).max() < 0.01
+    assert np.abs(np.diff(result.head_pose[:10, 0, 3])).mean() < 1e-3
+    assert result.head_pose_cov is performance.head_pose_cov
 
 
 def test_a_jitter_free_motion_is_left_as_it_is():

@@ -8,9 +8,10 @@ import argparse
 from mimetic import _core
 from mimetic.clip_command import add_clip_arguments, run_on_clip
 from mimetic.head_drawing import HeadDrawing, write_motion_plot
-from mimetic.head_motion import MODELS, track_head
+from mimetic.head_motion import MODELS, SMOOTHING, track_head
 from mimetic.overlay import FaceDrawing, write_overlay
 from mimetic.performance import Performance
+from mimetic.pose_smoothing import check_strength
 
 TRACKED = 0.7  # of the whole command when the head is tracked, for the progress bar
 
@@ -29,14 +30,25 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="register samples of the skin, and ask the flow only where they leave doubt",
     )
+    parser.add_argument(
+        "--smoothing",
+        type=float,
+        default=SMOOTHING,
+        metavar="STRENGTH",
+        help="of the head's motion, without lag: how far poses are doubted, in their own standard "
+        "deviations (default: %(default)s; 0 leaves each frame as it was measured)",
+    )
 
 
 def run_head(arguments: argparse.Namespace) -> int:
     model, out = arguments.model, arguments.out
+    check_strength(arguments.smoothing)
 
     def follow(fit, progress, summary):
         return track_head(
-            arguments.footage, model, arguments.frames, fit, progress, summary, arguments.fast
+            *(arguments.footage, model, arguments.frames, fit, progress, summary),
+            fast=arguments.fast,
+            smoothing=arguments.smoothing,
         )
 
     def draw(performance, footage, summary, progress, interrupted):

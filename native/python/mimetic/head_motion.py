@@ -26,6 +26,7 @@ from mimetic.following import (
 from mimetic.footage import Footage
 from mimetic.performance import Performance
 from mimetic.pipeline import CaptureSummary, FrameRange, Progress, check_range, fit_for
+from mimetic.pose_smoothing import check_strength, smoothed_scenes
 from mimetic.sequence import Rows
 from mimetic.tracking import ACTIVATION_STD
 
@@ -43,6 +44,7 @@ MOVING_PARTS = (
     (("eye_inner.L", "eye_outer.L"), 0.025, 0.8),
     (("eye_inner.R", "eye_outer.R"), 0.025, 0.8),
 )
+SMOOTHING = 1.0  # standard deviations as they are
 NUM_PASSES = 2  # over the clip: the second with the shape that the first one found
 NECK_BELOW, NECK_RADIUS = 0.05, 0.04  # metres
 
@@ -81,21 +83,26 @@ def track_head(
     progress: Progress | None = None,
     summary: CaptureSummary | None = None,
     fast: bool = False,
+    smoothing: float = SMOOTHING,
 ) -> Performance:
     """Follows the head in `frames` (both ends included); muscles are at rest and not measured.
 
     model: one of MODELS. fast: registers samples of the skin, and asks the flow only where they
-    leave doubt. progress: called with (fraction, text) every frame; when it returns False
-    the frames done so far are returned, and `notes` say so. Raises NoFace, UnreadableMedia,
-    InvalidInput.
+    leave doubt. smoothing: strength of `mimetic.pose_smoothing`, scene by scene; 0 leaves each
+    frame as it was measured. Covariances are those of single frames either way: most of an error
+    is the model's, which neighbours share. progress: called with (fraction, text) every frame;
+    when it returns False the frames done so far are returned, and `notes` say so. Raises NoFace,
+    UnreadableMedia, InvalidInput.
     """
     if model not in MODELS:
         raise InvalidInput(f"head model {model!r}; there are {', '.join(MODELS)}")
+    check_strength(smoothing)
     summary = summary if summary is not None else CaptureSummary()
     footage = Footage(path)
     first, last = check_range(frames, footage)
     fit = fit_for(footage, (first, last), fit, progress, summary)
-    return _HeadMotion(footage, fit, model, (first, last), progress, summary, fast).run()
+    motion = _HeadMotion(footage, fit, model, (first, last), progress, summary, fast)
+    return smoothed_scenes(motion.run(), motion.scene_starts, smoothing)
 
 
 class _HeadMotion:
@@ -117,6 +124,7 @@ class _HeadMotion:
         self.progress, self.summary = progress, summary
         self.first, self.last = frames
         self.num_done = 0
+        self.scene_starts: set[int] = set()
         self.num_needed = NUM_PASSES * (1 + max(fit.frame, self.last) - min(fit.frame, self.first))
         self.template = load_template()
         self.neutral = fit.neutral_vertices(self.template)
@@ -157,7 +165,7 @@ class _HeadMotion:
     ) -> None:
         """Appends frame by frame, until the images end or the user stops."""
         num_lost = 0
-        before = None
+        before, last = None, 0
         for frame, image in images:
             fraction = self.num_done / self.num_needed
             told = f"following the head: frame {frame}"
@@ -167,9 +175,12 @@ class _HeadMotion:
             start = time.perf_counter()
             small = shrink(image)
             guess = None
-            if is_cut(small, before) or (num_lost and num_lost % SEARCH_AGAIN == 0):
+            cut = is_cut(small, before)
+            if cut:
+                self.scene_starts.add(max(frame, last))
+            if cut or (num_lost and num_lost % SEARCH_AGAIN == 0):
                 guess = find_again(image, frame, self.fit)
-            before = small
+            before, last = small, frame
             estimate = tracker.advance(np.ascontiguousarray(image), guess)
             num_lost = num_lost + 1 if estimate.held else 0
             self.num_done += 1

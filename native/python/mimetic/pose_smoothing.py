@@ -9,6 +9,7 @@ head is, is told by the clip itself: the accelerations under which its poses are
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -34,6 +35,12 @@ UNKNOWN_RATE = 3.0  # rad/s and m/s, standard deviation before the first frame
 LEAST_STD = 1e-6  # rad and m: a covariance of 0 is a measurement like any other
 
 
+def check_strength(strength: float) -> None:
+    """Raises InvalidInput below 0."""
+    if not np.isfinite(strength) or strength < 0:
+        raise InvalidInput(f"smoothing is {strength}; it must be 0 or more")
+
+
 def smoothed(performance: Performance, strength: float = USUAL_STRENGTH) -> Performance:
     """The performance with its head motion smoothed; all else is shared.
 
@@ -50,6 +57,27 @@ def smoothed(performance: Performance, strength: float = USUAL_STRENGTH) -> Perf
     return replace(performance, head_pose=poses, head_pose_cov=covariances)
 
 
+def smoothed_scenes(
+    performance: Performance, starts: Collection[int], strength: float
+) -> Performance:
+    """As `smoothed`, each scene of a clip for itself, with the covariances of single frames.
+
+    starts: the frames with which another scene starts.
+    """
+    bounds = np.searchsorted(performance.frame, sorted(starts))
+    poses = performance.head_pose.copy()
+    for part in np.split(np.arange(len(poses)), bounds):
+        if len(part):
+            poses[part], _ = smooth_poses(
+                poses[part],
+                performance.head_pose_cov[part],
+                performance.frame[part] / performance.fps,
+                performance.quality[part] >= HELD_QUALITY,
+                strength,
+            )
+    return replace(performance, head_pose=poses)
+
+
 def smooth_poses(
     poses: Floats,
     covariances: Floats,
@@ -63,8 +91,7 @@ def smooth_poses(
     for exp(d) R; seconds: N, rising; counts: N, false where a pose was not measured.
     returns: N x 4 x 4 and N x 6 x 6.
     """
-    if not np.isfinite(strength) or strength < 0:
-        raise InvalidInput(f"smoothing is {strength}; it must be 0 or more")
+    check_strength(strength)
     counts = np.asarray(counts, dtype=bool)
     if strength == 0 or counts.sum() < 3:
         return poses.copy(), covariances.copy()
