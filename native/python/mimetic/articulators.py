@@ -23,6 +23,7 @@ ARTICULATORS = {  # value range; jaw_side: positive to the subject's left
     "lid_upper.R": (-0.4, 1.0),
     "lid_lower.R": (-0.3, 1.0),
 }
+JAW = ("jaw_open", "jaw_side", "jaw_thrust")
 JAW_OPENING = np.radians(20)
 JAW_GLIDE = np.array([0.0, -0.0015, 0.004])  # the condyle slides down its slope as the jaw opens
 JAW_SIDE = 0.007
@@ -93,6 +94,10 @@ class Jaw:
         return np.broadcast_to(
             self.mesh.size * np.array([0.0, -0.1 * JAW_THRUST, JAW_THRUST]), points.shape
         )
+
+    def under_skin(self, name: str) -> np.ndarray:
+        """Displacement of the bone under each refined skin vertex, N x 3, at value 1."""
+        return self.influence[:, None] * self.motion(name, self.mesh.vertices)
 
     @cached_property
     def influence(self) -> np.ndarray:

@@ -15,11 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
+from mimetic.articulators import JAW
 from mimetic.calibration import LEAST, MOST, REGIONS, Calibration
 from mimetic.evidence import LARGEST_STEP, LinearFrame, Peak, linear_frame, maximise
 from mimetic.sightings import Sighting, Whitened, at_points, whiten
 from mimetic.skin_mesh import SkinMesh
-from mimetic.skin_response import JAW_MODES, ResponsiveModes, SkinResponse
+from mimetic.skin_response import ResponsiveModes, SkinResponse
 from mimetic.tracking import ARTICULATOR_STD
 
 Floats = NDArray[np.float64]
@@ -92,7 +93,7 @@ def estimate(
     NothingSeen.
     """
     response = SkinResponse(mesh)
-    chosen = choose(sightings, len(response.names) + len(JAW_MODES))
+    chosen = choose(sightings, len(response.names) + len(JAW))
     peaks = np.max([one.values[: len(response.names)] for one in chosen], axis=0)
     asked = Parameters(response.names, tuple(np.flatnonzero(peaks > LEAST_PEAK)))
     place = np.zeros(len(asked.prior))

@@ -10,9 +10,10 @@ import numpy as np
 
 from mimetic import InvalidInput, pipeline
 from mimetic.calibrate import Found, estimate
+from mimetic.calibration import Calibration
 from mimetic.fit import FaceFit
 from mimetic.footage import Footage
-from mimetic.pipeline import CaptureSummary, FrameRange, Progress
+from mimetic.pipeline import CaptureSummary, ClipCapture, FrameRange, Progress
 from mimetic.sightings import Sighting
 from mimetic.skin_mesh import SkinMesh
 
@@ -21,13 +22,13 @@ MOST_FRAMES = 600  # of footage: 20 s show what there is, and all are kept in me
 FOLLOWED = 0.6  # of the work, for the progress
 
 
-class _ObservedCapture(pipeline._Capture):
+class _ObservedCapture(ClipCapture):
     """A capture that keeps where the skin was seen in every frame that was followed."""
 
     sightings: list[Sighting]
 
-    def _advance(self, tracker, frame, image, guess=None):
-        found = super()._advance(tracker, frame, image, guess)
+    def advance(self, tracker, frame, image, guess=None):
+        found = super().advance(tracker, frame, image, guess)
         if not found.held and self.first <= frame <= self.last:
             self.sightings.append(Sighting.of(frame, found, tracker.observations()))
         return found
@@ -55,7 +56,7 @@ def calibrate(
         )
     summary = CaptureSummary()
     fit = pipeline.fit_for(footage, (first, last), fit, progress, summary)
-    fit = replace(fit, calibration=type(fit.calibration)())
+    fit = replace(fit, calibration=Calibration())
 
     def part(start: float, share: float) -> Progress:
         return lambda fraction, text: not progress or progress(start + share * fraction, text)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic.anatomy import SIDES, Anatomy, attach, muscle_table
+from mimetic.anatomy import SIDES, Anatomy, attach, canonical_skin, muscle_table
 from mimetic.face_template import load_template
 from mimetic.skin_mesh import SkinMesh, find_place, multiply
 
@@ -87,7 +87,7 @@ def _measure(mesh, name, sides, place, published, source) -> Excursion:
 def main(arguments: list[str] | None = None) -> int:
     argparse.ArgumentParser(prog="mimetic.excursions", description=__doc__).parse_args(arguments)
     template = load_template()
-    mesh = SkinMesh(template, np.ascontiguousarray(template.vertices, dtype=np.float64))
+    mesh = canonical_skin(template)
     rows = excursions(mesh, attach(template.vertices, template))
     print(f"{'mm':38s}  moves   out    up   fwd   L/R  largest  published")
     for row in rows:

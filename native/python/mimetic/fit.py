@@ -224,8 +224,7 @@ def refit(
     ]
     observed = [view.observed() for view in views]
     estimate = _core.fit_face(model, observed, fit.camera, start=_estimate_of(fit, template))
-    found = _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
-    return replace(found, calibration=fit.calibration)
+    return _solved_again(fit, template, estimate, views)
 
 
 def join_views(
@@ -262,8 +261,7 @@ def join_views(
     estimate = _core.fit_face(model, observed, fit.camera, start=start)
     if not estimate.converged:
         return fit
-    found = _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
-    return replace(found, calibration=fit.calibration)
+    return _solved_again(fit, template, estimate, views)
 
 
 def landmark_places(
@@ -289,6 +287,14 @@ def _estimate_of(fit: FaceFit, template: FaceTemplate) -> _core.FaceEstimate:
     values = face_shape(template).joined(fit.identity, fit.residual)
     poses = [view.head_pose for view in fit.views] or [fit.head_pose]
     return _core.FaceEstimate(poses, float(fit.intrinsics[0, 0]), values)
+
+
+def _solved_again(
+    fit: FaceFit, template: FaceTemplate, estimate: _core.FaceEstimate, views: list[FittedView]
+) -> FaceFit:
+    """What is known of the person and was said of the footage stays."""
+    found = _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
+    return replace(found, calibration=fit.calibration)
 
 
 def _as_fit(

@@ -22,10 +22,12 @@ from mimetic.anatomy import (
     Anatomy,
     AnatomyPerturbation,
     AttachedSkin,
+    canonical_skin,
+    measured_place,
     muscle_table,
     place_muscles,
 )
-from mimetic.articulators import ARTICULATORS, EyeFrame, EyeLids, Jaw, eye_frames, rotate
+from mimetic.articulators import ARTICULATORS, JAW, EyeFrame, EyeLids, Jaw, eye_frames, rotate
 from mimetic.closest_points import nearest
 from mimetic.contact import (
     Contact,
@@ -49,7 +51,7 @@ from mimetic.extras import (
 from mimetic.foreign_holes import hole_notes
 from mimetic.foreign_mesh import ForeignSkin, Similarity, read_skin
 from mimetic.loose_parts import LooseParts
-from mimetic.skin_mesh import Place, SkinMesh, find_place, multiply
+from mimetic.skin_mesh import Place, SkinMesh, multiply
 from mimetic.skin_registration import LippedSurface, SkinPlaces, lay_template, lipped
 
 TOO_FAR = 0.015  # m from the laid template: body, hair; such skin is held
@@ -58,7 +60,6 @@ SEAM = 0.0025  # m; skin so near to the seam is soft
 SEAM_STIFFNESS = 0.05  # times young and pre-stress
 SEAM_ENDS = 0.4  # of half the mouth's width; there lips are joined on any face
 TOUCH_GAP = 0.003  # m; points of the template's lips and lids so near to the skin can touch
-JAW = ("jaw_open", "jaw_side", "jaw_thrust")
 
 
 @dataclass(frozen=True)
@@ -202,8 +203,7 @@ class _Carried:
 
     def muscle_modes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """36 x V x 3 and 36 strengths, in the template's frame and size."""
-        template = self.laid.template
-        canonical = SkinMesh(template, np.ascontiguousarray(template.vertices, dtype=np.float64))
+        canonical = canonical_skin(self.laid.template)
         placed = place_muscles(canonical, self.laid, AnatomyPerturbation())
         rows = [row for row in muscle_table() for _ in SIDES]
         forces = np.stack(
@@ -215,7 +215,7 @@ class _Carried:
         responses = self.respond(forces)
         strengths = np.empty(len(rows))
         for index, row in enumerate(rows):
-            place = find_place(canonical, *row["measured_at"], 0, SIDES[index % 2])
+            place = measured_place(canonical, row, SIDES[index % 2])
             at = self._onto(place.vertex, place.position(self.laid))
             moved = np.linalg.norm(at.values(responses[index]))
             if not moved > 0:

@@ -15,8 +15,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mimetic import InvalidInput
+from mimetic.articulators import JAW
 from mimetic.face_template import load_template
-from mimetic.muscle_lines import JAW, MuscleLines
+from mimetic.muscle_lines import MuscleLines
 from mimetic.placement import to_head, to_object
 from mimetic.shapes import group_name
 from mimetic.skin_mesh import SkinMesh

@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
-from mimetic.anatomy import SIDES, AnatomyPerturbation, muscle_table, place_muscles
-from mimetic.articulators import Jaw
+from mimetic.anatomy import SIDES, AnatomyPerturbation, canonical_skin, muscle_table, place_muscles
+from mimetic.articulators import JAW, Jaw
 from mimetic.closest_points import closest_weights, nearest, triangles_around
 from mimetic.skin_mesh import SkinMesh
 
@@ -23,7 +23,6 @@ NUM_STEPS = 14  # points of a line
 FIBRE_SPACING = 0.006  # of a sheet
 RING_RADII = (0.6, 1.6)  # of a sphincter's fibres, in its widths
 LIFT = 0.0012  # over the skin, so that the skin does not hide the line
-JAW = ("jaw_open", "jaw_side", "jaw_thrust")
 
 
 @dataclass(frozen=True)
@@ -50,9 +49,7 @@ class MuscleLines:
 
     def __init__(self, mesh: SkinMesh):
         self._mesh = mesh
-        template = mesh.template
-        canonical = SkinMesh(template, np.ascontiguousarray(template.vertices, dtype=np.float64))
-        placed = place_muscles(canonical, self._mesh, AnatomyPerturbation())
+        placed = place_muscles(canonical_skin(mesh.template), self._mesh, AnatomyPerturbation())
         self.names = [f"{row['name']}.{side}" for row in muscle_table() for side in SIDES]
         self.groups = np.repeat([row["group"] for row in muscle_table()], 2)
         fibres = [_fibres(muscle) for muscle in placed]

@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from mimetic import _core, luminance
 from mimetic.anatomy import Anatomy, modes_of
-from mimetic.articulators import ARTICULATORS
+from mimetic.articulators import ARTICULATORS, JAW
 from mimetic.face_template import FaceTemplate, load_template
 from mimetic.fit import FaceFit
 from mimetic.following import check_any_done, frames_backward
@@ -33,7 +33,7 @@ from mimetic.pipeline import CaptureSummary, FrameRange, Progress, check_range, 
 from mimetic.rotations import from_rotation_vectors
 from mimetic.sampling import sampled
 from mimetic.skin_mesh import multiply
-from mimetic.skin_motion import JAW_MOTIONS, LoadedSkin, dynamics_options, load_skin
+from mimetic.skin_motion import LoadedSkin, dynamics_options, load_skin
 from mimetic.tracking import UNMEASURED
 
 Floats = NDArray[np.float64]
@@ -102,7 +102,7 @@ class Observer:
         self.control = np.zeros(face.loads.shape[1])
         self.control_std = np.zeros(face.loads.shape[1])
         self.step = step
-        jaw = [ARTICULATORS[name] for name in JAW_MOTIONS]
+        jaw = [ARTICULATORS[name] for name in JAW]
         self.limits = np.array([*[(0.0, 1.0)] * NUM_MUSCLES, *jaw]).T
         self.transition, self.input = _discrete(face.squared, face.damping, step)
         weight = 1 / face.squared
@@ -350,7 +350,7 @@ def _performance(
 ) -> Performance:
     controls = np.array(rows.control)
     names = list(anatomy.articulator_names)
-    jaw = [names.index(name) for name in JAW_MOTIONS]
+    jaw = [names.index(name) for name in JAW]
     values = np.zeros((len(rows.frame), len(names)))
     values[:, jaw] = controls[:, NUM_MUSCLES:]
     static = controls @ (face.loads / face.squared[:, None]).T

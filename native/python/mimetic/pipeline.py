@@ -162,11 +162,11 @@ def capture(
             f"{footage.path.name}: one frame ({first}) shows no motion; capture needs at least two"
         )
     fit = fit_for(footage, (first, last), fit, progress, summary)
-    return _Capture(footage, fit, (first, last), progress, summary).run()
+    return ClipCapture(footage, fit, (first, last), progress, summary).run()
 
 
-class _Capture:
-    """One capture at work."""
+class ClipCapture:
+    """One capture at work; how it makes its tracker, advances and smooths may be varied."""
 
     def __init__(
         self,
@@ -191,13 +191,13 @@ class _Capture:
 
     def run(self) -> Performance:
         reference = self.footage.read(self.fit.frame)
-        tracker = self._make_tracker(reference)
-        at_reference = self._advance(tracker, self.fit.frame, reference)
+        tracker = self.make_tracker(reference)
+        at_reference = self.advance(tracker, self.fit.frame, reference)
         backward, forward = Rows(), Rows()
         near_reference: list[_core.FrameEstimate] = []
         if self.fit.frame > self.first:
             images = frames_backward(self.footage, self.fit.frame - 1, self.first)
-            for state in self._smooth(self._follow(tracker, images), [at_reference]):
+            for state in self.smooth(self._follow(tracker, images), [at_reference]):
                 if len(near_reference) == len(backward.frame) < sequence.OVERLAP and not state.held:
                     near_reference.append(state.estimate)
                 if state.frame <= self.last:
@@ -208,21 +208,21 @@ class _Capture:
             images = self.footage.frames(self.fit.frame + 1, self.last)
             ahead = self._follow(tracker, images)
         estimates = itertools.chain([(self.fit.frame, at_reference)], ahead)
-        for state in self._smooth(estimates, near_reference[::-1]):
+        for state in self.smooth(estimates, near_reference[::-1]):
             if self.first <= state.frame <= self.last:
                 forward.append(state)
         return self._performance(backward.reversed() + forward)
 
-    def _smooth(self, estimates, before: list[_core.FrameEstimate]) -> Iterator[State]:
+    def smooth(self, estimates, before: list[_core.FrameEstimate]) -> Iterator[State]:
         def count(seconds: float) -> None:
             self.summary.add("smooth", seconds)
 
         return sequence.smooth_in_windows(estimates, before, self.motion, count)
 
-    def _make_tracker(self, reference: NDArray[np.uint8]) -> _core.FaceTracker:
+    def make_tracker(self, reference: NDArray[np.uint8]) -> _core.FaceTracker:
         return tracking.make_tracker(reference, self.fit, self.template, self.anatomy, self.motion)
 
-    def _advance(
+    def advance(
         self, tracker: _core.FaceTracker, frame: int, image: NDArray[np.uint8], guess=None
     ) -> _core.FrameEstimate:
         start = time.perf_counter()
@@ -260,7 +260,7 @@ class _Capture:
                 yield frame, None
                 start = time.perf_counter()
                 continue
-            estimate = self._advance(tracker, frame, image, guess)
+            estimate = self.advance(tracker, frame, image, guess)
             num_lost = num_lost + 1 if estimate.held else 0
             yield frame, estimate
             start = time.perf_counter()

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.performance import Performance
-from mimetic.surface_places import COVERED, RefinedSurface, places_under
+from mimetic.surface_places import COVERED, RefinedSurface, cosines, places_under
 from mimetic.whole_file import whole_file
 
 LARGEST_TABLE = 1_000_000  # points
@@ -64,9 +64,7 @@ def track_points(
         vertices = surface.in_camera(i)
         seen = vertices[corners]
         places = np.einsum("kc,kcx->kx", weights, seen)
-        normals = np.cross(seen[:, 1] - seen[:, 0], seen[:, 2] - seen[:, 0])
-        lengths = np.linalg.norm(normals, axis=1) * np.linalg.norm(places, axis=1)
-        turned = -np.einsum("kx,kx->k", normals, places) > GRAZING * lengths
+        turned = cosines(seen, places) > GRAZING
         in_front = places[:, 2] > 1e-3
         shown_at = performance.project(np.where(in_front[:, None], places, np.nan))
         tracks[i, on_face] = shown_at + offset

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import _core
+from mimetic import _core, pinhole
 from mimetic.skin_mesh import SkinMesh, multiply
 
 Floats = NDArray[np.float64]
@@ -16,7 +16,7 @@ MOST_POINTS = 350  # of a frame that are worked with, spread evenly
 POSE_STD = np.array([0.1, 0.1, 0.1, 0.02, 0.02, 0.02])  # rad, metres: nearly free
 # What no skin of ours explains: a smooth field with these s.d. of its amplitude
 MODEL_ERROR = 0.3e-3  # metres, whatever moves
-SHAPE_ERROR = 4e-3  # metres of depth, seen as the head turns: as the capture takes it
+SHAPE_ERROR = 4e-3  # metres of depth, seen as the head turns; the capture's own is an eighth
 MOTION_ERROR = 0.1  # of the displacement, beside what calibration may change
 CORRELATION_LENGTH = 0.012  # metres over the skin
 NODE_SPACING = 0.02
@@ -86,9 +86,11 @@ def whiten(
     count = len(sighting.pixels)
     rest = at_points(mesh, sighting, mesh.neutral[None, : modes.shape[1]])[:, :, 0]
     moved = at_points(mesh, sighting, modes) @ sighting.values
-    pixels, by_point, by_pose = _projected(camera, sighting.camera_from_head, rest + moved)
+    seen_from = sighting.camera_from_head
+    intrinsics = np.array([[camera.fx, 0, camera.cx], [0, camera.fy, camera.cy], [0, 0, 1.0]])
+    pixels, by_point, by_pose = pinhole.show(rest + moved, seen_from, intrinsics)
     found = sighting.pixels - pixels + np.einsum("kpx,kx->kp", by_point, moved)
-    view = _view(reference) @ _view(sighting.camera_from_head)
+    view = _view(reference) @ _view(seen_from)
     error = np.hypot(
         np.hypot(MODEL_ERROR, SHAPE_ERROR * np.sqrt(max(0.0, 1 - view**2))),
         MOTION_ERROR * np.linalg.norm(moved, axis=1),
@@ -117,24 +119,6 @@ def _view(pose: Floats) -> Floats:
     """Direction from the head to the camera, head frame."""
     towards = -pose[:3, :3].T @ pose[:3, 3]
     return towards / np.linalg.norm(towards)
-
-
-def _projected(camera: _core.Camera, pose: Floats, points: Floats) -> tuple[Floats, Floats, Floats]:
-    """Pixels K x 2, derivatives by the points K x 2 x 3 and by a step of the pose K x 2 x 6."""
-    turned = points @ pose[:3, :3].T
-    x, y, z = (turned + pose[:3, 3]).T
-    zero = np.zeros_like(z)
-    by_place = np.stack(
-        [
-            np.stack([camera.fx / z, zero, -camera.fx * x / z**2], axis=1),
-            np.stack([zero, camera.fy / z, -camera.fy * y / z**2], axis=1),
-        ],
-        axis=1,
-    )
-    a, b, c = turned.T
-    cross = np.stack([zero, c, -b, -c, zero, a, b, -a, zero], axis=1).reshape(-1, 3, 3)
-    pixels = np.stack([camera.fx * x / z + camera.cx, camera.fy * y / z + camera.cy], axis=1)
-    return pixels, by_place @ pose[:3, :3], np.concatenate([by_place @ cross, by_place], axis=2)
 
 
 def _smooth_field(points: Floats) -> Floats:

@@ -180,9 +180,13 @@ class Place:
 
     def scale(self, mesh: SkinMesh) -> float:
         """How many times as long as on the template lengths are here."""
+        return float(self.on_vertex(mesh, mesh.local_scale))
+
+    def on_vertex(self, mesh: SkinMesh, values: np.ndarray) -> np.ndarray:
+        """What the refined vertex has of values (S x ...) of the skin's control vertices."""
         indptr, indices, weights = mesh.stencils
         own = slice(indptr[self.vertex], indptr[self.vertex + 1])
-        return float(weights[own] @ mesh.local_scale[indices[own]])
+        return weights[own] @ values[indices[own]]
 
 
 def find_place(mesh: SkinMesh, anchor: str, x: float, y: float, depth: float, side: str) -> Place:

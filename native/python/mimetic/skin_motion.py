@@ -17,16 +17,15 @@ from mimetic import _core
 from mimetic.anatomy import (
     AnatomyPerturbation,
     AttachedSkin,
-    calibrate,
+    canonical_skin,
     load_table,
     muscle_names,
-    place_muscles,
+    pull,
 )
-from mimetic.articulators import Jaw
+from mimetic.articulators import JAW, Jaw
 from mimetic.calibration import Calibration
 from mimetic.skin_mesh import Csr, SkinMesh, keep_columns
 
-JAW_MOTIONS = ("jaw_open", "jaw_side", "jaw_thrust")
 SUBSTEPS = 8  # of a frame at 30 a second: 1/240 s
 NUM_MODES = 8  # of the reduced skin; `python -m mimetic.motion_table` shows what more would give
 
@@ -104,23 +103,14 @@ def load_skin(
     perturbation = perturbation or AnatomyPerturbation()
     neutral = np.ascontiguousarray(neutral_vertices, dtype=np.float64)
     mesh = SkinMesh(template, neutral)
-    canonical = SkinMesh(template, np.ascontiguousarray(template.vertices, dtype=np.float64))
     skin = AttachedSkin(mesh, perturbation.stiffness_factor, calibration)
-    names = muscle_names()
-    shifts = skin.calibration.insertion_shifts(names)
-    muscles = place_muscles(canonical, mesh, perturbation, shifts)
-    forces = np.stack([mesh.surface.forces(muscle) for muscle in muscles])
-    strengths = calibrate(canonical, mesh, skin.respond(forces))
-    strengths *= skin.calibration.strength_factors(names)
+    pulled = pull(skin, canonical_skin(template), perturbation)
     jaw = Jaw(mesh)
-    jaw_forces = [
-        skin.model.foundation_forces(jaw.influence[:, None] * jaw.motion(name, mesh.vertices))
-        for name in JAW_MOTIONS
-    ]
+    jaw_forces = [skin.model.foundation_forces(jaw.under_skin(name)) for name in JAW]
     return LoadedSkin(
         skin,
-        (*names, *JAW_MOTIONS),
-        np.concatenate([forces * strengths[:, None, None], jaw_forces]),
+        (*muscle_names(), *JAW),
+        np.concatenate([pulled.forces * pulled.strengths[:, None, None], jaw_forces]),
     )
 
 

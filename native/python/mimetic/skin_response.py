@@ -11,20 +11,20 @@ from numpy.typing import NDArray
 
 from mimetic.anatomy import (
     SIDES,
-    AnatomyPerturbation,
     AttachedSkin,
+    canonical_skin,
     measured_place,
     muscle_names,
     muscle_table,
     place_muscle,
-    place_muscles,
+    pull,
+    strength,
 )
-from mimetic.articulators import ARTICULATORS, EyeLids, Jaw, eye_frames
+from mimetic.articulators import ARTICULATORS, JAW, EyeLids, Jaw, eye_frames
 from mimetic.calibration import Calibration, region_weights
 from mimetic.skin_mesh import SkinMesh, multiply
 
 Floats = NDArray[np.float64]
-JAW_MODES = ("jaw_open", "jaw_side", "jaw_thrust")
 INSERTION_STEP = 1.0  # mm, for differences: footprints are ten times as wide
 
 
@@ -47,31 +47,25 @@ class SkinResponse:
 
     def __init__(self, mesh: SkinMesh):
         self.mesh = mesh
-        template = mesh.template
-        self.canonical = SkinMesh(template, np.ascontiguousarray(template.vertices, np.float64))
+        self.canonical = canonical_skin(mesh.template)
         self.names = muscle_names()
         self.rows = [(row, side) for row in muscle_table() for side in SIDES]
         self.articulators = tuple(ARTICULATORS)
         jaw = Jaw(mesh)
-        self.bone = np.stack(
-            [jaw.influence[:, None] * jaw.motion(name, mesh.vertices) for name in JAW_MODES]
-        )
+        self.bone = np.stack([jaw.under_skin(name) for name in JAW])
         lids = [lid for frame in eye_frames(mesh) for lid in EyeLids(frame).modes()]
-        self.lids = np.stack(lids)[:, : int(template.num_skin_vertices)]
+        self.lids = np.stack(lids)[:, : int(mesh.template.num_skin_vertices)]
         self.regions = region_weights(mesh)
         self.measured = [measured_place(self.canonical, *row) for row in self.rows]
 
     def evaluate(self, calibration: Calibration, moved: Sequence[int] = ()) -> ResponsiveModes:
         """Modes and derivatives, those by insertion for the muscles `moved`; one factorisation."""
         skin = AttachedSkin(self.mesh, 1.0, calibration)
-        shifts = calibration.insertion_shifts(self.names)
-        placed = place_muscles(self.canonical, self.mesh, AnatomyPerturbation(), shifts)
-        pulled = skin.respond(np.stack([self.mesh.surface.forces(muscle) for muscle in placed]))
-        count = len(pulled)
+        muscles = pull(skin, self.canonical)
+        pulled, count = muscles.responses, len(muscles.responses)
         by_jaw = np.stack([skin.model.foundation_forces(motion) for motion in self.bone])
         raw = np.concatenate([pulled, skin.respond(by_jaw)])
-        strengths = self._strengths(pulled, range(count)) * calibration.strength_factors(self.names)
-        scale = np.concatenate([strengths, np.ones(len(self.bone))])[:, None, None]
+        scale = np.concatenate([muscles.strengths, np.ones(len(self.bone))])[:, None, None]
         # K du / d log factor = K_region (feet - u), K_region the region's share of the attachment.
         feet = np.concatenate([np.zeros((count, *self.bone.shape[1:])), self.bone])
         held = self._held(skin, raw, feet)
@@ -83,8 +77,7 @@ class SkinResponse:
         modes = np.concatenate([raw * scale, self.lids])
         by_insertion = np.zeros((2, *modes.shape))
         if len(moved) > 0:
-            factors = calibration.strength_factors(self.names)[list(moved)]
-            by_insertion[:, list(moved)] = self._by_insertion(skin, shifts, moved, factors)
+            by_insertion[:, list(moved)] = self._by_insertion(skin, moved)
         return ResponsiveModes(modes, np.stack(by_stiffness), by_insertion)
 
     def _held(self, skin: AttachedSkin, raw: Floats, feet: Floats) -> Floats:
@@ -93,15 +86,18 @@ class SkinResponse:
         stretched = np.ascontiguousarray(feet - moved.transpose(1, 0, 2))
         return np.stack([skin.model.foundation_forces(one) for one in stretched])
 
-    def _by_insertion(
-        self, skin: AttachedSkin, shifts: Floats, moved: Sequence[int], factors: Floats
-    ) -> Floats:
+    def _by_insertion(self, skin: AttachedSkin, moved: Sequence[int]) -> Floats:
         """2 x (moved) x S x 3, central differences of the modes."""
+        shifts = skin.calibration.insertion_shifts(self.names)
+        factors = skin.calibration.strength_factors(self.names)[list(moved)]
         modes = []
         for step in INSERTION_STEP * np.array([[1, 0], [-1, 0], [0, 1], [0, -1]]):
             forces = [self._forces(i, shifts[i] + step) for i in moved]
             response = skin.respond(np.stack(forces))
-            strengths = factors * self._strengths(response, moved)
+            strengths = factors * [
+                strength(self.rows[i][0], self.measured[i], self.mesh, one)
+                for one, i in zip(response, moved, strict=True)
+            ]
             modes.append(response * strengths[:, None, None])
         across = modes[0] - modes[1], modes[2] - modes[3]
         return np.stack(across) / (2 * INSERTION_STEP)
@@ -110,24 +106,10 @@ class SkinResponse:
         placed = place_muscle(self.canonical, self.mesh, *self.rows[muscle], shift)
         return self.mesh.surface.forces(placed)
 
-    def _at_measured(self, response: Floats, muscle: int) -> Floats:
-        indptr, indices, weights = self.mesh.stencils
-        vertex = self.measured[muscle].vertex
-        own = slice(indptr[vertex], indptr[vertex + 1])
-        return weights[own] @ response[indices[own]]
-
-    def _strengths(self, pulled: Floats, muscles: Sequence[int]) -> Floats:
-        """Those that give each muscle its excursion, as `anatomy.calibrate` has them."""
-        found = []
-        for response, i in zip(pulled, muscles, strict=True):
-            wanted = 1e-3 * self.rows[i][0]["excursion_mm"] * self.measured[i].scale(self.mesh)
-            found.append(wanted / np.linalg.norm(self._at_measured(response, i)))
-        return np.array(found)
-
     def _gains(self, pulled: Floats, change: Floats) -> Floats:
         """Relative change of the strengths, so that excursions stay as the responses change."""
         gains = []
-        for i, response in enumerate(pulled):
-            at = self._at_measured(response, i)
-            gains.append(-(at @ self._at_measured(change[i], i)) / (at @ at))
+        for i, place in enumerate(self.measured):
+            at = place.on_vertex(self.mesh, pulled[i])
+            gains.append(-(at @ place.on_vertex(self.mesh, change[i])) / (at @ at))
         return np.array(gains)

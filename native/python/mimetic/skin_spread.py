@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
-from mimetic.anatomy import AttachedSkin
+from mimetic.anatomy import AttachedSkin, canonical_skin
 from mimetic.face_template import load_template
 from mimetic.skin_mesh import SkinMesh, find_place, multiply
 
@@ -141,7 +141,7 @@ def spread_length(skin: EvenSkin, place: int, direction: NDArray[np.float64]) ->
 def measure(length: float) -> dict[str, tuple[float, float]]:
     """Spread lengths at each place on the canonical head, m: of a pull sideways and of one up."""
     template = load_template()
-    mesh = SkinMesh(template, np.ascontiguousarray(template.vertices))
+    mesh = canonical_skin(template)
     skin = EvenSkin(mesh, length)
     result = {}
     for name, (anchor, x, y) in PLACES.items():

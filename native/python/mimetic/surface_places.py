@@ -22,6 +22,7 @@ TILE_PX = 16.0
 COVERED = 2e-3  # metres behind the surface that still count as seen
 STEEP = 0.2  # cosine between normal and view below which a ray's place is not to be trusted
 REACH = 5e-3  # metres beside the ray, as seen, within which facing skin is looked for
+STEEPEST = np.sqrt(1 / STEEP**2 - 1)  # depth over breadth of skin that is just not steep
 BEHIND = 3e-3  # metres deeper than facing skin beside it allows: hidden, were the outline right
 
 
@@ -70,7 +71,7 @@ def places_under(
         moved[k] = np.linalg.norm(shown - pixels[k], axis=1).argmin()
     corners = vertices[surface.triangles[triangle[on_face]]]
     hit = np.einsum("kc,kcx->kx", weights[on_face], corners)
-    steep = _cosines(corners, hit) < STEEP
+    steep = cosines(corners, hit) < STEEP
     for k, place, turned_away in zip(np.flatnonzero(on_face), hit, steep, strict=True):
         moved[k] = _skin_before(surface, pixels[k], place, turned_away, shown, vertices[facing, 2])
     kept = moved < 0
@@ -96,8 +97,7 @@ def _skin_before(
     near = np.flatnonzero(beside < REACH)
     deepest = depths[near]
     if not turned_away:
-        slope = np.sqrt(1 / STEEP**2 - 1)  # depth over breadth of skin that is just not steep
-        deepest = deepest + BEHIND + slope * beside[near]
+        deepest = deepest + BEHIND + STEEPEST * beside[near]
     near = near[place[2] > deepest]
     return int(near[beside[near].argmin()]) if len(near) else -1
 
@@ -106,7 +106,7 @@ def _facing_skin(
     surface: RefinedSurface, vertices: NDArray[np.float64]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Vertices that are in sight and not steep, and a triangle that has each."""
-    flat = _cosines(vertices[surface.triangles], vertices[surface.triangles[:, 0]]) >= STEEP
+    flat = cosines(vertices[surface.triangles], vertices[surface.triangles[:, 0]]) >= STEEP
     owner = np.full(len(vertices), -1)
     steep_too = np.zeros(len(vertices), dtype=bool)
     for corner in range(3):
@@ -120,8 +120,11 @@ def _facing_skin(
     return facing[seen], owner[facing[seen]]
 
 
-def _cosines(corners: NDArray[np.float64], at: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Between the normals of triangles (K x 3 x 3) and the way back to the camera."""
+def cosines(corners: NDArray[np.float64], at: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Between the normals of triangles (K x 3 x 3) and the way to the camera from `at` (K x 3).
+
+    Metres, camera frame.
+    """
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     lengths = np.linalg.norm(normals, axis=1) * np.linalg.norm(at, axis=1)
     return -np.einsum("kx,kx->k", normals, at) / (lengths + 1e-30)

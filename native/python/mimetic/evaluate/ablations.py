@@ -55,7 +55,7 @@ VARIANTS = {
 }
 
 
-class _VariedCapture(pipeline._Capture):
+class _VariedCapture(pipeline.ClipCapture):
     def __init__(self, footage: Footage, fit: FaceFit, variant: Variant) -> None:
         summary = pipeline.CaptureSummary(fit=fit)
         super().__init__(footage, fit, (1, footage.num_frames), None, summary)
@@ -67,16 +67,16 @@ class _VariedCapture(pipeline._Capture):
                 self.neutral, self.template, self.anatomy, self.detail
             )
 
-    def _make_tracker(self, reference):
+    def make_tracker(self, reference):
         options = _core.TrackerOptions()
         for name, value in self.variant.tracker.items():
             setattr(options, name, value)
         known = (self.fit, self.template, self.anatomy, self.motion)
         return tracking.make_tracker(reference, *known, options)
 
-    def _smooth(self, estimates, before):
+    def smooth(self, estimates, before):
         if self.variant.smoothed:
-            return super()._smooth(estimates, before)
+            return super().smooth(estimates, before)
         return _as_they_are(estimates)
 
 

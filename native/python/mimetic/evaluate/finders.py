@@ -11,9 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
-from mimetic.evaluate.peers import GREY
 from mimetic.evaluate.stills import PARTS, Stills
 from mimetic.face_template import data_folder
+from mimetic.luminance import GREY
 
 CASCADES = {
     "Haar cascade": "haarcascade_frontalface_alt2.xml",

@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 
 from mimetic._core import FlowMethod, FlowOptions, compute_flow
 from mimetic.evaluate.json_text import json_text
-from mimetic.evaluate.peers import GREY
 from mimetic.evaluate.rendered import clips
 from mimetic.evaluate.text_table import text_table
 from mimetic.evaluate.truth import Truth
 from mimetic.footage import Footage
+from mimetic.luminance import GREY
 from mimetic.sampling import sampled
 
 METHODS = ("probabilistic", "dis")

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput
+from mimetic import InvalidInput, pinhole
 from mimetic.performance import Performance
 from mimetic.rotations import from_rotation_vectors
 from mimetic.surface_places import RefinedSurface, places_under
@@ -76,17 +76,9 @@ def _rigid_pose(
 ) -> NDArray[np.float64]:
     """The pose (4,4) that takes points (P,3) nearest to pixels (P,2), robustly."""
     pose = start.copy()
-    focal = np.diag(intrinsics)[:2]
     for _ in range(ITERATIONS):
-        turned = neutral @ pose[:3, :3].T
-        x, y, z = (turned + pose[:3, 3]).T
-        shown = np.column_stack([x / z, y / z]) * focal + intrinsics[:2, 2]
+        shown, _, slopes = pinhole.show(neutral, pose, intrinsics)
         off = pixels - shown
-        projection = np.zeros((len(x), 2, 3))
-        projection[:, 0, 0], projection[:, 1, 1] = focal[0] / z, focal[1] / z
-        projection[:, 0, 2], projection[:, 1, 2] = -focal[0] * x / z**2, -focal[1] * y / z**2
-        turning = np.cross(np.eye(3), turned[:, None]).transpose(0, 2, 1)
-        slopes = np.concatenate([projection @ turning, projection], axis=2)
         weight = 1 / (1 + (off**2).sum(1) / ROBUST_PX**2)
         normal = np.einsum("pij,p,pik->jk", slopes, weight, slopes)
         step = np.linalg.solve(normal, np.einsum("pij,p,pi->j", slopes, weight, off))
