@@ -65,9 +65,11 @@ FlowField compute_flow(const GrayView& from, const GrayView& to, const FlowOptio
         check_initial(*initial, from);
         start = cv::Mat(from.rows, from.cols, CV_32FC2, const_cast<float*>(initial->flow.data()));
     }
-    return options.method == FlowMethod::dis
-               ? flow::compute_dis(wrap(from), wrap(to), options, start)
-               : flow::compute_probabilistic(wrap(from), wrap(to), options, start);
+    const bool is_dis = options.method == FlowMethod::dis;
+    FlowField field = is_dis ? flow::compute_dis(wrap(from), wrap(to), options, start)
+                             : flow::compute_probabilistic(wrap(from), wrap(to), options, start);
+    flow::own_up_to_noise(wrap(from), wrap(to), is_dis ? flow::kDisNoise : flow::kProbabilisticNoise, field);
+    return field;
 }
 
 }  // namespace mimetic

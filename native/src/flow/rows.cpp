@@ -14,9 +14,7 @@
 #endif
 
 namespace mimetic::flow {
-namespace {
 
-/// Difference of the warped second image and the first, 0 and `inside` = 0 where the warp leaves the image.
 MIMETIC_WIDE void warp_row(const float* __restrict to, int rows, int cols, int y,
                            const float* __restrict at_x, const float* __restrict at_y,
                            const float* __restrict from, float* __restrict difference,
@@ -40,6 +38,8 @@ MIMETIC_WIDE void warp_row(const float* __restrict to, int rows, int cols, int y
         difference[x] = top + fy * (bottom - top) - from[x];
     }
 }
+
+namespace {
 
 MIMETIC_WIDE void multiply_row(int cols, const float* __restrict gx, const float* __restrict gy,
                                const float* __restrict weight, const float* __restrict difference,

@@ -27,6 +27,12 @@ struct Belief {
     void create(int rows, int cols);
 };
 
+/// Row `y` of `to` (rows x cols, contiguous) at the places a flow (`at_x`, `at_y`) leads to, less the row
+/// `from` itself: `difference`. Where they leave the image `inside` is 0, else 1, and the difference means
+/// nothing.
+void warp_row(const float* to, int rows, int cols, int y, const float* at_x, const float* at_y,
+              const float* from, float* difference, float* inside);
+
 /// Products of row `y`, kNumProducts runs of `cols`, the second image warped by (`at_x`, `at_y`), linearised
 /// about the prior mean. Pixels warped out of the image give zeros.
 void form_products(const Level& level, const Belief& prior, const cv::Mat& at_x, const cv::Mat& at_y, int y,

@@ -118,6 +118,36 @@ TEST_P(Flow, CovarianceIsHonestOverMotionsAndContrasts) {
     EXPECT_LT(sum / count, 4.0);
 }
 
+/// Adds noise in patches of 3 x 3 pixels, as a codec leaves it, of a standard deviation of 2.5 grey levels.
+Image in_patches(Image image, unsigned seed) {
+    constexpr int kPatch = 3;
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal(0, kNoise);
+    std::vector<double> noise(static_cast<std::size_t>(image.rows * image.cols));
+    std::generate(noise.begin(), noise.end(), [&] { return normal(random); });
+    for (int y = 0; y < image.rows; ++y) {
+        for (int x = 0; x < image.cols; ++x) {
+            const int patch = y / kPatch * image.cols + x / kPatch;
+            auto& pixel = image.pixels[static_cast<std::size_t>(y * image.cols + x)];
+            const double value = pixel + noise[static_cast<std::size_t>(patch)];
+            pixel = static_cast<std::uint8_t>(std::clamp(std::round(value), 0.0, 255.0));
+        }
+    }
+    return image;
+}
+
+TEST_P(Flow, CovarianceOwnsUpToNoiseThatDoesNotAverageOut) {
+    const auto texture = make_texture(1, 25);
+    const FlowField white =
+        compute_flow(render(texture, still, kRows, kCols, kNoise, 1).view(),
+                     render(texture, sideways, kRows, kCols, kNoise, 2).view(), options());
+    const FlowField patches =
+        compute_flow(in_patches(render(texture, still, kRows, kCols, 0, 1), 1).view(),
+                     in_patches(render(texture, sideways, kRows, kCols, 0, 1), 2).view(), options());
+    EXPECT_LT(measure(patches, sideways).normalised, 4.0);
+    EXPECT_GT(covariance_at(patches, 60, 80).trace(), 3 * covariance_at(white, 60, 80).trace());
+}
+
 TEST_P(Flow, CovarianceGrowsWhereTheImageIsFlat) {
     const auto texture = make_texture(7, 35);
     const auto half_flat = [&](double x, double y) { return x < kCols / 2 ? texture(x, y) : 128.0; };
