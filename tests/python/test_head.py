@@ -110,3 +110,6 @@ def test_a_tracker_refuses_frames_of_another_size(rendered_clip, fit):
     tracker = _core.HeadTracker(fit.camera, shape, image, fit.head_pose)
     with pytest.raises(InvalidInput, match="camera"):
         tracker.advance(np.ascontiguousarray(image[:100]))
+    with pytest.raises(InvalidInput, match="2 poses for 1 reference"):
+        tracker.move_views([fit.head_pose, fit.head_pose])
+    assert tracker.place_on(head_shape("surface", fit.neutral_vertices(template), template)) == []

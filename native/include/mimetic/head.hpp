@@ -66,6 +66,12 @@ struct HeadEstimate {
     int num_views = 0;                     ///< reference textures that were taken so far
 };
 
+/// Where a reference texture was taken, as two models of one head have it; camera from head, metres.
+struct PlacedView {
+    Eigen::Isometry3d on_model = Eigen::Isometry3d::Identity();
+    Eigen::Isometry3d on_skin = Eigen::Isometry3d::Identity();
+};
+
 /// Follows a rigid head in 6 degrees of freedom: the finite motion that best explains the flow since the
 /// frame before, then registration with reference textures, so that errors do not add up. Memory does not
 /// depend on the clip's length.
@@ -88,6 +94,14 @@ public:
     /// clip followed once more after it is followed better. False: there are not two of them that show the
     /// same skin.
     bool relax();
+
+    /// Solves for the reference textures' poses once more, on a surface that is the head's own: a simple
+    /// model that is flatter than the head and turns further explains much the same flow. Empty: as relax.
+    std::vector<PlacedView> place_on(const HeadShape& skin);
+
+    /// Moves the reference textures, in their order, and shapes the model so that it agrees with their poses
+    /// (camera from head). Throws InvalidInput if there are more or fewer of them.
+    void move_views(const std::vector<Eigen::Isometry3d>& poses);
 
     /// The model as it is now: shape and place in the head come from all reference textures together.
     const HeadShape& shape() const;

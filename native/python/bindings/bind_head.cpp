@@ -53,6 +53,11 @@ void bind_shape(py::module_& m) {
 }
 
 void bind_tracker(py::module_& m) {
+    py::class_<PlacedView>(m, "PlacedView", "Where a reference texture was taken, as two models have it.")
+        .def_property_readonly(
+            "on_model", [](const PlacedView& v) { return v.on_model.matrix(); }, "(4, 4), metres")
+        .def_property_readonly(
+            "on_skin", [](const PlacedView& v) { return v.on_skin.matrix(); }, "(4, 4), metres");
     py::class_<HeadEstimate>(m, "HeadEstimate", "Pose of one frame with its covariance.")
         .def_property_readonly(
             "camera_from_head", [](const HeadEstimate& e) { return e.camera_from_head.matrix(); },
@@ -98,6 +103,22 @@ void bind_tracker(py::module_& m) {
              "Solves for the poses of the reference textures and the shape anew, from all of them: a clip "
              "followed\n"
              "once more after it is followed better. False: no two of them show the same skin.")
+        .def(
+            "place_on", &HeadTracker::place_on, "skin"_a, py::call_guard<py::gil_scoped_release>(),
+            "PlacedView of each reference texture: where it is by the model, and on a HeadShape that is the\n"
+            "head's own surface. Empty: no two of them show the same skin.")
+        .def(
+            "move_views",
+            [](HeadTracker& tracker, const std::vector<Eigen::Matrix4d>& poses) {
+                std::vector<Eigen::Isometry3d> moved;
+                for (const Eigen::Matrix4d& pose : poses) {
+                    moved.push_back(to_isometry(pose));
+                }
+                tracker.move_views(moved);
+            },
+            "poses"_a,
+            "Moves the reference textures, in their order, to poses (4, 4) and shapes the model so that it\n"
+            "agrees. Raises InvalidInput.")
         .def_property_readonly("shape", &HeadTracker::shape, "HeadShape as all reference textures say.");
 }
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +25,7 @@ from mimetic.following import (
     shrink,
 )
 from mimetic.footage import Footage
+from mimetic.head_placing import placed_poses
 from mimetic.performance import Performance
 from mimetic.pipeline import CaptureSummary, FrameRange, Progress, check_range, fit_for
 from mimetic.pose_smoothing import check_strength, smoothed_scenes
@@ -139,8 +141,19 @@ class _HeadMotion:
         if not self.summary.stopped and tracker.relax():
             again = self._both_ways(tracker, reference)
             rows = rows if self.summary.stopped else again
+            rows = self._placed(tracker, rows)
         self.summary.head_shape = tracker.shape
         return self._performance(rows)
+
+    def _placed(self, tracker: _core.HeadTracker, rows: Rows) -> Rows:
+        """The ellipsoid's motion as the person's skin has it."""
+        if self.model != "ellipsoid" or self.summary.stopped:
+            return rows
+        views = tracker.place_on(head_shape("surface", self.neutral, self.template))
+        if not views:
+            return rows
+        tracker.move_views(list(placed_poses(np.array([v.on_model for v in views]), views)))
+        return replace(rows, pose=list(placed_poses(np.array(rows.pose), views)))
 
     def _both_ways(self, tracker: _core.HeadTracker, reference: NDArray[np.uint8]) -> Rows:
         """All frames, backward and forward from the reference frame."""

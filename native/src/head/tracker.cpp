@@ -28,7 +28,6 @@ constexpr double kStill = 0.3;          // pixels: a stabilised frame that needs
 constexpr double kReferenceStd = 2e-3;  // rad and metres of the first pose: it defines the head frame
 constexpr double kTooVague = 0.12;      // rad: s.d. of a pose that no reference texture is taken at
 constexpr double kNearer = 0.3;         // share of the distance after which a texture is taken anew
-
 constexpr std::size_t kNearViews = 5;   // from which a doubtful frame is tried anew
 constexpr std::size_t kCloseViews = 6;  // taken at half the angle
 constexpr long kFlowEvery = 6;          // frames on the fast path: samples alone let the distance run away
@@ -64,6 +63,10 @@ struct HeadTracker::State {
     }
     void take_view(const cv::Mat1b& gray, HeadEstimate& estimate);
     bool relax(bool anew);
+    void forget_samples() {
+        sampled.clear();
+        sampled.resize(views().size());
+    }
     const SampleView& samples_of(const KeyView& view) const;
     std::vector<std::pair<double, const KeyView*>> views_by_angle(const Eigen::Isometry3d& pose) const;
     std::vector<std::pair<double, const KeyView*>> views_for(const Eigen::Isometry3d& pose) const;
@@ -103,8 +106,7 @@ void HeadTracker::State::take_view(const cv::Mat1b& gray, HeadEstimate& estimate
 
 bool HeadTracker::State::relax(bool anew) {
     const bool has_moved = graph.relax(anew);
-    sampled.clear();
-    sampled.resize(views().size());
+    forget_samples();
     return has_moved;
 }
 
@@ -252,8 +254,7 @@ std::optional<HeadEstimate> HeadTracker::State::register_samples(const cv::Mat1b
     return found;
 }
 
-/// Where a lost head may be: a guess, the last pose, or one of the `num_views` nearest poses that it was seen
-/// in.
+/// Where a lost head may be: a guess, the last pose, or one of the `num_views` nearest references.
 std::optional<Eigen::Isometry3d> HeadTracker::State::recall(const cv::Mat1b& gray,
                                                             const std::optional<Eigen::Isometry3d>& guess,
                                                             std::size_t num_views) const {
@@ -316,9 +317,10 @@ HeadEstimate HeadTracker::State::estimate(const cv::Mat1b& gray,
 }
 
 bool HeadTracker::State::wants_view(const HeadEstimate& estimate) const {
-    constexpr double kGood = .9;  // an expression passes; a texture taken on it would stay
+    // A head that looks up or down is explained less well; samples alone need a sure start.
+    const double good = options.fast ? .9 : .7;
     if (options.max_key_views == 0 || static_cast<int>(views().size()) >= options.max_key_views ||
-        estimate.held || estimate.quality < kGood || rotation_std(estimate.covariance) > kTooVague) {
+        estimate.held || estimate.quality < good || rotation_std(estimate.covariance) > kTooVague) {
         return false;
     }
     // The first ones stand close: the shape is not known yet, and wrong shapes do not register far.
@@ -376,6 +378,16 @@ HeadEstimate HeadTracker::advance(const ColorView& image, const std::optional<Ei
 }
 
 bool HeadTracker::relax() { return state_->relax(true); }
+
+std::vector<PlacedView> HeadTracker::place_on(const HeadShape& skin) {
+    skin.check();
+    return state_->graph.place_on(skin);
+}
+
+void HeadTracker::move_views(const std::vector<Eigen::Isometry3d>& poses) {
+    state_->graph.move_views(poses);
+    state_->forget_samples();
+}
 
 const HeadShape& HeadTracker::shape() const { return state_->shape(); }
 

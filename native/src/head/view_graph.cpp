@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <mimetic/error.hpp>
+#include <string>
 #include <utility>
 
 namespace mimetic::head {
@@ -26,6 +28,7 @@ constexpr double kLeastError = 1e-3;      // metres: no head is rigid
 constexpr double kPatch = .025;           // metres over which a model's error is one
 constexpr double kMostChange = .5;        // of a logarithm, radians, and tenths of a metre
 constexpr int kSteps = 2;
+constexpr int kPlacings = 3;     // times textures are matched on another model, from nearer and nearer
 constexpr double kFixed = 1e12;  // information
 
 using Rows6 = Eigen::Matrix<double, 2, 6>;
@@ -100,10 +103,11 @@ struct ViewGraph::Normal {
 
 void ViewGraph::add(const HeadCrop& crop, const Eigen::Isometry3d& camera_from_head,
                     const Matrix6& covariance) {
-    views_.emplace_back(shape_, options_, crop, camera_from_head, covariance);
+    model_.views.emplace_back(model_.shape, options_, crop, camera_from_head, covariance);
+    const std::vector<KeyView>& views = model_.views;
     std::vector<std::pair<double, std::size_t>> order;
-    for (std::size_t i = 0; i + 1 < views_.size(); ++i) {
-        const double angle = angle_between(views_[i].camera_from_head(), camera_from_head);
+    for (std::size_t i = 0; i + 1 < views.size(); ++i) {
+        const double angle = angle_between(views[i].camera_from_head(), camera_from_head);
         if (angle < kLargestAngle) {
             order.emplace_back(angle, i);
         }
@@ -111,13 +115,13 @@ void ViewGraph::add(const HeadCrop& crop, const Eigen::Isometry3d& camera_from_h
     std::sort(order.begin(), order.end());
     order.resize(std::min(order.size(), kMostPairs));
     for (const auto& [angle, i] : order) {
-        match(i, views_.size() - 1);
-        match(views_.size() - 1, i);
+        match(model_, i, views.size() - 1);
+        match(model_, views.size() - 1, i);
     }
 }
 
-void ViewGraph::match(std::size_t from, std::size_t to) {
-    const KeyView &first = views_[from], &second = views_[to];
+void ViewGraph::match(const Body& body, std::size_t from, std::size_t to) {
+    const KeyView &first = body.views[from], &second = body.views[to];
     const Stabilised stabilised = first.stabilise(second.crop(), second.camera_from_head());
     if (stabilised.correlation < kLeastCorrelation || stabilised.in_sight < .2) {
         return;
@@ -125,7 +129,7 @@ void ViewGraph::match(std::size_t from, std::size_t to) {
     HeadOptions options = options_;
     options.sample_spacing *= kThinning;
     std::vector<PointMeasurement> measurements;
-    first.measure(shape_, options, stabilised, 1, measurements);
+    first.measure(body.shape, options, stabilised, 1, measurements);
     Pair pair{from, to, {}};
     for (const PointMeasurement& m : measurements) {
         const Eigen::Vector2d place =
@@ -136,8 +140,8 @@ void ViewGraph::match(std::size_t from, std::size_t to) {
     pairs_.push_back(std::move(pair));
 }
 
-double ViewGraph::scale_of(const Pair& pair) const {
-    const KeyView &first = views_[pair.from], &second = views_[pair.to];
+double ViewGraph::scale_of(const Body& body, const Pair& pair) const {
+    const KeyView &first = body.views[pair.from], &second = body.views[pair.to];
     std::vector<double> distances;
     for (const Match& m : pair.matches) {
         if (first.shows(m.x, m.y)) {
@@ -154,8 +158,9 @@ double ViewGraph::scale_of(const Pair& pair) const {
     return std::max(kLeastScale, *middle / 1.18);
 }
 
-void ViewGraph::add_pair(const Pair& pair, double scale, Normal& normal) const {
-    const KeyView &first = views_[pair.from], &second = views_[pair.to];
+void ViewGraph::add_pair(const Body& body, const Pair& pair, Normal& normal) const {
+    const KeyView &first = body.views[pair.from], &second = body.views[pair.to];
+    const double scale = scale_of(body, pair);
     const Eigen::Isometry3d &from = first.camera_from_head(), &to = second.camera_from_head();
     const Eigen::Vector3d eye = from.inverse().translation();
     constexpr int kSize = kShapeSize + 12;
@@ -184,7 +189,7 @@ void ViewGraph::add_pair(const Pair& pair, double scale, Normal& normal) const {
         Eigen::Matrix<double, 3, 6> by_from;  // of the model in the first camera, seen in the head frame
         by_from << -from.linear().transpose() * cross_matrix(turned), from.linear().transpose();
         Eigen::Matrix<double, 3, kSize> moved;
-        moved.leftCols<kShapeSize>() = kept * motion_by_change(shape_, point);
+        moved.leftCols<kShapeSize>() = kept * motion_by_change(body.shape, point);
         moved.middleCols<6>(kShapeSize) = (kept - Eigen::Matrix3d::Identity()) * by_from;
         moved.leftCols<kShapeSize + 6>() = to.linear() * moved.leftCols<kShapeSize + 6>().eval();
         moved.rightCols<6>() << -cross_matrix(to.linear() * point), Eigen::Matrix3d::Identity();
@@ -212,12 +217,12 @@ void ViewGraph::add_pair(const Pair& pair, double scale, Normal& normal) const {
 }
 
 /// By how much patches of skin lie off the model, from where they are seen by other views.
-double ViewGraph::depth_error() const {
+double ViewGraph::depth_error(const Body& body) const {
     std::map<std::pair<int, int>, Eigen::Vector2d> patches;  // information, pull
     for (const Pair& pair : pairs_) {
-        const KeyView &first = views_[pair.from], &second = views_[pair.to];
+        const KeyView &first = body.views[pair.from], &second = body.views[pair.to];
         const Eigen::Vector3d eye = first.camera_from_head().inverse().translation();
-        const double scale = scale_of(pair);
+        const double scale = scale_of(body, pair);
         for (const Match& m : pair.matches) {
             if (!first.shows(m.x, m.y)) {
                 continue;
@@ -239,7 +244,7 @@ double ViewGraph::depth_error() const {
                 .first->second += Eigen::Vector2d(pull.dot(shift), pull.dot(residual));
         }
     }
-    double sum = start_error_ * start_error_ * kStartPatches, num = kStartPatches;
+    double sum = body.start_error * body.start_error * kStartPatches, num = kStartPatches;
     for (const auto& [place, patch] : patches) {
         constexpr double kClear = .002;  // metres
         if (patch[0] > std::pow(kClear, -2)) {
@@ -250,62 +255,107 @@ double ViewGraph::depth_error() const {
     return std::max(kLeastError, kConditional * std::sqrt(sum / num));
 }
 
-ViewGraph::Normal ViewGraph::normal_equations(bool is_rigid) const {
-    Normal normal(views_.size());
-    const ShapeChange prior = prior_information(shape_, is_rigid);
+ViewGraph::Normal ViewGraph::normal_equations(const Body& body, Free free) const {
+    Normal normal(body.views.size());
+    const bool is_rigid = free == Free::poses;
+    const ShapeChange prior = prior_information(body.shape, is_rigid);
     normal.information.diagonal().array() += 1e-2;
     normal.information.diagonal().head<kShapeSize>() += prior;
+    if (free == Free::shape) {
+        normal.information.diagonal().tail(normal.gradient.size() - kShapeSize).array() += kFixed;
+    }
     if (!is_rigid) {
-        normal.gradient.head<kShapeSize>() -= prior.cwiseProduct(change_);
+        normal.gradient.head<kShapeSize>() -= prior.cwiseProduct(body.change);
     }
     for (const Pair& pair : pairs_) {
-        add_pair(pair, scale_of(pair), normal);
+        add_pair(body, pair, normal);
     }
     return normal;
 }
 
-void ViewGraph::step(bool is_rigid) {
-    const Normal normal = normal_equations(is_rigid);
+void ViewGraph::step(Body& body, Free free) {
+    const Normal normal = normal_equations(body, free);
     const Eigen::LDLT<Eigen::MatrixXd> solver(normal.information);
     const Eigen::VectorXd change = solver.solve(normal.gradient);
     const ShapeChange of_shape = change.head<kShapeSize>();
-    const ShapeChange total = change_ + of_shape;
+    const ShapeChange total = body.change + of_shape;
     const bool is_head =
         total.head<6>().cwiseAbs().maxCoeff() < kMostChange && total.tail<3>().norm() < .1 * kMostChange;
     if (!change.allFinite() || !is_head) {
-        if (!is_rigid) {
-            step(true);
+        if (free == Free::all) {
+            step(body, Free::poses);
         }
         return;
     }
     const Eigen::MatrixXd spread = solver.solve(Eigen::MatrixXd::Identity(change.size(), change.size()));
-    change_ = total;
-    shape_ = changed(shape_, of_shape);
-    views_.front().move(shape_, views_.front().camera_from_head(), views_.front().covariance());
-    for (std::size_t k = 1; k < views_.size(); ++k) {
-        const auto at = place_of(k);
-        const Vector6 motion = change.segment<6>(at);
-        Eigen::Isometry3d pose = views_[k].camera_from_head();
-        pose.linear() = turn_of(motion.head<3>()) * pose.linear();
-        pose.translation() += motion.tail<3>();
-        views_[k].move(shape_, pose, spread.block<6, 6>(at, at));
+    body.change = total;
+    body.shape = changed(body.shape, of_shape);
+    for (std::size_t k = 0; k < body.views.size(); ++k) {
+        KeyView& view = body.views[k];
+        Eigen::Isometry3d pose = view.camera_from_head();
+        Matrix6 covariance = view.covariance();
+        if (k > 0 && free != Free::shape) {
+            const auto at = place_of(k);
+            const Vector6 motion = change.segment<6>(at);
+            pose.linear() = turn_of(motion.head<3>()) * pose.linear();
+            pose.translation() += motion.tail<3>();
+            covariance = spread.block<6, 6>(at, at);
+        }
+        view.move(body.shape, pose, covariance);
+    }
+}
+
+void ViewGraph::match_anew(const Body& body) {
+    for (const Pair& pair : std::exchange(pairs_, {})) {
+        match(body, pair.from, pair.to);
     }
 }
 
 bool ViewGraph::relax(bool anew) {
     if (anew) {
-        for (const Pair& pair : std::exchange(pairs_, {})) {
-            match(pair.from, pair.to);
-        }
+        match_anew(model_);
     }
     if (pairs_.empty()) {
         return false;
     }
     for (int k = 0; k < (anew ? 2 : 1) * kSteps; ++k) {
-        step(false);
+        step(model_, Free::all);
     }
-    shape_.depth_error = std::min(start_error_, depth_error());
+    model_.shape.depth_error = std::min(model_.start_error, depth_error(model_));
     return true;
+}
+
+std::vector<PlacedView> ViewGraph::place_on(const HeadShape& skin) {
+    Body body{skin, skin.depth_error};
+    for (const KeyView& view : model_.views) {
+        body.views.emplace_back(skin, options_, view.crop(), view.camera_from_head(), view.covariance());
+    }
+    for (int round = 0; round < kPlacings && !pairs_.empty(); ++round) {
+        if (round > 0) {
+            match_anew(body);
+        }
+        for (int k = 0; k < 4 * kSteps; ++k) {
+            step(body, Free::all);
+        }
+    }
+    std::vector<PlacedView> placed;
+    for (std::size_t k = 0; k < body.views.size() && !pairs_.empty(); ++k) {
+        placed.push_back({model_.views[k].camera_from_head(), body.views[k].camera_from_head()});
+    }
+    return placed;
+}
+
+void ViewGraph::move_views(const std::vector<Eigen::Isometry3d>& poses) {
+    if (poses.size() != model_.views.size()) {
+        throw InvalidInput(std::to_string(poses.size()) + " poses for " +
+                           std::to_string(model_.views.size()) + " reference textures");
+    }
+    for (std::size_t k = 0; k < poses.size(); ++k) {
+        model_.views[k].move(model_.shape, poses[k], model_.views[k].covariance());
+    }
+    for (int k = 0; k < 2 * kSteps; ++k) {
+        step(model_, Free::shape);
+    }
 }
 
 }  // namespace mimetic::head

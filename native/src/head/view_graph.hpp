@@ -18,7 +18,7 @@ HeadShape changed(const HeadShape& shape, const ShapeChange& change);
 class ViewGraph {
 public:
     ViewGraph(const HeadShape& shape, const HeadOptions& options)
-        : options_(options), shape_(shape), start_error_(shape.depth_error) {}
+        : options_(options), model_{shape, shape.depth_error} {}
 
     /// The first texture stays where it is said to be.
     void add(const HeadCrop& crop, const Eigen::Isometry3d& camera_from_head, const Matrix6& covariance);
@@ -27,8 +27,14 @@ public:
     /// none.
     bool relax(bool anew);
 
-    const std::vector<KeyView>& views() const { return views_; }
-    const HeadShape& shape() const { return shape_; }
+    /// Where the textures are as the head's skin has them; the model's stay. Empty: no correspondences.
+    std::vector<PlacedView> place_on(const HeadShape& skin);
+
+    /// Moves the textures and shapes the model so that it agrees.
+    void move_views(const std::vector<Eigen::Isometry3d>& poses);
+
+    const std::vector<KeyView>& views() const { return model_.views; }
+    const HeadShape& shape() const { return model_.shape; }
 
 private:
     struct Match {
@@ -41,19 +47,25 @@ private:
         std::vector<Match> matches;
     };
     struct Normal;
+    enum class Free { all, poses, shape };
+    /// A model of the head, and the textures on it.
+    struct Body {
+        HeadShape shape;
+        double start_error = 0;
+        std::vector<KeyView> views = {};
+        ShapeChange change = ShapeChange::Zero();  // since the start
+    };
 
-    void match(std::size_t from, std::size_t to);
-    Normal normal_equations(bool is_rigid) const;
-    void add_pair(const Pair& pair, double scale, Normal& normal) const;
-    double scale_of(const Pair& pair) const;
-    double depth_error() const;
-    void step(bool is_rigid);
+    void match(const Body& body, std::size_t from, std::size_t to);
+    void match_anew(const Body& body);
+    Normal normal_equations(const Body& body, Free free) const;
+    void add_pair(const Body& body, const Pair& pair, Normal& normal) const;
+    double scale_of(const Body& body, const Pair& pair) const;
+    double depth_error(const Body& body) const;
+    void step(Body& body, Free free);
 
     HeadOptions options_;
-    HeadShape shape_;
-    double start_error_;
-    ShapeChange change_ = ShapeChange::Zero();  // since the start
-    std::vector<KeyView> views_;
+    Body model_;
     std::vector<Pair> pairs_;
 };
 
