@@ -188,13 +188,19 @@ class MimeticScene(bpy.types.PropertyGroup):
         description="Fit the face again while landmarks are dragged in the clip editor",
     )
     use_frame_range: BoolProperty(
-        name="Part of the Clip", description="Capture only some of the footage's frames"
+        name="Part of the Clip", description="Take only some of the footage's frames"
     )
     frame_first: IntProperty(
-        name="First", default=1, min=1, description="First footage frame to capture"
+        name="First",
+        default=1,
+        min=1,
+        description="First footage frame to capture or to calibrate on",
     )
     frame_last: IntProperty(
-        name="Last", default=100, min=1, description="Last footage frame to capture"
+        name="Last",
+        default=100,
+        min=1,
+        description="Last footage frame to capture or to calibrate on",
     )
     performance_path: StringProperty(
         name="Performance",

@@ -50,6 +50,15 @@ def no_clip(context) -> str:
     return ""
 
 
+def no_fit(context) -> str:
+    """Why nothing can be learnt of the person."""
+    if reason := no_clip(context):
+        return reason
+    if not context.scene.mimetic.face_fit:
+        return "Find the face first: what is learnt of the person is kept with its fit"
+    return ""
+
+
 def no_performance(context) -> str:
     if reason := no_start():
         return reason

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From real footage to a baked face, by operators and by functions."""
 
+import dataclasses
 import subprocess
 import sys
 from pathlib import Path
@@ -87,7 +88,6 @@ def test_of_several_faces_the_one_near_a_pixel_is_taken(extension, scene, clip_p
 
 
 def test_a_fit_edited_into_nonsense_is_refused(scene, with_clip):
-    bpy.ops.mimetic.find_face(frame=FIT_FRAME)
     scene.mimetic.face_fit = '{"schema": 1}'
     with pytest.raises(RuntimeError, match="face fit"):
         bpy.ops.mimetic.capture()
@@ -114,6 +114,45 @@ def test_capture_by_operator_is_capture_by_function(extension, scene, with_clip,
     keys = [key.name for key in scene.mimetic.face.data.shape_keys.key_blocks]
     assert len([name for name in keys if not name.startswith("contact")]) == 1 + 36 + 7 + 21
     assert "contact" in keys
+
+
+def test_a_person_is_calibrated_in_the_fit_in_one_undo_step(
+    extension, scene, with_clip, monkeypatch
+):
+    from mimetic import calibration_capture
+    from mimetic.calibration import Calibration
+
+    assert not bpy.ops.mimetic.calibrate.poll()
+    bpy.ops.mimetic.find_face(frame=FIT_FRAME)
+    scene.mimetic.use_frame_range = True
+    scene.mimetic.frame_first, scene.mimetic.frame_last = FRAMES
+    with pytest.raises(RuntimeError, match="15 to 600 frames, 1:8 are 8"):
+        bpy.ops.mimetic.calibrate()
+    face_fit = extension("scene_out").face_fit
+    assert face_fit.calibrated_on(scene) == 0
+
+    found = Calibration(stiffness={"cheeks": 1.5}, strength={"mentalis.L": 1.2}, frames=[2, 5])
+    asked = []
+
+    def calibrate(path, frames, fit, progress):
+        """What takes the time is tested without Blender."""
+        asked.append((path, frames, fit.features))
+        if not progress(0.5, "following the face"):
+            raise KeyboardInterrupt
+        return dataclasses.replace(fit, calibration=found), None
+
+    monkeypatch.setattr(calibration_capture, "calibrate", calibrate)
+    operator = extension("operators.calibrate").MIMETIC_OT_calibrate
+    inputs = (bpy.path.abspath(with_clip.filepath), FRAMES, face_fit.stored(scene))
+    assert operator.work(operator, inputs, lambda *_: False) is None  # stopped as by Esc
+    bpy.ops.ed.undo_push(message="before")
+    assert bpy.ops.mimetic.calibrate("EXEC_DEFAULT", True) == {"FINISHED"}
+    assert asked == [(*inputs[:2], inputs[2].features)] * 2
+    assert face_fit.stored(scene).calibration == found
+    assert face_fit.calibrated_on(scene) == 2
+    bpy.ops.ed.undo()
+    assert face_fit.calibrated_on(bpy.context.scene) == 0
+    assert face_fit.stored(bpy.context.scene).features == inputs[2].features
 
 
 def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, tmp_path):

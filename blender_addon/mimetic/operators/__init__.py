@@ -5,6 +5,7 @@ import bpy
 
 from . import (
     bake,
+    calibrate,
     capture,
     clip,
     face,
@@ -20,6 +21,7 @@ from . import (
 CLASSES = (
     clip.MIMETIC_OT_load_clip,
     *face.CLASSES,
+    calibrate.MIMETIC_OT_calibrate,
     capture.MIMETIC_OT_capture,
     performance.MIMETIC_OT_load_performance,
     bake.MIMETIC_OT_bake,

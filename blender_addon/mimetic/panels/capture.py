@@ -5,7 +5,7 @@ from pathlib import Path
 
 from bpy.types import Panel
 
-from .. import jobs, native
+from .. import jobs, native, scene_out
 
 
 class Capture:
@@ -54,6 +54,10 @@ class Capture:
             row = layout.row(align=True)
             row.prop(settings, "frame_first")
             row.prop(settings, "frame_last")
+        row = layout.row(align=True)
+        row.operator("mimetic.calibrate", icon="USER")
+        if frames := scene_out.face_fit.calibrated_on(settings.id_data):
+            row.label(text=f"on {frames} frames", icon="CHECKMARK")
         row = layout.row(align=True)
         row.operator("mimetic.capture", icon="REC")
         row.operator("mimetic.track_head", text="Head Only")

@@ -19,14 +19,33 @@ _parsed: tuple[str, object] | None = None  # the JSON that was read last, and it
 
 def store(scene: bpy.types.Scene, clip: bpy.types.MovieClip, fit) -> None:
     """Keeps a mimetic.fit.FaceFit with the scene, and shows its landmarks in the clip."""
-    _write(scene, fit)
+    keep(scene, fit)
     landmarks.show(clip, fit)
 
 
 def update(scene: bpy.types.Scene, clip: bpy.types.MovieClip, fit) -> None:
     """As `store`, for a fit of the same frames: the tracks stay, only their markers move."""
-    _write(scene, fit)
+    keep(scene, fit)
     landmarks.place(clip, fit)
+
+
+def keep(scene: bpy.types.Scene, fit) -> None:
+    """Keeps a fit with the scene whose landmarks are where they were."""
+    global _parsed
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder, "face.json")
+        fit.save(path)
+        scene.mimetic.face_fit = path.read_text(encoding="utf-8")
+    _parsed = (scene.mimetic.face_fit, fit)
+
+
+def calibrated_on(scene: bpy.types.Scene) -> int:
+    """How many frames the fit's calibration rests on; 0 without one."""
+    try:
+        fit = stored(scene)
+    except native.known_errors():
+        return 0
+    return len(fit.calibration.frames) if fit else 0
 
 
 def stored(scene: bpy.types.Scene):
@@ -41,12 +60,3 @@ def stored(scene: bpy.types.Scene):
             path.write_text(content, encoding="utf-8")
             _parsed = (content, native.part("fit").FaceFit.load(path))
     return _parsed[1]
-
-
-def _write(scene: bpy.types.Scene, fit) -> None:
-    global _parsed
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder, "face.json")
-        fit.save(path)
-        scene.mimetic.face_fit = path.read_text(encoding="utf-8")
-    _parsed = (scene.mimetic.face_fit, fit)
