@@ -13,8 +13,9 @@ from mimetic.face_template import FaceTemplate
 from mimetic.fit import FaceFit
 
 # Hair, neck and ears move on their own or show no skin; mouth and sockets are seen only now and
-# then; lids come and go over the eye: they are measured by their look.
-UNMEASURED = ("scalp", "neck", "ear", "mouth_cavity", "eye_socket", "eyelid")
+# then. Lids are measured twice, here and by their look: over a blink flow loses them, but at rest
+# they are a tenth of what shows of a face.
+UNMEASURED = ("scalp", "neck", "ear", "mouth_cavity", "eye_socket")
 ACTIVATION_STD = 0.3
 # How far articulators stray from rest; from the front a camera hardly sees the jaw's thrust.
 ARTICULATOR_STD = {

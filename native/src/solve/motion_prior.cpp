@@ -36,7 +36,8 @@ Eigen::VectorXd RestPull::shown(const Eigen::VectorXd& values) const {
 }
 
 RestPull::Terms RestPull::at(const Eigen::VectorXd& values, const Eigen::VectorXd& likely,
-                             const Eigen::VectorXd& std, double dead_zone) const {
+                             const Eigen::VectorXd& seen, const Eigen::VectorXd& std,
+                             double dead_zone) const {
     constexpr double kFree = .4;       // of prior_std: lids come and go by themselves
     constexpr double kActive = .15;    // a value beyond which the pull to rest fades
     constexpr double kDoubtful = 1.1;  // of std: up to here a value may be none
@@ -44,7 +45,6 @@ RestPull::Terms RestPull::at(const Eigen::VectorXd& values, const Eigen::VectorX
     constexpr double kSurest = .03;  // of std
     const FaceMotion& motion = *motion_;
     const Eigen::Index count = values.size();
-    const Eigen::VectorXd seen = shown(likely);
     Terms terms{Eigen::VectorXd::Zero(count), Eigen::VectorXd::Zero(count)};
     for (Eigen::Index i = 0; i < count; ++i) {
         if (motion.prior_std[i] > kFree) {

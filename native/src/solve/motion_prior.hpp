@@ -14,14 +14,14 @@ class RestPull {
 public:
     explicit RestPull(const FaceMotion& motion);
 
-    /// About the values, to be added for the M of them: pull and information. likely: values that tell which
-    /// are active; std: how well each is known.
+    /// About the values, to be added for the M of them: pull and information. likely: the best guess at them;
+    /// seen: how much of each shows, which tells the active ones; std: how well each is known.
     struct Terms {
         Eigen::VectorXd pull;
         Eigen::VectorXd information;
     };
-    Terms at(const Eigen::VectorXd& values, const Eigen::VectorXd& likely, const Eigen::VectorXd& std,
-             double dead_zone) const;
+    Terms at(const Eigen::VectorXd& values, const Eigen::VectorXd& likely, const Eigen::VectorXd& seen,
+             const Eigen::VectorXd& std, double dead_zone) const;
 
     /// How much of each value shows: what its antagonists leave of it.
     Eigen::VectorXd shown(const Eigen::VectorXd& values) const;

@@ -36,6 +36,26 @@ void add_acceleration(const std::vector<FrameEstimate>& estimates, const Eigen::
     }
 }
 
+/// What is moved in a frame or soon before or after it, M a frame: a movement rises and falls over several
+/// frames, and one that was pulled to rest until it is large would seem to begin late.
+Blocks shown_around(const std::vector<FrameEstimate>& estimates, const Blocks& steps,
+                    const RestPull& rest_pull) {
+    constexpr int kAround = 5;  // frames
+    const int count = static_cast<int>(estimates.size());
+    Blocks shown;
+    for (int t = 0; t < count; ++t) {
+        const Eigen::VectorXd& values = estimates[t].values;
+        shown.push_back(rest_pull.shown(values + steps[t].tail(values.size())));
+    }
+    Blocks around = shown;
+    for (int t = 0; t < count; ++t) {
+        for (int other = std::max(0, t - kAround); other <= std::min(count - 1, t + kAround); ++other) {
+            around[t] = around[t].cwiseMax(shown[other]);
+        }
+    }
+    return around;
+}
+
 SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const Blocks& steps,
                              const FaceMotion& motion, const RestPull* rest_pull,
                              const SmootherOptions& options) {
@@ -54,6 +74,7 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
     weights.tail(num_values) =
         (options.value_acceleration / .3 * motion.prior_std).cwiseAbs2().cwiseInverse();
 
+    const Blocks shown = rest_pull ? shown_around(estimates, steps, *rest_pull) : Blocks();
     SequenceProblem problem;
     for (std::size_t t = 0; t < estimates.size(); ++t) {
         const FrameEstimate& estimate = estimates[t];
@@ -64,7 +85,7 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
         problem.pull.back() -= rest.rightCols(num_values) * estimate.values;
         if (rest_pull && !estimate.held) {
             const RestPull::Terms terms =
-                rest_pull->at(estimate.values, estimate.values + steps[t].tail(num_values),
+                rest_pull->at(estimate.values, estimate.values + steps[t].tail(num_values), shown[t],
                               estimate.values_std(), kDeadZone);
             problem.matrix.diagonal.back().diagonal().tail(num_values) += terms.information;
             problem.pull.back().tail(num_values) += terms.pull;

@@ -22,7 +22,8 @@ double ratio_or_zero(double part, double whole) { return whole > 0 ? part / whol
 
 StepPrior FaceTracker::State::at_state(const StepPrior& prior) const {
     StepPrior here{prior.information, prior.information * predicted.difference_from(state)};
-    const RestPull::Terms terms = to_rest.at(state.values, state.values, last_std, kDeadZone);
+    const RestPull::Terms terms =
+        to_rest.at(state.values, state.values, to_rest.shown(state.values), last_std, kDeadZone);
     here.information.bottomRightCorner(num_values(), num_values()) += rest_pull;
     here.gradient.tail(num_values()) -= rest_pull * state.values;
     here.information.diagonal().tail(num_values()) += terms.information;

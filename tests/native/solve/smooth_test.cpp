@@ -82,6 +82,38 @@ TEST(Smooth, FollowsARiseWithoutLagAndWithinBounds) {
     EXPECT_LT(std::sqrt(distance(0) / (kFrames - 20)), .05);
 }
 
+/// A muscle that is known badly enough to be pulled to rest where it does nothing.
+TEST(Smooth, LetsARiseBeginWhenItBegins) {
+    FaceMotion motion;
+    motion.neutral = Points::Zero(1, 3);
+    motion.modes = MatrixRows::Identity(1, 3);
+    motion.num_muscles = 1;
+    motion.lower = Eigen::VectorXd::Zero(1);
+    motion.upper = Eigen::VectorXd::Ones(1);
+    motion.prior_std = Eigen::VectorXd::Constant(1, .3);
+    constexpr int kRise = 30, kFrames = 60;
+    constexpr double kNoise = .15, kIdle = .03;
+    std::vector<FrameEstimate> estimates(kFrames);
+    for (int t = 0; t < kFrames; ++t) {
+        const double measured = std::clamp((t - kRise) / 10., kIdle, .8);
+        FrameEstimate& estimate = estimates[static_cast<std::size_t>(t)];
+        estimate.values = Eigen::VectorXd::Constant(1, measured);
+        estimate.information = Eigen::MatrixXd::Identity(7, 7) / (kNoise * kNoise);
+        estimate.covariance = estimate.information.inverse();
+        estimate.gradient = Eigen::VectorXd::Zero(7);
+    }
+    const std::vector<FrameEstimate> smoothed = smooth(estimates, motion);
+    const auto value = [&](int t) { return smoothed[static_cast<std::size_t>(t)].values[0]; };
+    for (int t = 0; t < kRise - 10; ++t) {
+        EXPECT_LT(value(t), .005) << "frame " << t;
+    }
+    int onset = 0;
+    while (onset < kFrames - 1 && value(onset) < .2 * .8) {
+        ++onset;
+    }
+    EXPECT_EQ(onset, kRise + 2);
+}
+
 TEST(Smooth, RejectsEstimatesOfAnotherFace) {
     FaceMotion motion;
     motion.lower = motion.upper = motion.prior_std = Eigen::VectorXd::Ones(3);
