@@ -19,6 +19,7 @@ struct FlowOptions {  // defaults suit faces at 320x240 to 1280x720, 8-bit
     double temporal_noise = 1.0;     ///< s2: variance of the smoothed temporal derivative, grey levels^2
     double prior_variance = 2.0;     ///< of the flow at the coarsest level about its start, its pixels^2
     double process_variance = 0.03;  ///< of the flow from one level to the next finer, its pixels^2
+    bool judges_noise = true;        ///< by what is left between the images; false: as temporal_noise says
     bool first_guess = false;        ///< dis: in a third of the time, no check by the way back, less refined
     void check() const;              ///< throws InvalidInput: field, value, limit
 };

@@ -53,6 +53,7 @@ void bind_flow(py::module_& m) {
         .def_readwrite("temporal_noise", &FlowOptions::temporal_noise)
         .def_readwrite("prior_variance", &FlowOptions::prior_variance)
         .def_readwrite("process_variance", &FlowOptions::process_variance)
+        .def_readwrite("judges_noise", &FlowOptions::judges_noise)
         .def_readwrite("first_guess", &FlowOptions::first_guess)
         .def("check", &FlowOptions::check, "Raises InvalidInput: field, value, limit.");
     py::class_<FlowField>(m, "FlowField", "Where the pixels of one image are in another.")

@@ -68,7 +68,10 @@ FlowField compute_flow(const GrayView& from, const GrayView& to, const FlowOptio
     const bool is_dis = options.method == FlowMethod::dis;
     FlowField field = is_dis ? flow::compute_dis(wrap(from), wrap(to), options, start)
                              : flow::compute_probabilistic(wrap(from), wrap(to), options, start);
-    flow::own_up_to_noise(wrap(from), wrap(to), is_dis ? flow::kDisNoise : flow::kProbabilisticNoise, field);
+    if (options.judges_noise) {
+        flow::own_up_to_noise(wrap(from), wrap(to), is_dis ? flow::kDisNoise : flow::kProbabilisticNoise,
+                              field);
+    }
     return field;
 }
 

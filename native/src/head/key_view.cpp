@@ -32,6 +32,7 @@ double slant_weight(float facing, double least_facing) {
 FlowOptions flow_options(const HeadOptions& options) {
     FlowOptions flow;
     flow.method = options.flow_method;
+    flow.judges_noise = false;  // textures of one contrast have no camera's noise
     return flow;
 }
 
