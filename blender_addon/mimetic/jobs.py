@@ -17,6 +17,7 @@ class Run:
     """One job at work. The worker posts, the main thread reads."""
 
     label: str
+    keeps_part: bool = False  # when it is stopped
     posts: queue.SimpleQueue = field(default_factory=queue.SimpleQueue)
     stop: threading.Event = field(default_factory=threading.Event)
     thread: threading.Thread | None = None
@@ -84,6 +85,7 @@ class Job:
     what to tell the user. No reference to Blender's data may pass from read to write.
     """
 
+    keeps_part = False  # what a stopped job has done so far
     _timer = None
 
     def execute(self, context):
@@ -110,7 +112,7 @@ class Job:
         except native.known_errors() as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        running = Run(self.bl_label)
+        running = Run(self.bl_label, self.keeps_part)
         running.start(self.work, inputs)
         manager = context.window_manager
         self._timer = manager.event_timer_add(TICK_SECONDS, window=context.window)

@@ -129,7 +129,7 @@ def test_a_person_is_calibrated_in_the_fit_in_one_undo_step(
     with pytest.raises(RuntimeError, match="15 to 600 frames, 1:8 are 8"):
         bpy.ops.mimetic.calibrate()
     face_fit = extension("scene_out").face_fit
-    assert face_fit.calibrated_on(scene) == 0
+    assert not face_fit.is_calibrated(scene)
 
     found = Calibration(stiffness={"cheeks": 1.5}, strength={"mentalis.L": 1.2}, frames=[2, 5])
     asked = []
@@ -149,9 +149,9 @@ def test_a_person_is_calibrated_in_the_fit_in_one_undo_step(
     assert bpy.ops.mimetic.calibrate("EXEC_DEFAULT", True) == {"FINISHED"}
     assert asked == [(*inputs[:2], inputs[2].features)] * 2
     assert face_fit.stored(scene).calibration == found
-    assert face_fit.calibrated_on(scene) == 2
+    assert face_fit.is_calibrated(scene)
     bpy.ops.ed.undo()
-    assert face_fit.calibrated_on(bpy.context.scene) == 0
+    assert not face_fit.is_calibrated(bpy.context.scene)
     assert face_fit.stored(bpy.context.scene).features == inputs[2].features
 
 

@@ -40,8 +40,4 @@ skin is held and how strong the muscles are; the fit keeps it for every capture"
     def write(self, context, result):
         fit, _ = result
         scene_out.face_fit.keep(context.scene, fit)
-        known = fit.calibration
-        return (
-            f"Calibrated on {len(known.frames)} frames that differ most, times what is assumed: "
-            f"{known.described()}. Captures of this fit use it"
-        )
+        return f"Calibrated: {fit.calibration.described()}"

@@ -13,6 +13,7 @@ class Following(Job):
     """
 
     bl_options = {"UNDO"}
+    keeps_part = True
     told = "{first} to {last}"
 
     filepath: StringProperty(

@@ -21,7 +21,8 @@ class Capture:
             return
         if jobs.running:
             layout.progress(factor=jobs.running.fraction, text=jobs.running.text())
-            layout.label(text="Esc or right-click stops and keeps what is done")
+            keeps = " and keeps what is done" if jobs.running.keeps_part else ""
+            layout.label(text=f"Esc or right-click stops{keeps}")
         settings = context.scene.mimetic
         self.draw_footage(layout, context, settings)
         self.draw_capture(layout, settings)
@@ -54,10 +55,10 @@ class Capture:
             row = layout.row(align=True)
             row.prop(settings, "frame_first")
             row.prop(settings, "frame_last")
-        row = layout.row(align=True)
-        row.operator("mimetic.calibrate", icon="USER")
-        if frames := scene_out.face_fit.calibrated_on(settings.id_data):
-            row.label(text=f"on {frames} frames", icon="CHECKMARK")
+        if scene_out.face_fit.is_calibrated(settings.id_data):
+            layout.operator("mimetic.calibrate", text="Calibrate Again", icon="CHECKMARK")
+        else:
+            layout.operator("mimetic.calibrate", icon="USER")
         row = layout.row(align=True)
         row.operator("mimetic.capture", icon="REC")
         row.operator("mimetic.track_head", text="Head Only")

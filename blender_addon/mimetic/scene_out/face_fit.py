@@ -39,13 +39,13 @@ def keep(scene: bpy.types.Scene, fit) -> None:
     _parsed = (scene.mimetic.face_fit, fit)
 
 
-def calibrated_on(scene: bpy.types.Scene) -> int:
-    """How many frames the fit's calibration rests on; 0 without one."""
+def is_calibrated(scene: bpy.types.Scene) -> bool:
+    """Whether the fit knows this person's skin and muscles."""
     try:
         fit = stored(scene)
     except native.known_errors():
-        return 0
-    return len(fit.calibration.frames) if fit else 0
+        return False
+    return bool(fit and fit.calibration.frames)
 
 
 def stored(scene: bpy.types.Scene):
