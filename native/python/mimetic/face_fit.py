@@ -13,14 +13,15 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.calibration import Calibration
+from mimetic.face_shape import face_shape
 from mimetic.face_template import FaceTemplate
 from mimetic.fitted_view import FittedView, checked_places, checked_pose, named, numbers
 from mimetic.residual_shape import residual_modes
 from mimetic.whole_file import whole_file
 
-SCHEMA = 3
+SCHEMA = 4
 # Keys that came with a schema; files of older ones still load.
-ADDED = {2: {"residual", "views"}, 3: {"calibration"}}
+ADDED = {2: {"residual", "views"}, 3: {"calibration"}, 4: {"relief"}}
 LARGEST_FILE = 4 << 20  # bytes
 MOST_VIEWS = 100
 
@@ -43,6 +44,9 @@ class FaceFit:
     warnings: list[str] = field(default_factory=list)
     residual: list[float] = field(default_factory=list)  # of `residual_shape.residual_modes`
     views: list[FittedView] = field(default_factory=list)
+    relief: list[float] = field(
+        default_factory=list
+    )  # of `face_shape`'s; `mimetic.relief` finds it
     calibration: Calibration = field(default_factory=Calibration)  # `mimetic calibrate` finds it
 
     def __post_init__(self) -> None:
@@ -74,6 +78,14 @@ class FaceFit:
                     f"{len(modes)}: fit again"
                 )
             vertices += np.tensordot(self.residual, modes, axes=1)
+        if self.relief:
+            components = face_shape(template).components
+            if len(components) != len(self.relief):
+                raise InvalidInput(
+                    f"face fit has {len(self.relief)} relief coefficients, this head has "
+                    f"{len(components)}: fit again"
+                )
+            vertices += np.tensordot(self.relief, components, axes=1)
         return vertices
 
     def view(self, frame: int) -> FittedView | None:
@@ -93,6 +105,7 @@ class FaceFit:
             "error": self.error,
             "warnings": self.warnings,
             "residual": self.residual,
+            "relief": self.relief,
             "views": [view.as_json() for view in self.views],
             "calibration": self.calibration.as_json(),
         }
@@ -179,6 +192,8 @@ def _check(fit: FaceFit) -> None:
         raise InvalidInput("face fit's warnings must be a list of texts")
     residual = np.atleast_1d(fit.residual)
     fit.residual = numbers("residual", fit.residual, residual.shape[:1]).tolist()
+    relief = np.atleast_1d(fit.relief)
+    fit.relief = numbers("relief", fit.relief, relief.shape[:1]).tolist()
     frames = [view.frame for view in fit.views]
     if frames and (frames[0] != fit.frame or len(set(frames)) != len(frames)):
         raise InvalidInput("face fit's views must start with its frame and show each frame once")

@@ -16,6 +16,7 @@ from mimetic.face_template import load_template
 from mimetic.fit import NoFace
 from mimetic.footage import Footage
 from mimetic.reference_views import Candidate, choose_views
+from mimetic.relief_sightings import with_relief
 from mimetic.rest import usual_expression
 
 NUM_TRIED = 5  # of the candidates: the most promising
@@ -61,7 +62,7 @@ def best_fit(
         Candidate(frame, one.features, float(share))
         for frame, one, share in zip(frames, judged, usual, strict=True)
     ]
-    return _joined(footage, best, candidates)
+    return with_relief(footage, _joined(footage, best, candidates), candidates, progress)
 
 
 def _joined(footage: Footage, best: FaceFit, candidates: list[Candidate]) -> FaceFit:

@@ -20,6 +20,7 @@ from mimetic.face_template import FaceTemplate, data_folder, load_template
 from mimetic.fitted_view import FittedView
 from mimetic.landmarks import BETWEEN_PREFIX, installed_cascade, measured_landmarks
 from mimetic.reference_views import follow_points
+from mimetic.relief import picture_shift
 from mimetic.rest import expression, rest_score
 from mimetic.symmetry import symmetry
 
@@ -222,7 +223,7 @@ def refit(
         )
         for view in fit.views
     ]
-    observed = [view.observed() for view in views]
+    observed = [view.observed(picture_shift(fit, template, view.head_pose)) for view in views]
     estimate = _core.fit_face(model, observed, fit.camera, start=_estimate_of(fit, template))
     return _solved_again(fit, template, estimate, views)
 
@@ -244,11 +245,9 @@ def join_views(
     values = shape.joined(fit.identity, fit.residual)
     views = [fit.views[0]]
     for frame, features, image in others:
-        landmarks = measured_landmarks(image, features)
-        alone = _core.fit_face(model, [_core.FaceView(landmarks)], fit.camera)
-        if not alone.converged or alone.rms_ipd > LARGEST_ERROR:
+        view = lone_view(frame, image, features, fit.camera, template)
+        if view is None:
             continue
-        view = FittedView(frame, alone.camera_from_head[0], landmarks)
         view.motion = follow_points(reference, image, fit, view, template)
         if len(view.motion) >= LEAST_FOLLOWED:
             views.append(view)
@@ -264,6 +263,21 @@ def join_views(
     return _solved_again(fit, template, estimate, views)
 
 
+def lone_view(
+    frame: int,
+    image: NDArray[np.uint8],
+    features: _core.FaceFeatures,
+    camera: _core.Camera,
+    template: FaceTemplate,
+) -> FittedView | None:
+    """A picture by itself: its landmarks, from the features found, and the pose that they tell."""
+    landmarks = measured_landmarks(image, features)
+    alone = _core.fit_face(face_model(template), [_core.FaceView(landmarks)], camera)
+    if not alone.converged or alone.rms_ipd > LARGEST_ERROR:
+        return None
+    return FittedView(frame, alone.camera_from_head[0], landmarks)
+
+
 def landmark_places(
     fit: FaceFit, frame: int | None = None, *, template: FaceTemplate | None = None
 ) -> dict[str, tuple[float, float]]:
@@ -276,8 +290,10 @@ def landmark_places(
     projected = _core.project_features(
         face_model(template), _estimate_of(fit, template), fit.camera, frames.index(frame)
     )
+    poses = [view.head_pose for view in fit.views] or [fit.head_pose]
+    shift = picture_shift(fit, template, poses[frames.index(frame)])
     return {
-        f.name: (float(f.position[0]), float(f.position[1]))
+        f.name: tuple(float(v) for v in np.add(f.position, shift.get(f.name, (0.0, 0.0))))
         for f in projected.features
         if not f.name.startswith(BETWEEN_PREFIX)
     }
@@ -294,7 +310,7 @@ def _solved_again(
 ) -> FaceFit:
     """What is known of the person and was said of the footage stays."""
     found = _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
-    return replace(found, calibration=fit.calibration)
+    return replace(found, relief=fit.relief, calibration=fit.calibration)
 
 
 def _as_fit(

@@ -33,9 +33,15 @@ class FittedView:
         self.pins = checked_places("pin", self.pins)
         self.motion = numbers("motion", self.motion, (len(self.motion), 4))
 
-    def observed(self) -> _core.FaceView:
-        """What the solver takes."""
-        pins = [_core.Feature(name, place, PIN_SIGMA) for name, place in self.pins.items()]
+    def observed(self, shift: Mapping[str, tuple[float, float]] | None = None) -> _core.FaceView:
+        """What the solver takes.
+
+        shift: pixels by which a landmark will lie beside the place that the solver gives it
+        """
+        pins = []
+        for name, place in self.pins.items():
+            right, down = (shift or {}).get(name, (0.0, 0.0))
+            pins.append(_core.Feature(name, (place[0] - right, place[1] - down), PIN_SIGMA))
         return _core.FaceView(self.measured, pins, np.ascontiguousarray(self.motion))
 
     def as_json(self) -> dict:

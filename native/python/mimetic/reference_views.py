@@ -47,8 +47,8 @@ class Candidate:
 
 def choose_views(reference: Candidate, candidates: Sequence[Candidate]) -> list[Candidate]:
     """Frames at rest in which the head is turned otherwise than in the reference and each other."""
-    signs = {c.frame: _turn_signs(c.features) for c in candidates}
-    chosen = [_turn_signs(reference.features)]
+    signs = {c.frame: turn_signs(c.features) for c in candidates}
+    chosen = [turn_signs(reference.features)]
     rest = [c for c in candidates if c.frame != reference.frame and c.usual >= LEAST_USUAL]
     views: list[Candidate] = []
     while rest and len(views) < MOST_VIEWS:
@@ -74,7 +74,7 @@ def follow_points(
     face is; points that the flow back does not return to are left out.
     """
     neutral = at_reference.neutral_vertices(template)
-    spread = _spread_points(template)
+    spread = spread_points(template)
     before = _pixels(at_reference, neutral[spread], at_reference.head_pose)
     after = _pixels(at_reference, neutral[spread], view.head_pose)
     facing = _cosines(template, neutral, at_reference.head_pose)[spread]
@@ -98,7 +98,7 @@ def follow_points(
     return np.column_stack([spread, shift, sigma])[sure]
 
 
-def _turn_signs(features: _core.FaceFeatures) -> NDArray[np.float64]:
+def turn_signs(features: _core.FaceFeatures) -> NDArray[np.float64]:
     """Places of nose and mouth against the eyes, pupil distances: they move as the head turns."""
     at = {f.name: np.array(f.position) for f in features.features}
     across = at["pupil.L"] - at["pupil.R"]
@@ -109,7 +109,7 @@ def _turn_signs(features: _core.FaceFeatures) -> NDArray[np.float64]:
 
 
 @lru_cache(maxsize=2)
-def _spread_points(template: FaceTemplate) -> NDArray[np.int64]:
+def spread_points(template: FaceTemplate) -> NDArray[np.int64]:
     """Skin vertices well apart over the face."""
     points = template.vertices[: template.num_skin_vertices]
     normals = _normals(template, template.vertices)[: len(points)]

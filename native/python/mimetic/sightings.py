@@ -77,11 +77,18 @@ class Whitened:
 
 
 def whiten(
-    mesh: SkinMesh, sighting: Sighting, modes: Floats, camera: _core.Camera, reference: Floats
+    mesh: SkinMesh,
+    sighting: Sighting,
+    modes: Floats,
+    camera: _core.Camera,
+    reference: Floats,
+    model_error: float = MODEL_ERROR,
+    shape_error: float = SHAPE_ERROR,
 ) -> Whitened:
     """Displacements from the neutral, free of pose, noise and smooth model error of unit variance.
 
-    modes: those that the capture used, M x S x 3; reference: 4 x 4, pose of the fitted frame.
+    modes: those that the capture used, M x S x 3; reference: 4 x 4, pose of the fitted frame;
+    model_error: metres, whatever moves; shape_error: metres of depth, seen as the head turns.
     """
     count = len(sighting.pixels)
     rest = at_points(mesh, sighting, mesh.neutral[None, : modes.shape[1]])[:, :, 0]
@@ -92,7 +99,7 @@ def whiten(
     found = sighting.pixels - pixels + np.einsum("kpx,kx->kp", by_point, moved)
     view = _view(reference) @ _view(seen_from)
     error = np.hypot(
-        np.hypot(MODEL_ERROR, SHAPE_ERROR * np.sqrt(max(0.0, 1 - view**2))),
+        np.hypot(model_error, shape_error * np.sqrt(max(0.0, 1 - view**2))),
         MOTION_ERROR * np.linalg.norm(moved, axis=1),
     )
     field = _smooth_field(rest) * error[:, None]

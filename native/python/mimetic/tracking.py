@@ -38,22 +38,30 @@ def face_motion(
     neutral_vertices: V x 3, metres; detail: None for muscles and articulators alone.
     """
     skin = template.num_skin_vertices
-    modes = np.concatenate([anatomy.muscle_modes, anatomy.articulator_modes])[:, :skin]
+    modes, std = moving_modes(anatomy, skin)
     muscles = len(anatomy.muscle_names)
     limits = np.vstack([np.tile([0.0, 1.0], (muscles, 1)), anatomy.articulator_limits])
-    std = [ACTIVATION_STD] * muscles
-    std += [ARTICULATOR_STD[name.split(".")[0]] for name in anatomy.articulator_names]
     return _core.FaceMotion(
         np.ascontiguousarray(neutral_vertices[:skin], dtype=np.float64),
         np.ascontiguousarray(modes, dtype=np.float64),
         muscles,
         limits[:, 0],
         limits[:, 1],
-        np.array(std),
+        std,
         partners([*anatomy.muscle_names, *anatomy.articulator_names]),
         None if detail is None else np.ascontiguousarray(detail.modes[:, :skin]),
         None if detail is None else detail.std,
     )
+
+
+def moving_modes(
+    anatomy: Anatomy, num_skin_vertices: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Modes of the skin by muscles, then articulators (M x S x 3, metres), and their priors (M)."""
+    modes = np.concatenate([anatomy.muscle_modes, anatomy.articulator_modes])
+    std = [ACTIVATION_STD] * len(anatomy.muscle_names)
+    std += [ARTICULATOR_STD[name.split(".")[0]] for name in anatomy.articulator_names]
+    return modes[:, :num_skin_vertices], np.array(std)
 
 
 def partners(names: list[str]) -> NDArray[np.int32]:

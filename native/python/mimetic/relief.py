@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How deep a face is at each place, from frames in which the head is turned otherwise.
+
+The fit to landmarks leaves depth to what faces usually are. Between frames, a point that lies a
+millimetre nearer moves further as the head turns. The texture of the reference frame keeps its
+rays: where the shape moves, its points slide along them, so that only the part of a change across
+the surface counts. Every frame's pose, muscles and articulators are solved along with the shape
+and eliminated (bundle adjustment with a prior [Triggs et al. 2000], one linear step).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import pinhole
+from mimetic.face_fit import FaceFit
+from mimetic.face_shape import face_shape
+from mimetic.face_template import FaceTemplate
+from mimetic.reference_views import spread_points
+from mimetic.sightings import Sighting, at_points, whiten
+from mimetic.skin_mesh import SkinMesh
+
+Floats = NDArray[np.float64]
+# Metres: what the skin does between frames that no muscle of the model does.
+MODEL_ERROR = 0.5e-3
+LEAST_COSINE = 0.5  # of a ray on the skin: beyond, a change is taken for no deeper than there
+# Pupil distances: the landmarks hold the shape in the picture, and what goes with that in depth.
+LANDMARK_HELD, POINT_HELD = 0.01, 0.02
+PUPIL_DISTANCE = 0.062  # metres
+DEPTH_HELD = 1e-3  # metres, of the whole face: all of it nearer and smaller looks the same
+LEAST_SIGHTINGS = 3
+
+
+def find_relief(
+    fit: FaceFit,
+    template: FaceTemplate,
+    sightings: Sequence[Sighting],
+    modes: Floats,
+    std: Floats,
+) -> list[float]:
+    """Coefficients of the components of `face_shape` by which the fitted head should differ.
+
+    sightings: of the fitted head in several frames; modes: M x S x 3 and std: M, prior, of the
+    muscles and articulators with which it was followed. Empty with too few frames to tell.
+    """
+    if len(sightings) < LEAST_SIGHTINGS:
+        return []
+    count = template.num_skin_vertices
+    mesh = SkinMesh(template, np.ascontiguousarray(fit.neutral_vertices(template)))
+    components = face_shape(template).components[:, :count]
+    information = np.eye(len(components)) + _held(fit, template, mesh.neutral)
+    pull = np.zeros(len(components))
+    for sighting in sightings:
+        seen = whiten(mesh, sighting, modes, fit.camera, fit.head_pose, MODEL_ERROR, 0.0)
+        deeper = _slid(mesh, sighting, fit.head_pose, components)
+        columns = np.concatenate([std * at_points(mesh, sighting, modes), deeper], axis=2)
+        rows = seen.by_point @ columns.reshape(-1, columns.shape[2])
+        moved, shape = rows[:, : len(std)], rows[:, len(std) :]
+        gain = np.linalg.solve(np.eye(len(std)) + moved.T @ moved, moved.T)
+        left = shape - moved @ (gain @ shape)
+        information += shape.T @ left
+        pull += left.T @ seen.displacement
+    return np.round(np.linalg.solve(information, pull), 6).tolist()
+
+
+def _slid(mesh: SkinMesh, sighting: Sighting, reference: Floats, components: Floats) -> Floats:
+    """K x 3 x C metres by which the seen points move along the reference frame's rays."""
+    eye = -reference[:3, :3].T @ reference[:3, 3]
+    rays = at_points(mesh, sighting, mesh.neutral[None, : components.shape[1]])[:, :, 0] - eye
+    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
+    normals = np.einsum("kc,kcx->kx", sighting.barycentric, mesh.normals[sighting.vertices])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    facing = np.minimum((rays * normals).sum(axis=1), -LEAST_COSINE)
+    outwards = np.einsum("kx,kxm->km", normals, at_points(mesh, sighting, components))
+    return rays[:, :, None] * (outwards / facing[:, None])[:, None]
+
+
+def _held(fit: FaceFit, template: FaceTemplate, neutral: Floats) -> Floats:
+    """C x C information: the reference frame shows the head as it was fitted, and as near."""
+    components = face_shape(template).components
+    pupils = PUPIL_DISTANCE * fit.intrinsics[0, 0] / fit.head_pose[2, 3]  # pixels
+    held = np.zeros((len(components), len(components)))
+    for vertices, share in (
+        (np.asarray(template.landmark_vertices), LANDMARK_HELD),
+        (spread_points(template), POINT_HELD),
+    ):
+        _, by_point, _ = pinhole.show(neutral[vertices], fit.head_pose, fit.intrinsics)
+        rows = np.einsum("kpx,mkx->kpm", by_point, components[:, vertices]) / (share * pupils)
+        flat = rows.reshape(-1, len(components))
+        held += flat.T @ flat
+    deeper = components[:, spread_points(template)] @ fit.head_pose[2, :3]
+    whole = deeper.mean(axis=1) / DEPTH_HELD
+    return held + np.outer(whole, whole)
+
+
+def picture_shift(
+    fit: FaceFit, template: FaceTemplate, camera_from_head: Floats
+) -> dict[str, tuple[float, float]]:
+    """Pixels, right and down, by which relief moves each landmark in a picture; none without it."""
+    if not fit.relief:
+        return {}
+    landmarks = np.asarray(template.landmark_vertices)
+    before, after = (
+        pinhole.show(one.neutral_vertices(template)[landmarks], camera_from_head, fit.intrinsics)[0]
+        for one in (replace(fit, relief=[]), fit)
+    )
+    moved = (after - before).tolist()
+    return {name: (x, y) for name, (x, y) in zip(template.landmark_names, moved, strict=True)}
