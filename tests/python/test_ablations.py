@@ -23,7 +23,7 @@ def made(monkeypatch):
     shown = {"moving": truth, "still": still}
     clips = [Namespace(name=name, footage=Path(name), truth=name) for name in shown]
     lost = replace(performance, activations=np.zeros_like(performance.activations))
-    monkeypatch.setattr(ablations, "clips", lambda which, report: clips)
+    monkeypatch.setattr(ablations, "clips_of", lambda which, people, report: clips)
     monkeypatch.setattr(ablations.Truth, "load", lambda name: shown[name])
     monkeypatch.setattr(pipeline, "find_face", lambda footage: "the clip's fit")
 
@@ -32,7 +32,7 @@ def made(monkeypatch):
         return performance if variant.smoothed else lost
 
     monkeypatch.setattr(ablations, "capture_varied", capture)
-    return ablations.score_ablations("tuning", lambda line: None)
+    return ablations.score_ablations("tuning", None, lambda line: None)
 
 
 def test_every_variant_of_every_clip_that_moves_is_scored(made):

@@ -35,7 +35,7 @@ def clip(monkeypatch):
         known = dict.fromkeys(REGIONS, 0.3)
         return replace(fit, calibration=found), Found(found, known, {}, 2.5)
 
-    monkeypatch.setattr(calibration, "clips", lambda which, report: clips)
+    monkeypatch.setattr(calibration.expressions, "clips", lambda which, report: clips)
     monkeypatch.setattr(calibration, "calibrate", calibrate)
     monkeypatch.setattr(calibration.Truth, "load", lambda name: shown[name])
     monkeypatch.setattr(pipeline, "find_face", lambda footage: Fit())
@@ -72,7 +72,7 @@ def test_a_person_who_shows_nothing_stays_as_assumed(clip, monkeypatch):
 
 
 def test_people_moved_by_units_cannot_be_asked(clip, monkeypatch):
-    monkeypatch.setattr(calibration, "clips", lambda which, report: [])
+    monkeypatch.setattr(calibration.expressions, "clips", lambda which, report: [])
     with pytest.raises(InvalidInput, match="nobody of it is moved by muscles"):
         calibration.score_calibration("tuning", None, lambda line: None)
 

@@ -6,15 +6,15 @@ from __future__ import annotations
 import math
 import statistics
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from mimetic import _core, pipeline, sequence, tracking
 from mimetic.anatomy import AnatomyPerturbation, attach_skin, modes_of
+from mimetic.evaluate.expressions import clips_of
 from mimetic.evaluate.json_text import json_text
-from mimetic.evaluate.rendered import clips
 from mimetic.evaluate.score import score
 from mimetic.evaluate.text_table import text_table
 from mimetic.evaluate.truth import Truth
@@ -39,11 +39,13 @@ class Variant:
 
     tracker: dict[str, object] = field(default_factory=dict)
     smoothed: bool = True
+    relief: bool = True
     stiffness: float = 1.0
 
 
 VARIANTS = {
     "as it is": Variant(),
+    "no relief": Variant(relief=False),
     "no smoother": Variant(smoothed=False),
     "no flow between frames": Variant({"relative_flow": False}),
     "no further reference views": Variant({"max_key_views": 0}),
@@ -57,6 +59,7 @@ VARIANTS = {
 
 class _VariedCapture(pipeline.ClipCapture):
     def __init__(self, footage: Footage, fit: FaceFit, variant: Variant) -> None:
+        fit = fit if variant.relief else replace(fit, relief=[])
         summary = pipeline.CaptureSummary(fit=fit)
         super().__init__(footage, fit, (1, footage.num_frames), None, summary)
         self.variant = variant
@@ -92,10 +95,12 @@ def capture_varied(path: Path, fit: FaceFit, variant: Variant) -> Performance:
     return _VariedCapture(Footage(path), fit, variant).run()
 
 
-def score_ablations(which: str, report: Callable[[str], None]) -> dict[str, dict[str, float]]:
+def score_ablations(
+    which: str, people: int | None, report: Callable[[str], None]
+) -> dict[str, dict[str, float]]:
     """Figures by clip and variant; every variant of a clip starts from the same fit."""
     made = {}
-    for clip in clips(which, report):
+    for clip in clips_of(which, people, report):
         truth = Truth.load(clip.truth)
         if truth.units is None and truth.muscles is None:
             continue  # a still face

@@ -23,7 +23,7 @@ from mimetic.evaluate.deviation import Explained
 from mimetic.evaluate.expressions import seen_at_start
 from mimetic.evaluate.json_text import json_text
 from mimetic.evaluate.methods import of_performance
-from mimetic.evaluate.rendered import Clip, clips
+from mimetic.evaluate.rendered import Clip
 from mimetic.evaluate.text_table import text_table
 from mimetic.evaluate.truth import Truth
 from mimetic.performance import Performance
@@ -68,7 +68,7 @@ def score_calibration(
 ) -> list[Person]:
     """Every person of a set who is moved by muscles."""
     made = []
-    for clip in _clips(which, people, report):
+    for clip in expressions.clips_of(which, people, report):
         truth = Truth.load(clip.truth)
         if truth.muscles is not None:
             report(f"{clip.name}: calibrating")
@@ -76,13 +76,6 @@ def score_calibration(
     if not made:
         raise InvalidInput(f"--set {which}: nobody of it is moved by muscles; take more people")
     return made
-
-
-def _clips(which: str, people: int | None, report: Callable[[str], None]) -> list[Clip]:
-    if which not in expressions.SETS:
-        return clips(which, report)
-    taken, _ = expressions.takes(which, people, report)
-    return [take.clip for take in taken if take.kind == "muscles"]
 
 
 def score_person(clip: Clip, truth: Truth) -> Person:

@@ -84,6 +84,8 @@ def run_evaluate(options: argparse.Namespace) -> int:
         raise InvalidInput("--images and --eigenspaces go with `mimetic evaluate locate`")
     if options.what == "calibration":
         return _run_calibration(options)
+    if options.what == "ablations":
+        return _run_ablations(options)
     if options.set in expressions.SETS:
         return _run_expressions(options)
     if options.people is not None:
@@ -94,8 +96,8 @@ def run_evaluate(options: argparse.Namespace) -> int:
         return _run_head(options)
     if options.what == "fit":
         return _run_fit(options)
-    if options.what in ("ablations", "flow"):
-        return _run_parts(options)
+    if options.what == "flow":
+        return _run_flow(options)
     if options.out:
         raise InvalidInput("--out goes with --set full, `fit`, `head` and `locate`")
     if (options.truth is None) != (options.performance is None):
@@ -146,30 +148,41 @@ def _run_head(options: argparse.Namespace) -> int:
     return 0
 
 
-def _run_parts(options: argparse.Namespace) -> int:
-    if options.truth or options.performance or options.footage or options.out:
-        raise InvalidInput(
-            f"--truth, --performance, --footage and --out do not go with `{options.what}`"
-        )
-    if options.what == "flow":
-        found = flow.score_flow(options.set, _to_stderr)
-        print(flow.as_json(found) if options.json else flow.as_text(found))
-    else:
-        made = ablations.score_ablations(options.set, _to_stderr)
-        print(ablations.as_json(made) if options.json else ablations.as_text(made))
+def _run_flow(options: argparse.Namespace) -> int:
+    _refuse_files(options)
+    found = flow.score_flow(options.set, _to_stderr)
+    print(flow.as_json(found) if options.json else flow.as_text(found))
+    return 0
+
+
+def _run_ablations(options: argparse.Namespace) -> int:
+    _refuse_files(options)
+    _check_people(options)
+    made = ablations.score_ablations(options.set, options.people, _to_stderr)
+    print(ablations.as_json(made) if options.json else ablations.as_text(made))
     return 0
 
 
 def _run_calibration(options: argparse.Namespace) -> int:
-    if options.truth or options.performance or options.footage or options.out:
-        raise InvalidInput(
-            "--truth, --performance, --footage and --out do not go with `calibration`"
-        )
-    if options.people is not None and options.set not in expressions.SETS:
-        raise InvalidInput("--people goes with --set full")
+    _refuse_files(options)
+    _check_people(options)
     made = calibration.score_calibration(options.set, options.people, _to_stderr)
     print(calibration.as_json(made) if options.json else calibration.as_text(made))
     return 0
+
+
+def _refuse_files(options: argparse.Namespace) -> None:
+    if options.truth or options.performance or options.footage or options.out:
+        raise InvalidInput(
+            f"--truth, --performance, --footage and --out do not go with `{options.what}`"
+        )
+
+
+def _check_people(options: argparse.Namespace) -> None:
+    if options.people is not None and options.set not in expressions.SETS:
+        raise InvalidInput("--people goes with --set full")
+    if options.set == "real":
+        raise InvalidInput("--set real goes with `mimetic evaluate locate`")
 
 
 def _run_locate(options: argparse.Namespace) -> int:

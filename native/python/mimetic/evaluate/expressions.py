@@ -19,7 +19,7 @@ from mimetic.evaluate.curves import correlations, group_curves, timing_errors
 from mimetic.evaluate.deviation import Explained
 from mimetic.evaluate.drift import Drift, drift_of
 from mimetic.evaluate.methods import LOOP, MUSCLES, OURS, Motion, of_performance, peers
-from mimetic.evaluate.rendered import Clip, render
+from mimetic.evaluate.rendered import Clip, clips, render
 from mimetic.evaluate.truth import Truth
 from mimetic.footage import Footage
 from mimetic.paper_loop import capture_by_loop
@@ -59,6 +59,13 @@ def takes(which: str, people: int | None, report: Report) -> tuple[list[Take], T
     rows = [line.split("\t") for line in output.splitlines()]
     made = [Take(Clip(r[2], Path(r[3]), Path(r[4])), r[0], r[1]) for r in rows]
     return [take for take in made if take.kind != "long"], made[-1]
+
+
+def clips_of(which: str, people: int | None, report: Report) -> list[Clip]:
+    """The clips of any set that captures are scored on, without the long one."""
+    if which not in SETS:
+        return clips(which, report)
+    return [take.clip for take in takes(which, people, report)[0]]
 
 
 def score_take(take: Take, mesh_python: Path | None) -> list[ShownExpression]:
