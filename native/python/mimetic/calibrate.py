@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, _core
+from mimetic import InvalidInput
 from mimetic.articulators import JAW
 from mimetic.calibration import LEAST, MOST, REGIONS, Calibration
 from mimetic.evidence import LARGEST_STEP, LinearFrame, Peak, linear_frame, maximise
@@ -82,15 +82,15 @@ def choose(sightings: Sequence[Sighting], num_moving: int) -> list[Sighting]:
 def estimate(
     mesh: SkinMesh,
     sightings: Sequence[Sighting],
-    camera: _core.Camera,
+    intrinsics: Floats,
     reference: Floats,
     progress: Callable[[float], bool] | None = None,
 ) -> Found:
     """The most probable calibration.
 
-    mesh: of the fitted head; sightings: of a capture without a calibration; reference: 4 x 4, pose
-    of the fitted frame; progress: called with a fraction, False raises KeyboardInterrupt. Raises
-    NothingSeen.
+    mesh: of the fitted head; sightings: of a capture without a calibration; intrinsics: 3 x 3,
+    pixels; reference: 4 x 4, pose of the fitted frame; progress: called with a fraction, False
+    raises KeyboardInterrupt. Raises NothingSeen.
     """
     response = SkinResponse(mesh)
     chosen = choose(sightings, len(response.names) + len(JAW))
@@ -104,7 +104,10 @@ def estimate(
             raise KeyboardInterrupt
         modes = response.evaluate(asked.about(place), asked.strong)
         if turn == 0:
-            seen = [whiten(mesh, one, modes.modes, camera, reference) for one in chosen]
+            seen = [
+                whiten(mesh, one, at_points(mesh, one, modes.modes), intrinsics, reference)
+                for one in chosen
+            ]
         frames = [_linear(mesh, one, modes, response) for one in seen]
         problem = _Problem(frames, asked, place, len(modes.modes))
         if turn == 0:

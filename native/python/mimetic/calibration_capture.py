@@ -76,7 +76,7 @@ def calibrate(
     found = estimate(
         mesh,
         capture.sightings,
-        fit.camera,
+        fit.intrinsics,
         fit.head_pose,
         lambda fraction: weigh(fraction, "weighing the evidence"),
     )

@@ -44,9 +44,8 @@ class FaceFit:
     warnings: list[str] = field(default_factory=list)
     residual: list[float] = field(default_factory=list)  # of `residual_shape.residual_modes`
     views: list[FittedView] = field(default_factory=list)
-    relief: list[float] = field(
-        default_factory=list
-    )  # of `face_shape`'s; `mimetic.relief` finds it
+    # Of the components of `face_shape`; `mimetic.relief` finds it
+    relief: list[float] = field(default_factory=list)
     calibration: Calibration = field(default_factory=Calibration)  # `mimetic calibrate` finds it
 
     def __post_init__(self) -> None:
@@ -71,21 +70,9 @@ class FaceFit:
         """V x 3 control vertices of the person at rest, metres, head frame."""
         vertices = template.neutral(self.identity)
         if self.residual:
-            modes = residual_modes(template)
-            if len(modes) != len(self.residual):
-                raise InvalidInput(
-                    f"face fit has {len(self.residual)} residual coefficients, this head has "
-                    f"{len(modes)}: fit again"
-                )
-            vertices += np.tensordot(self.residual, modes, axes=1)
+            vertices += _moved("residual", self.residual, residual_modes(template))
         if self.relief:
-            components = face_shape(template).components
-            if len(components) != len(self.relief):
-                raise InvalidInput(
-                    f"face fit has {len(self.relief)} relief coefficients, this head has "
-                    f"{len(components)}: fit again"
-                )
-            vertices += np.tensordot(self.relief, components, axes=1)
+            vertices += _moved("relief", self.relief, face_shape(template).components)
         return vertices
 
     def view(self, frame: int) -> FittedView | None:
@@ -132,6 +119,16 @@ class FaceFit:
             return cls(**_fields(document))
         except InvalidInput as error:
             raise InvalidInput(f"{path}: {error}") from None
+
+
+def _moved(name: str, coefficients: list[float], modes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """V x 3 metres by which a head is moved along its modes (N x V x 3); raises InvalidInput."""
+    if len(modes) != len(coefficients):
+        raise InvalidInput(
+            f"face fit has {len(coefficients)} {name} coefficients, this head has "
+            f"{len(modes)}: fit again"
+        )
+    return np.tensordot(coefficients, modes, axes=1)
 
 
 def _fields(document: object) -> dict:

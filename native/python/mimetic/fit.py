@@ -20,7 +20,7 @@ from mimetic.face_template import FaceTemplate, data_folder, load_template
 from mimetic.fitted_view import FittedView
 from mimetic.landmarks import BETWEEN_PREFIX, installed_cascade, measured_landmarks
 from mimetic.reference_views import follow_points
-from mimetic.relief import picture_shift
+from mimetic.relief import picture_shifts
 from mimetic.rest import expression, rest_score
 from mimetic.symmetry import symmetry
 
@@ -223,7 +223,8 @@ def refit(
         )
         for view in fit.views
     ]
-    observed = [view.observed(picture_shift(fit, template, view.head_pose)) for view in views]
+    shifts = picture_shifts(fit, template, [view.head_pose for view in views])
+    observed = [view.observed(shift) for view, shift in zip(views, shifts, strict=True)]
     estimate = _core.fit_face(model, observed, fit.camera, start=_estimate_of(fit, template))
     return _solved_again(fit, template, estimate, views)
 
@@ -287,11 +288,10 @@ def landmark_places(
     frames = [view.frame for view in fit.views] or [fit.frame]
     if frame not in frames:
         raise InvalidInput(f"the fit does not rest on frame {frame}")
-    projected = _core.project_features(
-        face_model(template), _estimate_of(fit, template), fit.camera, frames.index(frame)
-    )
-    poses = [view.head_pose for view in fit.views] or [fit.head_pose]
-    shift = picture_shift(fit, template, poses[frames.index(frame)])
+    number = frames.index(frame)
+    estimate = _estimate_of(fit, template)
+    projected = _core.project_features(face_model(template), estimate, fit.camera, number)
+    (shift,) = picture_shifts(fit, template, [estimate.camera_from_head[number]])
     return {
         f.name: tuple(float(v) for v in np.add(f.position, shift.get(f.name, (0.0, 0.0))))
         for f in projected.features

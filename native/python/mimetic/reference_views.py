@@ -14,7 +14,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import _core
+from mimetic import _core, pinhole
 from mimetic.face_fit import FaceFit
 from mimetic.face_template import FaceTemplate
 from mimetic.fitted_view import FittedView
@@ -75,8 +75,10 @@ def follow_points(
     """
     neutral = at_reference.neutral_vertices(template)
     spread = spread_points(template)
-    before = _pixels(at_reference, neutral[spread], at_reference.head_pose)
-    after = _pixels(at_reference, neutral[spread], view.head_pose)
+    before, after = (
+        pinhole.show(neutral[spread], pose, at_reference.intrinsics)[0]
+        for pose in (at_reference.head_pose, view.head_pose)
+    )
     facing = _cosines(template, neutral, at_reference.head_pose)[spread]
     facing = np.minimum(facing, _cosines(template, neutral, view.head_pose)[spread])
     height, width = reference.shape[:2]
@@ -133,11 +135,6 @@ def _flow(before, after, start, end) -> NDArray[np.float32]:
     options.method = _core.FlowMethod.dis
     initial = np.ascontiguousarray(initial, dtype=np.float32)
     return np.asarray(_core.compute_flow(before, after, options, initial).flow)
-
-
-def _pixels(fit: FaceFit, points, pose) -> NDArray[np.float64]:
-    in_image = (points @ pose[:3, :3].T + pose[:3, 3]) @ fit.intrinsics.T
-    return in_image[:, :2] / in_image[:, 2:]
 
 
 def _cosines(template: FaceTemplate, vertices, pose) -> NDArray[np.float64]:

@@ -55,9 +55,12 @@ def find_relief(
     information = np.eye(len(components)) + _held(fit, template, mesh.neutral)
     pull = np.zeros(len(components))
     for sighting in sightings:
-        seen = whiten(mesh, sighting, modes, fit.camera, fit.head_pose, MODEL_ERROR, 0.0)
+        by_mode = at_points(mesh, sighting, modes)
+        seen = whiten(
+            mesh, sighting, by_mode, fit.intrinsics, fit.head_pose, MODEL_ERROR, shape_error=0.0
+        )
         deeper = _slid(mesh, sighting, fit.head_pose, components)
-        columns = np.concatenate([std * at_points(mesh, sighting, modes), deeper], axis=2)
+        columns = np.concatenate([std * by_mode, deeper], axis=2)
         rows = seen.by_point @ columns.reshape(-1, columns.shape[2])
         moved, shape = rows[:, : len(std)], rows[:, len(std) :]
         gain = np.linalg.solve(np.eye(len(std)) + moved.T @ moved, moved.T)
@@ -97,16 +100,22 @@ def _held(fit: FaceFit, template: FaceTemplate, neutral: Floats) -> Floats:
     return held + np.outer(whole, whole)
 
 
-def picture_shift(
-    fit: FaceFit, template: FaceTemplate, camera_from_head: Floats
-) -> dict[str, tuple[float, float]]:
-    """Pixels, right and down, by which relief moves each landmark in a picture; none without it."""
+def picture_shifts(
+    fit: FaceFit, template: FaceTemplate, poses: Sequence[Floats]
+) -> list[dict[str, tuple[float, float]]]:
+    """Pixels, right and down, by which relief moves each landmark; nothing without relief.
+
+    poses: 4 x 4, camera from head, one a picture
+    """
     if not fit.relief:
-        return {}
+        return [{} for _ in poses]
     landmarks = np.asarray(template.landmark_vertices)
-    before, after = (
-        pinhole.show(one.neutral_vertices(template)[landmarks], camera_from_head, fit.intrinsics)[0]
-        for one in (replace(fit, relief=[]), fit)
+    plain, relieved = (
+        one.neutral_vertices(template)[landmarks] for one in (replace(fit, relief=[]), fit)
     )
-    moved = (after - before).tolist()
-    return {name: (x, y) for name, (x, y) in zip(template.landmark_names, moved, strict=True)}
+    shifts = []
+    for pose in poses:
+        before, after = (pinhole.show(one, pose, fit.intrinsics)[0] for one in (plain, relieved))
+        moved = (after - before).tolist()
+        shifts.append({n: (x, y) for n, (x, y) in zip(template.landmark_names, moved, strict=True)})
+    return shifts

@@ -80,21 +80,21 @@ def whiten(
     mesh: SkinMesh,
     sighting: Sighting,
     modes: Floats,
-    camera: _core.Camera,
+    intrinsics: Floats,
     reference: Floats,
     model_error: float = MODEL_ERROR,
     shape_error: float = SHAPE_ERROR,
 ) -> Whitened:
     """Displacements from the neutral, free of pose, noise and smooth model error of unit variance.
 
-    modes: those that the capture used, M x S x 3; reference: 4 x 4, pose of the fitted frame;
-    model_error: metres, whatever moves; shape_error: metres of depth, seen as the head turns.
+    modes: those that the capture used, at the seen points, K x 3 x M; intrinsics: 3 x 3, pixels;
+    reference: 4 x 4, pose of the fitted frame; model_error: metres, whatever moves; shape_error:
+    metres of depth, seen as the head turns.
     """
     count = len(sighting.pixels)
-    rest = at_points(mesh, sighting, mesh.neutral[None, : modes.shape[1]])[:, :, 0]
-    moved = at_points(mesh, sighting, modes) @ sighting.values
+    rest = at_points(mesh, sighting, mesh.neutral[None, : mesh.template.num_skin_vertices])[:, :, 0]
+    moved = modes @ sighting.values
     seen_from = sighting.camera_from_head
-    intrinsics = np.array([[camera.fx, 0, camera.cx], [0, camera.fy, camera.cy], [0, 0, 1.0]])
     pixels, by_point, by_pose = pinhole.show(rest + moved, seen_from, intrinsics)
     found = sighting.pixels - pixels + np.einsum("kpx,kx->kp", by_point, moved)
     view = _view(reference) @ _view(seen_from)

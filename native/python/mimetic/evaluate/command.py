@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import argparse
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
 from mimetic import InvalidInput
 from mimetic.eigenspaces import installed_spaces, load
@@ -29,6 +31,8 @@ from mimetic.evaluate.truth import Truth
 from mimetic.face_template import load_template
 from mimetic.performance import Performance
 from mimetic.whole_file import whole_file
+
+FILES = ("truth", "performance", "footage")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -82,16 +86,13 @@ def run_evaluate(options: argparse.Namespace) -> int:
         return _run_locate(options)
     if options.images or options.eigenspaces:
         raise InvalidInput("--images and --eigenspaces go with `mimetic evaluate locate`")
+    _check_set(options)
     if options.what == "calibration":
         return _run_calibration(options)
     if options.what == "ablations":
         return _run_ablations(options)
     if options.set in expressions.SETS:
         return _run_expressions(options)
-    if options.people is not None:
-        raise InvalidInput("--people goes with --set full")
-    if options.set == "real":
-        raise InvalidInput("--set real goes with `mimetic evaluate locate`")
     if options.what == "head":
         return _run_head(options)
     if options.what == "fit":
@@ -111,8 +112,7 @@ def run_evaluate(options: argparse.Namespace) -> int:
         done.append(one)
         if not options.json:
             print(as_text(one), end="\n\n", flush=True)
-    print(as_json(done) if options.json else summary(done))
-    return 0
+    return _show(options, done, as_json, summary)
 
 
 def _run_expressions(options: argparse.Namespace) -> int:
@@ -135,8 +135,7 @@ def _run_expressions(options: argparse.Namespace) -> int:
 
 
 def _run_head(options: argparse.Namespace) -> int:
-    if options.truth or options.performance or options.footage:
-        raise InvalidInput("--truth, --performance and --footage do not go with `head`")
+    _refuse(options, *FILES)
     done = []
     for scores in head.score_heads(options.set, _to_stderr):
         done += scores
@@ -144,41 +143,46 @@ def _run_head(options: argparse.Namespace) -> int:
             print(head.clip_text(scores), end="\n\n", flush=True)
     if options.out is not None:
         head.write(done, options.out)
-    print(head.as_json(done) if options.json else head.summary_text(done))
-    return 0
+    return _show(options, done, head.as_json, head.summary_text)
 
 
 def _run_flow(options: argparse.Namespace) -> int:
-    _refuse_files(options)
+    _refuse(options, *FILES, "out")
     found = flow.score_flow(options.set, _to_stderr)
-    print(flow.as_json(found) if options.json else flow.as_text(found))
-    return 0
+    return _show(options, found, flow.as_json, flow.as_text)
 
 
 def _run_ablations(options: argparse.Namespace) -> int:
-    _refuse_files(options)
-    _check_people(options)
+    _refuse(options, *FILES, "out")
     made = ablations.score_ablations(options.set, options.people, _to_stderr)
-    print(ablations.as_json(made) if options.json else ablations.as_text(made))
-    return 0
+    return _show(options, made, ablations.as_json, ablations.as_text)
 
 
 def _run_calibration(options: argparse.Namespace) -> int:
-    _refuse_files(options)
-    _check_people(options)
+    _refuse(options, *FILES, "out")
     made = calibration.score_calibration(options.set, options.people, _to_stderr)
-    print(calibration.as_json(made) if options.json else calibration.as_text(made))
+    return _show(options, made, calibration.as_json, calibration.as_text)
+
+
+def _refuse(options: argparse.Namespace, *names: str) -> None:
+    """Raises InvalidInput if a path is given for which what is scored has no use."""
+    if any(getattr(options, name) for name in names):
+        *first, last = (f"--{name}" for name in names)
+        raise InvalidInput(f"{', '.join(first)} and {last} do not go with `{options.what}`")
+
+
+def _show(
+    options: argparse.Namespace,
+    made: Any,
+    as_json: Callable[[Any], str],
+    as_text: Callable[[Any], str],
+) -> int:
+    """Prints what was scored in the form that is asked for; the exit status."""
+    print(as_json(made) if options.json else as_text(made))
     return 0
 
 
-def _refuse_files(options: argparse.Namespace) -> None:
-    if options.truth or options.performance or options.footage or options.out:
-        raise InvalidInput(
-            f"--truth, --performance, --footage and --out do not go with `{options.what}`"
-        )
-
-
-def _check_people(options: argparse.Namespace) -> None:
+def _check_set(options: argparse.Namespace) -> None:
     if options.people is not None and options.set not in expressions.SETS:
         raise InvalidInput("--people goes with --set full")
     if options.set == "real":
@@ -186,8 +190,7 @@ def _check_people(options: argparse.Namespace) -> None:
 
 
 def _run_locate(options: argparse.Namespace) -> int:
-    if options.truth or options.performance or options.footage:
-        raise InvalidInput("--truth, --performance and --footage do not go with `locate`")
+    _refuse(options, *FILES)
     if options.images is not None:
         images = Stills.load(options.images)
     else:
@@ -196,19 +199,16 @@ def _run_locate(options: argparse.Namespace) -> int:
     scores = locate.score_finders(images, spaces)
     if options.out is not None:
         locate.write(scores, options.out)
-    print(locate.as_json(scores) if options.json else locate.as_text(scores))
-    return 0
+    return _show(options, scores, locate.as_json, locate.as_text)
 
 
 def _run_fit(options: argparse.Namespace) -> int:
-    if options.truth or options.performance or options.footage:
-        raise InvalidInput("--truth, --performance and --footage do not go with `fit`")
+    _refuse(options, *FILES)
     template = load_template()
     scores = fit.score_fits(rendered_portraits(options.set, template, _to_stderr), template)
     if options.out is not None:
         fit.write(scores, options.out)
-    print(fit.as_json(scores) if options.json else fit.as_text(scores))
-    return 0
+    return _show(options, scores, fit.as_json, fit.as_text)
 
 
 def _to_stderr(line: str) -> None:
