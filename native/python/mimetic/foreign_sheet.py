@@ -20,6 +20,7 @@ from mimetic.face_template import load_template
 from mimetic.foreign_head import attach_foreign
 from mimetic.head_painter import COLORS, TALLEST, WIDTH, Painter
 from mimetic.mesh_file import read_landmarks, read_mesh
+from mimetic.skin_mesh import quad_normals
 
 
 class PlainMesh:
@@ -34,12 +35,7 @@ class PlainMesh:
         return vertices
 
     def normals(self, vertices: np.ndarray) -> np.ndarray:
-        a, b, c, d = (vertices[self.faces[:, k]] for k in range(4))
-        across = np.cross(c - a, d - b)
-        sums = np.zeros_like(vertices)
-        for k in range(4):
-            np.add.at(sums, self.faces[:, k], across)
-        return sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-30)
+        return quad_normals(vertices, self.faces)
 
 
 class PlainPainter(Painter):

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mimetic import InvalidInput
 from mimetic.performance import Performance
+from mimetic.skin_mesh import quad_normals
 
 BEHIND_METRES = 0.006  # deeper than this under the nearest surface is hidden
 GRAZING, FACING = 0.2, 0.5  # cosine to the viewer: no colour taken below, all of it above
@@ -121,13 +122,7 @@ def sample_quads(texels: NDArray, faces: NDArray) -> Samples:
 
 
 def _facing(points, faces, samples: Samples, at) -> NDArray:
-    corners = points[faces]
-    flat = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    normals = np.zeros_like(points)
-    for corner in range(4):
-        np.add.at(normals, faces[:, corner], flat)
-    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
-    sampled = samples.of(normals[faces])
+    sampled = samples.of(quad_normals(points, faces)[faces])
     cosines = -np.einsum("kd,kd->k", sampled, at) / np.linalg.norm(at, axis=1)
     ramp = np.clip((cosines - GRAZING) / (FACING - GRAZING), 0, 1)
     return ramp * ramp * (3 - 2 * ramp)

@@ -20,6 +20,7 @@ from mimetic.face_template import FaceTemplate
 from mimetic.fitted_view import FittedView
 from mimetic.luminance import GREY
 from mimetic.sampling import sampled
+from mimetic.skin_mesh import quad_normals
 
 MOST_VIEWS = 6  # beside the reference
 LEAST_TURN = 0.04  # pupil distances that the nose moves against the eyes: some two degrees
@@ -79,8 +80,11 @@ def follow_points(
         pinhole.show(neutral[spread], pose, at_reference.intrinsics)[0]
         for pose in (at_reference.head_pose, view.head_pose)
     )
-    facing = _cosines(template, neutral, at_reference.head_pose)[spread]
-    facing = np.minimum(facing, _cosines(template, neutral, view.head_pose)[spread])
+    normals = quad_normals(neutral, template.faces)[spread]
+    facing = np.minimum(
+        _cosines(neutral[spread], normals, at_reference.head_pose),
+        _cosines(neutral[spread], normals, view.head_pose),
+    )
     height, width = reference.shape[:2]
     inside = ((before > 2) & (before < (width - 3, height - 3))).all(axis=1)
     inside &= ((after > 2) & (after < (width - 3, height - 3))).all(axis=1)
@@ -114,7 +118,7 @@ def turn_signs(features: _core.FaceFeatures) -> NDArray[np.float64]:
 def spread_points(template: FaceTemplate) -> NDArray[np.int64]:
     """Skin vertices well apart over the face."""
     points = template.vertices[: template.num_skin_vertices]
-    normals = _normals(template, template.vertices)[: len(points)]
+    normals = quad_normals(template.vertices, template.faces)[: len(points)]
     allowed = template.in_region(*POINT_REGIONS) & (normals[:, 2] > LEAST_COSINE)
     chosen = [template.landmark("nose_tip")]
     distance = np.where(allowed, np.linalg.norm(points - points[chosen[0]], axis=1), -1)
@@ -137,16 +141,8 @@ def _flow(before, after, start, end) -> NDArray[np.float32]:
     return np.asarray(_core.compute_flow(before, after, options, initial).flow)
 
 
-def _cosines(template: FaceTemplate, vertices, pose) -> NDArray[np.float64]:
-    in_camera = vertices @ pose[:3, :3].T + pose[:3, 3]
-    normals = _normals(template, vertices) @ pose[:3, :3].T
-    return -(normals * in_camera).sum(axis=1) / np.linalg.norm(in_camera, axis=1)
-
-
-def _normals(template: FaceTemplate, vertices) -> NDArray[np.float64]:
-    corners = vertices[template.faces]
-    flat = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    normals = np.zeros_like(vertices)
-    for k in range(4):
-        np.add.at(normals, template.faces[:, k], flat)
-    return normals / (np.linalg.norm(normals, axis=1, keepdims=True) + 1e-30)
+def _cosines(points, normals, pose) -> NDArray[np.float64]:
+    """Between normals and the way to the camera; points and normals in the head frame."""
+    in_camera = points @ pose[:3, :3].T + pose[:3, 3]
+    turned = normals @ pose[:3, :3].T
+    return -(turned * in_camera).sum(axis=1) / np.linalg.norm(in_camera, axis=1)

@@ -49,6 +49,16 @@ def split_quads(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
     return np.where(along_ac[:, None], by_ac, by_bd).reshape(-1, 3).astype(np.int32)
 
 
+def quad_normals(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    """Unit normals of vertices (V x 3): of the quads around each, by their areas; 0 without any."""
+    a, b, c, d = (vertices[quads[:, k]] for k in range(4))
+    across = np.cross(c - a, d - b)
+    normals = np.zeros_like(vertices)
+    for k in range(4):
+        np.add.at(normals, quads[:, k], across)
+    return normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+
+
 def _quad_areas(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
     a, b, c, d = (vertices[quads[:, k]] for k in range(4))
     return np.linalg.norm(np.cross(c - a, d - b), axis=1) / 2

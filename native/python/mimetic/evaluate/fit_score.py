@@ -8,9 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimetic import pinhole
 from mimetic.evaluate.portraits import Portraits
 from mimetic.face_template import FaceTemplate
 from mimetic.residual_shape import FACE
+from mimetic.skin_mesh import quad_normals
 
 AXES = ("pitch", "yaw", "roll")
 YAW_BINS = ((0, 10), (10, 20), (20, 30))  # degrees
@@ -44,8 +46,8 @@ def score_shot(fitted: Fitted, portraits: Portraits, i: int, template: FaceTempl
     seen = face[_facing(true, template, pose)[face]]
     found_camera = camera * [[fitted.focal / camera[0, 0]], [fitted.focal / camera[1, 1]], [1]]
     found_camera[:2, 2] = camera[:2, 2]
-    off = _pixels(fitted.neutral[seen], fitted.head_pose, found_camera)
-    off = np.linalg.norm(off - _pixels(true[seen], pose, camera), axis=1)
+    shown = pinhole.show(fitted.neutral[seen], fitted.head_pose, found_camera)[0]
+    off = np.linalg.norm(shown - pinhole.show(true[seen], pose, camera)[0], axis=1)
     eyes = template.eye_spheres(true)[0].mean(axis=0) @ pose[:3, :3].T + pose[:3, 3]
     pupils = camera[0, 0] * PUPIL_DISTANCE / eyes[2]
     turn = _rotation_vector(fitted.head_pose[:3, :3] @ pose[:3, :3].T)
@@ -82,20 +84,10 @@ def figures(scores: list[ShotScore]) -> dict[str, float]:
     }
 
 
-def _pixels(points, pose, camera) -> NDArray[np.float64]:
-    in_image = (points @ pose[:3, :3].T + pose[:3, 3]) @ camera.T
-    return in_image[:, :2] / in_image[:, 2:]
-
-
 def _facing(vertices, template: FaceTemplate, pose) -> NDArray[np.bool_]:
     """V: whether the camera looks at the front of the surface there."""
     in_camera = vertices @ pose[:3, :3].T + pose[:3, 3]
-    a, b, c, d = (in_camera[template.faces[:, k]] for k in range(4))
-    flat = np.cross(c - a, d - b)
-    normals = np.zeros_like(in_camera)
-    for k in range(4):
-        np.add.at(normals, template.faces[:, k], flat)
-    return (normals * in_camera).sum(axis=1) < 0
+    return (quad_normals(in_camera, template.faces) * in_camera).sum(axis=1) < 0
 
 
 def _rotation_vector(rotation: NDArray[np.float64]) -> NDArray[np.float64]:
