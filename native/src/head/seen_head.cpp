@@ -2,7 +2,9 @@
 #include "seen_head.hpp"
 
 #include <mimetic/depth.hpp>
+#include <mimetic/error.hpp>
 #include <opencv2/imgproc.hpp>
+#include <string>
 
 namespace mimetic::head {
 namespace {
@@ -159,6 +161,21 @@ std::optional<Camera> crop_camera(const HeadShape& shape, const Camera& camera,
                   (camera.cy - top + .5) * along - .5,
                   cols,
                   rows};
+}
+
+cv::Mat1b to_gray(const ColorView& image, const Camera& camera) {
+    if (image.rows != camera.height || image.cols != camera.width) {
+        throw InvalidInput("the frame is " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
+                           " pixels, the camera " + std::to_string(camera.width) + " x " +
+                           std::to_string(camera.height));
+    }
+    // OpenCV has no read-only matrix; nothing here writes to it.
+    const cv::Mat3b color(image.rows, image.cols,
+                          reinterpret_cast<cv::Vec3b*>(const_cast<std::uint8_t*>(image.data)),
+                          static_cast<std::size_t>(image.stride));
+    cv::Mat1b gray;
+    cv::cvtColor(color, gray, cv::COLOR_RGB2GRAY);
+    return gray;
 }
 
 HeadCrop cut(const cv::Mat1b& frame, const Camera& camera, const Camera& part) {

@@ -2,13 +2,13 @@
 #include <algorithm>
 #include <mimetic/error.hpp>
 #include <mimetic/head.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "registration.hpp"
 #include "view_graph.hpp"
 
 namespace mimetic {
 
+using head::angle_between;
 using head::HeadCrop;
 using head::KeyView;
 using head::PointMeasurement;
@@ -32,10 +32,6 @@ constexpr std::size_t kNearViews = 5;   // from which a doubtful frame is tried 
 constexpr std::size_t kCloseViews = 6;  // taken at half the angle
 constexpr long kFlowEvery = 6;          // frames on the fast path: samples alone let the distance run away
 
-double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
-    return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
-}
-
 double rotation_std(const Matrix6& covariance) {
     return std::sqrt(std::max(0., covariance.diagonal().head<3>().maxCoeff()));
 }
@@ -57,7 +53,7 @@ struct HeadTracker::State {
         : camera(of), options(given), graph(start, given) {}
     const HeadShape& shape() const { return graph.shape(); }
     const std::vector<KeyView>& views() const { return graph.views(); }
-    cv::Mat1b to_gray(const ColorView& image) const;
+    cv::Mat1b to_gray(const ColorView& image) const { return head::to_gray(image, camera); }
     std::optional<Camera> crop_at(const Eigen::Isometry3d& pose) const {
         return head::crop_camera(shape(), camera, pose, options.crop_height, kMargin);
     }
@@ -79,21 +75,6 @@ struct HeadTracker::State {
     HeadEstimate estimate(const cv::Mat1b& gray, const std::optional<Eigen::Isometry3d>& guess) const;
     bool wants_view(const HeadEstimate& estimate) const;
 };
-
-cv::Mat1b HeadTracker::State::to_gray(const ColorView& image) const {
-    if (image.rows != camera.height || image.cols != camera.width) {
-        throw InvalidInput("the frame is " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
-                           " pixels, the camera " + std::to_string(camera.width) + " x " +
-                           std::to_string(camera.height));
-    }
-    // OpenCV has no read-only matrix; nothing here writes to it.
-    const cv::Mat3b color(image.rows, image.cols,
-                          reinterpret_cast<cv::Vec3b*>(const_cast<std::uint8_t*>(image.data)),
-                          static_cast<std::size_t>(image.stride));
-    cv::Mat1b gray;
-    cv::cvtColor(color, gray, cv::COLOR_RGB2GRAY);
-    return gray;
-}
 
 /// The estimate goes where its texture comes to stand among the others.
 void HeadTracker::State::take_view(const cv::Mat1b& gray, HeadEstimate& estimate) {
@@ -152,7 +133,8 @@ std::optional<HeadEstimate> HeadTracker::State::follow_flow(const cv::Mat1b& gra
     if (measurements.size() < 12) {
         return {};
     }
-    const RigidMotion motion = head::explain_motion(*part, last.camera_from_head, measurements);
+    const RigidMotion motion =
+        head::explain_motion(*part, last.camera_from_head, Expression::Zero(), 0, measurements);
     HeadEstimate found;
     found.camera_from_head = motion.camera_from_head;
     found.covariance = last.covariance + motion.covariance;
@@ -175,7 +157,9 @@ std::optional<HeadEstimate> HeadTracker::State::register_frame(const cv::Mat1b& 
         std::vector<PointMeasurement> measurements;
         Matrix6 of_views = Matrix6::Zero();
         double shares = 0, correlation = 0;
-        for (const auto& [share, view] : views_for(found.camera_from_head)) {
+        const auto chosen = views_for(found.camera_from_head);
+        const Expression expression = chosen.front().second->expression();
+        for (const auto& [share, view] : chosen) {
             const auto stabilised = view->stabilise(now, found.camera_from_head);
             view->measure(shape(), options, stabilised, share, measurements);
             of_views += share * view->covariance();
@@ -188,7 +172,9 @@ std::optional<HeadEstimate> HeadTracker::State::register_frame(const cv::Mat1b& 
         for (PointMeasurement& m : measurements) {
             m.weight /= shares;
         }
-        const RigidMotion motion = head::explain_motion(*part, found.camera_from_head, measurements);
+        const RigidMotion motion = head::explain_motion(
+            *part, found.camera_from_head, expression,
+            angle_between(views().front().camera_from_head(), found.camera_from_head), measurements);
         const Eigen::Vector3d middle = found.camera_from_head * shape().centre;
         const double moved = angle_between(found.camera_from_head, motion.camera_from_head) * .1 +
                              (motion.camera_from_head * shape().centre - middle).norm();
