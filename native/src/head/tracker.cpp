@@ -28,9 +28,15 @@ constexpr double kStill = 0.3;          // pixels: a stabilised frame that needs
 constexpr double kReferenceStd = 2e-3;  // rad and metres of the first pose: it defines the head frame
 constexpr double kTooVague = 0.12;      // rad: s.d. of a pose that no reference texture is taken at
 constexpr double kNearer = 0.3;         // share of the distance after which a texture is taken anew
+constexpr double kMostNearing = .03;    // of the distance, a frame on the fast path: samples go astray
 constexpr std::size_t kNearViews = 5;   // from which a doubtful frame is tried anew
 constexpr std::size_t kCloseViews = 6;  // taken at half the angle
 constexpr long kFlowEvery = 6;          // frames on the fast path: samples alone let the distance run away
+
+/// Share of the distance by which a head came nearer or went away.
+double nearing(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
+    return std::abs(to.translation().norm() / from.translation().norm() - 1);
+}
 
 double rotation_std(const Matrix6& covariance) {
     return std::sqrt(std::max(0., covariance.diagonal().head<3>().maxCoeff()));
@@ -48,6 +54,7 @@ struct HeadTracker::State {
     // Of each view, on the fast path, once it is wanted: relaxing moves all of them
     mutable std::vector<std::optional<SampleView>> sampled;
     long num_frames = 0;
+    long refused = -kFlowEvery;  // frame in which flow did not stand behind a texture
 
     State(const Camera& of, const HeadShape& start, const HeadOptions& given)
         : camera(of), options(given), graph(start, given) {}
@@ -227,7 +234,8 @@ std::optional<HeadEstimate> HeadTracker::State::register_samples(const cv::Mat1b
     const Registration registered = head::register_views(samples, now, best.camera_from_head, options);
     constexpr double kSureCorrelation = .95, kSureExplained = .95, kMostPassed = .8;
     if (registered.correlation < kSureCorrelation || registered.explained < kSureExplained ||
-        registered.in_sight < kMostPassed) {
+        registered.in_sight < kMostPassed ||
+        nearing(last.camera_from_head, registered.camera_from_head) > kMostNearing) {
         return {};
     }
     found.camera_from_head = registered.camera_from_head;
@@ -348,11 +356,13 @@ HeadEstimate HeadTracker::advance(const ColorView& image, const std::optional<Ei
     const cv::Mat1b gray = state.to_gray(image);
     ++state.num_frames;
     HeadEstimate found = state.estimate(gray, guess);
-    if (state.options.fast && state.wants_view(found)) {
+    const bool may_ask = !state.options.fast || state.num_frames - state.refused >= kFlowEvery;
+    if (state.options.fast && may_ask && state.wants_view(found)) {
         // A reference texture must stand where the surer way says: errors of samples would add up.
         found = state.register_frame(gray, found.camera_from_head).value_or(found);
+        state.refused = state.wants_view(found) ? state.refused : state.num_frames;
     }
-    if (state.wants_view(found)) {
+    if (may_ask && state.wants_view(found)) {
         state.take_view(gray, found);
     }
     found.num_views = static_cast<int>(state.views().size());
