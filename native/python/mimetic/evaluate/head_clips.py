@@ -15,18 +15,25 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core, pipeline
 from mimetic import fit as fitting
+from mimetic.anatomy import attach
 from mimetic.evaluate.head_score import REST_SECONDS, HeadScore, score_head
 from mimetic.evaluate.rendered import checkout, render
 from mimetic.face_template import load_template
 from mimetic.fit import FaceFit
 from mimetic.footage import Footage
-from mimetic.head_motion import MODELS, head_shape, track_head
+from mimetic.head_motion import MODELS, follow_options, head_shape, track_head
 from mimetic.performance import HELD_QUALITY
 
 FACE_MESH = "face mesh"
 TIMED_FRAMES = 60
-# By name: the model, and whether the fast path is taken
-METHODS = {model: (model, False) for model in MODELS} | {"ellipsoid fast": ("ellipsoid", True)}
+# By name: the model, and how it is followed otherwise than users get it. "flow" is the paper's own
+# form: the flow from frame to frame in one pass, nothing to go back to, each frame as measured.
+FLOW = {"flow_alone": True, "smoothing": 0.0}
+METHODS: dict[str, tuple[str, dict]] = {model: (model, {}) for model in MODELS} | {
+    "ellipsoid fast": ("ellipsoid", {"fast": True}),
+    "ellipsoid flow": ("ellipsoid", FLOW),
+    "plane flow": ("plane", FLOW),
+}
 Report = Callable[[str], None]
 
 
@@ -67,12 +74,12 @@ def score_clip(clip: HeadClip, face_mesh: Path | None, report: Report) -> Iterat
     """Each model, and MediaPipe's face mesh where its interpreter is given."""
     known = (clip.head_pose, clip.fps)
     fit = calibrated_fit(clip)
-    for method, (model, fast) in METHODS.items():
+    for method, (model, how) in METHODS.items():
         report(f"{clip.name}: {method}")
-        found = track_head(clip.footage, model, fit=fit, fast=fast)
+        found = track_head(clip.footage, model, fit=fit, **how)
         poses = found.head_pose.copy()
         poses[found.quality < HELD_QUALITY] = np.nan
-        seconds = _seconds_a_frame(clip, fit, model, fast)
+        seconds = _seconds_a_frame(clip, fit, model, how)
         yield score_head(clip.name, clip.kind, method, poses, *known, seconds)
     if face_mesh is not None:
         report(f"{clip.name}: {FACE_MESH}")
@@ -87,13 +94,13 @@ def calibrated_fit(clip: HeadClip) -> FaceFit:
     return fitting.find_face(image, chosen, camera=clip.camera)
 
 
-def _seconds_a_frame(clip: HeadClip, fit: FaceFit, model: str, fast: bool) -> float:
+def _seconds_a_frame(clip: HeadClip, fit: FaceFit, model: str, how: dict) -> float:
     """The median time of a frame, decoded already: what the face mesh is timed by as well."""
     template = load_template()
-    shape = head_shape(model, fit.neutral_vertices(template), template)
+    neutral = fit.neutral_vertices(template)
+    shape = head_shape(model, neutral, template, attach(neutral, template))
     images = Footage(clip.footage).frames(fit.frame, fit.frame + TIMED_FRAMES)
-    options = _core.HeadOptions()
-    options.fast = fast
+    options = follow_options(fast=how.get("fast", False), flow_alone="flow_alone" in how)
     tracker, seconds = None, []
     for _, image in images:
         image = np.ascontiguousarray(image)
