@@ -18,7 +18,7 @@ from mimetic import InvalidInput
 from mimetic.articulators import JAW
 from mimetic.calibration import LEAST, MOST, REGIONS, Calibration
 from mimetic.evidence import LARGEST_STEP, LinearFrame, Peak, linear_frame, maximise
-from mimetic.sightings import Sighting, Whitened, at_points, whiten
+from mimetic.sightings import Sighting, Whitened, at_points, weigh, whiten
 from mimetic.skin_mesh import SkinMesh
 from mimetic.skin_response import ResponsiveModes, SkinResponse
 from mimetic.tracking import ARTICULATOR_STD
@@ -104,10 +104,7 @@ def estimate(
             raise KeyboardInterrupt
         modes = response.evaluate(asked.about(place), asked.strong)
         if turn == 0:
-            seen = [
-                whiten(mesh, one, at_points(mesh, one, modes.modes), intrinsics, reference)
-                for one in chosen
-            ]
+            seen = [_whitened(mesh, one, modes.modes, intrinsics, reference) for one in chosen]
         frames = [_linear(mesh, one, modes, response) for one in seen]
         problem = _Problem(frames, asked, place, len(modes.modes))
         if turn == 0:
@@ -190,6 +187,17 @@ class _Problem:
         return told - 0.5 * float(((place / self.asked.prior) ** 2).sum())
 
 
+def _whitened(
+    mesh: SkinMesh, sighting: Sighting, modes: Floats, intrinsics: Floats, reference: Floats
+) -> Whitened:
+    """modes: those that the capture used, M x S x 3."""
+    neutral = mesh.neutral[None, : modes.shape[1]]
+    rest, by_mode = (
+        at_points(mesh, sighting.vertices, sighting.barycentric, one) for one in (neutral, modes)
+    )
+    return whiten(sighting, weigh(sighting, rest[:, :, 0], by_mode, intrinsics, reference))
+
+
 def _linear(
     mesh: SkinMesh, seen: Whitened, found: ResponsiveModes, response: SkinResponse
 ) -> LinearFrame:
@@ -199,7 +207,7 @@ def _linear(
     std += [ARTICULATOR_STD[name.split(".")[0]] for name in response.articulators]
     free = np.flatnonzero(np.abs(seen.sighting.values) > AT_WORK)
     moving = columns[:, free].reshape(-1, *columns.shape[2:])
-    rows = at_points(mesh, seen.sighting, moving)
+    rows = at_points(mesh, seen.sighting.vertices, seen.sighting.barycentric, moving)
     rows = seen.by_point @ rows.reshape(-1, rows.shape[2])
     return linear_frame(rows, seen.displacement, free, np.array(std)[free])
 

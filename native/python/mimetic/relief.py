@@ -5,7 +5,8 @@ The fit to landmarks leaves depth to what faces usually are. Between frames, a p
 millimetre nearer moves further as the head turns. The texture of the reference frame keeps its
 rays: where the shape moves, its points slide along them, so that only the part of a change across
 the surface counts. Every frame's pose, muscles and articulators are solved along with the shape
-and eliminated (bundle adjustment with a prior [Triggs et al. 2000], one linear step).
+and eliminated (bundle adjustment with a prior [Triggs et al. 2000], one linear step), and so is
+what shifts the skin's places in all frames alike: only what changes with the turn is depth.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from mimetic.face_fit import FaceFit
 from mimetic.face_shape import face_shape
 from mimetic.face_template import FaceTemplate
 from mimetic.reference_views import spread_points
-from mimetic.sightings import Sighting, at_points, whiten
+from mimetic.sightings import Sighting, at_points, distinct_points, smooth_field, weigh
 from mimetic.skin_mesh import SkinMesh
 
 Floats = NDArray[np.float64]
@@ -33,6 +34,9 @@ LANDMARK_HELD, POINT_HELD = 0.01, 0.02
 PUPIL_DISTANCE = 0.062  # metres
 DEPTH_HELD = 1e-3  # metres, of the whole face: all of it nearer and smaller looks the same
 LEAST_SIGHTINGS = 3
+# Metres: noise of the reference texture and light on it shift a place alike in every frame.
+LASTING_ERROR = 1e-3
+ALIKE = np.radians(0.4)  # heads turned by no more than about that show the same errors again
 
 
 def find_relief(
@@ -52,33 +56,55 @@ def find_relief(
     count = template.num_skin_vertices
     mesh = SkinMesh(template, np.ascontiguousarray(fit.neutral_vertices(template)))
     components = face_shape(template).components[:, :count]
-    information = np.eye(len(components)) + _held(fit, template, mesh.neutral)
-    pull = np.zeros(len(components))
-    for sighting in sightings:
-        by_mode = at_points(mesh, sighting, modes)
-        seen = whiten(
-            mesh, sighting, by_mode, fit.intrinsics, fit.head_pose, MODEL_ERROR, shape_error=0.0
-        )
-        deeper = _slid(mesh, sighting, fit.head_pose, components)
-        columns = np.concatenate([std * by_mode, deeper], axis=2)
-        rows = seen.by_point @ columns.reshape(-1, columns.shape[2])
-        moved, shape = rows[:, : len(std)], rows[:, len(std) :]
-        gain = np.linalg.solve(np.eye(len(std)) + moved.T @ moved, moved.T)
-        left = shape - moved @ (gain @ shape)
-        information += shape.T @ left
-        pull += left.T @ seen.displacement
-    return np.round(np.linalg.solve(information, pull), 6).tolist()
-
-
-def _slid(mesh: SkinMesh, sighting: Sighting, reference: Floats, components: Floats) -> Floats:
-    """K x 3 x C metres by which the seen points move along the reference frame's rays."""
-    eye = -reference[:3, :3].T @ reference[:3, 3]
-    rays = at_points(mesh, sighting, mesh.neutral[None, : components.shape[1]])[:, :, 0] - eye
-    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
-    normals = np.einsum("kc,kcx->kx", sighting.barycentric, mesh.normals[sighting.vertices])
+    vertices, barycentric, places = distinct_points(sightings)
+    rest = at_points(mesh, vertices, barycentric, mesh.neutral[None, :count])[:, :, 0]
+    by_mode = at_points(mesh, vertices, barycentric, modes)
+    normals = np.einsum("kc,kcx->kx", barycentric, mesh.normals[vertices])
     normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    outwards = np.einsum("kx,kxm->km", normals, at_points(mesh, vertices, barycentric, components))
+    deeper = _slid(rest, normals, outwards, fit.head_pose)
+    lasting = _lasting(rest, fit.head_pose)
+    asked = np.concatenate([deeper, lasting], axis=2)
+    information = np.eye(asked.shape[2])
+    information[: len(components), : len(components)] += _held(fit, template, mesh.neutral)
+    pull = np.zeros(len(information))
+    for sighting, at, share in zip(sightings, places, _shares(sightings), strict=True):
+        seen = weigh(
+            sighting, rest[at], by_mode[at], fit.intrinsics, fit.head_pose, MODEL_ERROR, 0.0
+        )
+        rows = [seen.by_point @ columns for columns in (std * by_mode[at], asked[at])]
+        moved, shape = (row.reshape(len(seen.displacement), -1) for row in rows)
+        others = np.hstack([seen.errors, moved])
+        gain = np.linalg.solve(np.eye(others.shape[1]) + others.T @ others, others.T)
+        left = shape - others @ (gain @ shape)
+        information += share * (shape.T @ left)
+        pull += share * (left.T @ seen.displacement)
+    found = np.linalg.solve(information, pull)
+    return np.round(found[: len(components)], 6).tolist()
+
+
+def _shares(sightings: Sequence[Sighting]) -> Floats:
+    """By how much each counts: those in which the head is turned alike err alike."""
+    rotations = np.array([one.camera_from_head[:3, :3] for one in sightings])
+    cosines = (np.einsum("aij,bij->ab", rotations, rotations) - 1) / 2
+    angles = np.arccos(np.clip(cosines, -1, 1))
+    return 1 / np.exp(-0.5 * (angles / ALIKE) ** 2).sum(axis=1)
+
+
+def _lasting(rest: Floats, reference: Floats) -> Floats:
+    """K x 3 x E metres of a smooth field of unit variance across the reference frame's view."""
+    field = LASTING_ERROR * smooth_field(rest)
+    return np.concatenate([reference[axis, :3, None] * field[:, None] for axis in (0, 1)], axis=2)
+
+
+def _slid(rest: Floats, normals: Floats, outwards: Floats, reference: Floats) -> Floats:
+    """K x 3 x C metres by which points move along the reference frame's rays.
+
+    rest, normals: K x 3; outwards: K x C, of the components along the normals
+    """
+    rays = rest + reference[:3, :3].T @ reference[:3, 3]
+    rays /= np.linalg.norm(rays, axis=1, keepdims=True)
     facing = np.minimum((rays * normals).sum(axis=1), -LEAST_COSINE)
-    outwards = np.einsum("kx,kxm->km", normals, at_points(mesh, sighting, components))
     return rays[:, :, None] * (outwards / facing[:, None])[:, None]
 
 

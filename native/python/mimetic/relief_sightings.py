@@ -3,21 +3,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import itertools
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
-from mimetic import tracking
+from mimetic import _core, tracking
 from mimetic.anatomy import attach_skin, modes_of
 from mimetic.face_fit import FaceFit
 from mimetic.face_template import load_template
-from mimetic.fit import lone_view
+from mimetic.following import frames_backward, is_cut, shrink
 from mimetic.footage import Footage
 from mimetic.performance import HELD_QUALITY
 from mimetic.reference_views import LEAST_TURN, Candidate, turn_signs
 from mimetic.relief import LEAST_SIGHTINGS, find_relief
 from mimetic.sightings import Sighting
+
+Images = Iterator[tuple[int, NDArray[np.uint8]]]
+MOST_FOLLOWED = 120  # frames; with more of them, every second, third ...
+GIVEN_UP = 6  # frames in a row in which the face is lost
 
 
 def with_relief(
@@ -28,15 +34,16 @@ def with_relief(
 ) -> FaceFit:
     """The fit with the relief that the frames tell in which the head is turned otherwise.
 
-    candidates: frames in which the face was found, the fit's among them, expressions allowed. The
-    fit as it is where too few are turned, or progress says to stop.
+    candidates: frames in which the face was found, the fit's among them, expressions allowed; the
+    face is followed from the fit's frame as far as any of them that is turned. The fit as it is
+    where too few are, or progress says to stop.
     """
     signs = {c.frame: turn_signs(c.features) for c in candidates}
-    turned = {
-        c.frame: c.features
-        for c in candidates
-        if np.linalg.norm(signs[c.frame] - signs[fit.frame]) >= LEAST_TURN
-    }
+    turned = [
+        frame
+        for frame, sign in signs.items()
+        if np.linalg.norm(sign - signs[fit.frame]) >= LEAST_TURN
+    ]
     if len(turned) < LEAST_SIGHTINGS:
         return fit
     template = load_template()
@@ -44,20 +51,46 @@ def with_relief(
     anatomy = modes_of(attach_skin(neutral, template, calibration=fit.calibration))
     motion = tracking.face_motion(neutral, template, anatomy)
     reference = footage.read(fit.frame)
-    tracker = tracking.make_tracker(reference, fit, template, anatomy, motion)
+    # Relief moves points along the rays of one frame: no other may lend its texture.
+    options = _core.TrackerOptions()
+    options.max_key_views = 0
+    tracker = tracking.make_tracker(reference, fit, template, anatomy, motion, options)
     at_reference = tracker.advance(reference)
-    sightings = []
-    for frame, image in footage.frames(min(turned), max(turned)):
-        if frame not in turned:
-            continue
-        if progress and not progress(0.0, f"looking for the face's relief: frame {frame}"):
-            return fit
-        view = lone_view(frame, image, turned[frame], fit.camera, template)
-        if view is None:
-            continue
+    first, last = min(*turned, fit.frame), max(*turned, fit.frame)
+    stride = 1 + (last - first) // MOST_FOLLOWED
+    sightings: list[Sighting] = []
+    for images in (
+        footage.frames(fit.frame + 1, last) if last > fit.frame else iter(()),
+        frames_backward(footage, fit.frame - 1, first),
+    ):
         tracker.restart(reference, at_reference)
-        estimate = tracker.advance(image, view.head_pose)
-        if not estimate.held and estimate.quality >= HELD_QUALITY:
-            sightings.append(Sighting.of(frame, estimate, tracker.observations()))
+        chosen = itertools.islice(images, stride - 1, None, stride)
+        for sighting in _follow(tracker, _one_scene(reference, chosen)):
+            told = f"looking for the face's relief: frame {sighting.frame}"
+            if progress and not progress(0.0, told):
+                return fit
+            sightings.append(sighting)
     modes, std = tracking.moving_modes(anatomy, template.num_skin_vertices)
     return replace(fit, relief=find_relief(fit, template, sightings, modes, std))
+
+
+def _one_scene(reference: NDArray[np.uint8], images: Images) -> Images:
+    """The images up to a cut."""
+    before = shrink(reference)
+    for frame, image in images:
+        small = shrink(image)
+        if is_cut(small, before):
+            return
+        yield frame, image
+        before = small
+
+
+def _follow(tracker: _core.FaceTracker, images: Images) -> Iterator[Sighting]:
+    num_lost = 0
+    for frame, image in images:
+        estimate = tracker.advance(image)
+        if not estimate.held and estimate.quality >= HELD_QUALITY:
+            yield Sighting.of(frame, estimate, tracker.observations())
+        num_lost = num_lost + 1 if estimate.held else 0
+        if num_lost == GIVEN_UP:
+            return

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,17 +55,77 @@ class Sighting:
         )
 
 
-def at_points(mesh: SkinMesh, sighting: Sighting, modes: Floats) -> Floats:
-    """K x 3 x M of the seen points from modes M x S x 3 of the skin."""
-    used, place = np.unique(sighting.vertices, return_inverse=True)
+def at_points(
+    mesh: SkinMesh, vertices: NDArray[np.int32], barycentric: Floats, modes: Floats
+) -> Floats:
+    """K x 3 x M of points as a sighting has them (K x 3 each), from modes M x S x 3 of the skin."""
+    used, place = np.unique(vertices, return_inverse=True)
     indptr, indices, weights = mesh.stencils
     rows = [np.arange(indptr[v], indptr[v + 1]) for v in used]
     starts = np.concatenate([[0], np.cumsum([len(row) for row in rows])]).astype(np.int32)
     entries = np.concatenate(rows)
     stencils = (starts, indices[entries], weights[entries])
     refined = multiply(stencils, modes.transpose(1, 2, 0))
-    corners = refined[place.reshape(sighting.vertices.shape)]
-    return np.einsum("kc,kcxm->kxm", sighting.barycentric, corners)
+    corners = refined[place.reshape(vertices.shape)]
+    return np.einsum("kc,kcxm->kxm", barycentric, corners)
+
+
+def distinct_points(
+    sightings: Sequence[Sighting],
+) -> tuple[NDArray[np.int32], Floats, list[NDArray[np.int64]]]:
+    """Vertices (P x 3) and barycentric coordinates (P x 3) of all seen points, each of them once.
+
+    Third: for each sighting, which of these its own points are (K).
+    """
+    rows = np.concatenate([np.hstack([one.vertices, one.barycentric]) for one in sightings])
+    points, place = np.unique(rows, axis=0, return_inverse=True)
+    ends = np.cumsum([len(one.pixels) for one in sightings])[:-1]
+    return points[:, :3].astype(np.int32), points[:, 3:], np.split(place.reshape(-1), ends)
+
+
+@dataclass(frozen=True)
+class Weighed:
+    """A frame's measured displacements in standard deviations of their own noise."""
+
+    displacement: Floats  # 2K, from the neutral
+    by_point: Floats  # K x 2 x 3, of these a metre in the head frame
+    errors: Floats  # 2K x E, of a standard deviation of the pose and of smooth model error
+
+
+def weigh(
+    sighting: Sighting,
+    rest: Floats,
+    modes: Floats,
+    intrinsics: Floats,
+    reference: Floats,
+    model_error: float = MODEL_ERROR,
+    shape_error: float = SHAPE_ERROR,
+) -> Weighed:
+    """Displacements from the neutral, and what is common to them but no motion of the skin.
+
+    rest: the seen points in the head frame, K x 3; modes: those that the capture used, there,
+    K x 3 x M; intrinsics: 3 x 3, pixels; reference: 4 x 4, pose of the fitted frame; model_error:
+    metres, whatever moves; shape_error: metres of depth, seen as the head turns.
+    """
+    count = len(sighting.pixels)
+    moved = modes @ sighting.values
+    seen_from = sighting.camera_from_head
+    pixels, by_point, by_pose = pinhole.show(rest + moved, seen_from, intrinsics)
+    found = sighting.pixels - pixels + np.einsum("kpx,kx->kp", by_point, moved)
+    view = _view(reference) @ _view(seen_from)
+    error = np.hypot(
+        np.hypot(model_error, shape_error * np.sqrt(max(0.0, 1 - view**2))),
+        MOTION_ERROR * np.linalg.norm(moved, axis=1),
+    )
+    field = smooth_field(rest) * error[:, None]
+    across = np.einsum("kpx,kn->kpnx", by_point[:, :, :2], field).reshape(count, 2, -1)
+    errors = np.concatenate([by_pose * POSE_STD, across], axis=2)
+    roots = np.linalg.cholesky(sighting.information + 1e-12 * np.eye(2)).transpose(0, 2, 1)
+    return Weighed(
+        np.einsum("kij,kj->ki", roots, found).reshape(-1),
+        roots @ by_point,
+        (roots @ errors).reshape(2 * count, -1),
+    )
 
 
 @dataclass(frozen=True)
@@ -76,48 +137,14 @@ class Whitened:
     by_point: Floats  # 2K x 3K, whitened pixels a metre in the head frame
 
 
-def whiten(
-    mesh: SkinMesh,
-    sighting: Sighting,
-    modes: Floats,
-    intrinsics: Floats,
-    reference: Floats,
-    model_error: float = MODEL_ERROR,
-    shape_error: float = SHAPE_ERROR,
-) -> Whitened:
-    """Displacements from the neutral, free of pose, noise and smooth model error of unit variance.
-
-    modes: those that the capture used, at the seen points, K x 3 x M; intrinsics: 3 x 3, pixels;
-    reference: 4 x 4, pose of the fitted frame; model_error: metres, whatever moves; shape_error:
-    metres of depth, seen as the head turns.
-    """
-    count = len(sighting.pixels)
-    rest = at_points(mesh, sighting, mesh.neutral[None, : mesh.template.num_skin_vertices])[:, :, 0]
-    moved = modes @ sighting.values
-    seen_from = sighting.camera_from_head
-    pixels, by_point, by_pose = pinhole.show(rest + moved, seen_from, intrinsics)
-    found = sighting.pixels - pixels + np.einsum("kpx,kx->kp", by_point, moved)
-    view = _view(reference) @ _view(seen_from)
-    error = np.hypot(
-        np.hypot(model_error, shape_error * np.sqrt(max(0.0, 1 - view**2))),
-        MOTION_ERROR * np.linalg.norm(moved, axis=1),
-    )
-    field = _smooth_field(rest) * error[:, None]
-    across = np.einsum("kpx,kn->kpnx", by_point[:, :, :2], field).reshape(2 * count, -1)
-    whole = np.concatenate([by_pose.reshape(2 * count, 6) * POSE_STD, across], axis=1)
-    roots = np.linalg.cholesky(sighting.information + 1e-12 * np.eye(2)).transpose(0, 2, 1)
-    own = np.einsum("kij,kjc->kic", roots, whole.reshape(count, 2, -1)).reshape(2 * count, -1)
-    root = np.linalg.cholesky(np.eye(2 * count) + own @ own.T)
+def whiten(sighting: Sighting, weighed: Weighed) -> Whitened:
+    """Free of pose and smooth model error, the noise of unit variance."""
+    count = len(weighed.by_point)
+    root = np.linalg.cholesky(np.eye(2 * count) + weighed.errors @ weighed.errors.T)
     spread = np.zeros((count, 2, count, 3))
     at = np.arange(count)
-    spread[at, :, at] = roots @ by_point
-    both = np.concatenate(
-        [
-            np.einsum("kij,kj->ki", roots, found).reshape(-1, 1),
-            spread.reshape(2 * count, 3 * count),
-        ],
-        axis=1,
-    )
+    spread[at, :, at] = weighed.by_point
+    both = np.column_stack([weighed.displacement, spread.reshape(2 * count, 3 * count)])
     both = np.linalg.solve(root, both)
     return Whitened(sighting, both[:, 0], both[:, 1:])
 
@@ -128,7 +155,7 @@ def _view(pose: Floats) -> Floats:
     return towards / np.linalg.norm(towards)
 
 
-def _smooth_field(points: Floats) -> Floats:
+def smooth_field(points: Floats) -> Floats:
     """K x nodes: heights of unit variance of a field over the skin."""
     nodes = points[:0]
     for point in points:
