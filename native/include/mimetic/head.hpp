@@ -24,16 +24,6 @@ struct MovingPart {
     double share = 0.8;                                ///< taken from the weight at the centre, 0 to 1
 };
 
-constexpr int kNumExpressions = 6;  ///< kinds of movement that are told apart
-
-/// How the skin of a head moves with expressions.
-class ExpressionField;
-
-/// vertices: N x 3 of the skin at rest, head frame, metres; movements: 3 N x at most kNumExpressions, metres
-/// by one standard deviation of each kind, x, y and z of the first vertex first. Throws InvalidInput: sizes,
-/// what is not finite.
-std::shared_ptr<const ExpressionField> make_expression_field(PointsIn vertices, MatrixIn movements);
-
 /// The rigid body that stands for the head, head frame, metres.
 struct HeadShape {
     HeadModel model = HeadModel::ellipsoid;
@@ -44,8 +34,7 @@ struct HeadShape {
     Quads faces;                                         ///< surface: counter-clockwise seen from outside
     double depth_error = 5e-3;                           ///< s.d. of the head's depth about the model
     std::vector<MovingPart> moving_parts;
-    std::shared_ptr<const ExpressionField> expressions;  ///< solved for with the pose; null: stiff
-    void check() const;                                  ///< throws InvalidInput: field, value, limit
+    void check() const;  ///< throws InvalidInput: field, value, limit
 };
 
 /// The model that lies nearest to a head's skin, symmetric about x = 0, with its depth_error measured.

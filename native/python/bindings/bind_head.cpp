@@ -34,16 +34,7 @@ void bind_shape(py::module_& m) {
         .def_readonly("half_axes", &HeadShape::half_axes, "(3,) along x, y, z")
         .def_readonly("turn", &HeadShape::turn, "(3, 3) its axes, columns, in the head frame; ellipsoid")
         .def_readonly("depth_error", &HeadShape::depth_error, "s.d. of the head about the model, metres")
-        .def_readwrite("moving_parts", &HeadShape::moving_parts)
-        .def(
-            "set_expressions",
-            [](HeadShape& shape, PointsIn vertices, MatrixIn movements) {
-                shape.expressions = make_expression_field(vertices, movements);
-            },
-            py::arg("vertices").noconvert(), py::arg("movements").noconvert(),
-            "How the skin moves: vertices (N, 3) at rest, head frame, metres; movements (3 N, up to\n"
-            "NUM_EXPRESSIONS), metres by one standard deviation of each kind. Raises InvalidInput.");
-    m.attr("NUM_EXPRESSIONS") = kNumExpressions;
+        .def_readwrite("moving_parts", &HeadShape::moving_parts);
     m.def("make_head_shape", &make_head_shape, "model"_a, py::arg("vertices").noconvert(),
           py::arg("faces").noconvert(), py::call_guard<py::gil_scoped_release>(),
           "The model nearest to a head's skin.\n\nvertices: (V, 3) float64, metres; faces: (F, 4) int32 of "

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.anatomy import Anatomy, attach
+from mimetic.anatomy import attach
 from mimetic.face_template import FaceTemplate, load_template
 from mimetic.fit import FaceFit
 from mimetic.following import (
@@ -46,22 +46,15 @@ MOVING_PARTS = (
     (("eye_inner.L", "eye_outer.L"), 0.025, 0.8),
     (("eye_inner.R", "eye_outer.R"), 0.025, 0.8),
 )
-LIKELY = 0.3  # of what muscles, jaw and lids can do: one standard deviation
 SMOOTHING = 1.0  # standard deviations as they are
 NUM_PASSES = 2  # over the clip: the second with the shape that the first one found
 NECK_BELOW, NECK_RADIUS = 0.05, 0.04  # metres
 
 
 def head_shape(
-    model: str,
-    neutral_vertices: NDArray[np.float64],
-    template: FaceTemplate,
-    anatomy: Anatomy | None = None,
+    model: str, neutral_vertices: NDArray[np.float64], template: FaceTemplate
 ) -> _core.HeadShape:
-    """The `model` (one of MODELS) of a person's head; neutral_vertices: V x 3, metres.
-
-    anatomy: how its skin moves; without it the face is stiff.
-    """
+    """The `model` (one of MODELS) of a person's head; neutral_vertices: V x 3, metres."""
     if model not in MODELS:
         raise InvalidInput(f"head model {model!r}; there are {', '.join(MODELS)}")
     skin = np.ascontiguousarray(neutral_vertices[: template.num_skin_vertices])
@@ -81,27 +74,7 @@ def head_shape(
     # What the model covers under the chin is neck and clothes.
     below = skin[template.landmark("menton"), :2] - [0, NECK_BELOW]
     shape.moving_parts = [*shape.moving_parts, _core.MovingPart(below, NECK_RADIUS, 1.0)]
-    if anatomy is not None:
-        front = np.zeros(len(neutral_vertices), bool)
-        front[: len(skin)] = skin[:, 2] > 0
-        vertices = np.ascontiguousarray(neutral_vertices[front])
-        shape.set_expressions(vertices, expression_movements(anatomy, front))
     return shape
-
-
-def expression_movements(anatomy: Anatomy, skin: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """The ways in which skin moves most, 3 V x NUM_EXPRESSIONS, metres by one standard deviation.
-
-    skin: V of all vertices are True. The ways are the principal components of what muscles, jaw
-    and lids do, each on its own likely by LIKELY of what it can.
-    """
-    limits = np.abs(anatomy.articulator_limits).max(axis=1)[:, None, None]
-    moves = np.concatenate(
-        [anatomy.muscle_modes[:, skin], limits * anatomy.articulator_modes[:, skin]]
-    )
-    flat = LIKELY * moves.reshape(len(moves), -1)
-    spread, kinds = np.linalg.svd(flat, full_matrices=False)[1:]
-    return np.ascontiguousarray((spread[:, None] * kinds)[: _core.NUM_EXPRESSIONS].T)
 
 
 def track_head(
@@ -169,11 +142,10 @@ class _HeadMotion:
         self.num_needed = num_passes * (1 + max(fit.frame, self.last) - min(fit.frame, self.first))
         self.template = load_template()
         self.neutral = fit.neutral_vertices(self.template)
-        self.anatomy = attach(self.neutral, self.template)
 
     def run(self) -> Performance:
         reference = np.ascontiguousarray(self.footage.read(self.fit.frame))
-        shape = head_shape(self.model, self.neutral, self.template, self.anatomy)
+        shape = head_shape(self.model, self.neutral, self.template)
         pose = np.asarray(self.fit.head_pose, dtype=np.float64)
         tracker = _core.HeadTracker(self.fit.camera, shape, reference, pose, self.options)
         rows = self._both_ways(tracker, reference)
@@ -189,8 +161,7 @@ class _HeadMotion:
         """The ellipsoid's motion as the person's skin has it."""
         if self.model != "ellipsoid" or self.summary.stopped:
             return rows
-        skin = head_shape("surface", self.neutral, self.template, self.anatomy)
-        views = tracker.place_on(skin)
+        views = tracker.place_on(head_shape("surface", self.neutral, self.template))
         if not views:
             return rows
         tracker.move_views(list(placed_poses(np.array([v.on_model for v in views]), views)))
@@ -244,7 +215,7 @@ class _HeadMotion:
 
     def _performance(self, rows: Rows) -> Performance:
         check_any_done(rows, self.footage, (self.first, self.last), self.summary.stopped)
-        anatomy = self.anatomy
+        anatomy = attach(self.neutral, self.template)
         shape = (len(rows.frame), len(anatomy.muscle_names))
         return Performance(
             frame=np.array(rows.frame),

@@ -198,9 +198,6 @@ void KeyView::measure(const HeadShape& shape, const HeadOptions& options, const 
                        slant_weight(seen_.facing(y, x), options.least_facing) *
                        spacing_weight(options.sample_spacing);
             m.depth_error = shape.depth_error * (m.point - eye).normalized();
-            if (shape.expressions && (m.movements = shape.expressions->at(m.point))) {
-                m.point -= *m.movements * expression_;
-            }
             measurements.push_back(m);
         }
     }

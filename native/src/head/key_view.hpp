@@ -42,8 +42,6 @@ public:
     Eigen::Vector3d normal(int x, int y) const { return to_eigen(seen_.normals(y, x)); }
     const Eigen::Isometry3d& camera_from_head() const { return camera_from_head_; }
     const Matrix6& covariance() const { return covariance_; }
-    const Expression& expression() const { return expression_; }
-    void set_expression(const Expression& expression) { expression_ = expression; }
 
 private:
     static Eigen::Vector3d to_eigen(const cv::Vec3f& v) { return {v[0], v[1], v[2]}; }
@@ -51,7 +49,6 @@ private:
 
     Eigen::Isometry3d camera_from_head_;
     Matrix6 covariance_;
-    Expression expression_ = Expression::Zero();
     HeadCrop crop_;
     SeenHead seen_;
     cv::Mat1f mask_;

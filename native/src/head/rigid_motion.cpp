@@ -17,46 +17,23 @@ constexpr double kMaxTurn = 0.7;        // rad a step
 constexpr double kPriorRotation = 2.0;  // rad and metres: s.d. that keep a plane's depth from running away
 constexpr double kPriorTranslation = 0.5;
 
-constexpr int kNumUnknowns = 6 + kNumExpressions;
-
 using Jacobian = Eigen::Matrix<double, 2, 6>;
-using MovementJacobian = Eigen::Matrix<double, 2, kNumExpressions>;
-using Unknowns = Eigen::Matrix<double, kNumUnknowns, 1>;
-using Information = Eigen::Matrix<double, kNumUnknowns, kNumUnknowns>;
 
 struct Row {
     Eigen::Vector2d residual;
     double distance = 0;  // normalised by the flow's covariance
 };
 
-struct State {
-    Eigen::Isometry3d pose;
-    Expression expression;
-};
-
-/// Of one measurement in the image, by what is not known.
-struct Derivative {
-    Jacobian by_pose;
-    MovementJacobian by_expression;
-};
-
-Eigen::Vector3d point_of(const State& state, const PointMeasurement& m) {
-    return m.movements ? Eigen::Vector3d(m.point + *m.movements * state.expression) : m.point;
-}
-
-Derivative derivative_of(const Camera& camera, const State& state, const PointMeasurement& m) {
-    const Eigen::Vector3d turned = state.pose.linear() * point_of(state, m);
-    Derivative found;
-    const auto in_image = camera.project_jacobian(turned + state.pose.translation());
-    found.by_pose.leftCols<3>() << in_image * (Eigen::Matrix3d() << 0, turned.z(), -turned.y(),  //
-                                               -turned.z(), 0, turned.x(),                       //
-                                               turned.y(), -turned.x(), 0)
-                                                  .finished();
-    found.by_pose.rightCols<3>() = in_image;
-    if (m.movements) {
-        found.by_expression = (in_image * state.pose.linear()) * *m.movements;
-    }
-    return found;
+Jacobian jacobian_of(const Camera& camera, const Eigen::Isometry3d& pose, const Eigen::Vector3d& point) {
+    const Eigen::Vector3d turned = pose.linear() * point;
+    Jacobian jacobian;
+    const auto in_image = camera.project_jacobian(turned + pose.translation());
+    jacobian.leftCols<3>() << in_image * (Eigen::Matrix3d() << 0, turned.z(), -turned.y(),  //
+                                          -turned.z(), 0, turned.x(),                       //
+                                          turned.y(), -turned.x(), 0)
+                                             .finished();
+    jacobian.rightCols<3>() = in_image;
+    return jacobian;
 }
 
 double median_of(std::vector<double>& values) {
@@ -73,18 +50,18 @@ double tukey(double distance, double scale) {
     return x < 1 ? (1 - x * x) * (1 - x * x) : 0;
 }
 
-/// Distances of the measurements from a state; false if it is behind the camera.
-bool compare(const Camera& camera, const State& state, const std::vector<PointMeasurement>& measurements,
-             std::vector<Row>& rows) {
+/// Distances of the measurements from a pose; false if it is behind the camera.
+bool compare(const Camera& camera, const Eigen::Isometry3d& pose,
+             const std::vector<PointMeasurement>& measurements, std::vector<Row>& rows) {
     rows.resize(measurements.size());
     for (std::size_t k = 0; k < rows.size(); ++k) {
-        const PointMeasurement& m = measurements[k];
-        const Eigen::Vector3d point = state.pose * point_of(state, m);
+        const Eigen::Vector3d point = pose * measurements[k].point;
         if (!(point.z() > kLeastDepth)) {
             return false;
         }
-        rows[k].residual = m.pixel - camera.project(point);
-        rows[k].distance = std::sqrt(std::max(0., rows[k].residual.dot(m.information * rows[k].residual)));
+        rows[k].residual = measurements[k].pixel - camera.project(point);
+        rows[k].distance =
+            std::sqrt(std::max(0., rows[k].residual.dot(measurements[k].information * rows[k].residual)));
     }
     return true;
 }
@@ -98,117 +75,87 @@ double scale_of(const std::vector<Row>& rows) {
     return std::max(.5, median_of(distances) / kMedianOfTwo);
 }
 
-State moved(const State& state, const Unknowns& step) {
-    State next = state;
+Eigen::Isometry3d moved(const Eigen::Isometry3d& pose, const Vector6& step) {
+    Eigen::Isometry3d next = pose;
     const double angle = step.head<3>().norm();
     if (angle > 1e-12) {
-        next.pose.linear() =
-            Eigen::AngleAxisd(std::min(angle, kMaxTurn), step.head<3>() / angle) * state.pose.linear();
+        next.linear() = Eigen::AngleAxisd(std::min(angle, kMaxTurn), step.head<3>() / angle) * pose.linear();
     }
-    next.pose.translation() += step.segment<3>(3);
-    next.expression += step.tail<kNumExpressions>();
+    next.translation() += step.tail<3>();
     return next;
 }
 
-Unknowns prior_information(double angle, const Expression& expression) {
-    Unknowns information;
-    information << Eigen::Vector3d::Constant(std::pow(kPriorRotation, -2)),
-        Eigen::Vector3d::Constant(std::pow(kPriorTranslation, -2)),
-        Expression::Constant(expression_precision(angle, expression));
-    return information;
-}
-
-/// Adds to the upper triangle.
-void add(const Derivative& by, const PointMeasurement& m, double weight, Information& information) {
-    const Jacobian weighted = weight * m.information * by.by_pose;
-    information.topLeftCorner<6, 6>().noalias() += by.by_pose.transpose() * weighted;
-    if (m.movements) {
-        information.topRightCorner<6, kNumExpressions>().noalias() += weighted.transpose() * by.by_expression;
-        information.bottomRightCorner<kNumExpressions, kNumExpressions>().noalias() +=
-            by.by_expression.transpose() * (weight * m.information * by.by_expression);
-    }
-}
-
-void pull_by(const Derivative& by, const PointMeasurement& m, const Eigen::Vector2d& shift, Unknowns& sum) {
-    sum.head<6>() += by.by_pose.transpose() * shift;
-    if (m.movements) {
-        sum.tail<kNumExpressions>() += by.by_expression.transpose() * shift;
-    }
+Matrix6 prior_information() {
+    Vector6 diagonal;
+    diagonal << Eigen::Vector3d::Constant(std::pow(kPriorRotation, -2)),
+        Eigen::Vector3d::Constant(std::pow(kPriorTranslation, -2));
+    return diagonal.asDiagonal();
 }
 
 /// Noise of the pixels, and what an error of the model, one over each patch of skin, does to the pose.
-Matrix6 covariance_of(const Camera& camera, const State& state,
+Matrix6 covariance_of(const Camera& camera, const Eigen::Isometry3d& pose,
                       const std::vector<PointMeasurement>& measurements, const std::vector<Row>& rows,
-                      const Unknowns& prior, double scale) {
-    Information information = prior.asDiagonal();
-    std::map<std::pair<int, int>, Unknowns> pulls;
+                      double scale) {
+    Matrix6 information = prior_information();
+    std::map<std::pair<int, int>, Vector6> pulls;
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const PointMeasurement& m = measurements[k];
         const double weight = tukey(rows[k].distance, scale) * m.weight;
-        const Derivative by = derivative_of(camera, state, m);
-        add(by, m, weight, information);
-        const Eigen::Vector2d shift =
-            weight * m.information * (by.by_pose.rightCols<3>() * (state.pose.linear() * m.depth_error));
+        const Jacobian jacobian = jacobian_of(camera, pose, m.point);
+        const Eigen::Matrix<double, 6, 2> gain = weight * jacobian.transpose() * m.information;
+        information += gain * jacobian;
+        const Eigen::Vector2d shift = jacobian.rightCols<3>() * (pose.linear() * m.depth_error);
         auto [pull, is_new] = pulls.try_emplace({static_cast<int>(std::floor(m.point.x() / kPatch)),
                                                  static_cast<int>(std::floor(m.point.y() / kPatch))},
-                                                Unknowns::Zero());
-        pull_by(by, m, shift, pull->second);
+                                                Vector6::Zero());
+        pull->second += gain * shift;
     }
-    const Information full = information.selfadjointView<Eigen::Upper>();
-    const Eigen::Matrix<double, kNumUnknowns, 6> inverse =
-        full.llt().solve(Eigen::Matrix<double, kNumUnknowns, 6>::Identity());
+    const Matrix6 inverse = information.llt().solve(Matrix6::Identity());
     Matrix6 spread = Matrix6::Zero();
     for (const auto& [patch, pull] : pulls) {
-        const Vector6 moves = inverse.transpose() * pull;
-        spread += moves * moves.transpose();
+        spread += pull * pull.transpose();
     }
-    const Matrix6 covariance = inverse.topRows<6>() * std::max(1., scale * scale) + spread;
+    const Matrix6 covariance = inverse * std::max(1., scale * scale) + inverse * spread * inverse.transpose();
     return .5 * (covariance + covariance.transpose());
 }
 
 }  // namespace
 
 RigidMotion explain_motion(const Camera& camera, const Eigen::Isometry3d& start,
-                           const Expression& expression_start, double angle,
                            const std::vector<PointMeasurement>& measurements) {
     RigidMotion motion;
     motion.camera_from_head = start;
     std::vector<Row> rows;
-    State state{start, expression_start};
-    Unknowns prior = prior_information(angle, expression_start);
-    if (measurements.empty() || !compare(camera, state, measurements, rows)) {
-        motion.covariance = prior.head<6>().cwiseInverse().asDiagonal();
+    if (measurements.empty() || !compare(camera, start, measurements, rows)) {
+        motion.covariance = prior_information().inverse();
         return motion;
     }
     double scale = scale_of(rows);
     for (int step = 0; step < kMaxSteps; ++step) {
-        prior = prior_information(angle, state.expression);
-        Information information = prior.asDiagonal();
-        Unknowns gradient = Unknowns::Zero();
-        gradient.tail<kNumExpressions>() = -prior.tail<kNumExpressions>().cwiseProduct(state.expression);
+        Matrix6 information = prior_information();
+        Vector6 gradient = Vector6::Zero();
         for (std::size_t k = 0; k < rows.size(); ++k) {
-            const PointMeasurement& m = measurements[k];
-            const double weight = tukey(rows[k].distance, scale) * m.weight;
+            const double weight = tukey(rows[k].distance, scale) * measurements[k].weight;
             if (weight > 0) {
-                const Derivative by = derivative_of(camera, state, m);
-                add(by, m, weight, information);
-                pull_by(by, m, weight * m.information * rows[k].residual, gradient);
+                const Jacobian jacobian = jacobian_of(camera, motion.camera_from_head, measurements[k].point);
+                const Eigen::Matrix<double, 6, 2> gain =
+                    weight * jacobian.transpose() * measurements[k].information;
+                information += gain * jacobian;
+                gradient += gain * rows[k].residual;
             }
         }
-        const Unknowns change = information.selfadjointView<Eigen::Upper>().llt().solve(gradient);
-        const State next = moved(state, change);
+        const Vector6 change = information.llt().solve(gradient);
+        const Eigen::Isometry3d next = moved(motion.camera_from_head, change);
         if (!change.allFinite() || !compare(camera, next, measurements, rows)) {
-            compare(camera, state, measurements, rows);
+            compare(camera, motion.camera_from_head, measurements, rows);
             break;
         }
-        state = next;
+        motion.camera_from_head = next;
         scale = scale_of(rows);
-        if (change.head<3>().norm() < 1e-5 && change.segment<3>(3).norm() < 1e-6) {
+        if (change.head<3>().norm() < 1e-5 && change.tail<3>().norm() < 1e-6) {
             break;
         }
     }
-    motion.camera_from_head = state.pose;
-    motion.expression = state.expression;
     std::vector<double> distances;
     double sum = 0;
     constexpr double kNear = 2;  // pixels of the camera
@@ -218,7 +165,7 @@ RigidMotion explain_motion(const Camera& camera, const Eigen::Isometry3d& start,
     }
     motion.explained = sum / static_cast<double>(rows.size());
     motion.residual_px = median_of(distances);
-    motion.covariance = covariance_of(camera, state, measurements, rows, prior, scale);
+    motion.covariance = covariance_of(camera, motion.camera_from_head, measurements, rows, scale);
     return motion;
 }
 

@@ -5,32 +5,26 @@
 #include <mimetic/types.hpp>
 #include <vector>
 
-#include "expression_field.hpp"
-
 namespace mimetic::head {
 
 /// Where a point of the head is in an image.
 struct PointMeasurement {
-    Eigen::Vector3d point;        ///< head frame, metres; of the face at rest if its skin moves
+    Eigen::Vector3d point;        ///< head frame, metres
     Eigen::Vector2d pixel;        ///< of the camera
     Eigen::Matrix2d information;  ///< inverse covariance of the pixel
     double weight = 1;            ///< how much of it is independent of its neighbours
     Eigen::Vector3d depth_error;  ///< s.d. of the point along the ray that it was found on, head frame
-    const ExpressionField::Movements* movements = nullptr;  ///< of its skin
 };
 
 struct RigidMotion {
     Eigen::Isometry3d camera_from_head = Eigen::Isometry3d::Identity();
-    Expression expression = Expression::Zero();
     Matrix6 covariance = Matrix6::Zero();  ///< exp(rotation) R, t + translation; the model's error included
     double explained = 0;                  ///< share of the measurements near the model
     double residual_px = 0;                ///< median
 };
 
-/// The pose that best explains measurements, together with an expression: robust (Tukey) Gauss-Newton, finite
-/// motion from `start`.
+/// The pose that best explains measurements: robust (Tukey) Gauss-Newton, finite motion from `start`.
 RigidMotion explain_motion(const Camera& camera, const Eigen::Isometry3d& start,
-                           const Expression& expression_start, double angle,
                            const std::vector<PointMeasurement>& measurements);
 
 }  // namespace mimetic::head

@@ -8,7 +8,6 @@
 
 namespace mimetic {
 
-using head::angle_between;
 using head::HeadCrop;
 using head::KeyView;
 using head::PointMeasurement;
@@ -32,6 +31,10 @@ constexpr double kMostNearing = .03;    // of the distance, a frame on the fast 
 constexpr std::size_t kNearViews = 5;   // from which a doubtful frame is tried anew
 constexpr std::size_t kCloseViews = 6;  // taken at half the angle
 constexpr long kFlowEvery = 6;          // frames on the fast path: samples alone let the distance run away
+
+double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+    return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
+}
 
 /// Share of the distance by which a head came nearer or went away.
 double nearing(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
@@ -140,8 +143,7 @@ std::optional<HeadEstimate> HeadTracker::State::follow_flow(const cv::Mat1b& gra
     if (measurements.size() < 12) {
         return {};
     }
-    const RigidMotion motion =
-        head::explain_motion(*part, last.camera_from_head, Expression::Zero(), 0, measurements);
+    const RigidMotion motion = head::explain_motion(*part, last.camera_from_head, measurements);
     HeadEstimate found;
     found.camera_from_head = motion.camera_from_head;
     found.covariance = last.covariance + motion.covariance;
@@ -164,9 +166,7 @@ std::optional<HeadEstimate> HeadTracker::State::register_frame(const cv::Mat1b& 
         std::vector<PointMeasurement> measurements;
         Matrix6 of_views = Matrix6::Zero();
         double shares = 0, correlation = 0;
-        const auto chosen = views_for(found.camera_from_head);
-        const Expression expression = chosen.front().second->expression();
-        for (const auto& [share, view] : chosen) {
+        for (const auto& [share, view] : views_for(found.camera_from_head)) {
             const auto stabilised = view->stabilise(now, found.camera_from_head);
             view->measure(shape(), options, stabilised, share, measurements);
             of_views += share * view->covariance();
@@ -179,9 +179,7 @@ std::optional<HeadEstimate> HeadTracker::State::register_frame(const cv::Mat1b& 
         for (PointMeasurement& m : measurements) {
             m.weight /= shares;
         }
-        const RigidMotion motion = head::explain_motion(
-            *part, found.camera_from_head, expression,
-            angle_between(views().front().camera_from_head(), found.camera_from_head), measurements);
+        const RigidMotion motion = head::explain_motion(*part, found.camera_from_head, measurements);
         const Eigen::Vector3d middle = found.camera_from_head * shape().centre;
         const double moved = angle_between(found.camera_from_head, motion.camera_from_head) * .1 +
                              (motion.camera_from_head * shape().centre - middle).norm();

@@ -31,9 +31,7 @@ constexpr int kSteps = 2;
 constexpr int kPlacings = 3;     // times textures are matched on another model, from nearer and nearer
 constexpr double kFixed = 1e12;  // information
 
-const ExpressionField::Movements* movements_at(const HeadShape& shape, const Eigen::Vector3d& point) {
-    return shape.expressions ? shape.expressions->at(point) : nullptr;
-}
+using Rows6 = Eigen::Matrix<double, 2, 6>;
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
     return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
@@ -45,11 +43,11 @@ Eigen::Matrix3d turn_of(const Eigen::Vector3d& vector) {
                          : Eigen::Matrix3d::Identity();
 }
 
-constexpr int kViewSize = 6 + kNumExpressions;  // a pose and an expression
+/// Of a view's pose among the unknowns.
+Eigen::Index place_of(std::size_t view) { return static_cast<Eigen::Index>(kShapeSize + 6 * (view - 1)); }
 
-/// Of a view among the unknowns.
-Eigen::Index place_of(std::size_t view) {
-    return static_cast<Eigen::Index>(kShapeSize + kViewSize * (view - 1));
+double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+    return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
 }
 
 /// How a point of the model moves by each entry of a change, head frame.
@@ -76,10 +74,6 @@ ShapeChange prior_information(const HeadShape& shape, bool is_rigid) {
 }
 
 }  // namespace
-
-double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
-    return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
-}
 
 HeadShape changed(const HeadShape& shape, const ShapeChange& change) {
     HeadShape next = shape;
@@ -138,69 +132,55 @@ void ViewGraph::match(const Body& body, std::size_t from, std::size_t to) {
     first.measure(body.shape, options, stabilised, 1, measurements);
     Pair pair{from, to, {}};
     for (const PointMeasurement& m : measurements) {
-        const Eigen::Vector3d point =
-            m.movements ? Eigen::Vector3d(m.point + *m.movements * first.expression()) : m.point;
         const Eigen::Vector2d place =
-            first.crop().camera.project(first.camera_from_head() * point).array() + .5;
+            first.crop().camera.project(first.camera_from_head() * m.point).array() + .5;
         pair.matches.push_back(
             {static_cast<int>(place.x()), static_cast<int>(place.y()), m.pixel, m.weight * m.information});
     }
     pairs_.push_back(std::move(pair));
 }
 
-/// How far matches are off, with the expressions that the two textures have.
-ViewGraph::Fitted ViewGraph::fitted(const Body& body, const Pair& pair) const {
+double ViewGraph::scale_of(const Body& body, const Pair& pair) const {
     const KeyView &first = body.views[pair.from], &second = body.views[pair.to];
-    const Expression difference = second.expression() - first.expression();
-    Fitted fit;
-    fit.residuals.resize(pair.matches.size());
     std::vector<double> distances;
-    for (std::size_t k = 0; k < pair.matches.size(); ++k) {
-        const Match& m = pair.matches[k];
+    for (const Match& m : pair.matches) {
         if (first.shows(m.x, m.y)) {
-            Eigen::Vector3d point = first.point(m.x, m.y);
-            if (const auto* movements = movements_at(body.shape, point)) {
-                point += *movements * difference;
-            }
-            const Eigen::Vector2d place = second.crop().camera.project(second.camera_from_head() * point);
-            fit.residuals[k] = m.pixel - place;
-            distances.push_back(std::sqrt(fit.residuals[k].dot(m.information * fit.residuals[k])));
+            const Eigen::Vector3d place = second.camera_from_head() * first.point(m.x, m.y);
+            const Eigen::Vector2d residual = m.pixel - second.crop().camera.project(place);
+            distances.push_back(std::sqrt(residual.dot(m.information * residual)));
         }
     }
-    fit.scale = kLeastScale;
-    if (!distances.empty()) {
-        const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-        std::nth_element(distances.begin(), middle, distances.end());
-        fit.scale = std::max(kLeastScale, *middle / 1.18);
+    if (distances.empty()) {
+        return kLeastScale;
     }
-    return fit;
-}
-
-double ViewGraph::Fitted::weight(std::size_t match, const Eigen::Matrix2d& information) const {
-    const Eigen::Vector2d& residual = residuals[match];
-    const double x = std::sqrt(residual.dot(information * residual)) / (kTukey * scale);
-    return x < 1 ? kTrust * std::pow(1 - x * x, 2) : 0;
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::nth_element(distances.begin(), middle, distances.end());
+    return std::max(kLeastScale, *middle / 1.18);
 }
 
 void ViewGraph::add_pair(const Body& body, const Pair& pair, Normal& normal) const {
     const KeyView &first = body.views[pair.from], &second = body.views[pair.to];
-    const Fitted fit = fitted(body, pair);
+    const double scale = scale_of(body, pair);
     const Eigen::Isometry3d &from = first.camera_from_head(), &to = second.camera_from_head();
     const Eigen::Vector3d eye = from.inverse().translation();
-    constexpr int kSize = kShapeSize + 2 * kViewSize;
+    constexpr int kSize = kShapeSize + 12;
     Eigen::Matrix<double, kSize, kSize> information = Eigen::Matrix<double, kSize, kSize>::Zero();
     Eigen::Matrix<double, kSize, 1> gradient = Eigen::Matrix<double, kSize, 1>::Zero();
-    for (std::size_t k = 0; k < pair.matches.size(); ++k) {
-        const Match& m = pair.matches[k];
+    for (const Match& m : pair.matches) {
         if (!first.shows(m.x, m.y)) {
             continue;
         }
         const Eigen::Vector3d point = first.point(m.x, m.y), normal_there = first.normal(m.x, m.y);
         const Eigen::Vector3d place = to * point;
-        const double weight = fit.weight(k, m.information);
-        if (place.z() < .05 || weight <= 0) {
+        if (place.z() < .05) {
             continue;
         }
+        const Eigen::Vector2d residual = m.pixel - second.crop().camera.project(place);
+        const double x = std::sqrt(residual.dot(m.information * residual)) / (kTukey * scale);
+        if (x >= 1) {
+            continue;
+        }
+        const double weight = kTrust * std::pow(1 - x * x, 2);
         // A pixel of the first view keeps its ray; where the model moves, its point slides along that.
         const Eigen::Vector3d ray = (point - eye).normalized();
         const Eigen::RowVector3d slide = normal_there.transpose() / normal_there.dot(ray);
@@ -212,26 +192,19 @@ void ViewGraph::add_pair(const Body& body, const Pair& pair, Normal& normal) con
         moved.leftCols<kShapeSize>() = kept * motion_by_change(body.shape, point);
         moved.middleCols<6>(kShapeSize) = (kept - Eigen::Matrix3d::Identity()) * by_from;
         moved.leftCols<kShapeSize + 6>() = to.linear() * moved.leftCols<kShapeSize + 6>().eval();
-        moved.middleCols<6>(kShapeSize + kViewSize) << -cross_matrix(to.linear() * point),
-            Eigen::Matrix3d::Identity();
-        const auto* movements = movements_at(body.shape, point);
-        moved.rightCols<kNumExpressions>().setZero();
-        if (movements) {
-            moved.rightCols<kNumExpressions>() = to.linear() * *movements;
-        }
-        moved.middleCols<kNumExpressions>(kShapeSize + 6) = -moved.rightCols<kNumExpressions>();
+        moved.rightCols<6>() << -cross_matrix(to.linear() * point), Eigen::Matrix3d::Identity();
         const Eigen::Matrix<double, 2, kSize> jacobian = second.crop().camera.project_jacobian(place) * moved;
         const Eigen::Matrix<double, kSize, 2> gain = weight * jacobian.transpose() * m.information;
         information += gain * jacobian;
-        gradient += gain * fit.residuals[k];
+        gradient += gain * residual;
     }
     struct Block {
         Eigen::Index here, there, size;
     };
     std::vector<Block> blocks{{0, 0, kShapeSize}};
-    for (const auto& [view, here] : {std::pair{pair.from, kShapeSize}, {pair.to, kShapeSize + kViewSize}}) {
+    for (const auto& [view, here] : {std::pair{pair.from, kShapeSize}, {pair.to, kShapeSize + 6}}) {
         if (view > 0) {  // the first one is fixed
-            blocks.push_back({here, place_of(view), kViewSize});
+            blocks.push_back({here, place_of(view), 6});
         }
     }
     for (const Block& a : blocks) {
@@ -249,23 +222,26 @@ double ViewGraph::depth_error(const Body& body) const {
     for (const Pair& pair : pairs_) {
         const KeyView &first = body.views[pair.from], &second = body.views[pair.to];
         const Eigen::Vector3d eye = first.camera_from_head().inverse().translation();
-        const Fitted fit = fitted(body, pair);
-        for (std::size_t k = 0; k < pair.matches.size(); ++k) {
-            const Match& m = pair.matches[k];
-            const double weight = first.shows(m.x, m.y) ? fit.weight(k, m.information) / kTrust : 0;
-            if (weight <= 0) {
+        const double scale = scale_of(body, pair);
+        for (const Match& m : pair.matches) {
+            if (!first.shows(m.x, m.y)) {
                 continue;
             }
             const Eigen::Vector3d point = first.point(m.x, m.y);
             const Eigen::Vector3d place = second.camera_from_head() * point;
+            const Eigen::Vector2d residual = m.pixel - second.crop().camera.project(place);
+            const double x = std::sqrt(residual.dot(m.information * residual)) / (kTukey * scale);
+            if (x >= 1) {
+                continue;
+            }
             const Eigen::Vector2d shift = second.crop().camera.project_jacobian(place) *
                                           second.camera_from_head().linear() * (point - eye).normalized();
-            const Eigen::Vector2d pull = weight * m.information * shift;
+            const Eigen::Vector2d pull = std::pow(1 - x * x, 2) * m.information * shift;
             patches
                 .try_emplace({static_cast<int>(std::floor(point.x() / kPatch)),
                               static_cast<int>(std::floor(point.y() / kPatch))},
                              Eigen::Vector2d::Zero())
-                .first->second += Eigen::Vector2d(pull.dot(shift), pull.dot(fit.residuals[k]));
+                .first->second += Eigen::Vector2d(pull.dot(shift), pull.dot(residual));
         }
     }
     double sum = body.start_error * body.start_error * kStartPatches, num = kStartPatches;
@@ -290,14 +266,6 @@ ViewGraph::Normal ViewGraph::normal_equations(const Body& body, Free free) const
     }
     if (!is_rigid) {
         normal.gradient.head<kShapeSize>() -= prior.cwiseProduct(body.change);
-    }
-    for (std::size_t k = 1; k < body.views.size(); ++k) {
-        const auto at = place_of(k) + 6;
-        const double angle =
-            angle_between(body.views[0].camera_from_head(), body.views[k].camera_from_head());
-        const double precision = expression_precision(angle, body.views[k].expression());
-        normal.information.diagonal().segment<kNumExpressions>(at).array() += precision;
-        normal.gradient.segment<kNumExpressions>(at) -= precision * body.views[k].expression();
     }
     for (const Pair& pair : pairs_) {
         add_pair(body, pair, normal);
@@ -332,7 +300,6 @@ void ViewGraph::step(Body& body, Free free) {
             pose.linear() = turn_of(motion.head<3>()) * pose.linear();
             pose.translation() += motion.tail<3>();
             covariance = spread.block<6, 6>(at, at);
-            view.set_expression(view.expression() + change.segment<kNumExpressions>(at + 6));
         }
         view.move(body.shape, pose, covariance);
     }

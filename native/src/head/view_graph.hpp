@@ -11,9 +11,6 @@ namespace mimetic::head {
 constexpr int kShapeSize = 9;
 using ShapeChange = Eigen::Matrix<double, kShapeSize, 1>;
 
-/// rad
-double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
-
 HeadShape changed(const HeadShape& shape, const ShapeChange& change);
 
 /// Reference textures and where skin of one lies in another. Their poses and the model's shape are solved
@@ -50,12 +47,6 @@ private:
         std::vector<Match> matches;
     };
     struct Normal;
-    /// How far matches are off.
-    struct Fitted {
-        double scale = 1;
-        std::vector<Eigen::Vector2d> residuals;
-        double weight(std::size_t match, const Eigen::Matrix2d& information) const;
-    };
     enum class Free { all, poses, shape };
     /// A model of the head, and the textures on it.
     struct Body {
@@ -69,7 +60,7 @@ private:
     void match_anew(const Body& body);
     Normal normal_equations(const Body& body, Free free) const;
     void add_pair(const Body& body, const Pair& pair, Normal& normal) const;
-    Fitted fitted(const Body& body, const Pair& pair) const;
+    double scale_of(const Body& body, const Pair& pair) const;
     double depth_error(const Body& body) const;
     void step(Body& body, Free free);
 

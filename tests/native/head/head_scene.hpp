@@ -19,7 +19,6 @@ public:
     const Eigen::Vector3d half_axes{.075, .11, .095};
     Points vertices;
     Quads faces;
-    Points shifts;  // of the vertices, which take their paint along; empty: none
 
     explicit HeadScene(bool is_ellipsoid) {
         vertices.resize(kAround * (kUp + 1), 3);
@@ -75,8 +74,8 @@ public:
             shade[static_cast<std::size_t>(k)] = static_cast<float>(
                 110 + 40 * std::sin(.11 * x + 2 * std::sin(.05 * y)) * std::sin(.09 * y + 1));
         }
-        const Points skin = shifts.rows() == vertices.rows() ? Points(vertices + shifts) : vertices;
-        const Points moved = (skin * pose.linear().transpose()).rowwise() + pose.translation().transpose();
+        const Points moved =
+            (vertices * pose.linear().transpose()).rowwise() + pose.translation().transpose();
         std::vector<Eigen::Vector3f> corners;
         for (Eigen::Index v = 0; v < moved.rows(); ++v) {
             const Eigen::Vector3d point = moved.row(v);

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core, pipeline
 from mimetic import fit as fitting
-from mimetic.anatomy import attach
 from mimetic.evaluate.head_score import REST_SECONDS, HeadScore, score_head
 from mimetic.evaluate.rendered import checkout, render
 from mimetic.face_template import load_template
@@ -97,8 +96,7 @@ def calibrated_fit(clip: HeadClip) -> FaceFit:
 def _seconds_a_frame(clip: HeadClip, fit: FaceFit, model: str, how: dict) -> float:
     """The median time of a frame, decoded already: what the face mesh is timed by as well."""
     template = load_template()
-    neutral = fit.neutral_vertices(template)
-    shape = head_shape(model, neutral, template, attach(neutral, template))
+    shape = head_shape(model, fit.neutral_vertices(template), template)
     images = Footage(clip.footage).frames(fit.frame, fit.frame + TIMED_FRAMES)
     options = follow_options(fast=how.get("fast", False), flow_alone="flow_alone" in how)
     tracker, seconds = None, []
