@@ -95,8 +95,9 @@ void JointSolver::linearise(const Camera& camera, const FaceState& state,
                           measurement.sample->seen_modes, jacobian, by_point);
             const auto row = static_cast<Eigen::Index>(2 * k);
             jacobians_.middleRows<2>(row) = jacobian;
-            displacements_.segment<2>(row) = measurement.displacement.cast<float>();
             projections_[k] = by_point.cast<float>();
+            displacements_.segment<2>(row) =
+                measurement.displacement.cast<float>() + projections_[k] * measurement.sample->offset;
             const double error =
                 std::hypot(noise.model_error, noise.shape_error * measurement.view_angle_sine,
                            noise.motion_error * double(moved.norm()));

@@ -132,6 +132,13 @@ ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera, c
     blur_modes(flow_blur);
 }
 
+void ReferenceView::keep_detail(const Eigen::VectorXd& coefficients) {
+    const Eigen::VectorXf flat = coefficients.cast<float>();
+    for (ReferenceSample& sample : samples_) {
+        sample.offset = sample.skin.detail_modes * flat;
+    }
+}
+
 void ReferenceView::stabilise(const Triangles& triangles, const ProjectedSurface& projected,
                               const PreparedFrame& frame, cv::Mat2f& map, cv::Mat1f& texture) {
     map.create(triangle_.size());

@@ -38,6 +38,8 @@ struct ReferenceSample {
     Eigen::Matrix3Xf seen_modes;         ///< 3 x M: the modes as a flow shows them, blurred
     Eigen::Matrix3Xf seen_detail_modes;  ///< 3 x D
     float weight = 1;
+    /// Head frame, metres: how far the skin lay from where the model had it when the texture was taken.
+    Eigen::Vector3f offset = Eigen::Vector3f::Zero();
 };
 
 /// The face's texture as one frame showed it, each pixel tied to the skin.
@@ -46,6 +48,9 @@ public:
     ReferenceView(const FaceSurface& surface, const Camera& camera, const FaceState& state,
                   const cv::Mat1b& gray, int crop_height, int spacing,
                   double flow_blur);  ///< crop pixels
+
+    /// Takes the detail (D) at the time of the texture as part of what its samples show from then on.
+    void keep_detail(const Eigen::VectorXd& coefficients);
 
     /// Fetches the texture of a frame under the hypothesis `projected`; map: frame pixel of each crop pixel.
     void stabilise(const Triangles& triangles, const ProjectedSurface& projected, const PreparedFrame& frame,

@@ -148,7 +148,7 @@ void FaceTracker::State::measure_lids(FrameEstimate& estimate) {
     }
 }
 
-void FaceTracker::State::add_key_view(const FrameScore& score) {
+void FaceTracker::State::add_key_view(const FrameScore& score, const DetailEstimate& detail) {
     ++frames_since_key_view;
     if (static_cast<int>(views.size()) > options.max_key_views || score.quality < kKeyViewQuality ||
         frames_since_key_view < 10) {
@@ -164,6 +164,11 @@ void FaceTracker::State::add_key_view(const FrameScore& score) {
                                                         options.sample_spacing,
                                                         flow_blur_px(options.flow_method)));
         frames_since_key_view = 0;
+        if (detail.coefficients.size() > 0) {
+            // Of detail, about half is motion; the rest is shape that looks otherwise from elsewhere.
+            constexpr double kMoved = .5;
+            views.back()->keep_detail(kMoved * detail.coefficients);
+        }
     } catch (const InvalidInput&) {
         return;  // too little of the face is in sight for a texture
     }
@@ -255,7 +260,7 @@ FrameEstimate FaceTracker::advance(const ColorView& image, const std::optional<E
             s.last_std = estimate.values_std();
             s.velocity =
                 was_lost ? Eigen::VectorXd(Eigen::VectorXd::Zero(all)) : s.state.difference_from(s.last);
-            s.add_key_view(score);
+            s.add_key_view(score, estimate.detail);
         }
         s.last = s.state;
         std::swap(s.gray, s.last_gray);

@@ -49,7 +49,7 @@ struct FaceTracker::State {
     FrameEstimate report(const FrameScore& score, const StepPrior& prior);
     void measure_lids(FrameEstimate& estimate);
     FloatPixels project_control(const FaceState& at) const;
-    void add_key_view(const FrameScore& score);
+    void add_key_view(const FrameScore& score, const DetailEstimate& detail);
 
     void measure(bool is_first, bool is_last, FrameScore& score);
     void raster_surface();

@@ -203,6 +203,10 @@ void FaceTracker::State::measure(bool is_first, bool is_last, FrameScore& score)
                              is_first && !is_last, measurements);
     }
     score.num_samples = static_cast<int>(measurements.size());
+    // Textures of the same skin share the model's error: two of them know no more than one.
+    for (SampleMeasurement& measurement : measurements) {
+        measurement.weight /= static_cast<float>(chosen.size());
+    }
 }
 
 FrameScore FaceTracker::State::register_textures(const StepPrior& prior, int num_iterations,
