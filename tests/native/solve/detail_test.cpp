@@ -46,8 +46,8 @@ FaceMotion motion_with_detail() {
 
 FaceTracker make_tracker(const FaceMotion& motion, const TrackerOptions& options = {}) {
     const auto image = scene().render(scene().camera_from_head, scene().rest());
-    return {
-        scene().camera, scene().surface, motion, scene().view(image), scene().camera_from_head, {}, options};
+    return {scene().camera, scene().surface, motion, scene().view(image), scene().camera_from_head, {},
+            options};
 }
 
 Points moved(const FaceMotion& motion, const Eigen::VectorXd& values, const Eigen::VectorXd& detail) {
