@@ -32,14 +32,22 @@ def find_again(image: NDArray[np.uint8], frame: int, fit: FaceFit) -> NDArray[np
         return None
 
 
-def is_cut(small: NDArray[np.float64], before: NDArray[np.float64] | None) -> bool:
-    """Whether another scene starts; frames as `shrink` makes them."""
-    return before is not None and np.abs(small - before).mean() > CUT_DIFFERENCE
+class CutWatch:
+    """Tells where another scene starts, frame by frame."""
 
+    def __init__(self, before: NDArray[np.uint8] | None = None) -> None:
+        self._before = None if before is None else self._shrink(before)
 
-def shrink(image: NDArray[np.uint8]) -> NDArray[np.float64]:
-    """The little of a frame that tells a cut, grey levels."""
-    return image[::8, ::8].mean(axis=2)
+    def starts_scene(self, image: NDArray[np.uint8]) -> bool:
+        """Whether this frame (H x W x 3) is cut off from the one before."""
+        small, before = self._shrink(image), self._before
+        self._before = small
+        return before is not None and bool(np.abs(small - before).mean() > CUT_DIFFERENCE)
+
+    @staticmethod
+    def _shrink(image: NDArray[np.uint8]) -> NDArray[np.float64]:
+        """The little of a frame that tells a cut, grey levels."""
+        return image[::8, ::8].mean(axis=2)
 
 
 def check_any_done(rows: Rows, footage: Footage, frames: tuple[int, int], stopped: bool) -> None:

@@ -17,12 +17,11 @@ from mimetic.face_template import FaceTemplate, load_template
 from mimetic.fit import FaceFit
 from mimetic.following import (
     SEARCH_AGAIN,
+    CutWatch,
     check_any_done,
     find_again,
     frames_backward,
-    is_cut,
     notes_on,
-    shrink,
 )
 from mimetic.footage import Footage
 from mimetic.head_placing import placed_poses
@@ -190,7 +189,8 @@ class _HeadMotion:
     ) -> None:
         """Appends frame by frame, until the images end or the user stops."""
         num_lost = 0
-        before, last = None, 0
+        last = 0
+        cuts = CutWatch()
         for frame, image in images:
             fraction = self.num_done / self.num_needed
             told = f"following the head: frame {frame}"
@@ -198,14 +198,13 @@ class _HeadMotion:
                 self.summary.stopped = True
                 return
             start = time.perf_counter()
-            small = shrink(image)
             guess = None
-            cut = is_cut(small, before)
+            cut = cuts.starts_scene(image)
             if cut:
                 self.scene_starts.add(max(frame, last))
             if cut or (num_lost and num_lost % SEARCH_AGAIN == 0):
                 guess = find_again(image, frame, self.fit)
-            before, last = small, frame
+            last = frame
             estimate = tracker.advance(np.ascontiguousarray(image), guess)
             num_lost = num_lost + 1 if estimate.held else 0
             self.num_done += 1

@@ -25,12 +25,11 @@ from mimetic.face_template import load_template
 from mimetic.fit import FaceFit, NoFace
 from mimetic.following import (
     SEARCH_AGAIN,
+    CutWatch,
     check_any_done,
     find_again,
     frames_backward,
-    is_cut,
     notes_on,
-    shrink,
 )
 from mimetic.footage import Footage
 from mimetic.performance import Performance
@@ -237,7 +236,7 @@ class ClipCapture:
     ) -> Iterator[tuple[int, _core.FrameEstimate | None]]:
         """Estimates frame by frame, until the images end or the user stops; None after a cut."""
         num_lost = num_away = 0
-        before = None
+        cuts = CutWatch()
         start = time.perf_counter()
         for frame, image in images:
             self.summary.add("decode", time.perf_counter() - start)
@@ -246,10 +245,8 @@ class ClipCapture:
             if self.summary.stopped or (self.progress and not self.progress(fraction, told)):
                 self.summary.stopped = True
                 return
-            small = shrink(image)
-            if is_cut(small, before):
+            if cuts.starts_scene(image):
                 num_away = 1
-            before = small
             guess = None
             if num_away % SEARCH_AGAIN == 1 or (num_lost and num_lost % SEARCH_AGAIN == 0):
                 guess = self._look_again(image, frame)

@@ -14,7 +14,7 @@ from mimetic import _core, tracking
 from mimetic.anatomy import attach_skin, modes_of
 from mimetic.face_fit import FaceFit
 from mimetic.face_template import load_template
-from mimetic.following import frames_backward, is_cut, shrink
+from mimetic.following import CutWatch, frames_backward
 from mimetic.footage import Footage
 from mimetic.performance import HELD_QUALITY
 from mimetic.reference_views import LEAST_TURN, Candidate, turn_signs
@@ -76,13 +76,11 @@ def with_relief(
 
 def _one_scene(reference: NDArray[np.uint8], images: Images) -> Images:
     """The images up to a cut."""
-    before = shrink(reference)
+    cuts = CutWatch(reference)
     for frame, image in images:
-        small = shrink(image)
-        if is_cut(small, before):
+        if cuts.starts_scene(image):
             return
         yield frame, image
-        before = small
 
 
 def _follow(tracker: _core.FaceTracker, images: Images) -> Iterator[Sighting]:

@@ -51,8 +51,7 @@ def split_quads(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
 
 def quad_normals(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
     """Unit normals of vertices (V x 3): of the quads around each, by their areas; 0 without any."""
-    a, b, c, d = (vertices[quads[:, k]] for k in range(4))
-    across = np.cross(c - a, d - b)
+    across = _crossed_diagonals(vertices, quads)
     normals = np.zeros_like(vertices)
     for k in range(4):
         np.add.at(normals, quads[:, k], across)
@@ -60,8 +59,13 @@ def quad_normals(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
 
 
 def _quad_areas(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    return np.linalg.norm(_crossed_diagonals(vertices, quads), axis=1) / 2
+
+
+def _crossed_diagonals(vertices: np.ndarray, quads: np.ndarray) -> np.ndarray:
+    """F x 3 along the quads' normals, twice their areas long."""
     a, b, c, d = (vertices[quads[:, k]] for k in range(4))
-    return np.linalg.norm(np.cross(c - a, d - b), axis=1) / 2
+    return np.cross(c - a, d - b)
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,8 @@
 #include <opencv2/imgproc.hpp>
 #include <string>
 
+#include "shared/gray.hpp"
+
 namespace mimetic::head {
 namespace {
 
@@ -163,19 +165,13 @@ std::optional<Camera> crop_camera(const HeadShape& shape, const Camera& camera,
                   rows};
 }
 
-cv::Mat1b to_gray(const ColorView& image, const Camera& camera) {
+cv::Mat1b gray_frame(const ColorView& image, const Camera& camera) {
     if (image.rows != camera.height || image.cols != camera.width) {
         throw InvalidInput("the frame is " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
                            " pixels, the camera " + std::to_string(camera.width) + " x " +
                            std::to_string(camera.height));
     }
-    // OpenCV has no read-only matrix; nothing here writes to it.
-    const cv::Mat3b color(image.rows, image.cols,
-                          reinterpret_cast<cv::Vec3b*>(const_cast<std::uint8_t*>(image.data)),
-                          static_cast<std::size_t>(image.stride));
-    cv::Mat1b gray;
-    cv::cvtColor(color, gray, cv::COLOR_RGB2GRAY);
-    return gray;
+    return to_gray(image);
 }
 
 HeadCrop cut(const cv::Mat1b& frame, const Camera& camera, const Camera& part) {

@@ -32,7 +32,7 @@ std::optional<Camera> crop_camera(const HeadShape& shape, const Camera& camera,
                                   const Eigen::Isometry3d& camera_from_head, int crop_height, double margin);
 
 /// A frame of the camera; throws InvalidInput if it has another size.
-cv::Mat1b to_gray(const ColorView& image, const Camera& camera);
+cv::Mat1b gray_frame(const ColorView& image, const Camera& camera);
 
 HeadCrop cut(const cv::Mat1b& frame, const Camera& camera, const Camera& part);
 

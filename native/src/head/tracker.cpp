@@ -63,7 +63,7 @@ struct HeadTracker::State {
         : camera(of), options(given), graph(start, given) {}
     const HeadShape& shape() const { return graph.shape(); }
     const std::vector<KeyView>& views() const { return graph.views(); }
-    cv::Mat1b to_gray(const ColorView& image) const { return head::to_gray(image, camera); }
+    cv::Mat1b gray_frame(const ColorView& image) const { return head::gray_frame(image, camera); }
     std::optional<Camera> crop_at(const Eigen::Isometry3d& pose) const {
         return head::crop_camera(shape(), camera, pose, options.crop_height, kMargin);
     }
@@ -336,7 +336,7 @@ HeadTracker::HeadTracker(const Camera& camera, const HeadShape& shape, const Col
             "the head is out of the reference frame or smaller than 43 pixels there: choose another frame");
     }
     state_ = std::make_unique<State>(camera, shape, options);
-    state_->before = state_->to_gray(image);
+    state_->before = state_->gray_frame(image);
     state_->last.camera_from_head = camera_from_head;
     state_->last.covariance = kReferenceStd * kReferenceStd * Matrix6::Identity();
     state_->last.quality = state_->last.explained = state_->last.correlation = 1;
@@ -351,17 +351,20 @@ HeadTracker& HeadTracker::operator=(HeadTracker&&) noexcept = default;
 
 HeadEstimate HeadTracker::advance(const ColorView& image, const std::optional<Eigen::Isometry3d>& guess) {
     State& state = *state_;
-    const cv::Mat1b gray = state.to_gray(image);
+    const cv::Mat1b gray = state.gray_frame(image);
     ++state.num_frames;
     HeadEstimate found = state.estimate(gray, guess);
     const bool may_ask = !state.options.fast || state.num_frames - state.refused >= kFlowEvery;
-    if (state.options.fast && may_ask && state.wants_view(found)) {
-        // A reference texture must stand where the surer way says: errors of samples would add up.
-        found = state.register_frame(gray, found.camera_from_head).value_or(found);
-        state.refused = state.wants_view(found) ? state.refused : state.num_frames;
-    }
     if (may_ask && state.wants_view(found)) {
-        state.take_view(gray, found);
+        if (state.options.fast) {
+            // A reference texture must stand where the surer way says: errors of samples would add up.
+            found = state.register_frame(gray, found.camera_from_head).value_or(found);
+        }
+        if (state.wants_view(found)) {
+            state.take_view(gray, found);
+        } else {
+            state.refused = state.num_frames;
+        }
     }
     found.num_views = static_cast<int>(state.views().size());
     state.before = gray;
@@ -386,7 +389,7 @@ void HeadTracker::move_views(const std::vector<Eigen::Isometry3d>& poses) {
 const HeadShape& HeadTracker::shape() const { return state_->shape(); }
 
 void HeadTracker::restart(const ColorView& image, const HeadEstimate& estimate) {
-    state_->before = state_->to_gray(image);
+    state_->before = state_->gray_frame(image);
     state_->last = estimate;
     state_->step.setIdentity();
 }

@@ -5,6 +5,9 @@
 #include <mimetic/error.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/objdetect.hpp>
+#include <string>
+
+#include "shared/gray.hpp"
 
 namespace mimetic {
 
@@ -33,10 +36,7 @@ std::vector<CascadeHit> CascadeDetector::detect(ColorView image, double smallest
         throw InvalidInput("smallest is " + std::to_string(smallest) +
                            "; it is a part of the image's shorter side, 0.02 to 1");
     }
-    const cv::Mat source(image.rows, image.cols, CV_8UC3, const_cast<std::uint8_t*>(image.data),
-                         static_cast<std::size_t>(image.stride));
-    cv::Mat gray;
-    cv::cvtColor(source, gray, cv::COLOR_RGB2GRAY);
+    const cv::Mat1b gray = to_gray(image);
     const int least = std::max(20, static_cast<int>(smallest * std::min(gray.rows, gray.cols)));
     std::vector<cv::Rect> boxes;
     std::vector<int> votes;

@@ -8,6 +8,7 @@
 
 #include "locate/eyes.hpp"
 #include "locate/measure.hpp"
+#include "shared/gray.hpp"
 
 namespace mimetic {
 namespace {
@@ -41,14 +42,6 @@ std::unique_ptr<cv::CascadeClassifier> load(const std::string& directory, const 
                            "; install Debian's opencv-data and build again");
     }
     return cascade;
-}
-
-cv::Mat gray_of(ColorView image) {
-    const cv::Mat source(image.rows, image.cols, CV_8UC3, const_cast<std::uint8_t*>(image.data),
-                         static_cast<std::size_t>(image.stride));
-    cv::Mat gray;
-    cv::cvtColor(source, gray, cv::COLOR_RGB2GRAY);
-    return gray;
 }
 
 /// The image turned about its centre: faces leant further than about 20 degrees are missed upright.
@@ -241,7 +234,7 @@ FaceLocator& FaceLocator::operator=(FaceLocator&&) noexcept = default;
 
 std::vector<FaceFeatures> FaceLocator::locate(ColorView image) const {
     check_image_size(image.rows, image.cols, "image");
-    const cv::Mat gray = gray_of(image);
+    const cv::Mat gray = to_gray(image);
     const auto surest = [](const std::vector<FaceFeatures>& faces) {
         double likelihood = 0;
         for (const auto& face : faces) likelihood = std::max(likelihood, face.likelihood);

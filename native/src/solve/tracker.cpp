@@ -2,6 +2,7 @@
 #include <mimetic/error.hpp>
 
 #include "motion_prior.hpp"
+#include "shared/gray.hpp"
 #include "tracker_state.hpp"
 
 namespace mimetic {
@@ -164,11 +165,9 @@ void FaceTracker::State::add_key_view(const FrameScore& score, const DetailEstim
                                                         options.sample_spacing,
                                                         flow_blur_px(options.flow_method)));
         frames_since_key_view = 0;
-        if (detail.coefficients.size() > 0) {
-            // Of detail, about half is motion; the rest is shape that looks otherwise from elsewhere.
-            constexpr double kMoved = .5;
-            views.back()->keep_detail(kMoved * detail.coefficients);
-        }
+        // Of detail, about half is motion; the rest is shape that looks otherwise from elsewhere.
+        constexpr double kMoved = .5;
+        views.back()->keep_detail(kMoved * detail.coefficients);
     } catch (const InvalidInput&) {
         return;  // too little of the face is in sight for a texture
     }

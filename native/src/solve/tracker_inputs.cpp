@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/error.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "tracker_state.hpp"
 
@@ -100,14 +99,6 @@ void check_inputs(const Camera& camera, const TrackedSurface& surface, const Fac
             fail("an eye names a lid value beyond the " + std::to_string(num_values) + " modes");
         }
     }
-}
-
-cv::Mat1b to_gray(const ColorView& image) {
-    const cv::Mat color(image.rows, image.cols, CV_8UC3, const_cast<std::uint8_t*>(image.data),
-                        static_cast<std::size_t>(image.stride));
-    cv::Mat1b gray;
-    cv::cvtColor(color, gray, cv::COLOR_RGB2GRAY);
-    return gray;
 }
 
 }  // namespace mimetic

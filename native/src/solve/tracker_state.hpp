@@ -99,7 +99,6 @@ struct FaceTracker::State {
     cv::Ptr<cv::DISOpticalFlow> relative_dis;
 };
 
-cv::Mat1b to_gray(const ColorView& image);
 void check_inputs(const Camera& camera, const TrackedSurface& surface, const FaceMotion& motion,
                   const std::vector<EyeSlit>& eyes);
 
