@@ -2,6 +2,7 @@
 import numpy as np
 import pytest
 from mimetic.evaluate.prediction import follow
+from mimetic.face_template import load_template
 from mimetic.points import track_points
 from mimetic.surface_places import RefinedSurface, find_places, places_under
 from sample_performance import make_performance
@@ -79,3 +80,25 @@ def test_a_pixel_beside_the_face_is_off_it_and_still_followed_for_scores():
     moved = followed.tracks - followed.tracks[:1]
     assert np.linalg.norm(moved, axis=2).max() == pytest.approx(10, abs=5)
     np.testing.assert_allclose(moved[:, 1], moved[:, 0], atol=0.5)
+
+
+def test_lashes_do_not_stand_for_the_skin_that_shows_between_them():
+    template = load_template()
+    count = len(template.vertices)
+    head = make_performance(
+        neutral_vertices=template.vertices,
+        faces=template.faces,
+        muscle_modes=np.zeros((36, count, 3)),
+        articulator_modes=np.zeros((2, count, 3)),
+    )
+    lashes = template.vertices[template.part_vertices("lashes.L", "lashes.R")]
+    pose = head.head_pose[0]
+    pixels = head.project(lashes @ pose[:3, :3].T + pose[:3, 3])
+    surface = RefinedSurface(head)
+    under = places_under(surface, pixels)
+    corners = surface.in_camera(0)[surface.triangles[under.triangle]]
+    found = np.einsum("kc,kcx->kx", under.weights, corners)
+    nearer = found[:, 2] - (lashes @ pose[2, :3] + pose[2, 3])
+    assert under.on_face.all()
+    assert nearer.min() > -0.004  # roots lie below the skin
+    assert nearer.max() > 0.004  # tips do not

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
+from mimetic.face_template import load_template
 from mimetic.performance import Performance
 
 LEVELS = 2  # of refinement: facets of a millimetre or two
@@ -41,7 +42,7 @@ class RefinedSurface:
 
     def __init__(self, performance: Performance) -> None:
         self.performance = performance
-        self.used, faces = np.unique(performance.faces, return_inverse=True)
+        self.used, faces = np.unique(_opaque(performance.faces), return_inverse=True)
         faces = np.ascontiguousarray(faces.reshape(-1, 4), dtype=np.int32)
         self.mesh = _core.SubdividedMesh(faces, len(self.used), LEVELS)
         self.faces = np.ascontiguousarray(self.mesh.faces, dtype=np.int32)
@@ -53,6 +54,14 @@ class RefinedSurface:
     def in_camera(self, i: int) -> NDArray[np.float64]:
         control = np.ascontiguousarray(self.performance.surface_in_camera(i)[self.used])
         return np.ascontiguousarray(self.mesh.positions(control))
+
+
+def _opaque(faces: NDArray[np.int64]) -> NDArray[np.int64]:
+    """All faces but the lashes: cards a centimetre before the skin that shows between the hairs."""
+    template = load_template()
+    if not np.array_equal(faces, template.faces):
+        return faces
+    return np.delete(faces, template.part_faces("lashes.L", "lashes.R"), axis=0)
 
 
 def places_under(
