@@ -102,3 +102,31 @@ def test_lashes_do_not_stand_for_the_skin_that_shows_between_them():
     assert under.on_face.all()
     assert nearer.min() > -0.004  # roots lie below the skin
     assert nearer.max() > 0.004  # tips do not
+
+
+def tube(radius):
+    """A turning head that is an upright tube, metres."""
+    angle, height = np.meshgrid(np.radians(np.linspace(-120, 120, 33)), np.linspace(-0.1, 0.1, 9))
+    vertices = np.stack([radius * np.sin(angle), height, radius * np.cos(angle)], -1).reshape(-1, 3)
+    corner = (np.arange(8)[:, None] * 33 + np.arange(32)).reshape(-1)
+    return make_performance(
+        neutral_vertices=vertices,
+        faces=np.stack([corner, corner + 1, corner + 34, corner + 33], axis=1),
+        muscle_modes=np.zeros((36, len(vertices), 3)),
+        articulator_modes=np.zeros((2, len(vertices), 3)),
+    )
+
+
+@pytest.mark.parametrize(("fitted_radius", "most"), [(0.068, 0.6), (0.069, 0.4)])
+def test_points_beside_a_head_fitted_too_narrow_turn_with_its_outline(fitted_radius, most):
+    # The nearest skin that faces the camera would leave .67 and .44 pixels.
+    true, fitted = tube(0.07), tube(fitted_radius)
+    angle = np.radians(np.linspace(50, 78, 40))
+    points = 0.07 * np.stack([np.sin(angle), 0 * angle, np.cos(angle)], axis=1)
+    tracks = np.array(
+        [true.project(points @ pose[:3, :3].T + pose[:3, 3]) for pose in true.head_pose]
+    )
+    followed = follow(fitted, tracks[0])
+    assert not followed.on_face.all()
+    left = np.linalg.norm(followed.tracks - tracks, axis=2)
+    assert np.sqrt((left**2).mean()) < most

@@ -3,7 +3,8 @@
 
 Where the fitted surface turns away or hides behind something nearer, a pixel's ray meets it
 anywhere: far down the throat between two lips, on the neck beside the chin, far back on a temple.
-What the pixel shows there is, within the fit's error, the nearest skin that faces the camera.
+What the pixel shows there is, within the fit's error, the nearest skin that faces the camera; at
+the outline, what rays about it meet in the middle of their depths.
 """
 
 from __future__ import annotations
@@ -25,6 +26,10 @@ STEEP = 0.2  # cosine between normal and view below which a ray's place is not t
 REACH = 5e-3  # metres beside the ray, as seen, within which facing skin is looked for
 STEEPEST = np.sqrt(1 / STEEP**2 - 1)  # depth over breadth of skin that is just not steep
 BEHIND = 3e-3  # metres deeper than facing skin beside it allows: hidden, were the outline right
+LEAST_FACING = 0.1  # cosine with which skin can be told from what turns away
+OUTLINE = 0.15  # cosine below which the outline's error decides where a ray meets the skin
+OUTLINE_ERROR = 1.5e-3  # metres, of a fit, in the picture
+OUTLINE_RINGS, OUTLINE_SPOKES = (0.6, 1.2, 1.9), 8  # radii in errors, rays on each
 
 
 @dataclass(frozen=True)
@@ -85,12 +90,60 @@ def places_under(
         moved[k] = _skin_before(surface, pixels[k], place, turned_away, shown, vertices[facing, 2])
     kept = moved < 0
     at_corner = surface.triangles[owner[moved]] == facing[moved, None]
-    return Places(
+    places = Places(
         on_face,
         np.where(kept, triangle, owner[moved]),
         np.where(kept[:, None], weights, at_corner),
         np.where(kept[:, None], 0, pixels - shown[moved]),
     )
+    return _at_outline(surface, pixels, vertices, places)
+
+
+def _at_outline(
+    surface: RefinedSurface,
+    pixels: NDArray[np.float64],
+    vertices: NDArray[np.float64],
+    places: Places,
+) -> Places:
+    """The same but at the outline, where a ray a pixel beside it may meet skin 2 cm deeper.
+
+    There the place is that of the middle depth among rays spread as far as the outline errs.
+    """
+    corners = vertices[surface.triangles[places.triangle]]
+    at = np.einsum("kc,kcx->kx", places.weights, corners)
+    moved = (places.offset != 0).any(axis=1)
+    asked = np.flatnonzero(~places.on_face | (~moved & (cosines(corners, at) < OUTLINE)))
+    if len(asked) == 0:
+        return places
+    error = OUTLINE_ERROR * surface.performance.intrinsics[0, 0] / np.median(at[:, 2])  # pixels
+    rays, shares = _rays_about(error)
+    triangle, weights = _under_rays(surface, (pixels[asked, None] + rays).reshape(-1, 2), vertices)
+    corners = vertices[surface.triangles[triangle]]
+    met = np.einsum("kc,kcx->kx", weights, corners)
+    usable = (triangle >= 0) & (cosines(corners, met) > LEAST_FACING)
+    for i, k in enumerate(asked):
+        first = i * len(rays)
+        hits = first + np.flatnonzero(usable[first : first + len(rays)])
+        if len(hits) == 0:
+            continue
+        hits = hits[np.argsort(met[hits, 2])]
+        below = np.cumsum(shares[hits - first])
+        middle = hits[np.searchsorted(below, below[-1] / 2)]
+        places.triangle[k], places.weights[k] = triangle[middle], weights[middle]
+        places.offset[k] = pixels[k] - surface.performance.project(met[middle, None])[0]
+    return places
+
+
+def _rays_about(error: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Pixels (R x 2) about a ray and the share of each under a Gaussian of that s.d."""
+    turns = 2 * np.pi * np.arange(OUTLINE_SPOKES) / OUTLINE_SPOKES
+    circle = np.column_stack([np.cos(turns), np.sin(turns)])
+    rays = [np.zeros((1, 2))] + [radius * error * circle for radius in OUTLINE_RINGS]
+    shares = [np.ones(1)] + [
+        np.full(OUTLINE_SPOKES, max(1, radius) * np.exp(-0.5 * radius**2))
+        for radius in OUTLINE_RINGS
+    ]
+    return np.concatenate(rays), np.concatenate(shares)
 
 
 def _skin_before(
