@@ -8,13 +8,14 @@ import time
 import numpy as np
 import pytest
 from clips import ffmpeg, make_clip
-from mimetic import InvalidInput, UnreadableMedia, sequence
+from mimetic import InvalidInput, UnreadableMedia, pipeline, sequence
 from mimetic.cli import main
 from mimetic.fit import FaceFit, NoFace
 from mimetic.following import frames_backward
 from mimetic.footage import Footage
 from mimetic.performance import Performance
 from mimetic.pipeline import CaptureSummary, capture, find_face
+from mimetic.rotations import rotation_vectors
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +40,22 @@ def test_the_whole_clip_is_captured_frame_by_frame(rendered_clip, performance):
 def test_a_range_holds_those_frames_alone(rendered_clip, fit):
     part = capture(rendered_clip.footage, frames=(5, 9), fit=fit)
     assert part.frame.tolist() == [5, 6, 7, 8, 9]
+
+
+def test_the_heads_turn_is_less_sure_the_further_it_is_from_the_fit(
+    rendered_clip, fit, monkeypatch
+):
+    usual = capture(rendered_clip.footage, frames=(5, 9), fit=fit)
+    monkeypatch.setattr(pipeline, "TURN_ERROR", 0.0)
+    of_the_flow = capture(rendered_clip.footage, frames=(5, 9), fit=fit)
+    np.testing.assert_array_equal(usual.head_pose, of_the_flow.head_pose)
+    turned = rotation_vectors(usual.head_pose[:, :3, :3] @ fit.head_pose[:3, :3].T)
+    added = usual.head_pose_cov - of_the_flow.head_pose_cov
+    variance = (0.02 * np.linalg.norm(turned, axis=1)) ** 2
+    assert variance.max() > 1e-8
+    np.testing.assert_allclose(
+        added[:, :3, :3], variance[:, None, None] * np.eye(3), rtol=1e-4, atol=1e-12
+    )
 
 
 def test_frames_before_the_fits_are_captured_too(rendered_clip):

@@ -52,7 +52,7 @@ struct TrackerOptions {
     int sample_spacing = 4;        ///< reference pixels between samples, 1 to 16
     int max_iterations = 4;        ///< times the frame is stabilised and solved again, 1 to 20
     int max_key_views = 6;         ///< reference textures taken on the way, 0 to 32
-    double model_error = 5e-4;     ///< s.d. of what the modes cannot follow, metres, correlated over the skin
+    double model_error = 3.5e-4;   ///< s.d. of what the modes cannot follow, metres, correlated over the skin
     double shape_error = 5e-4;     ///< s.d. of the neutral's depth, metres: counts when the head turns
     double correlation_time = 25;  ///< frames in which a value forgets itself
     double held_quality = 0.2;     ///< below it a frame is held, 0 to 1

@@ -41,6 +41,9 @@ Place = tuple[float, float]  # x, y, pixels
 
 SEARCHED_SECONDS = 8.0  # of the clip, for the frame that shows the face best
 NUM_CANDIDATES = 16
+# Share of the turn since the reference frame: what a fitted depth that is wrong makes of it
+# [Belhumeur et al. 1999, the bas-relief ambiguity]; `mimetic evaluate --set full-tuning` tells.
+TURN_ERROR = 0.02
 SETTLING = 10  # frames in which a camera finds its exposure and an encoder its quality
 
 
@@ -272,13 +275,16 @@ class ClipCapture:
         check_any_done(rows, self.footage, (self.first, self.last), self.summary.stopped)
         num_muscles = len(self.anatomy.muscle_names)
         values, std = np.array(rows.values), np.array(rows.values_std)
+        poses = rows.rigid_poses()
+        pose_cov = rows.pose_covariances()
+        pose_cov[:, :3, :3] += _of_the_turn(poses, self.fit.head_pose)
         return Performance(
             frame=np.array(rows.frame),
             fps=float(self.footage.fps),
             image_size=np.array(self.footage.size),
             intrinsics=self.fit.intrinsics,
-            head_pose=rows.rigid_poses(),
-            head_pose_cov=rows.pose_covariances(),
+            head_pose=poses,
+            head_pose_cov=pose_cov,
             muscles=list(self.anatomy.muscle_names),
             muscle_modes=self.anatomy.muscle_modes,
             groups=self.anatomy.groups,
@@ -305,3 +311,10 @@ class ClipCapture:
         ]
         self.summary.warnings = notes
         return notes or None
+
+
+def _of_the_turn(poses: NDArray[np.float64], reference: NDArray[np.float64]) -> NDArray[np.float64]:
+    """N x 3 x 3 rad^2, about every axis alike: what the fit's depth adds to the rotation's."""
+    cosines = (np.einsum("nij,ij->n", poses[:, :3, :3], reference[:3, :3]) - 1) / 2
+    std = TURN_ERROR * np.arccos(np.clip(cosines, -1, 1))
+    return std[:, None, None] ** 2 * np.eye(3)

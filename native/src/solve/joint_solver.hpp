@@ -15,9 +15,9 @@ struct StepPrior {
 
 /// What keeps a right state from explaining a measurement.
 struct NoiseModel {
-    double model_error = 5e-4;         ///< metres; a smooth field over the skin; of TrackerOptions
+    double model_error = 3.5e-4;       ///< metres; a smooth field over the skin; of TrackerOptions
     double shape_error = 5e-4;         ///< metres of depth, seen as the view turns; of TrackerOptions
-    double motion_error = .15;         ///< of the displacement that the modes give
+    double motion_error = .05;         ///< of the displacement that the modes give
     double fine_error = 4e-4;          ///< metres; of each flow window for itself
     double correlation_length = .012;  ///< metres over the skin, of the smooth field
     double robust_cut = 4.7;           ///< Tukey, in standard deviations
