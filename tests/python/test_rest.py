@@ -15,18 +15,29 @@ def test_parts_that_move_at_different_times_are_usual_only_at_rest():
     clip[2:6, :2] -= 0.08  # brows up
     clip[8:12, 2:4] -= 0.06  # a smile lifts the corners of the mouth
     clip[8:12, 5] += 0.1
-    usual = usual_expression(clip)
+    usual = usual_expression(clip, np.ones(16))
     at_rest = np.r_[0:2, 6:8, 12:16]
     assert usual[at_rest].min() > 0.3
     assert np.delete(usual, at_rest).max() < 0.1
 
 
+def test_a_smile_that_lasts_most_of_the_clip_is_not_its_rest():
+    rng = np.random.default_rng(3)
+    clip = NEUTRAL + rng.normal(0, 0.004, (16, 6))
+    clip[5:, 4] -= 0.07  # teeth show between the lips
+    clip[5:, 2:4] -= 0.1
+    scores = np.where(np.arange(16) < 5, 0.7, 0.007)
+    chances = scores * usual_expression(clip, scores)
+    assert chances[:5].min() > 0.2
+    assert chances[5:].max() < 0.01
+
+
 def test_features_not_found_do_not_count():
     clip = np.tile(NEUTRAL, (6, 1))
     clip[2, :2] = np.nan
-    np.testing.assert_allclose(usual_expression(clip), 1)
+    np.testing.assert_allclose(usual_expression(clip, np.ones(6)), 1)
     clip[:, 0] = np.nan
-    np.testing.assert_allclose(usual_expression(clip), 1)
+    np.testing.assert_allclose(usual_expression(clip, np.ones(6)), 1)
 
 
 def test_the_reference_frame_of_the_rendered_clip_is_at_rest(rendered_clip):

@@ -45,8 +45,9 @@ def best_fit(
                 judged.append(found)
     if not judged:
         return None
-    usual = usual_expression(np.array([one.expression for one in judged]))
-    chances = np.array([one.score for one in judged]) * usual
+    scores = np.array([one.score for one in judged])
+    usual = usual_expression(np.array([one.expression for one in judged]), scores)
+    chances = scores * usual
     fits = []
     for i in np.argsort(-chances):
         if len(fits) == NUM_TRIED or (fits and chances[i] < LEAST_CHANCE * chances.max()):

@@ -21,6 +21,7 @@ AT_REST = {
 }
 LEAST_SPREAD = 0.015  # pupil distances by which a still face's features seem to move
 USUAL = 1.5  # spreads
+LEAST_REST = 0.1  # of the best frame's score: below, a face is plainly not at rest
 LEVEL, FRONTAL, MOUTH_FRONTAL = 0.25, 0.1, 0.12  # rad, and pupil distances off the middle
 NO_DETAIL, FULL_DETAIL = 0.85, 1.45  # grey levels, median of the second difference between pixels
 
@@ -64,15 +65,21 @@ def expression(face: _core.FaceFeatures) -> NDArray[np.float64]:
     return np.array(values) / square
 
 
-def usual_expression(expressions: NDArray[np.float64]) -> NDArray[np.float64]:
+def usual_expression(
+    expressions: NDArray[np.float64], scores: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """How usual each frame's expression (F x 6) is within its clip: 0 to 1 (F).
 
     Each part of a face rests in more of a clip's frames than not, though rarely all at once; so the
-    median of each value is its rest, whatever the person looks like.
+    median of each value is its rest, whatever the person looks like. scores: F of `rest_score`;
+    where most frames are plainly not at rest, a long smile, the others alone tell what is usual.
     """
+    told = scores >= LEAST_REST * scores.max()
+    if told.mean() >= 0.5:
+        told[:] = True
     values = np.ma.masked_invalid(expressions)
-    off = np.ma.abs(values - np.ma.median(values, axis=0)).filled(0.0)
-    spread = np.maximum(1.48 * np.median(off, axis=0), LEAST_SPREAD)
+    off = np.ma.abs(values - np.ma.median(values[told], axis=0)).filled(0.0)
+    spread = np.maximum(1.48 * np.median(off[told], axis=0), LEAST_SPREAD)
     return np.exp(-0.5 * ((off / spread).max(axis=1) / USUAL) ** 2)
 
 
