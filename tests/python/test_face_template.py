@@ -234,5 +234,5 @@ def test_a_missing_or_truncated_file(tmp_path):
         load_template(tmp_path / "none.npz")
     whole = (data_folder() / "face.npz").read_bytes()
     (tmp_path / "half.npz").write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(InvalidInput, match="not a face template"):
+    with pytest.raises(UnreadableMedia, match="not a face template"):
         load_template(tmp_path / "half.npz")

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput
 from mimetic.fitted_view import named, numbers
 from mimetic.skin_mesh import SkinMesh, multiply
+from mimetic.timing import LAST_FRAME
 
 # What is found as one, by regions of the template: footage hardly tells more apart.
 REGIONS = {
@@ -117,7 +118,8 @@ def region_weights(mesh: SkinMesh) -> NDArray[np.float64]:
 
 
 def _is_frame(value: object) -> bool:
-    return isinstance(value, int) and not isinstance(value, bool) and value >= 1
+    whole = isinstance(value, int) and not isinstance(value, bool)
+    return whole and 1 <= value <= LAST_FRAME
 
 
 def _factors(key: str, factors: object, most: int) -> dict[str, float]:

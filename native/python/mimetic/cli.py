@@ -12,6 +12,7 @@ import sys
 from collections.abc import Sequence
 
 from mimetic import InvalidInput, UnreadableMedia, __version__
+from mimetic.shown_text import shown
 
 # command: (module with add_arguments(parser) and run_<command>(arguments) -> status, summary)
 COMMANDS = {
@@ -80,6 +81,6 @@ def _make_parser(arguments: list[str]) -> argparse.ArgumentParser:
 
 
 def _fail(error: object, status: int) -> int:
-    text = " ".join(str(error).split())
+    text = shown(" ".join(str(error).split()))
     print(f"mimetic: {text}", file=sys.stderr)
     return status

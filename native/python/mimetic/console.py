@@ -10,6 +10,8 @@ import threading
 from collections.abc import Callable, Iterator
 from time import monotonic
 
+from mimetic.shown_text import shown
+
 PLAIN_EVERY = 10.0  # seconds between lines where there is no terminal
 
 
@@ -42,7 +44,7 @@ class Console:
             print(f"{100 * fraction:3.0f} %  {text}{self._time_left(fraction)}", file=sys.stderr)
 
     def tell(self, text: str) -> None:
-        print(text, file=sys.stderr)
+        print(shown(text), file=sys.stderr)
 
     def _time_left(self, fraction: float) -> str:
         if fraction < 0.02:

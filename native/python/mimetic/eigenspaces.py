@@ -4,13 +4,12 @@
 from __future__ import annotations
 
 import os
-import zipfile
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, UnreadableMedia, _core
-from mimetic.array_file import check_shape, read_array, read_headers
+from mimetic import InvalidInput, _core
+from mimetic.array_file import ArrayArchive, check_shape, open_arrays
 from mimetic.installed_data import installed
 from mimetic.whole_file import whole_file
 
@@ -74,13 +73,8 @@ def save(spaces: _core.FaceSpaces, path: str | os.PathLike) -> None:
 
 def load(path: str | os.PathLike) -> _core.FaceSpaces:
     """Raises InvalidInput for a file that holds no spaces, UnreadableMedia for one unreadable."""
-    try:
-        with zipfile.ZipFile(path) as archive:
-            return _read(archive)
-    except (OSError, zipfile.BadZipFile, EOFError) as error:
-        raise UnreadableMedia(f"{path}: {error}") from None
-    except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from None
+    with open_arrays(path, "a file of eigenspaces") as archive:
+        return _read(archive)
 
 
 def _arrays_of(prefix: str, space: _core.Eigenspace) -> dict[str, NDArray]:
@@ -94,8 +88,8 @@ def _arrays_of(prefix: str, space: _core.Eigenspace) -> dict[str, NDArray]:
     }
 
 
-def _read(archive: zipfile.ZipFile) -> _core.FaceSpaces:
-    headers = read_headers(archive)
+def _read(archive: ArrayArchive) -> _core.FaceSpaces:
+    headers = archive.headers
     if not all(header.dtype.kind in "fiuU" for header in headers.values()):
         raise InvalidInput("holds arrays of neither numbers nor names")
 
@@ -106,7 +100,7 @@ def _read(archive: zipfile.ZipFile) -> _core.FaceSpaces:
         check_shape(name, header.shape, shape, lengths, LARGEST)
         if header.dtype.kind not in kinds:
             raise InvalidInput(f"{name} has the type {header.dtype}")
-        return read_array(archive, name)
+        return archive.read_one(name)
 
     def space(prefix: str) -> _core.Eigenspace:
         lengths: dict[str, int] = {}

@@ -6,17 +6,25 @@ from __future__ import annotations
 import json
 import os
 from dataclasses import dataclass, field
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, UnreadableMedia, _core
+from mimetic import InvalidInput, _core
 from mimetic.calibration import Calibration
 from mimetic.face_shape import face_shape
 from mimetic.face_template import FaceTemplate
-from mimetic.fitted_view import FittedView, checked_places, checked_pose, named, numbers
+from mimetic.fitted_view import (
+    FittedView,
+    checked_frame,
+    checked_places,
+    checked_pose,
+    named,
+    numbers,
+)
+from mimetic.json_file import read_json
 from mimetic.residual_shape import residual_modes
+from mimetic.shown_text import shown
 from mimetic.whole_file import whole_file
 
 SCHEMA = 4
@@ -102,19 +110,7 @@ class FaceFit:
     @classmethod
     def load(cls, path: str | os.PathLike) -> FaceFit:
         """Reads JSON; raises UnreadableMedia without such a file, InvalidInput if it is no fit."""
-        path = Path(path)
-        try:
-            if path.stat().st_size > LARGEST_FILE:
-                raise InvalidInput(f"{path}: not a face fit: larger than {LARGEST_FILE} bytes")
-            text = path.read_text(encoding="utf-8")
-        except OSError as error:
-            raise UnreadableMedia(f"{path}: {error.strerror}; give a face fit (JSON)") from None
-        except UnicodeDecodeError:
-            raise InvalidInput(f"{path}: not a face fit: not UTF-8 text") from None
-        try:
-            document = json.loads(text)
-        except (json.JSONDecodeError, RecursionError) as error:
-            raise InvalidInput(f"{path}: not a face fit: {error}") from None
+        document = read_json(path, "a face fit", LARGEST_FILE)
         try:
             return cls(**_fields(document))
         except InvalidInput as error:
@@ -162,8 +158,7 @@ def _fields(document: object) -> dict:
 
 def _check(fit: FaceFit) -> None:
     """Brings the fields to their types; raises InvalidInput naming the field."""
-    if isinstance(fit.frame, bool) or not isinstance(fit.frame, int) or fit.frame < 1:
-        raise InvalidInput(f"face fit's frame is {fit.frame!r}; it is a number from 1")
+    fit.frame = checked_frame(fit.frame)
     size = numbers("image_size", fit.image_size, (2,))
     if (size != np.round(size)).any() or (size < 16).any() or (size > 16384).any():
         raise InvalidInput(
@@ -187,10 +182,12 @@ def _check(fit: FaceFit) -> None:
         isinstance(text, str) for text in fit.warnings
     ):
         raise InvalidInput("face fit's warnings must be a list of texts")
-    residual = np.atleast_1d(fit.residual)
-    fit.residual = numbers("residual", fit.residual, residual.shape[:1]).tolist()
-    relief = np.atleast_1d(fit.relief)
-    fit.relief = numbers("relief", fit.relief, relief.shape[:1]).tolist()
+    fit.warnings = [shown(text) for text in fit.warnings]
+    for name in ("residual", "relief"):
+        given = getattr(fit, name)
+        if not isinstance(given, list | tuple | np.ndarray):
+            raise InvalidInput(f"face fit's {name} must be a list of numbers")
+        setattr(fit, name, numbers(name, given, (len(given),)).tolist())
     frames = [view.frame for view in fit.views]
     if frames and (frames[0] != fit.frame or len(set(frames)) != len(frames)):
         raise InvalidInput("face fit's views must start with its frame and show each frame once")

@@ -9,8 +9,6 @@ interpupillary distance of 63 mm.
 from __future__ import annotations
 
 import os
-import zipfile
-import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
@@ -20,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia
-from mimetic.array_file import read_array, read_headers
+from mimetic.array_file import ArrayArchive, open_arrays
 
 # key: (kind of number, shape); letters are lengths that must agree between the keys
 KEYS = {
@@ -124,7 +122,8 @@ def data_folder() -> Path:
 def load_template(path: str | os.PathLike | None = None) -> FaceTemplate:
     """The installed head, or the one in a file.
 
-    Raises UnreadableMedia if there is no such file, InvalidInput if it is not a face template.
+    Raises UnreadableMedia if there is no such file or it is damaged, InvalidInput if it is not a
+    face template.
     Loading the same unchanged file again returns the same object; its arrays are read-only.
     """
     path = Path(path) if path is not None else data_folder() / "face.npz"
@@ -139,16 +138,9 @@ def load_template(path: str | os.PathLike | None = None) -> FaceTemplate:
 
 @lru_cache(maxsize=2)
 def _load(path: Path, _changed: int) -> FaceTemplate:
-    try:
-        with zipfile.ZipFile(path) as archive:
-            lengths = _check_headers(archive)
-            values = {key: read_array(archive, key) for key in KEYS}
-    except (zipfile.BadZipFile, zlib.error, EOFError) as error:
-        raise InvalidInput(f"{path}: not a face template: {error}") from None
-    except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from None
-    except OSError as error:
-        raise UnreadableMedia(f"{path}: {error}") from None
+    with open_arrays(path, "a face template") as archive:
+        lengths = _check_headers(archive)
+        values = archive.read({key: None for key in KEYS})
     for array in values.values():
         array.flags.writeable = False
     for key, (kind, shape) in KEYS.items():
@@ -164,9 +156,9 @@ def _load(path: Path, _changed: int) -> FaceTemplate:
     return template
 
 
-def _check_headers(archive: zipfile.ZipFile) -> dict[str, int]:
+def _check_headers(archive: ArrayArchive) -> dict[str, int]:
     """Keys, types and agreeing shapes, before any array is read."""
-    headers = read_headers(archive)
+    headers = archive.headers
     if missing := [key for key in KEYS if key not in headers]:
         raise InvalidInput(f"face template lacks {', '.join(missing)}; run scripts/make_face")
     lengths: dict[str, int] = {}

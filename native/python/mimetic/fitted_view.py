@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
+from mimetic.timing import LAST_FRAME
 
 PIN_SIGMA = 0.1  # pixels: what a hand places is held
 MOST_POINTS = 1000  # of a curve
@@ -27,8 +28,7 @@ class FittedView:
     motion: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 4)))
 
     def __post_init__(self) -> None:
-        if isinstance(self.frame, bool) or not isinstance(self.frame, int) or self.frame < 1:
-            raise InvalidInput(f"face fit's frame is {self.frame!r}; it is a number from 1")
+        self.frame = checked_frame(self.frame)
         self.head_pose = checked_pose(self.head_pose)
         self.pins = checked_places("pin", self.pins)
         self.motion = numbers("motion", self.motion, (len(self.motion), 4))
@@ -98,12 +98,19 @@ class FittedView:
 def numbers(name: str, value: object, shape: tuple[int, ...]) -> NDArray[np.float64]:
     """Finite numbers of a shape; raises InvalidInput naming the field."""
     try:
-        array = np.array(value, dtype=np.float64)
+        array = np.array(value)  # of a type of its own: as floats, texts of digits would do
     except (TypeError, ValueError):
         raise InvalidInput(f"face fit's {name} must be numbers of shape {shape}") from None
-    if array.shape != shape or not np.isfinite(array).all():
+    if array.shape != shape or array.dtype.kind not in "iuf" or not np.isfinite(array).all():
         raise InvalidInput(f"face fit's {name} must be finite numbers of shape {shape}")
-    return array
+    return array.astype(np.float64)
+
+
+def checked_frame(value: object) -> int:
+    """The number of a frame; raises InvalidInput."""
+    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= LAST_FRAME:
+        raise InvalidInput(f"face fit's frame is {value!r}; it is a number from 1 to {LAST_FRAME}")
+    return value
 
 
 def named(field_name: str, value: object) -> Iterable[tuple[str, object]]:

@@ -112,7 +112,9 @@ class Footage:
                 raise UnreadableMedia(f"{self.path} is not a file; give a video file")
             if self.path.stat().st_size == 0:
                 raise UnreadableMedia(f"{self.path} is empty; copy or record it again")
-        except (PermissionError, ValueError) as error:
+        except UnreadableMedia:
+            raise
+        except (OSError, ValueError) as error:  # no permission; a name that cannot be
             raise UnreadableMedia(f"{str(self.path)!r} cannot be opened: {error}") from None
 
     def _command(self, *options: str) -> list[str]:

@@ -20,6 +20,7 @@ from mimetic.face_template import load_template
 from mimetic.foreign_head import attach_foreign
 from mimetic.head_painter import COLORS, TALLEST, WIDTH, Painter
 from mimetic.mesh_file import read_landmarks, read_mesh
+from mimetic.shown_text import shown
 from mimetic.skin_mesh import quad_normals
 
 
@@ -70,7 +71,7 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         return _draw(options)
     except (InvalidInput, UnreadableMedia) as error:
-        print(f"foreign_sheet: {error}", file=sys.stderr)
+        print(f"foreign_sheet: {shown(error)}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
         print("foreign_sheet: stopped", file=sys.stderr)

@@ -10,6 +10,7 @@ import struct
 import numpy as np
 
 from mimetic import InvalidInput
+from mimetic.json_file import parse_json
 
 MAGIC, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
 FLOAT = 5126
@@ -21,13 +22,15 @@ def read_chunks(glb: bytes) -> tuple[dict, bytes]:
     try:
         magic, version, length = struct.unpack_from("<3I", glb)
         json_length, json_type = struct.unpack_from("<2I", glb, 12)
-        document = json.loads(glb[20 : 20 + json_length])
+        document = parse_json(glb[20 : 20 + json_length])
         binary_length, binary_type = struct.unpack_from("<2I", glb, 20 + json_length)
-    except (struct.error, ValueError) as error:
+    except (struct.error, InvalidInput) as error:
         raise InvalidInput(f"not a binary glTF file: {error}") from None
     expected = (MAGIC, 2, len(glb), JSON_CHUNK, BINARY_CHUNK)
     if (magic, version, length, json_type, binary_type) != expected:
         raise InvalidInput("not a binary glTF 2.0 file, or cut short")
+    if not isinstance(document, dict):
+        raise InvalidInput("not a binary glTF file: its JSON is no object")
     start = 28 + json_length
     return document, glb[start : start + binary_length]
 

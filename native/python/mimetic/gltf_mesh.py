@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import base64
 import binascii
-import json
 from pathlib import Path
 from urllib.parse import unquote
 
@@ -19,6 +18,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput
 from mimetic.foreign_mesh import MAX_VERTICES
 from mimetic.gltf import read_chunks
+from mimetic.json_file import parse_json
 
 TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC3": 3}
@@ -44,13 +44,13 @@ def read_gltf(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         if content[:4] == b"glTF":
             document, binary = read_chunks(content)
         else:
-            document, binary = json.loads(content.decode("utf-8")), None
+            document, binary = parse_json(content), None
         if not isinstance(document, dict):
             raise InvalidInput("not a glTF file")
         return _Reader(document, binary, path.parent).mesh()
     except InvalidInput as error:
         raise InvalidInput(f"{path}: {error}") from None
-    except (KeyError, IndexError, TypeError, AttributeError, ValueError, RecursionError) as error:
+    except (LookupError, TypeError, AttributeError, ValueError, OverflowError) as error:
         raise InvalidInput(
             f"{path}: not a sound glTF file ({type(error).__name__}: {error})"
         ) from None
@@ -65,9 +65,12 @@ class _Reader:
         self.buffers: dict[int, bytes] = {}
 
     def mesh(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        vertices, faces, count = [], [], 0
+        vertices, faces, count, num_faces, num_primitives = [], [], 0, 0, 0
         for number, matrix in self._placed_meshes():
             for primitive in self.document["meshes"][number]["primitives"]:
+                num_primitives += 1
+                if num_primitives > MAX_NODES:
+                    raise InvalidInput(f"more than {MAX_NODES} primitives")
                 if primitive.get("mode", TRIANGLES) != TRIANGLES:
                     continue  # points, lines; strips are no longer written by anything
                 points = self._accessor(primitive["attributes"]["POSITION"], "VEC3", "f")
@@ -82,14 +85,17 @@ class _Reader:
                 if np.linalg.det(matrix[:3, :3]) < 0:
                     triangles = triangles[:, ::-1]
                 count += len(points)
-                if count > MAX_VERTICES or sum(map(len, faces)) > 2 * MAX_VERTICES:
+                num_faces += len(triangles)
+                if count > MAX_VERTICES or num_faces > 2 * MAX_VERTICES:
                     raise InvalidInput(f"more than {MAX_VERTICES} vertices, or twice as many faces")
                 vertices.append(points @ matrix[:3, :3].T + matrix[:3, 3])
                 faces.append(triangles)
-        if not count or not sum(map(len, faces)):
+        if not count or not num_faces:
             raise InvalidInput("there are no triangles in this file")
-        triangles = np.concatenate(faces)
-        return np.concatenate(vertices), np.column_stack([triangles, np.full(len(triangles), -1)])
+        triangles, points = np.concatenate(faces), np.concatenate(vertices)
+        if not np.isfinite(points).all():
+            raise InvalidInput("its vertices are not finite")
+        return points, np.column_stack([triangles, np.full(len(triangles), -1)])
 
     def _placed_meshes(self) -> list[tuple[int, NDArray[np.float64]]]:
         """Meshes of the scene shown first, with their matrices."""

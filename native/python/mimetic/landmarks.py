@@ -40,7 +40,8 @@ SHAPES: dict[str, tuple[int | str, ...]] = {
 }
 SCHEMA = 1
 KINDS = {"schema": "i", "names": "U"}
-LARGEST = {"L": 400, "V": 9, "K": 12, "D": 128, "M": 128, "O": 800, "R": 800, "I": 1 << 16}
+# Products of O x I float64 a stage: 0.4 GB at most
+LARGEST = {"L": 200, "V": 9, "K": 12, "D": 128, "M": 128, "O": 400, "R": 400, "I": 1 << 13}
 
 
 def landmark_points(template: FaceTemplate) -> tuple[list[str], NDArray[np.float64]]:

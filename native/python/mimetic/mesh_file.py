@@ -4,7 +4,8 @@ trusted."""
 
 from __future__ import annotations
 
-import json
+from functools import partial
+from math import isfinite
 from pathlib import Path
 
 import numpy as np
@@ -13,10 +14,12 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.foreign_mesh import MAX_VERTICES
 from mimetic.gltf_mesh import check_bytes, read_gltf
+from mimetic.json_file import read_json
 from mimetic.ply_file import read_ply
 
 MAX_LANDMARK_BYTES = 1_000_000
 MAX_CORNERS = 64  # of one polygon
+LONGEST_LINE = 65_536  # characters, of an .obj
 
 
 def read_mesh(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
@@ -45,14 +48,20 @@ def read_obj(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     faces: list[tuple[int, ...]] = []
     try:
         check_bytes(path)
-        with path.open(encoding="utf-8", errors="replace") as lines:
-            for number, line in enumerate(lines, 1):
-                _read_line(line, vertices, faces, f"{path}, line {number}")
+        with path.open(encoding="utf-8", errors="replace") as stream:
+            for number, line in enumerate(iter(partial(stream.readline, LONGEST_LINE), ""), 1):
+                where = f"{path}, line {number}"
+                if len(line) == LONGEST_LINE:
+                    raise InvalidInput(f"{where}: longer than {LONGEST_LINE} characters")
+                _read_line(line, vertices, faces, where)
     except OSError as error:
         raise UnreadableMedia(f"{path}: {error.strerror}") from None
     if not vertices or not faces:
         raise InvalidInput(f"{path}: there are no faces in this file; is it a Wavefront .obj?")
-    return np.array(vertices), np.array(faces, dtype=np.int64)
+    index = np.array(faces, dtype=np.int64)
+    if index.max() >= len(vertices):
+        raise InvalidInput(f"{path}: a face names a vertex that the file does not have")
+    return np.array(vertices), index
 
 
 def _read_line(line: str, vertices: list, faces: list, where: str) -> None:
@@ -62,9 +71,12 @@ def _read_line(line: str, vertices: list, faces: list, where: str) -> None:
     try:
         if words[0] == "v":
             x, y, z = (float(word) for word in words[1:4])
+            if not all(map(isfinite, (x, y, z))):
+                raise ValueError
             vertices.append((x, y, z))
         else:
-            corners = [int(word.split("/", 1)[0]) for word in words[1:]]
+            # No number of a vertex has twenty digits
+            corners = [int(word.split("/", 1)[0][:20]) for word in words[1:]]
     except ValueError:
         raise InvalidInput(f"{where}: {line.strip()[:60]!r} cannot be read") from None
     if len(vertices) > MAX_VERTICES or len(faces) > 2 * MAX_VERTICES:
@@ -92,14 +104,7 @@ READERS = {".obj": read_obj, ".ply": read_ply, ".glb": read_gltf, ".gltf": read_
 
 def read_landmarks(path: Path) -> dict[str, int | list[float]]:
     """JSON object: name -> index of a vertex (from 0) or [x, y, z] in the mesh's unit."""
-    try:
-        if path.stat().st_size > MAX_LANDMARK_BYTES:
-            raise InvalidInput(f"{path}: larger than {MAX_LANDMARK_BYTES // 1000} kB")
-        found = json.loads(path.read_text("utf-8"))
-    except OSError as error:
-        raise UnreadableMedia(f"{path}: {error.strerror}") from None
-    except (ValueError, RecursionError) as error:
-        raise InvalidInput(f"{path}: not JSON: {error}") from None
+    found = read_json(path, "a file of landmarks", MAX_LANDMARK_BYTES)
     if not isinstance(found, dict):
         raise InvalidInput(f'{path}: needed is {{"nose_tip": 123, "chin": [x, y, z], ...}}')
     for name, value in found.items():

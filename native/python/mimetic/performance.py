@@ -4,20 +4,27 @@
 from __future__ import annotations
 
 import os
-import zipfile
-import zlib
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, UnreadableMedia
-from mimetic.array_file import check_shape, read_array, read_headers
+from mimetic import InvalidInput
+from mimetic.array_file import (
+    ArrayArchive,
+    check_names,
+    check_shape,
+    is_bounded,
+    open_arrays,
+)
+from mimetic.shown_text import shown
+from mimetic.timing import LAST_FRAME, check_rate
 from mimetic.whole_file import whole_file
 
 SCHEMA = 1
 NUM_MUSCLES = 36
+CHECKED_AT_ONCE = 4096  # frames, for the memory's sake
 HELD_QUALITY = 0.2  # frames under it are held, not invented
 LARGEST = {"N": 10_000_000, "V": 2_000_000, "F": 4_000_000, "A": 1000, "M": 1000, "K": 1000}
 
@@ -103,6 +110,8 @@ class Performance:
                         + f" of the shape {_shape_text(shape)} are needed"
                     )
                 setattr(self, key, np.ascontiguousarray(array, dtype=DTYPES[kind]))
+        if self.notes is not None:
+            self.notes = [shown(note) for note in self.notes]
         self.check()
 
     @property
@@ -155,9 +164,7 @@ class Performance:
             if value is not None:
                 actual = (1,) if key == "fps" else np.shape(value)
                 check_shape(f"performance {key}", actual, shape, lengths, LARGEST)
-        for names in (self.muscles, self.articulators):
-            if len(set(names)) != len(names):
-                raise InvalidInput("performance muscles and articulators must have distinct names")
+        check_names("performance muscles and articulators", self.muscles + self.articulators)
         if (self.detail_modes is None) != (self.detail_coefficients is None):
             raise InvalidInput(
                 "performance has one of detail_modes and detail_coefficients; it needs both or none"
@@ -172,20 +179,24 @@ class Performance:
     def _check_finite(self) -> None:
         for key, (kind, shape) in (REQUIRED | OPTIONAL).items():
             value = getattr(self, key)
-            if value is None or kind not in "fm" or np.isfinite(value).all():
+            if value is None or kind not in "fm" or is_bounded(np.asarray(value)):
                 continue
             where = ""
             if shape[0] == "N":
-                bad = ~np.isfinite(value).reshape(self.num_frames, -1).all(axis=1)
-                where = f" at frame {self.frame[np.flatnonzero(bad)[0]]}"
-            raise InvalidInput(f"performance {key} is not finite{where}; capture the footage again")
+                bad = next(i for i, row in enumerate(value) if not is_bounded(row))
+                where = f" at frame {self.frame[bad]}"
+            raise InvalidInput(
+                f"performance {key} is not finite{where}, or beyond all measure; capture the "
+                "footage again"
+            )
 
     def _check_ranges(self) -> None:
         tolerance = 1e-6
-        if self.frame[0] < 1 or (np.diff(self.frame) <= 0).any():
+        if self.frame[0] < 1 or (self.frame[1:] <= self.frame[:-1]).any():
             raise InvalidInput("performance frame must count upwards from 1 or later")
-        if self.fps <= 0:
-            raise InvalidInput(f"performance fps is {self.fps}; it must be above 0")
+        if self.frame[-1] > LAST_FRAME:
+            raise InvalidInput(f"performance frame ends at {self.frame[-1]}, beyond {LAST_FRAME}")
+        check_rate("performance fps", self.fps)
         if (self.image_size < 1).any() or (self.image_size > 16384).any():
             raise InvalidInput(f"performance image_size is {self.image_size.tolist()}")
         if (np.diag(self.intrinsics) <= 0).any() or not np.allclose(self.intrinsics[2], [0, 0, 1]):
@@ -208,19 +219,19 @@ class Performance:
         self._check_poses()
 
     def _check_poses(self) -> None:
-        rotation = self.head_pose[:, :3, :3]
-        error = np.abs(rotation @ rotation.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
-        bad = (error > 1e-4) | (np.linalg.det(rotation) < 0)
-        bad |= (self.head_pose[:, 3] != [0, 0, 0, 1]).any(axis=1)
-        if bad.any():
-            frame = self.frame[np.flatnonzero(bad)[0]]
-            raise InvalidInput(f"performance head_pose is not a rigid motion at frame {frame}")
-        cov = self.head_pose_cov
-        bad = np.abs(cov - cov.transpose(0, 2, 1)).max(axis=(1, 2)) > 1e-6 * np.abs(cov).max()
-        bad |= np.linalg.eigvalsh(unitless(cov)[0])[:, 0] < -1e-6
-        if bad.any():
-            frame = self.frame[np.flatnonzero(bad)[0]]
-            raise InvalidInput(f"performance head_pose_cov is not a covariance at frame {frame}")
+        largest = max(-self.head_pose_cov.min(), self.head_pose_cov.max())
+        for start in range(0, self.num_frames, CHECKED_AT_ONCE):
+            frames = slice(start, start + CHECKED_AT_ONCE)
+            for what, bad in (
+                ("head_pose is not a rigid motion", ~_is_rigid(self.head_pose[frames])),
+                (
+                    "head_pose_cov is not a covariance",
+                    ~_is_covariance(self.head_pose_cov[frames], 1e-6 * largest),
+                ),
+            ):
+                if bad.any():
+                    frame = self.frame[frames][bad][0]
+                    raise InvalidInput(f"performance {what} at frame {frame}")
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes `performance.npz`, whole or not at all."""
@@ -240,22 +251,9 @@ class Performance:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Performance:
         """Reads and checks `performance.npz`; raises UnreadableMedia or InvalidInput."""
-        path = Path(path)
-        try:
-            with zipfile.ZipFile(path) as archive:
-                return cls(**_read_arrays(archive))
-        except FileNotFoundError:
-            raise UnreadableMedia(f"{path}: there is no such file") from None
-        except IsADirectoryError:
-            raise UnreadableMedia(f"{path} is a folder; give its performance.npz") from None
-        except PermissionError:
-            raise UnreadableMedia(f"{path}: no permission to read it") from None
-        except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError) as error:
-            raise UnreadableMedia(
-                f"{path} is not a performance or is damaged ({error}); capture the footage again"
-            ) from None
-        except InvalidInput as error:
-            raise InvalidInput(f"{path}: {error}") from None
+        what = "a performance (the performance.npz of a capture)"
+        with open_arrays(path, what) as archive:
+            return cls(**_read_arrays(archive))
 
 
 def unitless(cov: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -267,17 +265,34 @@ def unitless(cov: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.
     return cov / (std[:, :, None] * std[:, None, :]), std
 
 
+def _is_rigid(poses: NDArray[np.float64]) -> NDArray[np.bool_]:
+    rotation = poses[:, :3, :3]
+    error = np.abs(rotation @ rotation.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+    upright = (error <= 1e-4) & (np.linalg.det(rotation) > 0)
+    return upright & (poses[:, 3] == [0, 0, 0, 1]).all(axis=1)
+
+
+def _is_covariance(cov: NDArray[np.float64], rounding: float) -> NDArray[np.bool_]:
+    fits = (np.diagonal(cov, axis1=1, axis2=2) >= 0).all(axis=1)
+    fits &= np.abs(cov - cov.transpose(0, 2, 1)).max(axis=(1, 2)) <= rounding
+    with np.errstate(over="ignore"):
+        correlation = unitless(cov)[0]
+    fits &= np.abs(correlation).max(axis=(1, 2)) <= 1 + 1e-6
+    correlation[~fits] = np.eye(6)  # eigenvalues of what is infinite are not found
+    return fits & (np.linalg.eigvalsh(correlation)[:, 0] >= -1e-6)
+
+
 def _shape_text(shape: tuple[int | str, ...]) -> str:
     return " x ".join(str(length) for length in shape)
 
 
-def _read_arrays(archive: zipfile.ZipFile) -> dict[str, np.ndarray]:
-    headers = read_headers(archive)
+def _read_arrays(archive: ArrayArchive) -> dict[str, np.ndarray]:
+    headers = archive.headers
     if "schema" not in headers:
         raise InvalidInput("is not a performance: it has no schema number")
     if headers["schema"].shape not in ((), (1,)) or headers["schema"].dtype.kind not in "iu":
         raise InvalidInput("the schema must be one whole number")
-    schema = int(read_array(archive, "schema").reshape(-1)[0])
+    schema = int(archive.read_one("schema").reshape(-1)[0])
     if schema != SCHEMA:
         newer = "a newer version of Mimetic wrote it; update Mimetic" if schema > SCHEMA else ""
         raise InvalidInput(
@@ -285,13 +300,15 @@ def _read_arrays(archive: zipfile.ZipFile) -> dict[str, np.ndarray]:
         )
     # Every shape is checked before the first large array is read: a small file can claim terabytes.
     lengths: dict[str, int] = {}
+    dtypes = {}
     for key, (kind, shape) in (REQUIRED | OPTIONAL).items():
         if key not in headers:
             if key in OPTIONAL:
                 continue
             raise InvalidInput(f"performance lacks the key {key}; capture the footage again")
         header = headers[key]
-        if header.dtype.kind not in ACCEPTED[kind] or header.dtype.itemsize > 4096:
+        if header.dtype.kind not in ACCEPTED[kind]:
             raise InvalidInput(f"performance {key} has the type {header.dtype}")
         check_shape(f"performance {key}", header.shape, shape, lengths, LARGEST)
-    return {key: read_array(archive, key) for key in REQUIRED | OPTIONAL if key in headers}
+        dtypes[key] = DTYPES.get(kind)
+    return archive.read(dtypes)

@@ -7,6 +7,8 @@ Of the elements only `vertex` (x, y, z) and `face` (vertex_indices) are used.
 
 from __future__ import annotations
 
+import io
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,10 +20,14 @@ from mimetic.foreign_mesh import MAX_VERTICES
 
 MAX_HEADER = 65_536  # bytes
 MAX_CORNERS = 64  # of one polygon
+MAX_PROPERTIES = 64  # of one element
+LONGEST_LINE = 65_536  # bytes, of a text file
+AHEAD = 64  # rows that are looked at for being alike; twice as many each time they are
 ORDERS = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
 TYPES = {"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"}
 TYPES |= {"float": "f4", "double": "f8", "int8": "i1", "uint8": "u1", "int16": "i2"}
 TYPES |= {"uint16": "u2", "int32": "i4", "uint32": "u4", "float32": "f4", "float64": "f8"}
+USED = ("x", "y", "z", "vertex_indices", "vertex_index")
 
 
 @dataclass(frozen=True)
@@ -57,12 +63,16 @@ def parse_ply(content: bytes, where: str) -> tuple[NDArray[np.float64], NDArray[
     for element in elements:
         columns = read.element(element)
         if element.name == "vertex":
-            if missing := [axis for axis in "xyz" if axis not in columns]:
+            single = {p.name for p in element.properties if not p.count_type}
+            if missing := [axis for axis in "xyz" if axis not in single]:
                 raise InvalidInput(f"{where}: its vertices have no {missing[0]}")
             vertices = np.column_stack([columns[axis] for axis in "xyz"]).astype(np.float64)
+            if not np.isfinite(vertices).all():
+                raise InvalidInput(f"{where}: its vertices are not finite")
         elif element.name == "face":
             corners = columns.get("vertex_indices", columns.get("vertex_index"))
-            if not isinstance(corners, list):
+            whole = {p.name for p in element.properties if p.count_type and p.type[0] in "iu"}
+            if not isinstance(corners, list) or not whole & {"vertex_indices", "vertex_index"}:
                 raise InvalidInput(f"{where}: its faces have no list vertex_indices")
             faces = _faces(corners, where)
         if vertices is not None and faces is not None:
@@ -102,6 +112,12 @@ def _header(content: bytes, where: str) -> tuple[str, list[Element], int]:
     if order is None:
         raise InvalidInput(f"{where}: the header names no format")
     for element in elements:
+        names = [p.name for p in element.properties]
+        if not names or len(set(names)) != len(names) or len(names) > MAX_PROPERTIES:
+            raise InvalidInput(
+                f"{where}: {element.name} needs 1 to {MAX_PROPERTIES} properties with names of "
+                "their own"
+            )
         most = MAX_VERTICES if element.name == "vertex" else 2 * MAX_VERTICES
         room = (len(content) - start) // max(element.least_bytes() if order else 1, 1)
         if not 0 <= element.count <= most:
@@ -115,25 +131,40 @@ def _header(content: bytes, where: str) -> tuple[str, list[Element], int]:
 
 class _TextBody:
     def __init__(self, body: bytes, where: str) -> None:
-        self.lines = (
-            line for line in body.decode("ascii", errors="replace").split("\n") if line.strip()
-        )
+        self.stream = io.BytesIO(body)
         self.where = where
 
+    def _words(self) -> Iterator[bytes]:
+        """Of the next line that holds any, none at the end."""
+        while line := self.stream.readline(LONGEST_LINE):
+            if len(line) == LONGEST_LINE:
+                raise InvalidInput(f"{self.where}: a line is longer than {LONGEST_LINE} bytes")
+            if words := line.split():
+                return iter(words)
+        return iter(())
+
     def element(self, element: Element) -> dict:
-        columns: dict[str, list] = {p.name: [] for p in element.properties}
+        """Single values as lists of numbers, lists as lists of lists; of what is used alone."""
+        columns: dict[str, list] = {p.name: [] for p in element.properties if p.name in USED}
         for row in range(element.count):
-            words = iter(next(self.lines, "").split())
+            words = self._words()
             try:
                 for p in element.properties:
-                    if not p.count_type:
-                        columns[p.name].append(float(next(words)))
-                        continue
-                    count = int(next(words))
-                    columns[p.name].append([int(float(next(words))) for _ in range(count)])
+                    values = self._values(p, words)
+                    if p.name in columns:
+                        columns[p.name].append(values)
             except (StopIteration, ValueError, OverflowError):
                 raise InvalidInput(f"{self.where}: {element.name} {row} cannot be read") from None
         return columns
+
+    @staticmethod
+    def _values(p: Property, words: Iterator[bytes]) -> float | list[int]:
+        if not p.count_type:
+            return float(next(words))
+        corners = [int(float(next(words))) for _ in range(int(next(words)))]
+        if corners and max(corners) >= MAX_VERTICES:
+            raise ValueError
+        return corners
 
 
 class _BinaryBody:
@@ -148,11 +179,16 @@ class _BinaryBody:
             return {p.name: rows[p.name] for p in element.properties}
         # Most files have faces of one kind, which are read at once
         columns: dict[str, list] = {p.name: [] for p in element.properties}
-        row = 0
+        row, ahead = 0, AHEAD
+        row_types: dict[tuple[int, ...], np.dtype] = {}
         while row < element.count:
             counts = self._counts(element, row)
-            row_type = self._row_type(element, counts)
-            left = min(element.count - row, (len(self.content) - self.at) // row_type.itemsize)
+            key = tuple(counts.values())
+            if key not in row_types:
+                row_types[key] = self._row_type(element, counts)
+            row_type = row_types[key]
+            room = (len(self.content) - self.at) // row_type.itemsize
+            left = min(element.count - row, room, ahead)
             rows = np.frombuffer(self.content, row_type, max(left, 0), self.at)
             alike = np.ones(len(rows), bool)
             for p in lists:
@@ -164,6 +200,7 @@ class _BinaryBody:
                 columns[p.name].extend(rows[p.name][:same])
             self.at += same * row_type.itemsize
             row += same
+            ahead = 2 * ahead if same == left else AHEAD
         return columns
 
     def _rows(self, element: Element, row_type: np.dtype) -> NDArray:

@@ -18,6 +18,8 @@ from mimetic.surface_places import COVERED, RefinedSurface, cosines, places_unde
 from mimetic.whole_file import whole_file
 
 LARGEST_TABLE = 1_000_000  # points
+LARGEST_FILE = 64 * 10**6  # bytes
+FARTHEST = 1e6  # pixels from the picture's corner
 GRAZING = 0.1  # cosine between normal and view below which a point is turned away
 
 
@@ -77,6 +79,8 @@ def read_points(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     """K x 2 pixels from a table with the header `x,y`; raises UnreadableMedia, InvalidInput."""
     path = Path(path)
     try:
+        if path.stat().st_size > LARGEST_FILE:
+            raise InvalidInput(f"{path}: larger than {LARGEST_FILE // 10**6} MB; split the table")
         with open(path, newline="", encoding="utf-8-sig") as stream:
             rows = csv.reader(stream)
             header = [name.strip() for name in next(rows, [])]
@@ -102,9 +106,12 @@ def _read_row(path: Path, line: int, row: list[str]) -> tuple[float, float]:
     try:
         x, y = (float(cell) for cell in row)
     except ValueError:
-        raise InvalidInput(f"{path}, line {line}: {','.join(row)!r} is not x,y") from None
-    if not (np.isfinite(x) and np.isfinite(y)):
-        raise InvalidInput(f"{path}, line {line}: x and y must be finite")
+        told = ",".join(row)[:60]
+        raise InvalidInput(f"{path}, line {line}: {told!r} is not x,y") from None
+    if not (abs(x) <= FARTHEST and abs(y) <= FARTHEST):
+        raise InvalidInput(
+            f"{path}, line {line}: x and y must be finite, and within {FARTHEST:g} pixels"
+        )
     return x, y
 
 

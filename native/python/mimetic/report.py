@@ -20,6 +20,7 @@ from mimetic.footage import Footage
 from mimetic.overlay import FaceDrawing
 from mimetic.performance import HELD_QUALITY, Performance
 from mimetic.pipeline import CaptureSummary
+from mimetic.shown_text import shown
 from mimetic.whole_file import whole_file
 
 NUM_PICTURES = 6
@@ -83,14 +84,14 @@ def write_report(
 
 
 def _parts(performance: Performance, footage: Footage, summary: CaptureSummary) -> Iterator[str]:
-    name = html.escape(footage.path.name)
+    name = _html(footage.path.name)
     yield "<!doctype html><html lang='en'><head><meta charset='utf-8'>"
     yield "<meta name='viewport' content='width=device-width, initial-scale=1'>"
     yield f"<title>{name}: capture</title><style>{STYLE}</style></head><body>"
     yield f"<h1>{name}</h1><p class='lead'>{_lead(performance)}</p>"
     yield _facts(performance, summary)
     for note in performance.notes or ():
-        yield f"<p class='note'>{html.escape(note)}</p>"
+        yield f"<p class='note'>{_html(note)}</p>"
     yield "<h2>The face over the footage</h2><div class='pictures'>"
     for frame, picture in _pictures(performance, footage):
         yield f"<img src='{_jpeg_uri(picture)}' alt='frame {frame}'>"
@@ -106,6 +107,11 @@ def _parts(performance: Performance, footage: Footage, summary: CaptureSummary) 
         yield "<h2>Jaw and lids</h2>" + _plot(_articulator_figure(performance), "articulators")
     yield _times(performance, summary) + _settings(performance, footage, summary)
     yield "</body></html>\n"
+
+
+def _html(text: str) -> str:
+    """Text that may come from a file, in the page's own language."""
+    return html.escape(shown(text))
 
 
 def _lead(performance: Performance) -> str:
@@ -128,7 +134,7 @@ def _facts(performance: Performance, summary: CaptureSummary) -> str:
     ]
     if total > 0:
         facts.append((f"{performance.num_frames / total:.1f}", "frames captured a second"))
-    cells = "".join(f"<div><b>{html.escape(b)}</b><span>{text}</span></div>" for b, text in facts)
+    cells = "".join(f"<div><b>{_html(b)}</b><span>{text}</span></div>" for b, text in facts)
     return f"<div class='facts'>{cells}</div>"
 
 
@@ -312,7 +318,7 @@ def _times(performance: Performance, summary: CaptureSummary) -> str:
         return ""
     total = sum(summary.seconds.values())
     rows = "".join(
-        f"<tr><td>{html.escape(stage)}</td><td class='number'>{seconds:.2f} s</td>"
+        f"<tr><td>{_html(stage)}</td><td class='number'>{seconds:.2f} s</td>"
         f"<td class='number'>{1000 * seconds / performance.num_frames:.1f} ms</td>"
         f"<td><span class='bar' style='width:{12 * seconds / total:.2f}rem'></span></td></tr>"
         for stage, seconds in summary.seconds.items()
@@ -342,7 +348,6 @@ def _settings(performance: Performance, footage: Footage, summary: CaptureSummar
         f"{platform.system()} {platform.machine()}"
     )
     cells = "".join(
-        f"<tr><td>{html.escape(key)}</td><td>{html.escape(value)}</td></tr>"
-        for key, value in rows.items()
+        f"<tr><td>{_html(key)}</td><td>{_html(value)}</td></tr>" for key, value in rows.items()
     )
     return f"<h2>Settings and versions</h2><table>{cells}</table>"

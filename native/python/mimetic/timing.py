@@ -13,6 +13,10 @@ from mimetic import InvalidInput
 
 # Rates arrive in single precision (24 / 1.001 as 23.976023); broadcast rates are exact fractions
 RATE_TOLERANCE = 1e-5
+SLOWEST, FASTEST = 1e-5, 1e6  # frames a second: one a day, a million a second
+LAST_FRAME = 2**31 - 1  # of footage: a year at 60 a second
+LAST_SCENE_FRAME = 1_048_574  # on Blender's timeline
+HIGHEST_SCENE_RATE = 32767  # whole frames a second that a scene can have before its base
 
 
 @dataclass(frozen=True)
@@ -23,13 +27,20 @@ class FrameSteps:
     offsets: NDArray[np.int64]  # K, to add to the frame that plain counting would show
 
 
+def check_rate(what: str, frames_a_second: float) -> None:
+    """Raises InvalidInput unless the rate is one that footage and scenes can have."""
+    if not SLOWEST <= frames_a_second <= FASTEST:
+        raise InvalidInput(
+            f"{what} is {frames_a_second}; it must be {SLOWEST:g} to {FASTEST:g} frames a second"
+        )
+
+
 def exact_rate(frames_a_second: float) -> Fraction:
     """The rate meant by a rounded number: 25, 24000/1001, ...; else the number itself.
 
-    Raises InvalidInput unless the rate is finite and above 0.
+    Raises InvalidInput unless the rate lies in SLOWEST to FASTEST.
     """
-    if not np.isfinite(frames_a_second) or frames_a_second <= 0:
-        raise InvalidInput(f"a frame rate is {frames_a_second}; it must be above 0")
+    check_rate("a frame rate", frames_a_second)
     for exact in (
         Fraction(round(frames_a_second)),
         Fraction(1000 * round(frames_a_second * 1.001), 1001),
@@ -51,11 +62,19 @@ def scene_frames(
     frames: N numbers in the footage, first = 1; clip_rate, scene_rate: frames a second;
     frame_start: the scene frame that shows the clip's first frame; frame_offset: frames of the
     footage that the clip skips, as a movie clip in Blender has it.
-    returns: N scene frames, fractional where the rates differ.
+    returns: N scene frames, fractional where the rates differ. Raises InvalidInput where they fall
+    off the end of a timeline.
     """
     step = float(exact_rate(scene_rate) / exact_rate(clip_rate))
     elapsed_frames = np.asarray(frames, dtype=np.float64) - 1 - frame_offset
-    return frame_start + elapsed_frames * step
+    placed = frame_start + elapsed_frames * step
+    if placed.size and np.abs(placed).max() > LAST_SCENE_FRAME:
+        raise InvalidInput(
+            f"footage of {clip_rate:g} frames a second falls on scene frames up to "
+            f"{np.abs(placed).max():.0f} at {scene_rate:g} a second; a timeline ends at "
+            f"{LAST_SCENE_FRAME}: capture a part of the footage, or give the scene a lower rate"
+        )
+    return placed
 
 
 def footage_frames(
@@ -104,5 +123,5 @@ class SceneRate:
 def scene_rate(clip_rate: float) -> SceneRate:
     """The rate at which a scene of its own shows footage frame by frame: 29.97 is 30 / 1.001."""
     exact = exact_rate(clip_rate)
-    fps = max(1, round(exact))
+    fps = min(max(1, round(exact)), HIGHEST_SCENE_RATE)
     return SceneRate(fps, float(fps / exact))

@@ -30,6 +30,7 @@ from mimetic.evaluate.tables import as_json, as_text, summary
 from mimetic.evaluate.truth import Truth
 from mimetic.face_template import load_template
 from mimetic.performance import Performance
+from mimetic.shown_text import shown
 from mimetic.whole_file import whole_file
 
 FILES = ("truth", "performance", "footage")
@@ -220,4 +221,4 @@ def _score_files(options: argparse.Namespace):
     images = None
     if options.footage is not None:
         images = shared_images(options.footage, truth, performance)
-    return score(truth, performance, options.performance.stem, images)
+    return score(truth, performance, shown(options.performance.stem), images)

@@ -4,16 +4,21 @@
 from __future__ import annotations
 
 import os
-import zipfile
-import zlib
 from dataclasses import dataclass, fields
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, UnreadableMedia
-from mimetic.array_file import check_shape, read_array, read_headers
+from mimetic import InvalidInput
+from mimetic.array_file import (
+    ArrayArchive,
+    check_names,
+    check_shape,
+    is_bounded,
+    open_arrays,
+)
+from mimetic.timing import LAST_FRAME, check_rate
 from mimetic.whole_file import whole_file
 
 SCHEMA = 1
@@ -100,14 +105,19 @@ class Truth:
                 continue
             actual = (1,) if key == "fps" else np.shape(value)
             check_shape(f"truth {key}", actual, shape, lengths, LARGEST)
-            if kind == "f" and not np.isfinite(value).all():
-                raise InvalidInput(f"truth {key} is not finite")
+            if kind == "f" and not is_bounded(np.asarray(value)):
+                raise InvalidInput(f"truth {key} is not finite, or beyond all measure")
+            if kind == "U" and key != "expressions":
+                check_names(f"truth {key}", value)
         if lengths["N"] < 2 or lengths["K"] < 1:
             raise InvalidInput("truth needs two frames and one point at least")
-        if self.frame[0] < 1 or (np.diff(self.frame) <= 0).any():
+        if self.frame[0] < 1 or (self.frame[1:] <= self.frame[:-1]).any():
             raise InvalidInput("truth frame must count upwards from 1 or later")
-        if self.fps <= 0 or (self.image_size < 1).any():
-            raise InvalidInput("truth fps and image_size must be above 0")
+        if self.frame[-1] > LAST_FRAME:
+            raise InvalidInput(f"truth frame ends at {self.frame[-1]}, beyond {LAST_FRAME}")
+        check_rate("truth fps", self.fps)
+        if (self.image_size < 1).any() or (self.image_size > 16384).any():
+            raise InvalidInput(f"truth image_size is {self.image_size.tolist()}")
         for names, values in NAMED.items():
             if (getattr(self, names) is None) != (getattr(self, values) is None):
                 raise InvalidInput(f"truth needs both or none of {names} and {values}")
@@ -130,33 +140,28 @@ class Truth:
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Truth:
         """Reads and checks a truth file; raises UnreadableMedia or InvalidInput."""
-        try:
-            with zipfile.ZipFile(path) as archive:
-                return cls(**_read(archive))
-        except FileNotFoundError:
-            raise UnreadableMedia(f"{path}: there is no such file") from None
-        except (OSError, zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError) as error:
-            raise UnreadableMedia(f"{path} is no truth file or is damaged ({error})") from None
-        except InvalidInput as error:
-            raise InvalidInput(f"{path}: {error}; docs/truth-file.md has the format") from None
+        with open_arrays(path, "a truth file (docs/truth-file.md)") as archive:
+            return cls(**_read(archive))
 
 
-def _read(archive: zipfile.ZipFile) -> dict[str, np.ndarray]:
-    headers = read_headers(archive)
+def _read(archive: ArrayArchive) -> dict[str, np.ndarray]:
+    headers = archive.headers
     schema = headers.get("schema")
     if schema is None or schema.dtype.kind not in "iu" or schema.shape not in ((), (1,)):
         raise InvalidInput("is no truth file: it has no schema number")
-    number = int(read_array(archive, "schema").reshape(-1)[0])
+    number = int(archive.read_one("schema").reshape(-1)[0])
     if number != SCHEMA:
         raise InvalidInput(f"has schema {number}, this version reads {SCHEMA}")
     lengths: dict[str, int] = {}
+    dtypes = {}
     for key, (kind, shape) in KEYS.items():
         if key not in headers:
             if key in REQUIRED:
                 raise InvalidInput(f"truth lacks the key {key}")
             continue
         header = headers[key]
-        if header.dtype.kind not in ACCEPTED[kind] or header.dtype.itemsize > 4096:
+        if header.dtype.kind not in ACCEPTED[kind]:
             raise InvalidInput(f"truth {key} has the type {header.dtype}")
         check_shape(f"truth {key}", header.shape, shape, lengths, LARGEST)
-    return {key: read_array(archive, key) for key in KEYS if key in headers}
+        dtypes[key] = DTYPES.get(kind)
+    return archive.read(dtypes)
