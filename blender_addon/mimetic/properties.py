@@ -14,6 +14,7 @@ from bpy.props import (
     StringProperty,
 )
 
+from . import writable
 from .scene_out import contact, rigs
 
 STRAIN_MEASURES = (
@@ -135,7 +136,7 @@ class MimeticShape(bpy.types.PropertyGroup):
 def _switch_contact(self, context) -> None:
     """On: the key is there and follows; off: it is gone, and so is what it did."""
     face = self.id_data
-    if face.data.shape_keys is None:
+    if face.data.shape_keys is None or writable.no_shapes(face):
         return
     if self.use_contact:
         contact.ensure_key(face)

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import jobs, native
+from . import jobs, native, writable
 
 # Tracks by which we stabilise a clip: the head's centre, and a point above it
 HELD_BY = ("Head Centre", "Head Above")
@@ -88,35 +88,13 @@ def _is_marked(track: bpy.types.MovieTrackingTrack, frame: int) -> bool:
     return marker is not None and not marker.mute
 
 
-def no_head_target(context) -> str:
-    """Why the head's motion cannot be keyed on what is chosen."""
-    if reason := no_start():
-        return reason
-    settings = context.scene.mimetic
-    target = settings.head.target
-    if not settings.performance_path:
-        return "Capture the clip, track its head, or load a performance first"
-    if target is None or target.name not in context.scene.objects:
-        return "Choose the object, empty or armature that the head shall move"
-    if target.library:
-        return f"{target.name} is linked from another file; make a library override of it first"
-    if target.type != "ARMATURE":
-        return ""
-    if target.mode == "EDIT":
-        return f"Leave {target.name}'s edit mode first"
-    for name in (settings.head.bone, settings.head.neck):
-        if name and name not in target.pose.bones:
-            return f"{target.name} has no bone {name}; choose one of its bones"
-    if settings.head.bone and settings.head.bone == settings.head.neck:
-        return "Head and neck are the same bone; choose another or leave the neck empty"
-    return ""
-
-
 def no_stabilising(context) -> str:
     if reason := no_clip(context):
         return reason
     if not context.scene.mimetic.performance_path:
         return "Capture the clip, track its head, or load a performance first"
+    if reason := writable.no_tracks(clip_of(context)):
+        return reason
     stabilisation = clip_of(context).tracking.stabilization
     used = {track.name for track in (*stabilisation.tracks, *stabilisation.rotation_tracks)}
     if names := sorted(used.difference(HELD_BY)):
@@ -174,8 +152,8 @@ def no_foreign_head(context) -> str:
     head = context.active_object
     if head is None or head.type != "MESH":
         return "Select the head's mesh first"
-    if head.library or head.data.library:
-        return f"{head.name} is linked from another file; make it local first"
+    if reason := writable.no_shapes(head):
+        return reason
     return "Leave the edit mode first" if context.mode != "OBJECT" else ""
 
 

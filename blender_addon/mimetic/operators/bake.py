@@ -5,7 +5,7 @@ import bpy
 from bpy.props import BoolProperty, IntProperty
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out
+from .. import native, scene_in, scene_out, targets
 from ..jobs import Job
 
 
@@ -39,7 +39,7 @@ class MIMETIC_OT_bake(Job, Operator):
 
     @classmethod
     def poll(cls, context):
-        if reason := scene_in.no_performance(context):
+        if reason := targets.no_bake(context):
             cls.poll_message_set(reason)
         return not reason
 

@@ -7,7 +7,7 @@ import bpy
 from bpy.props import EnumProperty
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out
+from .. import native, scene_in, scene_out, targets
 from ..jobs import Job
 from .following import Following
 
@@ -92,7 +92,7 @@ class MIMETIC_OT_bake_head(Job, Operator):
 
     @classmethod
     def poll(cls, context):
-        if reason := scene_in.no_head_target(context):
+        if reason := targets.no_head_target(context):
             cls.poll_message_set(reason)
         return not reason
 

@@ -3,7 +3,7 @@ import bpy
 from bpy.props import IntProperty
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out
+from .. import native, scene_in, scene_out, targets
 from ..jobs import Job
 
 
@@ -51,7 +51,7 @@ class MIMETIC_OT_rest_face(Operator):
 
     @classmethod
     def poll(cls, context):
-        if reason := scene_in.no_face(context):
+        if reason := targets.no_rest(context):
             cls.poll_message_set(reason)
         return not reason
 

@@ -2,7 +2,7 @@
 import bpy
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out
+from .. import native, scene_in, scene_out, writable
 from ..jobs import Job
 
 
@@ -49,6 +49,7 @@ class MIMETIC_OT_release_head(Operator):
         reason = scene_in.no_clip(context)
         if not reason and not scene_in.is_held(scene_in.clip_of(context)):
             reason = "The clip is shown as it was filmed"
+        reason = reason or writable.no_tracks(scene_in.clip_of(context))
         if reason:
             cls.poll_message_set(reason)
         return not reason

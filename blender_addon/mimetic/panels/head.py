@@ -3,7 +3,7 @@
 
 from bpy.types import Panel
 
-from .. import native, scene_in
+from .. import native, scene_in, targets
 from ..scene_out import rigs
 from .capture import wrapped
 
@@ -34,8 +34,9 @@ class Head:
 
     def draw_target(self, layout, context, settings):
         target = settings.target
+        reason = targets.no_head_target(context)
         if target.type == "ARMATURE":
-            self.draw_bones(layout, settings)
+            self.draw_bones(layout, settings, reason)
         column = layout.column()
         column.use_property_split = True
         column.use_property_decorate = False
@@ -49,16 +50,16 @@ class Head:
             column.prop(settings, "translation_scale")
             if settings.mode == "RELATIVE" or settings.bone:
                 column.prop(settings, "pivot")
-        if reason := scene_in.no_head_target(context):
-            for line in wrapped(reason, 44):
-                layout.label(text=line)
+        for line in wrapped(reason, 44):
+            layout.label(text=line)
 
-    def draw_bones(self, layout, settings):
+    def draw_bones(self, layout, settings, reason):
         row = layout.row(align=True)
         row.prop_search(settings, "bone", settings.target.pose, "bones", text="", icon="BONE_DATA")
         row.operator("mimetic.find_head_bones", text="", icon="VIEWZOOM")
-        if not settings.bone:
-            for line in wrapped(rigs.head_bones(settings.target).remark, 44):
+        remark = rigs.head_bones(settings.target).remark
+        if not settings.bone and remark != reason:
+            for line in wrapped(remark, 44):
                 layout.label(text=line)
         layout.prop_search(settings, "neck", settings.target.pose, "bones", text="Neck")
         if settings.neck:

@@ -3,7 +3,7 @@
 
 from bpy.types import Panel
 
-from .. import contact, native, scene_in
+from .. import contact, native, scene_in, writable
 from ..overlay import live
 from .capture import wrapped
 
@@ -36,8 +36,10 @@ class MIMETIC_PT_muscles(Muscles, Panel):
         row.label(text=face.name, icon="USER")
         row.operator("mimetic.rest_face", icon="LOOP_BACK", text="")
         row.operator("mimetic.add_face", icon="ADD", text="")
-        layout.prop(face.mimetic, "use_contact")
-        for line in wrapped(contact.problem_of(face), 44):
+        row = layout.row()
+        row.enabled = not (reason := writable.no_shapes(face))
+        row.prop(face.mimetic, "use_contact")
+        for line in wrapped(reason or contact.problem_of(face), 44):
             layout.label(text=line)
         keys = face.data.shape_keys.key_blocks
         groups = {}

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from .. import native, scene_in
+from .. import native, scene_in, targets, writable
 from . import (
     actions,
     camera,
@@ -66,8 +66,10 @@ def bake(
     footage: what the performance was captured from; with_groups: whether the face gets sliders of
     its groups of muscles too; contact_shapes: of mimetic.contact_shapes; given, even if empty, lips
     and lids are kept apart when sliders are moved afterwards too.
-    The scene's rate, frame range and resolution stay as they are.
+    The scene's rate, frame range and resolution stay as they are. Raises InvalidInput, and changes
+    nothing then, where face or camera are linked from another file.
     """
+    writable.check(targets.no_update(scene))
     placement = native.part("placement")
     timing = scene_in.timing(scene, footage)
     frames = scene_in.scene_frames(performance, timing)

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import bpy
 import numpy as np
 
-from .. import native
+from .. import native, writable
 from . import face
 
 SIZE = 0.006  # m, of an empty
@@ -33,6 +33,7 @@ def attach(shown: bpy.types.Object, head, landmarks: Mapping, attached) -> None:
 
     head: scene_in.ForeignHead.
     """
+    writable.check(writable.no_shapes(shown))
     to_head = native.part("placement").to_head
     shown.mimetic.use_contact = True
     face.set_shapes(shown, to_head(head.points), attached.shapes, attached.groups)

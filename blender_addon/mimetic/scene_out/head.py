@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from .. import native, scene_in
+from .. import native, scene_in, writable
 from . import actions, rigs
 
 INSTALLED = ("rotation_quaternion", "rotation_euler", "rotation_axis_angle", "location")
@@ -43,6 +43,9 @@ def bake(scene: bpy.types.Scene, performance, take: str, target: Target, footage
     The scene's rate and range stay as they are. Raises InvalidInput, and changes nothing then.
     """
     moved = scene.objects[target.name]
+    writable.check(writable.no_motion(moved))
+    if moved.type == "ARMATURE" and not target.bone:
+        writable.check(rigs.no_whole_motion(moved))
     timing = scene_in.timing(scene, footage)
     frames = scene_in.scene_frames(performance, timing)
     if target.bone:

@@ -40,6 +40,12 @@ def head_bones(armature: bpy.types.Object) -> HeadBones:
     return HeadBones(head, neck if _is_above(bones[head], neck) or not neck else "", "")
 
 
+def no_whole_motion(armature: bpy.types.Object) -> str:
+    """Why an armature may not be moved as a whole: a meta-rig moves nothing."""
+    found = head_bones(armature)
+    return found.remark if not found.head and METARIG in armature.data.bones else ""
+
+
 def _is_above(bone: bpy.types.Bone, name: str) -> bool:
     return any(parent.name == name for parent in bone.parent_recursive)
 

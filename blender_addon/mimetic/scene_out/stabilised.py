@@ -11,13 +11,14 @@ from contextlib import contextmanager
 
 import bpy
 
-from .. import native, scene_in
+from .. import native, scene_in, writable
 
 CENTRE, ABOVE = scene_in.HELD_BY
 
 
 def hold_still(clip: bpy.types.MovieClip, performance) -> int:
     """Holds the head of a `mimetic.performance.Performance` still; returns the number of frames."""
+    writable.check(writable.no_tracks(clip))
     places = native.part("stabilisation").anchors(performance)
     parts = native.part("projection")
     release(clip)

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a button writes to. Functions named `no_...` say why it is grey, or nothing."""
+
+from __future__ import annotations
+
+import bpy
+
+from . import scene_in, writable
+from .scene_out import rigs
+
+
+def no_bake(context) -> str:
+    """Why the performance cannot be baked."""
+    return scene_in.no_performance(context) or no_update(context.scene)
+
+
+def no_update(scene: bpy.types.Scene) -> str:
+    """Why the scene's own face and camera cannot take a performance."""
+    face, camera = scene.mimetic.face, scene.mimetic.camera
+    if face is not None and face.name in scene.objects and (reason := writable.no_shapes(face)):
+        return reason
+    if camera is not None and camera.name in scene.objects:
+        return writable.no_lens(camera)
+    return ""
+
+
+def no_head_target(context) -> str:
+    """Why the head's motion cannot be keyed on what is chosen."""
+    if reason := scene_in.no_start():
+        return reason
+    settings = context.scene.mimetic
+    target = settings.head.target
+    if not settings.performance_path:
+        return "Capture the clip, track its head, or load a performance first"
+    if target is None or target.name not in context.scene.objects:
+        return "Choose the object, empty or armature that the head shall move"
+    if reason := writable.no_motion(target):
+        return reason
+    if target.type != "ARMATURE":
+        return ""
+    if target.mode == "EDIT":
+        return f"Leave {target.name}'s edit mode first"
+    for name in (settings.head.bone, settings.head.neck):
+        if name and name not in target.pose.bones:
+            return f"{target.name} has no bone {name}; choose one of its bones"
+    if settings.head.bone and settings.head.bone == settings.head.neck:
+        return "Head and neck are the same bone; choose another or leave the neck empty"
+    return "" if settings.head.bone else rigs.no_whole_motion(target)
+
+
+def no_rest(context) -> str:
+    """Why the face's sliders cannot be put to 0."""
+    return scene_in.no_face(context) or writable.no_sliders(scene_in.face_of(context))

@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What may be written to so that it is still there when the file is opened again.
+
+Blender lets scripts write to linked data and forgets it on saving. A library override keeps curves
+of its object and bones, and of its shape keys if the mesh is an override too; it never keeps points
+of a mesh, new shape keys, or what we note on an object. Functions say why not and the way out, or
+nothing.
+"""
+
+from __future__ import annotations
+
+import bpy
+
+from . import native
+
+LOCAL = "make it local (Object > Relations > Make Local > Selected Objects and Data)"
+OVERRIDE = "make a library override of it (Object > Library Override > Make)"
+
+
+def no_motion(moved: bpy.types.Object) -> str:
+    """Why curves of an object or of its bones would be lost."""
+    if moved.library:
+        return f"{_linked(moved)}: {OVERRIDE}, or {LOCAL}"
+    override = moved.override_library
+    if override and override.is_system_override:
+        return (
+            f"{moved.name} is a library override that is not editable: make it editable "
+            f"(Outliner, Library Overrides view), or {LOCAL}"
+        )
+    return ""
+
+
+def no_sliders(face: bpy.types.Object) -> str:
+    """Why values and curves of a mesh's shape keys would be lost."""
+    if face.library or face.data.library:
+        return f"{_linked(face if face.library else face.data, face)}, its sliders with it: {LOCAL}"
+    return no_motion(face)
+
+
+def no_shapes(face: bpy.types.Object) -> str:
+    """Why points and new shape keys of a mesh would be lost."""
+    if reason := no_sliders(face):
+        return reason
+    if face.override_library or face.data.override_library:
+        return f"{face.name} is a library override, which keeps no shapes of its own: {LOCAL}"
+    return ""
+
+
+def no_lens(camera: bpy.types.Object) -> str:
+    """Why a camera's lens and background would be lost."""
+    for block in (camera, camera.data):
+        if block.library:
+            return f"{_linked(block, camera)}: {LOCAL}"
+    return ""
+
+
+def no_tracks(clip: bpy.types.MovieClip) -> str:
+    """Why tracks and stabilisation of a clip would be lost."""
+    if clip.library:
+        return f"{_linked(clip)}: make it local (Outliner, Blender File view: ID Data > Make Local)"
+    return ""
+
+
+def check(reason: str) -> None:
+    """Raises InvalidInput with the reason, if there is one."""
+    if reason:
+        raise native.invalid_input(reason)
+
+
+def _linked(block: bpy.types.ID, owner: bpy.types.Object | None = None) -> str:
+    what = block.name if owner in (None, block) else f"{block.bl_rna.name} of {owner.name}"
+    return f"{what} is linked from {bpy.path.basename(block.library.filepath)}"
