@@ -30,6 +30,7 @@ class MIMETIC_OT_load_clip(Operator, ImportHelper):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         clip = scene_out.clip.load(context.scene, path)
+        scene_out.clip.show_pixels(clip, footage.pixel_aspect)
         for window in context.window_manager.windows:
             for area in window.screen.areas:
                 if area.type == "CLIP_EDITOR":

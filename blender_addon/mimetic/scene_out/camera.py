@@ -7,7 +7,7 @@ import bpy
 from mathutils import Matrix
 
 from .. import compat, native
-from . import actions
+from . import actions, clip
 
 NAME = "Footage Camera"
 LONGEST = 1048574  # Blender's own limit of a frame number
@@ -35,8 +35,8 @@ def ensure(scene, lens, world_from_camera) -> bpy.types.Object:
     return seen_through
 
 
-def show_footage(seen_through, clip, timing, performance, take: str) -> None:
-    """Puts the clip behind the camera's view, fitted whole into the picture.
+def show_footage(seen_through, footage, timing, performance, take: str) -> None:
+    """Puts the movie clip behind the camera's view, fitted whole into the picture.
 
     Blender shows one clip frame a scene frame. Where the rates differ, the file is shown as an
     image whose frame is keyed, so that it keeps to the seconds as the face does.
@@ -54,10 +54,10 @@ def show_footage(seen_through, clip, timing, performance, take: str) -> None:
     )
     if keyed is None:
         behind.source = "MOVIE_CLIP"
-        behind.clip = clip
+        behind.clip = footage
     else:
         behind.source = "IMAGE"
-        behind.image = bpy.data.images.load(clip.filepath, check_existing=True)
+        behind.image = bpy.data.images.load(footage.filepath, check_existing=True)
         behind.image.source = "MOVIE"
         behind.image_user.frame_start = timing.frame_start
         behind.image_user.frame_duration = LONGEST
@@ -66,6 +66,7 @@ def show_footage(seen_through, clip, timing, performance, take: str) -> None:
         path = "background_images[0].image_user.frame_offset"
         curve = compat.new_curve(holder, path, 0, "Footage")
         actions.fill(curve, keyed.scene_frames, keyed.offsets, actions.CONSTANT)
+    clip.show_pixels(footage if keyed is None else behind.image, performance.pixel_aspect)
     behind.frame_method = "FIT"
     behind.display_depth = "BACK"
     behind.alpha = 1.0

@@ -23,3 +23,12 @@ def load(scene: bpy.types.Scene, path: str) -> bpy.types.MovieClip:
     scene.mimetic.clip = clip
     scene.active_clip = clip
     return clip
+
+
+def show_pixels(shown: bpy.types.MovieClip | bpy.types.Image, aspect: float) -> None:
+    """Shows pixels as wide for their height as the file says, which Blender does not read.
+
+    An aspect that the user has set stays.
+    """
+    if tuple(shown.display_aspect) == (1.0, 1.0):
+        shown.display_aspect = (aspect, 1.0)

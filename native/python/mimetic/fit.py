@@ -57,6 +57,11 @@ def score_frame(image: NDArray[np.uint8]) -> float | None:
     return judged.score if judged else None
 
 
+def face_likelihood(image: NDArray[np.uint8]) -> float:
+    """Of the likeliest face in an image (H, W, 3) RGB, 0 where there is none."""
+    return max((face.likelihood for face in _locator().locate(as_rgb(image))), default=0.0)
+
+
 @dataclass(frozen=True)
 class Judged:
     """What the finder says of one frame of a clip."""

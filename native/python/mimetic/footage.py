@@ -20,6 +20,8 @@ from mimetic import UnreadableMedia
 from mimetic.ffmpeg import ffmpeg_program
 
 SMALLEST, LARGEST = 16, 16384  # pixels, each side
+NEARLY_SQUARE = 1.01  # a pixel's longer side over its shorter: turns a head by a tenth of a degree
+LARGEST_ASPECT = 4.0  # the widest lenses squeeze pictures to a half
 # Containers of moving pictures only: play lists and image patterns can open other files.
 CONTAINERS = (
     "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm,avi,mpegts,mpeg,mpegvideo,flv,asf,ogg,mxf,gif,"
@@ -41,7 +43,9 @@ REASONS = (
 class Footage:
     """A video file: its size, rate and frames.
 
-    `size` is (width, height) in pixels with the file's rotation applied; `fps` an exact fraction;
+    `size` is (width, height) of the frames that it gives: their pixels are square, and the file's
+    rotation is applied. `stored_size` is what the file itself has and other tools show, rotated
+    too; it differs where pixels are stored wider or narrower. `fps` is an exact fraction;
     `num_frames` what the file lists, which a damaged file may not hold; `times` the seconds of each
     listed frame since the first. Frame numbers start at 1. `warnings` says what the user should
     know and grows while frames are read. Raises UnreadableMedia.
@@ -161,12 +165,25 @@ class Footage:
                 f"{self.path} has frames of {width} x {height} pixels; "
                 f"each side must be {SMALLEST} to {LARGEST}: scale the footage"
             )
-        self.size = (width, height)
-        if aspect_x != aspect_y and aspect_x > 0:
-            self.warnings.append(
-                f"{self.path.name} has pixels of aspect {aspect_x}:{aspect_y}; "
-                "they are taken as square"
-            )
+        self.size = self.stored_size = (width, height)
+        aspect = Fraction(aspect_x, aspect_y) if aspect_x > 0 and aspect_y > 0 else Fraction(1)
+        if max(aspect, 1 / aspect) < NEARLY_SQUARE:
+            return
+        told = f"{self.path.name} has pixels of aspect {aspect_x}:{aspect_y}"
+        if max(aspect, 1 / aspect) > LARGEST_ASPECT:
+            self.warnings.append(f"{told}, which no camera makes; they are taken as square")
+            return
+        self.size = _with_square_pixels(width, height, aspect)
+        self.warnings.append(
+            f"{told}: its frames of {width} x {height} are worked with at "
+            f"{self.size[0]} x {self.size[1]}, where they are square"
+        )
+
+    @property
+    def pixel_aspect(self) -> float:
+        """Width over height of a stored pixel, as it is shown."""
+        (width, height), (stored_width, stored_height) = self.size, self.stored_size
+        return (width / stored_width) / (height / stored_height)
 
     def _set_rate(self, report: bytes, tick: Fraction) -> None:
         match = FRAME_RATE.search(report)
@@ -190,6 +207,14 @@ class Footage:
                 f"{1000 * steps.max():.0f} ms a frame, {float(nominal):.2f} frames/s on average): "
                 "frames are counted as stored; convert it to a constant rate for exact timing"
             )
+
+
+def _with_square_pixels(width: int, height: int, aspect: Fraction) -> tuple[int, int]:
+    """The size at which nothing that is stored is lost, unless that would be too large."""
+    enlarged = (round(width * aspect), height) if aspect > 1 else (width, round(height / aspect))
+    if max(enlarged) <= LARGEST:
+        return enlarged
+    return (width, round(height / aspect)) if aspect > 1 else (round(width * aspect), height)
 
 
 @contextlib.contextmanager

@@ -220,6 +220,7 @@ class _HeadMotion:
             frame=np.array(rows.frame),
             fps=float(self.footage.fps),
             image_size=np.array(self.footage.size),
+            stored_size=np.array(self.footage.stored_size),
             intrinsics=self.fit.intrinsics,
             head_pose=rows.rigid_poses(),
             head_pose_cov=rows.pose_covariances(),

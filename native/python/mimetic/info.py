@@ -23,6 +23,9 @@ def run_info(arguments: argparse.Namespace) -> int:
 def describe(performance: Performance) -> str:
     """Several lines of text on a performance."""
     width, height = performance.image_size
+    stored = ""
+    if performance.pixel_aspect != 1:
+        stored = " ({} x {} in the file)".format(*performance.stored_size)
     num_vertices = len(performance.neutral_vertices)
     held = int((performance.quality < HELD_QUALITY).sum())
     peak = performance.activations.max(axis=0)
@@ -30,7 +33,8 @@ def describe(performance: Performance) -> str:
     lines = [
         f"frames       {performance.frame[0]} to {performance.frame[-1]}, "
         f"{performance.num_frames} in all, {performance.fps:.6g} a second",
-        f"picture      {width} x {height}, focal length {performance.intrinsics[0, 0]:.0f} pixels",
+        f"picture      {width} x {height}{stored}, "
+        f"focal length {performance.intrinsics[0, 0]:.0f} pixels",
         f"mesh         {num_vertices} vertices, {len(performance.faces)} quads",
         f"muscles      {len(performance.muscles)} in {len(np.unique(performance.groups))} groups",
         "strongest    " + ", ".join(f"{performance.muscles[i]} {peak[i]:.2f}" for i in strongest),

@@ -358,6 +358,7 @@ def _performance(
         frame=np.array(rows.frame),
         fps=float(footage.fps),
         image_size=np.array(footage.size),
+        stored_size=np.array(footage.stored_size),
         intrinsics=fit.intrinsics,
         head_pose=np.array(rows.pose),
         head_pose_cov=np.array([(c + c.T) / 2 for c in rows.pose_cov]),

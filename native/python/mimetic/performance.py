@@ -54,6 +54,7 @@ OPTIONAL = {
     "detail_coefficients": ("f", ("N", "M")),
     "detail_coefficients_std": ("f", ("N", "M")),
     "notes": ("U", ("K",)),
+    "stored_size": ("i", (2,)),
 }
 # Modes are kept in single precision: 1e-7 of a displacement of centimetres, at half the memory.
 DTYPES = {"f": np.float64, "m": np.float32, "i": np.int64}
@@ -91,6 +92,9 @@ class Performance:
     detail_coefficients: NDArray[np.float64] | None = None  # N x M
     detail_coefficients_std: NDArray[np.float64] | None = None  # N x M
     notes: list[str] | None = None  # what the reader should know: stopped early, cut, held frames
+    # Width, height of the footage's frames as the file stores them, where pixels may not be square;
+    # all else is in pixels of `image_size`, which are
+    stored_size: NDArray[np.int64] | None = None
 
     def __post_init__(self) -> None:
         for key, (kind, shape) in (REQUIRED | OPTIONAL).items():
@@ -117,6 +121,14 @@ class Performance:
     @property
     def num_frames(self) -> int:
         return len(self.frame)
+
+    @property
+    def pixel_aspect(self) -> float:
+        """Width over height of the pixels that the footage's file stores, as they are shown."""
+        if self.stored_size is None:
+            return 1.0
+        width, height = self.image_size / self.stored_size
+        return float(width / height)
 
     def index_of(self, frame: int) -> int:
         """The index of a frame number; raises InvalidInput if the performance lacks it."""
@@ -199,6 +211,11 @@ class Performance:
         check_rate("performance fps", self.fps)
         if (self.image_size < 1).any() or (self.image_size > 16384).any():
             raise InvalidInput(f"performance image_size is {self.image_size.tolist()}")
+        if (
+            self.stored_size is not None
+            and not ((self.stored_size >= 1) & (self.stored_size <= 16384)).all()
+        ):
+            raise InvalidInput(f"performance stored_size is {self.stored_size.tolist()}")
         if (np.diag(self.intrinsics) <= 0).any() or not np.allclose(self.intrinsics[2], [0, 0, 1]):
             raise InvalidInput("performance intrinsics is not a pinhole camera matrix")
         if self.faces.min() < 0 or self.faces.max() >= len(self.neutral_vertices):

@@ -33,17 +33,20 @@ from mimetic.following import (
 )
 from mimetic.footage import Footage
 from mimetic.performance import Performance
+from mimetic.projection import rescaled
 from mimetic.sequence import Rows, State
+from mimetic.upright import check_upright
 
 Progress = Callable[[float, str], bool]  # fraction, what is done -> go on?
 FrameRange = tuple[int | None, int | None]
-Place = tuple[float, float]  # x, y, pixels
+Place = tuple[float, float]  # x, y, pixels of the footage's file
 
 SEARCHED_SECONDS = 8.0  # of the clip, for the frame that shows the face best
 NUM_CANDIDATES = 16
 # Share of the turn since the reference frame: what a fitted depth that is wrong makes of it
 # [Belhumeur et al. 1999, the bas-relief ambiguity]; `mimetic evaluate --set full-tuning` tells.
 TURN_ERROR = 0.02
+NUM_TURNED = 3  # frames in which a face that lies on its side is looked for, if none was found
 SETTLING = 10  # frames in which a camera finds its exposure and an encoder its quality
 
 
@@ -83,9 +86,11 @@ def find_face(
     Raises NoFace, UnreadableMedia, InvalidInput.
     """
     footage = Footage(path)
+    if near is not None:
+        (near,) = rescaled(near, footage.stored_size, footage.size)
     if frame is not None:
         first, last = check_range((frame, frame), footage)
-        return fitting.find_face(footage.read(first), first, near=near)
+        return face_in(footage, first, near)
     first, last = check_range(frames, footage)
     start = first + SETTLING if first + 3 * SETTLING < last else first
     end = min(last, start + max(1, round(SEARCHED_SECONDS * float(footage.fps))))
@@ -95,11 +100,21 @@ def find_face(
     if fit is None and start > first:
         fit = best_fit(footage, _spread(first, start - 1, SETTLING), progress, near)
     if fit is None:
+        for one in sorted(_spread(first, last, NUM_TURNED)):
+            check_upright(footage, one, footage.read(one))
         raise NoFace(
             f"no frontal face found in {footage.path.name}, frames {first} to {last}: choose a "
             "range in which the face looks at the camera and is lit (--frames A:B), or give a fit"
         )
+    check_upright(footage, fit.frame, footage.read(fit.frame))
     return fit
+
+
+def face_in(footage: Footage, frame: int, near: NDArray[np.float64] | None = None) -> FaceFit:
+    """The head fitted to this frame alone; near: in the picture. Raises NoFace."""
+    image = footage.read(frame)
+    check_upright(footage, frame, image)
+    return fitting.find_face(image, frame, near=near)
 
 
 def _spread(first: int, last: int, number: int) -> set[int]:
@@ -282,6 +297,7 @@ class ClipCapture:
             frame=np.array(rows.frame),
             fps=float(self.footage.fps),
             image_size=np.array(self.footage.size),
+            stored_size=np.array(self.footage.stored_size),
             intrinsics=self.fit.intrinsics,
             head_pose=poses,
             head_pose_cov=pose_cov,

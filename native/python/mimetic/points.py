@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.performance import Performance
+from mimetic.projection import rescaled
 from mimetic.surface_places import COVERED, RefinedSurface, cosines, places_under
 from mimetic.whole_file import whole_file
 
@@ -25,7 +26,9 @@ GRAZING = 0.1  # cosine between normal and view below which a point is turned aw
 
 @dataclass(frozen=True)
 class Tracks:
-    tracks: NDArray[np.float64]  # N x K x 2, pixels; NaN for points that are not on the face
+    tracks: NDArray[
+        np.float64
+    ]  # N x K x 2, pixels of the footage's file; NaN for points that are not on the face
     visible: NDArray[
         np.bool_
     ]  # N x K: in the picture, turned to the camera, not covered by the face
@@ -45,6 +48,7 @@ def track_points(
 ) -> Tracks:
     """Follows pixels (K x 2; (0, 0) is the centre of the top-left one) of `frame`, or of the first.
 
+    They are those that the footage's file stores, as other tools read them, square or not.
     Each pixel's ray meets the surface of that frame (beside an outline, skin that faces the camera:
     `surface_places`); the place on the skin is then projected in every frame. Raises InvalidInput
     on points that are not finite or a frame the file lacks.
@@ -52,6 +56,9 @@ def track_points(
     points = np.asarray(points, dtype=np.float64)
     if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
         raise InvalidInput("points must be K rows of two finite numbers, x and y in pixels")
+    size, stored = performance.image_size, performance.stored_size
+    stored = size if stored is None else stored
+    points = rescaled(points, stored, size)
     surface = RefinedSurface(performance)
     start = performance.index_of(frame) if frame is not None else 0
     under = places_under(surface, points, start)
@@ -69,7 +76,7 @@ def track_points(
         turned = cosines(seen, places) > GRAZING
         in_front = places[:, 2] > 1e-3
         shown_at = performance.project(np.where(in_front[:, None], places, np.nan))
-        tracks[i, on_face] = shown_at + offset
+        tracks[i, on_face] = rescaled(shown_at + offset, size, stored)
         shown = _core.show_points(surface.camera, vertices, surface.faces, places, COVERED)
         visible[i, on_face] = turned & shown
     return Tracks(tracks, visible, on_face)
@@ -118,7 +125,7 @@ def _read_row(path: Path, line: int, row: list[str]) -> tuple[float, float]:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("performance", type=Path, help="performance.npz of a capture")
     parser.add_argument(
-        "--at", type=Path, required=True, metavar="POINTS.csv", help="x,y in pixels"
+        "--at", type=Path, required=True, metavar="POINTS.csv", help="x,y in pixels of the clip"
     )
     parser.add_argument("--frame", type=int, help="frame the pixels are in (default: the first)")
     parser.add_argument("--out", type=Path, required=True, metavar="TRACKS.npz")

@@ -49,6 +49,11 @@ def picture_pixels(coordinates: ArrayLike, image_size: ArrayLike) -> NDArray[np.
     return np.column_stack([parts[:, 0], 1 - parts[:, 1]]) * np.asarray(image_size) - 0.5
 
 
+def rescaled(pixels: ArrayLike, from_size: ArrayLike, to_size: ArrayLike) -> NDArray[np.float64]:
+    """Pixels (K x 2) of a picture of one size (width, height), in the same picture at another."""
+    return picture_pixels(picture_coordinates(np.reshape(pixels, (-1, 2)), from_size), to_size)
+
+
 def project_uv(performance: Performance, i: int) -> NDArray[np.float64]:
     """Texture coordinates (V x 2, 0 to 1, origin bottom left) of the vertices in frame index `i`.
 
