@@ -6,11 +6,17 @@
 
 namespace mimetic::validation {
 
+/// What of the core computes a case.
+enum class Element {
+    skin,   ///< SkinModel: three unknowns a vertex, what moves the face
+    plate,  ///< ShellModel: six unknowns a vertex; no face has it
+};
+
 /// One published or closed-form case, computed on finer and finer meshes.
 struct Benchmark {
-    std::string name;      ///< one word for files: scordelis_lo
-    std::string title;     ///< "Scordelis-Lo roof"
-    std::string element;   ///< which of the core's elements computes it
+    std::string name;   ///< one word for files: scordelis_lo
+    std::string title;  ///< "Scordelis-Lo roof"
+    Element element = Element::skin;
     std::string quantity;  ///< what is compared, with its unit
     double reference = 0;  ///< 0: the value is an error itself, and `limit` is absolute
     std::string source;

@@ -154,19 +154,19 @@ std::vector<Benchmark> element_benchmarks() {
     const char* energy = "work of the load against twice the energy";
     const std::vector<int> meshes = {4, 8};
     return {
-        {"membrane_patch", "Membrane patch test, irregular", "skin", solution, 0, patch, meshes, 4, kRounding,
-         membrane_patch},
-        {"bending_patch_skin", "Bending patch test, even", "skin", solution, 0, patch, meshes, 4, kRounding,
-         skin_bending_patch},
-        {"bending_patch", "Bending patch test, irregular", "CST + DKT", solution, 0, patch, meshes, 4,
+        {"membrane_patch", "Membrane patch test, irregular", Element::skin, solution, 0, patch, meshes, 4,
+         kRounding, membrane_patch},
+        {"bending_patch_skin", "Bending patch test, even", Element::skin, solution, 0, patch, meshes, 4,
+         kRounding, skin_bending_patch},
+        {"bending_patch", "Bending patch test, irregular", Element::plate, solution, 0, patch, meshes, 4,
          kRounding, plate_patch},
-        {"rigid_motion_skin", "Rigid motion", "skin", motions, 6, "exact", meshes, 4, kRounding,
+        {"rigid_motion_skin", "Rigid motion", Element::skin, motions, 6, "exact", meshes, 4, kRounding,
          skin_free_motions},
-        {"rigid_motion", "Rigid motion", "CST + DKT", motions, 6, "exact", meshes, 4, kRounding,
+        {"rigid_motion", "Rigid motion", Element::plate, motions, 6, "exact", meshes, 4, kRounding,
          shell_free_motions},
-        {"energy_skin", "Static energy balance", "skin", energy, 0, "exact", meshes, 4, kRounding,
+        {"energy_skin", "Static energy balance", Element::skin, energy, 0, "exact", meshes, 4, kRounding,
          skin_energy},
-        {"energy", "Static energy balance", "CST + DKT", energy, 0, "exact", meshes, 4, kRounding,
+        {"energy", "Static energy balance", Element::plate, energy, 0, "exact", meshes, 4, kRounding,
          shell_energy},
     };
 }

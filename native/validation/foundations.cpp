@@ -95,7 +95,7 @@ std::vector<Benchmark> foundation_benchmarks() {
     return {
         {"winkler_decay",
          "Membrane on a foundation, pulled at its end",
-         "skin",
+         Element::skin,
          "decay length, m",
          kDecay,
          "exp(-x / length)",
@@ -105,7 +105,7 @@ std::vector<Benchmark> foundation_benchmarks() {
          decay_length},
         {"spread",
          "Sheet on a foundation, pulled at one point",
-         "skin",
+         Element::skin,
          "spread length, m",
          kDecay,
          "Green's function, Bessel K0 and K1",

@@ -121,22 +121,22 @@ std::vector<Benchmark> plate_benchmarks() {
     const char* beam = "Euler-Bernoulli beam";
     const double tone = std::sqrt(1e6 * 1e-6 / 12 / 1000) / 0.01;  // sqrt(E t^2 / (12 rho)) / L^2
     return {
-        {"plate_supported_skin", "Square plate, simply supported", "skin", middle, 0.00406235, timoshenko,
-         meshes, 32, 0.03, [](int n) { return skin_supported(n, true); }},
-        {"plate_irregular_skin", "The same on an irregular mesh", "skin", middle, 0.00406235, timoshenko,
-         meshes, 32, 0.03, [](int n) { return skin_supported(n, false); }},
-        {"plate_supported", "Square plate, simply supported", "CST + DKT", middle, 0.00406235, timoshenko,
+        {"plate_supported_skin", "Square plate, simply supported", Element::skin, middle, 0.00406235,
+         timoshenko, meshes, 32, 0.03, [](int n) { return skin_supported(n, true); }},
+        {"plate_irregular_skin", "The same on an irregular mesh", Element::skin, middle, 0.00406235,
+         timoshenko, meshes, 32, 0.03, [](int n) { return skin_supported(n, false); }},
+        {"plate_supported", "Square plate, simply supported", Element::plate, middle, 0.00406235, timoshenko,
          meshes, 32, 0.03, [](int n) { return shell_plate(n, Edge::supported); }},
-        {"plate_clamped_skin", "Square plate, clamped", "skin", middle, 0.00126532, timoshenko, meshes, 32,
-         0.03, skin_clamped},
-        {"plate_clamped", "Square plate, clamped", "CST + DKT", middle, 0.00126532, timoshenko, meshes, 32,
+        {"plate_clamped_skin", "Square plate, clamped", Element::skin, middle, 0.00126532, timoshenko, meshes,
+         32, 0.03, skin_clamped},
+        {"plate_clamped", "Square plate, clamped", Element::plate, middle, 0.00126532, timoshenko, meshes, 32,
          0.03, [](int n) { return shell_plate(n, Edge::clamped); }},
-        {"cantilever_1", "Cantilever strip, first tone", "CST + DKT", "Hz", 0.559594 * tone, beam, strips, 20,
-         0.03, [](int n) { return cantilever(n, 0); }},
-        {"cantilever_2", "Cantilever strip, second tone", "CST + DKT", "Hz", 3.506907 * tone, beam, strips,
+        {"cantilever_1", "Cantilever strip, first tone", Element::plate, "Hz", 0.559594 * tone, beam, strips,
+         20, 0.03, [](int n) { return cantilever(n, 0); }},
+        {"cantilever_2", "Cantilever strip, second tone", Element::plate, "Hz", 3.506907 * tone, beam, strips,
          20, 0.03, [](int n) { return cantilever(n, 1); }},
-        {"cantilever_3", "Cantilever strip, third tone", "CST + DKT", "Hz", 9.819400 * tone, beam, strips, 20,
-         0.03, [](int n) { return cantilever(n, 2); }},
+        {"cantilever_3", "Cantilever strip, third tone", Element::plate, "Hz", 9.819400 * tone, beam, strips,
+         20, 0.03, [](int n) { return cantilever(n, 2); }},
     };
 }
 

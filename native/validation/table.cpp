@@ -13,6 +13,10 @@ std::string digits(double value, int count = 4) {
     return text.str();
 }
 
+const char* element_name(Element element) { return element == Element::skin ? "skin" : "CST + DKT"; }
+
+const char* moves_face(Element element) { return element == Element::skin ? "yes" : "no"; }
+
 /// Errors at rounding differ from machine to machine: their size is enough.
 std::string value_text(const Benchmark& benchmark, double value) {
     if (benchmark.reference != 0) {
@@ -33,12 +37,14 @@ std::string error_text(const Benchmark& benchmark, const Outcome& outcome) {
 }  // namespace
 
 void write_header(std::ostream& out) {
-    out << "| case | element | quantity | values at n | reference | source | error | limit | verdict |\n"
-        << "| --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
+    out << "| case | element | moves the face | quantity | values at n | reference | source | error | limit "
+           "| verdict |\n"
+        << "| --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |\n";
 }
 
 void write_row(std::ostream& out, const Benchmark& b, const Outcome& outcome) {
-    out << "| " << b.title << " | " << b.element << " | " << b.quantity << " | ";
+    out << "| " << b.title << " | " << element_name(b.element) << " | " << moves_face(b.element) << " | "
+        << b.quantity << " | ";
     for (std::size_t i = 0; i < b.meshes.size(); ++i) {
         const char* mark = b.meshes[i] == b.stated_mesh ? "**" : "";
         out << (i > 0 ? ", " : "") << mark << b.meshes[i] << ": " << value_text(b, outcome.values[i]) << mark;
@@ -54,7 +60,7 @@ void write_csv_header(std::ostream& out) {
 
 void write_csv(std::ostream& out, const Benchmark& b, const Outcome& outcome) {
     for (std::size_t i = 0; i < b.meshes.size(); ++i) {
-        out << b.name << ",\"" << b.title << "\"," << b.element << ',' << b.meshes[i] << ','
+        out << b.name << ",\"" << b.title << "\"," << element_name(b.element) << ',' << b.meshes[i] << ','
             << digits(outcome.values[i], 8) << ',' << digits(b.reference, 8) << ','
             << digits(outcome.errors[i], 8) << ',' << b.stated_mesh << ',' << b.limit << '\n';
     }

@@ -10,6 +10,23 @@ import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
 STANDARD_HEADER = re.compile(r"<[a-z_]+>")
+# The folders of native/src in their order, each with its public headers: it sees those before it.
+STAGES = {
+    "shared": ("camera", "error", "image", "progress", "types"),
+    "surface": ("surface",),
+    "flow": ("flow",),
+    "overlay": ("depth", "overlay"),
+    "locate": ("cascade", "eigenspace", "face_spaces", "landmarks", "locate"),
+    "fit": ("fit",),
+    "skin": (
+        *("contact", "corotational_skin", "shell", "skin", "skin_check", "skin_dynamics", "strain"),
+    ),
+    "muscles": ("muscles",),
+    "head": ("head",),
+    "solve": ("solve",),
+}
+# Modules of the package that name single muscles, to use them (CONTRIBUTING, "How to add a muscle")
+NAMING_MUSCLES = {"excursions.py", "motion_table.py", "unit_muscles.py"}
 
 
 def offences(folder: str, suffixes: tuple[str, ...], pattern: str, allowed: tuple[str, ...] = ()):
@@ -41,6 +58,40 @@ def test_public_headers_include_eigen_and_the_standard_library_only():
         if not re.search(r"<(Eigen|mimetic)/", line) and not STANDARD_HEADER.search(line)
     ]
     assert strange == []
+
+
+def test_every_stage_of_the_core_is_in_the_order():
+    folders = {path.name for path in (ROOT / "native/src").iterdir()}
+    headers = {path.stem for path in (ROOT / "native/include/mimetic").rglob("*.hpp")}
+    assert folders == set(STAGES)
+    assert sorted(headers) == sorted(header for own in STAGES.values() for header in own)
+
+
+@pytest.mark.parametrize("stage", list(STAGES)[:-1])
+def test_a_stage_of_the_core_sees_earlier_ones_alone(stage):
+    order = list(STAGES)
+    later = order[order.index(stage) + 1 :]
+    public = "|".join(header for name in later for header in STAGES[name])
+    private = "|".join(later)
+    pattern = rf"#include (<mimetic/({public})\.hpp>|\"([./]*/)?({private})/)"
+    own = tuple(f"native/include/mimetic/{header}.hpp" for header in STAGES[stage])
+    assert [
+        line
+        for line in offences("native", (".hpp", ".cpp"), pattern)
+        if line.startswith((f"native/src/{stage}/", *own))
+    ] == []
+
+
+def test_muscles_are_described_in_one_file():
+    import tomllib
+
+    table = ROOT / "native/python/mimetic/data/muscles.toml"
+    names = [row["name"] for row in tomllib.loads(table.read_text(encoding="utf-8"))["muscle"]]
+    named = rf"\b({'|'.join(names)})\b"
+    assert offences("native/src", (".hpp", ".cpp"), named) == []
+    assert offences("blender_addon", (".py",), named) == []
+    naming = offences("native/python/mimetic", (".py",), rf"[\"'`]{named}(\.[LR])?[\"'`]")
+    assert {Path(line.split(":")[0]).name for line in naming} == NAMING_MUSCLES
 
 
 def test_the_package_knows_no_blender():
