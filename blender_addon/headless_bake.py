@@ -1,23 +1,28 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bakes a performance in a Blender without a window: what `mimetic bake` starts as a child process.
 
-Run by a Python that has the bpy module. Standard input: a request as JSON; the file it names as
-`answer` gets {"text": ...} or, for bad input, {"error": ...}.
+Run by a Python that has the bpy module. Standard input: a line with a request as JSON; the file it
+names as `answer` gets {"text": ...} or, for bad input, {"error": ...}. Standard input then stays
+open as long as the parent lives: when it closes this process ends, too.
 """
 
+import contextlib
 import importlib
 import importlib.util
 import json
 import os
+import shutil
 import sys
 import tempfile
+import threading
 from pathlib import Path
 
 REPOSITORY = "mimetic_headless"
 
 
 def main() -> None:
-    request = json.load(sys.stdin)
+    request = json.loads(sys.stdin.readline())
+    end_with_parent(request)
     if importlib.util.find_spec("mimetic") is None:
         sys.path.append(request["package_folder"])
     with tempfile.TemporaryDirectory() as user_files:
@@ -25,6 +30,24 @@ def main() -> None:
         os.environ["BLENDER_USER_RESOURCES"] = user_files
         answer = bake(request)
     Path(request["answer"]).write_text(json.dumps(answer), encoding="utf-8")
+
+
+def end_with_parent(request: dict) -> None:
+    """Ends this process when its parent is gone, however that was ended, and leaves nothing."""
+
+    def wait() -> None:
+        with contextlib.suppress(OSError):
+            # Not by sys.stdin, whose lock a thread must not hold when the interpreter ends
+            os.read(0, 1)
+        out = Path(request["out"])
+        for left in (out, *out.parent.glob(f".{out.stem}.*"), Path(request["answer"]).parent):
+            if left.is_dir():
+                shutil.rmtree(left, ignore_errors=True)
+            else:
+                left.unlink(missing_ok=True)
+        os._exit(1)
+
+    threading.Thread(target=wait, daemon=True).start()
 
 
 def bake(request: dict) -> dict:

@@ -81,5 +81,5 @@ def test_a_failing_disk_is_one_line_and_status_1(tmp_path, capsys, monkeypatch):
     words = ("points", tmp_path / "p.npz", "--at", tmp_path / "at.csv", "--out", tmp_path / "t.npz")
     status = main([str(word) for word in words])
     assert status == 1
-    assert capsys.readouterr().err == "mimetic: No space left on device\n"
+    assert capsys.readouterr().err == f"mimetic: {tmp_path / 't.npz'}: No space left on device\n"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["at.csv", "p.npz"]

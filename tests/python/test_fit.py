@@ -259,7 +259,7 @@ def test_fit_of_an_older_file_is_read(tmp_path, template, fitted):
 
 
 def test_files_that_are_no_fit_are_refused(tmp_path):
-    with pytest.raises(UnreadableMedia, match="No such file"):
+    with pytest.raises(UnreadableMedia, match="no such file"):
         FaceFit.load(tmp_path / "missing.json")
     for content in (b"", b"[1]", b"\xff\xfe", b"{" * 1000):
         (tmp_path / "bad.json").write_bytes(content)

@@ -166,7 +166,7 @@ def test_other_files_and_missing_ones_are_named(tmp_path):
     with pytest.raises(InvalidInput, match=r"read from \.obj, \.ply, \.glb, \.gltf files"):
         read_mesh(tmp_path / "head.fbx")
     for suffix in ("obj", "ply", "glb"):
-        with pytest.raises(UnreadableMedia, match="No such file"):
+        with pytest.raises(UnreadableMedia, match="no such file"):
             read_mesh(tmp_path / f"none.{suffix}")
     with pytest.raises(InvalidInput, match="larger than"):
         path = tmp_path / "head.ply"

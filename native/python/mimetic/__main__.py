@@ -1,6 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+"""Where a process of the command line begins."""
+
 import sys
 
-from mimetic.cli import main
+from mimetic.interrupts import exit_on_signals, ignore_signals
 
-sys.exit(main())
+
+def main() -> int:
+    """Runs the command line; returns the exit status."""
+    exit_on_signals()
+    from mimetic import cli  # numpy and the core: half a second in which Ctrl-C may come
+
+    status = cli.main()
+    ignore_signals()
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())

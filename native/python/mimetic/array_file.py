@@ -23,6 +23,7 @@ import numpy as np
 from numpy.typing import DTypeLike
 
 from mimetic import InvalidInput, UnreadableMedia
+from mimetic.regular_file import check_input
 
 LARGEST_BYTES = 2 << 30  # of a file, and of its arrays as they are kept in memory
 MOST_ARRAYS = 1000
@@ -141,19 +142,13 @@ def open_arrays(
 
     what: the file is supposed to be. Raises UnreadableMedia, InvalidInput.
     """
+    check_input(path, what)
     try:
         with contextlib.ExitStack() as opened:
-            try:
-                stream = opened.enter_context(_FrugalFile(path))
-                if os.fstat(stream.fileno()).st_size > LARGEST_BYTES:
-                    raise InvalidInput(f"is larger than {LARGEST_BYTES} bytes")
-                archive = opened.enter_context(_opened_zip(stream))
-            except FileNotFoundError:
-                raise UnreadableMedia(f"{path}: there is no such file") from None
-            except IsADirectoryError:
-                raise UnreadableMedia(f"{path} is a folder; give {what}") from None
-            except PermissionError:
-                raise UnreadableMedia(f"{path}: no permission to read it") from None
+            stream = opened.enter_context(_FrugalFile(path))
+            if os.fstat(stream.fileno()).st_size > LARGEST_BYTES:
+                raise InvalidInput(f"is larger than {LARGEST_BYTES} bytes")
+            archive = opened.enter_context(_opened_zip(stream))
             yield ArrayArchive(archive)
     except _Damage as error:
         raise UnreadableMedia(f"{path} is not {what} or is damaged ({error})") from None

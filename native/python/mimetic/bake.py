@@ -4,9 +4,11 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import importlib.util
 import json
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -14,6 +16,8 @@ from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.pose_smoothing import USUAL_STRENGTH
+from mimetic.regular_file import check_input, check_target
+from mimetic.whole_file import file_beside
 
 SUFFIXES = (".glb", ".blend")
 SCRIPT = "headless_bake.py"
@@ -87,8 +91,7 @@ def parse_target(text: str) -> dict:
     path, _, name = text.rpartition(":")
     if not path.endswith(".blend") or not name:
         raise InvalidInput(f"--target {text}: give it as RIG.blend:OBJECT")
-    if not Path(path).is_file():
-        raise UnreadableMedia(f"--target {path}: there is no such file")
+    check_input(path, "the .blend of a rig")
     return {"file": str(Path(path).absolute()), "object": name}
 
 
@@ -102,35 +105,43 @@ def bake(
 ) -> str:
     """Writes `out`, whole or not at all; returns a line that says what is in it.
 
+    Blender works in a process of its own on a file beside `out`, and ends when this one ends: only
+    this process puts the file in its place.
+
     blender_python: a Python with the bpy module, this one if None. target: what `parse_target`
     gives, with `settings` for the head's motion on it; None bakes the person's own face.
     with_detail: shapes and curves of the surface that the muscles leave unexplained too.
     Raises InvalidInput, UnreadableMedia, and OSError where `out` cannot be written.
     """
-    out = Path(out).absolute()
+    out = Path(os.path.realpath(out))
     if out.suffix not in SUFFIXES:
         raise InvalidInput(f"--out {out.name}: bake writes {' and '.join(SUFFIXES)} files")
     if target and out.suffix != ".blend":
         raise InvalidInput(f"--out {out.name}: a target is written as .blend")
-    if not out.parent.is_dir():
-        raise UnreadableMedia(f"--out {out}: there is no folder {out.parent}")
-    for given in (performance, footage):
-        if given is not None and not Path(given).exists():
-            raise UnreadableMedia(f"{given}: there is no such file")
+    check_input(performance, "the performance.npz of a capture")
+    if footage is not None:
+        check_input(footage, "a video file")
+    check_target(out, performance, *([] if footage is None else [footage]))
     python = blender_python or python_with_blender()
-    with tempfile.TemporaryDirectory(prefix="mimetic-bake-") as folder:
+    with (
+        tempfile.TemporaryDirectory(prefix="mimetic-bake-") as folder,
+        file_beside(out, out.suffix) as aside,
+    ):
         request = {
             "performance": str(Path(performance).absolute()),
-            "out": str(out),
+            "out": str(aside),
             "footage": None if footage is None else str(Path(footage).absolute()),
             "package_folder": str(Path(__file__).absolute().parents[1]),
             "target": target,
             "with_detail": with_detail,
             "answer": str(Path(folder, "answer.json")),
         }
-        answer = _ask(python, request)
-    if "error" in answer:
-        raise InvalidInput(answer["error"])
+        try:
+            answer = _ask(python, request, Path(folder))
+        finally:
+            _remove_left_beside(aside)
+        if "error" in answer:
+            raise InvalidInput(answer["error"].replace(str(aside), str(out)))
     return answer["text"]
 
 
@@ -153,28 +164,50 @@ def extension_folder() -> Path:
     raise UnreadableMedia(f"{here.parent}: the Blender extension is missing; install Mimetic again")
 
 
-def _ask(python: os.PathLike[str] | str, request: dict) -> dict:
-    """Runs the child; returns its answer."""
+def _remove_left_beside(aside: Path) -> None:
+    """What a Blender that was ended had begun: files and folders named after `aside`."""
+    for left in aside.parent.glob(f".{aside.stem}.*"):
+        if left.is_dir():
+            shutil.rmtree(left, ignore_errors=True)
+        else:
+            left.unlink(missing_ok=True)
+
+
+def _ask(python: os.PathLike[str] | str, request: dict, folder: Path) -> dict:
+    """Runs the child, with `folder` for all that it keeps for a while; returns its answer."""
     # Isolated (-I): nothing of the caller's environment or folder changes what is imported
     command = [os.fspath(python), "-I", str(extension_folder() / SCRIPT)]
+    log = folder / "blender.log"
     try:
-        ran = subprocess.run(
-            command,
-            input=json.dumps(request),
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            text=True,
-            errors="replace",
-            check=False,
-        )
+        with open(log, "wb") as stream:
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.PIPE,
+                stdout=stream,
+                stderr=subprocess.STDOUT,
+                env={**os.environ, "TMPDIR": str(folder)},
+                start_new_session=True,  # Ctrl-C is ours to handle
+            )
     except OSError as error:
         raise UnreadableMedia(f"--blender-python {python}: {error.strerror}") from None
+    try:
+        # Standard input stays open while this process lives: the child ends when it closes
+        with contextlib.suppress(BrokenPipeError):
+            process.stdin.write(json.dumps(request).encode() + b"\n")
+            process.stdin.flush()
+        process.wait()
+    finally:
+        process.kill()
+        process.wait()
+        with contextlib.suppress(BrokenPipeError):
+            process.stdin.close()
     answer = Path(request["answer"])
-    if ran.returncode == 0 and answer.exists():
+    if process.returncode == 0 and answer.exists():
         return json.loads(answer.read_text(encoding="utf-8"))
-    if "No module named 'bpy'" in ran.stdout:
+    told = log.read_text(encoding="utf-8", errors="replace")
+    if "No module named 'bpy'" in told:
         raise InvalidInput(
             f"--blender-python {python} has no Blender module: pip install bpy in it"
         )
-    last_lines = "\n".join(ran.stdout.strip().splitlines()[-12:])
-    raise OSError(f"Blender failed (exit status {ran.returncode}):\n{last_lines}")
+    last_lines = "\n".join(told.strip().splitlines()[-12:])
+    raise OSError(f"Blender failed (exit status {process.returncode}):\n{last_lines}")

@@ -12,8 +12,10 @@ from mimetic.calibrate import Found
 from mimetic.calibration import REGIONS
 from mimetic.calibration_capture import calibrate
 from mimetic.clip_command import parse_frames
-from mimetic.console import Console, listen_for_interrupt
+from mimetic.console import Console
 from mimetic.fit import FaceFit
+from mimetic.interrupts import listen_for_interrupt
+from mimetic.regular_file import check_target
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -40,8 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run_calibrate(arguments: argparse.Namespace) -> int:
     """Writes the fit and tells what was found; bad input raises, and writes nothing."""
     out = arguments.out
-    if out.is_dir() or not out.parent.is_dir():
-        raise InvalidInput(f"--out {out}: give a file in a folder that exists")
+    check_target(out, arguments.footage)
     fit = FaceFit.load(arguments.fit) if arguments.fit else None
     with Console() as console, listen_for_interrupt("nothing is kept") as interrupted:
 

@@ -38,26 +38,20 @@ def run_capture(arguments: argparse.Namespace) -> int:
         summary.settings["estimator"] = arguments.estimator
         return follow_face(arguments.footage, arguments.frames, fit, progress, summary)
 
-    def draw(performance, footage, summary, progress, interrupted):
-        out = arguments.out
-        return write_pictures(performance, footage, out, summary, progress, interrupted)
-
-    return run_on_clip(arguments, (CAPTURED, DRAWN), follow, draw)
+    return run_on_clip(arguments, (CAPTURED, DRAWN), follow, write_pictures)
 
 
 def write_pictures(
     performance: Performance,
     footage: Footage,
-    out: Path,
+    folder: Path,
     summary: CaptureSummary,
     progress: Progress | None = None,
     interrupted: Callable[[], bool] = lambda: False,
-) -> list[str]:
-    """overlay.mp4 and report.html, after an interrupt the report alone; returns their names."""
-    written = []
+) -> None:
+    """overlay.mp4 and report.html, after an interrupt the report alone."""
     start = time.perf_counter()
-    if not interrupted() and write_overlay(performance, footage, out / "overlay.mp4", progress):
-        written.append("overlay.mp4")
+    if not interrupted():
+        write_overlay(performance, footage, folder / "overlay.mp4", progress)
     summary.add("draw and encode the overlay", time.perf_counter() - start)
-    write_report(performance, footage, out / "report.html", summary)
-    return [*written, "report.html"]
+    write_report(performance, footage, folder / "report.html", summary)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The command line: `mimetic COMMAND ...`.
 
-Exit status: 0 done, 1 failed, 2 bad input, 130 ended by Ctrl-C.
+Exit status: 0 done, 1 failed, 2 bad input, 130 ended by Ctrl-C, 143 by SIGTERM.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import sys
 from collections.abc import Sequence
 
 from mimetic import InvalidInput, UnreadableMedia, __version__
+from mimetic.interrupts import signals_raised
 from mimetic.shown_text import shown
 
 # command: (module with add_arguments(parser) and run_<command>(arguments) -> status, summary)
@@ -44,12 +45,14 @@ def main(arguments: Sequence[str] | None = None) -> int:
         options = parser.parse_args(arguments)
     except SystemExit as request:  # argparse has told why
         return int(request.code or 0)
+    _write_any_name(sys.stdout)
     try:
-        return options.run(options)
+        with signals_raised():
+            return options.run(options)
     except (InvalidInput, UnreadableMedia) as error:
         return _fail(error, BAD_INPUT)
-    except KeyboardInterrupt:
-        return _fail("stopped", INTERRUPTED)
+    except KeyboardInterrupt as request:
+        return _fail("stopped", getattr(request, "status", INTERRUPTED))
     except BrokenPipeError:  # `mimetic info ... | head`
         sys.stderr.close()
         return FAILED
@@ -78,6 +81,12 @@ def _make_parser(arguments: list[str]) -> argparse.ArgumentParser:
             module.add_arguments(command)
             command.set_defaults(run=getattr(module, f"run_{name}"))
     return parser
+
+
+def _write_any_name(stream) -> None:
+    """Names of files may hold what the stream's encoding lacks: that is no reason to fail."""
+    if hasattr(stream, "reconfigure"):
+        stream.reconfigure(errors="backslashreplace")
 
 
 def _fail(error: object, status: int) -> int:

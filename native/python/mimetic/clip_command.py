@@ -5,21 +5,24 @@ from __future__ import annotations
 
 import argparse
 import re
+import shutil
+import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
-from mimetic.console import Console, listen_for_interrupt
+from mimetic.console import Console
 from mimetic.fit import FaceFit
 from mimetic.footage import Footage
+from mimetic.interrupts import listen_for_interrupt
 from mimetic.performance import Performance
 from mimetic.pipeline import CaptureSummary, Progress, find_face
 from mimetic.report import check_report_packages
+from mimetic.results import OF_A_CLIP, PERFORMANCE, prepare_folder, publish, staging
 
-INTERRUPTED = 130
 Follow = Callable[[FaceFit | None, Progress, CaptureSummary], Performance]
-# (performance, footage, summary, progress, interrupted) -> names of the files written
-Draw = Callable[[Performance, Footage, CaptureSummary, Progress, Callable[[], bool]], list[str]]
+# (performance, footage, folder, summary, progress, interrupted): writes pictures in the folder
+Draw = Callable[[Performance, Footage, Path, CaptureSummary, Progress, Callable[[], bool]], None]
 
 
 def add_clip_arguments(parser: argparse.ArgumentParser, shown: str) -> None:
@@ -71,7 +74,9 @@ def run_on_clip(
 ) -> int:
     """Follows, saves, draws, tells; returns the exit status.
 
-    shares: of the whole command done when following and when drawing with progress ends.
+    shares: of the whole command done when following and when drawing with progress ends. The
+    results appear in the folder together when all are done; of a run that is stopped, or fails
+    after the following, what is finished is kept. Raises what the work raises.
     """
     check_report_packages()
     out = arguments.out
@@ -81,8 +86,13 @@ def run_on_clip(
             "--face chooses a face to find, --fit says where it is: give one of them"
         )
     fit = FaceFit.load(arguments.fit) if arguments.fit else None
-    prepare_folder(out)
-    with Console() as console, listen_for_interrupt() as interrupted:
+    prepare_folder(out, OF_A_CLIP, footage.path)
+    summary = CaptureSummary()
+    with (
+        staging(out) as folder,
+        Console() as console,
+        listen_for_interrupt() as interrupted,
+    ):
 
         def advance(share: float, whole: float) -> Progress:
             def progress(fraction: float, text: str) -> bool:
@@ -91,7 +101,6 @@ def run_on_clip(
 
             return progress
 
-        summary = CaptureSummary()
         try:
             if arguments.face:
                 frames, near = arguments.frames, arguments.face
@@ -101,28 +110,46 @@ def run_on_clip(
             if interrupted():  # before there was anything to keep
                 raise KeyboardInterrupt from None
             raise
-        performance.save(out / "performance.npz")
-        summary.fit.save(out / "fit.json")
-        remaining = advance(shares[1] - shares[0], shares[0])
-        drawn = draw(performance, footage, summary, remaining, interrupted)
-        written = ["performance.npz", "fit.json", *drawn]
+        save_performance(performance, folder / PERFORMANCE, console.tell)
+        failure = None
+        try:
+            summary.fit.save(folder / "fit.json")
+            remaining = advance(shares[1] - shares[0], shares[0])
+            draw(performance, footage, folder, summary, remaining, interrupted)
+        except OSError as error:  # a full disk, footage that is gone: the capture is done
+            failure = error
         console.show(1.0, "done")
+        written = sorted(path.name for path in folder.iterdir())
+        where = publish(folder, out, finished=not interrupted() and failure is None)
+        tell_results(console, performance, where, written)
+        if where != out:
+            console.tell(f"note: not finished; {out} keeps the results that were there before")
+        if failure:
+            raise failure
+    return interrupted.status
+
+
+def save_performance(performance: Performance, path: Path, tell: Callable[[str], None]) -> None:
+    """Saves hours of work: where `path` cannot be written, in the system's folder for such files.
+
+    Raises the OSError of the first try.
+    """
+    try:
+        performance.save(path)
+    except OSError:
+        folder = Path(tempfile.mkdtemp(prefix="mimetic-"))
+        try:
+            performance.save(folder / path.name)
+        except OSError:
+            shutil.rmtree(folder, ignore_errors=True)
+        else:
+            tell(f"{folder / path.name}: kept here, {performance.num_frames} frames")
+        raise
+
+
+def tell_results(
+    console: Console, performance: Performance, folder: Path, written: list[str]
+) -> None:
     for note in performance.notes or ():
         console.tell(f"note: {note}")
-    console.tell(f"{out}: {', '.join(written)}; {performance.num_frames} frames")
-    return INTERRUPTED if interrupted() else 0
-
-
-def prepare_folder(folder: Path) -> None:
-    """Makes sure, before hours of work, that results can be written; raises UnreadableMedia."""
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        probe = folder / ".mimetic-write-test"
-        probe.touch()
-        probe.unlink()
-    except FileExistsError:
-        raise InvalidInput(f"--out {folder} is a file; give a folder") from None
-    except OSError as error:
-        raise UnreadableMedia(
-            f"--out {folder}: {error.strerror}; give a folder that can be written to"
-        ) from None
+    console.tell(f"{folder}: {', '.join(written)}; {performance.num_frames} frames")

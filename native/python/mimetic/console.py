@@ -1,13 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a command says while it works, and how Ctrl-C is heard."""
+"""What a command says while it works."""
 
 from __future__ import annotations
 
-import contextlib
-import signal
 import sys
-import threading
-from collections.abc import Callable, Iterator
 from time import monotonic
 
 from mimetic.shown_text import shown
@@ -73,26 +69,3 @@ def _make_bar():
         TextColumn("left"),
         console=RichConsole(stderr=True),
     )
-
-
-@contextlib.contextmanager
-def listen_for_interrupt(
-    announced: str = "keeping what is done",
-) -> Iterator[Callable[[], bool]]:
-    """The first Ctrl-C asks to finish what is begun, the second ends at once.
-
-    announced: what the user is told will become of the work.
-    """
-    asked = threading.Event()
-
-    def ask(_signal, _frame) -> None:
-        if asked.is_set():
-            raise KeyboardInterrupt
-        asked.set()
-        print(f"\nstopping: {announced} (Ctrl-C again ends at once)", file=sys.stderr)
-
-    before = signal.signal(signal.SIGINT, ask)
-    try:
-        yield asked.is_set
-    finally:
-        signal.signal(signal.SIGINT, before)

@@ -11,13 +11,16 @@ from numpy.typing import NDArray
 
 from mimetic import _core
 from mimetic.canonical_image import canonical_image
-from mimetic.clip_command import parse_frames, prepare_folder
+from mimetic.clip_command import parse_frames
 from mimetic.face_fit import FaceFit
 from mimetic.face_template import FaceTemplate, load_template
 from mimetic.footage import Footage
 from mimetic.overlay import CLEAR_WIDTH, HIDDEN_REGIONS
 from mimetic.pipeline import find_face
+from mimetic.results import prepare_folder, publish, staging
 from mimetic.whole_file import whole_file
+
+WRITTEN = ("fit.json", "fit.png", "canonical.png")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -33,19 +36,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_fit(arguments: argparse.Namespace) -> int:
-    """Writes fit.json, fit.png and canonical.png; bad input raises."""
+    """Writes fit.json, fit.png and canonical.png together; bad input raises."""
     footage = Footage(arguments.footage)
-    prepare_folder(arguments.out)
+    out = arguments.out
+    prepare_folder(out, WRITTEN, footage.path)
     fit = find_face(arguments.footage, arguments.frame, arguments.frames)
     image = footage.read(fit.frame)
-    fit.save(arguments.out / "fit.json")
-    _save(arguments.out / "fit.png", draw_fit(fit, image))
-    _save(arguments.out / "canonical.png", canonical_image(fit, image)[0])
+    with staging(out) as folder:
+        fit.save(folder / "fit.json")
+        _save(folder / "fit.png", draw_fit(fit, image))
+        _save(folder / "canonical.png", canonical_image(fit, image)[0])
+        publish(folder, out, finished=True)
     for warning in fit.warnings:
         print(f"note: {warning}")
     others = ", ".join(str(view.frame) for view in fit.views[1:])
     beside = f" and, beside it, {others}" if others else ""
-    print(f"{arguments.out}: fit.json, fit.png, canonical.png; frame {fit.frame}{beside}")
+    print(f"{out}: {', '.join(WRITTEN)}; frame {fit.frame}{beside}")
     return 0
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from mimetic import UnreadableMedia
 from mimetic.ffmpeg import ffmpeg_program
+from mimetic.regular_file import check_input
 
 SMALLEST, LARGEST = 16, 16384  # pixels, each side
 NEARLY_SQUARE = 1.01  # a pixel's longer side over its shorter: turns a head by a tenth of a degree
@@ -109,17 +110,9 @@ class Footage:
             self.warnings.append(warning)
 
     def _check_file(self) -> None:
-        try:
-            if not self.path.exists():
-                raise UnreadableMedia(f"{self.path}: there is no such file")
-            if not self.path.is_file():
-                raise UnreadableMedia(f"{self.path} is not a file; give a video file")
-            if self.path.stat().st_size == 0:
-                raise UnreadableMedia(f"{self.path} is empty; copy or record it again")
-        except UnreadableMedia:
-            raise
-        except (OSError, ValueError) as error:  # no permission; a name that cannot be
-            raise UnreadableMedia(f"{str(self.path)!r} cannot be opened: {error}") from None
+        check_input(self.path, "a video file")
+        if self.path.stat().st_size == 0:
+            raise UnreadableMedia(f"{self.path} is empty; copy or record it again")
 
     def _command(self, *options: str) -> list[str]:
         # "file:" before an absolute path: no name can be taken for an option or a protocol.

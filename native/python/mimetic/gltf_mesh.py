@@ -19,6 +19,7 @@ from mimetic import InvalidInput
 from mimetic.foreign_mesh import MAX_VERTICES
 from mimetic.gltf import read_chunks
 from mimetic.json_file import parse_json
+from mimetic.regular_file import check_input
 
 TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC3": 3}
@@ -29,7 +30,8 @@ DEEPEST = 100  # of nodes in nodes
 
 
 def check_bytes(path: Path) -> None:
-    """Raise InvalidInput on a file too large, OSError on none."""
+    """Raise InvalidInput on a file too large, UnreadableMedia on none."""
+    check_input(path, "a mesh")
     if path.stat().st_size > MAX_BYTES:
         raise InvalidInput(f"{path}: larger than {MAX_BYTES // 10**6} MB")
 

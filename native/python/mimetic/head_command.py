@@ -41,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_head(arguments: argparse.Namespace) -> int:
-    model, out = arguments.model, arguments.out
+    model = arguments.model
     check_strength(arguments.smoothing)
 
     def follow(fit, progress, summary):
@@ -51,15 +51,11 @@ def run_head(arguments: argparse.Namespace) -> int:
             smoothing=arguments.smoothing,
         )
 
-    def draw(performance, footage, summary, progress, interrupted):
-        write_motion_plot(performance, out / "motion.png")
-        written = ["motion.png"]
-        drawing = _drawing_of(performance, summary.head_shape)
-        if not interrupted() and write_overlay(
-            performance, footage, out / "overlay.mp4", progress, drawing
-        ):
-            written.append("overlay.mp4")
-        return written
+    def draw(performance, footage, folder, summary, progress, interrupted):
+        write_motion_plot(performance, folder / "motion.png")
+        if not interrupted():
+            drawing = _drawing_of(performance, summary.head_shape)
+            write_overlay(performance, footage, folder / "overlay.mp4", progress, drawing)
 
     return run_on_clip(arguments, (TRACKED, 1.0), follow, draw)
 

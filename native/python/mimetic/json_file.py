@@ -9,7 +9,8 @@ import os
 import re
 from pathlib import Path
 
-from mimetic import InvalidInput, UnreadableMedia
+from mimetic import InvalidInput
+from mimetic.regular_file import check_input
 
 MOST_VALUES = 2_000_000  # each takes some hundred bytes
 DEEPEST = 64  # of lists and objects in each other
@@ -24,16 +25,10 @@ def read_json(path: str | os.PathLike, what: str, largest: int) -> object:
     none, InvalidInput.
     """
     path = Path(path)
-    try:
-        if path.stat().st_size > largest:
-            raise InvalidInput(f"{path}: not {what}: larger than {largest / 1e6:.3g} MB")
-        content = path.read_bytes()
-    except OSError as error:
-        raise UnreadableMedia(f"{path}: {error.strerror}; give {what} (JSON)") from None
-    except ValueError as error:  # of a name that cannot be
-        if isinstance(error, InvalidInput):
-            raise
-        raise UnreadableMedia(f"{str(path)!r}: {error}") from None
+    check_input(path, f"{what} (JSON)")
+    if path.stat().st_size > largest:
+        raise InvalidInput(f"{path}: not {what}: larger than {largest / 1e6:.3g} MB")
+    content = path.read_bytes()
     try:
         return parse_json(content)
     except InvalidInput as error:

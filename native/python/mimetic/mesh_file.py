@@ -32,9 +32,9 @@ def read_mesh(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     try:
         check_bytes(path)
         return READERS[path.suffix.lower()](path)
+    except UnreadableMedia:
+        raise
     except OSError as error:
-        if isinstance(error, UnreadableMedia):
-            raise
         raise UnreadableMedia(f"{path}: {error.strerror}") from None
 
 
@@ -54,6 +54,8 @@ def read_obj(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
                 if len(line) == LONGEST_LINE:
                     raise InvalidInput(f"{where}: longer than {LONGEST_LINE} characters")
                 _read_line(line, vertices, faces, where)
+    except UnreadableMedia:
+        raise
     except OSError as error:
         raise UnreadableMedia(f"{path}: {error.strerror}") from None
     if not vertices or not faces:

@@ -3,7 +3,10 @@
 
 from __future__ import annotations
 
+import contextlib
+import errno
 import os
+import signal
 import subprocess
 import threading
 from collections.abc import Callable, Iterator
@@ -13,11 +16,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import UnreadableMedia, _core
+from mimetic import _core
 from mimetic.face_template import FaceTemplate, load_template
 from mimetic.ffmpeg import ffmpeg_program
 from mimetic.footage import Footage
 from mimetic.performance import HELD_QUALITY, Performance
+from mimetic.whole_file import file_beside
 
 CLEAR_WIDTH = 800  # pixels: smaller footage is enlarged until its lines stay apart
 HIDDEN_REGIONS = ("scalp", "ear", "neck", "mouth_cavity", "eye_socket")
@@ -80,17 +84,15 @@ def write_overlay(
     leaves no file, if `progress` stopped it. Raises OSError.
     """
     path = Path(path)
-    aside = path.with_name(f".{path.stem}.part{path.suffix}")
     drawing = drawing or FaceDrawing(performance)
-    pictures = _pictures(drawing, footage, progress)
-    try:
-        finished = _encode(pictures, aside, Fraction(footage.fps))
-        if finished:
-            os.replace(aside, path)
-        return finished
-    finally:
-        pictures.close()
-        aside.unlink(missing_ok=True)
+    with (
+        file_beside(path, path.suffix) as aside,
+        contextlib.closing(_pictures(drawing, footage, progress)) as pictures,
+    ):
+        finished = _encode(pictures, aside, Fraction(footage.fps), str(path))
+        if not finished:
+            aside.unlink()
+    return finished
 
 
 def _pictures(
@@ -108,7 +110,10 @@ def _pictures(
             yield drawing.paint(image, i)
 
 
-def _encode(pictures: Iterator[NDArray[np.uint8] | None], path: Path, fps: Fraction) -> bool:
+def _encode(
+    pictures: Iterator[NDArray[np.uint8] | None], path: Path, fps: Fraction, shown: str
+) -> bool:
+    """Whether all pictures are in the file; raises OSError that calls it `shown`."""
     first = next(pictures, None)
     if first is None:
         return False
@@ -148,11 +153,18 @@ def _encode(pictures: Iterator[NDArray[np.uint8] | None], path: Path, fps: Fract
         reader.join()
         process.stderr.close()
     if process.returncode != 0:
-        reason = b"".join(errors).decode(errors="replace").strip().splitlines()[-1:] or [
-            "no reason"
-        ]
-        raise UnreadableMedia(f"{path.name} could not be written: {reason[0]}")
+        raise _failure(b"".join(errors).decode(errors="replace"), process.returncode, shown)
     return True
+
+
+def _failure(report: str, status: int, shown: str) -> OSError:
+    """What ffmpeg's words on a file that it could not write mean."""
+    for number in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.ENOMEM, errno.EIO):
+        if os.strerror(number) in report:
+            return OSError(number, os.strerror(number), shown)
+    ended = f"ended by {signal.Signals(-status).name}" if status < 0 else f"status {status}"
+    lines = report.strip().splitlines() or [ended]
+    return OSError(errno.EIO, f"ffmpeg could not write it: {lines[0][:200]}", shown)
 
 
 def _template_of(performance: Performance) -> FaceTemplate | None:

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.performance import Performance
 from mimetic.projection import rescaled
+from mimetic.regular_file import check_input, check_target
 from mimetic.surface_places import COVERED, RefinedSurface, cosines, places_under
 from mimetic.whole_file import whole_file
 
@@ -85,6 +86,7 @@ def track_points(
 def read_points(path: str | os.PathLike[str]) -> NDArray[np.float64]:
     """K x 2 pixels from a table with the header `x,y`; raises UnreadableMedia, InvalidInput."""
     path = Path(path)
+    check_input(path, "a table of points (x,y)")
     try:
         if path.stat().st_size > LARGEST_FILE:
             raise InvalidInput(f"{path}: larger than {LARGEST_FILE // 10**6} MB; split the table")
@@ -132,6 +134,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_points(arguments: argparse.Namespace) -> int:
+    check_target(arguments.out, arguments.performance, arguments.at)
     performance = Performance.load(arguments.performance)
     tracks = track_points(performance, read_points(arguments.at), arguments.frame)
     tracks.save(arguments.out)

@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ctrl-C and SIGTERM: a command ends well by either, and its status says by which.
+
+Nothing is imported here that takes time: signals are heard from a process's first moments.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import signal
+import threading
+from collections.abc import Callable, Iterator
+
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
+
+
+class Ended(KeyboardInterrupt):
+    """A signal asks to end at once."""
+
+    def __init__(self, number: int) -> None:
+        super().__init__()
+        self.status = exit_status(number)
+
+
+class Interrupt:
+    """Whether a signal has asked to stop (call it), and the exit status that tells so."""
+
+    number: int | None = None  # of the signal
+
+    def __call__(self) -> bool:
+        return self.number is not None
+
+    @property
+    def status(self) -> int:
+        """0 as long as no signal came."""
+        return 0 if self.number is None else exit_status(self.number)
+
+
+def exit_status(number: int) -> int:
+    """As shells have it: 130 for Ctrl-C, 143 for SIGTERM."""
+    return 128 + number
+
+
+def exit_on_signals() -> None:
+    """While a process loads what it needs there is nothing to keep: it ends without a traceback.
+
+    An exception would not do: from inside of compiled modules it comes out as an ImportError.
+    """
+
+    def leave(number, _frame) -> None:
+        _tell("mimetic: stopped\n")
+        os._exit(exit_status(number))
+
+    for number in SIGNALS:
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, leave)
+    if hasattr(signal, "pthread_sigmask"):  # scripts/mimetic holds them back while Python starts
+        signal.pthread_sigmask(signal.SIG_UNBLOCK, SIGNALS)
+
+
+def ignore_signals() -> None:
+    """All is done and told; the process is about to end."""
+    for number in SIGNALS:
+        signal.signal(number, signal.SIG_IGN)
+
+
+@contextlib.contextmanager
+def signals_raised() -> Iterator[None]:
+    """Signals raise Ended in the block, so that everything on the way out is cleaned up."""
+
+    def end(number, _frame) -> None:
+        raise Ended(number)
+
+    heard = [number for number in SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
+    with _handled(heard, end):
+        yield
+
+
+@contextlib.contextmanager
+def listen_for_interrupt(announced: str = "keeping what is done") -> Iterator[Interrupt]:
+    """The first signal asks to finish what is begun, the second ends at once.
+
+    announced: what the user is told will become of the work.
+    """
+    interrupt = Interrupt()
+
+    def ask(number, _frame) -> None:
+        if interrupt():
+            raise Ended(number)
+        interrupt.number = number
+        _tell(f"\nstopping: {announced} (Ctrl-C again ends at once)\n")
+
+    with _handled(SIGNALS, ask):
+        try:
+            yield interrupt
+        except KeyboardInterrupt as request:
+            if interrupt.number is None or isinstance(request, Ended):
+                raise
+            raise Ended(interrupt.number) from None  # work that gave up when it was asked to
+
+
+def _tell(text: str) -> None:
+    """Past Python's own stream: a signal may come while that is being written."""
+    with contextlib.suppress(OSError):
+        os.write(2, text.encode())
+
+
+@contextlib.contextmanager
+def _handled(numbers, handler: Callable) -> Iterator[None]:
+    if threading.current_thread() is not threading.main_thread():  # no other may handle signals
+        yield
+        return
+    before = {number: signal.signal(number, handler) for number in numbers}
+    try:
+        yield
+    finally:
+        for number, handler_before in before.items():
+            signal.signal(number, handler_before)
