@@ -117,6 +117,8 @@ def _follow_face(scene, face: bpy.types.Object, depsgraph) -> None:
     if known is None or not np.array_equal(known.rest, rest):
         known = _known[face.name] = Known(rest, _maker(scene, face, rest))
         known.start()
+    if face.name in contact_key.rested:
+        known.look_again()
     if values == known.values:
         return
     if not known.is_ready(_waits(depsgraph)):
@@ -124,6 +126,7 @@ def _follow_face(scene, face: bpy.types.Object, depsgraph) -> None:
             bpy.app.timers.register(_poll, first_interval=POLL_SECONDS)
         return
     known.values = values
+    contact_key.rested.discard(face.name)
     correction = known.live.correction(sliders.moves(keys, values, rest))
     if correction is not None or known.is_parted:
         sliders.take_levels(keys, evaluated)

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import jobs, native, writable
+from . import jobs, native, world, writable
 
 # Tracks by which we stabilise a clip: the head's centre, and a point above it
 HELD_BY = ("Head Centre", "Head Above")
@@ -166,9 +166,9 @@ def foreign_head(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHead:
     mesh.polygons.foreach_get("loop_start", starts)
     mesh.loops.foreach_get("vertex_index", corners)
     metre = scene.unit_settings.scale_length or 1.0
-    matrix = np.diag([metre, metre, metre, 1.0]) @ np.array(head.matrix_world)
+    matrix = np.diag([metre, metre, metre, 1.0]) @ np.array(world.matrix(head))
     places = {
-        name: metre * np.array(mark.matrix_world.translation)
+        name: metre * np.array(world.matrix(mark).translation)
         for name, mark in landmark_empties(scene, head).items()
     }
     places |= {n: v for n, v in _landmark_groups(head).items() if n not in places}
@@ -216,7 +216,7 @@ def _landmark_groups(head: bpy.types.Object) -> dict[str, int]:
 
 def world_points(head: bpy.types.Object) -> np.ndarray:
     """V x 3, the mesh at rest in the world."""
-    matrix = np.array(head.matrix_world)
+    matrix = np.array(world.matrix(head))
     return _rest_points(head) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
@@ -339,4 +339,4 @@ def camera_matrix(scene: bpy.types.Scene) -> list[list[float]] | None:
     camera = scene.mimetic.camera
     if camera is None or camera.name not in scene.objects:
         return None
-    return [list(row) for row in camera.matrix_world]
+    return [list(row) for row in world.matrix(camera)]

@@ -42,7 +42,7 @@ class MIMETIC_OT_release_head(Operator):
 
     bl_idname = "mimetic.release_head"
     bl_label = "Release Head"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"UNDO"}  # once released there is nothing to redo
 
     @classmethod
     def poll(cls, context):

@@ -81,14 +81,18 @@ def look_through(context, face) -> bool:
     Whatever else the scene holds may stand before the footage: the start-up cube stands around the
     camera. Then the view shows the face alone (local view), and the scene stays as it is.
     """
+    context.view_layer.update()  # what was linked just now is not among its objects yet
     is_isolated = False
     for window in context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "VIEW_3D":
-                if _stands_with_others(context, area.spaces.active, face):
+                space = area.spaces.active
+                # Out of sight: a local view stays as it was when an undo took the face from it
+                is_out = not face.visible_in_viewport_get(space)
+                if is_out or _stands_with_others(context, space, face):
                     _isolate(context, window, area, face)
                     is_isolated = True
-                area.spaces.active.region_3d.view_perspective = "CAMERA"
+                space.region_3d.view_perspective = "CAMERA"
     return is_isolated
 
 

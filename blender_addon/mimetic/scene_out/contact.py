@@ -12,6 +12,7 @@ import numpy as np
 
 KEY = "contact"
 held: set[str] = set()  # names of faces whose key does not follow now
+rested: set[str] = set()  # names of faces whose key was put to rest and has not followed since
 
 
 def key_of(face: bpy.types.Object) -> bpy.types.ShapeKey | None:
@@ -26,8 +27,14 @@ def ensure_key(face: bpy.types.Object) -> bpy.types.ShapeKey:
         key = face.shape_key_add(name=KEY, from_mix=False)
         key.relative_key = face.data.shape_keys.reference_key
         key.value = 1.0
-        place(face, None, None)
+        rest(face)
     return key
+
+
+def rest(face: bpy.types.Object) -> None:
+    """Puts the key to rest: what the face's sliders do has to be looked at again."""
+    place(face, None, None)
+    rested.add(face.name)
 
 
 def place(face: bpy.types.Object, moved, correction) -> None:

@@ -92,4 +92,4 @@ def _take_off(face: bpy.types.Object, added: list[str]) -> None:
             face.shape_key_remove(key)
     key = keys.key_blocks[contact.KEY]
     key.slider_min, key.value = 0.0, 1.0
-    contact.place(face, None, None)
+    contact.rest(face)

@@ -36,7 +36,7 @@ def keep(scene: bpy.types.Scene, fit) -> None:
         path = Path(folder, "face.json")
         fit.save(path)
         scene.mimetic.face_fit = path.read_text(encoding="utf-8")
-    _parsed = (scene.mimetic.face_fit, fit)
+    _parsed = None  # what is worked with is what the file holds, rounded, as it is after an undo
 
 
 def is_calibrated(scene: bpy.types.Scene) -> bool:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import bpy
 import numpy as np
 
-from .. import native, writable
+from .. import native, world, writable
 from . import face
 
 SIZE = 0.006  # m, of an empty
@@ -16,12 +16,13 @@ SIZE = 0.006  # m, of an empty
 
 def add(collection: bpy.types.Collection, head: bpy.types.Object, places: Mapping) -> None:
     """Empties at places in the world, children of the head, snapped to surfaces when moved."""
-    inverse = head.matrix_world.inverted()
+    stands = world.matrix(head)
+    inverse = stands.inverted()
     for name, place in places.items():
         mark = bpy.data.objects.new(name, None)
         mark.mimetic.landmark = name  # Blender numbers names that are taken
         mark.empty_display_type = "SPHERE"
-        mark.empty_display_size = SIZE / max(head.matrix_world.median_scale, 1e-9)
+        mark.empty_display_size = SIZE / max(stands.median_scale, 1e-9)
         mark.show_name = mark.show_in_front = True
         mark.parent = head
         mark.location = inverse @ _vector(place)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from .. import native, scene_in, writable
+from .. import native, scene_in, world, writable
 from . import actions, rigs
 
 INSTALLED = ("rotation_quaternion", "rotation_euler", "rotation_axis_angle", "location")
@@ -80,7 +80,7 @@ def _bone_channels(armature, performance, target: Target) -> dict:
         share,
         followed,
         target.facing,
-        target.translation_scale / armature.matrix_world.median_scale,
+        target.translation_scale / world.matrix(armature).median_scale,
     )
     keyed = {target.bone: head if target.translation_scale else _without_location(head)}
     return keyed | ({target.neck: of_neck} if of_neck else {})
@@ -88,7 +88,7 @@ def _bone_channels(armature, performance, target: Target) -> dict:
 
 def _object_channels(scene, moved, performance, target: Target):
     parts = native.part("rig_motion")
-    world_from_parent = native.array(moved.matrix_world @ moved.matrix_basis.inverted())
+    world_from_parent = native.array(world.matrix(moved) @ moved.matrix_basis.inverted())
     if target.is_absolute:
         channels = parts.placed_channels(
             performance,

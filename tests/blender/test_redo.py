@@ -1,0 +1,226 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The redo panel undoes an operator and runs it again at once, before anything is evaluated."""
+
+import json
+from dataclasses import dataclass, field
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Euler, Matrix
+from test_attach_muscles import new_head, parts, put_landmarks  # noqa: F401
+from test_capture import clip_path  # noqa: F401
+from test_head import rig  # noqa: F401
+from test_pins import drag, found, found_file, select  # noqa: F401
+
+STANDS = Matrix.Translation((1, 2, 3)) @ Euler((0.3, 0.2, 1.0)).to_matrix().to_4x4()
+
+
+def redo(**changed) -> None:
+    """As F9 does it, after some of the last operator's properties were changed there."""
+    last = bpy.context.window_manager.operators[-1]
+    for name, value in changed.items():
+        setattr(last.properties, name, value)
+    window = bpy.context.window_manager.windows[0]
+    area = window.screen.areas[0]
+    place = {"window": window, "screen": window.screen, "area": area, "region": area.regions[-1]}
+    with bpy.context.temp_override(**place):
+        assert bpy.ops.ed.undo_redo() == {"FINISHED"}
+
+
+def state(extension) -> dict:
+    """All that our operators write, as numbers, texts and arrays."""
+    bpy.context.scene.frame_set(bpy.context.scene.frame_current)
+    written = {"settings": settings_of(bpy.context.scene.mimetic)}
+    for shown in bpy.context.scene.objects:
+        written[shown.name] = np.array(shown.matrix_world)
+        written[f"{shown.name} curves"] = curves_of(extension, shown)
+        if shown.type == "CAMERA":
+            lens = shown.data
+            written[f"{shown.name} lens"] = (lens.lens, lens.shift_x, lens.shift_y)
+        if shown.type == "MESH" and shown.data.shape_keys:
+            written |= keys_of(extension, shown)
+    for clip in bpy.data.movieclips:
+        for followed in clip.tracking.objects:
+            for track in followed.tracks:
+                name = f"{clip.name} {followed.name} {track.name}"
+                written[name] = np.array([(m.frame, *m.co) for m in track.markers])
+    return written
+
+
+def settings_of(settings) -> dict:
+    head = settings.head
+    kept = (settings.performance_path, head.bone, head.neck)
+    names = [bool(part) and part.name for part in (settings.clip, settings.face, settings.camera)]
+    fit = json.loads(settings.face_fit or "{}")  # of few digits
+    return {"kept": kept, "names": names, "at": head.calibration_frame, "fit": fit}
+
+
+def curves_of(extension, block) -> dict:
+    holder = extension("compat").curves(block)
+    return {
+        f"{curve.data_path}[{curve.array_index}]": np.array(
+            [p.co[:] for p in curve.keyframe_points]
+        )
+        for curve in (holder.fcurves if holder else ())
+    }
+
+
+def keys_of(extension, face) -> dict:
+    keys = face.data.shape_keys
+    levels = {modifier.name: modifier.levels for modifier in face.modifiers}
+    written = {f"{face.name} modifiers": levels, "values": curves_of(extension, keys)}
+    for key in keys.key_blocks:
+        points = np.empty(3 * len(key.points), dtype=np.float32)
+        key.points.foreach_get("co", points)
+        limits = (key.slider_min, key.slider_max)
+        written[f"{face.name} {key.name}"] = {"points": points, "limits": limits, "at": key.value}
+    return written
+
+
+def assert_same(before, after, where="") -> None:
+    if isinstance(before, dict):
+        assert before.keys() == after.keys(), where
+        for name in before:
+            assert_same(before[name], after[name], f"{where} / {name}")
+    elif isinstance(before, list):
+        assert_same(dict(enumerate(before)), dict(enumerate(after)), where)
+    elif isinstance(before, np.ndarray | float):
+        np.testing.assert_allclose(after, before, rtol=1e-6, atol=1e-5, err_msg=where)
+    else:
+        assert before == after, where
+
+
+@dataclass
+class Case:
+    """An operator, what it needs in the scene, and with what it is called."""
+
+    name: str
+    prepare: object
+    options: dict = field(default_factory=dict)
+
+
+def with_face(fixture) -> None:
+    """A face that was baked before, seen by a camera that has a place of its own."""
+    scene = bpy.context.scene
+    scene.mimetic.performance_path = str(fixture("performance_file"))
+    assert bpy.ops.mimetic.bake() == {"FINISHED"}
+    scene.mimetic.camera.matrix_world = STANDS
+
+
+def with_own_head(fixture) -> None:
+    points, faces, _ = fixture("parts")
+    new_head(points, faces.tolist())
+
+
+def with_landmarks(fixture) -> None:
+    with_own_head(fixture)
+    put_landmarks(bpy.context.active_object, fixture("parts"))
+
+
+def with_rig(fixture) -> None:
+    scene, rig = bpy.context.scene, fixture("rig")  # noqa: F811
+    rig.matrix_world = STANDS @ Matrix.Scale(2, 4)
+    scene.mimetic.performance_path = str(fixture("performance_file"))
+    scene.mimetic.head.target = rig
+
+
+def with_moving_rig(fixture) -> None:
+    with_rig(fixture)
+    bpy.context.scene.mimetic.head.use_translation = True
+
+
+def with_empty(fixture) -> None:
+    """Held by a parent and as filmed by a camera."""
+    with_face(fixture)
+    scene = bpy.context.scene
+    parent, target = (bpy.data.objects.new(name, None) for name in ("parent", "target"))
+    for added in (parent, target):
+        scene.collection.objects.link(added)
+    parent.matrix_world = STANDS
+    target.parent = parent
+    target.location = (0.1, 0.2, 0.3)
+    scene.mimetic.head.target = target
+    scene.mimetic.head.mode = "ABSOLUTE"
+
+
+def with_clip(fixture) -> None:
+    bpy.ops.mimetic.load_clip(filepath=str(fixture("footage")))
+    bpy.context.scene.mimetic.performance_path = str(fixture("performance_file"))
+    bpy.context.scene.frame_set(7)
+
+
+def with_dragged_landmark(fixture) -> None:
+    clip = fixture("found")
+    drag(clip, "mouth_corner.L", 5)
+    select(clip, "mouth_corner.L", "lip_upper")
+
+
+def with_pin(fixture) -> None:
+    with_dragged_landmark(fixture)
+    bpy.ops.mimetic.follow_pins()
+
+
+CASES = [
+    Case("bake", with_face),
+    Case("bake_head", with_rig),
+    Case("bake_head", with_moving_rig),
+    Case("bake_head", with_empty),
+    Case("find_head_bones", with_rig),
+    Case("calibrate_head", with_clip),
+    Case("hold_head_still", with_clip),
+    Case("load_clip", lambda fixture: None, {"filepath": "footage"}),
+    Case("load_performance", lambda fixture: None, {"filepath": "performance_file"}),
+    Case("pin", with_dragged_landmark),
+    Case("unpin", with_pin),
+    Case("follow_pins", with_dragged_landmark),
+    Case("add_landmarks", with_own_head),
+    Case("attach_muscles", with_landmarks),
+    Case("add_face", lambda fixture: None),
+    Case("rest_face", with_face),
+]
+
+
+@pytest.mark.parametrize("case", CASES, ids=[f"{c.name}-{c.prepare.__name__}" for c in CASES])
+def test_the_redo_panel_gives_what_came_at_first(extension, request, case):
+    case.prepare(request.getfixturevalue)
+    bpy.context.view_layer.update()
+    bpy.ops.ed.undo_push(message="before")
+    options = {name: str(request.getfixturevalue(of)) for name, of in case.options.items()}
+    operator = getattr(bpy.ops.mimetic, case.name)
+    assert operator("EXEC_DEFAULT", True, **options) == {"FINISHED"}
+    at_first = state(extension)
+    redo()
+    assert_same(at_first, state(extension))
+
+
+def test_all_operators_with_a_redo_panel_are_tried(extension):
+    names = {
+        operator.bl_idname.partition(".")[2]
+        for operator in extension("operators").CLASSES
+        if "REGISTER" in getattr(operator, "bl_options", ())
+    }
+    assert names == {case.name for case in CASES}
+
+
+def test_detail_ticked_in_the_redo_panel_leaves_the_face_in_the_shot(extension, performance_file):
+    with_face(lambda name: performance_file)
+    bpy.ops.ed.undo_push(message="before")
+    assert bpy.ops.mimetic.bake("EXEC_DEFAULT", True) == {"FINISHED"}
+    before = curves_of(extension, bpy.context.scene.mimetic.face)
+    redo(use_detail=True, subdivision=2)
+    assert_same(before, curves_of(extension, bpy.context.scene.mimetic.face))
+    assert bpy.context.scene.mimetic.face.modifiers["Subdivision"].levels == 2
+
+
+def test_a_hidden_camera_stands_where_it_was_put(extension):
+    """Blender evaluates nothing that is switched off in the view layer."""
+    scene = bpy.context.scene
+    parent, camera = (bpy.data.objects.new(name, None) for name in ("dolly", "camera"))
+    for added in (parent, camera):
+        scene.collection.objects.link(added)
+        added.hide_viewport = True
+    camera.parent = parent
+    parent.location, camera.location = (1, 2, 3), (0, 0, 4)
+    place = extension("world").matrix(camera).translation
+    np.testing.assert_allclose(place, (1, 2, 7), atol=1e-6)
