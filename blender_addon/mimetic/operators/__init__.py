@@ -14,12 +14,14 @@ from . import (
     head,
     performance,
     pins,
+    scene_time,
     sliders,
     stabilise,
 )
 
 CLASSES = (
     clip.MIMETIC_OT_load_clip,
+    scene_time.MIMETIC_OT_scene_as_clip,
     *face.CLASSES,
     calibrate.MIMETIC_OT_calibrate,
     capture.MIMETIC_OT_capture,

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from bpy.types import Panel
 
-from .. import jobs, native, scene_out
+from .. import clip_time, jobs, native, scene_in, scene_out
 
 
 class Capture:
@@ -32,12 +32,21 @@ class Capture:
         layout.operator("mimetic.load_clip", icon="FILE_MOVIE")
         if getattr(context, "edit_movieclip", None) is None:
             layout.prop(settings, "clip", text="")
+        self.draw_rate(layout, context)
         row = layout.row(align=True)
         row.operator("mimetic.find_face", icon="VIEWZOOM")
         row.operator("mimetic.find_face", text="", icon="TIME").use_shown_frame = True
         row.operator("mimetic.pick_face", text="", icon="EYEDROPPER")
         if settings.face_fit:
             self.draw_pins(layout, settings)
+
+    def draw_rate(self, layout, context):
+        """Where clip and scene part; nothing is said while they do not."""
+        remark = clip_time.remark(context.scene, scene_in.clip_of(context))
+        for i, line in enumerate(wrapped(remark, 44)):
+            layout.label(text=line, icon="NONE" if i else "TIME")
+        if remark:
+            layout.operator("mimetic.scene_as_clip", icon="PREVIEW_RANGE")
 
     def draw_pins(self, layout, settings):
         row = layout.row(align=True)

@@ -1,0 +1,89 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every button in a menu too, so that F3 finds it: Object > Mimetic and Clip > Mimetic."""
+
+import bpy
+from bpy.types import Menu
+
+from . import native, operators
+
+# None draws a line. The way from footage to file, as in the panel
+CLIP = (
+    *("load_clip", "scene_as_clip", None),
+    *("find_face", "pick_face", "show_landmarks", "pin", "unpin", "follow_pins", None),
+    *("calibrate", "capture", "track_head", "load_performance", None),
+    *("hold_head_still", "release_head", "calibrate_head", None),
+    *("bake", "bake_head", "export_gltf"),
+)
+OBJECT = (
+    *("load_clip", "scene_as_clip", "find_face", "calibrate", None),
+    *("capture", "track_head", "load_performance", None),
+    *("bake", "export_gltf", None),
+    *("find_head_bones", "bake_head", None),
+    *("add_face", "rest_face", "add_landmarks", "attach_muscles"),
+)
+
+
+def _draw(layout, names) -> None:
+    if native.problem():
+        layout.label(text=native.problem())
+        return
+    layout.operator_context = "INVOKE_DEFAULT"
+    for name in names:
+        if name is None:
+            layout.separator()
+        else:
+            layout.operator(f"mimetic.{name}")
+
+
+class MIMETIC_MT_clip(Menu):
+    bl_idname = "MIMETIC_MT_clip"
+    bl_label = "Mimetic"
+
+    def draw(self, context):
+        _draw(self.layout, (*CLIP, *_others()))
+
+
+class MIMETIC_MT_object(Menu):
+    bl_idname = "MIMETIC_MT_object"
+    bl_label = "Mimetic"
+
+    def draw(self, context):
+        _draw(self.layout, OBJECT)
+
+
+def _others() -> list[str]:
+    """Operators that no list names: none is ever out of reach."""
+    names = [operator.bl_idname.partition(".")[2] for operator in operators.CLASSES]
+    return [name for name in names if name not in CLIP and name not in OBJECT]
+
+
+def _in_clip(menu, context) -> None:
+    menu.layout.separator()
+    menu.layout.menu(MIMETIC_MT_clip.bl_idname)
+
+
+def _in_object(menu, context) -> None:
+    menu.layout.separator()
+    menu.layout.menu(MIMETIC_MT_object.bl_idname)
+
+
+CLASSES = (MIMETIC_MT_clip, MIMETIC_MT_object)
+PLACES = (
+    ("CLIP_MT_clip", _in_clip),
+    ("VIEW3D_MT_object", _in_object),
+    ("VIEW3D_MT_pose", _in_object),
+)
+
+
+def register() -> None:
+    for menu in CLASSES:
+        bpy.utils.register_class(menu)
+    for name, draw in PLACES:
+        getattr(bpy.types, name).append(draw)
+
+
+def unregister() -> None:
+    for name, draw in PLACES:
+        getattr(bpy.types, name).remove(draw)
+    for menu in reversed(CLASSES):
+        bpy.utils.unregister_class(menu)

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from bpy.types import Operator
+
+from .. import clip_time, scene_in
+
+
+class MIMETIC_OT_scene_as_clip(Operator):
+    """Give the scene the clip's rate and range: the clip editor and the face show the same frame.
+    Curves that are there keep their frames"""
+
+    bl_idname = "mimetic.scene_as_clip"
+    bl_label = "Scene as Clip"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        reason = scene_in.no_clip(context)
+        clip = scene_in.clip_of(context)
+        if not reason and not clip_time.is_known(clip):
+            reason = f"The rate of {clip.name} cannot be read: its file is not there"
+        scene = context.scene
+        if not reason and clip_time.has_rate(scene, clip) and clip_time.has_range(scene, clip):
+            reason = "The scene has the clip's rate and range"
+        if reason:
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context):
+        scene, clip = context.scene, scene_in.clip_of(context)
+        had_rate = clip_time.has_rate(scene, clip)
+        clip_time.apply(scene, clip)
+        rate = scene.render.fps / scene.render.fps_base
+        told = f"{rate:.6g} frames/s, frames {scene.frame_start} to {scene.frame_end}"
+        if not had_rate:
+            told += "; what was baked keeps its frames: bake it again"
+        self.report({"INFO"}, told)
+        return {"FINISHED"}
