@@ -177,6 +177,41 @@ def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, t
     assert told == sorted(told)
 
 
+@pytest.mark.parametrize("name", ["capture.MIMETIC_OT_capture", "head.MIMETIC_OT_track_head"])
+def test_esc_before_the_first_result_changes_nothing(extension, scene, with_clip, tmp_path, name):
+    bpy.ops.mimetic.find_face(frame=FIT_FRAME)
+    fit = extension("scene_out").face_fit.stored(scene)
+    scene.mimetic.performance_path = "before.npz"
+    jobs = extension("jobs")
+    module, operator = name.split(".")
+    pressed = getattr(extension(f"operators.{module}"), operator)
+    path = str(tmp_path / "part.npz")
+    inputs = (bpy.path.abspath(with_clip.filepath), (1, 40), fit, (path, path), None)
+    inputs = (*inputs[:4], "surface") if "track_head" in operator else inputs
+    said = []
+
+    class Pressed:
+        """The operator as Blender makes it, which only Blender can."""
+
+        write, _write, _end, _timer = pressed.write, jobs.Job._write, jobs.Job._end, None
+
+        def report(self, kind, text):
+            said.append((kind, text))
+
+        def _leave(self, context):
+            jobs.running = None
+
+    run = jobs.running = jobs.Run("Capture")
+    run.stop.set()
+    run.start(lambda *given: pressed.work(pressed, *given), inputs)
+    run.thread.join()
+    assert run.is_done()
+    assert Pressed()._end(bpy.context) == {"CANCELLED"}
+    assert said == [({"WARNING"}, "Stopped; nothing was changed")]
+    assert scene.mimetic.performance_path == "before.npz"
+    assert list(tmp_path.iterdir()) == []
+
+
 def test_a_capture_is_not_lost_for_a_folder_that_cannot_be_written(
     extension, scene, with_clip, tmp_path
 ):

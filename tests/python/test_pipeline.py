@@ -87,6 +87,11 @@ def test_a_stopped_capture_keeps_and_marks_what_is_done(rendered_clip, fit):
     assert all(0 <= fraction <= 1 for fraction, _ in calls)
 
 
+def test_a_capture_stopped_at_once_keeps_nothing(rendered_clip, fit):
+    with pytest.raises(UnreadableMedia, match="stopped too early"):
+        capture(rendered_clip.footage, fit=fit, progress=lambda *_: False)
+
+
 def test_windows_of_smoothing_join_without_a_seam(rendered_clip, fit, performance, monkeypatch):
     monkeypatch.setattr(sequence, "WINDOW", 8)
     monkeypatch.setattr(sequence, "OVERLAP", 12)

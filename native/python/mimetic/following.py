@@ -51,8 +51,12 @@ class CutWatch:
 
 
 def check_any_done(rows: Rows, footage: Footage, frames: tuple[int, int], stopped: bool) -> None:
-    """Raises UnreadableMedia if no frame was done."""
-    if not rows.frame:
+    """Raises UnreadableMedia if no frame was done; a stop before anything was followed keeps none.
+
+    The reference frame alone is the fit, not a result, where more frames were wanted.
+    """
+    is_fit_alone = stopped and len(rows.frame) == 1 and frames[0] != frames[1]
+    if not rows.frame or is_fit_alone:
         why = "stopped too early" if stopped else "the file ends before"
         raise UnreadableMedia(
             f"{footage.path.name}: {why}, no frame of {frames[0]} to {frames[1]} is done"
