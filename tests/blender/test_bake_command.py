@@ -2,8 +2,11 @@
 """`mimetic bake` as a process of its own."""
 
 import os
+import signal
 import subprocess
 import sys
+import time
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -86,6 +89,32 @@ def test_bad_input_gets_status_2_and_one_line(arguments, said, performance_file,
     assert said in ran.stderr
     assert len(ran.stderr.strip().splitlines()) == 1
     assert list(tmp_path.iterdir()) == [text]
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
+def test_a_bake_that_is_ended_takes_blender_along(performance_file, tmp_path, number):
+    out = tmp_path / "face.glb"
+    out.write_bytes(b"finished before")
+    command = [sys.executable, "-m", "mimetic", "bake", performance_file, "--out", out]
+    process = subprocess.Popen([*map(os.fspath, command)], stderr=subprocess.PIPE, text=True)
+    while not (blender := children(process.pid)):
+        time.sleep(0.02)
+    time.sleep(1.0)  # in the middle of its work
+    process.send_signal(number)
+    process.communicate(timeout=60)
+    assert process.returncode == (143 if number == signal.SIGTERM else -signal.SIGKILL)
+    deadline = time.monotonic() + 60
+    while any(Path(f"/proc/{child}").exists() for child in blender):
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    assert list(tmp_path.iterdir()) == [out]
+    assert out.read_bytes() == b"finished before"
+
+
+def children(number: int) -> list[int]:
+    return [
+        int(word) for word in Path(f"/proc/{number}/task/{number}/children").read_text().split()
+    ]
 
 
 def test_a_target_gets_the_heads_motion_and_its_file_stays(performance_file, rig_file, tmp_path):

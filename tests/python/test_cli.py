@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+import os
 import re
 import subprocess
 import sys
@@ -83,3 +84,18 @@ def test_a_failing_disk_is_one_line_and_status_1(tmp_path, capsys, monkeypatch):
     assert status == 1
     assert capsys.readouterr().err == f"mimetic: {tmp_path / 't.npz'}: No space left on device\n"
     assert sorted(path.name for path in tmp_path.iterdir()) == ["at.csv", "p.npz"]
+
+
+def test_names_that_are_no_text_can_be_told(tmp_path):
+    make_performance().save(tmp_path / "p.npz")
+    (tmp_path / "at.csv").write_text("x,y\n150,100\n")
+    out = os.fsencode(tmp_path) + b"/\xe9\xff.npz"
+    done = subprocess.run(
+        [sys.executable, "-m", "mimetic", "points", "p.npz", "--at", "at.csv", "--out", out],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        env={**os.environ, "LC_ALL": "C.UTF-8"},
+    )
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "udce9" in done.stdout and os.path.exists(out)

@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import os
+import re
 import resource
+import signal
 from fractions import Fraction
 from pathlib import Path
 
 import numpy as np
 import pytest
 from clips import ffmpeg, make_clip, make_numbered_clip
+from imageio_ffmpeg import get_ffmpeg_exe
 from mimetic import UnreadableMedia
 from mimetic.footage import Footage
 
@@ -72,6 +75,43 @@ def test_variable_rate_passes_every_frame_once_and_says_so(tmp_path):
 
 
 @pytest.mark.parametrize(
+    ("name", "codec"),
+    [("a.h264", "libx264"), ("a.hevc", "libx265"), ("a.m2v", "mpeg2video"), ("b.avi", "libx264")],
+)
+def test_streams_that_do_not_say_when_frames_are_shown_have_their_constant_rate(
+    tmp_path, name, codec
+):
+    footage = Footage(
+        make_clip(tmp_path / name, "-c:v", codec, rate="30", frames=40, size="320x240")
+    )
+    assert footage.fps == 30 and footage.num_frames == 40
+    assert not footage.variable_rate and not footage.warnings
+    np.testing.assert_allclose(footage.times, np.arange(40) / 30, atol=1e-4)
+    assert len(list(footage)) == 40 and not footage.warnings
+
+
+def stretched(path, times, *more):
+    """A copy in which every frame lasts so many times as long."""
+    copy = path.with_suffix(".nut")
+    ffmpeg("-i", path, "-c", "copy", *more, "-bsf:v", f"setts=ts=TS*{times}", copy)
+    return copy
+
+
+@pytest.mark.parametrize("seconds", [3600, 36000])
+def test_a_frame_an_hour_has_a_rate(tmp_path, seconds):
+    path = make_clip(tmp_path / "a.mkv", "-c:v", "ffv1", frames=20)
+    footage = Footage(stretched(path, 25 * seconds))
+    assert float(footage.fps) == pytest.approx(1 / seconds, rel=1e-3)
+    assert len(list(footage)) == 20
+
+
+def test_less_than_a_frame_a_day_is_refused_before_any_work(tmp_path):
+    path = make_clip(tmp_path / "a.mkv", "-c:v", "ffv1", frames=3)
+    with pytest.raises(UnreadableMedia, match="frames a second"):
+        Footage(stretched(path, 25 * 28 * 3600))
+
+
+@pytest.mark.parametrize(
     "pixels", ["gray16le", "gray", "gray10le", "rgb48le", "yuva420p", "yuv422p10le"]
 )
 def test_other_depths_and_grey_become_8_bit_colour(tmp_path, pixels):
@@ -119,6 +159,57 @@ def test_a_truncated_file_gives_its_frames_and_a_warning(tmp_path):
     frames = [frame for frame, _ in footage]
     assert 10 < len(frames) < 100 and frames == list(range(1, len(frames) + 1))
     assert len(footage.warnings) == 1
+
+
+def test_errors_of_decoding_are_told_although_no_frame_is_missing(tmp_path):
+    make_clip(tmp_path / "a.mp4", "-c:v", "mpeg4", frames=40, size="640x360")
+    content = bytearray((tmp_path / "a.mp4").read_bytes())
+    first = content.index(b"mdat") + 4
+    for place in range(
+        first + (len(content) - first) // 3, first + (len(content) - first) // 2, 400
+    ):
+        content[place] ^= 0xFF
+    (tmp_path / "b.mp4").write_bytes(content)
+    footage = Footage(tmp_path / "b.mp4")
+    for _ in range(2):
+        assert len(list(footage)) == 40
+        (warning,) = footage.warnings
+        assert re.search(r"b\.mp4 is damaged: .* not without errors \(.+\)", warning)
+    assert footage.failure is None
+
+
+def limited(tmp_path, monkeypatch, command):
+    """Makes ffmpeg a program that does `command` first."""
+    program = tmp_path / "ffmpeg-limited"
+    program.write_text(f'#!/bin/sh\n{command}\nexec {get_ffmpeg_exe()} "$@"\n')
+    program.chmod(0o755)
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(program))
+
+
+def test_a_lack_of_memory_is_called_that(tmp_path, monkeypatch):
+    clip = make_clip(tmp_path / "a.mp4")
+    footage = Footage(clip)
+    # What it says, and how it ends, under `ulimit -v 300000` with a clip of 1280 x 720
+    said = "[vf#0:0] Error sending frames to consumers: Resource temporarily unavailable"
+    limited(tmp_path, monkeypatch, f"echo '{said}' >&2; exit 245")
+    for use in (lambda: list(footage), lambda: footage.read(3), lambda: Footage(clip)):
+        with pytest.raises(OSError, match="out of memory") as failure:
+            use()
+        assert failure.value.filename == str(clip)
+        assert not isinstance(failure.value, UnreadableMedia)
+
+
+def test_an_ffmpeg_that_is_killed_leaves_its_frames_and_the_reason(tmp_path, monkeypatch):
+    clip = make_clip(tmp_path / "a.mp4", frames=60, size="320x240")
+    footage = Footage(clip)
+    limited(tmp_path, monkeypatch, "echo $$ > $0.pid")
+    frames = footage.frames()
+    numbers = [next(frames)[0]]
+    os.kill(int((tmp_path / "ffmpeg-limited.pid").read_text()), signal.SIGKILL)
+    numbers += [frame for frame, _ in frames]
+    assert numbers == list(range(1, len(numbers) + 1)) and len(numbers) < 60
+    assert "out of memory" in footage.failure.strerror
+    assert "frames could be read: ffmpeg ran out of memory" in footage.warnings[0]
 
 
 def test_a_size_that_changes_midway_keeps_the_frames_in_step(tmp_path):

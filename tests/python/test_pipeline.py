@@ -8,6 +8,7 @@ import time
 import numpy as np
 import pytest
 from clips import ffmpeg, make_clip
+from imageio_ffmpeg import get_ffmpeg_exe
 from mimetic import InvalidInput, UnreadableMedia, pipeline, sequence
 from mimetic.cli import main
 from mimetic.fit import FaceFit, NoFace
@@ -122,6 +123,65 @@ def test_a_single_frame_shows_no_motion(rendered_clip, tmp_path):
         capture(tmp_path / "one.mp4")
 
 
+def test_a_clip_of_which_one_frame_can_be_read_shows_no_motion(rendered_clip, tmp_path, capsys):
+    whole, part = tmp_path / "whole.mp4", tmp_path / "part.mp4"
+    ffmpeg(
+        *("-i", rendered_clip.footage, "-c:v", "libx264", "-g", "1", "-bf", "0"),
+        *("-pix_fmt", "yuv420p", "-movflags", "+faststart", whole),
+    )
+    ffmpeg("-i", whole, "-frames:v", "1", "-c", "copy", "-f", "h264", tmp_path / "first.h264")
+    content = whole.read_bytes()
+    end = content.index(b"mdat") + 4 + (tmp_path / "first.h264").stat().st_size + 200
+    part.write_bytes(content[:end])
+    assert Footage(part).num_frames > 1 and len(list(Footage(part))) == 1
+    for command in ("capture", "head"):
+        assert main([command, str(part), "--out", str(tmp_path / "out")]) == 2
+        assert "shows no motion" in capsys.readouterr().err
+        assert not list((tmp_path / "out").iterdir())
+
+
+def as_ffmpeg(tmp_path, monkeypatch, decoding):
+    """ffmpeg as it is but where it decodes: there a line for the shell."""
+    program = tmp_path / "ffmpeg-that-fails"
+    program.write_text(
+        f"#!/bin/sh\nffmpeg={get_ffmpeg_exe()}\n"
+        f'case "$*" in *rawvideo*) {decoding};; *) exec $ffmpeg "$@";; esac\n'
+    )
+    program.chmod(0o755)
+    monkeypatch.setenv("IMAGEIO_FFMPEG_EXE", str(program))
+
+
+def test_an_ffmpeg_without_memory_is_not_a_clip_without_a_face(
+    rendered_clip, tmp_path, monkeypatch, capsys
+):
+    as_ffmpeg(tmp_path, monkeypatch, "kill -KILL $$")
+    assert main(["fit", str(rendered_clip.footage), "--out", str(tmp_path / "out")]) == 1
+    error = capsys.readouterr().err
+    assert "out of memory" in error and "no frontal face" not in error
+
+
+def test_frames_that_ffmpeg_gave_before_it_failed_are_kept(
+    rendered_clip, fit, tmp_path, monkeypatch
+):
+    five = 5 * 320 * 240 * 3
+    as_ffmpeg(tmp_path, monkeypatch, f'$ffmpeg "$@" | head -c {five}; kill -KILL $$')
+    summary = CaptureSummary()
+    kept = capture(rendered_clip.footage, frames=(fit.frame, 50), fit=fit, summary=summary)
+    assert 2 <= kept.num_frames <= 6
+    assert any("out of memory" in note for note in kept.notes)
+    assert "out of memory" in summary.footage.failure.strerror
+
+
+def test_a_frame_an_hour_is_captured(rendered_clip, fit, tmp_path):
+    slow = tmp_path / "slow.nut"
+    ffmpeg("-i", rendered_clip.footage, "-c", "copy", "-bsf:v", "setts=ts=TS*108000", slow)
+    fit.save(tmp_path / "fit.json")
+    words = ("capture", slow, "--out", tmp_path / "out", "--frames", "1:4")
+    assert main([str(word) for word in (*words, "--fit", tmp_path / "fit.json")]) == 0
+    assert Performance.load(tmp_path / "out" / "performance.npz").fps == pytest.approx(1 / 3600)
+    assert Footage(tmp_path / "out" / "overlay.mp4").num_frames == 4
+
+
 def test_a_fit_for_another_size_is_refused(rendered_clip, fit, tmp_path):
     clip = make_clip(tmp_path / "small.mp4", size="160x120", frames=5)
     with pytest.raises(InvalidInput, match="320 x 240"):
@@ -201,16 +261,17 @@ def test_a_fit_from_a_file_is_used(rendered_clip, fit, tmp_path):
     np.testing.assert_allclose(again.head_pose, fit.head_pose)
 
 
-def test_ctrl_c_keeps_the_finished_part_and_exits_130(rendered_clip, tmp_path):
+@pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
+def test_a_signal_keeps_the_finished_part(rendered_clip, tmp_path, number, status):
     long = tmp_path / "long.mp4"
     ffmpeg("-stream_loop", "9", "-i", rendered_clip.footage, "-c", "copy", long)
     process = subprocess.Popen(
         run("capture", long, "--out", tmp_path / "out"), stderr=subprocess.PIPE, text=True
     )
     time.sleep(12)
-    process.send_signal(signal.SIGINT)
+    process.send_signal(number)
     _, errors = process.communicate(timeout=240)
-    assert process.returncode == 130, errors
+    assert process.returncode == status, errors
     kept = Performance.load(tmp_path / "out" / "performance.npz")
     assert kept.num_frames < Footage(long).num_frames
     assert any("stopped by the user" in note for note in kept.notes)

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import importlib.util
+import os
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from clips import make_clip
 from mimetic import cli
 from mimetic.footage import Footage
 from mimetic.overlay import FaceDrawing, write_overlay
+from mimetic.performance import Performance
 from mimetic.pipeline import CaptureSummary
 from mimetic.report import GROUPS, head_angles, write_report
 from sample_performance import make_performance
@@ -108,3 +111,14 @@ def test_the_mesh_is_drawn_where_the_face_is():
     low, high = 3 * pixels.min(axis=0)[::-1] - 3, 3 * pixels.max(axis=0)[::-1] + 6
     assert len(lit) > 500
     assert (lit >= low).all() and (lit <= high).all()
+
+
+def test_a_name_that_is_no_text_breaks_no_report(tmp_path):
+    path = Path(os.fsdecode(os.fsencode(tmp_path) + b"/\xe9t\xe9 \xff.mp4"))
+    os.rename(make_clip(tmp_path / "clip.mp4", size="320x240", frames=12), path)
+    performance = make_performance(notes=[f"{path.name} is odd \ud800"])
+    performance.save(tmp_path / "p.npz")
+    again = Performance.load(tmp_path / "p.npz")
+    write_report(again, Footage(path), tmp_path / "report.html", CaptureSummary())
+    text = (tmp_path / "report.html").read_text(encoding="utf-8")
+    assert "udce9" in text and "ud800" in text

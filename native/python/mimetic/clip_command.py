@@ -111,7 +111,7 @@ def run_on_clip(
                 raise KeyboardInterrupt from None
             raise
         save_performance(performance, folder / PERFORMANCE, console.tell)
-        failure = None
+        failure = summary.footage.failure if summary.footage else None
         try:
             summary.fit.save(folder / "fit.json")
             remaining = advance(shares[1] - shares[0], shares[0])

@@ -51,15 +51,22 @@ class CutWatch:
 
 
 def check_any_done(rows: Rows, footage: Footage, frames: tuple[int, int], stopped: bool) -> None:
-    """Raises UnreadableMedia if no frame was done; a stop before anything was followed keeps none.
+    """Raises UnreadableMedia, or what ffmpeg failed by, if no frame was done, or one of many.
 
-    The reference frame alone is the fit, not a result, where more frames were wanted.
+    One of many is the reference frame alone, which is the fit and no result.
     """
-    is_fit_alone = stopped and len(rows.frame) == 1 and frames[0] != frames[1]
-    if not rows.frame or is_fit_alone:
+    is_fit_alone = len(rows.frame) == 1 and frames[0] != frames[1]
+    if footage.failure and (not rows.frame or is_fit_alone):
+        raise footage.failure
+    if not rows.frame or (is_fit_alone and stopped):
         why = "stopped too early" if stopped else "the file ends before"
         raise UnreadableMedia(
             f"{footage.path.name}: {why}, no frame of {frames[0]} to {frames[1]} is done"
+        )
+    if is_fit_alone:
+        raise UnreadableMedia(
+            f"{footage.path.name} is damaged: of frames {frames[0]} to {frames[1]} only "
+            f"{rows.frame[0]} can be read, which shows no motion; copy or record it again"
         )
 
 

@@ -17,8 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import UnreadableMedia
-from mimetic.ffmpeg import ffmpeg_program
+from mimetic.ffmpeg import failure_of, ffmpeg_program
 from mimetic.regular_file import check_input
+from mimetic.timing import FASTEST, SLOWEST
 
 SMALLEST, LARGEST = 16, 16384  # pixels, each side
 NEARLY_SQUARE = 1.01  # a pixel's longer side over its shorter: turns a head by a tenth of a degree
@@ -30,6 +31,8 @@ CONTAINERS = (
 )
 FRAME_RATE = re.compile(rb"config in time_base: (\d+)/(\d+), frame_rate: (\d+)/(\d+)")
 FIRST_FRAME = re.compile(rb" n: +0 .* sar:(\d+)/(\d+) s:(\d+)x(\d+) ")
+DAMAGED = "is damaged: all frames could be read, but not without errors"
+NO_TIME = -(1 << 63)  # ffmpeg's, of a packet that carries none
 # ffmpeg's words -> ours
 REASONS = (
     ("not on whitelist", "is not a video file; convert it to MP4, MOV, MKV, WebM or AVI"),
@@ -49,12 +52,14 @@ class Footage:
     too; it differs where pixels are stored wider or narrower. `fps` is an exact fraction;
     `num_frames` what the file lists, which a damaged file may not hold; `times` the seconds of each
     listed frame since the first. Frame numbers start at 1. `warnings` says what the user should
-    know and grows while frames are read. Raises UnreadableMedia.
+    know and grows while frames are read; `failure` is why ffmpeg gave up on them, if it did. Raises
+    UnreadableMedia, and OSError where ffmpeg ran out of memory or was ended.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
         self.path = Path(path)
         self.warnings: list[str] = []
+        self.failure: OSError | None = None
         self._check_file()
         report, times, ticks = self._probe()
         self._read_report(report)
@@ -71,7 +76,8 @@ class Footage:
         """Yields (frame number, H x W x 3 uint8 red, green, blue), `first` to `last` included.
 
         Decodes from the start of the file and drops what comes before `first`: seeking lands on the
-        right frame in no format for certain. The array is the caller's to keep.
+        right frame in no format for certain. The array is the caller's to keep. Raises OSError if
+        ffmpeg fails before it gives a frame; later, `failure` says so and the frames end.
         """
         width, height = self.size
         until = "" if last is None else f"*lte(n\\,{last - 1})"
@@ -91,8 +97,14 @@ class Footage:
                 frame += 1
                 yield frame, image
             process.wait()
+        failure = failure_of(process.returncode, errors, self.path)
+        if failure and frame < first:
+            raise failure
+        self.failure = failure or self.failure
         if process.returncode != 0 or frame < min(last or self.num_frames, self.num_frames):
-            self._warn_of_early_end(frame, errors)
+            self._warn_of_early_end(frame, failure, errors)
+        elif errors:
+            self._warn_of_damage(errors)
 
     def read(self, frame: int) -> NDArray[np.uint8]:
         """One frame by its number, H x W x 3 uint8."""
@@ -100,12 +112,20 @@ class Footage:
             return image
         raise UnreadableMedia(f"{self.path} has no frame {frame} that can be read")
 
-    def _warn_of_early_end(self, frame: int, errors: deque[bytes]) -> None:
+    def _warn_of_early_end(self, frame: int, failure: OSError | None, errors: deque[bytes]) -> None:
         reason = f" ({_shorten(errors[-1])})" if errors else ""
-        warning = (
-            f"{self.path.name} ends early or is damaged: "
-            f"{frame} of {self.num_frames} frames could be read{reason}"
-        )
+        why = failure.strerror if failure else f"it ends early or is damaged{reason}"
+        self._warn(f"{self.path.name}: {frame} of {self.num_frames} frames could be read: {why}")
+
+    def _warn_of_damage(self, errors: deque[bytes]) -> None:
+        # Later passes over the file meet the same errors, in another order: told once
+        if not any(DAMAGED in warning for warning in self.warnings):
+            self._warn(
+                f"{self.path.name} {DAMAGED} ({_shorten(errors[0])}): what is measured in broken "
+                "pictures is wrong; copy or record it again"
+            )
+
+    def _warn(self, warning: str) -> None:
         if warning not in self.warnings:
             self.warnings.append(warning)
 
@@ -137,9 +157,13 @@ class Footage:
                 if line.startswith(b"#tb 0:"):
                     tick = Fraction(line.split(b":", 1)[1].decode().strip())
                 elif not line.startswith(b"#"):
-                    stamps.append(int(line.split(b",")[2]))
+                    stamps.append([int(word) for word in line.split(b",")[1:3]])
             process.wait()
-        stamps = np.sort(np.array(stamps, dtype=np.int64))
+        if failure := failure_of(process.returncode, report, self.path):
+            raise failure
+        decoded, shown = np.array(stamps, dtype=np.int64).reshape(-1, 2).T
+        # Raw streams and AVI say when frames are decoded, not when they are shown
+        stamps = np.sort(decoded if (shown == NO_TIME).any() else shown)
         return b"\n".join(report), (stamps - stamps[:1]) * float(tick), tick
 
     def _read_report(self, report: bytes) -> None:
@@ -190,16 +214,31 @@ class Footage:
         slack = 1.5 * float(tick) + 0.02 * expected
         # A file cut off mid-group lists its last frames with gaps.
         trusted = steps[:-16] if len(steps) > 32 else steps
+        if len(trusted) and (np.abs(trusted - expected) > slack).all():
+            nominal, expected = Fraction(0), float(np.median(trusted))  # not what the codec says
+            slack = 1.5 * float(tick) + 0.02 * expected
         self.variable_rate = bool((np.abs(trusted - expected) > slack).any())
         if nominal <= 0 or self.variable_rate:
-            nominal = Fraction(1 / mean).limit_denominator(1001) if mean > 0 else Fraction(25)
+            nominal = _rate_of(mean) if mean > 0 else Fraction(25)
+        if not SLOWEST <= nominal <= FASTEST:
+            raise UnreadableMedia(
+                f"{self.path} has {float(nominal):.3g} frames a second; {SLOWEST:g} to "
+                f"{FASTEST:g} are read: convert it to another rate"
+            )
         self.fps = nominal
         if self.variable_rate:
             self.warnings.append(
                 f"{self.path.name} has a variable rate ({1000 * steps.min():.0f} to "
-                f"{1000 * steps.max():.0f} ms a frame, {float(nominal):.2f} frames/s on average): "
+                f"{1000 * steps.max():.0f} ms a frame, {float(nominal):.4g} frames/s on average): "
                 "frames are counted as stored; convert it to a constant rate for exact timing"
             )
+
+
+def _rate_of(seconds: float) -> Fraction:
+    """Frames a second, of so many seconds a frame: a fraction of small numbers."""
+    if seconds > 1:
+        return 1 / Fraction(seconds).limit_denominator(1001)
+    return Fraction(1 / seconds).limit_denominator(1001)
 
 
 def _with_square_pixels(width: int, height: int, aspect: Fraction) -> tuple[int, int]:

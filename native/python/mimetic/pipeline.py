@@ -60,6 +60,7 @@ class CaptureSummary:
     warnings: list[str] = field(default_factory=list)
     fit: FaceFit | None = None
     head_shape: _core.HeadShape | None = None  # as head tracking left it
+    footage: Footage | None = None  # as it was read: warnings, failure
     stopped: bool = False
 
     def add(self, stage: str, seconds: float) -> None:
@@ -99,6 +100,8 @@ def find_face(
         fit = best_fit(footage, _spread(end + 1, last, 2 * NUM_CANDIDATES), progress, near)
     if fit is None and start > first:
         fit = best_fit(footage, _spread(first, start - 1, SETTLING), progress, near)
+    if fit is None and footage.failure:
+        raise footage.failure
     if fit is None:
         for one in sorted(_spread(first, last, NUM_TURNED)):
             check_upright(footage, one, footage.read(one))
@@ -153,7 +156,7 @@ def fit_for(
             f"the face fit is for pictures of {fit.image_size[0]} x {fit.image_size[1]}, "
             f"{footage.path.name} has {footage.size[0]} x {footage.size[1]}"
         )
-    summary.fit = fit
+    summary.fit, summary.footage = fit, footage
     summary.add("find the face", time.perf_counter() - start)
     return fit
 
