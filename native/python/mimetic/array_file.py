@@ -24,6 +24,7 @@ from numpy.typing import DTypeLike
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.regular_file import check_input
+from mimetic.shown_text import shortened
 
 LARGEST_BYTES = 2 << 30  # of a file, and of its arrays as they are kept in memory
 MOST_ARRAYS = 1000
@@ -151,9 +152,9 @@ def open_arrays(
             archive = opened.enter_context(_opened_zip(stream))
             yield ArrayArchive(archive)
     except _Damage as error:
-        raise UnreadableMedia(f"{path} is not {what} or is damaged ({error})") from None
+        raise UnreadableMedia(f"{path} is not {what} or is damaged ({shortened(error)})") from None
     except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from None
+        raise InvalidInput(f"{path}: {shortened(error)}") from None
 
 
 def read_archive(

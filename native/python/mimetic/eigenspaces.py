@@ -105,6 +105,8 @@ def _read(archive: ArrayArchive) -> _core.FaceSpaces:
     def space(prefix: str) -> _core.Eigenspace:
         lengths: dict[str, int] = {}
         a = {n: read(f"{prefix}_{n}", shape, lengths) for n, shape in SPACE_ARRAYS.items()}
+        if not ((a["size"] >= 1) & (a["size"] <= LARGEST["N"])).all():
+            raise InvalidInput(f"{prefix}_size is {a['size'].tolist()}")
         try:
             return _core.Eigenspace(
                 *(int(side) for side in a["size"]),

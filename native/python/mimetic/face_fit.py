@@ -24,7 +24,7 @@ from mimetic.fitted_view import (
 )
 from mimetic.json_file import read_json
 from mimetic.residual_shape import residual_modes
-from mimetic.shown_text import shown
+from mimetic.shown_text import shortened, shown
 from mimetic.whole_file import whole_file
 
 SCHEMA = 4
@@ -114,7 +114,7 @@ class FaceFit:
         try:
             return cls(**_fields(document))
         except InvalidInput as error:
-            raise InvalidInput(f"{path}: {error}") from None
+            raise InvalidInput(f"{path}: {shortened(error)}") from None
 
 
 def _moved(name: str, coefficients: list[float], modes: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
+from mimetic.array_file import is_bounded
 from mimetic.timing import LAST_FRAME
 
 PIN_SIGMA = 0.1  # pixels: what a hand places is held
@@ -101,7 +102,7 @@ def numbers(name: str, value: object, shape: tuple[int, ...]) -> NDArray[np.floa
         array = np.array(value)  # of a type of its own: as floats, texts of digits would do
     except (TypeError, ValueError):
         raise InvalidInput(f"face fit's {name} must be numbers of shape {shape}") from None
-    if array.shape != shape or array.dtype.kind not in "iuf" or not np.isfinite(array).all():
+    if array.shape != shape or array.dtype.kind not in "iuf" or not is_bounded(array):
         raise InvalidInput(f"face fit's {name} must be finite numbers of shape {shape}")
     return array.astype(np.float64)
 

@@ -20,6 +20,7 @@ from mimetic.foreign_mesh import MAX_VERTICES
 from mimetic.gltf import read_chunks
 from mimetic.json_file import parse_json
 from mimetic.regular_file import check_input
+from mimetic.shown_text import shortened
 
 TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
 WIDTHS = {"SCALAR": 1, "VEC3": 3}
@@ -51,10 +52,10 @@ def read_gltf(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
             raise InvalidInput("not a glTF file")
         return _Reader(document, binary, path.parent).mesh()
     except InvalidInput as error:
-        raise InvalidInput(f"{path}: {error}") from None
+        raise InvalidInput(f"{path}: {shortened(error)}") from None
     except (LookupError, TypeError, AttributeError, ValueError, OverflowError) as error:
         raise InvalidInput(
-            f"{path}: not a sound glTF file ({type(error).__name__}: {error})"
+            f"{path}: not a sound glTF file ({type(error).__name__}: {shortened(error)})"
         ) from None
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 
 from mimetic import InvalidInput
 from mimetic.regular_file import check_input
+from mimetic.shown_text import shortened
 
 MOST_VALUES = 2_000_000  # each takes some hundred bytes
 DEEPEST = 64  # of lists and objects in each other
@@ -32,7 +33,7 @@ def read_json(path: str | os.PathLike, what: str, largest: int) -> object:
     try:
         return parse_json(content)
     except InvalidInput as error:
-        raise InvalidInput(f"{path}: not {what}: {error}") from None
+        raise InvalidInput(f"{path}: not {what}: {shortened(error)}") from None
 
 
 def parse_json(content: bytes) -> object:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.array_file import read_archive
+from mimetic.array_file import is_bounded, read_archive
 from mimetic.face_template import FaceTemplate
 from mimetic.installed_data import installed
 from mimetic.residual_shape import FACE
@@ -133,6 +133,9 @@ def load(path: str | os.PathLike) -> _core.LandmarkCascade:
     arrays = read_archive(path, SHAPES, KINDS, LARGEST)
     if (schema := int(arrays["schema"])) != SCHEMA:
         raise InvalidInput(f"{path}: has schema {schema}, this version reads {SCHEMA}")
+    for name, array in arrays.items():
+        if array.dtype.kind != "U" and not is_bounded(array):
+            raise InvalidInput(f"{path}: {name} is not finite")
     try:
         return cascade_of(arrays)
     except InvalidInput as error:

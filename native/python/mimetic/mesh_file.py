@@ -16,6 +16,7 @@ from mimetic.foreign_mesh import MAX_VERTICES
 from mimetic.gltf_mesh import check_bytes, read_gltf
 from mimetic.json_file import read_json
 from mimetic.ply_file import read_ply
+from mimetic.shown_text import shortened
 
 MAX_LANDMARK_BYTES = 1_000_000
 MAX_CORNERS = 64  # of one polygon
@@ -112,9 +113,8 @@ def read_landmarks(path: Path) -> dict[str, int | list[float]]:
     for name, value in found.items():
         is_point = isinstance(value, list) and len(value) == 3 and all(map(_is_number, value))
         if not is_point and not (isinstance(value, int) and not isinstance(value, bool)):
-            raise InvalidInput(
-                f"{path}: landmark {name} is {value!r}, needed is a vertex's index or [x, y, z]"
-            )
+            told = shortened(f"landmark {name} is {value!r}")
+            raise InvalidInput(f"{path}: {told}, needed is a vertex's index or [x, y, z]")
     return found
 
 

@@ -162,7 +162,7 @@ class _TextBody:
         if not p.count_type:
             return float(next(words))
         corners = [int(float(next(words))) for _ in range(int(next(words)))]
-        if corners and max(corners) >= MAX_VERTICES:
+        if any(abs(corner) > MAX_VERTICES for corner in corners):
             raise ValueError
         return corners
 

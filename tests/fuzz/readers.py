@@ -1,0 +1,196 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every reader of files: what it is tried on, and what is done with a file that it takes.
+
+A file that is taken must then serve: what a performance, a fit or a mesh is read for is done.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import io
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from random import Random
+
+import mimetic.info  # noqa: F401 - what `cli` would import in every process anew
+import numpy as np
+from mimetic import InvalidInput, cli, eigenspaces, placement, shapes
+from mimetic import landmarks as cascade_file
+from mimetic.evaluate.score import score
+from mimetic.evaluate.stills import Stills
+from mimetic.evaluate.tables import as_json, as_text
+from mimetic.evaluate.truth import Truth
+from mimetic.face_fit import FaceFit
+from mimetic.face_template import load_template
+from mimetic.fit import landmark_places
+from mimetic.footage import Footage
+from mimetic.foreign_mesh import read_skin
+from mimetic.mesh_file import read_landmarks, read_mesh
+from mimetic.performance import Performance
+from mimetic.points import read_points, track_points
+from mimetic.pose_smoothing import smoothed
+from mimetic.report import head_angles
+from mimetic.timing import frame_steps, scene_frames, scene_rate
+
+from fuzz import samples
+from fuzz.changed_bytes import change_bytes
+from fuzz.samples import Sample
+
+MOST_FRAMES = 20  # of footage, of a few KB
+NAMES = (
+    "-i",
+    "--help",
+    "file:x.mp4",
+    "http://127.0.0.1/x",
+    "concat:a|b",
+    "%d.mp4",
+    "a\nb",
+    "\x1b[2J",
+)
+NAMES += (
+    "é" * 200,
+    "x" * 300,
+    "a\0b",
+    "\udcff\udcfe.mp4",
+    " ",
+    "'; ls",
+    "*",
+    "\u202egpj.mp4",
+    "x" * 250,
+)
+
+
+class Broken(Exception):
+    """A reader that took a file and then did not keep what it had promised."""
+
+
+@dataclass(frozen=True)
+class Reader:
+    samples: Callable[[], Iterable[Sample]]
+    read: Callable[[Path], None]
+    changed_name: bool = False  # the name of the file is changed, not what is in it
+
+
+def _read_performance(path: Path) -> None:
+    """By the command line, and on to what `points`, `bake` and the report make of it."""
+    said = io.StringIO()
+    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+        status = cli.main(["info", str(path)])
+    text = said.getvalue()
+    if status == cli.BAD_INPUT and text.count("\n") == 1 and text.startswith("mimetic: "):
+        raise InvalidInput(text)
+    if status != 0 or not all(c.isprintable() for c in text.replace("\n", "")):
+        raise Broken(f"mimetic info ended with {status} and said {text[:400]!r}")
+    performance = Performance.load(path)
+    performance.project(performance.surface_in_camera(performance.num_frames - 1))
+    head_angles(performance)
+    shapes.shapes_of(performance), shapes.groups_of(performance)
+    placement.head_motion(performance)
+    rate = scene_rate(performance.fps)
+    _either(lambda: placement.lens(performance.intrinsics, performance.image_size))
+    _either(lambda: scene_frames(performance.frame, performance.fps, rate.fps / rate.fps_base))
+    _either(lambda: smoothed(performance))
+    middle = performance.image_size / 2
+    _either(lambda: track_points(performance, np.array([middle, middle + 3.5])))
+    _either(lambda: frame_steps(performance.frame, performance.fps, 24.0))
+    again = path.with_suffix(".again")
+    performance.save(again)
+    if Performance.load(again).frame.tolist() != performance.frame.tolist():
+        raise Broken("what was saved again is not what was read")
+
+
+def _either(use: Callable[[], object]) -> None:
+    """Done, or refused in words."""
+    with contextlib.suppress(InvalidInput):
+        use()
+
+
+def _read_truth(path: Path) -> None:
+    truth = Truth.load(path)
+
+    def scored() -> None:
+        made = score(truth, samples.performance())
+        as_text(made), as_json([made])
+
+    _either(scored)
+
+
+def _read_fit(path: Path) -> None:
+    fit = FaceFit.load(path)
+    again = path.with_suffix(".again")
+    fit.save(again)
+    if FaceFit.load(again).frame != fit.frame:
+        raise Broken("what was saved again is not what was read")
+    _either(lambda: fit.camera)
+    _either(fit.head_place)
+    _either(lambda: fit.neutral_vertices(load_template()))
+    _either(lambda: landmark_places(fit))
+    _either(fit.calibration.described)
+
+
+def _read_landmarks(path: Path) -> None:
+    template = load_template()
+    given = read_landmarks(path)
+    skin = template.num_skin_vertices
+    _either(lambda: read_skin(template.vertices[:skin], template.skin_faces, given, template))
+
+
+def _read_points(path: Path) -> None:
+    track_points(samples.performance(), read_points(path))
+
+
+def _read_mesh(path: Path) -> None:
+    vertices, faces = read_mesh(path)
+    if not np.isfinite(vertices).all() or faces.max() >= len(vertices) or faces[:, :3].min() < 0:
+        raise Broken("a face without its vertices, or a vertex nowhere")
+
+
+def _read_model(path: Path) -> None:
+    load = {".face.npz": load_template, f".{eigenspaces.FILE_NAME}": eigenspaces.load}
+    next((read for end, read in load.items() if path.name.endswith(end)), cascade_file.load)(path)
+
+
+def _read_stills(path: Path) -> None:
+    Stills.load(path)
+
+
+def _read_footage(path: Path) -> None:
+    footage = Footage(path)
+    if not footage.fps > 0 or footage.num_frames < 1:
+        raise Broken(f"{footage.num_frames} frames at {footage.fps} a second")
+    for frame, image in footage.frames(1, MOST_FRAMES):
+        if image.shape != (footage.size[1], footage.size[0], 3):
+            raise Broken(f"frame {frame} is of the shape {image.shape}")
+
+
+READERS = {
+    "performance": Reader(samples.performances, _read_performance),
+    "truth": Reader(samples.truths, _read_truth),
+    "fit": Reader(samples.fits, _read_fit),
+    "landmarks": Reader(samples.landmarks, _read_landmarks),
+    "points": Reader(samples.points, _read_points),
+    "mesh": Reader(samples.meshes, _read_mesh),
+    "model": Reader(samples.models, _read_model),
+    "stills": Reader(samples.stills, _read_stills),
+    "footage": Reader(samples.clips, _read_footage),
+    "footage-name": Reader(samples.clips, _read_footage, changed_name=True),
+}
+
+
+def make_case(reader: Reader, made: list[Sample], folder: Path, random: Random) -> Path:
+    """Writes a changed sample into the folder, or a sound one under a name of its own."""
+    sample = random.choice(made)
+    if not reader.changed_name:
+        path = folder / f"case{sample.suffix}"
+        path.write_bytes(random.choice(sample.changes)(sample.content, random))
+        return path
+    name = random.choice(NAMES) + random.choice(("", sample.suffix))
+    if random.random() < 0.4:
+        name = change_bytes(name.encode("utf-8", "surrogateescape"), random).decode(
+            "utf-8", "surrogateescape"
+        )
+    path = folder / name.replace("/", "_")
+    with contextlib.suppress(OSError, ValueError):  # there are no files of that name
+        path.write_bytes(sample.content)
+    return path
