@@ -116,6 +116,14 @@ def face_of(context) -> bpy.types.Object | None:
     return face if face is not None and face.name in context.scene.objects else None
 
 
+def shown_face(context) -> bpy.types.Object | None:
+    """The face whose sliders are listed; none while another mesh is active, which decides."""
+    active, face = context.active_object, face_of(context)
+    if face is None or not is_face(face):
+        return None
+    return None if active is not None and active.type == "MESH" and active != face else face
+
+
 def is_face(candidate: bpy.types.Object) -> bool:
     """Whether an object has the sliders of a face."""
     return (

@@ -11,7 +11,24 @@ from .scene_out import rigs
 
 def no_bake(context) -> str:
     """Why the performance cannot be baked."""
-    return scene_in.no_performance(context) or no_update(context.scene)
+    if reason := scene_in.no_performance(context):
+        return reason
+    if (bound := bound_head(context)) is None:
+        return no_update(context.scene)
+    if bound.mode == "EDIT":
+        return f"Leave {bound.name}'s edit mode first"
+    return writable.no_sliders(bound)
+
+
+def bound_head(context) -> bpy.types.Object | None:
+    """The character that a bake puts the performance on: the active mesh if it has sliders.
+
+    The scene's own face is none: a bake makes it the person who was captured.
+    """
+    active = context.active_object
+    if active is None or active == context.scene.mimetic.face or not scene_in.is_face(active):
+        return None
+    return active
 
 
 def no_update(scene: bpy.types.Scene) -> str:

@@ -61,6 +61,13 @@ def no_tracks(clip: bpy.types.MovieClip) -> str:
     return ""
 
 
+def own_object(scene: bpy.types.Scene, name: str) -> bpy.types.Object:
+    """An object of this file by its name, which an override shares with what it overrides; else
+    whatever the scene has."""
+    own = bpy.data.objects.get((name, None))
+    return own if own is not None and own.name in scene.objects else scene.objects[name]
+
+
 def check(reason: str) -> None:
     """Raises InvalidInput with the reason, if there is one."""
     if reason:

@@ -46,7 +46,7 @@ def test_a_face_comes_without_footage(scene, added, head):
     assert face != added
     assert tuple(face.location) == (1, 2, 3)
     assert [o for o in scene.objects if o.select_get()] == [face]
-    assert scene.mimetic.face is None  # a bake makes its own
+    assert scene.mimetic.face is None  # the person who was captured gets a face of their own
     names = [shape.name for shape in (*head.shapes, *head.groups)]
     keys = face.data.shape_keys
     assert [key.name for key in keys.key_blocks] == ["Basis", *names, "contact"]

@@ -150,3 +150,24 @@ def test_a_flat_object_is_refused():
     turns = some_rotations(3, 0.1)
     with pytest.raises(InvalidInput, match="scale"):
         object_channels(Motion(turns, np.zeros((3, 3))), np.diag([1.0, 0, 1, 1]), np.eye(4), "XYZ")
+
+
+def test_a_head_is_found_in_an_object_by_its_landmarks():
+    """Vertices and places alike, whatever unit, axes and origin the object has."""
+    from mimetic.bound_head import object_from_character
+    from mimetic.face_template import load_template
+    from mimetic.foreign_mesh import REQUIRED
+    from mimetic.placement import to_object
+
+    template = load_template()
+    turn = from_rotation_vectors(np.array([[0.4, -1.2, 2.0]]))[0]
+    shift = np.array([3.0, -40.0, 7.0])
+    points = 100 * to_object(template.vertices) @ turn.T + shift
+    metres_from_object = np.diag([0.01, 0.01, 0.01, 1])
+    metres_from_object[:3, 3] = [1, 2, 3]
+    vertices = {name: template.landmark(name) for name in REQUIRED}
+    places = {name: 0.01 * points[vertex] + [1, 2, 3] for name, vertex in vertices.items()}
+    for marks in (vertices, places):
+        found = object_from_character(points, marks, metres_from_object)
+        np.testing.assert_allclose(found[:3, :3], 100 * turn, atol=1e-4)
+        np.testing.assert_allclose(found[:3, 3], shift, atol=1e-4)

@@ -5,7 +5,7 @@ import bpy
 from bpy.props import BoolProperty, IntProperty
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out, targets
+from .. import native, scene_in, scene_out, targets, writable
 from ..jobs import Job
 
 
@@ -33,6 +33,12 @@ class MIMETIC_OT_bake(Job, Operator):
         description="Shapes of their own for what the muscles leave unexplained: the surface as "
         "closely as it was seen, and some eighty curves that no hand edits",
     )
+    use_head_motion: BoolProperty(
+        name="Head Motion",
+        default=True,
+        description="On a character of your own: move the object as the actor's head moves, unless "
+        "a rig moves it. The performer's own face always moves",
+    )
     use_view: BoolProperty(
         name="Look Through Camera", default=True, description="Turn 3D views to the footage"
     )
@@ -45,13 +51,19 @@ class MIMETIC_OT_bake(Job, Operator):
 
     def read(self, context):
         clip = scene_in.clip_of(context)
+        bound = targets.bound_head(context)
         footage = scene_in.footage(context).path if clip and self.use_texture else None
         path = scene_in.performance_path(context.scene)
-        return path, footage, clip.name if clip else "", self.use_contact, self.use_detail
+        options = (footage, self.use_contact, self.use_detail) if bound is None else None
+        return path, clip.name if clip else "", options, bound.name if bound else ""
 
     def work(self, inputs, progress):
-        path, footage, clip_name, use_contact, use_detail = inputs
+        path, clip_name, options, bound_name = inputs
         performance = native.part("performance").Performance.load(path)
+        take = Path(clip_name or path).name.split(".")[0]
+        if options is None:
+            return performance, take, clip_name, None, bound_name
+        footage, use_contact, use_detail = options
         if not use_detail:
             performance = performance.without_detail()
         contact = None
@@ -60,12 +72,15 @@ class MIMETIC_OT_bake(Job, Operator):
         if not progress(0.9, "projecting the texture" if footage else "painting"):
             return None
         appearance = native.part("appearance").appearance_of(performance, footage)
-        take = Path(clip_name or path).name.split(".")[0]
-        return performance, appearance, contact, take, clip_name
+        return performance, take, clip_name, (appearance, contact), ""
 
     def write(self, context, result):
-        performance, appearance, contact, take, clip_name = result
+        performance, take, clip_name, dress, bound_name = result
         clip = bpy.data.movieclips.get(clip_name)
+        if bound_name:
+            bound = writable.own_object(context.scene, bound_name)
+            return self.write_bound(context.scene, performance, take, bound, clip)
+        appearance, contact = dress
         baked = scene_out.bake(
             context.scene,
             performance,
@@ -84,3 +99,18 @@ class MIMETIC_OT_bake(Job, Operator):
             told += "; other objects are out of view, View > Local View shows them again"
         scene_out.canonical.select_only(context.view_layer, face)
         return told
+
+    def write_bound(self, scene, performance, take, bound, clip):
+        """On a character's own head; says all that it does not play."""
+        baked = scene_out.bound.bake(scene, performance, take, bound, clip, self.use_head_motion)
+        for remark in baked.left_out:
+            self.report({"WARNING"}, remark)
+        if baked.untouched:
+            self.report({"INFO"}, f"The performance leaves alone: {', '.join(baked.untouched)}")
+        told = (
+            f"{baked.num_curves} curves from frame {baked.first:.6g} to {baked.last:.6g} "
+            f"on {bound.name}; its mesh, materials, contact and the scene's camera stay"
+        )
+        if performance.detail_modes is not None and self.use_detail:
+            told += "; detail is the performer's own skin's and was left out"
+        return told if baked.has_motion else f"{told}; the object was not moved"

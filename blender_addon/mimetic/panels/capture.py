@@ -5,7 +5,7 @@ from pathlib import Path
 
 from bpy.types import Panel
 
-from .. import clip_time, jobs, native, scene_in, scene_out
+from .. import clip_time, jobs, native, scene_in, scene_out, targets
 
 
 class Capture:
@@ -26,7 +26,7 @@ class Capture:
         settings = context.scene.mimetic
         self.draw_footage(layout, context, settings)
         self.draw_capture(layout, settings)
-        self.draw_bake(layout, settings)
+        self.draw_bake(layout, context, settings)
 
     def draw_footage(self, layout, context, settings):
         layout.operator("mimetic.load_clip", icon="FILE_MOVIE")
@@ -72,11 +72,13 @@ class Capture:
         row.operator("mimetic.capture", icon="REC")
         row.operator("mimetic.track_head", text="Head Only")
 
-    def draw_bake(self, layout, settings):
+    def draw_bake(self, layout, context, settings):
         layout.operator("mimetic.load_performance", icon="FILE_FOLDER")
         if settings.performance_path:
             layout.label(text=Path(settings.performance_path).name, icon="CHECKMARK")
-        layout.operator("mimetic.bake", icon="ACTION")
+        bound = targets.bound_head(context)
+        text = f"Bake on {bound.name}" if bound else "Bake"
+        layout.operator("mimetic.bake", text=text, icon="ACTION")
         layout.operator("mimetic.export_gltf", icon="EXPORT")
 
 

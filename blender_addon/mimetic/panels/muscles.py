@@ -24,18 +24,17 @@ class MIMETIC_PT_muscles(Muscles, Panel):
 
     def draw(self, context):
         layout = self.layout
-        face = scene_in.face_of(context)
-        if face is None or not scene_in.is_face(face):
+        face = scene_in.shown_face(context)
+        if face is None:
             layout.operator("mimetic.add_face", icon="USER")
-            column = layout.column(align=True)
-            column.label(text="Muscles on a head of your own:")
-            column.operator("mimetic.add_landmarks", icon="EMPTY_DATA")
-            column.operator("mimetic.attach_muscles", icon="SHAPEKEY_DATA")
+            self.draw_attaching(layout, context)
             return
         row = layout.row(align=True)
         row.label(text=face.name, icon="USER")
         row.operator("mimetic.rest_face", icon="LOOP_BACK", text="")
         row.operator("mimetic.add_face", icon="ADD", text="")
+        if len(face.mimetic.landmarks):
+            row.operator("mimetic.attach_muscles", icon="SHAPEKEY_DATA", text="")
         row = layout.row()
         row.enabled = not (reason := writable.no_shapes(face))
         row.prop(face.mimetic, "use_contact")
@@ -52,6 +51,14 @@ class MIMETIC_PT_muscles(Muscles, Panel):
                 sliders.setdefault(shape.group, []).append(keys[shape.name])
         for group, blocks in groups.items():
             self.draw_group(layout, group, sliders.get(group, []), blocks)
+
+    def draw_attaching(self, layout, context):
+        active = context.active_object
+        named = active.name if active and active.type == "MESH" else "a head of your own"
+        column = layout.column(align=True)
+        column.label(text=f"Muscles on {named}:")
+        column.operator("mimetic.add_landmarks", icon="EMPTY_DATA")
+        column.operator("mimetic.attach_muscles", icon="SHAPEKEY_DATA")
 
     def draw_group(self, layout, group, sliders, blocks):
         """A group's own slider in the header; its sides and its muscles below."""

@@ -10,6 +10,7 @@ import bpy
 from .. import native, scene_in, targets, writable
 from . import (
     actions,
+    bound,
     camera,
     canonical,
     clip,
@@ -28,6 +29,7 @@ from . import (
 __all__ = [
     "Baked",
     "bake",
+    "bound",
     "camera",
     "canonical",
     "clip",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import bpy
 
 from .. import native, scene_in, world, writable
-from . import actions, rigs
+from . import actions, rigs, standing
 
 INSTALLED = ("rotation_quaternion", "rotation_euler", "rotation_axis_angle", "location")
 
@@ -42,23 +42,35 @@ def bake(scene: bpy.types.Scene, performance, take: str, target: Target, footage
     What else moves the target goes on: its action is copied, and the copy gets the head's curves.
     The scene's rate and range stay as they are. Raises InvalidInput, and changes nothing then.
     """
-    moved = scene.objects[target.name]
+    moved = writable.own_object(scene, target.name)
     writable.check(writable.no_motion(moved))
     if moved.type == "ARMATURE" and not target.bone:
         writable.check(rigs.no_whole_motion(moved))
     timing = scene_in.timing(scene, footage)
     frames = scene_in.scene_frames(performance, timing)
-    if target.bone:
-        keyed = _bone_channels(moved, performance, target)
-    else:
-        keyed = {"": _object_channels(scene, moved, performance, target)}
+    if not target.bone:
+        channels = _object_channels(scene, moved, performance, target)
+        num_curves = key_object(moved, performance, take, frames, channels, target)
+        return Baked(float(frames[0]), float(frames[-1]), num_curves, moved.name)
+    keyed = _bone_channels(moved, performance, target)
     holder = actions.continued_take(moved, f"{take} head")
     num_curves = 0
     for bone, channels in keyed.items():
-        prefix = f'pose.bones["{bpy.utils.escape_identifier(bone)}"].' if bone else ""
-        num_curves += _key(holder, prefix, bone or "Head", frames, channels)
-    where = ", ".join(keyed) + f" of {moved.name}" if target.bone else moved.name
+        prefix = f'pose.bones["{bpy.utils.escape_identifier(bone)}"].'
+        num_curves += _key(holder, prefix, bone, frames, channels)
+    where = ", ".join(keyed) + f" of {moved.name}"
     return Baked(float(frames[0]), float(frames[-1]), num_curves, where)
+
+
+def key_object(moved, performance, take: str, frames, channels, target: Target) -> int:
+    """Keys an object's own `mimetic.rig_motion.Channels`; returns the number of curves."""
+    num_curves = _key(actions.continued_take(moved, f"{take} head"), "", "Head", frames, channels)
+    if target.is_absolute:
+        standing.forget(moved)
+    else:
+        rest_index = native.part("rig_motion").rest_index
+        standing.note(moved, frames[rest_index(performance, target.calibration_frame or None)])
+    return num_curves
 
 
 def _motion(performance, target: Target):
@@ -87,27 +99,30 @@ def _bone_channels(armature, performance, target: Target) -> dict:
 
 
 def _object_channels(scene, moved, performance, target: Target):
-    parts = native.part("rig_motion")
-    world_from_parent = native.array(world.matrix(moved) @ moved.matrix_basis.inverted())
     if target.is_absolute:
-        channels = parts.placed_channels(
+        channels = native.part("rig_motion").placed_channels(
             performance,
-            world_from_parent,
+            _world_from_parent(moved),
             moved.rotation_mode,
             scene_in.camera_matrix(scene),
             target.facing,
             target.translation_scale,
         )
     else:
-        channels = parts.object_channels(
-            _motion(performance, target),
-            native.array(moved.matrix_basis),
-            world_from_parent,
-            moved.rotation_mode,
-            target.facing,
-            target.translation_scale,
-        )
+        with standing.at_rest(scene, moved):
+            channels = native.part("rig_motion").object_channels(
+                _motion(performance, target),
+                native.array(moved.matrix_basis),
+                _world_from_parent(moved),
+                moved.rotation_mode,
+                target.facing,
+                target.translation_scale,
+            )
     return channels if target.translation_scale else _without_location(channels)
+
+
+def _world_from_parent(moved):
+    return native.array(world.matrix(moved) @ moved.matrix_basis.inverted())
 
 
 def _without_location(channels):

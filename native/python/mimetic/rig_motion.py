@@ -72,14 +72,18 @@ def motion(
     and at rest. pivot: the point whose shifts are given, in the character frame from midway between
     the ears. Raises InvalidInput for a frame that the performance lacks.
     """
-    if calibration_frame is None:
-        i = reference_index(performance)
-    else:
-        i = performance.index_of(calibration_frame)
+    i = rest_index(performance, calibration_frame)
     poses = world_from_object(performance)
     points = poses[:, :3, 3] + poses[:, :3, :3] @ np.asarray(pivot, dtype=np.float64)
     axes = np.eye(3) if is_absolute else poses[i, :3, :3]
     return Motion(axes.T @ poses[:, :3, :3], (points - points[i]) @ axes)
+
+
+def rest_index(performance: Performance, calibration_frame: int | None = None) -> int:
+    """Index of the frame in which a target is as it was: see `motion`."""
+    if calibration_frame is None:
+        return reference_index(performance)
+    return performance.index_of(calibration_frame)
 
 
 def facing(direction: str) -> Floats:
@@ -140,12 +144,29 @@ def object_channels(
     before them; direction: where its face looks; scale: of shifts.
     """
     basis, parent = np.asarray(basis, dtype=np.float64), np.asarray(world_from_parent, dtype=float)
-    axes = facing(direction)
-    own = _rotation_of(basis[:3, :3], "object")
-    to_world = _rotation_of(parent[:3, :3], "parent") @ own @ axes
-    shifts = scale * moved.shifts @ to_world.T
-    locations = basis[:3, 3] + shifts @ np.linalg.inv(parent[:3, :3]).T
-    return _channels(own @ axes @ moved.rotations @ axes.T, locations, rotation_mode)
+    own = rotation_of(basis[:3, :3], "object")
+    axes = rotation_of(parent[:3, :3], "parent") @ own @ facing(direction)
+    return carried_channels(moved, basis[:3, 3], own, parent, axes, rotation_mode, scale)
+
+
+def carried_channels(
+    moved: Motion,
+    location: ArrayLike,
+    rotation: ArrayLike,
+    world_from_parent: ArrayLike,
+    axes: ArrayLike,
+    rotation_mode: str,
+    scale: float = 1.0,
+) -> Channels:
+    """Curves of an object that is carried from where it is.
+
+    location: 3, rotation: 3 x 3, its own channels now; world_from_parent: 4 x 4; axes: 3 x 3, world
+    from the character frame; scale: of shifts.
+    """
+    parent, axes = np.asarray(world_from_parent, dtype=float), np.asarray(axes, dtype=np.float64)
+    own = rotation_of(parent[:3, :3], "parent").T @ axes
+    locations = location + scale * moved.shifts @ axes.T @ np.linalg.inv(parent[:3, :3]).T
+    return _channels(own @ moved.rotations @ own.T @ rotation, locations, rotation_mode)
 
 
 def placed_channels(
@@ -165,7 +186,7 @@ def placed_channels(
     camera = np.asarray(world, dtype=np.float64)[:3, 3]
     parent = np.linalg.inv(np.asarray(world_from_parent, dtype=np.float64))
     points = camera + scale * (poses[:, :3, 3] - camera)
-    turn = _rotation_of(parent[:3, :3], "parent")
+    turn = rotation_of(parent[:3, :3], "parent")
     rotations = turn @ poses[:, :3, :3] @ facing(direction).T
     return _channels(rotations, points @ parent[:3, :3].T + parent[:3, 3], rotation_mode)
 
@@ -201,7 +222,7 @@ def rotation_channels(rotations: Floats, rotation_mode: str) -> tuple[str, Float
     return "rotation_euler", euler_angles(rotations, rotation_mode)
 
 
-def _rotation_of(matrix: Floats, what: str) -> Floats:
+def rotation_of(matrix: Floats, what: str) -> Floats:
     """The rotation nearest to a 3 x 3 matrix that may scale; raises InvalidInput if it is flat."""
     if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) < 1e-12:
         raise InvalidInput(f"the {what}'s matrix is flat or not finite; reset its scale")

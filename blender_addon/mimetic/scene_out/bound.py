@@ -1,0 +1,166 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A performance on a character whose head has the muscles' sliders: its own shapes, our curves.
+
+Its mesh, materials, slider limits and its curves of anything else stay as they are.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+from mathutils import Matrix
+
+from .. import compat, native, scene_in, world, writable
+from . import actions, head, standing
+
+
+@dataclass(frozen=True)
+class Baked:
+    first: float  # scene frames of the first and the last key
+    last: float
+    num_curves: int
+    has_motion: bool  # whether the head's motion was keyed on the object
+    left_out: tuple[str, ...]  # what the head does not play, in sentences
+    untouched: tuple[str, ...]  # sliders that the performance does not move
+
+
+def bake(
+    scene: bpy.types.Scene,
+    performance,
+    take: str,
+    bound: bpy.types.Object,
+    footage: bpy.types.MovieClip | None = None,
+    use_head_motion: bool = True,
+) -> Baked:
+    """Keys a `mimetic.performance.Performance` on the sliders of a head, by their names.
+
+    use_head_motion: whether the object moves as the actor's head does, from where it stands; it
+    never does where a parent, an armature or a constraint moves it. The scene's rate and range
+    stay. Raises InvalidInput, and changes nothing then, if nothing of it can be played.
+    """
+    writable.check(writable.no_sliders(bound))
+    frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
+    shapes = native.part("shapes").shapes_of(performance.without_detail())
+    keys = bound.data.shape_keys
+    driven = _driven(keys)
+    playable = [
+        shape for shape in shapes if shape.name in keys.key_blocks and shape.name not in driven
+    ]
+    left_out = _left_out(bound, shapes, playable, driven)
+    if not playable:
+        raise native.invalid_input("; ".join(left_out))
+    if use_head_motion and (mover := moved_by(bound)):
+        use_head_motion = False
+        left_out.append(
+            f"{bound.name} is moved by {mover}: the head's motion is left to Bake Head (panel Head)"
+        )
+    channels = _motion(scene, performance, bound) if use_head_motion else None
+    holder = actions.continued_take(keys, f"{take} muscles")
+    for shape in playable:
+        path = keys.key_blocks[shape.name].path_from_id("value")
+        actions.clear(holder, path)
+        curve = compat.new_curve(holder, path, 0, shape.group)
+        actions.fill(curve, frames, shape.values, actions.LINEAR)
+    num_curves = len(playable)
+    if channels is not None:
+        num_curves += head.key_object(
+            bound, performance, take, frames, channels, head.Target(bound.name)
+        )
+    named = {shape.name for shape in shapes}
+    untouched = [listed.name for listed in bound.mimetic.shapes if listed.name not in named]
+    return Baked(
+        float(frames[0]),
+        float(frames[-1]),
+        num_curves,
+        channels is not None,
+        tuple(left_out),
+        tuple(untouched),
+    )
+
+
+def moved_by(bound: bpy.types.Object) -> str:
+    """What moves an object beside its own curves, or the empty string."""
+    if bound.parent:
+        return bound.parent.name
+    for modifier in bound.modifiers:
+        if modifier.type == "ARMATURE" and modifier.object:
+            return modifier.object.name
+    if constraint := next((c for c in bound.constraints if not c.mute), None):
+        return f"its constraint {constraint.name}"
+    if _has_deltas(bound):
+        return "its delta transforms"
+    if any(path.startswith(("location", "rotation")) for path in _driver_paths(bound)):
+        return "its drivers"
+    return ""
+
+
+def _has_deltas(moved: bpy.types.Object) -> bool:
+    return any((*moved.delta_location, *moved.delta_rotation_euler)) or (
+        tuple(moved.delta_rotation_quaternion) != (1, 0, 0, 0)
+    )
+
+
+def _motion(scene: bpy.types.Scene, performance, bound: bpy.types.Object):
+    """`mimetic.rig_motion.Channels` of the object."""
+    with standing.at_rest(scene, bound):
+        return native.part("bound_head").head_channels(
+            performance,
+            native.array(world.matrix(bound)) @ _object_from_character(scene, bound),
+            native.array(bound.location),
+            native.array(_rotation(bound)),
+            bound.rotation_mode,
+            1.0 / (scene.unit_settings.scale_length or 1.0),
+        )
+
+
+def _object_from_character(scene: bpy.types.Scene, bound: bpy.types.Object):
+    """4 x 4: a face of our own mesh lies in its object as the character frame does."""
+    known = scene_in.remembered_head(scene, bound)
+    if known is None:
+        return native.array(Matrix.Identity(4))
+    parts = native.part("bound_head")
+    return parts.object_from_character(known.points, known.landmarks, known.matrix)
+
+
+def _rotation(moved: bpy.types.Object) -> Matrix:
+    """The object's own rotation; a decomposed matrix gives another where the scale mirrors."""
+    if moved.rotation_mode == "QUATERNION":
+        return moved.rotation_quaternion.to_matrix()
+    if moved.rotation_mode == "AXIS_ANGLE":
+        angle, *axis = moved.rotation_axis_angle
+        return Matrix.Rotation(angle, 3, axis)
+    return moved.rotation_euler.to_matrix()
+
+
+def _left_out(bound, shapes: Sequence, playable: Sequence, driven: set[str]) -> list[str]:
+    blocks = bound.data.shape_keys.key_blocks
+    told = []
+    if missing := [shape.name for shape in shapes if shape.name not in blocks]:
+        told.append(f"{bound.name} has no slider {', '.join(missing)}")
+    if kept := [shape.name for shape in shapes if shape.name in driven and shape.name in blocks]:
+        told.append(f"drivers of {bound.name} set {', '.join(kept)}")
+    if cut := [shape.name for shape in playable if _is_cut(blocks[shape.name], shape.values)]:
+        told.append(f"{bound.name} ends before the performance: the limits of {', '.join(cut)}")
+    return told
+
+
+TOLERANCE = 1e-3  # of a slider
+
+
+def _is_cut(key: bpy.types.ShapeKey, values) -> bool:
+    return bool(
+        values.min() < key.slider_min - TOLERANCE or values.max() > key.slider_max + TOLERANCE
+    )
+
+
+def _driven(keys: bpy.types.Key) -> set[str]:
+    """Names of the sliders that drivers set: they take no curve."""
+    paths = set(_driver_paths(keys))
+    return {key.name for key in keys.key_blocks if key.path_from_id("value") in paths}
+
+
+def _driver_paths(block: bpy.types.ID) -> list[str]:
+    animation = block.animation_data
+    return [driver.data_path for driver in animation.drivers] if animation else []
