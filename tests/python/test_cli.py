@@ -71,21 +71,6 @@ def test_frames_that_make_no_sense_are_refused(tmp_path, capsys, frames):
     assert "frames" in capsys.readouterr().err
 
 
-def test_a_failing_disk_is_one_line_and_status_1(tmp_path, capsys, monkeypatch):
-    make_performance().save(tmp_path / "p.npz")
-    (tmp_path / "at.csv").write_text("x,y\n150,100\n")
-
-    def full(*_arguments, **_options):
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr("numpy.savez_compressed", full)
-    words = ("points", tmp_path / "p.npz", "--at", tmp_path / "at.csv", "--out", tmp_path / "t.npz")
-    status = main([str(word) for word in words])
-    assert status == 1
-    assert capsys.readouterr().err == f"mimetic: {tmp_path / 't.npz'}: No space left on device\n"
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["at.csv", "p.npz"]
-
-
 def test_names_that_are_no_text_can_be_told(tmp_path):
     make_performance().save(tmp_path / "p.npz")
     (tmp_path / "at.csv").write_text("x,y\n150,100\n")

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+import tracemalloc
+
 import numpy as np
 import pytest
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.cli import main
 from mimetic.performance import Performance
-from mimetic.points import read_points, track_points
+from mimetic.points import read_points, track_points, write_tracks
 from sample_performance import make_performance
 
 
@@ -112,3 +114,45 @@ def test_a_performance_loaded_again_gives_the_same_tracks(tmp_path):
     points = np.array([[150.0, 100.0]])
     again = track_points(Performance.load(tmp_path / "p.npz"), points)
     np.testing.assert_allclose(again.tracks, track_points(performance, points).tracks, atol=1e-9)
+
+
+def test_points_are_followed_alike_whoever_is_with_them():
+    performance = make_performance()
+    x, y = np.meshgrid(np.arange(90.0, 230, 7), np.arange(60.0, 180, 7))
+    points = np.column_stack([x.ravel(), y.ravel()])
+    together = track_points(performance, points)
+    assert 50 < together.on_face.sum() < len(points)
+    for k in (0, 57, 133, 160):
+        alone = track_points(performance, points[k : k + 1])
+        assert alone.on_face[0] == together.on_face[k]
+        np.testing.assert_allclose(alone.tracks[:, 0], together.tracks[:, k], atol=1e-9)
+        np.testing.assert_array_equal(alone.visible[:, 0], together.visible[:, k])
+
+
+def test_tracks_of_many_points_are_written_frame_by_frame(tmp_path):
+    num_frames, num_points = 400, 5000
+
+    def frames():
+        for i in range(num_frames):
+            yield np.full((num_points, 2), float(i)), np.arange(num_points) % 3 == i % 3
+
+    tracemalloc.start()
+    write_tracks(tmp_path / "t.npz", num_frames, np.ones(num_points, dtype=bool), frames())
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 8e6  # bytes; the tracks are 32 MB
+    with np.load(tmp_path / "t.npz", allow_pickle=False) as tracks:
+        assert tracks["tracks"].shape == (num_frames, num_points, 2)
+        np.testing.assert_array_equal(tracks["tracks"][:, 7, 1], np.arange(num_frames))
+        np.testing.assert_array_equal(tracks["visible"][1], np.arange(num_points) % 3 == 1)
+        assert tracks["on_face"].all() and tracks["on_face"].dtype == bool
+
+
+def test_the_command_tells_how_far_it_is(tmp_path, capsys, monkeypatch):
+    make_performance().save(tmp_path / "p.npz")
+    (tmp_path / "at.csv").write_text("x,y\n150,100\n")
+    monkeypatch.setattr("mimetic.console.PLAIN_EVERY", 0.0)
+    words = ("points", tmp_path / "p.npz", "--at", tmp_path / "at.csv", "--out", tmp_path / "t.npz")
+    assert main([str(word) for word in words]) == 0
+    told = capsys.readouterr().err
+    assert "looking for the skin" in told and "following: frame 12" in told

@@ -4,44 +4,50 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import csv
 import os
+import shutil
+import tempfile
+import zipfile
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
+from typing import IO
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.lib import format as npy
+from numpy.typing import DTypeLike, NDArray
 
 from mimetic import InvalidInput, UnreadableMedia, _core
+from mimetic.console import Console
 from mimetic.performance import Performance
 from mimetic.projection import rescaled
 from mimetic.regular_file import check_input, check_target
-from mimetic.surface_places import COVERED, RefinedSurface, cosines, places_under
+from mimetic.surface_places import COVERED, RefinedSurface, cosines, meets_face, places_under
 from mimetic.whole_file import whole_file
 
 LARGEST_TABLE = 1_000_000  # points
 LARGEST_FILE = 64 * 10**6  # bytes
 FARTHEST = 1e6  # pixels from the picture's corner
+POINTS_AT_ONCE = 16_384  # whose skin is looked for
+KEPT_IN_MEMORY = 64 << 20  # bytes of what has to wait until the tracks are written
+FOUND = 0.3  # of the whole command when the skin under the points is found, for the progress
 GRAZING = 0.1  # cosine between normal and view below which a point is turned away
 
 
 @dataclass(frozen=True)
 class Tracks:
-    tracks: NDArray[
-        np.float64
-    ]  # N x K x 2, pixels of the footage's file; NaN for points that are not on the face
-    visible: NDArray[
-        np.bool_
-    ]  # N x K: in the picture, turned to the camera, not covered by the face
+    """Where K points are in N frames."""
+
+    tracks: NDArray[np.float64]  # N x K x 2, pixels of the footage's file; NaN off the face
+    visible: NDArray[np.bool_]  # N x K: in the picture, turned to the camera, not covered
     on_face: NDArray[np.bool_]  # K: the pixel of the given frame shows the face
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes TRACKS.npz, whole or not at all."""
-        path = Path(path)
-        with whole_file(path) as stream:
-            np.savez_compressed(
-                stream, tracks=self.tracks, visible=self.visible, on_face=self.on_face
-            )
+        frames = zip(self.tracks, self.visible, strict=True)
+        write_tracks(path, len(self.tracks), self.on_face, frames)
 
 
 def track_points(
@@ -54,33 +60,110 @@ def track_points(
     `surface_places`); the place on the skin is then projected in every frame. Raises InvalidInput
     on points that are not finite or a frame the file lacks.
     """
-    points = np.asarray(points, dtype=np.float64)
-    if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
-        raise InvalidInput("points must be K rows of two finite numbers, x and y in pixels")
-    size, stored = performance.image_size, performance.stored_size
-    stored = size if stored is None else stored
-    points = rescaled(points, stored, size)
-    surface = RefinedSurface(performance)
-    start = performance.index_of(frame) if frame is not None else 0
-    under = places_under(surface, points, start)
-    shape = (performance.num_frames, len(points))
-    tracks, visible = np.full((*shape, 2), np.nan), np.zeros(shape, dtype=bool)
-    if under is None:
-        return Tracks(tracks, visible, np.zeros(len(points), dtype=bool))
-    on_face = under.on_face
-    corners = surface.triangles[under.triangle[on_face]]
-    weights, offset = under.weights[on_face], under.offset[on_face]
-    for i in range(performance.num_frames):
-        vertices = surface.in_camera(i)
-        seen = vertices[corners]
-        places = np.einsum("kc,kcx->kx", weights, seen)
-        turned = cosines(seen, places) > GRAZING
-        in_front = places[:, 2] > 1e-3
-        shown_at = performance.project(np.where(in_front[:, None], places, np.nan))
-        tracks[i, on_face] = rescaled(shown_at + offset, size, stored)
-        shown = _core.show_points(surface.camera, vertices, surface.faces, places, COVERED)
-        visible[i, on_face] = turned & shown
-    return Tracks(tracks, visible, on_face)
+    followed = FollowedPoints(performance, points, frame)
+    shape = (performance.num_frames, len(followed.on_face))
+    tracks, visible = np.empty((*shape, 2)), np.empty(shape, dtype=bool)
+    for i, (places, shown) in enumerate(followed.frames()):
+        tracks[i], visible[i] = places, shown
+    return Tracks(tracks, visible, followed.on_face)
+
+
+class FollowedPoints:
+    """Points on their way, one frame at a time: all pixels of a long clip fit in no memory.
+
+    Arguments and errors as of `track_points`; progress: called with the fraction done and a text
+    while the skin under the points is looked for.
+    """
+
+    def __init__(
+        self,
+        performance: Performance,
+        points: NDArray[np.float64],
+        frame: int | None = None,
+        progress: Callable[[float, str], object] = lambda _fraction, _text: None,
+    ) -> None:
+        points = np.asarray(points, dtype=np.float64)
+        if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
+            raise InvalidInput("points must be K rows of two finite numbers, x and y in pixels")
+        self.performance = performance
+        self._size, stored = performance.image_size, performance.stored_size
+        self._stored = self._size if stored is None else stored
+        points = rescaled(points, self._stored, self._size)
+        self._surface = RefinedSurface(performance)
+        start = performance.index_of(frame) if frame is not None else 0
+        self.on_face = np.zeros(len(points), dtype=bool)  # K
+        corners, weights, offset = [], [], []
+        for first in range(0, len(points), POINTS_AT_ONCE):
+            progress(first / len(points), f"looking for the skin under point {first + 1}")
+            part = points[first : first + POINTS_AT_ONCE]
+            hit = meets_face(self._surface, part, start)
+            under = places_under(self._surface, part[hit], start) if hit.any() else None
+            if under is None:
+                continue
+            self.on_face[first : first + POINTS_AT_ONCE][hit] = True
+            corners.append(self._surface.triangles[under.triangle])
+            weights.append(under.weights)
+            offset.append(under.offset)
+        self._corners = np.concatenate([np.zeros((0, 3), dtype=np.int32), *corners])
+        self._weights = np.concatenate([np.zeros((0, 3)), *weights])
+        self._offset = np.concatenate([np.zeros((0, 2)), *offset])
+
+    def frames(self) -> Iterator[tuple[NDArray[np.float64], NDArray[np.bool_]]]:
+        """Of every frame the points' pixels (K x 2) and whether they are visible (K)."""
+        surface = self._surface
+        for i in range(self.performance.num_frames):
+            tracks = np.full((len(self.on_face), 2), np.nan)
+            visible = np.zeros(len(self.on_face), dtype=bool)
+            if len(self._corners):
+                vertices = surface.in_camera(i)
+                seen = vertices[self._corners]
+                places = np.einsum("kc,kcx->kx", self._weights, seen)
+                turned = cosines(seen, places) > GRAZING
+                in_front = places[:, 2] > 1e-3
+                pixels = self.performance.project(np.where(in_front[:, None], places, np.nan))
+                tracks[self.on_face] = rescaled(pixels + self._offset, self._size, self._stored)
+                shown = _core.show_points(surface.camera, vertices, surface.faces, places, COVERED)
+                visible[self.on_face] = turned & shown
+            yield tracks, visible
+
+
+def write_tracks(
+    path: str | os.PathLike[str],
+    num_frames: int,
+    on_face: NDArray[np.bool_],
+    frames: Iterable[tuple[NDArray[np.float64], NDArray[np.bool_]]],
+) -> None:
+    """Writes TRACKS.npz frame by frame, whole or not at all; raises OSError.
+
+    frames: pixels (K x 2) and visibility (K) of the K points in each of the N frames.
+    """
+    shape = (num_frames, len(on_face))
+    with (
+        whole_file(path) as stream,
+        zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive,
+        tempfile.SpooledTemporaryFile(KEPT_IN_MEMORY) as waiting,
+    ):
+        with _member(archive, "tracks", (*shape, 2), np.float64) as member:
+            for tracks, visible in frames:
+                member.write(np.ascontiguousarray(tracks, dtype=np.float64).tobytes())
+                waiting.write(visible.tobytes())
+        waiting.seek(0)
+        with _member(archive, "visible", shape, np.bool_) as member:
+            shutil.copyfileobj(waiting, member)
+        with _member(archive, "on_face", on_face.shape, np.bool_) as member:
+            member.write(on_face.tobytes())
+
+
+@contextlib.contextmanager
+def _member(
+    archive: zipfile.ZipFile, name: str, shape: tuple[int, ...], dtype: DTypeLike
+) -> Iterator[IO[bytes]]:
+    """An array of the archive, its header written, to write its numbers to."""
+    with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
+        descr = npy.dtype_to_descr(np.dtype(dtype))
+        header = {"descr": descr, "fortran_order": False, "shape": shape}
+        npy.write_array_header_1_0(member, header)
+        yield member
 
 
 def read_points(path: str | os.PathLike[str]) -> NDArray[np.float64]:
@@ -136,10 +219,22 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run_points(arguments: argparse.Namespace) -> int:
     check_target(arguments.out, arguments.performance, arguments.at)
     performance = Performance.load(arguments.performance)
-    tracks = track_points(performance, read_points(arguments.at), arguments.frame)
-    tracks.save(arguments.out)
+    points, num_frames = read_points(arguments.at), performance.num_frames
+    with Console() as console:
+
+        def look(fraction: float, text: str) -> None:
+            console.show(FOUND * fraction, text)
+
+        def counted(frames: Iterable) -> Iterator:
+            for i, frame in enumerate(frames):
+                console.show(FOUND + (1 - FOUND) * i / num_frames, f"following: frame {i + 1}")
+                yield frame
+
+        followed = FollowedPoints(performance, points, arguments.frame, look)
+        write_tracks(arguments.out, num_frames, followed.on_face, counted(followed.frames()))
+    on_face = followed.on_face
     print(
-        f"{arguments.out}: {int(tracks.on_face.sum())} of {len(tracks.on_face)} points on the "
-        f"face, {performance.num_frames} frames"
+        f"{arguments.out}: {int(on_face.sum())} of {len(on_face)} points on the face, "
+        f"{num_frames} frames"
     )
     return 0

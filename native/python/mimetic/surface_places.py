@@ -86,8 +86,15 @@ def places_under(
     corners = vertices[surface.triangles[triangle[on_face]]]
     hit = np.einsum("kc,kcx->kx", weights[on_face], corners)
     steep = cosines(corners, hit) < STEEP
+    by_x = np.argsort(shown[:, 0])
     for k, place, turned_away in zip(np.flatnonzero(on_face), hit, steep, strict=True):
-        moved[k] = _skin_before(surface, pixels[k], place, turned_away, shown, vertices[facing, 2])
+        reach = REACH * surface.performance.intrinsics[0, 0] / place[2]
+        ends = pixels[k, 0] - reach, pixels[k, 0] + reach
+        beside = np.sort(by_x[slice(*np.searchsorted(shown[:, 0], ends, sorter=by_x))])
+        depths = vertices[facing[beside], 2]
+        before = _skin_before(surface, pixels[k], place, turned_away, shown[beside], depths)
+        if before >= 0:
+            moved[k] = beside[before]
     kept = moved < 0
     at_corner = surface.triangles[owner[moved]] == facing[moved, None]
     places = Places(
@@ -96,7 +103,17 @@ def places_under(
         np.where(kept[:, None], weights, at_corner),
         np.where(kept[:, None], 0, pixels - shown[moved]),
     )
-    return _at_outline(surface, pixels, vertices, places)
+    return _at_outline(surface, pixels, vertices, places, float(np.median(vertices[facing, 2])))
+
+
+def meets_face(
+    surface: RefinedSurface, pixels: NDArray[np.float64], frame_index: int = 0
+) -> NDArray[np.bool_]:
+    """Which pixels (K x 2) of one frame show the face at all: `Places.on_face` of `places_under`.
+
+    For many pixels, most of them beside the face, this is to be asked first.
+    """
+    return _under_rays(surface, pixels, surface.in_camera(frame_index))[0] >= 0
 
 
 def _at_outline(
@@ -104,10 +121,12 @@ def _at_outline(
     pixels: NDArray[np.float64],
     vertices: NDArray[np.float64],
     places: Places,
+    depth: float,
 ) -> Places:
     """The same but at the outline, where a ray a pixel beside it may meet skin 2 cm deeper.
 
     There the place is that of the middle depth among rays spread as far as the outline errs.
+    depth: of the face, metres.
     """
     corners = vertices[surface.triangles[places.triangle]]
     at = np.einsum("kc,kcx->kx", places.weights, corners)
@@ -115,7 +134,7 @@ def _at_outline(
     asked = np.flatnonzero(~places.on_face | (~moved & (cosines(corners, at) < OUTLINE)))
     if len(asked) == 0:
         return places
-    error = OUTLINE_ERROR * surface.performance.intrinsics[0, 0] / np.median(at[:, 2])  # pixels
+    error = OUTLINE_ERROR * surface.performance.intrinsics[0, 0] / depth  # pixels
     rays, shares = _rays_about(error)
     triangle, weights = _under_rays(surface, (pixels[asked, None] + rays).reshape(-1, 2), vertices)
     corners = vertices[surface.triangles[triangle]]
@@ -202,16 +221,25 @@ def _under_rays(
     found = np.full(len(pixels), -1)
     weights = np.zeros((len(pixels), 3))
     tiles = np.floor(pixels / TILE_PX)
-    for tile in np.unique(tiles, axis=0):
-        here = np.flatnonzero((tiles == tile).all(1))
-        near = (high >= TILE_PX * tile) & (low <= TILE_PX * (tile + 1))
-        chosen = np.flatnonzero(near.all(1))
-        if len(chosen) == 0:
-            continue
-        triangles = surface.triangles[chosen]
-        at, weights[here] = find_places(performance, pixels[here], vertices, triangles)
-        found[here] = np.where(at >= 0, chosen[at], -1)
+    for row in np.unique(tiles[:, 1]):
+        in_row = np.flatnonzero(tiles[:, 1] == row)
+        across = np.flatnonzero(_overlaps(low[:, 1], high[:, 1], row))
+        for column in np.unique(tiles[in_row, 0]):
+            chosen = across[_overlaps(low[across, 0], high[across, 0], column)]
+            if len(chosen) == 0:
+                continue
+            here = in_row[tiles[in_row, 0] == column]
+            triangles = surface.triangles[chosen]
+            at, weights[here] = find_places(performance, pixels[here], vertices, triangles)
+            found[here] = np.where(at >= 0, chosen[at], -1)
     return found, weights
+
+
+def _overlaps(
+    low: NDArray[np.float64], high: NDArray[np.float64], tile: float
+) -> NDArray[np.bool_]:
+    """Which spans, pixels, reach into a row or column of tiles."""
+    return (high >= TILE_PX * tile) & (low <= TILE_PX * (tile + 1))
 
 
 def find_places(
