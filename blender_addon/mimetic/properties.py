@@ -10,6 +10,7 @@ from bpy.props import (
     FloatProperty,
     FloatVectorProperty,
     IntProperty,
+    IntVectorProperty,
     PointerProperty,
     StringProperty,
 )
@@ -128,9 +129,15 @@ class MimeticHead(bpy.types.PropertyGroup):
 
 
 class MimeticShape(bpy.types.PropertyGroup):
-    """A shape key of a face, by its name."""
+    """A shape key of a face, by the name that it has there, and what it was given last."""
 
+    shape: StringProperty(name="Shape", description="Its name before any was given by hand")
     group: StringProperty(name="Group", description="What its slider is listed under")
+    place: IntProperty(default=-1, description="Its number among the keys; -1: nothing is known")
+    lowest: FloatProperty(description="Of the slider that it was given")
+    highest: FloatProperty(description="Of the slider that it was given")
+    points: FloatVectorProperty(size=8, description="Fingerprint of its points")
+    offsets: FloatVectorProperty(size=8, description="Fingerprint of its points from the basis")
 
 
 def _switch_contact(self, context) -> None:
@@ -167,6 +174,11 @@ class MimeticFace(bpy.types.PropertyGroup):
     )
     shapes: CollectionProperty(type=MimeticShape, description="Shape keys that the face was given")
     groups: CollectionProperty(type=MimeticShape, description="Shape keys that move whole groups")
+    rest: PointerProperty(type=MimeticShape, description="What the basis was given last")
+    num_keys: IntProperty(description="Shape keys after they were given last")
+    subdivision: IntVectorProperty(
+        size=2, default=(-1, -1), description="Levels given last in viewport and render; -1: none"
+    )
 
 
 class MimeticScene(bpy.types.PropertyGroup):

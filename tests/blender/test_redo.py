@@ -30,9 +30,10 @@ def redo(**changed) -> None:
 
 def state(extension) -> dict:
     """All that our operators write, as numbers, texts and arrays."""
-    bpy.context.scene.frame_set(bpy.context.scene.frame_current)
-    written = {"settings": settings_of(bpy.context.scene.mimetic)}
-    for shown in bpy.context.scene.objects:
+    scene = bpy.context.scene
+    scene.frame_set(scene.frame_current)
+    written = {"settings": settings_of(scene.mimetic)}
+    for shown in scene.objects:
         written[shown.name] = np.array(shown.matrix_world)
         written[f"{shown.name} curves"] = curves_of(extension, shown)
         if shown.type == "CAMERA":

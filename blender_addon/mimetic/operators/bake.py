@@ -43,6 +43,14 @@ class MIMETIC_OT_bake(Job, Operator):
         name="Look Through Camera", default=True, description="Turn 3D views to the footage"
     )
 
+    reset_hand_changes: BoolProperty(
+        name="Reset Hand Changes",
+        default=False,
+        options={"SKIP_SAVE"},
+        description="Undo what was changed by hand on the face's shapes, their names, limits and "
+        "subdivision since the last bake; otherwise it stays",
+    )
+
     @classmethod
     def poll(cls, context):
         if reason := targets.no_bake(context):
@@ -89,12 +97,15 @@ class MIMETIC_OT_bake(Job, Operator):
             clip,
             self.subdivision,
             contact_shapes=contact,
+            is_reset=self.reset_hand_changes,
         )
         face = context.scene.mimetic.face
         told = (
             f"{baked.num_curves} curves from frame {baked.first:.6g} to {baked.last:.6g} "
             f"on {face.name}"
         )
+        if baked.kept:
+            told += f"; {baked.kept} (Reset Hand Changes undoes that)"
         if self.use_view and scene_out.camera.look_through(context, face):
             told += "; other objects are out of view, View > Local View shows them again"
         scene_out.canonical.select_only(context.view_layer, face)

@@ -85,11 +85,12 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
             raise native.part("foreign_face").InvalidInput(
                 f"{head.name} was changed meanwhile: attach its muscles again"
             )
-        scene_out.foreign.attach(shown, head, landmarks, face)
+        kept = scene_out.foreign.attach(shown, head, landmarks, face)
         for note in face.notes:
             self.report({"WARNING"}, f"{head.name}: {note}")
         num_sliders = len(face.shapes) + len(face.groups)
-        return f"{head.name} has {num_sliders} sliders: sidebar, Mimetic, Muscles"
+        told = f"{head.name} has {num_sliders} sliders: sidebar, Mimetic, Muscles"
+        return "; ".join(filter(None, (told, kept)))
 
 
 CLASSES = (MIMETIC_OT_add_landmarks, MIMETIC_OT_attach_muscles)

@@ -10,7 +10,7 @@ class MIMETIC_OT_scene_as_clip(Operator):
 
     bl_idname = "mimetic.scene_as_clip"
     bl_label = "Scene as Clip"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"UNDO"}  # once they play alike there is nothing to redo
 
     @classmethod
     def poll(cls, context):

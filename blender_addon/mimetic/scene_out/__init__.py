@@ -49,6 +49,7 @@ class Baked:
     first: float  # scene frames of the first and the last key
     last: float
     num_curves: int
+    kept: str = ""  # what was changed by hand and is as it was, to be told
 
 
 def bake(
@@ -60,6 +61,7 @@ def bake(
     subdivision: int = 1,
     with_groups: bool = True,
     contact_shapes: list | None = None,
+    is_reset: bool = False,
 ) -> Baked:
     """Puts the face, its curves, its camera and the footage behind it into the scene.
 
@@ -67,27 +69,28 @@ def bake(
     mimetic.appearance, colours of the face, or None to leave materials alone;
     footage: what the performance was captured from; with_groups: whether the face gets sliders of
     its groups of muscles too; contact_shapes: of mimetic.contact_shapes; given, even if empty, lips
-    and lids are kept apart when sliders are moved afterwards too.
+    and lids are kept apart when sliders are moved afterwards too, and no longer if not given;
+    is_reset: what was changed by hand on a face that was there is undone instead of kept.
     The scene's rate, frame range and resolution stay as they are. Raises InvalidInput, and changes
     nothing then, where face or camera are linked from another file.
     """
     writable.check(targets.no_update(scene))
     placement = native.part("placement")
+    # First: to know where the camera stands evaluates curves of before
+    world_from_camera = scene_in.camera_matrix(scene)
+    if world_from_camera is None:
+        world_from_camera = placement.WORLD_FROM_SCENE_CAMERA
     timing = scene_in.timing(scene, footage)
     frames = scene_in.scene_frames(performance, timing)
     parts = native.part("shapes")
     shapes = [*parts.shapes_of(performance), *(contact_shapes or ())]
     groups = parts.groups_of(performance) if with_groups else []
-    shown = face.ensure(scene, performance, shapes, groups, subdivision)
-    if contact_shapes is not None:
-        shown.mimetic.use_contact = True
+    shown, kept = face.ensure(scene, performance, shapes, groups, subdivision, is_reset)
+    shown.mimetic.use_contact = contact_shapes is not None
     if appearance is not None:
         materials.dress(shown, appearance)
-    world_from_camera = scene_in.camera_matrix(scene)
-    if world_from_camera is None:
-        world_from_camera = placement.WORLD_FROM_SCENE_CAMERA
     motion = placement.head_motion(performance, world_from_camera)
-    num_curves = actions.key_shapes(shown, take, frames, shapes)
+    num_curves = actions.key_shapes(shown, take, frames, shapes, face.key_names(shown))
     num_curves += actions.key_motion(shown, take, frames, motion)
     lens = placement.lens(
         performance.intrinsics,
@@ -98,4 +101,4 @@ def bake(
     seen_through = camera.ensure(scene, lens, world_from_camera)
     if footage is not None:
         camera.show_footage(seen_through, footage, timing, performance, take)
-    return Baked(float(frames[0]), float(frames[-1]), num_curves)
+    return Baked(float(frames[0]), float(frames[-1]), num_curves, kept.text())

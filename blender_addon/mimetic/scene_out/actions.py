@@ -12,12 +12,12 @@ LINEAR = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["LINEA
 CONSTANT = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["CONSTANT"].value
 
 
-def key_shapes(face, take: str, frames, shapes) -> int:
-    """Keys the values of the shapes; returns the number of curves."""
+def key_shapes(face, take: str, frames, shapes, key_names: dict[str, str]) -> int:
+    """Keys the values of the shapes; returns the number of curves. key_names: of each shape."""
     keys = face.data.shape_keys
     holder = new_take(keys, f"{take} muscles")
     for shape in shapes:
-        path = f'key_blocks["{bpy.utils.escape_identifier(shape.name)}"].value'
+        path = f'key_blocks["{bpy.utils.escape_identifier(key_names[shape.name])}"].value'
         fill(compat.new_curve(holder, path, 0, shape.group), frames, shape.values, LINEAR)
     return len(shapes)
 

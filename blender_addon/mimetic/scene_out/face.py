@@ -2,7 +2,8 @@
 """The face: an object with a shape key for every muscle, for jaw and lids, and for detail.
 
 Shape keys of whole groups come last. Their values add to those of the muscles, so that a slider
-of a group and a baked curve of a muscle never write to the same place.
+of a group and a baked curve of a muscle never write to the same place. What was changed by hand on
+a face that is written again stays.
 """
 
 from __future__ import annotations
@@ -11,21 +12,28 @@ import bpy
 import numpy as np
 
 from .. import native
-from . import contact
+from . import by_hand, contact
+from .by_hand import Found, Kept
 
 BASIS = "Basis"
 
 
-def ensure(scene, performance, shapes, groups, subdivision: int) -> bpy.types.Object:
-    """The scene's face with the performance's surface; a new one if the topology differs."""
+def ensure(
+    scene, performance, shapes, groups, subdivision: int, is_reset: bool = False
+) -> tuple[bpy.types.Object, Kept]:
+    """The scene's face with the performance's surface; a new one if the topology differs.
+
+    is_reset: changes made by hand go. Tells, too, what was kept of them.
+    """
     face = scene.mimetic.face
     if face is None or face.name not in scene.objects or not _has_faces(face, performance.faces):
         face = new(performance.neutral_vertices, performance.faces)
         scene.collection.objects.link(face)
         scene.mimetic.face = face
-    set_shapes(face, performance.neutral_vertices, shapes, groups)
-    subdivide(face, subdivision)
-    return face
+    kept = set_shapes(face, performance.neutral_vertices, shapes, groups, is_reset)
+    if subdivide(face, subdivision, is_reset):
+        kept.things.append("the subdivision")
+    return face, kept
 
 
 def _has_faces(face, faces) -> bool:
@@ -48,72 +56,173 @@ def new(neutral_vertices, faces) -> bpy.types.Object:
     return face
 
 
-def set_shapes(face, neutral_vertices, shapes, groups) -> None:
-    """Gives the face its shape keys, `mimetic.shapes.Shape`: shapes, then sliders of groups."""
-    to_object = native.part("placement").to_object
+def set_shapes(face, neutral_vertices, shapes, groups, is_reset: bool = False) -> Kept:
+    """Gives the face its shape keys, `mimetic.shapes.Shape`: shapes, then sliders of groups.
+
+    Keys of before that are not among them go. What was changed by hand stays, and so do keys that
+    the face was not given here, unless `is_reset`.
+    """
     keys = face.data.shape_keys
     if keys is None:
         face.shape_key_add(name=BASIS, from_mix=False)
         keys = face.data.shape_keys
         keys.name = "Face"
-    neutral = to_object(neutral_vertices)
-    basis = keys.reference_key
-    _place(basis, neutral)
-    # The mesh's own vertices follow its first key; foreach_set on keys alone leaves them behind
-    face.data.vertices.foreach_set("co", neutral.astype(np.float32).reshape(-1))
-    earlier = {listed.name for listed in (*face.mimetic.shapes, *face.mimetic.groups)}
-    levels = _take_off_last(face)
-    for shape in (*shapes, *groups):
-        key = keys.key_blocks.get(shape.name)
-        if key is None:
-            key = face.shape_key_add(name=shape.name, from_mix=False)
-            levels.setdefault(shape.name, 0.0)  # Blender 5.2 starts at 1
-        key.relative_key = basis
-        key.slider_min = shape.lowest
-        key.slider_max = shape.highest
-        key.value = levels.get(shape.name, key.value)
-        _place(key, neutral + to_object(shape.offsets))
+    given = by_hand.look(face)
+    if is_reset:
+        given = _take_names_back(face, given)
+    kept = Kept()
+    named = {shape.name for shape in (*shapes, *groups)}
+    left = _drop_others(face, given, named, kept)
+    moved = _set_rest(face, neutral_vertices, is_reset, kept)
+    _add_missing(face, given, shapes, groups)
+    for name in left:  # only now: to add keys evaluates curves of before
+        keys.key_blocks[name].value = 0.0
+    entries = _list(face.mimetic.shapes, shapes), _list(face.mimetic.groups, groups)
+    written = set()
+    for listed, made in zip(entries, (shapes, groups), strict=True):
+        for entry, shape in zip(listed, made, strict=True):
+            written |= _write(face, entry, shape, given[shape.name], kept)
+    if moved.any():  # other keys go along with the rest, as when it is sculpted
+        for key in keys.key_blocks:
+            if key != keys.reference_key and key.name not in written:
+                _place(key, contact.points_of(key) + moved)
     if face.mimetic.use_contact:
         contact.ensure_key(face)
-    named = {shape.name for shape in (*shapes, *groups)}
-    for key in keys.key_blocks:  # what an earlier take moved and this one does not
-        if key.name in earlier - named:
-            key.value = 0.0
-    _list(face.mimetic.shapes, shapes)
-    _list(face.mimetic.groups, groups)
+        contact.rest(face)
+    by_hand.remember_places(face)
     face.data.update()
+    return kept
 
 
-def _take_off_last(face) -> dict[str, float]:
-    """Removes the keys of groups and contact, which are made again behind all others; returns the
-    values of the groups."""
+def key_names(face) -> dict[str, str]:
+    """The name that each shape's key has on the face."""
+    return {shape: entry.name for shape, entry in by_hand.listed(face).items()}
+
+
+def _take_names_back(face, given: dict[str, Found]) -> dict[str, Found]:
+    keys = {shape: face.data.shape_keys.key_blocks[found.key] for shape, found in given.items()}
+    for shape, key in keys.items():
+        key.name = shape
+    return {shape: Found(key.name) for shape, key in keys.items()}
+
+
+def _drop_others(face, given: dict[str, Found], named: set[str], kept: Kept) -> list[str]:
+    """Removes what an earlier take moved and this one does not; returns keys that must stay."""
+    left = []
+    keys = face.data.shape_keys
+    animation = keys.animation_data
+    driven = {curve.data_path for curve in animation.drivers} if animation else ()
+    in_strips = animation is not None and len(animation.nla_tracks) > 0
+    for shape in [shape for shape in given if shape not in named]:
+        key = keys.key_blocks[given[shape].key]
+        if in_strips or given[shape].is_changed() or key.path_from_id("value") in driven:
+            left.append(key.name)
+            kept.add(shape, given[shape])
+        else:
+            face.shape_key_remove(key)
+    return left
+
+
+def _set_rest(face, neutral_vertices, is_reset: bool, kept: Kept) -> np.ndarray:
+    """Puts the basis where the face rests unless it was sculpted; V x 3 by how much it moved."""
+    neutral = native.part("placement").to_object(neutral_vertices).astype(np.float32)
+    basis = face.data.shape_keys.reference_key
+    moved = neutral - contact.points_of(basis)
+    is_sculpted = not is_reset and by_hand.is_rest_sculpted(face)
+    zero = np.zeros_like(neutral)
+    by_hand.remember(face.mimetic.rest, basis, neutral, zero, 0.0, 0.0)
+    if is_sculpted and moved.any():
+        kept.things.append("the face at rest")
+        return zero
+    _place(basis, neutral)
+    # The mesh's own vertices follow its first key; foreach_set on keys alone leaves them behind
+    face.data.vertices.foreach_set("co", neutral.reshape(-1))
+    return moved
+
+
+def _add_missing(face, given: dict[str, Found], shapes, groups) -> None:
+    """Adds keys; those of groups and contact stay behind all others. Completes `given`."""
     blocks = face.data.shape_keys.key_blocks
-    if key := contact.key_of(face):
-        face.shape_key_remove(key)
-    found = [blocks[listed.name] for listed in face.mimetic.groups if listed.name in blocks]
-    levels = {key.name: key.value for key in found}
-    for name in levels:
-        face.shape_key_remove(blocks[name])
-    return levels
+    num_before = len(blocks)
+    for shape in (*shapes, *groups):
+        if shape.name in given:
+            continue
+        if shape.name in blocks:  # of the user's own making: as one that was sculpted
+            given[shape.name] = Found(shape.name, is_sculpted=True, has_own_limits=True)
+            continue
+        key = face.shape_key_add(name=shape.name, from_mix=False)
+        key.relative_key = face.data.shape_keys.reference_key
+        key.value = 0.0  # Blender 5.2 starts at 1
+        given[shape.name] = Found(shape.name)
+    last = [given[group.name].key for group in groups] + [contact.KEY]
+    if len(blocks) > num_before:
+        _move_to_end(face, [name for name in last if name in blocks])
 
 
-def _list(listed, shapes) -> None:
+def _move_to_end(face, names: list[str]) -> None:
+    blocks = face.data.shape_keys.key_blocks
+    if [key.name for key in blocks[len(blocks) - len(names) :]] == names:
+        return
+    shown = face.active_shape_key.name if face.active_shape_key else ""
+    with bpy.context.temp_override(object=face, active_object=face):
+        for name in names:
+            face.active_shape_key_index = blocks.find(name)
+            bpy.ops.object.shape_key_move(type="BOTTOM")
+    face.active_shape_key_index = max(blocks.find(shown), 0)
+
+
+def _write(face, entry, shape, found: Found, kept: Kept) -> set[str]:
+    """Gives a shape's key points and limits; returns the key's name if it has new points."""
+    keys = face.data.shape_keys
+    key, basis = keys.key_blocks[found.key], contact.points_of(keys.reference_key)
+    offsets = native.part("placement").to_object(shape.offsets)
+    points = (basis + offsets).astype(np.float32)
+    by_hand.remember(entry, key, basis, offsets, shape.lowest, shape.highest)
+    limits = np.subtract((key.slider_min, key.slider_max), (shape.lowest, shape.highest))
+    found = Found(
+        found.key,
+        found.is_renamed,
+        found.is_sculpted and not np.allclose(contact.points_of(key), points, atol=1e-7),
+        found.has_own_limits and np.abs(limits).max() > by_hand.NEAR,
+    )
+    kept.add(shape.name, found)
+    if not found.has_own_limits:
+        key.slider_min = min(key.slider_min, shape.lowest)  # limits may not cross on the way
+        key.slider_max, key.slider_min = shape.highest, shape.lowest
+        key.value = key.value  # within them
+    if found.is_sculpted:
+        return set()
+    key.relative_key = keys.reference_key
+    _place(key, points)
+    return {key.name}
+
+
+def _list(listed, shapes):
     listed.clear()
     for shape in shapes:
         entry = listed.add()
-        entry.name, entry.group = shape.name, shape.group
+        entry.name = entry.shape = shape.name
+        entry.group = shape.group
+    return listed
 
 
 def _place(key, points) -> None:
     key.points.foreach_set("co", points.astype(np.float32).reshape(-1))
 
 
-def subdivide(face, levels: int) -> None:
-    modifier = face.modifiers.get("Subdivision")
+def subdivide(face, levels: int, is_reset: bool = False) -> bool:
+    """Subdivides the surface as it is shown; says whether levels chosen by hand were kept."""
+    modifier = next((m for m in face.modifiers if m.type == "SUBSURF"), None)
+    wanted = (levels, max(levels, min(levels + 1, 2))) if levels or modifier else (0, 0)
+    shown = (modifier.levels, modifier.render_levels) if modifier else (0, 0)
+    given = tuple(face.mimetic.subdivision)
+    face.mimetic.subdivision = wanted
+    if shown == wanted:
+        return False
+    if not is_reset and given not in ((-1, -1), shown):
+        return True
     if modifier is None:
-        if levels == 0:
-            return
         modifier = face.modifiers.new("Subdivision", "SUBSURF")
         modifier.boundary_smooth = "PRESERVE_CORNERS"
-    modifier.levels = levels
-    modifier.render_levels = max(levels, min(levels + 1, 2))
+    modifier.levels, modifier.render_levels = wanted
+    return False

@@ -29,15 +29,15 @@ def add(collection: bpy.types.Collection, head: bpy.types.Object, places: Mappin
         collection.objects.link(mark)
 
 
-def attach(shown: bpy.types.Object, head, landmarks: Mapping, attached) -> None:
+def attach(shown: bpy.types.Object, head, landmarks: Mapping, attached) -> str:
     """Shape keys of a `mimetic.foreign_face.ForeignFace`; remembers what it was made from.
 
-    head: scene_in.ForeignHead.
+    head: scene_in.ForeignHead. Returns what to tell of keys that were changed by hand and stay.
     """
     writable.check(writable.no_shapes(shown))
     to_head = native.part("placement").to_head
     shown.mimetic.use_contact = True
-    face.set_shapes(shown, to_head(head.points), attached.shapes, attached.groups)
+    told = face.set_shapes(shown, to_head(head.points), attached.shapes, attached.groups).text()
     shown.mimetic.metres_from_object = np.asarray(head.matrix, dtype=np.float64).ravel().tolist()
     kept = shown.mimetic.landmarks
     kept.clear()
@@ -47,6 +47,7 @@ def attach(shown: bpy.types.Object, head, landmarks: Mapping, attached) -> None:
         mark.vertex = int(place) if np.ndim(place) == 0 else -1
         if mark.vertex < 0:
             mark.place = [float(x) for x in place]
+    return told
 
 
 def _vector(place):

@@ -1,0 +1,158 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What was changed by hand on a face since its shape keys were written.
+
+Beside each key's name the face keeps fingerprints of what the key was given. A key that was
+renamed is known by its points, or by its place among the others.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .. import native
+from .contact import KEY, points_of
+
+NEAR = 1e-6  # of limits, which are single precision
+MOST_TOLD = 6  # things in one line
+
+
+@dataclass(frozen=True)
+class Found:
+    """A shape key that the face was given before, as it is now."""
+
+    key: str  # its name now
+    is_renamed: bool = False
+    is_sculpted: bool = False
+    has_own_limits: bool = False
+
+    def is_changed(self) -> bool:
+        return self.is_renamed or self.is_sculpted or self.has_own_limits
+
+
+@dataclass
+class Kept:
+    """What a face keeps of the hand's, to be told."""
+
+    things: list[str] = field(default_factory=list)
+
+    def text(self) -> str:
+        if not self.things:
+            return ""
+        more = len(self.things) - MOST_TOLD
+        told = ", ".join(self.things[:MOST_TOLD]) + (f" and {more} more" if more > 0 else "")
+        return f"kept as changed by hand: {told}"
+
+    def add(self, shape: str, found: Found) -> None:
+        if found.is_renamed:
+            self.things.append(f"the name {found.key} of {shape}")
+        if found.is_sculpted:
+            self.things.append(f"the shape of {shape}")
+        if found.has_own_limits:
+            self.things.append(f"the limits of {shape}")
+
+
+def look(face) -> dict[str, Found]:
+    """Shapes that the face has from before, by the name they were given."""
+    entries = listed(face)
+    keys = _keys_of(face, entries)
+    return {shape: _compare(face, entries[shape], key) for shape, key in keys.items()}
+
+
+def listed(face) -> dict:
+    """What is remembered of each shape, by the name it was given; groups last."""
+    own = (*face.mimetic.shapes, *face.mimetic.groups)
+    return {entry.shape or entry.name: entry for entry in own}
+
+
+def remember(entry, key, basis, offsets: np.ndarray, lowest: float, highest: float) -> None:
+    """Keeps with an entry what its key was given; not what it has, if the hand's was kept."""
+    fingerprint = native.part("fingerprint").fingerprint
+    entry.name, entry.lowest, entry.highest = key.name, lowest, highest
+    entry.offsets = fingerprint(offsets)
+    entry.points = fingerprint((basis + offsets).astype(np.float32))
+    entry.place = 0  # until all keys have theirs
+
+
+def remember_places(face) -> None:
+    """Keeps where each key is among the others."""
+    blocks = face.data.shape_keys.key_blocks
+    places = {key.name: i for i, key in enumerate(blocks)}
+    for entry in listed(face).values():
+        entry.place = places.get(entry.name, -1)
+    face.mimetic.num_keys = _count(blocks)
+
+
+def is_rest_sculpted(face) -> bool:
+    """Whether the basis is not as it was given."""
+    entry, basis = face.mimetic.rest, points_of(face.data.shape_keys.reference_key)
+    parts = native.part("fingerprint")
+    known = entry.place >= 0
+    return known and not parts.is_same(parts.fingerprint(basis), entry.points, _largest(basis))
+
+
+def _compare(face, entry, name: str) -> Found:
+    keys = face.data.shape_keys
+    key, basis = keys.key_blocks[name], points_of(keys.reference_key)
+    is_renamed = name != (entry.shape or entry.name)
+    if entry.place < 0:
+        return Found(name, is_renamed)
+    limits = np.subtract((key.slider_min, key.slider_max), (entry.lowest, entry.highest))
+    has_own_limits = bool(np.abs(limits).max() > NEAR)
+    return Found(name, is_renamed, not _is_as_given(entry, key, basis), has_own_limits)
+
+
+def _is_as_given(entry, key, basis) -> bool:
+    """In place, or gone along with a basis that was sculpted."""
+    parts = native.part("fingerprint")
+    points, largest = points_of(key), _largest(basis)
+    return parts.is_same(parts.fingerprint(points), entry.points, largest) or parts.is_same(
+        parts.fingerprint(points - basis), entry.offsets, largest
+    )
+
+
+def _largest(basis: np.ndarray) -> float:
+    return float(np.abs(basis).max())
+
+
+def _keys_of(face, entries: dict) -> dict[str, str]:
+    """Name of the key that is each shape now; shapes whose key was deleted are left out."""
+    blocks = face.data.shape_keys.key_blocks
+    keys = {shape: entry.name for shape, entry in entries.items() if entry.name in blocks}
+    missing = {shape: entry for shape, entry in entries.items() if shape not in keys}
+    if not missing:
+        return keys
+    basis = points_of(face.data.shape_keys.reference_key)
+    taken = {face.data.shape_keys.reference_key.name, KEY, *keys.values()}
+    places = {blocks.find(keys[s]): entries[s].place for s in keys if entries[s].place >= 0}
+    for shape, entry in missing.items():
+        if entry.place < 0:
+            continue
+        free = [key for key in blocks if key.name not in taken]
+        key = next((key for key in free if _is_as_given(entry, key, basis)), None)
+        if key is None:
+            i = _place_now(entry.place, places, _count(blocks), face.mimetic.num_keys)
+            key = blocks[i] if i is not None and blocks[i] in free else None
+        if key is not None:
+            keys[shape] = key.name
+            taken.add(key.name)
+    return keys
+
+
+def _count(blocks) -> int:
+    """Of keys but for contact's, which comes and goes and is the last."""
+    return len(blocks) - (KEY in blocks)
+
+
+def _place_now(place: int, places: dict[int, int], num_keys: int, num_before: int) -> int | None:
+    """Number of the key that was number `place`, if those around it are as far apart as before.
+
+    places: of the keys that are known, now and before.
+    """
+    ends = {0: 0, **places, num_keys: num_before}
+    below = max((now for now, before in ends.items() if before < place), default=0)
+    above = min((now for now, before in ends.items() if before > place), default=num_keys)
+    if above - below != ends[above] - ends[below]:
+        return None
+    return below + place - ends[below]
