@@ -302,6 +302,32 @@ def test_the_scenes_face_and_other_meshes_are_baked_as_before(scene, hero, loade
     assert hero.data.shape_keys.animation_data.action
 
 
+def test_a_copy_of_the_face_plays_nothing_of_the_take_before(extension, scene, acted, capfd):
+    """Its detail and contact were of that take, and would play on beside the new one's muscles."""
+    random = np.random.default_rng(5)
+    before = dataclasses.replace(
+        acted[0],
+        detail_modes=acted[0].muscle_modes[:2],
+        detail_coefficients=random.normal(size=(acted[0].num_frames, 2)),
+    )
+    scene.render.fps = 25
+    extension("scene_out").bake(scene, before, "first")
+    copy = scene.mimetic.face.copy()
+    copy.data = copy.data.copy()
+    scene.collection.objects.link(copy)
+    bpy.context.view_layer.objects.active = copy
+    bpy.ops.mimetic.load_performance(filepath=acted[1])
+    assert bpy.ops.mimetic.bake() == {"FINISHED"}
+    assert "an earlier take's detail" in capfd.readouterr().out
+    curves = curves_of(extension, copy.data.shape_keys)
+    assert len(curves) == 41
+    blocks = copy.data.shape_keys.key_blocks
+    assert [blocks[f"detail.{i:03d}"].value for i in range(2)] == [0, 0]
+    # The face itself was not selected, and stays
+    first = curves_of(extension, scene.mimetic.face.data.shape_keys)
+    assert np.ptp(first[slider("detail.000")][:, 1]) > 0.1
+
+
 def test_it_is_one_undo_step_and_the_same_again(extension, hero, loaded):
     bpy.ops.ed.undo_push(message="before")
     assert bpy.ops.mimetic.bake("EXEC_DEFAULT", True) == {"FINISHED"}

@@ -58,6 +58,8 @@ def bake(
         )
     channels = _motion(scene, performance, bound) if use_head_motion else None
     holder = actions.continued_take(keys, f"{take} muscles")
+    if stale := _silence(bound, holder):
+        left_out.append(f"an earlier take's {', '.join(stale)} on {bound.name} is at 0 now")
     for shape in playable:
         path = keys.key_blocks[shape.name].path_from_id("value")
         actions.clear(holder, path)
@@ -68,15 +70,13 @@ def bake(
         num_curves += head.key_object(
             bound, performance, take, frames, channels, head.Target(bound.name)
         )
-    named = {shape.name for shape in shapes}
-    untouched = [listed.name for listed in bound.mimetic.shapes if listed.name not in named]
     return Baked(
         float(frames[0]),
         float(frames[-1]),
         num_curves,
         channels is not None,
         tuple(left_out),
-        tuple(untouched),
+        tuple(_untouched(bound, {shape.name for shape in shapes})),
     )
 
 
@@ -144,6 +144,32 @@ def _left_out(bound, shapes: Sequence, playable: Sequence, driven: set[str]) -> 
     if cut := [shape.name for shape in playable if _is_cut(blocks[shape.name], shape.values)]:
         told.append(f"{bound.name} ends before the performance: the limits of {', '.join(cut)}")
     return told
+
+
+def _untouched(bound: bpy.types.Object, named: set[str]) -> list[str]:
+    return [
+        listed.name
+        for listed in bound.mimetic.shapes
+        if listed.name not in named and not _is_of_a_take(listed)
+    ]
+
+
+def _is_of_a_take(listed) -> bool:
+    """Whether a shape belongs to one take, and is no slider for the hand."""
+    parts = native.part("shapes")
+    return listed.group in (parts.DETAIL, parts.CONTACT)
+
+
+def _silence(bound: bpy.types.Object, holder) -> list[str]:
+    """Puts to 0 what a take before gave a face of ours beyond sliders; the groups of it."""
+    keys = bound.data.shape_keys.key_blocks
+    groups = []
+    for listed in bound.mimetic.shapes:
+        if _is_of_a_take(listed) and listed.name in keys:
+            actions.clear(holder, keys[listed.name].path_from_id("value"))
+            keys[listed.name].value = 0.0
+            groups.append(listed.group.lower())
+    return sorted(set(groups))
 
 
 TOLERANCE = 1e-3  # of a slider
