@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import io
+import math
 import re
 import struct
 import warnings
@@ -95,7 +96,9 @@ def _packed(members: Members, random: Random) -> bytes:
         with zipfile.ZipFile(stream, "w") as archive:
             for name, content in members:
                 how = zipfile.ZIP_DEFLATED if usual else random.choice(PACKED)
-                archive.writestr(name, content, how, compresslevel=1)
+                entry = zipfile.ZipInfo(name)  # of no time, so that a seed makes the same file
+                entry.compress_type = how
+                archive.writestr(entry, content, compresslevel=1)
     made = bytearray(stream.getvalue())
     if random.random() < 0.1:  # flags, compression or sizes of one entry of the list
         entries = [match.start() for match in re.finditer(b"PK\x01\x02", made)]
@@ -202,9 +205,11 @@ def _change_shape(members: Members, at: int, random: Random) -> None:
         array = array.transpose()
     else:  # more than there is, and true: zeros that deflate
         length = random.choice((10, 1000, 100_000))
-        array = np.zeros((length, *array.shape[1:]), random.choice(("i1", array.dtype.str)))
-        if array.nbytes > 50_000_000:
+        dtype = np.dtype(random.choice(("i1", array.dtype.str)))
+        shape = (length, *array.shape[1:])
+        if math.prod(shape) * dtype.itemsize > 50_000_000:
             return
+        array = np.zeros(shape, dtype)
     _stored(members, at, array)
 
 

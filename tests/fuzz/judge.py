@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import faulthandler
 import os
 import resource
 import select
@@ -97,13 +98,18 @@ def _work(reader: str, made: list, seed: int, cases: range, folder: Path, target
     status = 1
     try:
         signal.signal(signal.SIGPROF, signal.SIG_DFL)
+        faulthandler.disable()  # pytest's writes to a stream of its own
         _limit_memory()
         silence = os.open(os.devnull, os.O_WRONLY)  # what C++ or ffmpeg might print
         os.dup2(silence, 2)
         for index in cases:
             own = folder / str(index)
             own.mkdir()
-            path = make_case(READERS[reader], made, own, Random(f"{reader}/{seed}/{index}"))
+            try:
+                path = make_case(READERS[reader], made, own, Random(f"{reader}/{seed}/{index}"))
+            except Exception as error:  # a fault of the changes, not of a reader
+                os.write(target, f"{BUG}:could not be made: {error!r}\0".encode())
+                continue
             with _timer():
                 kind, text = _ended(lambda path=path: READERS[reader].read(path), path)
             if kind != BUG:

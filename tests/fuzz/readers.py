@@ -23,7 +23,7 @@ from mimetic.evaluate.tables import as_json, as_text
 from mimetic.evaluate.truth import Truth
 from mimetic.face_fit import FaceFit
 from mimetic.face_template import load_template
-from mimetic.fit import landmark_places
+from mimetic.fit import landmark_places, refit
 from mimetic.footage import Footage
 from mimetic.foreign_mesh import read_skin
 from mimetic.mesh_file import read_landmarks, read_mesh
@@ -31,6 +31,7 @@ from mimetic.performance import Performance
 from mimetic.points import read_points, track_points
 from mimetic.pose_smoothing import smoothed
 from mimetic.report import head_angles
+from mimetic.shown_text import shown
 from mimetic.timing import frame_steps, scene_frames, scene_rate
 
 from fuzz import samples
@@ -80,7 +81,7 @@ def _read_performance(path: Path) -> None:
     text = said.getvalue()
     if status == cli.BAD_INPUT and text.count("\n") == 1 and text.startswith("mimetic: "):
         raise InvalidInput(text)
-    if status != 0 or not all(c.isprintable() for c in text.replace("\n", "")):
+    if status != 0 or any(shown(line) != line for line in text.split("\n")):
         raise Broken(f"mimetic info ended with {status} and said {text[:400]!r}")
     performance = Performance.load(path)
     performance.project(performance.surface_in_camera(performance.num_frames - 1))
@@ -126,6 +127,7 @@ def _read_fit(path: Path) -> None:
     _either(fit.head_place)
     _either(lambda: fit.neutral_vertices(load_template()))
     _either(lambda: landmark_places(fit))
+    _either(lambda: refit(fit, {"chin": (160.0, 200.0)}))
     _either(fit.calibration.described)
 
 

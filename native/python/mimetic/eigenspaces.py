@@ -100,7 +100,7 @@ def _read(archive: ArrayArchive) -> _core.FaceSpaces:
         check_shape(name, header.shape, shape, lengths, LARGEST)
         if header.dtype.kind not in kinds:
             raise InvalidInput(f"{name} has the type {header.dtype}")
-        return archive.read_one(name)
+        return archive.read_one(name, None if header.dtype.kind == "U" else float)
 
     def space(prefix: str) -> _core.Eigenspace:
         lengths: dict[str, int] = {}
@@ -110,9 +110,9 @@ def _read(archive: ArrayArchive) -> _core.FaceSpaces:
         try:
             return _core.Eigenspace(
                 *(int(side) for side in a["size"]),
-                a["mean"].astype(float),
-                a["basis"].astype(float),
-                a["eigenvalues"].astype(float),
+                a["mean"],
+                a["basis"],
+                a["eigenvalues"],
                 float(a["rho"]),
             )
         except InvalidInput as error:
@@ -122,8 +122,8 @@ def _read(archive: ArrayArchive) -> _core.FaceSpaces:
         raise InvalidInput(f"has schema {schema}, this version reads {SCHEMA}: update Mimetic")
     counts: dict[str, int] = {}
     names = read("module_names", ("K",), counts, "U").tolist()
-    widths = read("module_widths", ("K",), counts).astype(float).tolist()
-    v = {n: read(n, shape, counts).astype(float) for n, shape in VIEW_ARRAYS.items()}
+    widths = read("module_widths", ("K",), counts).tolist()
+    v = {n: read(n, shape, counts) for n, shape in VIEW_ARRAYS.items()}
     views = [
         _core.ViewSpace(yaw, v["filters"][i], threshold, space(f"view_{i}"), *places)
         for i, (yaw, threshold, *places) in enumerate(
@@ -134,5 +134,5 @@ def _read(archive: ArrayArchive) -> _core.FaceSpaces:
         _core.ModuleSpace(name, space(f"module_{i}"), space(f"module_{i}_other"), widths[i])
         for i, name in enumerate(names)
     ]
-    weights = read("weights", ("E",), {}).astype(float)
+    weights = read("weights", ("E",), {})
     return _core.FaceSpaces(views, space("other"), modules, weights)

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.array_file import ArrayArchive, open_arrays
+from mimetic.shown_text import shortened
 
 # key: (kind of number, shape); letters are lengths that must agree between the keys
 KEYS = {
@@ -209,7 +210,7 @@ def _check(template: FaceTemplate, lengths: Mapping[str, int]) -> None:
 
 def _index(name: str, names: list[str], what: str) -> int:
     if name not in names:
-        raise InvalidInput(f"there is no {what} {name!r}; there are {', '.join(names)}")
+        raise InvalidInput(f"there is no {what} {name!r}; there are {shortened(', '.join(names))}")
     return names.index(name)
 
 

@@ -10,7 +10,7 @@ import re
 UNSAFE = re.compile("[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 
 
-LONGEST = 400  # characters of a file's own words in an error
+LONGEST = 400  # characters of one part of an error
 
 
 def shortened(text: object) -> str:
