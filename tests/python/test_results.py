@@ -203,6 +203,33 @@ def test_a_disk_full_before_the_performance_is_saved_keeps_it_elsewhere(
     assert names(tmp_path / "out") == []
 
 
+SAVE = """
+import sys
+from mimetic import cli
+from sample_performance import make_performance
+cli.COMMANDS["save"] = ("save", "saves")
+class Save:
+    add_arguments = staticmethod(lambda parser: None)
+    run_save = staticmethod(lambda arguments: make_performance(num_frames=60).save("p.npz"))
+sys.modules["save"] = Save
+sys.exit(cli.main(["save"]))
+"""
+
+
+@pytest.mark.parametrize("largest", [10, 3000, 30_000])
+def test_a_performance_on_a_full_disk_is_one_line_with_the_path(tmp_path, largest):
+    done = subprocess.run(
+        [sys.executable, "-c", SAVE],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": os.path.dirname(__file__)},
+        capture_output=True,
+        text=True,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest)),
+    )
+    assert (done.returncode, done.stderr) == (1, "mimetic: p.npz: File too large\n")
+    assert names(tmp_path) == []
+
+
 def test_a_full_disk_is_one_line_with_the_path(tmp_path):
     make_performance(num_frames=60).save(tmp_path / "p.npz")
     (tmp_path / "at.csv").write_text("x,y\n" + "150.5,100.25\n" * 4000)

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.array_file import ArrayArchive, check_shape, open_arrays
+from mimetic.array_writer import write_arrays
 from mimetic.installed_data import installed
-from mimetic.whole_file import whole_file
 
 SCHEMA = 2
 FILE_NAME = "face_spaces.npz"  # in the folder of installed data
@@ -67,8 +67,7 @@ def save(spaces: _core.FaceSpaces, path: str | os.PathLike) -> None:
     for i, module in enumerate(spaces.modules):
         arrays |= _arrays_of(f"module_{i}", module.space)
         arrays |= _arrays_of(f"module_{i}_other", module.other)
-    with whole_file(path) as stream:
-        np.savez_compressed(stream, **arrays)
+    write_arrays(path, arrays)
 
 
 def load(path: str | os.PathLike) -> _core.FaceSpaces:

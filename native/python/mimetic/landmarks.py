@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.array_file import is_bounded, read_archive
+from mimetic.array_writer import write_arrays
 from mimetic.face_template import FaceTemplate
 from mimetic.installed_data import installed
 from mimetic.residual_shape import FACE
-from mimetic.whole_file import whole_file
 
 FILE_NAME = "face_landmarks.npz"  # in the folder of installed data
 BETWEEN_PREFIX = "skin."  # of points that have no name of their own
@@ -124,8 +124,7 @@ def _size(places: NDArray[np.float64]) -> float:
 
 def save(arrays: dict[str, NDArray], path: str | os.PathLike) -> None:
     """Writes an .npz of the arrays in SHAPES, whole or not at all; raises OSError."""
-    with whole_file(path) as stream:
-        np.savez_compressed(stream, **(arrays | {"schema": np.array(SCHEMA)}))
+    write_arrays(path, arrays | {"schema": np.array(SCHEMA)})
 
 
 def load(path: str | os.PathLike) -> _core.LandmarkCascade:

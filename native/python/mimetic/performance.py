@@ -18,9 +18,9 @@ from mimetic.array_file import (
     is_bounded,
     open_arrays,
 )
+from mimetic.array_writer import write_arrays
 from mimetic.shown_text import shown
 from mimetic.timing import LAST_FRAME, check_rate
-from mimetic.whole_file import whole_file
 
 SCHEMA = 1
 NUM_MUSCLES = 36
@@ -262,8 +262,7 @@ class Performance:
             is_text = (REQUIRED | OPTIONAL)[field.name][0] == "U"
             arrays[field.name] = np.array(value, dtype=np.str_) if is_text else np.asarray(value)
         arrays["fps"] = np.array([self.fps])
-        with whole_file(path) as stream:
-            np.savez_compressed(stream, **arrays)
+        write_arrays(path, arrays)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Performance:

@@ -4,28 +4,24 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import csv
 import os
 import shutil
 import tempfile
-import zipfile
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import IO
 
 import numpy as np
-from numpy.lib import format as npy
-from numpy.typing import DTypeLike, NDArray
+from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia, _core
+from mimetic.array_writer import array_stream, whole_archive
 from mimetic.console import Console
 from mimetic.performance import Performance
 from mimetic.projection import rescaled
 from mimetic.regular_file import check_input, check_target
 from mimetic.surface_places import COVERED, RefinedSurface, cosines, meets_face, places_under
-from mimetic.whole_file import whole_file
 
 LARGEST_TABLE = 1_000_000  # points
 LARGEST_FILE = 64 * 10**6  # bytes
@@ -139,31 +135,18 @@ def write_tracks(
     """
     shape = (num_frames, len(on_face))
     with (
-        whole_file(path) as stream,
-        zipfile.ZipFile(stream, "w", zipfile.ZIP_DEFLATED) as archive,
+        whole_archive(path) as archive,
         tempfile.SpooledTemporaryFile(KEPT_IN_MEMORY) as waiting,
     ):
-        with _member(archive, "tracks", (*shape, 2), np.float64) as member:
+        with array_stream(archive, "tracks", (*shape, 2), np.float64) as member:
             for tracks, visible in frames:
                 member.write(np.ascontiguousarray(tracks, dtype=np.float64).tobytes())
                 waiting.write(visible.tobytes())
         waiting.seek(0)
-        with _member(archive, "visible", shape, np.bool_) as member:
+        with array_stream(archive, "visible", shape, np.bool_) as member:
             shutil.copyfileobj(waiting, member)
-        with _member(archive, "on_face", on_face.shape, np.bool_) as member:
+        with array_stream(archive, "on_face", on_face.shape, np.bool_) as member:
             member.write(on_face.tobytes())
-
-
-@contextlib.contextmanager
-def _member(
-    archive: zipfile.ZipFile, name: str, shape: tuple[int, ...], dtype: DTypeLike
-) -> Iterator[IO[bytes]]:
-    """An array of the archive, its header written, to write its numbers to."""
-    with archive.open(f"{name}.npy", "w", force_zip64=True) as member:
-        descr = npy.dtype_to_descr(np.dtype(dtype))
-        header = {"descr": descr, "fortran_order": False, "shape": shape}
-        npy.write_array_header_1_0(member, header)
-        yield member
 
 
 def read_points(path: str | os.PathLike[str]) -> NDArray[np.float64]:

@@ -22,14 +22,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
     If it does not, `path` is as it was and nothing is left beside it. Raises OSError that names
     `path`, UnreadableMedia if that is a folder, a device or read-only.
     """
-    with file_beside(path, ".part") as aside:
-        stream = open(aside, "wb")  # noqa: SIM115, closed here or, after a failure, by its owner
-        try:
-            yield stream
-            stream.close()
-        except BaseException:
-            _let_go(stream)
-            raise
+    with file_beside(path, ".part") as aside, open(aside, "wb") as stream:
+        yield stream
 
 
 @contextlib.contextmanager
@@ -59,11 +53,3 @@ def file_beside(path: str | os.PathLike[str], suffix: str) -> Iterator[Path]:
         if name:
             with contextlib.suppress(OSError):
                 os.unlink(name)
-
-
-def _let_go(stream: BinaryIO) -> None:
-    """Lets what still comes go nowhere: an archive closed after a full disk would fail again."""
-    with contextlib.suppress(OSError, ValueError):  # ValueError: it is closed
-        nowhere = os.open(os.devnull, os.O_WRONLY)
-        os.dup2(nowhere, stream.fileno())
-        os.close(nowhere)

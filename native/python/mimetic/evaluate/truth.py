@@ -18,8 +18,8 @@ from mimetic.array_file import (
     is_bounded,
     open_arrays,
 )
+from mimetic.array_writer import write_arrays
 from mimetic.timing import LAST_FRAME, check_rate
-from mimetic.whole_file import whole_file
 
 SCHEMA = 1
 LARGEST = {"N": 1_000_000, "K": 100_000, "M": 1000, "A": 1000, "U": 1000, "V": 2_000_000}
@@ -134,8 +134,7 @@ class Truth:
             if value is not None:
                 text = KEYS[field.name][0] == "U"
                 arrays[field.name] = np.array(value, np.str_) if text else np.atleast_1d(value)
-        with whole_file(path) as stream:
-            np.savez_compressed(stream, **arrays)
+        write_arrays(path, arrays)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Truth:
