@@ -11,6 +11,8 @@ from pathlib import Path
 
 from mimetic.face_template import load_template
 
+from .abuse.films import abused_clip
+from .abuse.recipes import SETS as ABUSE
 from .clips import CannotRender, Clip, clip
 from .expressions.films import long_clip, take_clip
 from .expressions.recipes import SETS as EXPRESSIONS
@@ -39,6 +41,7 @@ def main(arguments: list[str] | None = None) -> int:
         "--stills", choices=[*STILLS, REAL], help="still images, not clips; prints the .npz"
     )
     which.add_argument("--heads", choices=HEADS, help="heads that turn; prints kind, name, paths")
+    which.add_argument("--abuse", choices=ABUSE, help="faces covered, cut, darkened; see --heads")
     which.add_argument("--expressions", choices=EXPRESSIONS, help="nine expressions by many people")
     which.add_argument("--portraits", choices=PORTRAITS, help="portraits; prints the .npz")
     parser.add_argument("--people", type=int, help="with --expressions: so many, evenly chosen")
@@ -59,6 +62,9 @@ def main(arguments: list[str] | None = None) -> int:
             for wanted in HEADS[options.heads]:
                 head = head_clip(wanted, template, _to_stderr)
                 print(wanted.kind, wanted.name, head.footage, head.truth, sep="\t", flush=True)
+            return 0
+        if options.abuse:
+            _print_abused(ABUSE[options.abuse], template)
             return 0
         if options.portraits:
             print(portraits(options.portraits, template, _to_stderr))
@@ -88,6 +94,15 @@ def _print_takes(takes, template) -> None:
         if number == 0:
             long = long_clip(take, template, _to_stderr)
     print("long", takes[0].head, long.name, long.footage, long.truth, sep="\t", flush=True)
+
+
+def _print_abused(clips, template) -> None:
+    """Kind, source, which side the reference frame is on, and the paths of each clip."""
+    for wanted in clips:
+        made = abused_clip(wanted, template, _to_stderr)
+        side = "later" if wanted.later else "earlier"
+        row = (wanted.kind, wanted.source.name, side, made.footage, made.clean, made.truth)
+        print(*row, sep="\t", flush=True)
 
 
 def _to_stderr(line: str) -> None:

@@ -15,7 +15,7 @@ from mimetic.footage import Footage
 from mimetic.performance import HELD_QUALITY
 from mimetic.sequence import Rows
 
-SEARCH_AGAIN = 12  # frames between looks for a face that was lost
+SEARCH_AGAIN = 6  # frames between looks for a face that was lost: twice in half a second
 CUT_DIFFERENCE = 18.0  # mean change of grey levels from frame to frame
 BACKWARD_BYTES = 128 << 20  # of frames held to walk a clip backwards
 
@@ -84,6 +84,21 @@ def notes_on(rows: Rows, frames: tuple[int, int], stopped: bool, followed: str) 
             f"the {followed} was lost in {held} frames, which are held (quality under 0.2)"
         )
     return notes
+
+
+def notes_on_strangers(frames: list[int]) -> list[str]:
+    """One note a run of frames in which a face was seen, but not followed: it is not this one."""
+    runs: list[list[int]] = []
+    for frame in sorted(set(frames)):
+        if runs and frame - runs[-1][-1] <= SEARCH_AGAIN:
+            runs[-1].append(frame)
+        else:
+            runs.append([frame])
+    return [
+        f"frames {run[0]} to {run[-1]} show a face that does not look like the fitted one (another "
+        "person's, or covered): held, not captured"
+        for run in runs
+    ]
 
 
 def frames_backward(

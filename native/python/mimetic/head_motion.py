@@ -22,6 +22,7 @@ from mimetic.following import (
     find_again,
     frames_backward,
     notes_on,
+    notes_on_strangers,
 )
 from mimetic.footage import Footage
 from mimetic.head_placing import placed_poses
@@ -137,6 +138,7 @@ class _HeadMotion:
         self.first, self.last = frames
         self.num_done = 0
         self.scene_starts: set[int] = set()
+        self.strangers: list[int] = []  # frames in which a face was seen that is not this one
         num_passes = NUM_PASSES if options.max_key_views else 1
         self.num_needed = num_passes * (1 + max(fit.frame, self.last) - min(fit.frame, self.first))
         self.template = load_template()
@@ -207,6 +209,8 @@ class _HeadMotion:
             last = frame
             estimate = tracker.advance(np.ascontiguousarray(image), guess)
             num_lost = num_lost + 1 if estimate.held else 0
+            if guess is not None and estimate.held:
+                self.strangers.append(frame)
             self.num_done += 1
             if self.first <= frame <= self.last:
                 _append(rows, frame, estimate)
@@ -243,6 +247,7 @@ class _HeadMotion:
             *(*self.footage.warnings, *self.fit.warnings),
             f"head motion alone, by the {self.model}: muscles were not measured",
             *notes_on(rows, (self.first, self.last), self.summary.stopped, "head"),
+            *notes_on_strangers(self.strangers),
         ]
         self.summary.warnings = notes
         return notes

@@ -30,6 +30,7 @@ from mimetic.following import (
     find_again,
     frames_backward,
     notes_on,
+    notes_on_strangers,
 )
 from mimetic.footage import Footage
 from mimetic.performance import Performance
@@ -199,6 +200,7 @@ class ClipCapture:
         self.footage, self.fit, self.summary, self.progress = footage, fit, summary, progress
         self.first, self.last = frames
         self.num_done = 0
+        self.strangers: list[int] = []  # frames in which a face was seen that is not this one
         self.num_needed = 1 + max(fit.frame, self.last) - min(fit.frame, self.first)
         start = time.perf_counter()
         self.template = load_template()
@@ -280,6 +282,8 @@ class ClipCapture:
                 continue
             estimate = self.advance(tracker, frame, image, guess)
             num_lost = num_lost + 1 if estimate.held else 0
+            if guess is not None and estimate.held:
+                self.strangers.append(frame)
             yield frame, estimate
             start = time.perf_counter()
 
@@ -327,6 +331,7 @@ class ClipCapture:
             *(*self.footage.warnings, *self.fit.warnings),
             *self.fit.calibration.notes(),
             *notes_on(rows, (self.first, self.last), self.summary.stopped, "face"),
+            *notes_on_strangers(self.strangers),
         ]
         self.summary.warnings = notes
         return notes or None

@@ -14,6 +14,7 @@ constexpr double kErrorSpacing = .02;  // metres between the nodes of the model 
 constexpr double kFoundQuality = .45;  // a lost face counts as found again from here
 constexpr double kKeyViewAngle = .26;  // rad from the nearest texture
 constexpr double kKeyViewQuality = .6;
+constexpr double kKeyViewLikeness = .5;  // a texture of something else would confirm itself
 
 /// Well spread points of the measured skin, no two closer than the spacing.
 std::vector<Eigen::Vector3f> spread_nodes(const ReferenceView& view) {
@@ -152,7 +153,7 @@ void FaceTracker::State::measure_lids(FrameEstimate& estimate) {
 void FaceTracker::State::add_key_view(const FrameScore& score, const DetailEstimate& detail) {
     ++frames_since_key_view;
     if (static_cast<int>(views.size()) > options.max_key_views || score.quality < kKeyViewQuality ||
-        frames_since_key_view < 10) {
+        score.likeness < kKeyViewLikeness || frames_since_key_view < 10) {
         return;
     }
     for (const auto& view : views) {
@@ -234,8 +235,8 @@ FrameEstimate FaceTracker::advance(const ColorView& image, const std::optional<E
             s.follow_flow(prior);
         }
         s.frame.update(s.gray, 1 / s.face_pixels_per_crop_pixel());
-        const Eigen::Index all = 6 + s.num_values();
-        FrameScore score = s.register_textures(prior, s.options.max_iterations, all);
+        // Who gives a guess is in doubt: after a cut another face may be where this one was.
+        FrameScore score = s.register_face(prior, !was_lost && !guess);
         const double found = std::max(kFoundQuality, s.options.held_quality);
         if (was_lost || score.quality < s.options.held_quality) {
             // From where the face was last seen, or anywhere: whichever explains more
@@ -257,8 +258,10 @@ FrameEstimate FaceTracker::advance(const ColorView& image, const std::optional<E
             s.measure_lids(estimate);
             s.covariance = estimate.covariance;
             s.last_std = estimate.values_std();
-            s.velocity =
-                was_lost ? Eigen::VectorXd(Eigen::VectorXd::Zero(all)) : s.state.difference_from(s.last);
+            s.velocity = s.state.difference_from(s.last);
+            if (was_lost) {
+                s.velocity.setZero();
+            }
             s.add_key_view(score, estimate.detail);
         }
         s.last = s.state;

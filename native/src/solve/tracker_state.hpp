@@ -2,11 +2,13 @@
 #pragma once
 #include <chrono>
 #include <opencv2/video/tracking.hpp>
+#include <unordered_set>
 
 #include "detail_solver.hpp"
 #include "face_search.hpp"
 #include "joint_solver.hpp"
 #include "lid_meter.hpp"
+#include "likeness.hpp"
 #include "motion_prior.hpp"
 
 namespace mimetic {
@@ -31,6 +33,7 @@ private:
 struct FrameScore {
     double quality = 0;
     double correlation = 0;
+    double likeness = 0;  // share of the texture in sight that looks as a reference texture has it
     int num_samples = 0;
     int num_explained = 0;
     int num_views = 0;
@@ -44,6 +47,7 @@ struct FaceTracker::State {
     StepPrior predict();
     void follow_flow(const StepPrior& prior);
     FrameScore register_textures(const StepPrior& prior, int num_iterations, Eigen::Index num_free);
+    FrameScore register_face(const StepPrior& prior, bool is_known);
     FrameScore search_again(const StepPrior& prior, double near_quality,
                             const std::optional<Eigen::Isometry3d>& guess);
     FrameEstimate report(const FrameScore& score, const StepPrior& prior);
@@ -51,6 +55,8 @@ struct FaceTracker::State {
     FloatPixels project_control(const FaceState& at) const;
     void add_key_view(const FrameScore& score, const DetailEstimate& detail);
 
+    double look();
+    bool is_vague(const StepPrior& prior) const;
     void measure(bool is_first, bool is_last, FrameScore& score);
     void raster_surface();
     std::vector<std::size_t> choose_views() const;
@@ -94,6 +100,8 @@ struct FaceTracker::State {
     cv::Mat2f map;
     cv::Mat1f stabilised;
     std::vector<float> visible;
+    Likeness likeness;
+    std::unordered_set<const ReferenceSample*> unlike;  // covered: they say nothing of the face
     std::vector<SampleMeasurement> measurements;
     StageTimes times;
     cv::Ptr<cv::DISOpticalFlow> relative_dis;

@@ -203,6 +203,9 @@ void FaceTracker::State::measure(bool is_first, bool is_last, FrameScore& score)
                              is_first && !is_last, measurements);
     }
     score.num_samples = static_cast<int>(measurements.size());
+    for (SampleMeasurement& measurement : measurements) {
+        measurement.weight = unlike.contains(measurement.sample) ? 0 : measurement.weight;
+    }
     // Textures of the same skin share the model's error: two of them know no more than one.
     for (SampleMeasurement& measurement : measurements) {
         measurement.weight /= static_cast<float>(chosen.size());
@@ -251,38 +254,6 @@ FrameScore FaceTracker::State::register_textures(const StepPrior& prior, int num
     const double seen = static_cast<double>(score.num_samples) / static_cast<double>(first.samples().size());
     score.quality = ratio_or_zero(explained, in_sight) * std::min(1., seen / .25);
     return score;
-}
-
-FrameScore FaceTracker::State::search_again(const StepPrior& prior, double near_quality,
-                                            const std::optional<Eigen::Isometry3d>& guess) {
-    std::vector<Eigen::Isometry3d> poses;
-    {
-        const StageClock clock(times.predict_ms);
-        poses = search->find(camera, gray, face_pixels_per_crop_pixel() * views.front()->scale());
-    }
-    if (guess) {
-        poses.push_back(*guess);
-    }
-    FaceState best = state;
-    double best_quality = near_quality;
-    for (const Eigen::Isometry3d& pose : poses) {
-        state.camera_from_head = pose;
-        state.values.setZero();
-        // Where the face was says nothing about where it is now.
-        predicted = state;
-        frame.update(gray, 1 / face_pixels_per_crop_pixel());
-        register_textures(prior, 4, 6);
-        predicted.camera_from_head = state.camera_from_head;
-        const FrameScore score = register_textures(prior, options.max_iterations, 6 + num_values());
-        if (score.quality > best_quality) {
-            best_quality = score.quality;
-            best = state;
-        }
-    }
-    // Once more where it fits best: the solver must not be left with another candidate's equations.
-    state = predicted = best;
-    frame.update(gray, 1 / face_pixels_per_crop_pixel());
-    return register_textures(prior, 2, 6 + num_values());
 }
 
 }  // namespace mimetic

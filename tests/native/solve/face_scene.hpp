@@ -15,6 +15,7 @@ public:
     static constexpr int kAcross = 28;
     static constexpr int kAlong = 36;
     Camera camera{600, 600, 159.5, 119.5, 320, 240};
+    double person = 0;  ///< whose skin: another number, another pattern
 
     FaceScene() {
         const int num_vertices = (kAcross + 1) * (kAlong + 1);
@@ -125,12 +126,12 @@ private:
     }
 
     /// Grey of the skin at parameters (across, down) in [0, 1].
-    static double albedo(double a, double b) {
+    double albedo(double a, double b) const {
         const double x = 150 * a, y = 200 * b;  // about millimetres
         double sum = 0;
         for (int k = 1; k <= 14; ++k) {
             const double angle = 2.4 * k, wave = 6.28 / (5 + 2.6 * k);
-            sum += std::sin(wave * (std::cos(angle) * x + std::sin(angle) * y) + 1.7 * k * k);
+            sum += std::sin(wave * (std::cos(angle) * x + std::sin(angle) * y) + (1.7 + person) * k * k);
         }
         return 130 + 14 * sum;
     }

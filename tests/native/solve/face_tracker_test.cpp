@@ -193,6 +193,41 @@ TEST(FaceTracker, HoldsAHiddenFaceAndFindsItAgainElsewhere) {
     EXPECT_LT((found.camera_from_head.translation() - moved.translation()).norm(), .004);
 }
 
+TEST(FaceTracker, HoldsWhereAnotherFaceStandsAndGoesOnWhenThisOneIsBack) {
+    FaceTracker tracker = make_tracker();
+    const Image own = scene().render(scene().camera_from_head, scene().rest());
+    const FrameEstimate before = advance(tracker, own);
+    FaceScene other;
+    other.person = .3;
+    for (unsigned t = 0; t < 4; ++t) {
+        const FrameEstimate estimate =
+            advance(tracker, other.render(scene().camera_from_head, scene().rest(), 2, 1, 0, t));
+        EXPECT_TRUE(estimate.held) << "frame " << t;
+        EXPECT_EQ(estimate.values, before.values);
+    }
+    EXPECT_FALSE(advance(tracker, own).held);
+}
+
+TEST(FaceTracker, IsHeldOrRightWhileABarCrosses) {
+    FaceTracker tracker = make_tracker();
+    const Clip clip = expressive_clip(26);
+    int num_held = 0;
+    for (int t = 1; t < 26; ++t) {
+        const auto at = static_cast<std::size_t>(t);
+        Image image = scene().render(clip.poses[at], clip.values[at], 2, 1, 0, static_cast<unsigned>(t + 3));
+        const int left = 20 + 10 * t;
+        cover(image, std::max(0, left - 110), left, 5);
+        const FrameEstimate estimate = advance(tracker, image);
+        num_held += estimate.held ? 1 : 0;
+        if (!estimate.held) {
+            EXPECT_LT(degrees_between(estimate.camera_from_head, clip.poses[at]), 10) << "frame " << t;
+        }
+    }
+    EXPECT_GT(num_held, 0);
+    EXPECT_LT(num_held, 20);
+    EXPECT_FALSE(advance(tracker, scene().render(clip.poses[25], clip.values[25])).held);
+}
+
 TEST(FaceTracker, SaysWhatIsWrongWithItsInput) {
     const Image image = scene().render(scene().camera_from_head, scene().rest());
     const auto make = [&](const FaceScene& from, const Eigen::Isometry3d& pose) {

@@ -13,6 +13,7 @@ from mimetic import InvalidInput
 from mimetic.eigenspaces import installed_spaces, load
 from mimetic.evaluate import (
     ablations,
+    abuse,
     calibration,
     expression_tables,
     expressions,
@@ -44,12 +45,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "heads on rendered sequences, beside MediaPipe's face mesh; `fit` scores heads fitted to "
         "portraits (docs/fitting.md); `flow` tells whether optical flow knows how far it is off, "
         "`ablations` what each part of the capture is good for (docs/evaluation.md), `calibration` "
-        "what knowing a person's skin is worth (docs/calibration.md)."
+        "what knowing a person's skin is worth (docs/calibration.md), `abuse` whether faces that "
+        "are covered, cut away or in the dark are held or right (docs/evaluation.md)."
     )
     parser.add_argument(
         "what",
         nargs="?",
-        choices=("ablations", "calibration", "capture", "fit", "flow", "head", "locate"),
+        choices=("ablations", "abuse", "calibration", "capture", "fit", "flow", "head", "locate"),
         default="capture",
         help="what to score (default: capture)",
     )
@@ -92,6 +94,8 @@ def run_evaluate(options: argparse.Namespace) -> int:
         return _run_calibration(options)
     if options.what == "ablations":
         return _run_ablations(options)
+    if options.what == "abuse":
+        return _run_abuse(options)
     if options.set in expressions.SETS:
         return _run_expressions(options)
     if options.what == "head":
@@ -145,6 +149,14 @@ def _run_head(options: argparse.Namespace) -> int:
     if options.out is not None:
         head.write(done, options.out)
     return _show(options, done, head.as_json, head.summary_text)
+
+
+def _run_abuse(options: argparse.Namespace) -> int:
+    _refuse(options, *FILES, "out")
+    done = []
+    for scores in abuse.score_set(options.set, _to_stderr):
+        done += scores
+    return _show(options, done, abuse.as_json, abuse.as_text)
 
 
 def _run_flow(options: argparse.Namespace) -> int:

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "../../../native/src/solve/likeness.hpp"
+
+#include <gtest/gtest.h>
+
+#include <opencv2/imgproc.hpp>
+
+#include "face_scene.hpp"
+
+namespace mimetic {
+namespace {
+
+using test::FaceScene;
+
+cv::Mat1b grey_of(const FaceScene& scene, std::vector<std::uint8_t> image) {
+    cv::Mat1b grey;
+    const cv::Mat3b color(scene.camera.height, scene.camera.width,
+                          reinterpret_cast<cv::Vec3b*>(image.data()));
+    cv::extractChannel(color, grey, 0);
+    return grey;
+}
+
+/// A reference texture, and the share of it that pictures of the same place show.
+class LikenessTest : public testing::Test {
+protected:
+    LikenessTest()
+        : surface(scene.surface, scene.motion),
+          at{scene.camera_from_head, scene.rest()},
+          view(surface, scene.camera, at, grey_of(scene, scene.render(scene.camera_from_head, scene.rest())),
+               200, 4, 2) {
+        projected.update(surface, scene.camera, at.camera_from_head, at.values);
+        visible.assign(view.samples().size(), 1);
+    }
+
+    double share_alike(const cv::Mat1b& grey) {
+        PreparedFrame frame;
+        frame.update(grey, view.scale());
+        cv::Mat2f map;
+        cv::Mat1f texture;
+        view.stabilise(surface.triangles(), projected, frame, map, texture);
+        return likeness.compare(view, texture, visible);
+    }
+
+    FaceScene scene;
+    FaceSurface surface;
+    FaceState at;
+    ReferenceView view;
+    ProjectedSurface projected;
+    std::vector<float> visible;
+    Likeness likeness;
+};
+
+TEST_F(LikenessTest, IsWholeForTheSameSkinInOtherLight) {
+    EXPECT_GT(share_alike(grey_of(scene, scene.render(at.camera_from_head, at.values, 4, .7, 20, 9))), .95);
+}
+
+TEST_F(LikenessTest, IsNoneForAnotherSkinOfTheSameShape) {
+    FaceScene other;
+    other.person = .3;
+    EXPECT_LT(share_alike(grey_of(other, other.render(at.camera_from_head, at.values))), .1);
+}
+
+TEST_F(LikenessTest, FallsByWhatIsCovered) {
+    cv::Mat1b grey = grey_of(scene, scene.render(at.camera_from_head, at.values));
+    grey.colRange(0, scene.camera.width / 2).setTo(90);
+    EXPECT_NEAR(share_alike(grey), .5, .15);
+}
+
+TEST_F(LikenessTest, IsNoneWhereNothingIsInSight) {
+    visible.assign(visible.size(), 0);
+    EXPECT_EQ(share_alike(grey_of(scene, scene.render(at.camera_from_head, at.values))), 0);
+}
+
+}  // namespace
+}  // namespace mimetic
