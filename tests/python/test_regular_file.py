@@ -122,6 +122,13 @@ def test_a_missing_folder_is_told_before_the_work(tmp_path, capsys):
     assert "there is no folder" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize("what", ["fit", "head", "locate"])
+def test_evaluate_tells_of_its_folder_before_the_work(tmp_path, capsys, what):
+    (tmp_path / "file").touch()
+    assert main(["evaluate", what, "--out", str(tmp_path / "file")]) == 2
+    assert "is a file; give a folder" in capsys.readouterr().err
+
+
 def test_a_file_that_is_read_only_stays(tmp_path, capsys):
     out = tmp_path / "t.npz"
     out.write_bytes(b"kept")

@@ -20,6 +20,7 @@ from mimetic.face_template import load_template
 from mimetic.foreign_head import attach_foreign
 from mimetic.head_painter import COLORS, TALLEST, WIDTH, Painter
 from mimetic.mesh_file import read_landmarks, read_mesh
+from mimetic.regular_file import check_target
 from mimetic.shown_text import shown
 from mimetic.skin_mesh import quad_normals
 
@@ -83,6 +84,7 @@ def _draw(options: argparse.Namespace) -> int:
         raise InvalidInput(f"--scale is {options.scale}, allowed are 1e-6 to 1000")
     if not 16 <= options.size <= 4000:
         raise InvalidInput(f"--size is {options.size}, allowed are 16 to 4000")
+    check_target(options.out, options.mesh, options.landmarks)
     vertices, faces = read_mesh(options.mesh)
     vertices = options.scale * vertices
     landmarks = {

@@ -89,7 +89,8 @@ def listen_for_interrupt(announced: str = "keeping what is done") -> Iterator[In
         if interrupt():
             raise Ended(number)
         interrupt.number = number
-        _tell(f"\nstopping: {announced} (Ctrl-C again ends at once)\n")
+        name = "Ctrl-C" if number == signal.SIGINT else "SIGTERM"
+        _tell(f"\nstopping: {announced} ({name} again ends at once)\n")
 
     with _handled(SIGNALS, ask):
         try:

@@ -31,6 +31,7 @@ from mimetic.evaluate.tables import as_json, as_text, summary
 from mimetic.evaluate.truth import Truth
 from mimetic.face_template import load_template
 from mimetic.performance import Performance
+from mimetic.results import prepare_folder
 from mimetic.shown_text import shown
 from mimetic.whole_file import whole_file
 
@@ -125,11 +126,11 @@ def _run_expressions(options: argparse.Namespace) -> int:
         raise InvalidInput(f"--set {options.set} goes with plain `mimetic evaluate`")
     if options.jobs < 1 or (options.people is not None and options.people < 1):
         raise InvalidInput("--jobs and --people must be 1 or more")
+    _prepare_out(options)
     chosen, long = expressions.takes(options.set, options.people, _to_stderr)
     python = face_mesh_python(_to_stderr)
     shown, drifts = expressions.score_set(chosen, long, python, _to_stderr, options.jobs)
     if options.out is not None:
-        options.out.mkdir(parents=True, exist_ok=True)
         with whole_file(options.out / "expressions.json") as stream:
             stream.write(f"{expression_tables.as_json(shown, drifts)}\n".encode())
     if options.json:
@@ -141,6 +142,7 @@ def _run_expressions(options: argparse.Namespace) -> int:
 
 def _run_head(options: argparse.Namespace) -> int:
     _refuse(options, *FILES)
+    _prepare_out(options)
     done = []
     for scores in head.score_heads(options.set, _to_stderr):
         done += scores
@@ -177,6 +179,12 @@ def _run_calibration(options: argparse.Namespace) -> int:
     return _show(options, made, calibration.as_json, calibration.as_text)
 
 
+def _prepare_out(options: argparse.Namespace) -> None:
+    """Tells before hours of work that --out cannot be written to."""
+    if options.out is not None:
+        prepare_folder(options.out, ())
+
+
 def _refuse(options: argparse.Namespace, *names: str) -> None:
     """Raises InvalidInput if a path is given for which what is scored has no use."""
     if any(getattr(options, name) for name in names):
@@ -204,6 +212,7 @@ def _check_set(options: argparse.Namespace) -> None:
 
 def _run_locate(options: argparse.Namespace) -> int:
     _refuse(options, *FILES)
+    _prepare_out(options)
     if options.images is not None:
         images = Stills.load(options.images)
     else:
@@ -217,6 +226,7 @@ def _run_locate(options: argparse.Namespace) -> int:
 
 def _run_fit(options: argparse.Namespace) -> int:
     _refuse(options, *FILES)
+    _prepare_out(options)
     template = load_template()
     scores = fit.score_fits(rendered_portraits(options.set, template, _to_stderr), template)
     if options.out is not None:
