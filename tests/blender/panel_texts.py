@@ -3,43 +3,52 @@
 
 import bpy
 
+ICONS = bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items.keys()
+
 
 class Layout:
-    """Stands for a UILayout; rows, columns and panels write into the same list."""
+    """Stands for a UILayout; rows, columns and panels write into the same list. What a real one
+    refuses fails here too: icons, operators and properties that do not exist."""
 
     def __init__(self, told: list[str]):
         self.told = told
 
-    def operator(self, name, text=None, **_):
-        shown = text if text is not None else getattr(bpy.ops.mimetic, name.split(".")[1])
-        self.told += [name, shown if isinstance(shown, str) else ""]
-        return type("Properties", (), {})()
+    def operator(self, name, text="", icon="NONE"):
+        assert icon in ICONS
+        kind = getattr(bpy.ops.mimetic, name.removeprefix("mimetic.")).get_rna_type()
+        self.told += [name, text]
+        return type("Properties", (), dict.fromkeys(kind.properties.keys()))()
 
-    def label(self, text="", **_):
+    def label(self, text="", icon="NONE"):
+        assert icon in ICONS
         self.told.append(text)
 
-    def menu(self, name, **_):
+    def menu(self, name):
+        assert hasattr(bpy.types, name)
         self.told.append(name)
 
-    def prop(self, owner, name, text=None, **_):
+    def prop(self, owner, name, text=None, icon="NONE", slider=False):
+        assert icon in ICONS
+        assert name in owner.bl_rna.properties
         self.told.append(text or name)
 
     def prop_search(self, owner, name, *_, **__):
+        assert name in owner.bl_rna.properties
         self.told.append(name)
 
-    def panel(self, name, **_):
+    def panel(self, name, default_closed=False):
         return Layout(self.told), Layout(self.told)
 
-    def row(self, **_):
+    def row(self, align=False):
         return Layout(self.told)
 
     column = row
 
-    def separator(self, **_):
+    def separator(self):
         pass
 
-    def progress(self, **_):
-        pass
+    def progress(self, factor=0.0, text=""):
+        self.told.append(text)
 
 
 def drawn(name: str) -> str:

@@ -3,7 +3,7 @@
 
 import bpy
 import pytest
-from panel_texts import drawn
+from panel_texts import Layout, drawn
 
 MENUS = {"VIEW3D_MT_object": "MIMETIC_MT_object", "VIEW3D_MT_pose": "MIMETIC_MT_object"} | {
     "CLIP_MT_clip": "MIMETIC_MT_clip"
@@ -30,8 +30,6 @@ def test_blenders_own_menus_show_ours(place):
     class Menu:
         pass
 
-    from panel_texts import Layout
-
     menu = Menu()
     menu.layout = Layout([])
     for draw in getattr(bpy.types, place)._dyn_ui_initialize():
@@ -48,3 +46,8 @@ def test_nothing_is_left_in_blenders_menus(extension):
         assert not hasattr(bpy.types, "MIMETIC_MT_clip")
     finally:
         extension("menus").register()
+
+
+@pytest.mark.parametrize("name", ["capture", "head"])
+def test_both_editors_have_the_panels(name):
+    assert drawn(f"MIMETIC_PT_{name}_view") == drawn(f"MIMETIC_PT_{name}_clip") != ""
