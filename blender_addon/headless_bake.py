@@ -30,6 +30,17 @@ def main() -> None:
         os.environ["BLENDER_USER_RESOURCES"] = user_files
         answer = bake(request)
     Path(request["answer"]).write_text(json.dumps(answer), encoding="utf-8")
+    leave()
+
+
+def leave() -> None:
+    """Ends the process, all being done: the module of Blender 4.2 frees the panels that an add-on
+    registered after Python is gone, and crashes."""
+    import bpy
+
+    shutil.rmtree(bpy.app.tempdir, ignore_errors=True)
+    sys.stdout.flush()
+    os._exit(0)
 
 
 def end_with_parent(request: dict) -> None:

@@ -27,6 +27,8 @@ def main() -> int:
     parser.add_argument("--frames", type=int, nargs=2, metavar=("A", "B"), default=(1, 100000))
     parser.add_argument("--neck-share", type=float, default=0.3)
     arguments = parser.parse_args()
+    from make_sliders import headless
+
     with tempfile.TemporaryDirectory() as folder:
         # Read by bpy as it is imported: no settings or add-ons of the user's
         os.environ["BLENDER_USER_RESOURCES"] = folder
@@ -35,18 +37,18 @@ def main() -> int:
         except ImportError as error:
             print(f"make_rigify_head: {error}; pip install bpy==4.5.15 gives it", file=sys.stderr)
             return 2
-    sys.stdout.flush()
-    # Blender 4.5 as a module does not come to its end once Rigify has been in it
-    os._exit(0)
+    # Nor does Blender 4.5 as a module come to its end once Rigify has been in it
+    headless().leave()
+    return 0
 
 
 def build(arguments: argparse.Namespace, folder: Path) -> None:
     import bpy
-    from make_sliders import load_extension
+    from make_sliders import headless
     from mimetic.performance import Performance
     from rigify_rig import generate_rig
 
-    load_extension()
+    headless().load_extension()
     scene = bpy.context.scene
     performance = Performance.load(arguments.performance)
     first = max(arguments.frames[0], int(performance.frame[0]))

@@ -9,6 +9,7 @@ import os
 import sys
 import tempfile
 from pathlib import Path
+from types import ModuleType
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
@@ -53,6 +54,7 @@ def main() -> int:
         except ImportError as error:
             print(f"make_sliders: {error}; pip install bpy==4.5.15 gives Blender", file=sys.stderr)
             return 2
+    headless().leave()
     return 0
 
 
@@ -60,7 +62,7 @@ def build(arguments: argparse.Namespace) -> None:
     import bpy
     import head_scene
 
-    load_extension()
+    headless().load_extension()
     scene = bpy.context.scene
     bpy.ops.mimetic.add_face()
     face = bpy.context.active_object
@@ -78,13 +80,14 @@ def build(arguments: argparse.Namespace) -> None:
         head_scene.render(scene, arguments.render.resolve())
 
 
-def load_extension() -> None:
-    """By its file: the folder beside it has the package's name, so stays off the path."""
+def headless() -> ModuleType:
+    """The extension's module without a window, by its file: the folder beside it has the package's
+    name, so stays off the path."""
     path = HERE.parent / "blender_addon" / "headless_bake.py"
     spec = importlib.util.spec_from_file_location("headless_bake", path)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    module.load_extension()
+    return module
 
 
 def animate(face) -> None:

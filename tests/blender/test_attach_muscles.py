@@ -76,6 +76,7 @@ def offsets_of(head, name) -> np.ndarray:
     return (both[0] - both[1]).reshape(-1, 3)
 
 
+@pytest.mark.oldest_and_newest
 def test_a_head_by_empties_gets_the_muscles_of_our_own(parts, head, extension, capfd):
     from mimetic.canonical_head import make_head
     from mimetic.placement import to_object

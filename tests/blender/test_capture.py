@@ -11,6 +11,8 @@ import numpy as np
 import pytest
 from imageio_ffmpeg import write_frames
 
+pytestmark = pytest.mark.oldest_and_newest
+
 ROOT = Path(__file__).resolve().parents[2]
 UNREACHABLE = 3
 FRAMES = (1, 8)

@@ -44,6 +44,7 @@ def test_a_damaged_performance_changes_nothing(scene, tmp_path, performance_file
     assert scene.mimetic.performance_path == ""
 
 
+@pytest.mark.oldest_and_newest
 def test_bake_by_operator_is_bake_by_function(
     extension, scene, performance, performance_file, footage
 ):
@@ -105,6 +106,7 @@ def test_the_users_materials_stay_when_baking_again(scene, performance_file):
     assert scene.mimetic.face.data.materials[0] == mine
 
 
+@pytest.mark.oldest_and_newest
 def test_export_writes_what_the_function_writes(
     extension, scene, performance, performance_file, tmp_path
 ):

@@ -10,6 +10,8 @@ import numpy as np
 import pytest
 from mimetic.face_template import load_template
 
+pytestmark = pytest.mark.oldest_and_newest
+
 SCRIPT = Path(__file__).resolve().parents[2] / "sample_scenes" / "make_head.py"
 
 

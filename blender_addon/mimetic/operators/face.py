@@ -17,7 +17,10 @@ class MIMETIC_OT_find_face(Job, Operator):
     bl_options = {"UNDO"}
 
     frame: IntProperty(
-        name="Frame", min=0, description="Footage frame to look in; 0 takes the first with a face"
+        name="Frame",
+        min=0,
+        description="Footage frame to look in; 0 takes the one of the first seconds in which the "
+        "face is seen best at rest",
     )
     use_shown_frame: BoolProperty(
         name="Shown Frame", description="Look in the frame that the clip editor shows"

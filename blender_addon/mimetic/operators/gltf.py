@@ -8,7 +8,7 @@ from .. import native, scene_in, scene_out
 
 
 class MIMETIC_OT_export_gltf(Operator, ExportHelper):
-    """Write the face with its muscles and motion as a .glb file that plays anywhere"""
+    """Write the face with its muscles and motion as a .glb file, for game engines and viewers"""
 
     bl_idname = "mimetic.export_gltf"
     bl_label = "Export glTF"
