@@ -36,6 +36,7 @@ def test_the_oldest_and_the_newest_blender_that_are_claimed_run_all_tests():
     names = [f"{major}.{second}" for major, second in tested]
     manifest = tomllib.loads(read("blender_addon/mimetic/blender_manifest.toml"))
     assert minor(manifest["blender_version_min"]) == tested[0]
-    assert f"({names[0]} to {names[-1]})" in read("README.md")
+    listed = f"{', '.join(names[:-1])} and {names[-1]}"
+    assert f"({names[0]} to {names[-1]}; {listed} are tested)" in read("README.md")
     assert f"between Blender {names[0]} and {names[-1]}" in read("blender_addon/mimetic/compat.py")
-    assert f"module {', '.join(names[:-1])} and {names[-1]}," in read("CONTRIBUTING.md")
+    assert f"module {listed}," in read("CONTRIBUTING.md")

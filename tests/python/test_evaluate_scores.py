@@ -79,6 +79,21 @@ def test_intervals_hold_nine_in_ten_only_if_the_deviations_are_honest():
     assert scores.activations(true, estimated, std / 3)["coverage_90"] < 0.5
 
 
+def test_silent_muscles_do_not_make_intervals_look_honest():
+    true = np.zeros((100, 20))
+    true[50:, 0] = 0.5  # one of twenty muscles, half of the time
+    estimated = np.zeros_like(true)
+    made = scores.activations(true, estimated, np.full(true.shape, 0.1))
+    assert made["coverage_90"] == 0
+    assert made["coverage_90_silent"] == 1
+    estimated[:, 0] = 0.5
+    made = scores.activations(true, estimated, np.full(true.shape, 0.1))
+    assert made["coverage_90"] == 1
+    assert made["coverage_90_silent"] == pytest.approx(1 - 50 / 1950)
+    still = scores.activations(np.zeros((5, 2)), np.zeros((5, 2)), np.ones((5, 2)))
+    assert np.isnan(still["coverage_90"]) and still["coverage_90_silent"] == 1
+
+
 def test_a_silent_muscle_that_moves_is_a_false_activation():
     true = np.zeros((20, 2))
     true[:, 0] = np.linspace(0, 1, 20)

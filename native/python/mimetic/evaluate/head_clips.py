@@ -20,7 +20,7 @@ from mimetic.evaluate.rendered import checkout, render
 from mimetic.face_template import load_template
 from mimetic.fit import FaceFit
 from mimetic.footage import Footage
-from mimetic.head_motion import MODELS, follow_options, head_shape, track_head
+from mimetic.head_motion import MODELS, NUM_PASSES, follow_options, head_shape, track_head
 from mimetic.performance import HELD_QUALITY
 
 FACE_MESH = "face mesh"
@@ -83,7 +83,7 @@ def score_clip(clip: HeadClip, face_mesh: Path | None, report: Report) -> Iterat
     if face_mesh is not None:
         report(f"{clip.name}: {FACE_MESH}")
         poses, seconds = _run_face_mesh(clip, face_mesh)
-        yield score_head(clip.name, clip.kind, FACE_MESH, poses, *known, seconds)
+        yield score_head(clip.name, clip.kind, FACE_MESH, poses, *known, [seconds])
 
 
 def calibrated_fit(clip: HeadClip) -> FaceFit:
@@ -93,20 +93,31 @@ def calibrated_fit(clip: HeadClip) -> FaceFit:
     return fitting.find_face(image, chosen, camera=clip.camera)
 
 
-def _seconds_a_frame(clip: HeadClip, fit: FaceFit, model: str, how: dict) -> float:
-    """The median time of a frame, decoded already: what the face mesh is timed by as well."""
+def _seconds_a_frame(clip: HeadClip, fit: FaceFit, model: str, how: dict) -> list[float]:
+    """The median time of a frame in each pass over the clip, decoded already, as the face mesh is
+    timed. What is done once a clip, between the passes and after them, is left out."""
     template = load_template()
     shape = head_shape(model, fit.neutral_vertices(template), template)
-    images = Footage(clip.footage).frames(fit.frame, fit.frame + TIMED_FRAMES)
+    frames = Footage(clip.footage).frames(fit.frame, fit.frame + TIMED_FRAMES)
+    images = [np.ascontiguousarray(image) for _, image in frames]
     options = follow_options(fast=how.get("fast", False), flow_alone="flow_alone" in how)
-    tracker, seconds = None, []
-    for _, image in images:
-        image = np.ascontiguousarray(image)
-        if tracker is None:
-            tracker = _core.HeadTracker(fit.camera, shape, image, fit.head_pose, options)
+    tracker = _core.HeadTracker(fit.camera, shape, images[0], fit.head_pose, options)
+    passes = [_median_seconds(tracker, images, fit.head_pose)]
+    while options.max_key_views and len(passes) < NUM_PASSES and tracker.relax():
+        passes.append(_median_seconds(tracker, images, fit.head_pose))
+    return passes
+
+
+def _median_seconds(
+    tracker: _core.HeadTracker, images: list[NDArray[np.uint8]], pose: NDArray[np.float64]
+) -> float:
+    """Of a frame, from the first image on, in which the head is at `pose`."""
+    seconds, guess = [], pose
+    for image in images:
         start = time.perf_counter()
-        tracker.advance(image)
+        tracker.advance(image, guess)
         seconds.append(time.perf_counter() - start)
+        guess = None
     return float(np.median(seconds))
 
 

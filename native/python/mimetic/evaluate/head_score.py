@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -37,12 +38,16 @@ def score_head(
     poses: NDArray[np.float64],
     truth: NDArray[np.float64],
     fps: float,
-    seconds_a_frame: float,
+    seconds_a_frame: Sequence[float],
 ) -> HeadScore:
-    """poses, truth: camera from head (N,4,4), nan in `poses` where the head was lost."""
+    """poses, truth: camera from head (N,4,4), nan in `poses` where the head was lost.
+
+    seconds_a_frame: of each pass over the clip.
+    """
     seen = np.isfinite(poses).all((1, 2))
     rest = seen & (np.arange(len(poses)) < max(3, round(REST_SECONDS * fps)))
-    figures = {"frames": float(len(poses)), "ms": 1e3 * seconds_a_frame}
+    figures = {"frames": float(len(poses)), "ms": 1e3 * sum(seconds_a_frame)}
+    figures |= {"passes": float(len(seconds_a_frame)), "first_pass_ms": 1e3 * seconds_a_frame[0]}
     true_angles = angles_of(truth[:, :3, :3])
     angles = np.full_like(true_angles, np.nan)
     if rest.any():

@@ -52,7 +52,8 @@ def as_text(score: Score) -> str:
         parts.append(
             f"activations: median correlation {o['median_correlation']}, RMSE {o['rmse']} "
             f"(active {o['rmse_active']}), largest false {o['largest_false']}, 90 % intervals hold "
-            f"{o['coverage_90']} (active {o['coverage_90_active']})"
+            f"{o['coverage_90']} of the values that truth moves ({o['coverage_90_silent']} of the "
+            f"silent ones)"
         )
     parts.append(f"largest activation anywhere: {score.largest_activation:.3f}")
     return "\n".join(parts)
@@ -69,6 +70,7 @@ def summary(made: list[Score]) -> str:
         "turn": ("turn deg", ".2f"),
         "false": ("largest false", ".3f"),
         "coverage": ("in 90 % int.", ".3f"),
+        "silent": ("silent in it", ".3f"),
     }
     return text_table("summary", columns, {score.name: _summary_row(score) for score in made})
 
@@ -89,6 +91,7 @@ def _summary_row(score: Score) -> dict[str, float]:
         if still
         else score.overall.get("largest_false", math.nan),
         "coverage": score.overall.get("coverage_90", math.nan),
+        "silent": score.overall.get("coverage_90_silent", math.nan),
     }
 
 
