@@ -13,11 +13,12 @@ import zipfile
 
 import numpy as np
 import pytest
-from mimetic import InvalidInput, UnreadableMedia
+from mimetic import InvalidInput, UnreadableMedia, eigenspaces, landmarks
 from mimetic.array_file import open_arrays
 from mimetic.cli import main
 from mimetic.evaluate.truth import Truth
 from mimetic.face_fit import FaceFit
+from mimetic.face_template import data_folder
 from mimetic.footage import Footage
 from mimetic.json_file import DEEPEST, parse_json
 from mimetic.mesh_file import read_landmarks, read_mesh
@@ -145,6 +146,48 @@ def test_a_muscle_and_an_articulator_of_one_name_are_refused():
 def test_numbers_that_no_footage_has_are_refused(changes, message):
     with pytest.raises(InvalidInput, match=message):
         make_performance(**changes)
+
+
+@pytest.mark.filterwarnings("error")
+def test_a_signalling_nan_is_refused_without_a_warning(tmp_path):
+    path = tmp_path / "model.npz"
+    with np.load(data_folder() / eigenspaces.FILE_NAME) as kept:
+        arrays = dict(kept)
+    arrays["other_basis"].view(np.uint32)[0, 0] = 0x7F800001
+    np.savez(path, **arrays)
+    with pytest.raises(InvalidInput, match=r"model\.npz"):
+        eigenspaces.load(path)
+
+
+@pytest.mark.parametrize(("key", "value"), [("view_0_size", 2**40), ("module_1_size", -1)])
+def test_windows_that_cannot_be_are_refused(tmp_path, key, value):
+    path = tmp_path / "model.npz"
+    with np.load(data_folder() / eigenspaces.FILE_NAME) as kept:
+        np.savez(path, **(dict(kept) | {key: np.array([24, value])}))
+    with pytest.raises(InvalidInput, match=f"{key} is"):
+        eigenspaces.load(path)
+
+
+@pytest.mark.filterwarnings("error")
+def test_landmarks_of_no_size_are_refused_without_a_warning(tmp_path):
+    path = tmp_path / "model.npz"
+    with np.load(data_folder() / landmarks.FILE_NAME) as kept:
+        arrays = dict(kept)
+    arrays["outputs"][0, 0, 0] = np.inf
+    np.savez(path, **arrays)
+    with pytest.raises(InvalidInput, match="outputs is not finite"):
+        landmarks.load(path)
+
+
+def test_errors_hold_little_of_what_is_wrong(fit_json):
+    path, document = fit_json
+    for keys, value in ((["frame"], "n" * 5000), (["n" * 5000], 1), (["schema"], [[0] * 900])):
+        changed = dict(document)
+        put(changed, keys, value)
+        path.write_text(json.dumps(changed))
+        with pytest.raises(InvalidInput) as caught:
+            FaceFit.load(path)
+        assert len(str(caught.value)) < 500 + len(str(path))
 
 
 def test_whole_numbers_beyond_those_kept_are_refused_not_wrapped(saved):
