@@ -153,6 +153,13 @@ def test_a_performance_keeps_everything_else():
     assert np.abs(result.head_pose - performance.head_pose).max() < 0.05
 
 
+def test_covariances_that_leave_nothing_to_solve_are_refused():
+    """All of one direction, and of a thousand million square metres: a file may say so."""
+    flat = make_performance(head_pose_cov=np.full((12, 6, 6), 1e9))
+    with pytest.raises(InvalidInput, match="cannot be smoothed"):
+        smoothed(flat)
+
+
 @pytest.mark.parametrize("num_frames", [1, 2])
 def test_too_few_frames_stay_as_they_are(num_frames):
     performance = make_performance(num_frames)

@@ -89,7 +89,7 @@ def smooth_poses(
 
     poses: N x 4 x 4; covariances: N x 6 x 6 of (rotation vector, translation), a turn d standing
     for exp(d) R; seconds: N, rising; counts: N, false where a pose was not measured.
-    returns: N x 4 x 4 and N x 6 x 6.
+    returns: N x 4 x 4 and N x 6 x 6. Raises InvalidInput where rounding leaves nothing to solve.
     """
     check_strength(strength)
     counts = np.asarray(counts, dtype=bool)
@@ -103,8 +103,15 @@ def smooth_poses(
     noise = to_local @ (covariances + LEAST_STD**2 * np.eye(6)) @ to_local.transpose(0, 2, 1)
     steps = np.diff(seconds)
     noise = strength**2 * noise
-    liveliness = _liveliness(measured, noise, steps, counts)
-    states, spreads = _smooth(measured, noise, steps, counts, liveliness)
+    try:
+        with np.errstate(over="raise", invalid="raise"):
+            liveliness = _liveliness(measured, noise, steps, counts)
+            states, spreads = _smooth(measured, noise, steps, counts, liveliness)
+    except (np.linalg.LinAlgError, FloatingPointError):
+        raise InvalidInput(
+            "the head's motion cannot be smoothed: its covariances or its times are beyond what a "
+            "capture gives; smooth by 0, or capture the footage again"
+        ) from None
     result = poses.copy()
     result[:, :3, :3] = from_rotation_vectors(states[:, :3]) @ reference
     result[:, :3, 3] = states[:, 3:6]
