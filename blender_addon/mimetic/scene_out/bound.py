@@ -6,14 +6,14 @@ Its mesh, materials, slider limits and its curves of anything else stay as they 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import bpy
 from mathutils import Matrix
 
 from .. import compat, native, scene_in, world, writable
-from . import actions, head, standing
+from . import actions, by_hand, head, standing
 
 
 @dataclass(frozen=True)
@@ -34,7 +34,8 @@ def bake(
     footage: bpy.types.MovieClip | None = None,
     use_head_motion: bool = True,
 ) -> Baked:
-    """Keys a `mimetic.performance.Performance` on the sliders of a head, by their names.
+    """Keys a `mimetic.performance.Performance` on the sliders of a head, by the names that muscles
+    had when they were attached: a slider that was renamed by hand plays, too.
 
     use_head_motion: whether the object moves as the actor's head does, from where it stands; it
     never does where a parent, an armature or a constraint moves it. The scene's rate and range
@@ -44,11 +45,14 @@ def bake(
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
     shapes = native.part("shapes").shapes_of(performance.without_detail())
     keys = bound.data.shape_keys
+    sliders = _sliders(bound, shapes)
     driven = _driven(keys)
     playable = [
-        shape for shape in shapes if shape.name in keys.key_blocks and shape.name not in driven
+        (key, shape)
+        for shape in shapes
+        if (key := sliders.get(shape.name)) and key.name not in driven
     ]
-    left_out = _left_out(bound, shapes, playable, driven)
+    left_out = _left_out(bound, shapes, sliders, driven)
     if not playable:
         raise native.invalid_input("; ".join(left_out))
     if use_head_motion and (mover := moved_by(bound)):
@@ -60,8 +64,8 @@ def bake(
     holder = actions.continued_take(keys, f"{take} muscles")
     if stale := _silence(bound, holder):
         left_out.append(f"an earlier take's {', '.join(stale)} on {bound.name} is at 0 now")
-    for shape in playable:
-        path = keys.key_blocks[shape.name].path_from_id("value")
+    for key, shape in playable:
+        path = key.path_from_id("value")
         actions.clear(holder, path)
         curve = compat.new_curve(holder, path, 0, shape.group)
         actions.fill(curve, frames, shape.values, actions.LINEAR)
@@ -134,14 +138,22 @@ def _rotation(moved: bpy.types.Object) -> Matrix:
     return moved.rotation_euler.to_matrix()
 
 
-def _left_out(bound, shapes: Sequence, playable: Sequence, driven: set[str]) -> list[str]:
+def _sliders(bound: bpy.types.Object, shapes: Sequence) -> dict[str, bpy.types.ShapeKey]:
+    """The head's key for each shape that it has one for."""
     blocks = bound.data.shape_keys.key_blocks
+    names = {shape: found.key for shape, found in by_hand.look(bound).items()}
+    own = {shape.name: blocks.get(names.get(shape.name, shape.name)) for shape in shapes}
+    return {name: key for name, key in own.items() if key is not None}
+
+
+def _left_out(bound, shapes: Sequence, sliders: Mapping, driven: set[str]) -> list[str]:
     told = []
-    if missing := [shape.name for shape in shapes if shape.name not in blocks]:
+    if missing := [shape.name for shape in shapes if shape.name not in sliders]:
         told.append(f"{bound.name} has no slider {', '.join(missing)}")
-    if kept := [shape.name for shape in shapes if shape.name in driven and shape.name in blocks]:
+    if kept := [key.name for key in sliders.values() if key.name in driven]:
         told.append(f"drivers of {bound.name} set {', '.join(kept)}")
-    if cut := [shape.name for shape in playable if _is_cut(blocks[shape.name], shape.values)]:
+    played = [(sliders[shape.name], shape) for shape in shapes if shape.name in sliders]
+    if cut := [key.name for key, shape in played if _is_cut(key, shape.values)]:
         told.append(f"{bound.name} ends before the performance: the limits of {', '.join(cut)}")
     return told
 
@@ -150,7 +162,7 @@ def _untouched(bound: bpy.types.Object, named: set[str]) -> list[str]:
     return [
         listed.name
         for listed in bound.mimetic.shapes
-        if listed.name not in named and not _is_of_a_take(listed)
+        if (listed.shape or listed.name) not in named and not _is_of_a_take(listed)
     ]
 
 
