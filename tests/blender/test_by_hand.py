@@ -242,3 +242,31 @@ def test_the_button_says_what_was_kept_and_resets(scene, performance_file, capfd
     bpy.ops.mimetic.bake(reset_hand_changes=True)
     assert "by hand" not in capfd.readouterr().out
     np.testing.assert_array_equal(points(key), before)
+
+
+@pytest.fixture(scope="module")
+def appearance(performance, footage):
+    from mimetic.appearance import appearance_of
+
+    return appearance_of(performance, footage)
+
+
+@pytest.mark.parametrize("how", ["painted", "painted and packed", "exchanged"])
+def test_a_picture_that_was_painted_on_stays(bake, face, appearance, how):
+    bake(appearance=appearance)
+    tree = face.data.materials["Face Skin"].node_tree
+    node = next(node for node in tree.nodes if node.type == "TEX_IMAGE")
+    first = node.image
+    assert bake(appearance=appearance).kept == ""
+    assert node.image != first  # the new take's
+    if how == "exchanged":
+        node.image = bpy.data.images.new("mine", 8, 8)
+    else:
+        node.image.pixels[:4] = (1, 0, 0, 1)
+        if "packed" in how:
+            node.image.pack()
+    mine = node.image
+    assert bake(appearance=appearance).kept == "kept as changed by hand: the picture of Face Skin"
+    assert node.image == mine
+    bake(appearance=appearance, is_reset=True)
+    assert (node.image == mine) == (how == "exchanged")  # nothing says whose node it is

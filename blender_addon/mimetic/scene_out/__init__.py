@@ -88,7 +88,8 @@ def bake(
     shown, kept = face.ensure(scene, performance, shapes, groups, subdivision, is_reset)
     shown.mimetic.use_contact = contact_shapes is not None
     if appearance is not None:
-        materials.dress(shown, appearance)
+        painted = materials.dress(shown, appearance, is_reset)
+        kept.things += [f"the picture of {name}" for name in painted]
     motion = placement.head_motion(performance, world_from_camera)
     num_curves = actions.key_shapes(shown, take, frames, shapes, face.key_names(shown))
     num_curves += actions.key_motion(shown, take, frames, motion)
