@@ -159,6 +159,17 @@ def test_windows_that_cannot_be_are_refused(tmp_path, key, value):
         eigenspaces.load(path)
 
 
+@pytest.mark.parametrize(("model", "key"), [(eigenspaces, "module_names"), (landmarks, "names")])
+def test_names_in_models_are_texts(tmp_path, model, key):
+    path = tmp_path / "model.npz"
+    with np.load(data_folder() / model.FILE_NAME) as kept:
+        arrays = dict(kept)
+    arrays[key][0] = "\udcff"
+    np.savez(path, **arrays)
+    with pytest.raises(InvalidInput, match=f"{key} holds the name"):
+        model.load(path)
+
+
 @pytest.mark.filterwarnings("error")
 def test_landmarks_of_no_size_are_refused_without_a_warning(tmp_path):
     path = tmp_path / "model.npz"

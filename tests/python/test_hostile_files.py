@@ -217,6 +217,7 @@ def test_what_a_file_says_cannot_steer_the_terminal(saved, tmp_path, capsys):
     path.write_text('{"schema": "\\u001b[2J\\u202e", "\\u009b5m": 1}')
     with pytest.raises(InvalidInput) as caught:
         FaceFit.load(path)
+    assert not set("\x1b\x9b\u202e") & set(str(caught.value))  # Blender shows it, too
     hostile = tmp_path / "\x1b[31m.npz"
     hostile.write_bytes(str(caught.value).encode())
     assert main(["info", str(hostile)]) == 2

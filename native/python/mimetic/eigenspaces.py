@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.array_file import ArrayArchive, check_shape, open_arrays
+from mimetic.array_file import ArrayArchive, check_names, check_shape, open_arrays
 from mimetic.array_writer import write_arrays
 from mimetic.installed_data import installed
 
@@ -121,6 +121,7 @@ def _read(archive: ArrayArchive) -> _core.FaceSpaces:
         raise InvalidInput(f"has schema {schema}, this version reads {SCHEMA}: update Mimetic")
     counts: dict[str, int] = {}
     names = read("module_names", ("K",), counts, "U").tolist()
+    check_names("module_names", names)
     widths = read("module_widths", ("K",), counts).tolist()
     v = {n: read(n, shape, counts) for n, shape in VIEW_ARRAYS.items()}
     views = [

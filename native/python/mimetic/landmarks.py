@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.array_file import is_bounded, read_archive
+from mimetic.array_file import check_names, is_bounded, read_archive
 from mimetic.array_writer import write_arrays
 from mimetic.face_template import FaceTemplate
 from mimetic.installed_data import installed
@@ -136,6 +136,7 @@ def load(path: str | os.PathLike) -> _core.LandmarkCascade:
         if array.dtype.kind != "U" and not is_bounded(array):
             raise InvalidInput(f"{path}: {name} is not finite")
     try:
+        check_names("names", arrays["names"].tolist())
         return cascade_of(arrays)
     except InvalidInput as error:
         raise InvalidInput(f"{path}: {error}") from None
