@@ -214,7 +214,9 @@ def test_what_a_file_says_cannot_steer_the_terminal(saved, tmp_path, capsys):
     assert "ends early\\x1b]0;owned\\x07\\x9b2J \\u202egpj.exe\\u2066 \\udcff\\nnote" in text
     assert not set("\x1b\x07\x9b\u202e\u2066\udcff") & set(text)
     path = tmp_path / "fit.json"
-    path.write_text('{"schema": "\\u001b[2J\\u202e", "\\u009b5m": 1}')
+    make_fit().save(path)
+    document = json.loads(path.read_text()) | {"\x1b[2J\u202e\x9b5m": 1}
+    path.write_text(json.dumps(document))
     with pytest.raises(InvalidInput) as caught:
         FaceFit.load(path)
     assert not set("\x1b\x9b\u202e") & set(str(caught.value))  # Blender shows it, too
