@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from mathutils import Euler, Matrix
 from test_attach_muscles import new_head, parts, put_landmarks  # noqa: F401
+from test_bake_bound import acted  # noqa: F401
 from test_capture import clip_path  # noqa: F401
 from test_head import rig  # noqa: F401
 from test_pins import drag, found, found_file, select  # noqa: F401
@@ -109,6 +110,14 @@ def with_face(fixture) -> None:
     scene.mimetic.camera.matrix_world = STANDS
 
 
+def with_bound_head(fixture) -> None:
+    """A head with sliders that is not the scene's own face."""
+    assert bpy.ops.mimetic.add_face() == {"FINISHED"}
+    head = bpy.context.active_object
+    head.matrix_world = STANDS
+    bpy.context.scene.mimetic.performance_path = fixture("acted")[1]
+
+
 def with_own_head(fixture) -> None:
     points, faces, _ = fixture("parts")
     new_head(points, faces.tolist())
@@ -164,6 +173,7 @@ def with_pin(fixture) -> None:
 
 CASES = [
     Case("bake", with_face),
+    Case("bake", with_bound_head),
     Case("bake_head", with_rig),
     Case("bake_head", with_moving_rig),
     Case("bake_head", with_empty),
