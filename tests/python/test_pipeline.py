@@ -262,13 +262,14 @@ def test_a_fit_from_a_file_is_used(rendered_clip, fit, tmp_path):
 
 
 @pytest.mark.parametrize(("number", "status"), [(signal.SIGINT, 130), (signal.SIGTERM, 143)])
-def test_a_signal_keeps_the_finished_part(rendered_clip, tmp_path, number, status):
+def test_a_signal_keeps_the_finished_part(rendered_clip, fit, tmp_path, number, status):
     long = tmp_path / "long.mp4"
-    ffmpeg("-stream_loop", "9", "-i", rendered_clip.footage, "-c", "copy", long)
-    process = subprocess.Popen(
-        run("capture", long, "--out", tmp_path / "out"), stderr=subprocess.PIPE, text=True
-    )
-    time.sleep(12)
+    ffmpeg("-stream_loop", "99", "-i", rendered_clip.footage, "-c", "copy", long)
+    fit.save(tmp_path / "fit.json")
+    words = ("capture", long, "--fit", tmp_path / "fit.json", "--out", tmp_path / "out")
+    process = subprocess.Popen(run(*words), stderr=subprocess.PIPE, text=True)
+    while "following the face" not in process.stderr.readline():
+        assert process.poll() is None
     process.send_signal(number)
     _, errors = process.communicate(timeout=240)
     assert process.returncode == status, errors

@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+import os
+from pathlib import Path
+
 import bpy
 import numpy as np
 
-from .. import compat
+from .. import compat, native
 
 LINEAR = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["LINEAR"].value
 CONSTANT = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["CONSTANT"].value
@@ -46,6 +49,11 @@ def clear(holder, data_path: str) -> None:
     """Removes a property's curves."""
     for curve in [curve for curve in holder.fcurves if curve.data_path == data_path]:
         holder.fcurves.remove(curve)
+
+
+def take_name(path: str | os.PathLike[str]) -> str:
+    """What a take from this clip or performance is called; Blender's names are Unicode, always."""
+    return native.part("shown_text").shown(Path(path).name.split(".")[0])
 
 
 def new_take(id_block: bpy.types.ID, name: str):

@@ -11,7 +11,7 @@ import bpy
 from mathutils import Euler
 
 from .. import compat, native
-from . import bake, clip, gltf
+from . import actions, bake, clip, gltf
 
 
 def write(
@@ -30,7 +30,7 @@ def write(
     scene = bpy.context.scene
     set_up(scene, performance)
     footage = clip.load(scene, footage_path) if footage_path else None
-    take = Path(footage_path or performance_path).name.split(".")[0]
+    take = actions.take_name(footage_path or performance_path)
     is_blend = Path(out).suffix != ".glb"
     contact = native.part("contact_shapes").contact_shapes(performance)
     baked = bake(

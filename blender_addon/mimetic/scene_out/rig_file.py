@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 
 from .. import native
-from . import clip, head, rigs
+from . import actions, clip, head, rigs
 
 
 def write(
@@ -34,7 +34,7 @@ def write(
     scene = bpy.context.scene
     target = _target(scene, rig_path, name, settings)
     footage = clip.load(scene, footage_path) if footage_path else None
-    take = Path(footage_path or performance_path).name.split(".")[0]
+    take = actions.take_name(footage_path or performance_path)
     baked = head.bake(scene, performance, take, target, footage)
     path = Path(out).absolute()
     # Beside `out`, so that relative paths hold once it has its name
