@@ -25,6 +25,7 @@ constexpr double kAnchorAngle = 0.6;    // rad up to which the first reference t
 constexpr double kAnchorShare = 0.5;    // its weight beside the nearest one's
 constexpr double kStill = 0.3;          // pixels: a stabilised frame that needs no further round
 constexpr double kReferenceStd = 2e-3;  // rad and metres of the first pose: it defines the head frame
+constexpr double kFoundQuality = .45;   // from which a head counts as found again, or as the one after a cut
 constexpr double kTooVague = 0.12;      // rad: s.d. of a pose that no reference texture is taken at
 constexpr double kNearer = 0.3;         // share of the distance after which a texture is taken anew
 constexpr double kMostNearing = .03;    // of the distance, a frame on the fast path: samples go astray
@@ -294,7 +295,10 @@ HeadEstimate HeadTracker::State::estimate(const cv::Mat1b& gray,
             found = other && (!found || other->quality > found->quality) ? other : found;
         }
     }
-    if (found && found->quality >= options.held_quality && found->camera_from_head.matrix().allFinite()) {
+    // Other faces' eyes and mouths correlate somewhat, as walls never do: one that is found must be this one.
+    const bool is_doubtful = !views().empty() && (last.held || guess);
+    const double least = is_doubtful ? std::max(kFoundQuality, options.held_quality) : options.held_quality;
+    if (found && found->quality >= least && found->camera_from_head.matrix().allFinite()) {
         return *found;
     }
     HeadEstimate held = last;

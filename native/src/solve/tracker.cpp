@@ -12,6 +12,7 @@ namespace {
 constexpr double kFlowWindow = 9.5;    // reference pixels on a side
 constexpr double kErrorSpacing = .02;  // metres between the nodes of the model error field
 constexpr double kFoundQuality = .45;  // a lost face counts as found again from here
+constexpr int kTrial = 12;             // frames: half a second
 constexpr double kKeyViewAngle = .26;  // rad from the nearest texture
 constexpr double kKeyViewQuality = .6;
 constexpr double kKeyViewLikeness = .5;  // a texture of something else would confirm itself
@@ -236,7 +237,8 @@ FrameEstimate FaceTracker::advance(const ColorView& image, const std::optional<E
         }
         s.frame.update(s.gray, 1 / s.face_pixels_per_crop_pixel());
         // Who gives a guess is in doubt: after a cut another face may be where this one was.
-        FrameScore score = s.register_face(prior, !was_lost && !guess);
+        s.frames_on_trial = was_lost || guess ? kTrial : std::max(0, s.frames_on_trial - 1);
+        FrameScore score = s.register_face(prior, s.frames_on_trial == 0);
         const double found = std::max(kFoundQuality, s.options.held_quality);
         if (was_lost || score.quality < s.options.held_quality) {
             // From where the face was last seen, or anywhere: whichever explains more
@@ -285,6 +287,7 @@ void FaceTracker::restart(const ColorView& image, const FrameEstimate& estimate)
     s.covariance = first_covariance(s.rest);
     s.last_std = s.motion.prior_std;
     s.lost = false;
+    s.frames_on_trial = 0;
 }
 
 }  // namespace mimetic

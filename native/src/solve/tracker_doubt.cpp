@@ -9,7 +9,7 @@ namespace {
 // to .9, under a hand that hides half of it .5; walls, grass and bars have .0 to .15, a stranger's features
 // laid on this face's up to .3.
 constexpr double kStillAlike = .3;   // to be followed on
-constexpr double kSurelyAlike = .4;  // to be taken for the face after it was lost, or a cut
+constexpr double kSurelyAlike = .5;  // to be taken for the face after a loss or a cut: half way between both
 constexpr double kPlain = .6;        // below it something covers the face
 constexpr double kVague = .07;       // rad: s.d. of a pose about some axis that is not measured
 
@@ -46,8 +46,8 @@ bool FaceTracker::State::is_vague(const StepPrior& prior) const {
     return !(spread.diagonal().head<3>().maxCoeff() < kVague * kVague);
 }
 
-/// Registers from the present state on and looks whether the face is there; is_known: it was just before. A
-/// quality under the held one: it is not.
+/// Registers from the present state on and looks whether the face is there; is_known: it was just before, and
+/// has been for a while. A quality under the held one: it is not.
 FrameScore FaceTracker::State::register_face(const StepPrior& prior, bool is_known) {
     const Eigen::Index all = 6 + num_values();
     const double least = is_known ? kStillAlike : kSurelyAlike;

@@ -90,6 +90,7 @@ struct FaceTracker::State {
     Eigen::VectorXd last_std;   // of the values
     bool lost = false;
     int frames_since_key_view = 0;
+    int frames_on_trial = 0;  // in which a face that was found again must go on to be surely this one
 
     cv::Mat1b gray, last_gray;
     PreparedFrame frame;
