@@ -23,6 +23,8 @@ from .photographs.real import real_stills
 from .portraits.portrait_set import SETS as PORTRAITS
 from .portraits.portrait_set import portraits
 from .recipes import ALL, SETS
+from .rest.films import shown_clips
+from .rest.recipes import SETS as RESTS
 from .stills.image_set import SETS as STILLS
 from .stills.image_set import stills
 
@@ -44,6 +46,7 @@ def main(arguments: list[str] | None = None) -> int:
     which.add_argument("--abuse", choices=ABUSE, help="faces covered, cut, darkened; see --heads")
     which.add_argument("--expressions", choices=EXPRESSIONS, help="nine expressions by many people")
     which.add_argument("--portraits", choices=PORTRAITS, help="portraits; prints the .npz")
+    which.add_argument("--rest", choices=RESTS, help="short clips, at rest first or last")
     parser.add_argument("--people", type=int, help="with --expressions: so many, evenly chosen")
     parser.add_argument("--out", type=Path, help="copy the clips into this folder")
     options = parser.parse_args(arguments)
@@ -65,6 +68,12 @@ def main(arguments: list[str] | None = None) -> int:
             return 0
         if options.abuse:
             _print_abused(ABUSE[options.abuse], template)
+            return 0
+        if options.rest:
+            for wanted in RESTS[options.rest]:
+                for shown in shown_clips(wanted, template, _to_stderr):
+                    row = (shown.kind, shown.name, shown.footage, shown.truth)
+                    print(*row, sep="\t", flush=True)
             return 0
         if options.portraits:
             print(portraits(options.portraits, template, _to_stderr))

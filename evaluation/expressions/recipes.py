@@ -137,7 +137,7 @@ def _take(seed: int, name: str, number: int, kind: str) -> Take:
     phases = [
         phase
         for slot, expression in enumerate(chosen)
-        for phase in _phases(kind, expression, REST + SLOT * slot, rng)
+        for phase in phases_of(kind, expression, REST + SLOT * slot, rng)
     ]
     head = list(HEADS)[number // 3 % 3]
     recipe = Recipe(
@@ -148,17 +148,24 @@ def _take(seed: int, name: str, number: int, kind: str) -> Take:
         phases=tuple(phases),
         head_motion=HEADS[head],
         fps=FPS,
-        focal_ratio=round(float(rng.uniform(1.1, 1.45)), 3),
-        light_swing=round(float(rng.uniform(0.04, 0.2)), 3),
-        noise_sd=round(float(rng.uniform(1.5, 4)), 2),
-        blur_px=round(float(rng.uniform(0.4, 0.7)), 2),
-        crf=int(rng.integers(18, 23)),
+        **any_camera(rng),
     )
     off = rng.uniform(-0.012, 0.012, 2).round(4)
     return Take(recipe, chosen, head, (float(off[0]), float(off[1])))
 
 
-def _phases(kind: str, expression: str, start: float, rng: np.random.Generator) -> list[Phase]:
+def any_camera(rng: np.random.Generator) -> dict[str, float]:
+    """How a recipe's footage is taken, by its fields."""
+    return {
+        "focal_ratio": round(float(rng.uniform(1.1, 1.45)), 3),
+        "light_swing": round(float(rng.uniform(0.04, 0.2)), 3),
+        "noise_sd": round(float(rng.uniform(1.5, 4)), 2),
+        "blur_px": round(float(rng.uniform(0.4, 0.7)), 2),
+        "crf": int(rng.integers(18, 23)),
+    }
+
+
+def phases_of(kind: str, expression: str, start: float, rng: np.random.Generator) -> list[Phase]:
     """An expression as this person shows it: its strength, its speed, stronger on one side."""
     strength, skew = rng.uniform(0.8, 1.05), rng.uniform(0.85, 1.0)
     begin = start + rng.uniform(0, 0.05)

@@ -11,11 +11,12 @@ from mimetic.fit import (
     NoFace,
     as_rgb,
     find_face,
+    judge_frame,
     landmark_places,
     refit,
-    score_frame,
 )
 from mimetic.fit_frames import with_frame
+from mimetic.rest import chances_of_rest
 
 CAMERA = _core.Camera(600, 600, 239.5, 199.5, 480, 400)
 
@@ -87,8 +88,7 @@ def test_without_a_camera_the_focal_length_is_a_webcams(template, drawn):
     assert fit.camera.width == 480
 
 
-def test_frame_at_rest_scores_above_a_talking_a_blinking_and_a_blurred_one(drawn, fitted):
-    rest = score_frame(drawn)
+def test_frame_at_rest_is_chosen_before_a_talking_a_blinking_and_a_blurred_one(drawn, fitted):
     left, right = (np.array(fitted.features[f"mouth_corner.{side}"]) for side in "RL")
     x, y = np.rint((left + right) / 2).astype(int)
     talking = drawn.copy()
@@ -101,8 +101,13 @@ def test_frame_at_rest_scores_above_a_talking_a_blinking_and_a_blurred_one(drawn
     blurred = np.rint(
         np.mean([np.roll(drawn, shift, axis=1) for shift in range(-4, 5)], axis=0)
     ).astype(np.uint8)
-    for worse in (talking, blinking, blurred):
-        assert (score_frame(worse) or 0.0) < 0.7 * rest
+    seen = [judge_frame(image) for image in (drawn, talking, blinking, blurred)]
+    found = [one for one in seen if one is not None]
+    assert found[0] is seen[0]
+    rest, *worse = chances_of_rest(
+        *(np.array([vars(one)[key] for one in found]) for key in ("score", "detail", "expression"))
+    )
+    assert max(worse, default=0.0) < 0.7 * rest
 
 
 def test_noise_and_plain_pictures_are_no_face(template):
@@ -110,7 +115,7 @@ def test_noise_and_plain_pictures_are_no_face(template):
     for image in (noise, np.full((240, 320, 3), 128, np.uint8)):
         with pytest.raises(NoFace, match="no frontal face in frame 3"):
             find_face(image, 3, template=template)
-        assert score_frame(image) is None
+        assert judge_frame(image) is None
 
 
 @pytest.mark.parametrize(

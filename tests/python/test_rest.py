@@ -2,9 +2,12 @@
 """The frame at rest is found within its clip, by what a part of the face does most of the time."""
 
 import numpy as np
+from clips import ffmpeg
 from mimetic.evaluate import Truth
-from mimetic.pipeline import find_face
-from mimetic.rest import usual_expression
+from mimetic.evaluate.rest import RestScore, as_json, as_text, figures
+from mimetic.footage import Footage
+from mimetic.pipeline import find_face, rest_in
+from mimetic.rest import chances_of_rest, shared_expression, usual_expression
 
 NEUTRAL = np.array([-0.35, -0.36, 1.2, 1.22, 0.28, 0.78])
 
@@ -38,6 +41,52 @@ def test_features_not_found_do_not_count():
     np.testing.assert_allclose(usual_expression(clip, np.ones(6)), 1)
     clip[:, 0] = np.nan
     np.testing.assert_allclose(usual_expression(clip, np.ones(6)), 1)
+
+
+def test_ten_frames_at_rest_begin_a_clip_and_are_found(rendered_clip, tmp_path):
+    truth = Truth.load(rendered_clip.truth).unit_values.max(axis=1)[np.r_[8:18, 23:49]]
+    assert truth[:10].max() == 0 and truth[10:].min() > 0.19
+    path = tmp_path / "short.mp4"
+    chosen = "select=between(n\\,8\\,17)+between(n\\,23\\,48),setpts=N/30/TB"
+    ffmpeg("-i", rendered_clip.footage, "-vf", chosen, "-crf", "20", path)
+    footage = Footage(path)
+    assert footage.num_frames == len(truth)
+    assert rest_in(footage, (1, len(truth))).fit.frame <= 10
+
+
+def test_rest_is_what_a_face_comes_back_to():
+    rng = np.random.default_rng(4)
+    clip = NEUTRAL + rng.normal(0, 0.004, (16, 6))
+    clip[4:] += rng.uniform(0.03, 0.25, (12, 6))  # at rest in a quarter of the frames alone
+    shared = shared_expression(clip, np.ones(16))
+    assert shared[:4].min() > 0.7
+    assert shared[4:].max() < 0.5
+    clip[4:] = np.nan
+    assert np.isfinite(shared_expression(clip, np.ones(16))).all()
+
+
+def test_blocks_of_an_encoder_are_noise_and_no_reason_to_leave_a_frame_out():
+    clip = np.tile(NEUTRAL, (12, 1))
+    details = np.r_[np.full(4, 0.7), np.ones(8)]
+    chances = chances_of_rest(np.full(12, 0.8), details, clip)
+    assert chances[:4].max() < 0.6 * chances[4:].min()  # where all are at rest, the clear ones
+    scores = np.r_[np.full(4, 0.8), np.full(8, 0.1)]
+    clip[4:, 2:4] -= np.linspace(0.05, 0.1, 8)[:, None]
+    chances = chances_of_rest(scores, details, clip)
+    assert chances[:4].min() > 3 * chances[4:].max()
+    assert np.argmax(chances_of_rest(scores, np.zeros(12), clip)) < 4  # nothing shows detail
+
+
+def test_the_table_counts_clips_that_are_taken_at_rest():
+    scores = [
+        RestScore("begins at rest", "a", 3, 0.0, 0.25),
+        RestScore("begins at rest", "b", 20, 0.4, 0.25),
+        RestScore("ends at rest", "c", 0, 1.0, 0.35),
+    ]
+    rows = figures(scores)
+    assert rows["begins at rest"]["at_rest"] == 0.5 and rows["ends at rest"]["at_rest"] == 0
+    assert rows["all"]["clips"] == 3 and rows["all"]["worst"] == 1
+    assert "b: frame 20, 0.40" in as_text(scores) and '"chance"' in as_json(scores)
 
 
 def test_the_reference_frame_of_the_rendered_clip_is_at_rest(rendered_clip):

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from clips import make_clip
 from mimetic import UnreadableMedia
-from mimetic.capture_command import write_pictures
+from mimetic.capture_command import COSTS, write_pictures
 from mimetic.clip_command import run_on_clip
 from mimetic.face_fit import FaceFit
 from mimetic.footage import Footage
@@ -47,7 +47,7 @@ def run(clip, out, num_frames=12, draw=write_pictures, meanwhile=lambda: None):
         return make_performance(num_frames=num_frames)
 
     arguments = argparse.Namespace(footage=clip, out=out, frames=None, fit=None, face=None)
-    return run_on_clip(arguments, (0.8, 0.95), follow, draw)
+    return run_on_clip(arguments, COSTS, follow, draw)
 
 
 def names(folder):

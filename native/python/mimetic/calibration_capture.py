@@ -13,13 +13,14 @@ from mimetic.calibrate import Found, estimate
 from mimetic.calibration import Calibration
 from mimetic.fit import FaceFit
 from mimetic.footage import Footage
-from mimetic.pipeline import CaptureSummary, ClipCapture, FrameRange, Progress
+from mimetic.pipeline import CaptureSummary, ClipCapture, FrameRange
+from mimetic.progress import ATTACHED, SEARCHED, Progress, stages
 from mimetic.sightings import Sighting
 from mimetic.skin_mesh import SkinMesh
 
 LEAST_FRAMES = 15  # in which the face was followed
 MOST_FRAMES = 600  # of footage: 20 s show what there is, and all are kept in memory
-FOLLOWED = 0.6  # of the work, for the progress
+WEIGHED = 0.7  # of what following costs, for the progress
 
 
 class _ObservedCapture(ClipCapture):
@@ -55,13 +56,13 @@ def calibrate(
             f"{num_asked}: choose a few seconds in which the face moves (--frames A:B)"
         )
     summary = CaptureSummary()
-    fit = pipeline.fit_for(footage, (first, last), fit, progress, summary)
+    followed = ATTACHED + num_asked
+    finding, following, weighing = stages(
+        progress, 0.0 if fit else SEARCHED, followed, WEIGHED * followed
+    )
+    fit = pipeline.fit_for(footage, (first, last), fit, finding, summary)
     fit = replace(fit, calibration=Calibration())
-
-    def part(start: float, share: float) -> Progress:
-        return lambda fraction, text: not progress or progress(start + share * fraction, text)
-
-    capture = _ObservedCapture(footage, fit, (first, last), part(0.0, FOLLOWED), summary)
+    capture = _ObservedCapture(footage, fit, (first, last), following, summary)
     capture.sightings = []
     capture.run()
     if summary.stopped:
@@ -72,12 +73,11 @@ def calibrate(
             f"{first} to {last}, calibration needs {LEAST_FRAMES}: choose others (--frames A:B)"
         )
     mesh = SkinMesh(capture.template, np.ascontiguousarray(capture.neutral))
-    weigh = part(FOLLOWED, 1 - FOLLOWED)
     found = estimate(
         mesh,
         capture.sightings,
         fit.intrinsics,
         fit.head_pose,
-        lambda fraction: weigh(fraction, "weighing the evidence"),
+        lambda fraction: weighing(fraction, "weighing the evidence"),
     )
     return replace(fit, calibration=found.calibration), found

@@ -13,11 +13,11 @@ from mimetic.footage import Footage
 from mimetic.overlay import write_overlay
 from mimetic.paper_loop import capture_by_loop
 from mimetic.performance import Performance
-from mimetic.pipeline import CaptureSummary, Progress, capture
+from mimetic.pipeline import CaptureSummary, capture
+from mimetic.progress import ATTACHED, Costs, Progress
 from mimetic.report import write_report
 
-# Of the whole command, for the progress bar: done when captured, and when the overlay is drawn
-CAPTURED, DRAWN = 0.8, 0.95
+COSTS = Costs(followed_once=ATTACHED, followed_each=1.0, drawn_each=0.5, written=60.0)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -38,7 +38,7 @@ def run_capture(arguments: argparse.Namespace) -> int:
         summary.settings["estimator"] = arguments.estimator
         return follow_face(arguments.footage, arguments.frames, fit, progress, summary)
 
-    return run_on_clip(arguments, (CAPTURED, DRAWN), follow, write_pictures)
+    return run_on_clip(arguments, COSTS, follow, write_pictures)
 
 
 def write_pictures(

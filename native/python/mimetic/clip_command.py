@@ -16,7 +16,8 @@ from mimetic.fit import FaceFit
 from mimetic.footage import Footage
 from mimetic.interrupts import listen_for_interrupt
 from mimetic.performance import Performance
-from mimetic.pipeline import CaptureSummary, Progress, find_face
+from mimetic.pipeline import CaptureSummary, check_range, find_face
+from mimetic.progress import SEARCHED, Costs, Progress, stages
 from mimetic.report import check_report_packages
 from mimetic.results import OF_A_CLIP, PERFORMANCE, prepare_folder, publish, staging
 
@@ -69,14 +70,12 @@ def parse_place(text: str) -> tuple[float, float]:
     return float(match[1]), float(match[2])
 
 
-def run_on_clip(
-    arguments: argparse.Namespace, shares: tuple[float, float], follow: Follow, draw: Draw
-) -> int:
+def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, draw: Draw) -> int:
     """Follows, saves, draws, tells; returns the exit status.
 
-    shares: of the whole command done when following and when drawing with progress ends. The
-    results appear in the folder together when all are done; of a run that is stopped, or fails
-    after the following, what is finished is kept. Raises what the work raises.
+    costs: of following, with a fit, and of what comes after, for the time left. The results
+    appear in the folder together when all are done; of a run that is stopped, or fails after the
+    following, what is finished is kept. Raises what the work raises.
     """
     check_report_packages()
     out = arguments.out
@@ -85,6 +84,7 @@ def run_on_clip(
         raise InvalidInput(
             "--face chooses a face to find, --fit says where it is: give one of them"
         )
+    first, last = check_range(arguments.frames, footage)
     fit = FaceFit.load(arguments.fit) if arguments.fit else None
     prepare_folder(out, OF_A_CLIP, footage.path)
     summary = CaptureSummary()
@@ -94,18 +94,25 @@ def run_on_clip(
         listen_for_interrupt() as interrupted,
     ):
 
-        def advance(share: float, whole: float) -> Progress:
-            def progress(fraction: float, text: str) -> bool:
-                console.show(whole + share * fraction, text)
-                return not interrupted()
+        def show(fraction: float, text: str) -> bool:
+            console.show(fraction, text)
+            return not interrupted()
 
-            return progress
-
+        num_frames = 1 + last - first
+        search = 0.0 if fit else SEARCHED
+        followed = costs.followed_once + num_frames * costs.followed_each
+        finding, following, drawing, _ = stages(
+            show,
+            search if arguments.face else 0.0,
+            followed if arguments.face else search + followed,
+            num_frames * costs.drawn_each,
+            costs.written,
+        )
         try:
             if arguments.face:
                 frames, near = arguments.frames, arguments.face
-                fit = find_face(footage.path, frames=frames, near=near)
-            performance = follow(fit, advance(shares[0], 0.0), summary)
+                fit = find_face(footage.path, frames=frames, near=near, progress=finding)
+            performance = follow(fit, following, summary)
         except (InvalidInput, UnreadableMedia):
             if interrupted():  # before there was anything to keep
                 raise KeyboardInterrupt from None
@@ -114,8 +121,7 @@ def run_on_clip(
         failure = summary.footage.failure if summary.footage else None
         try:
             summary.fit.save(folder / "fit.json")
-            remaining = advance(shares[1] - shares[0], shares[0])
-            draw(performance, footage, folder, summary, remaining, interrupted)
+            draw(performance, footage, folder, summary, drawing, interrupted)
         except OSError as error:  # a full disk, footage that is gone: the capture is done
             failure = error
         console.show(1.0, "done")

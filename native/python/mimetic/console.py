@@ -24,7 +24,7 @@ class Console:
     def __enter__(self) -> Console:
         if self._bar:
             self._bar.start()
-            self._task = self._bar.add_task("starting", total=1.0)
+            self._task = self._bar.add_task("starting", total=1.0, left="")
         return self
 
     def __exit__(self, *_exception) -> None:
@@ -34,7 +34,8 @@ class Console:
 
     def show(self, fraction: float, text: str) -> None:
         if self._bar:
-            self._bar.update(self._task, completed=fraction, description=text)
+            left = self._time_left(fraction).removeprefix(", ")
+            self._bar.update(self._task, completed=fraction, description=text, left=left)
         elif monotonic() - self._last >= PLAIN_EVERY:
             self._last = monotonic()
             print(f"{100 * fraction:3.0f} %  {text}{self._time_left(fraction)}", file=sys.stderr)
@@ -57,7 +58,6 @@ def _make_bar():
             Progress,
             TaskProgressColumn,
             TextColumn,
-            TimeRemainingColumn,
         )
     except ImportError:  # an optional extra: plain lines do without
         return None
@@ -65,7 +65,6 @@ def _make_bar():
         TextColumn("{task.description}"),
         BarColumn(),
         TaskProgressColumn(),
-        TimeRemainingColumn(),
-        TextColumn("left"),
+        TextColumn("{task.fields[left]}"),
         console=RichConsole(stderr=True),
     )

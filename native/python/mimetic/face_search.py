@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,43 +15,46 @@ from mimetic.face_shape import face_shape
 from mimetic.face_template import load_template
 from mimetic.fit import NoFace
 from mimetic.footage import Footage
+from mimetic.progress import FITTED, JUDGED, NUM_TRIED, Progress, stages
 from mimetic.reference_views import Candidate, choose_views
 from mimetic.relief_sightings import with_relief
-from mimetic.rest import usual_expression
+from mimetic.rest import chances_of_rest, usual_expression
 
-NUM_TRIED = 5  # of the candidates: the most promising
 LEAST_CHANCE = 0.4  # of the best one's, to be tried
 
 
-def best_fit(
+@dataclass(frozen=True)
+class Rest:
+    """A frame at rest, with the head fitted to it alone, among those in which a face was found."""
+
+    fit: FaceFit
+    candidates: list[Candidate]
+
+
+def find_rest(
     footage: Footage,
     wanted: set[int],
-    progress: Callable[[float, str], bool] | None,
+    progress: Progress,
     near: tuple[float, float] | None = None,
-) -> FaceFit | None:
-    """The fit to the best of the wanted frames that can be fitted at all, joined with others.
+) -> Rest | None:
+    """The best at rest of the wanted frames that can be fitted at all.
 
     near: as `mimetic.fit.find_face` has it
     """
-    frames: list[int] = []
-    judged: list[fitting.Judged] = []
-    for frame, image in footage.frames(min(wanted), max(wanted)):
-        if frame in wanted:
-            if progress and not progress(0.0, f"looking for the face: frame {frame}"):
-                raise NoFace("stopped while looking for the face")
-            found = fitting.judge_frame(image, near)
-            if found is not None:
-                frames.append(frame)
-                judged.append(found)
+    judging, fitting_heads = stages(progress, len(wanted) * JUDGED, NUM_TRIED * FITTED)
+    judged = _judged(footage, wanted, judging, near)
     if not judged:
         return None
-    scores = np.array([one.score for one in judged])
-    usual = usual_expression(np.array([one.expression for one in judged]), scores)
-    chances = scores * usual
+    frames = list(judged)
+    scores = np.array([one.score for one in judged.values()])
+    expressions = np.array([one.expression for one in judged.values()])
+    details = np.array([one.detail for one in judged.values()])
+    chances = chances_of_rest(scores, details, expressions)
     fits = []
-    for i in np.argsort(-chances):
+    for number, i in enumerate(np.argsort(-chances)):
         if len(fits) == NUM_TRIED or (fits and chances[i] < LEAST_CHANCE * chances.max()):
             break
+        _go_on(fitting_heads, number / NUM_TRIED, f"fitting the head: frame {frames[i]}")
         with contextlib.suppress(NoFace):
             image = footage.read(frames[i])
             fits.append(fitting.find_face(image, frames[i], near=near))
@@ -59,11 +62,40 @@ def best_fit(
         return None
     # Pose or expression taken for shape asks for unusual proportions.
     best = min(fits, key=_unusualness)
+    usual = usual_expression(expressions, scores)
     candidates = [
         Candidate(frame, one.features, float(share))
-        for frame, one, share in zip(frames, judged, usual, strict=True)
+        for (frame, one), share in zip(judged.items(), usual, strict=True)
     ]
-    return with_relief(footage, _joined(footage, best, candidates), candidates, progress)
+    return Rest(best, candidates)
+
+
+def joined_with_others(footage: Footage, rest: Rest, progress: Progress) -> FaceFit:
+    """The head fitted to the frame at rest and to others in which it is turned otherwise."""
+    return with_relief(
+        footage, _joined(footage, rest.fit, rest.candidates), rest.candidates, progress
+    )
+
+
+def _judged(
+    footage: Footage, wanted: set[int], progress: Progress, near: tuple[float, float] | None
+) -> dict[int, fitting.Judged]:
+    """The wanted frames in which there is a face."""
+    judged = {}
+    num_seen = 0
+    for frame, image in footage.frames(min(wanted), max(wanted)):
+        if frame in wanted:
+            _go_on(progress, num_seen / len(wanted), f"looking for the face: frame {frame}")
+            num_seen += 1
+            found = fitting.judge_frame(image, near)
+            if found is not None:
+                judged[frame] = found
+    return judged
+
+
+def _go_on(progress: Progress, fraction: float, text: str) -> None:
+    if not progress(fraction, text):
+        raise NoFace("stopped while looking for the face")
 
 
 def _joined(footage: Footage, best: FaceFit, candidates: list[Candidate]) -> FaceFit:

@@ -21,7 +21,7 @@ from mimetic.fitted_view import FittedView
 from mimetic.landmarks import BETWEEN_PREFIX, installed_cascade, measured_landmarks
 from mimetic.reference_views import follow_points
 from mimetic.relief import picture_shifts
-from mimetic.rest import expression, rest_score
+from mimetic.rest import detail, expression, rest_score
 from mimetic.symmetry import symmetry
 
 __all__ = [
@@ -31,7 +31,6 @@ __all__ = [
     "judge_frame",
     "landmark_places",
     "refit",
-    "score_frame",
 ]
 
 DEFAULT_FOCAL = 1.2  # image widths: a webcam's 45 degrees
@@ -47,16 +46,6 @@ class NoFace(InvalidInput):
     """No face in the image that a head could be fitted to; the text says why."""
 
 
-def score_frame(image: NDArray[np.uint8]) -> float | None:
-    """How well a frame serves as the neutral reference: 0 to 1, or None without a face.
-
-    Sharp, frontal, level, with open eyes and a mouth at rest scores high. Compare frames of one
-    clip only.
-    """
-    judged = judge_frame(image)
-    return judged.score if judged else None
-
-
 def face_likelihood(image: NDArray[np.uint8]) -> float:
     """Of the likeliest face in an image (H, W, 3) RGB, 0 where there is none."""
     return max((face.likelihood for face in _locator().locate(as_rgb(image))), default=0.0)
@@ -64,15 +53,16 @@ def face_likelihood(image: NDArray[np.uint8]) -> float:
 
 @dataclass(frozen=True)
 class Judged:
-    """What the finder says of one frame of a clip."""
+    """What the finder says of one frame; by all but features frames of a clip compare."""
 
-    score: float  # of `score_frame`
-    expression: NDArray[np.float64]  # 6, by which frames of a clip compare (`mimetic.rest`)
+    score: float
+    detail: float
+    expression: NDArray[np.float64]  # 6
     features: _core.FaceFeatures
 
 
 def judge_frame(image: NDArray[np.uint8], near: tuple[float, float] | None = None) -> Judged | None:
-    """Score, expression and features of the face that `find_face` would take, None without one.
+    """What there is to say of the face that `find_face` would take, None without one.
 
     near: as `find_face` has it
     """
@@ -80,8 +70,8 @@ def judge_frame(image: NDArray[np.uint8], near: tuple[float, float] | None = Non
     faces = _locator().locate(image)
     if not faces:
         return None
-    face = faces[_nearest(faces, near) if near else 0]
-    return Judged(rest_score(image, face), expression(face), face)
+    face = faces[0 if near is None else _nearest(faces, near)]
+    return Judged(rest_score(image, face), detail(image, face), expression(face), face)
 
 
 def find_face(

@@ -8,12 +8,15 @@ import argparse
 from mimetic import _core
 from mimetic.clip_command import add_clip_arguments, run_on_clip
 from mimetic.head_drawing import HeadDrawing, write_motion_plot
-from mimetic.head_motion import MODELS, SMOOTHING, track_head
+from mimetic.head_motion import MODELS, NUM_PASSES, PASS_COST, SMOOTHING, track_head
 from mimetic.overlay import FaceDrawing, write_overlay
 from mimetic.performance import Performance
 from mimetic.pose_smoothing import check_strength
+from mimetic.progress import ATTACHED, Costs
 
-TRACKED = 0.7  # of the whole command when the head is tracked, for the progress bar
+COSTS = Costs(
+    followed_once=ATTACHED, followed_each=NUM_PASSES * PASS_COST, drawn_each=0.5, written=0.0
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -57,7 +60,7 @@ def run_head(arguments: argparse.Namespace) -> int:
             drawing = _drawing_of(performance, summary.head_shape)
             write_overlay(performance, footage, folder / "overlay.mp4", progress, drawing)
 
-    return run_on_clip(arguments, (TRACKED, 1.0), follow, draw)
+    return run_on_clip(arguments, COSTS, follow, draw)
 
 
 def _drawing_of(performance: Performance, shape: _core.HeadShape) -> FaceDrawing | HeadDrawing:

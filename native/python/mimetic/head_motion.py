@@ -27,8 +27,9 @@ from mimetic.following import (
 from mimetic.footage import Footage
 from mimetic.head_placing import placed_poses
 from mimetic.performance import Performance
-from mimetic.pipeline import CaptureSummary, FrameRange, Progress, check_range, fit_for
+from mimetic.pipeline import CaptureSummary, FrameRange, check_range, fit_for
 from mimetic.pose_smoothing import check_strength, smoothed_scenes
+from mimetic.progress import ATTACHED, SEARCHED, Progress, stages
 from mimetic.sequence import Rows
 from mimetic.tracking import ACTIVATION_STD
 
@@ -47,6 +48,7 @@ MOVING_PARTS = (
     (("eye_inner.R", "eye_outer.R"), 0.025, 0.8),
 )
 SMOOTHING = 1.0  # standard deviations as they are
+PASS_COST = 0.3  # of a frame, beside following the face in it (`mimetic.progress`)
 NUM_PASSES = 2  # over the clip: the second with the shape that the first one found
 NECK_BELOW, NECK_RADIUS = 0.05, 0.04  # metres
 
@@ -104,9 +106,15 @@ def track_head(
     summary = summary if summary is not None else CaptureSummary()
     footage = Footage(path)
     first, last = check_range(frames, footage)
-    fit = fit_for(footage, (first, last), fit, progress, summary)
+    finding, following, _ = stages(
+        progress,
+        0.0 if fit else SEARCHED,
+        NUM_PASSES * PASS_COST * (1 + last - first),
+        ATTACHED,
+    )
+    fit = fit_for(footage, (first, last), fit, finding, summary)
     options = follow_options(fast, flow_alone)
-    motion = _HeadMotion(footage, fit, model, (first, last), progress, summary, options)
+    motion = _HeadMotion(footage, fit, model, (first, last), following, summary, options)
     return smoothed_scenes(motion.run(), motion.scene_starts, smoothing)
 
 

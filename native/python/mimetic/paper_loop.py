@@ -29,7 +29,8 @@ from mimetic.fit import FaceFit
 from mimetic.following import check_any_done, frames_backward
 from mimetic.footage import Footage
 from mimetic.performance import NUM_MUSCLES, Performance
-from mimetic.pipeline import CaptureSummary, FrameRange, Progress, check_range, fit_for
+from mimetic.pipeline import CaptureSummary, FrameRange, check_range, fit_for
+from mimetic.progress import ATTACHED, SEARCHED, Progress, stages
 from mimetic.rotations import from_rotation_vectors
 from mimetic.sampling import sampled
 from mimetic.skin_mesh import multiply
@@ -279,14 +280,18 @@ def capture_by_loop(
     summary = summary if summary is not None else CaptureSummary()
     footage = Footage(path)
     first, last = check_range(frames, footage)
-    fit = fit_for(footage, (first, last), fit, progress, summary)
+    finding, attaching, following = stages(
+        progress, 0.0 if fit else SEARCHED, ATTACHED, 1 + last - first
+    )
+    fit = fit_for(footage, (first, last), fit, finding, summary)
+    attaching(0.0, "attaching the muscles")
     begun = time.perf_counter()
     template = load_template()
     skin = load_skin(fit.neutral_vertices(template), template, calibration=fit.calibration)
     face = ReducedFace.of(skin)
     summary.add("attach the muscles", time.perf_counter() - begun)
     begun = time.perf_counter()
-    walk = _Walk(face, fit, footage, progress, summary, max(1, last - first))
+    walk = _Walk(face, fit, footage, following, summary, max(1, last - first))
     start = _Followed()
     start.add(fit.frame, walk.observer())
     back = walk.along(frames_backward(footage, fit.frame - 1, first))

@@ -7,20 +7,21 @@ not depend on the clip's length but for the performance itself: frames are decod
 
 from __future__ import annotations
 
+import contextlib
 import itertools
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, _core, sequence, tracking
+from mimetic import InvalidInput, UnreadableMedia, _core, sequence, tracking
 from mimetic import fit as fitting
 from mimetic.anatomy import attach_skin, modes_of
 from mimetic.detail import detail_of
-from mimetic.face_search import best_fit
+from mimetic.face_search import Rest, find_rest, joined_with_others
 from mimetic.face_template import load_template
 from mimetic.fit import FaceFit, NoFace
 from mimetic.following import (
@@ -34,21 +35,29 @@ from mimetic.following import (
 )
 from mimetic.footage import Footage
 from mimetic.performance import Performance
+from mimetic.progress import (
+    ATTACHED,
+    FITTED,
+    JUDGED,
+    MOST_FOLLOWED,
+    NUM_CANDIDATES,
+    NUM_TRIED,
+    SEARCHED,
+    Progress,
+    stages,
+)
 from mimetic.projection import rescaled
 from mimetic.sequence import Rows, State
 from mimetic.upright import check_upright
 
-Progress = Callable[[float, str], bool]  # fraction, what is done -> go on?
 FrameRange = tuple[int | None, int | None]
 Place = tuple[float, float]  # x, y, pixels of the footage's file
 
 SEARCHED_SECONDS = 8.0  # of the clip, for the frame that shows the face best
-NUM_CANDIDATES = 16
 # Share of the turn since the reference frame: what a fitted depth that is wrong makes of it
 # [Belhumeur et al. 1999, the bas-relief ambiguity]; `mimetic evaluate --set full-tuning` tells.
 TURN_ERROR = 0.02
 NUM_TURNED = 3  # frames in which a face that lies on its side is looked for, if none was found
-SETTLING = 10  # frames in which a camera finds its exposure and an encoder its quality
 
 
 @dataclass
@@ -89,32 +98,50 @@ def find_face(
     """
     footage = Footage(path)
     if near is not None:
-        (near,) = rescaled(near, footage.stored_size, footage.size)
+        x, y = rescaled(near, footage.stored_size, footage.size)[0]
+        near = float(x), float(y)
     if frame is not None:
         first, last = check_range((frame, frame), footage)
         return face_in(footage, first, near)
     first, last = check_range(frames, footage)
-    start = first + SETTLING if first + 3 * SETTLING < last else first
-    end = min(last, start + max(1, round(SEARCHED_SECONDS * float(footage.fps))))
-    fit = best_fit(footage, _spread(start, end, NUM_CANDIDATES), progress, near)
-    if fit is None and end < last:
-        fit = best_fit(footage, _spread(end + 1, last, 2 * NUM_CANDIDATES), progress, near)
-    if fit is None and start > first:
-        fit = best_fit(footage, _spread(first, start - 1, SETTLING), progress, near)
-    if fit is None and footage.failure:
+    finding, joining = stages(
+        progress, NUM_CANDIDATES * JUDGED + NUM_TRIED * FITTED, ATTACHED + MOST_FOLLOWED
+    )
+    rest = rest_in(footage, (first, last), finding, near)
+    check_upright(footage, rest.fit.frame, footage.read(rest.fit.frame))
+    return joined_with_others(footage, rest, joining)
+
+
+def rest_in(
+    footage: Footage,
+    frames: tuple[int, int],
+    progress: Progress = lambda _fraction, _text: True,
+    near: Place | None = None,
+) -> Rest:
+    """The face at rest in the first seconds of these frames, or later; near: in the picture.
+
+    Raises NoFace.
+    """
+    first, last = frames
+    end = min(last, first + max(1, round(SEARCHED_SECONDS * float(footage.fps))))
+    searching, once_more = stages(progress, 1.0, 0.0)
+    rest = find_rest(footage, _spread(first, end, NUM_CANDIDATES), searching, near)
+    if rest is None and end < last:
+        rest = find_rest(footage, _spread(end + 1, last, 2 * NUM_CANDIDATES), once_more, near)
+    if rest is None and footage.failure:
         raise footage.failure
-    if fit is None:
+    if rest is None:
         for one in sorted(_spread(first, last, NUM_TURNED)):
-            check_upright(footage, one, footage.read(one))
+            with contextlib.suppress(UnreadableMedia):  # a damaged end
+                check_upright(footage, one, footage.read(one))
         raise NoFace(
             f"no frontal face found in {footage.path.name}, frames {first} to {last}: choose a "
             "range in which the face looks at the camera and is lit (--frames A:B), or give a fit"
         )
-    check_upright(footage, fit.frame, footage.read(fit.frame))
-    return fit
+    return rest
 
 
-def face_in(footage: Footage, frame: int, near: NDArray[np.float64] | None = None) -> FaceFit:
+def face_in(footage: Footage, frame: int, near: Place | None = None) -> FaceFit:
     """The head fitted to this frame alone; near: in the picture. Raises NoFace."""
     image = footage.read(frame)
     check_upright(footage, frame, image)
@@ -182,8 +209,12 @@ def capture(
         raise InvalidInput(
             f"{footage.path.name}: one frame ({first}) shows no motion; capture needs at least two"
         )
-    fit = fit_for(footage, (first, last), fit, progress, summary)
-    return ClipCapture(footage, fit, (first, last), progress, summary).run()
+    finding, attaching, following = stages(
+        progress, 0.0 if fit else SEARCHED, ATTACHED, 1 + last - first
+    )
+    fit = fit_for(footage, (first, last), fit, finding, summary)
+    attaching(0.0, "attaching the muscles")
+    return ClipCapture(footage, fit, (first, last), following, summary).run()
 
 
 class ClipCapture:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import itertools
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,12 +17,12 @@ from mimetic.face_template import load_template
 from mimetic.following import CutWatch, frames_backward
 from mimetic.footage import Footage
 from mimetic.performance import HELD_QUALITY
+from mimetic.progress import ATTACHED, MOST_FOLLOWED, Progress, stages
 from mimetic.reference_views import LEAST_TURN, Candidate, turn_signs
 from mimetic.relief import LEAST_SIGHTINGS, find_relief
 from mimetic.sightings import Sighting
 
 Images = Iterator[tuple[int, NDArray[np.uint8]]]
-MOST_FOLLOWED = 120  # frames; with more of them, every second, third ...
 GIVEN_UP = 6  # frames in a row in which the face is lost
 
 
@@ -30,7 +30,7 @@ def with_relief(
     footage: Footage,
     fit: FaceFit,
     candidates: Sequence[Candidate],
-    progress: Callable[[float, str], bool] | None,
+    progress: Progress | None,
 ) -> FaceFit:
     """The fit with the relief that the frames tell in which the head is turned otherwise.
 
@@ -45,6 +45,9 @@ def with_relief(
         if np.linalg.norm(sign - signs[fit.frame]) >= LEAST_TURN
     ]
     if len(turned) < LEAST_SIGHTINGS:
+        return fit
+    attaching, following = stages(progress, ATTACHED, MOST_FOLLOWED)
+    if not attaching(0.0, "looking for the face's relief"):
         return fit
     template = load_template()
     neutral = fit.neutral_vertices(template)
@@ -67,7 +70,7 @@ def with_relief(
         chosen = itertools.islice(images, stride - 1, None, stride)
         for sighting in _follow(tracker, _one_scene(reference, chosen)):
             told = f"looking for the face's relief: frame {sighting.frame}"
-            if progress and not progress(0.0, told):
+            if not following(len(sightings) * stride / (1 + last - first), told):
                 return fit
             sightings.append(sighting)
     modes, std = tracking.moving_modes(anatomy, template.num_skin_vertices)

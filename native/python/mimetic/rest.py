@@ -23,17 +23,59 @@ LEAST_SPREAD = 0.015  # pupil distances by which a still face's features seem to
 USUAL = 1.5  # spreads
 LEAST_REST = 0.1  # of the best frame's score: below, a face is plainly not at rest
 LEVEL, FRONTAL, MOUTH_FRONTAL = 0.25, 0.1, 0.12  # rad, and pupil distances off the middle
-NO_DETAIL, FULL_DETAIL = 0.85, 1.45  # grey levels, median of the second difference between pixels
+SMOOTH = 0.75  # of the second differences in a face: the borders of an encoder's blocks are above
+DETAILED = 0.75  # of a clip's frames have less detail than its detailed ones
 
 
 def rest_score(image: NDArray[np.uint8], face: _core.FaceFeatures) -> float:
-    """0 to 1: sharp, frontal, level, eyes open and mouth at rest. image: (H, W, 3) RGB uint8."""
+    """0 to 1: frontal, level, eyes open and mouth at rest. image: (H, W, 3) RGB uint8."""
     view = _FaceView(image, face)
-    score = face.likelihood * view.frontal() * view.sharp()
+    score = face.likelihood * view.frontal()
     for name, value in view.motion().items():
         usual, spread = AT_REST[name]
         score *= np.exp(-0.5 * (max(0.0, value - usual) / spread) ** 2)
     return float(score)
+
+
+def detail(image: NDArray[np.uint8], face: _core.FaceFeatures) -> float:
+    """What a face (image: (H, W, 3) RGB uint8) shows beyond smooth shades, grey levels.
+
+    An encoder that is short of bits, a blur and a bad focus take it away.
+    """
+    left, top, width, height = (round(v) for v in face.box)
+    inside = image[max(0, top) : top + height, max(0, left) : left + width] @ GREY
+    bends = np.sort(np.abs(np.diff(inside, 2, axis=1)), axis=None)
+    smooth = bends[: int(SMOOTH * len(bends))]
+    return float(smooth.mean()) if len(smooth) else 0.0
+
+
+def chances_of_rest(
+    scores: NDArray[np.float64], details: NDArray[np.float64], expressions: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """F: which frames of a clip serve best as its reference; the greatest is the best.
+
+    scores: F of `rest_score`; details: F of `detail`, which count by what they tell of motion, the
+    square of the gradients, beside what the clip's better frames have; expressions: F x 6.
+    """
+    usual = usual_expression(expressions, scores)
+    full = max(float(np.quantile(details, DETAILED)), 1e-6)
+    told = np.minimum(details / full, 1) ** 2
+    return scores * told * usual * shared_expression(expressions, scores * told)
+
+
+def shared_expression(
+    expressions: NDArray[np.float64], weights: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """How many frames share each frame's expression (F x 6), as a part of the most: 0 to 1 (F).
+
+    A face comes back to the same rest, and all of it at once; what moves is elsewhere in every
+    frame. weights: F, of what the frames count for.
+    """
+    values = np.ma.masked_invalid(expressions)
+    apart = np.ma.abs(values[:, None] - values[None]).filled(0.0) / LEAST_SPREAD
+    near = np.exp(-0.5 * (apart**2).mean(axis=2) * 2)
+    number = near @ weights
+    return number / max(float(number.max()), 1e-300)
 
 
 def expression(face: _core.FaceFeatures) -> NDArray[np.float64]:
@@ -88,7 +130,6 @@ class _FaceView:
 
     def __init__(self, image: NDArray[np.uint8], face: _core.FaceFeatures) -> None:
         self._grey = image @ GREY
-        self._box = face.box
         places = {feature.name: np.array(feature.position) for feature in face.features}
         self._middle = (places["pupil.R"] + places["pupil.L"]) / 2
         self._across = places["pupil.L"] - places["pupil.R"]
@@ -114,13 +155,6 @@ class _FaceView:
         roll = np.arctan2(self._across[1], self._across[0])
         offsets = (self._midway("ala") / FRONTAL, self._midway("mouth_corner") / MOUTH_FRONTAL)
         return float(np.exp(-0.5 * (offsets[0] ** 2 + offsets[1] ** 2 + (roll / LEVEL) ** 2)))
-
-    def sharp(self) -> float:
-        """The median does not see the borders of a strongly compressed picture's blocks."""
-        left, top, width, height = (round(v) for v in self._box)
-        inside = self._grey[max(0, top) : top + height, max(0, left) : left + width]
-        detail = np.median(np.abs(np.diff(inside, 2, axis=1)))
-        return float(np.clip((detail - NO_DETAIL) / (FULL_DETAIL - NO_DETAIL), 0.05, 1))
 
     def _midway(self, name: str) -> float:
         return float((self._places[name + ".L"] + self._places[name + ".R"])[0]) / 2

@@ -21,6 +21,7 @@ from mimetic.evaluate import (
     flow,
     head,
     locate,
+    rest,
 )
 from mimetic.evaluate.head_clips import face_mesh_python
 from mimetic.evaluate.portraits import rendered_portraits
@@ -47,12 +48,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "portraits (docs/fitting.md); `flow` tells whether optical flow knows how far it is off, "
         "`ablations` what each part of the capture is good for (docs/evaluation.md), `calibration` "
         "what knowing a person's skin is worth (docs/calibration.md), `abuse` whether faces that "
-        "are covered, cut away or in the dark are held or right (docs/evaluation.md)."
+        "are covered, cut away or in the dark are held or right (docs/evaluation.md), `rest` how "
+        "often the frame that is taken for the neutral face shows it (docs/fitting.md)."
     )
     parser.add_argument(
         "what",
         nargs="?",
-        choices=("ablations", "abuse", "calibration", "capture", "fit", "flow", "head", "locate"),
+        choices=(
+            *("ablations", "abuse", "calibration", "capture", "fit", "flow", "head", "locate"),
+            "rest",
+        ),
         default="capture",
         help="what to score (default: capture)",
     )
@@ -93,6 +98,8 @@ def run_evaluate(options: argparse.Namespace) -> int:
     _check_set(options)
     if options.what == "calibration":
         return _run_calibration(options)
+    if options.what == "rest":
+        return _run_rest(options)
     if options.what == "ablations":
         return _run_ablations(options)
     if options.what == "abuse":
@@ -165,6 +172,11 @@ def _run_flow(options: argparse.Namespace) -> int:
     _refuse(options, *FILES, "out")
     found = flow.score_flow(options.set, _to_stderr)
     return _show(options, found, flow.as_json, flow.as_text)
+
+
+def _run_rest(options: argparse.Namespace) -> int:
+    _refuse(options, *FILES, "out")
+    return _show(options, rest.score_rest(options.set, _to_stderr), rest.as_json, rest.as_text)
 
 
 def _run_ablations(options: argparse.Namespace) -> int:

@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How far long work is, by what its stages cost: so that the time left can be told.
+
+Costs are in frames of the same footage that the face is followed through: rough, from clips of
+400 x 300 and 640 x 360, but neither the machine nor the number of frames changes them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+Progress = Callable[[float, str], bool]  # fraction, what is done -> go on?
+
+JUDGED = 2.0  # a face found in a frame, and how much it is at rest
+FITTED = 8.0  # a head fitted to a frame
+ATTACHED = 120.0  # muscles attached to a head
+MOST_FOLLOWED = 120  # frames, for a head's relief; with more of them, every second, third ...
+NUM_CANDIDATES, NUM_TRIED = 16, 5  # frames judged, and fitted, in search of the face at rest
+SEARCHED = NUM_CANDIDATES * JUDGED + NUM_TRIED * FITTED + ATTACHED + MOST_FOLLOWED
+
+
+@dataclass(frozen=True)
+class Costs:
+    """What a command does to a clip of N frames: `once` + N `each` to follow, and so on."""
+
+    followed_once: float
+    followed_each: float
+    drawn_each: float
+    written: float
+
+
+def stages(progress: Progress | None, *costs: float) -> list[Progress]:
+    """A progress for each stage of some work: takes the stage's fraction, tells that of the whole.
+
+    progress: of the whole; None is told nothing and never stops. costs: of the stages, in turn.
+    """
+    whole = sum(costs) or 1.0
+
+    def stage(before: float, cost: float) -> Progress:
+        def tell(fraction: float, text: str) -> bool:
+            part = min(max(fraction, 0.0), 1.0)
+            return progress is None or progress((before + cost * part) / whole, text)
+
+        return tell
+
+    return [stage(sum(costs[:i]), cost) for i, cost in enumerate(costs)]
