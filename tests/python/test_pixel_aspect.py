@@ -61,7 +61,7 @@ def test_the_head_is_fitted_as_in_square_pixels(rendered_clip, tmp_path):
     path = squeezed(rendered_clip.footage, tmp_path / "a.mp4")
     expected = find_face(rendered_clip.footage, frame=3)
     at = rescaled(expected.head_place(), (320, 240), (240, 240))[0]
-    fit = find_face(path, frame=3, near=tuple(at))
+    fit = find_face(path, frames=(3, 3), near=tuple(at))
     assert tuple(fit.image_size) == (320, 240)
     turned = expected.head_pose[:3, :3].T @ fit.head_pose[:3, :3]
     assert np.degrees(np.arccos((np.trace(turned) - 1) / 2)) < 1
