@@ -3,6 +3,7 @@
 
 import json
 import struct
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -41,6 +42,12 @@ def test_footage_that_falls_off_a_timeline_is_refused_before_it_fills_the_memory
         scene_frames([1, 2000], 1e-5, 24)
     with pytest.raises(InvalidInput, match=f"ends at {LAST_SCENE_FRAME}"):
         frame_steps([1, 2**31 - 1], 24, 25)
+
+
+@pytest.mark.parametrize("matrix", [np.zeros((3, 3)), -np.eye(3), np.ones((3, 3))])
+def test_a_truth_without_a_camera_is_refused(truth, matrix):
+    with pytest.raises(InvalidInput, match="truth intrinsics is not a pinhole"):
+        replace(truth, intrinsics=matrix)
 
 
 @pytest.fixture

@@ -19,6 +19,7 @@ from mimetic.array_file import (
     open_arrays,
 )
 from mimetic.array_writer import write_arrays
+from mimetic.pinhole import is_pinhole
 from mimetic.shown_text import shown
 from mimetic.timing import LAST_FRAME, check_rate
 
@@ -216,7 +217,7 @@ class Performance:
             and not ((self.stored_size >= 1) & (self.stored_size <= 16384)).all()
         ):
             raise InvalidInput(f"performance stored_size is {self.stored_size.tolist()}")
-        if (np.diag(self.intrinsics) <= 0).any() or not np.allclose(self.intrinsics[2], [0, 0, 1]):
+        if not is_pinhole(self.intrinsics):
             raise InvalidInput("performance intrinsics is not a pinhole camera matrix")
         if self.faces.min() < 0 or self.faces.max() >= len(self.neutral_vertices):
             raise InvalidInput("performance faces name vertices that do not exist")

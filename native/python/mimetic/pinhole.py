@@ -9,6 +9,11 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 
 
+def is_pinhole(intrinsics: NDArray[np.float64]) -> bool:
+    """Whether a 3 x 3 matrix is a camera's: focal lengths above 0, the last row 0 0 1."""
+    return bool((np.diag(intrinsics) > 0).all() and np.allclose(intrinsics[2], [0, 0, 1]))
+
+
 def show(
     points: Floats, camera_from_head: Floats, intrinsics: Floats
 ) -> tuple[Floats, Floats, Floats]:

@@ -19,6 +19,7 @@ from mimetic.array_file import (
     open_arrays,
 )
 from mimetic.array_writer import write_arrays
+from mimetic.pinhole import is_pinhole
 from mimetic.timing import LAST_FRAME, check_rate
 
 SCHEMA = 1
@@ -118,6 +119,8 @@ class Truth:
         check_rate("truth fps", self.fps)
         if (self.image_size < 1).any() or (self.image_size > 16384).any():
             raise InvalidInput(f"truth image_size is {self.image_size.tolist()}")
+        if not is_pinhole(self.intrinsics):
+            raise InvalidInput("truth intrinsics is not a pinhole camera matrix")
         for names, values in NAMED.items():
             if (getattr(self, names) is None) != (getattr(self, values) is None):
                 raise InvalidInput(f"truth needs both or none of {names} and {values}")
