@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 from mimetic import pipeline
 from mimetic.evaluate.abuse import as_text, total
 from mimetic.evaluate.abuse_score import AbuseTruth, score_abuse, slid
 from mimetic.evaluate.truth import Truth
-from mimetic.following import notes_on_strangers
+from mimetic.following import notes_on_strangers, proved
 from mimetic.footage import Footage
 from mimetic.performance import HELD_QUALITY
 
@@ -83,6 +85,21 @@ def test_notes_name_the_runs_of_frames_that_show_another_face():
     first, second = notes_on_strangers([51, 57, 63, 200, 63])
     assert first.startswith("frames 51 to 63 show a face")
     assert second.startswith("frames 200 to 200 show a face")
+
+
+@dataclass
+class _Estimate:
+    held: bool
+
+
+def test_a_face_that_was_lost_must_be_found_in_three_frames_on_end():
+    seen, lost = _Estimate(False), _Estimate(True)
+    given = [seen, lost, seen, lost, None, seen, seen, seen, seen, lost, seen]
+    made = list(proved(enumerate(given, start=1)))
+    assert [frame for frame, _ in made] == list(range(1, 12))
+    kept = [frame for frame, estimate in made if estimate is seen]
+    assert kept == [1, 6, 7, 8, 9]
+    assert [estimate for _, estimate in made][2] is None
 
 
 def _truth(count=12, later=False):

@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import UnreadableMedia
+from mimetic import UnreadableMedia, _core
 from mimetic import fit as fitting
 from mimetic.fit import FaceFit, NoFace
 from mimetic.footage import Footage
@@ -17,6 +17,7 @@ from mimetic.sequence import Rows
 
 SEARCH_AGAIN = 6  # frames between looks for a face that was lost: twice in half a second
 CUT_DIFFERENCE = 18.0  # mean change of grey levels from frame to frame
+PROOF = 3  # frames on end in which a face that was lost must be found, to be this one
 BACKWARD_BYTES = 128 << 20  # of frames held to walk a clip backwards
 
 
@@ -48,6 +49,30 @@ class CutWatch:
     def _shrink(image: NDArray[np.uint8]) -> NDArray[np.float64]:
         """The little of a frame that tells a cut, grey levels."""
         return image[::8, ::8].mean(axis=2)
+
+
+def proved(
+    estimates: Iterable[tuple[int, _core.FrameEstimate | None]],
+) -> Iterator[tuple[int, _core.FrameEstimate | None]]:
+    """The estimates, None where a lost face was found, but not for PROOF frames on end.
+
+    Chance makes another face look like this one in a frame, not in several.
+    """
+    is_lost = False
+    waiting: list[tuple[int, _core.FrameEstimate | None]] = []
+    for frame, estimate in estimates:
+        if estimate is None or estimate.held:
+            yield from ((earlier, None) for earlier, _ in waiting)
+            waiting, is_lost = [], True
+            yield frame, estimate
+        elif is_lost:
+            waiting.append((frame, estimate))
+            if len(waiting) == PROOF:
+                yield from waiting
+                waiting, is_lost = [], False
+        else:
+            yield frame, estimate
+    yield from ((earlier, None) for earlier, _ in waiting)
 
 
 def check_any_done(rows: Rows, footage: Footage, frames: tuple[int, int], stopped: bool) -> None:

@@ -32,6 +32,7 @@ from mimetic.following import (
     frames_backward,
     notes_on,
     notes_on_strangers,
+    proved,
 )
 from mimetic.footage import Footage
 from mimetic.performance import Performance
@@ -250,7 +251,7 @@ class ClipCapture:
         near_reference: list[_core.FrameEstimate] = []
         if self.fit.frame > self.first:
             images = frames_backward(self.footage, self.fit.frame - 1, self.first)
-            for state in self.smooth(self._follow(tracker, images), [at_reference]):
+            for state in self.smooth(proved(self._follow(tracker, images)), [at_reference]):
                 if len(near_reference) == len(backward.frame) < sequence.OVERLAP and not state.held:
                     near_reference.append(state.estimate)
                 if state.frame <= self.last:
@@ -259,7 +260,7 @@ class ClipCapture:
         ahead = iter(())
         if self.last > self.fit.frame:
             images = self.footage.frames(self.fit.frame + 1, self.last)
-            ahead = self._follow(tracker, images)
+            ahead = proved(self._follow(tracker, images))
         estimates = itertools.chain([(self.fit.frame, at_reference)], ahead)
         for state in self.smooth(estimates, near_reference[::-1]):
             if self.first <= state.frame <= self.last:
