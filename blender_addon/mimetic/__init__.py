@@ -1,10 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Mimetic: facial performance capture, from video to muscle curves."""
 
-from . import contact, jobs, menus, operators, overlay, panels, pins, preferences, properties
+from . import (
+    contact,
+    jobs,
+    menus,
+    operators,
+    overlay,
+    panels,
+    pins,
+    preferences,
+    properties,
+    takes,
+)
 
 # In this order: panels and operators refer to the properties
-PARTS = (preferences, properties, operators, menus, panels, overlay, contact, pins)
+PARTS = (preferences, properties, operators, menus, panels, overlay, contact, pins, takes)
 
 
 def register() -> None:

@@ -11,69 +11,87 @@ import time
 
 import bpy
 
-from . import jobs, native
+from . import jobs, native, scene_in
 from .scene_out import face_fit, landmarks
 
 WATCH_SECONDS, FOLLOW_SECONDS = 0.15, 0.02
 
-followed: tuple[str, bytes] | None = None  # clip, and its markers when they were last looked at
+_followed: dict[str, bytes] = {}  # clip: its markers when they were last looked at
 last_ms = 0.0  # what the last following took
 
 
-def follow(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> list[str]:
+def follow(clip: bpy.types.MovieClip) -> list[str]:
     """Pins the landmarks that were moved and fits again; returns their names.
 
     Raises InvalidInput, and changes nothing then.
     """
-    fit = face_fit.stored(scene)
+    fit = face_fit.stored(clip)
     moved = landmarks.moved(clip, fit) if fit else {}
     for frame, places in moved.items():
         fit = native.part("fit").refit(fit, fit.pins.get(frame, {}) | places, frame)
     if moved:
-        face_fit.update(scene, clip, fit)
+        face_fit.update(clip, fit)
     return sorted({name for places in moved.values() for name in places})
 
 
-def pin(scene, clip, names: list[str], frame: int) -> None:
+def pin(clip, names: list[str], frame: int) -> None:
     """Pins landmarks where they are in a frame of the footage."""
-    fit = face_fit.stored(scene)
+    fit = face_fit.stored(clip)
     places = landmarks.expected(fit, frame)
     pins = fit.pins.get(frame, {}) | {name: places[name] for name in names if name in places}
-    face_fit.update(scene, clip, native.part("fit").refit(fit, pins, frame))
+    face_fit.update(clip, native.part("fit").refit(fit, pins, frame))
 
 
-def unpin(scene, clip, names: list[str]) -> None:
+def unpin(clip, names: list[str]) -> None:
     """Lets go of landmarks in all frames."""
-    fit = face_fit.stored(scene)
+    fit = face_fit.stored(clip)
     for frame, pins in fit.pins.items():
         kept = {name: place for name, place in pins.items() if name not in names}
         if kept != pins:
             fit = native.part("fit").refit(fit, kept, frame)
-    face_fit.update(scene, clip, fit)
+    face_fit.update(clip, fit)
 
 
 def watch() -> float:
     """The timer: seconds until it wants to look again."""
-    global followed, last_ms
     scene = bpy.context.scene
-    clip = scene.mimetic.clip if scene else None
-    if not clip or not scene.mimetic.face_fit or not scene.mimetic.use_live_pins or jobs.running:
-        followed = None
+    if not scene or not scene.mimetic.use_live_pins or jobs.running or native.problem():
+        _followed.clear()
         return WATCH_SECONDS
-    now = (clip.name, landmarks.state(clip))
-    if now == followed:
-        return WATCH_SECONDS if not _is_dragging() else FOLLOW_SECONDS
+    shown = _shown_clips(scene)
+    for name in _followed.keys() - {clip.name for clip in shown}:
+        del _followed[name]
+    # All of them, whatever comes of the first
+    return FOLLOW_SECONDS if any([_watch(clip) for clip in shown]) else WATCH_SECONDS
+
+
+def _shown_clips(scene) -> list[bpy.types.MovieClip]:
+    """The scene's clip and those in clip editors, if their landmarks are those of their faces."""
+    found = [scene.mimetic.clip]
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "CLIP_EDITOR":
+                found.append(area.spaces.active.clip)
+    return [clip for clip in dict.fromkeys(found) if clip and scene_in.shows_landmarks(clip)]
+
+
+def _watch(clip) -> bool:
+    """Follows a clip's landmarks; says whether they may move again at once."""
+    global last_ms
+    now = landmarks.state(clip)
+    if now == _followed.get(clip.name):
+        return _is_dragging()
     start = time.perf_counter()
     try:
-        names = follow(scene, clip)
+        names = follow(clip)
     except native.known_errors() as error:
         print(f"Mimetic: the pins cannot be followed: {error}")
         names = []
     if names:
         last_ms = 1000 * (time.perf_counter() - start)
         redraw()
-    followed = (clip.name, landmarks.state(clip))
-    return FOLLOW_SECONDS
+    _followed[clip.name] = landmarks.state(clip)
+    return True
 
 
 def _is_dragging() -> bool:
@@ -93,7 +111,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    global followed
-    followed = None
+    _followed.clear()
     if bpy.app.timers.is_registered(watch):
         bpy.app.timers.unregister(watch)

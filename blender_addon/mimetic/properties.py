@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a scene remembers of its capture, and a face of its shapes: `scene.mimetic`,
+"""What scenes, clips and faces remember of captures: `scene.mimetic`, `movieclip.mimetic`,
 `object.mimetic`."""
 
 import bpy
@@ -15,7 +15,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from . import writable
+from . import compat, writable
 from .scene_out import contact, rigs
 
 STRAIN_MEASURES = (
@@ -161,6 +161,9 @@ class MimeticLandmark(bpy.types.PropertyGroup):
 
 class MimeticFace(bpy.types.PropertyGroup):
     landmark: StringProperty(name="Landmark", description="What an empty stands for on a head")
+    footage: StringProperty(
+        name="Footage", description="Fingerprint of the footage that the face was baked from"
+    )
     landmarks: CollectionProperty(
         type=MimeticLandmark, description="What muscles of another head were attached by"
     )
@@ -181,13 +184,42 @@ class MimeticFace(bpy.types.PropertyGroup):
     )
 
 
+class MimeticFootage(bpy.types.PropertyGroup):
+    """What belongs to footage, by the fingerprint of its content, which is the name."""
+
+    face_fit: StringProperty(
+        name="Face Fit",
+        description="The person found in the footage: head shape, pose, camera, pins and "
+        "calibration, as JSON",
+    )
+    performance_path: StringProperty(
+        name="Performance",
+        subtype="FILE_PATH",
+        options={"ANIMATABLE", *compat.RELATIVE_PATH},
+        description="The performance captured from the footage (.npz)",
+    )
+
+
+class MimeticClip(bpy.types.PropertyGroup):
+    """A clip keeps what belongs to each content that its file has had."""
+
+    footage: CollectionProperty(type=MimeticFootage)
+    fingerprint: StringProperty(
+        name="Fingerprint", description="Of the file's content when something was last kept of it"
+    )
+    landmarks_of: StringProperty(
+        name="Landmarks", description="Fingerprint of the content whose landmarks the tracks show"
+    )
+
+
 class MimeticScene(bpy.types.PropertyGroup):
     clip: PointerProperty(
         name="Footage", type=bpy.types.MovieClip, description="Movie clip with the face"
     )
     face_fit: StringProperty(
         name="Face Fit",
-        description="The person found in the footage: head shape, pose, camera and pins, as JSON",
+        options={"HIDDEN"},
+        description="From an earlier version; goes to the clip as the file is opened",
     )
     show_fit: BoolProperty(
         name="Fitted Mesh",
@@ -218,7 +250,8 @@ class MimeticScene(bpy.types.PropertyGroup):
     performance_path: StringProperty(
         name="Performance",
         subtype="FILE_PATH",
-        description="Captured performance (.npz) to bake",
+        options={"ANIMATABLE", *compat.RELATIVE_PATH},
+        description="Captured performance (.npz) to bake while the scene has no footage",
     )
     face: PointerProperty(
         name="Face",
@@ -252,18 +285,28 @@ class MimeticScene(bpy.types.PropertyGroup):
     )
 
 
-CLASSES = (MimeticHead, MimeticShape, MimeticLandmark, MimeticFace, MimeticScene)
+CLASSES = (
+    MimeticHead,
+    MimeticShape,
+    MimeticLandmark,
+    MimeticFace,
+    MimeticFootage,
+    MimeticClip,
+    MimeticScene,
+)
 
 
 def register() -> None:
     for group in CLASSES:
         bpy.utils.register_class(group)
     bpy.types.Scene.mimetic = PointerProperty(type=MimeticScene)
+    bpy.types.MovieClip.mimetic = PointerProperty(type=MimeticClip)
     bpy.types.Object.mimetic = PointerProperty(type=MimeticFace)
 
 
 def unregister() -> None:
     del bpy.types.Object.mimetic
+    del bpy.types.MovieClip.mimetic
     del bpy.types.Scene.mimetic
     for group in reversed(CLASSES):
         bpy.utils.unregister_class(group)

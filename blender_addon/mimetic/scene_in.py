@@ -4,12 +4,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import bpy
 import numpy as np
 
-from . import jobs, native, world, writable
+from . import clips, jobs, native, takes, world, writable
 
 # Tracks by which we stabilise a clip: the head's centre, and a point above it
 HELD_BY = ("Head Centre", "Head Above")
@@ -47,24 +46,57 @@ def no_clip(context) -> str:
         return "Load the footage first (Load Clip)"
     if clip.source != "MOVIE":
         return f"{clip.name} is an image sequence; Mimetic reads movie files"
+    return writable.no_tracks(clip)
+
+
+def no_footage(context) -> str:
+    """Why the clip's pictures cannot be read."""
+    if reason := no_clip(context):
+        return reason
+    clip = clip_of(context)
+    if clips.is_missing(clip):
+        return f"{clip.name} is missing: look for it (Find Missing Files)"
     return ""
 
 
 def no_fit(context) -> str:
     """Why nothing can be learnt of the person."""
-    if reason := no_clip(context):
+    if reason := no_footage(context):
         return reason
-    if not context.scene.mimetic.face_fit:
+    if not has_fit(clip_of(context)):
         return "Find the face first: what is learnt of the person is kept with its fit"
     return ""
 
 
-def no_performance(context) -> str:
+def has_fit(clip: bpy.types.MovieClip | None) -> bool:
+    """Whether the face was found in the clip."""
+    kept = clips.known(clip) if clip else None
+    return bool(kept and kept.face_fit)
+
+
+def no_take(context, first: str) -> str:
+    """Why there is nothing to bake; first: what to do before."""
     if reason := no_start():
         return reason
-    if not context.scene.mimetic.performance_path:
-        return "Capture the clip or load a performance first"
-    return _face_in_edit_mode(context.scene.mimetic.face)
+    clip = clip_of(context)
+    kept = takes.kept(context.scene, clip)
+    if kept is None:
+        of_clip = f"{clip.name} has no performance: " if clip else ""
+        return f"{of_clip}{first}, or load a performance, first"
+    if not takes.find(kept):
+        return f"{takes.name_of(kept)} is missing: look for it (Find Missing Files)"
+    return ""
+
+
+def take(context) -> takes.Take:
+    """The take that buttons mean: the clip's, or the scene's while it has no clip."""
+    clip = clip_of(context)
+    path = takes.find(takes.kept(context.scene, clip))
+    return takes.Take(path, clip.name, clips.fingerprint(clip)) if clip else takes.Take(path)
+
+
+def no_performance(context) -> str:
+    return no_take(context, "capture it") or _face_in_edit_mode(context.scene.mimetic.face)
 
 
 def no_landmarks(context, needs_selection: bool, needs_frame: bool = True) -> str:
@@ -72,8 +104,11 @@ def no_landmarks(context, needs_selection: bool, needs_frame: bool = True) -> st
     if reason := no_clip(context):
         return reason
     clip = clip_of(context)
-    if not context.scene.mimetic.face_fit or "Face" not in clip.tracking.objects:
+    if not has_fit(clip):
         return "Find the face first: its landmarks are what is pinned"
+    if not shows_landmarks(clip):
+        hidden = "The landmarks of this face are not shown: press Landmarks Here"
+        return hidden if needs_frame else ""
     tracks = clip.tracking.objects["Face"].tracks
     if needs_selection and not any(track.select for track in tracks):
         return "Select landmarks in the clip editor first"
@@ -83,17 +118,20 @@ def no_landmarks(context, needs_selection: bool, needs_frame: bool = True) -> st
     return ""
 
 
+def shows_landmarks(clip: bpy.types.MovieClip) -> bool:
+    """Whether the clip's tracks are landmarks of the face found in what it shows now."""
+    kept = clips.known(clip)
+    is_theirs = kept is not None and clip.mimetic.landmarks_of == kept.name
+    return is_theirs and "Face" in clip.tracking.objects
+
+
 def _is_marked(track: bpy.types.MovieTrackingTrack, frame: int) -> bool:
     marker = track.markers.find_frame(frame, exact=True)
     return marker is not None and not marker.mute
 
 
 def no_stabilising(context) -> str:
-    if reason := no_clip(context):
-        return reason
-    if not context.scene.mimetic.performance_path:
-        return "Capture the clip, track its head, or load a performance first"
-    if reason := writable.no_tracks(clip_of(context)):
+    if reason := no_clip(context) or no_take(context, "capture it, track its head"):
         return reason
     stabilisation = clip_of(context).tracking.stabilization
     used = {track.name for track in (*stabilisation.tracks, *stabilisation.rotation_tracks)}
@@ -249,7 +287,7 @@ def _face_in_edit_mode(face: bpy.types.Object | None) -> str:
 
 def footage(context) -> Footage:
     clip = clip_of(context)
-    return Footage(bpy.path.abspath(clip.filepath, library=clip.library), clip.name)
+    return Footage(clips.path_of(clip), clip.name)
 
 
 def timing(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None) -> Timing:
@@ -305,33 +343,6 @@ def footage_pixel(context, x: int, y: int) -> tuple[float, float] | None:
 def frame_range(scene: bpy.types.Scene) -> tuple[int, int] | None:
     settings = scene.mimetic
     return (settings.frame_first, settings.frame_last) if settings.use_frame_range else None
-
-
-def performance_path(scene: bpy.types.Scene) -> str:
-    return bpy.path.abspath(scene.mimetic.performance_path)
-
-
-def capture_path(clip_name: str) -> str:
-    """Where a capture goes: beside the .blend, or with the user's files if there is none yet."""
-    if not bpy.data.filepath:
-        return spare_path(clip_name)
-    return _new_take(Path(bpy.path.abspath("//")), clip_name)
-
-
-def spare_path(clip_name: str) -> str:
-    """Where a capture goes if its own folder cannot be written to."""
-    folder = bpy.utils.extension_path_user(__package__, path="captures", create=True)
-    return _new_take(Path(folder), clip_name)
-
-
-def _new_take(folder: Path, clip_name: str) -> str:
-    stem = bpy.path.clean_name(Path(clip_name).stem)
-    taken = folder / f"{stem}.performance.npz"
-    take = 1
-    while taken.exists():  # a take never overwrites the one before
-        take += 1
-        taken = folder / f"{stem}.{take:03d}.performance.npz"
-    return str(taken)
 
 
 def picture_size(scene: bpy.types.Scene) -> tuple[int, int]:

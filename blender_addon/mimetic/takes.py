@@ -1,5 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writing what was captured, where it can be written."""
+"""Takes: captured performances, files of their own that belong to a clip or to none.
+
+The .blend names a take's file relative to itself, so that both may move together, also when it is
+saved elsewhere. A file that is not where it was is looked for beside the .blend.
+"""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+from bpy.app.handlers import persistent
+
+from . import clips, native
+
+
+@dataclass(frozen=True)
+class Take:
+    """The take that buttons mean, for a worker: no reference to Blender's data."""
+
+    path: str  # of a file that is there
+    clip_name: str = ""  # of the clip that it belongs to
+    fingerprint: str = ""  # of that clip's content
 
 
 def save(performance, path: str, spare_path: str) -> tuple[str, list[str]]:
@@ -12,3 +36,175 @@ def save(performance, path: str, spare_path: str) -> tuple[str, list[str]]:
         told = f"{path} cannot be written ({error.strerror}): saved as {spare_path}"
         return spare_path, [told, *notes]
     return path, [*notes]
+
+
+def capture_path(clip_name: str) -> str:
+    """Where a capture goes: beside the .blend, or with the user's files if there is none yet."""
+    if not bpy.data.filepath:
+        return spare_path(clip_name)
+    return _new_take(Path(bpy.path.abspath("//")), clip_name)
+
+
+def spare_path(clip_name: str) -> str:
+    """Where a capture goes if its own folder cannot be written to."""
+    folder = bpy.utils.extension_path_user(__package__, path="captures", create=True)
+    return _new_take(Path(folder), clip_name)
+
+
+def _new_take(folder: Path, clip_name: str) -> str:
+    stem = bpy.path.clean_name(Path(clip_name).stem)
+    taken = folder / f"{stem}.performance.npz"
+    take = 1
+    while taken.exists():  # a take never overwrites the one before
+        take += 1
+        taken = folder / f"{stem}.{take:03d}.performance.npz"
+    return str(taken)
+
+
+def load(take: Take):
+    """The take's Performance; raises what it raises, and InvalidInput if it is another clip's."""
+    performance = native.part("performance").Performance.load(take.path)
+    if not performance.is_of(take.fingerprint):
+        raise native.invalid_input(
+            f"{Path(take.path).name} was captured from {performance.footage[0]}, which is not what "
+            f"{take.clip_name} shows: capture it, or load its own performance"
+        )
+    return performance
+
+
+def action_name(take: Take, performance) -> str:
+    """What a bake's actions are called after: the clip, else the footage, else the file."""
+    footage = performance.footage[0] if performance.footage else ""
+    return Path(take.clip_name or footage or take.path).name.split(".")[0]
+
+
+def keep(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None, path: str) -> None:
+    """Makes a file the take of a clip, or of the scene while it has no clip."""
+    holder = scene.mimetic if clip is None else clips.ensure(clip)
+    holder.performance_path = _relative(os.path.abspath(path), bpy.data.filepath)
+
+
+def kept(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None):
+    """What holds the take's path: of the clip, or of the scene while it has no clip; or None."""
+    holder = scene.mimetic if clip is None else clips.known(clip)
+    return holder if holder is not None and holder.performance_path else None
+
+
+def name_of(holder) -> str:
+    return Path(holder.performance_path.replace("\\", "/").removeprefix("//")).name
+
+
+def find(holder) -> str:
+    """Where the file is that a holder names, there or beside the .blend; "" if it is missing."""
+    path = _absolute(holder)
+    beside = bpy.path.abspath(f"//{name_of(holder)}") if bpy.data.filepath else ""
+    return next((place for place in (path, beside) if place and os.path.isfile(place)), "")
+
+
+def missing() -> list:
+    """Whatever in the .blend names a take that is not found."""
+    return [h for h in _holders() if h.performance_path and not find(h)]
+
+
+def place(holder, path: str) -> bool:
+    """Says where a take is now, if that is one of the holder's footage."""
+    mark = "" if isinstance(holder.id_data, bpy.types.Scene) else holder.name
+    try:
+        load(Take(path, holder.id_data.name, mark))
+    except native.known_errors():
+        return False
+    holder.performance_path = _relative(path, bpy.data.filepath)
+    return True
+
+
+def adopt(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> None:
+    """Gives a clip that has no take the one that was loaded before it, if it can be the clip's."""
+    loose = kept(scene, None)
+    path = find(loose) if loose and not kept(scene, clip) else ""
+    if not path:
+        return
+    try:
+        load(Take(path, clip.name, clips.fingerprint(clip)))
+    except native.known_errors():
+        return
+    keep(scene, clip, path)
+    loose.performance_path = ""
+
+
+def _holders() -> list:
+    """Everything in the .blend itself that may name a take."""
+    found = [scene.mimetic for scene in bpy.data.scenes if not scene.library]
+    for clip in bpy.data.movieclips:
+        if not clip.library:
+            found += clip.mimetic.footage
+    return found
+
+
+def _absolute(holder) -> str:
+    path = bpy.path.abspath(holder.performance_path, library=holder.id_data.library)
+    return os.path.normpath(path)
+
+
+def _relative(path: str, blend: str) -> str:
+    """As a .blend names a file."""
+    own = os.path.abspath(bpy.utils.extension_path_user(__package__))
+    # The extension's own folder stays where it is, whatever way the .blend goes
+    if not blend or os.path.abspath(path).startswith(own + os.sep):
+        return path
+    try:
+        return bpy.path.relpath(path, start=os.path.dirname(blend))
+    except ValueError:  # on another of Windows' drives
+        return path
+
+
+_saved: list[tuple] = []  # while the .blend is saved: what named a take, and its file
+
+
+@persistent
+def name_from_new_place(blend: str, *_) -> None:
+    """Before saving: takes are named as seen from where the .blend will be."""
+    for clip in bpy.data.movieclips:
+        clips.settle(clip)
+    _saved[:] = [(h, find(h) or _absolute(h)) for h in _holders() if h.performance_path]
+    _name(blend)
+
+
+@persistent
+def name_from_own_place(*_) -> None:
+    """After saving a copy, or in vain: the .blend that is open stays where it was."""
+    _name(bpy.data.filepath)
+    _saved.clear()
+
+
+def _name(blend: str) -> None:
+    for holder, path in _saved:
+        named = _relative(path, blend)
+        if holder.performance_path != named:
+            holder.performance_path = named
+
+
+@persistent
+def open_file(*_) -> None:
+    clips.migrate()
+
+
+HANDLERS = (
+    (bpy.app.handlers.save_pre, name_from_new_place),
+    (bpy.app.handlers.save_post, name_from_own_place),
+    (bpy.app.handlers.save_post_fail, name_from_own_place),
+    (bpy.app.handlers.load_post, open_file),
+)
+
+
+def register() -> None:
+    for handlers, handler in HANDLERS:
+        handlers.append(handler)
+    # A file that was open before the extension was; none may be touched while it registers
+    bpy.app.timers.register(open_file, first_interval=0.0)
+
+
+def unregister() -> None:
+    if bpy.app.timers.is_registered(open_file):
+        bpy.app.timers.unregister(open_file)
+    for handlers, handler in HANDLERS:
+        handlers.remove(handler)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import bpy
 
-from . import scene_in, writable
+from . import clips, native, scene_in, writable
 from .scene_out import rigs
 
 
@@ -23,12 +23,16 @@ def no_bake(context) -> str:
 def bound_head(context) -> bpy.types.Object | None:
     """The character that a bake puts the performance on: the active mesh if it has sliders.
 
-    The scene's own face is none: a bake makes it the person who was captured.
+    The scene's own face is none: a bake makes it the person who was captured. Nor is the face that
+    was baked from the clip while the scene's is another clip's: it is updated.
     """
-    active = context.active_object
-    if active is None or active == context.scene.mimetic.face or not scene_in.is_face(active):
+    active, face = context.active_object, context.scene.mimetic.face
+    if active is None or active == face or not scene_in.is_face(active):
         return None
-    return active
+    clip = scene_in.clip_of(context)
+    mark = clips.fingerprint(clip) if clip and not native.problem() else ""
+    is_clips = mark and active.mimetic.footage == mark
+    return None if is_clips and face and face.mimetic.footage != mark else active
 
 
 def no_update(scene: bpy.types.Scene) -> str:
@@ -43,12 +47,10 @@ def no_update(scene: bpy.types.Scene) -> str:
 
 def no_head_target(context) -> str:
     """Why the head's motion cannot be keyed on what is chosen."""
-    if reason := scene_in.no_start():
+    if reason := scene_in.no_take(context, "capture it, track its head"):
         return reason
     settings = context.scene.mimetic
     target = settings.head.target
-    if not settings.performance_path:
-        return "Capture the clip, track its head, or load a performance first"
     if target is None or target.name not in context.scene.objects:
         return "Choose the object, empty or armature that the head shall move"
     if reason := writable.no_motion(target):

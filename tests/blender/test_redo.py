@@ -52,9 +52,11 @@ def state(extension) -> dict:
 
 def settings_of(settings) -> dict:
     head = settings.head
-    kept = (settings.performance_path, head.bone, head.neck)
+    kept = [settings.performance_path, head.bone, head.neck]
     names = [bool(part) and part.name for part in (settings.clip, settings.face, settings.camera)]
-    fit = json.loads(settings.face_fit or "{}")  # of few digits
+    of_clip = settings.clip.mimetic.footage[:1] if settings.clip else []
+    kept += [footage.performance_path for footage in of_clip]
+    fit = [json.loads(footage.face_fit or "{}") for footage in of_clip]  # of few digits
     return {"kept": kept, "names": names, "at": head.calibration_frame, "fit": fit}
 
 
@@ -156,7 +158,7 @@ def with_empty(fixture) -> None:
 
 def with_clip(fixture) -> None:
     bpy.ops.mimetic.load_clip(filepath=str(fixture("footage")))
-    bpy.context.scene.mimetic.performance_path = str(fixture("performance_file"))
+    bpy.ops.mimetic.load_performance(filepath=str(fixture("performance_file")))
     bpy.context.scene.frame_set(7)
 
 

@@ -11,7 +11,7 @@ NAMES = ("Head Centre", "Head Above")
 @pytest.fixture
 def clip(scene, footage, performance_file):
     bpy.ops.mimetic.load_clip(filepath=str(footage))
-    scene.mimetic.performance_path = str(performance_file)
+    bpy.ops.mimetic.load_performance(filepath=str(performance_file))
     scene.mimetic.head.smoothing = 0.0
     return scene.mimetic.clip
 

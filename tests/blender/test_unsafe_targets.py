@@ -211,7 +211,6 @@ def test_a_linked_clip_is_not_stabilised(extension, scene, performance, footage,
         target.movieclips = list(source.movieclips)
     settings = bpy.context.scene.mimetic
     settings.clip = target.movieclips[0]
-    settings.performance_path = "take.npz"
     assert "Make Local" in refusal(bpy.ops.mimetic.hold_head_still)
     with pytest.raises(InvalidInput, match="Make Local"):
         extension("scene_out.stabilised").hold_still(settings.clip, performance)

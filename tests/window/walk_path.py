@@ -25,7 +25,7 @@ def progress() -> float:
 
 def captured_frames() -> list[int]:
     performance = importlib.import_module("mimetic.performance").Performance
-    path = bpy.context.scene.mimetic.performance_path
+    path = bpy.path.abspath(kept_of_clip().performance_path)
     return [int(frame) for frame in performance.load(path).frame] if path else []
 
 
@@ -55,7 +55,7 @@ def find_the_face(walk: Walk) -> Steps:
     yield from pick_the_face(walk)
     walk.check("finding the face does not block the window", not is_idle())
     yield from walk.until(is_idle, 120, "finding the face ends")
-    walk.check("a face was found", scene.mimetic.face_fit != "")
+    walk.check("a face was found", kept_of_clip().face_fit != "")
     walk.check("the found frame is on show", scene.frame_current == stored_fit().frame)
     with bpy.context.temp_override(**override("CLIP_EDITOR")):
         bpy.ops.clip.view_all(fit_view=True)
@@ -80,8 +80,16 @@ def pick_the_face(walk: Walk) -> Steps:
         yield 0.3
 
 
+def kept_of_clip():
+    """What belongs to the clip."""
+    clips = importlib.import_module(f"{PACKAGE}.clips")
+    return clips.ensure(bpy.context.scene.mimetic.clip)
+
+
 def stored_fit():
-    return importlib.import_module(f"{PACKAGE}.scene_out.face_fit").stored(bpy.context.scene)
+    return importlib.import_module(f"{PACKAGE}.scene_out.face_fit").stored(
+        bpy.context.scene.mimetic.clip
+    )
 
 
 def drag_a_landmark(walk: Walk) -> Steps:
@@ -136,7 +144,7 @@ def stop_once(walk: Walk) -> Steps:
     frames = captured_frames()
     wanted = STOPPED[1] - STOPPED[0] + 1
     walk.check("what was captured is kept", 0 < len(frames) < wanted, f"{len(frames)} of {wanted}")
-    walk.check("a marked file", Path(path).exists() and settings.performance_path == path)
+    walk.check("a marked file", Path(path).exists() and kept_of_clip().performance_path == path)
 
 
 def capture_again(walk: Walk) -> Steps:

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-from pathlib import Path
-
 import bpy
 from bpy.props import BoolProperty, IntProperty
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out, targets, writable
+from .. import clips, native, scene_in, scene_out, takes, targets, writable
 from ..jobs import Job
 
 
@@ -61,16 +59,20 @@ class MIMETIC_OT_bake(Job, Operator):
         clip = scene_in.clip_of(context)
         bound = targets.bound_head(context)
         footage = scene_in.footage(context).path if clip and self.use_texture else None
-        path = scene_in.performance_path(context.scene)
         options = (footage, self.use_contact, self.use_detail) if bound is None else None
-        return path, clip.name if clip else "", options, bound.name if bound else ""
+        if options and footage and clips.is_missing(clip):
+            raise native.invalid_input(
+                f"{clip.name} is missing: look for it (Find Missing Files), or untick "
+                "Footage as Skin"
+            )
+        return scene_in.take(context), options, bound.name if bound else ""
 
     def work(self, inputs, progress):
-        path, clip_name, options, bound_name = inputs
-        performance = native.part("performance").Performance.load(path)
-        take = Path(clip_name or path).name.split(".")[0]
+        take, options, bound_name = inputs
+        performance = takes.load(take)
+        name = takes.action_name(take, performance)
         if options is None:
-            return performance, take, clip_name, None, bound_name
+            return performance, name, take.clip_name, None, bound_name
         footage, use_contact, use_detail = options
         if not use_detail:
             performance = performance.without_detail()
@@ -80,19 +82,19 @@ class MIMETIC_OT_bake(Job, Operator):
         if not progress(0.9, "projecting the texture" if footage else "painting"):
             return None
         appearance = native.part("appearance").appearance_of(performance, footage)
-        return performance, take, clip_name, (appearance, contact), ""
+        return performance, name, take.clip_name, (appearance, contact), ""
 
     def write(self, context, result):
-        performance, take, clip_name, dress, bound_name = result
+        performance, name, clip_name, dress, bound_name = result
         clip = bpy.data.movieclips.get(clip_name)
         if bound_name:
             bound = writable.own_object(context.scene, bound_name)
-            return self.write_bound(context.scene, performance, take, bound, clip)
+            return self.write_bound(context.scene, performance, name, bound, clip)
         appearance, contact = dress
         baked = scene_out.bake(
             context.scene,
             performance,
-            take,
+            name,
             appearance,
             clip,
             self.subdivision,
@@ -106,6 +108,8 @@ class MIMETIC_OT_bake(Job, Operator):
         )
         if baked.kept:
             told += f"; {baked.kept} (Reset Hand Changes undoes that)"
+        if clip and clips.is_missing(clip):
+            told += f"; {clip.name} is missing: the camera shows it once it is found"
         if self.use_view and scene_out.camera.look_through(context, face):
             told += "; other objects are out of view, View > Local View shows them again"
         scene_out.canonical.select_only(context.view_layer, face)

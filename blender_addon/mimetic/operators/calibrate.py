@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
 from bpy.types import Operator
 
 from .. import native, scene_in, scene_out
@@ -20,24 +21,26 @@ skin is held and how strong the muscles are; the fit keeps it for every capture"
         return not reason
 
     def read(self, context):
-        scene = context.scene
-        frames = scene_in.frame_range(scene)
+        clip = scene_in.clip_of(context)
+        frames = scene_in.frame_range(context.scene)
         most = native.part("calibration_capture").MOST_FRAMES
-        if frames is None and scene_in.clip_of(context).frame_duration > most:
+        if frames is None and clip.frame_duration > most:
             raise native.invalid_input(
                 f"Calibration rests on {most} frames at most: tick Part of the Clip, and choose a "
                 "few seconds in which the face moves"
             )
-        return scene_in.footage(context).path, frames, scene_out.face_fit.stored(scene)
+        return scene_in.footage(context), frames, scene_out.face_fit.stored(clip)
 
     def work(self, inputs, progress):
-        path, frames, fit = inputs
+        footage, frames, fit = inputs
         try:
-            return native.part("calibration_capture").calibrate(path, frames, fit, progress)
+            calibrate = native.part("calibration_capture").calibrate
+            calibrated, _ = calibrate(footage.path, frames, fit, progress)
         except KeyboardInterrupt:  # stopped: half a calibration is none
             return None
+        return footage.clip_name, calibrated
 
     def write(self, context, result):
-        fit, _ = result
-        scene_out.face_fit.keep(context.scene, fit)
+        clip_name, fit = result
+        scene_out.face_fit.keep(bpy.data.movieclips[clip_name], fit)
         return f"Calibrated: {fit.calibration.described()}"

@@ -4,7 +4,7 @@ from bpy.props import StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ImportHelper
 
-from .. import native, scene_in, scene_out
+from .. import clips, native, scene_in, scene_out, takes
 
 
 class MIMETIC_OT_load_clip(Operator, ImportHelper):
@@ -31,13 +31,10 @@ class MIMETIC_OT_load_clip(Operator, ImportHelper):
             return {"CANCELLED"}
         clip = scene_out.clip.load(context.scene, path)
         scene_out.clip.show_pixels(clip, footage.pixel_aspect)
-        for window in context.window_manager.windows:
-            for area in window.screen.areas:
-                if area.type == "CLIP_EDITOR":
-                    area.spaces.active.clip = clip
+        scene_out.clip.show(context, clip)
+        takes.adopt(context.scene, clip)
         width, height = footage.size
-        told = f"{clip.name}: {width} x {height}, {float(footage.fps):.6g} frames/s"
-        self.report(
-            {"WARNING" if footage.warnings else "INFO"}, "; ".join([told, *footage.warnings])
-        )
+        told = [f"{clip.name}: {width} x {height}, {float(footage.fps):.6g} frames/s"]
+        warnings = [*footage.warnings, *filter(None, [clips.changed(clip)])]
+        self.report({"WARNING" if warnings else "INFO"}, "; ".join(told + warnings))
         return {"FINISHED"}

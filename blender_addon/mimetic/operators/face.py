@@ -36,7 +36,7 @@ class MIMETIC_OT_find_face(Job, Operator):
 
     @classmethod
     def poll(cls, context):
-        if reason := scene_in.no_clip(context):
+        if reason := scene_in.no_footage(context):
             cls.poll_message_set(reason)
         return not reason
 
@@ -53,7 +53,7 @@ class MIMETIC_OT_find_face(Job, Operator):
     def write(self, context, result):
         clip_name, fit = result
         clip = bpy.data.movieclips[clip_name]
-        scene_out.face_fit.store(context.scene, clip, fit)
+        scene_out.face_fit.store(clip, fit)
         # What was found is on show at once; frame_set() would leave the clip editors behind
         context.scene.frame_current = clip.frame_start - 1 + fit.frame - clip.frame_offset
         told = f"Face found in frame {fit.frame}; drag its landmarks in the clip editor to pin them"
@@ -68,7 +68,7 @@ class MIMETIC_OT_pick_face(Operator):
 
     @classmethod
     def poll(cls, context):
-        reason = scene_in.no_clip(context) or scene_in.no_picture(context)
+        reason = scene_in.no_footage(context) or scene_in.no_picture(context)
         if reason:
             cls.poll_message_set(reason)
         return not reason

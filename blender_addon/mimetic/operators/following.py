@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
 from bpy.props import StringProperty
 
 from .. import scene_in, scene_out, takes
@@ -24,7 +25,7 @@ class Following(Job):
 
     @classmethod
     def poll(cls, context):
-        if reason := scene_in.no_clip(context):
+        if reason := scene_in.no_footage(context):
             cls.poll_message_set(reason)
         return not reason
 
@@ -34,20 +35,20 @@ class Following(Job):
     def read(self, context):
         footage = scene_in.footage(context)
         paths = (
-            self.filepath or scene_in.capture_path(footage.clip_name),
-            scene_in.spare_path(footage.clip_name),
+            self.filepath or takes.capture_path(footage.clip_name),
+            takes.spare_path(footage.clip_name),
         )
-        fit = scene_out.face_fit.stored(context.scene)
-        return footage.path, scene_in.frame_range(context.scene), fit, paths, self.option(context)
+        fit = scene_out.face_fit.stored(scene_in.clip_of(context))
+        return footage, scene_in.frame_range(context.scene), fit, paths, self.option(context)
 
     def work(self, inputs, progress):
-        footage_path, frames, fit, paths, option = inputs
-        performance = self.follow(option, footage_path, frames, fit, progress)
+        footage, frames, fit, paths, option = inputs
+        performance = self.follow(option, footage.path, frames, fit, progress)
         path, remarks = takes.save(performance, *paths)
         told = self.told.format(first=performance.frame[0], last=performance.frame[-1])
-        return path, "; ".join([told, *remarks])
+        return footage.clip_name, path, "; ".join([told, *remarks])
 
     def write(self, context, result):
-        path, told = result
-        context.scene.mimetic.performance_path = path
+        clip_name, path, told = result
+        takes.keep(context.scene, bpy.data.movieclips[clip_name], path)
         return told

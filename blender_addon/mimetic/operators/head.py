@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The head alone: following it, and putting its motion on characters."""
 
-from pathlib import Path
-
 import bpy
 from bpy.props import EnumProperty
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out, targets
+from .. import native, scene_in, scene_out, takes, targets
 from ..jobs import Job
 from .following import Following
 
@@ -98,22 +96,20 @@ class MIMETIC_OT_bake_head(Job, Operator):
 
     def read(self, context):
         settings = context.scene.mimetic.head
-        clip = scene_in.clip_of(context)
-        path = scene_in.performance_path(context.scene)
-        return path, settings.smoothing, _target(settings), clip.name if clip else ""
+        return scene_in.take(context), settings.smoothing, _target(settings)
 
     def work(self, inputs, progress):
-        path, smoothing, target, clip_name = inputs
-        performance = native.part("performance").Performance.load(path)
+        take, smoothing, target = inputs
+        performance = takes.load(take)
         if not progress(0.2, "smoothing"):
             return None
         performance = native.part("pose_smoothing").smoothed(performance, smoothing)
-        return performance, target, Path(clip_name or path).name.split(".")[0], clip_name
+        return performance, target, takes.action_name(take, performance), take.clip_name
 
     def write(self, context, result):
-        performance, target, take, clip_name = result
+        performance, target, name, clip_name = result
         clip = bpy.data.movieclips.get(clip_name)
-        baked = scene_out.head.bake(context.scene, performance, take, target, clip)
+        baked = scene_out.head.bake(context.scene, performance, name, target, clip)
         return (
             f"{baked.num_curves} curves from frame {baked.first:.6g} to {baked.last:.6g} "
             f"on {baked.where}"

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+from pathlib import Path
+
 import bpy
 from bpy.props import StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ImportHelper
 
-from .. import native, scene_in
+from .. import clips, native, scene_in, scene_out, takes
 
 
 class MIMETIC_OT_load_performance(Operator, ImportHelper):
-    """Choose a captured performance to bake"""
+    """Choose a captured performance to bake; its clip is shown, if that can be found"""
 
     bl_idname = "mimetic.load_performance"
     bl_label = "Load Performance"
@@ -27,12 +29,45 @@ class MIMETIC_OT_load_performance(Operator, ImportHelper):
         path = bpy.path.abspath(self.filepath)
         try:
             performance = native.part("performance").Performance.load(path)
+            clip = _clip_of(context, performance, path)
         except native.known_errors() as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        context.scene.mimetic.performance_path = path
         first, last = performance.frame[0], performance.frame[-1]
         told = [f"Frames {first} to {last} at {performance.fps:.6g} frames/s"]
+        if clip is not None and clip != scene_in.clip_of(context):
+            scene_out.clip.show(context, clip)
+            told.append(f"it is of {clip.name}, which is shown now")
+        elif clip is None and performance.footage:
+            told.append(f"{performance.footage[0]}, which it is of, is not found: no footage")
+        takes.keep(context.scene, clip, path)
         told += performance.notes or []
         self.report({"WARNING" if performance.notes else "INFO"}, "; ".join(told))
         return {"FINISHED"}
+
+
+def _clip_of(context, performance, path: str) -> bpy.types.MovieClip | None:
+    """The clip that a performance is of: the one on show, another, or one that lies near.
+
+    None without any; raises InvalidInput if only another person's clip is on show.
+    """
+    shown = scene_in.clip_of(context)
+    if performance.footage is None:
+        return shown
+    name, mark = performance.footage
+    if shown and clips.fingerprint(shown) == mark:
+        return shown
+    if clip := clips.with_content(mark):
+        return clip
+    files = native.part("clip_fingerprint")
+    near = [Path(path).parent, *([Path(bpy.data.filepath).parent] if bpy.data.filepath else ())]
+    near += [Path(clips.path_of(clip)).parent for clip in bpy.data.movieclips]
+    for folder in dict.fromkeys(near):
+        if found := files.find_content(mark, files.files_in(folder)):
+            return scene_out.clip.load(context.scene, str(found))
+    if shown is None:
+        return None
+    raise native.invalid_input(
+        f"{Path(path).name} was captured from {name}, not from {shown.name}: load {name} first "
+        "(Load Clip), or take the footage away to bake without one"
+    )

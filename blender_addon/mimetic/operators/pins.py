@@ -38,7 +38,7 @@ class MIMETIC_OT_pin(Pinning, Operator):
 
     def change(self, context, clip):
         names = landmarks.selected(clip)
-        pins.pin(context.scene, clip, names, scene_in.shown_frame(context))
+        pins.pin(clip, names, scene_in.shown_frame(context))
         return f"Pinned {', '.join(names)}"
 
 
@@ -50,7 +50,7 @@ class MIMETIC_OT_unpin(Pinning, Operator):
 
     def change(self, context, clip):
         names = landmarks.selected(clip)
-        pins.unpin(context.scene, clip, names)
+        pins.unpin(clip, names)
         return f"Let go of {', '.join(names)}"
 
 
@@ -62,7 +62,7 @@ class MIMETIC_OT_follow_pins(Pinning, Operator):
     needs_selection = False
 
     def change(self, context, clip):
-        names = pins.follow(context.scene, clip)
+        names = pins.follow(clip)
         return f"The face follows {', '.join(names)}" if names else "No landmark was moved"
 
 
@@ -75,12 +75,14 @@ class MIMETIC_OT_show_landmarks(Job, Operator):
 
     @classmethod
     def poll(cls, context):
-        if reason := scene_in.no_landmarks(context, needs_selection=False, needs_frame=False):
+        reason = scene_in.no_footage(context)
+        reason = reason or scene_in.no_landmarks(context, needs_selection=False, needs_frame=False)
+        if reason:
             cls.poll_message_set(reason)
         return not reason
 
     def read(self, context):
-        fit = scene_out.face_fit.stored(context.scene)
+        fit = scene_out.face_fit.stored(scene_in.clip_of(context))
         return scene_in.footage(context), fit, scene_in.shown_frame(context)
 
     def work(self, inputs, progress):
@@ -91,7 +93,7 @@ class MIMETIC_OT_show_landmarks(Job, Operator):
 
     def write(self, context, result):
         clip_name, fit, frame = result
-        scene_out.face_fit.store(context.scene, bpy.data.movieclips[clip_name], fit)
+        scene_out.face_fit.store(bpy.data.movieclips[clip_name], fit)
         return f"The face rests on {len(fit.views)} frames now, frame {frame} among them"
 
 

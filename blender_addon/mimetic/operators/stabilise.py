@@ -2,7 +2,7 @@
 import bpy
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out, writable
+from .. import native, scene_in, scene_out, takes, writable
 from ..jobs import Job
 
 
@@ -20,15 +20,14 @@ class MIMETIC_OT_hold_head_still(Job, Operator):
         return not reason
 
     def read(self, context):
-        path = scene_in.performance_path(context.scene)
-        return path, context.scene.mimetic.head.smoothing, scene_in.clip_of(context).name
+        return scene_in.take(context), context.scene.mimetic.head.smoothing
 
     def work(self, inputs, progress):
-        path, smoothing, clip_name = inputs
-        performance = native.part("performance").Performance.load(path)
+        take, smoothing = inputs
+        performance = takes.load(take)
         if not progress(0.2, "smoothing"):
             return None
-        return native.part("pose_smoothing").smoothed(performance, smoothing), clip_name
+        return native.part("pose_smoothing").smoothed(performance, smoothing), take.clip_name
 
     def write(self, context, result):
         performance, clip_name = result

@@ -21,7 +21,7 @@ def draw_fit() -> None:
     context = bpy.context
     settings = context.scene.mimetic
     clip = getattr(context, "edit_movieclip", None)
-    if not settings.show_fit or native.problem() or clip is None or clip != settings.clip:
+    if not settings.show_fit or native.problem() or clip is None:
         return
     if context.space_data.show_stable and clip.tracking.stabilization.use_2d_stabilization:
         return  # Blender does not tell where it shows the picture then
@@ -52,7 +52,7 @@ def _lay_over_picture(view) -> None:
 def _batch(context):
     global _drawn
     try:
-        fit = face_fit.stored(context.scene)
+        fit = face_fit.stored(context.edit_movieclip)
     except native.known_errors():  # it was edited into nonsense; the buttons say so
         return None
     if fit is None:

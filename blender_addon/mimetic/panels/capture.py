@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The way from footage to file, top to bottom, the same in both editors."""
 
-from pathlib import Path
-
 from bpy.types import Panel
 
-from .. import clip_time, jobs, native, scene_in, scene_out, targets
+from .. import clip_time, clips, jobs, native, scene_in, scene_out, takes, targets
 
 
 class Capture:
@@ -25,11 +23,12 @@ class Capture:
             layout.label(text=f"Esc or right-click stops{keeps}")
         settings = context.scene.mimetic
         self.draw_footage(layout, context, settings)
-        self.draw_capture(layout, settings)
-        self.draw_bake(layout, context, settings)
+        self.draw_capture(layout, context, settings)
+        self.draw_bake(layout, context)
 
     def draw_footage(self, layout, context, settings):
         layout.operator("mimetic.load_clip", icon="FILE_MOVIE")
+        clip = scene_in.clip_of(context)
         if getattr(context, "edit_movieclip", None) is None:
             layout.prop(settings, "clip", text="")
         self.draw_rate(layout, context)
@@ -37,8 +36,19 @@ class Capture:
         row.operator("mimetic.find_face", icon="VIEWZOOM")
         row.operator("mimetic.find_face", text="", icon="TIME").use_shown_frame = True
         row.operator("mimetic.pick_face", text="", icon="EYEDROPPER")
-        if settings.face_fit:
+        if clip:
+            self.draw_clip(layout, clip)
+        if scene_in.has_fit(clip):
             self.draw_pins(layout, settings)
+
+    def draw_clip(self, layout, clip):
+        """Whose face and take the buttons below mean."""
+        if clips.is_missing(clip):
+            layout.label(text=f"{clip.name} is missing", icon="ERROR")
+            layout.operator("mimetic.find_missing")
+        for line in wrapped(clips.changed(clip), 44):
+            layout.label(text=line)
+        layout.label(text=f"{clip.name}: {scene_out.face_fit.summary(clip)}", icon="FILE_MOVIE")
 
     def draw_rate(self, layout, context):
         """Where clip and scene part; nothing is said while they do not."""
@@ -58,13 +68,13 @@ class Capture:
         if not settings.use_live_pins:
             layout.operator("mimetic.follow_pins")
 
-    def draw_capture(self, layout, settings):
+    def draw_capture(self, layout, context, settings):
         layout.prop(settings, "use_frame_range")
         if settings.use_frame_range:
             row = layout.row(align=True)
             row.prop(settings, "frame_first")
             row.prop(settings, "frame_last")
-        if scene_out.face_fit.is_calibrated(settings.id_data):
+        if scene_out.face_fit.is_calibrated(scene_in.clip_of(context)):
             layout.operator("mimetic.calibrate", text="Calibrate Again", icon="CHECKMARK")
         else:
             layout.operator("mimetic.calibrate", icon="USER")
@@ -72,10 +82,14 @@ class Capture:
         row.operator("mimetic.capture", icon="REC")
         row.operator("mimetic.track_head", text="Head Only")
 
-    def draw_bake(self, layout, context, settings):
+    def draw_bake(self, layout, context):
         layout.operator("mimetic.load_performance", icon="FILE_FOLDER")
-        if settings.performance_path:
-            layout.label(text=Path(settings.performance_path).name, icon="CHECKMARK")
+        take = takes.kept(context.scene, scene_in.clip_of(context))
+        if take and takes.find(take):
+            layout.label(text=takes.name_of(take), icon="CHECKMARK")
+        elif take:
+            layout.label(text=f"{takes.name_of(take)} is missing", icon="ERROR")
+            layout.operator("mimetic.find_missing")
         bound = targets.bound_head(context)
         text = f"Bake on {bound.name}" if bound else "Bake"
         layout.operator("mimetic.bake", text=text, icon="ACTION")

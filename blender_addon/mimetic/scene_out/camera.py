@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import os
+
 import bpy
 from mathutils import Matrix
 
@@ -57,8 +59,7 @@ def show_footage(seen_through, footage, timing, performance, take: str) -> None:
         behind.clip = footage
     else:
         behind.source = "IMAGE"
-        behind.image = bpy.data.images.load(footage.filepath, check_existing=True)
-        behind.image.source = "MOVIE"
+        behind.image = _film(footage)
         behind.image_user.frame_start = timing.frame_start
         behind.image_user.frame_duration = LONGEST
         behind.image_user.use_auto_refresh = True
@@ -70,6 +71,18 @@ def show_footage(seen_through, footage, timing, performance, take: str) -> None:
     behind.frame_method = "FIT"
     behind.display_depth = "BACK"
     behind.alpha = 1.0
+
+
+def _film(clip) -> bpy.types.Image:
+    """The clip's file as an image; one that is missing shows once it is found."""
+    path = bpy.path.abspath(clip.filepath, library=clip.library)
+    if os.path.isfile(path):
+        image = bpy.data.images.load(path, check_existing=True)
+    else:
+        image = bpy.data.images.new(clip.name, 1, 1)
+        image.filepath = path
+    image.source = "MOVIE"
+    return image
 
 
 SOLID_TYPES = {"MESH", "CURVE", "CURVES", "SURFACE", "META", "FONT", "VOLUME", "POINTCLOUD"}

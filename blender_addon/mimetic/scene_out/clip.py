@@ -3,23 +3,33 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 
 import bpy
 
+from .. import clips, native
+
 
 def load(scene: bpy.types.Scene, path: str) -> bpy.types.MovieClip:
-    """The movie clip of a file, loaded once, as the scene's footage."""
+    """The movie clip of a file, loaded once, as the scene's footage.
+
+    A file that was moved or renamed is the clip that it was: the same content, and all that was
+    kept of it.
+    """
     path = os.path.abspath(path)
-    clip = next(
-        (
-            known
-            for known in bpy.data.movieclips
-            if os.path.abspath(bpy.path.abspath(known.filepath, library=known.library)) == path
-        ),
-        None,
-    )
-    clip = clip or bpy.data.movieclips.load(path)
+    own = [c for c in bpy.data.movieclips if c.source == "MOVIE" and not c.library]
+    clip = next((c for c in own if os.path.abspath(clips.path_of(c)) == path), None)
+    if clip is None:
+        clip = clips.with_content(native.part("clip_fingerprint").fingerprint(path))
+        if clip is None:
+            clip = bpy.data.movieclips.load(path)
+            place(clip, path)
+        elif clips.is_missing(clip):
+            place(clip, path)
+    elif clips.changed(clip):
+        place(clip, path)  # what Blender has in memory is the film before
+    clips.settle(clip)
     scene.mimetic.clip = clip
     scene.active_clip = clip
     return clip
@@ -32,3 +42,21 @@ def show_pixels(shown: bpy.types.MovieClip | bpy.types.Image, aspect: float) -> 
     """
     if tuple(shown.display_aspect) == (1.0, 1.0):
         shown.display_aspect = (aspect, 1.0)
+
+
+def place(clip: bpy.types.MovieClip, path: str) -> None:
+    """Says where the clip's file is, as Blender's preferences have it: relative to the .blend."""
+    if bpy.data.filepath and bpy.context.preferences.filepaths.use_relative_paths:
+        with contextlib.suppress(ValueError):  # on another of Windows' drives
+            path = bpy.path.relpath(path)
+    clip.filepath = path
+
+
+def show(context, clip: bpy.types.MovieClip) -> None:
+    """Makes the clip the scene's, on show in every clip editor."""
+    context.scene.mimetic.clip = clip
+    context.scene.active_clip = clip
+    for window in context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "CLIP_EDITOR":
+                area.spaces.active.clip = clip

@@ -11,7 +11,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from .. import native
+from .. import native, writable
 from . import by_hand, contact
 from .by_hand import Found, Kept
 
@@ -21,19 +21,31 @@ BASIS = "Basis"
 def ensure(
     scene, performance, shapes, groups, subdivision: int, is_reset: bool = False
 ) -> tuple[bpy.types.Object, Kept]:
-    """The scene's face with the performance's surface; a new one if the topology differs.
+    """The face of the performance's footage; a new one if there is none, or its topology differs.
 
-    is_reset: changes made by hand go. Tells, too, what was kept of them.
+    A performance that does not say what it is of has the scene's face. is_reset: changes made by
+    hand go. Tells, too, what was kept of them.
     """
-    face = scene.mimetic.face
+    face = _face_of(scene, performance.footage[1] if performance.footage else "")
     if face is None or face.name not in scene.objects or not _has_faces(face, performance.faces):
         face = new(performance.neutral_vertices, performance.faces)
         scene.collection.objects.link(face)
-        scene.mimetic.face = face
+    if performance.footage:
+        face.mimetic.footage = performance.footage[1]
+    scene.mimetic.face = face
     kept = set_shapes(face, performance.neutral_vertices, shapes, groups, is_reset)
     if subdivide(face, subdivision, is_reset):
         kept.things.append("the subdivision")
     return face, kept
+
+
+def _face_of(scene, mark: str) -> bpy.types.Object | None:
+    """The scene's face if it may be that of the footage with a fingerprint, or another that is."""
+    current = scene.mimetic.face
+    if not mark or (current is not None and current.mimetic.footage in ("", mark)):
+        return current
+    others = (shown for shown in scene.objects if shown.mimetic.footage == mark)
+    return next((o for o in others if o.mode != "EDIT" and not writable.no_shapes(o)), None)
 
 
 def _has_faces(face, faces) -> bool:

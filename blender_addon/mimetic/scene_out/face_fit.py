@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The person found in the footage: kept in the .blend as JSON, shown as tracks in the clip.
+"""The person found in a clip: kept with it in the .blend as JSON, shown as its tracks.
 
-The JSON is a property of the scene, and not a text, which undo would not take back with the tracks.
+The JSON is a property of the clip, and not a text, which undo would not take back with the tracks.
 """
 
 from __future__ import annotations
@@ -11,52 +11,84 @@ from pathlib import Path
 
 import bpy
 
-from .. import native
+from .. import clips, native
 from . import landmarks
 
-_parsed: tuple[str, object] | None = None  # the JSON that was read last, and its fit
+MOST_PARSED = 8
+_parsed: dict[str, object] = {}  # JSON that was read, and its fit
 
 
-def store(scene: bpy.types.Scene, clip: bpy.types.MovieClip, fit) -> None:
-    """Keeps a mimetic.fit.FaceFit with the scene, and shows its landmarks in the clip."""
-    keep(scene, fit)
+def store(clip: bpy.types.MovieClip, fit) -> None:
+    """Keeps a mimetic.fit.FaceFit with the clip, and shows its landmarks there."""
+    keep(clip, fit)
     landmarks.show(clip, fit)
+    _landmarks_are_here(clip)
 
 
-def update(scene: bpy.types.Scene, clip: bpy.types.MovieClip, fit) -> None:
+def update(clip: bpy.types.MovieClip, fit) -> None:
     """As `store`, for a fit of the same frames: the tracks stay, only their markers move."""
-    keep(scene, fit)
+    keep(clip, fit)
     landmarks.place(clip, fit)
+    _landmarks_are_here(clip)
 
 
-def keep(scene: bpy.types.Scene, fit) -> None:
-    """Keeps a fit with the scene whose landmarks are where they were."""
-    global _parsed
+def _landmarks_are_here(clip) -> None:
+    mark = clips.known(clip).name
+    for other in bpy.data.movieclips:  # of the same content: theirs are of the fit before
+        if other != clip and other.mimetic.landmarks_of == mark:
+            other.mimetic.landmarks_of = ""
+    clip.mimetic.landmarks_of = mark
+
+
+def keep(clip: bpy.types.MovieClip, fit) -> None:
+    """Keeps a fit with the clip whose landmarks are where they were."""
+    kept = clips.ensure(clip)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "face.json")
         fit.save(path)
-        scene.mimetic.face_fit = path.read_text(encoding="utf-8")
-    _parsed = None  # what is worked with is what the file holds, rounded, as it is after an undo
+        # What is worked with is what the file holds, rounded, as it is after an undo
+        kept.face_fit = path.read_text(encoding="utf-8")
 
 
-def is_calibrated(scene: bpy.types.Scene) -> bool:
-    """Whether the fit knows this person's skin and muscles."""
+def is_calibrated(clip: bpy.types.MovieClip | None) -> bool:
+    """Whether the clip's fit knows this person's skin and muscles."""
     try:
-        fit = stored(scene)
+        fit = stored(clip)
     except native.known_errors():
         return False
     return bool(fit and fit.calibration.frames)
 
 
-def stored(scene: bpy.types.Scene):
-    """The scene's FaceFit, or None; raises InvalidInput if it was edited into nonsense."""
-    global _parsed
-    content = scene.mimetic.face_fit
+def summary(clip: bpy.types.MovieClip) -> str:
+    """What is known of the person in the clip, in a few words."""
+    try:
+        fit = stored(clip)
+    except native.known_errors() as error:
+        return str(error)
+    if fit is None:
+        return "face not found yet"
+    num_pins = sum(map(len, fit.pins.values()))
+    told = [f"face of frame {fit.frame}"]
+    told += [f"{num_pins} pins" if num_pins > 1 else "1 pin"] if num_pins else []
+    told += ["calibrated"] if fit.calibration.frames else []
+    return ", ".join(told)
+
+
+def stored(clip: bpy.types.MovieClip | None):
+    """The clip's FaceFit, or None; raises InvalidInput if it was edited into nonsense."""
+    kept = clips.known(clip) if clip else None
+    content = kept.face_fit if kept else ""
     if not content:
         return None
-    if _parsed is None or _parsed[0] != content:
+    if content not in _parsed:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "face.json")
             path.write_text(content, encoding="utf-8")
-            _parsed = (content, native.part("fit").FaceFit.load(path))
-    return _parsed[1]
+            _remember(content, native.part("fit").FaceFit.load(path))
+    return _parsed[content]
+
+
+def _remember(content: str, fit) -> None:
+    while len(_parsed) >= MOST_PARSED:
+        _parsed.pop(next(iter(_parsed)))
+    _parsed[content] = fit

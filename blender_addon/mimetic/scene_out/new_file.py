@@ -4,13 +4,12 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from pathlib import Path
 
 import bpy
 from mathutils import Euler
 
-from .. import compat, native
+from .. import compat, native, takes
 from . import actions, bake, clip, gltf
 
 
@@ -42,7 +41,7 @@ def write(
         with_groups=is_blend,
         contact_shapes=contact,
     )
-    scene.mimetic.performance_path = performance_path
+    takes.keep(scene, footage, performance_path)
     scene.frame_set(scene.frame_start)
     if is_blend:
         light(scene)
@@ -78,9 +77,12 @@ def save(out: str, footage: bpy.types.MovieClip | None) -> None:
     if footage is not None:  # so that the two can move together
         for known in (footage, *(i for i in bpy.data.images if i.source == "MOVIE")):
             known.filepath = bpy.path.relpath(known.filepath, start=str(path.parent))
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
-        aside = Path(folder, path.name)
+    # Beside `out`, so that relative paths hold once it has its name
+    aside = path.with_name(f".{path.stem}.{os.getpid()}.blend")
+    try:
         bpy.ops.wm.save_as_mainfile(
             filepath=str(aside), check_existing=False, relative_remap=False, copy=True
         )
         os.replace(aside, path)
+    finally:
+        aside.unlink(missing_ok=True)

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import UnreadableMedia
+from mimetic.clip_fingerprint import fingerprint
 from mimetic.ffmpeg import failure_of, ffmpeg_program
 from mimetic.regular_file import check_input
 from mimetic.timing import FASTEST, SLOWEST
@@ -51,9 +52,11 @@ class Footage:
     rotation is applied. `stored_size` is what the file itself has and other tools show, rotated
     too; it differs where pixels are stored wider or narrower. `fps` is an exact fraction;
     `num_frames` what the file lists, which a damaged file may not hold; `times` the seconds of each
-    listed frame since the first. Frame numbers start at 1. `warnings` says what the user should
-    know and grows while frames are read; `failure` is why ffmpeg gave up on them, if it did. Raises
-    UnreadableMedia, and OSError where ffmpeg ran out of memory or was ended.
+    listed frame since the first; `identity` the file's name and its fingerprint
+    (`mimetic.clip_fingerprint`), as a performance keeps them. Frame numbers start at 1. `warnings`
+    says what the user should know and grows while frames are read; `failure` is why ffmpeg gave up
+    on them, if it did. Raises UnreadableMedia, and OSError where ffmpeg ran out of memory or was
+    ended.
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
@@ -61,6 +64,8 @@ class Footage:
         self.warnings: list[str] = []
         self.failure: OSError | None = None
         self._check_file()
+        name = os.fsencode(self.path.name).decode(errors="replace")
+        self.identity = [name, fingerprint(self.path)]
         report, times, ticks = self._probe()
         self._read_report(report)
         self.num_frames = max(1, len(times))

@@ -248,6 +248,7 @@ class _HeadMotion:
             faces=self.template.faces,
             quality=np.clip(rows.quality, 0, 1),
             notes=self._notes(rows),
+            footage=self.footage.identity,
         )
 
     def _notes(self, rows: Rows) -> list[str]:

@@ -30,7 +30,8 @@ def describe(performance: Performance) -> str:
     held = int((performance.quality < HELD_QUALITY).sum())
     peak = performance.activations.max(axis=0)
     strongest = np.argsort(-peak)[:5]
-    lines = [
+    lines = [] if performance.footage is None else [f"footage      {performance.footage[0]}"]
+    lines += [
         f"frames       {performance.frame[0]} to {performance.frame[-1]}, "
         f"{performance.num_frames} in all, {performance.fps:.6g} a second",
         f"picture      {width} x {height}{stored}, "

@@ -380,4 +380,5 @@ def _performance(
         neutral_vertices=fit.neutral_vertices(template),
         faces=template.faces,
         quality=np.ones(len(rows.frame)),
+        footage=footage.identity,
     )

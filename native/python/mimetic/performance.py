@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+import re
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
@@ -19,6 +20,7 @@ from mimetic.array_file import (
     open_arrays,
 )
 from mimetic.array_writer import write_arrays
+from mimetic.clip_fingerprint import is_fingerprint
 from mimetic.pinhole import is_pinhole
 from mimetic.shown_text import shown
 from mimetic.timing import LAST_FRAME, check_rate
@@ -56,6 +58,7 @@ OPTIONAL = {
     "detail_coefficients_std": ("f", ("N", "M")),
     "notes": ("U", ("K",)),
     "stored_size": ("i", (2,)),
+    "footage": ("U", (2,)),
 }
 # Modes are kept in single precision: 1e-7 of a displacement of centimetres, at half the memory.
 DTYPES = {"f": np.float64, "m": np.float32, "i": np.int64}
@@ -96,6 +99,8 @@ class Performance:
     # Width, height of the footage's frames as the file stores them, where pixels may not be square;
     # all else is in pixels of `image_size`, which are
     stored_size: NDArray[np.int64] | None = None
+    # Of the clip it was captured from: file name, and `mimetic.clip_fingerprint` of its content
+    footage: list[str] | None = None
 
     def __post_init__(self) -> None:
         for key, (kind, shape) in (REQUIRED | OPTIONAL).items():
@@ -152,6 +157,10 @@ class Performance:
             coefficients = self.detail_coefficients[i].astype(np.float32)
             moved += coefficients @ self.detail_modes.reshape(shape)
         return self.neutral_vertices + moved.reshape(-1, 3)
+
+    def is_of(self, fingerprint: str) -> bool:
+        """Whether it is of the footage with a fingerprint; true if either is unknown."""
+        return not (fingerprint and self.footage) or self.footage[1] == fingerprint
 
     def without_detail(self) -> Performance:
         """The same performance by its muscles and articulators alone."""
@@ -235,6 +244,7 @@ class Performance:
         if std is not None and (std < 0).any():
             raise InvalidInput("performance detail_coefficients_std must not be negative")
         self._check_poses()
+        self._check_footage()
 
     def _check_poses(self) -> None:
         largest = max(-self.head_pose_cov.min(), self.head_pose_cov.max())
@@ -250,6 +260,16 @@ class Performance:
                 if bad.any():
                     frame = self.frame[frames][bad][0]
                     raise InvalidInput(f"performance {what} at frame {frame}")
+
+    def _check_footage(self) -> None:
+        if self.footage is None:
+            return
+        name, mark = self.footage
+        # A name, never a way to somewhere: the file is looked for by it
+        if not name or name in (".", "..") or re.search(r"[/\\\0]", name) or len(name) > 255:
+            raise InvalidInput("performance footage must be a file name without its folder")
+        if not is_fingerprint(mark):
+            raise InvalidInput("performance footage has no fingerprint of a file's content")
 
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes `performance.npz`, whole or not at all."""

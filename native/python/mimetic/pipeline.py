@@ -356,6 +356,7 @@ class ClipCapture:
             faces=self.template.faces,
             quality=np.clip(rows.quality, 0, 1),
             notes=self._notes(rows),
+            footage=self.footage.identity,
         )
 
     def _notes(self, rows: Rows) -> list[str] | None:

@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What belongs to a clip: the person's fit with pins and calibration, and the take.
+
+It goes with the content of the clip's file. A file that was moved or renamed brings it along,
+another file in the old place finds nothing of it, and gets it back no more than its own.
+"""
+
+from __future__ import annotations
+
+import os
+
+import bpy
+
+from . import native
+
+_read: dict[str, tuple[tuple, str]] = {}  # path: the file's state when read, and its fingerprint
+
+
+def path_of(clip: bpy.types.MovieClip) -> str:
+    return bpy.path.abspath(clip.filepath, library=clip.library)
+
+
+def is_missing(clip: bpy.types.MovieClip) -> bool:
+    return not os.path.isfile(path_of(clip))
+
+
+def fingerprint(clip: bpy.types.MovieClip) -> str:
+    """Of the clip's file as it is now; if it is missing, of the one seen last; "" for none."""
+    path = path_of(clip)
+    try:
+        state = os.stat(path)
+    except (OSError, ValueError):
+        return clip.mimetic.fingerprint
+    # Panels ask at every drawing: a file is read again only when it may have changed
+    now = (state.st_size, state.st_mtime_ns, state.st_ctime_ns, state.st_ino)
+    if path not in _read or _read[path][0] != now:
+        try:
+            _read[path] = (now, native.part("clip_fingerprint").fingerprint(path))
+        except native.known_errors():
+            return clip.mimetic.fingerprint
+    return _read[path][1]
+
+
+def known(clip: bpy.types.MovieClip):
+    """The MimeticFootage of the clip's content, also if another clip of the .blend keeps it."""
+    mark = fingerprint(clip)
+    own = clip.mimetic.footage
+    # What was kept before any file was seen, in a .blend of an earlier version, has no name
+    found = own.get(mark) or own.get("")
+    if found is None and mark:
+        kept = (other.mimetic.footage.get(mark) for other in bpy.data.movieclips)
+        found = next(filter(None, kept), None)
+    return found
+
+
+def ensure(clip: bpy.types.MovieClip):
+    """As `known`, and there is one afterwards."""
+    settle(clip)
+    clip.mimetic.fingerprint = fingerprint(clip)
+    found = known(clip)
+    if found is None:
+        found = clip.mimetic.footage.add()
+        found.name = clip.mimetic.fingerprint
+        clip.use_fake_user = True  # Blender forgets on saving what nothing shows
+    return found
+
+
+def settle(clip: bpy.types.MovieClip) -> None:
+    """Notes which content the clip has, if none was noted yet."""
+    if native.problem() or clip.library or clip.source != "MOVIE":
+        return
+    mark = fingerprint(clip)
+    clip.mimetic.fingerprint = clip.mimetic.fingerprint or mark
+    unnamed = clip.mimetic.footage.get("")
+    if mark and unnamed and mark not in clip.mimetic.footage:
+        unnamed.name = mark
+
+
+def with_content(mark: str) -> bpy.types.MovieClip | None:
+    """A clip of the .blend with a content; one whose file is there before one whose is not."""
+    clips = [c for c in bpy.data.movieclips if c.source == "MOVIE" and fingerprint(c) == mark]
+    return min(clips, key=is_missing, default=None)
+
+
+def changed(clip: bpy.types.MovieClip) -> str:
+    """That the file is another one than when something was kept of it, or the empty string."""
+    before = clip.mimetic.fingerprint
+    if not before or before not in clip.mimetic.footage or fingerprint(clip) == before:
+        return ""
+    return (
+        f"{clip.name} is another film than before: face and take of the one before are kept, "
+        "and come back with it"
+    )
+
+
+def migrate() -> None:
+    """What earlier versions kept with the scene goes to the scene's clip."""
+    earlier = {clip.name for clip in bpy.data.movieclips if not clip.mimetic.fingerprint}
+    for clip in bpy.data.movieclips:
+        settle(clip)
+    for scene in bpy.data.scenes:
+        settings, clip = scene.mimetic, scene.mimetic.clip
+        if scene.library or clip is None or clip.library:
+            continue
+        if not settings.face_fit and (not settings.performance_path or clip.name not in earlier):
+            continue
+        kept = ensure(clip)
+        if settings.face_fit and not kept.face_fit:
+            kept.face_fit, clip.mimetic.landmarks_of = settings.face_fit, kept.name
+        if not kept.performance_path:
+            kept.performance_path = settings.performance_path
+        settings.face_fit = settings.performance_path = ""

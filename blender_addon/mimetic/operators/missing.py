@@ -1,0 +1,86 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from pathlib import Path
+
+import bpy
+from bpy.props import StringProperty
+from bpy.types import Operator
+
+from .. import clips, native, scene_in, scene_out, takes
+
+DEPTH = 16  # folders in folders, as Blender's own search
+
+
+class MIMETIC_OT_find_missing(Operator):
+    """Look in a folder, and in all folders in it, for performances and footage that are missing: \
+performances by name, footage by its content, whatever it is called now"""
+
+    bl_idname = "mimetic.find_missing"
+    bl_label = "Find Missing Files"
+    bl_options = {"UNDO"}
+
+    directory: StringProperty(
+        name="Folder", subtype="DIR_PATH", description="Where to look, and in all folders in it"
+    )
+
+    @classmethod
+    def poll(cls, context):
+        reason = scene_in.no_start()
+        if not reason and not _missing_clips() and not takes.missing():
+            reason = "No performance and no footage is missing"
+        if reason:
+            cls.poll_message_set(reason)
+        return not reason
+
+    def invoke(self, context, event):
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context):
+        folder = Path(bpy.path.abspath(self.directory))
+        if not folder.is_dir():
+            self.report({"ERROR"}, f"{folder}: there is no such folder; choose another")
+            return {"CANCELLED"}
+        found = [*_find_clips(folder), *_find_takes(folder)]
+        absent = [clip.name for clip in _missing_clips()] + list(
+            map(takes.name_of, takes.missing())
+        )
+        if absent:
+            names = ", ".join(dict.fromkeys(absent))
+            self.report({"WARNING"}, f"{names}: not in {folder} nor in a folder in it")
+        if found:
+            self.report({"INFO"}, f"Found {', '.join(found)}")
+        return {"FINISHED"} if found else {"CANCELLED"}
+
+
+def _missing_clips() -> list[bpy.types.MovieClip]:
+    """Clips of ours: Blender looks for all others."""
+    ours = [c for c in bpy.data.movieclips if c.source == "MOVIE" and c.mimetic.fingerprint]
+    return [clip for clip in ours if not clip.library and clips.is_missing(clip)]
+
+
+def _find_clips(folder: Path) -> list[str]:
+    files = native.part("clip_fingerprint")
+    found = []
+    for clip in _missing_clips():
+        path = files.find_content(clip.mimetic.fingerprint, files.files_in(folder, DEPTH))
+        if path:
+            scene_out.clip.place(clip, str(path))
+            found.append(path.name)
+    return found
+
+
+def _find_takes(folder: Path) -> list[str]:
+    """By name; of several the first that is of the clip's content."""
+    names = {takes.name_of(holder) for holder in takes.missing()}
+    candidates: dict[str, list[Path]] = {}
+    if names:
+        for path in native.part("clip_fingerprint").files_in(folder, DEPTH):
+            if path.name in names:
+                candidates.setdefault(path.name, []).append(path)
+    found = []
+    for holder in takes.missing():
+        for path in candidates.get(takes.name_of(holder), ()):
+            if takes.place(holder, str(path)):
+                found.append(path.name)
+                break
+    return found
