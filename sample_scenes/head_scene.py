@@ -8,8 +8,8 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from mimetic.face_paint import fill_square, paint_eye, paint_lashes, paint_skin
-from mimetic.face_template import FaceTemplate
+from mimetic.character.face_paint import fill_square, paint_eye, paint_lashes, paint_skin
+from mimetic.template.face_template import FaceTemplate
 
 SKIN_TEXELS, EYE_TEXELS, LASH_TEXELS = 1536, 512, (1024, 128)
 # part -> (material, sRGB colour, roughness)

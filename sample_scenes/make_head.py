@@ -46,8 +46,8 @@ def main() -> int:
         return 2
     import head_scene
     from mimetic import InvalidInput
-    from mimetic.anatomy import attach
-    from mimetic.face_template import load_template
+    from mimetic.muscles.anatomy import attach
+    from mimetic.template.face_template import load_template
 
     views = arguments.view or list(head_scene.VIEWS)
     shapes, identity = dict(arguments.shape), dict(arguments.identity)

@@ -13,8 +13,8 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import head_scene
-from mimetic.anatomy import attach
-from mimetic.face_template import load_template
+from mimetic.muscles.anatomy import attach
+from mimetic.template.face_template import load_template
 
 SIZE = (220, 268)
 # Degrees the camera goes to the subject's left, and what moves; one name moves both sides.

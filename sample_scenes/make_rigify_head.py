@@ -45,7 +45,7 @@ def main() -> int:
 def build(arguments: argparse.Namespace, folder: Path) -> None:
     import bpy
     from make_sliders import headless
-    from mimetic.performance import Performance
+    from mimetic.performance.document import Performance
     from rigify_rig import generate_rig
 
     headless().load_extension()
@@ -102,8 +102,8 @@ def add_chest(rig) -> None:
 def film(scene, arguments, folder: Path, first: int, last: int) -> None:
     """Writes rigify_head.blend and rigify_head.mp4, the footage beside the character."""
     import bpy
-    from mimetic.ffmpeg import ffmpeg_program
-    from mimetic.footage import Footage
+    from mimetic.media.ffmpeg import ffmpeg_program
+    from mimetic.media.footage import Footage
 
     camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     scene.collection.objects.link(camera)

@@ -21,7 +21,7 @@ class SceneTime:
 
 def of_clip(clip: bpy.types.MovieClip) -> SceneTime:
     """The rate and range at which a scene shows the clip frame by frame, once."""
-    rate = native.part("timing").scene_rate(clip.fps)
+    rate = native.timing().scene_rate(clip.fps)
     num_frames = max(clip.frame_duration - clip.frame_offset, 1)
     last = clip.frame_start + num_frames - 1
     # A scene's range has no negative frames
@@ -34,7 +34,7 @@ def is_known(clip: bpy.types.MovieClip | None) -> bool:
 
 
 def has_rate(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> bool:
-    exact_rate = native.part("timing").exact_rate
+    exact_rate = native.timing().exact_rate
     return exact_rate(scene.render.fps / scene.render.fps_base) == exact_rate(clip.fps)
 
 

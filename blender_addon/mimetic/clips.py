@@ -35,7 +35,7 @@ def fingerprint(clip: bpy.types.MovieClip) -> str:
     now = (state.st_size, state.st_mtime_ns, state.st_ctime_ns, state.st_ino)
     if path not in _read or _read[path][0] != now:
         try:
-            _read[path] = (now, native.part("clip_fingerprint").fingerprint(path))
+            _read[path] = (now, native.clip_fingerprint().fingerprint(path))
         except native.known_errors():
             return clip.mimetic.fingerprint
     return _read[path][1]

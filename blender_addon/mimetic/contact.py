@@ -143,8 +143,8 @@ def _maker(scene, face: bpy.types.Object, rest: np.ndarray) -> Callable:
     """Makes the mimetic.live_contact.LiveContact of a face, of our own mesh or another's."""
     head = scene_in.remembered_head(scene, face)
     if head is None:
-        return lambda: native.part("live_contact").live_contact(rest)
-    parts = native.part("foreign_face")
+        return lambda: native.live_contact().live_contact(rest)
+    parts = native.foreign_face()
     polygons = parts.Polygons(head.starts, head.corners)
     return lambda: (
         parts.attach_face(head.points, polygons, head.landmarks, head.matrix).live_contact

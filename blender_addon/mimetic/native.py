@@ -62,9 +62,187 @@ def problem() -> str:
     return "" if status().state is State.ready else status().text
 
 
-def part(name: str) -> ModuleType:
-    """A module of the package, as in part("pipeline")."""
-    return importlib.import_module(f"mimetic.{name}")
+# The parts of the package that the extension calls, imported when they are first needed
+
+
+def appearance() -> ModuleType:
+    from mimetic.character import appearance
+
+    return appearance
+
+
+def bound_head() -> ModuleType:
+    from mimetic.character import bound_head
+
+    return bound_head
+
+
+def calibration_run() -> ModuleType:
+    from mimetic.solve import calibration_run
+
+    return calibration_run
+
+
+def canonical_head() -> ModuleType:
+    from mimetic.character import canonical_head
+
+    return canonical_head
+
+
+def clip_capture() -> ModuleType:
+    from mimetic.solve import clip_capture
+
+    return clip_capture
+
+
+def clip_fingerprint() -> ModuleType:
+    from mimetic.media import clip_fingerprint
+
+    return clip_fingerprint
+
+
+def contact_shapes() -> ModuleType:
+    from mimetic.character import contact_shapes
+
+    return contact_shapes
+
+
+def face_template() -> ModuleType:
+    from mimetic.template import face_template
+
+    return face_template
+
+
+def fingerprint() -> ModuleType:
+    from mimetic.shared import fingerprint
+
+    return fingerprint
+
+
+def fitted_lines() -> ModuleType:
+    from mimetic.fit import lines as fitted_lines
+
+    return fitted_lines
+
+
+def fitting() -> ModuleType:
+    from mimetic.fit import fitting
+
+    return fitting
+
+
+def footage() -> ModuleType:
+    from mimetic.media import footage
+
+    return footage
+
+
+def foreign_face() -> ModuleType:
+    from mimetic.character import foreign_face
+
+    return foreign_face
+
+
+def further_frame() -> ModuleType:
+    from mimetic.fit import further_frame
+
+    return further_frame
+
+
+def gltf() -> ModuleType:
+    from mimetic.character import gltf
+
+    return gltf
+
+
+def head_smoothing() -> ModuleType:
+    from mimetic.head import smoothing as head_smoothing
+
+    return head_smoothing
+
+
+def head_tracking() -> ModuleType:
+    from mimetic.head import tracking as head_tracking
+
+    return head_tracking
+
+
+def landmarks_file() -> ModuleType:
+    from mimetic.character import landmarks_file
+
+    return landmarks_file
+
+
+def live_contact() -> ModuleType:
+    from mimetic.character import live_contact
+
+    return live_contact
+
+
+def live_face() -> ModuleType:
+    from mimetic.character import live_face
+
+    return live_face
+
+
+def performances() -> ModuleType:
+    from mimetic.performance import document as performances
+
+    return performances
+
+
+def picture() -> ModuleType:
+    from mimetic.shared import picture
+
+    return picture
+
+
+def placement() -> ModuleType:
+    from mimetic.character import placement
+
+    return placement
+
+
+def projection() -> ModuleType:
+    from mimetic.performance import projection
+
+    return projection
+
+
+def rig_motion() -> ModuleType:
+    from mimetic.character import rig_motion
+
+    return rig_motion
+
+
+def shapes() -> ModuleType:
+    from mimetic.character import shapes
+
+    return shapes
+
+
+def shown_text() -> ModuleType:
+    from mimetic.shared import shown_text
+
+    return shown_text
+
+
+def stabilisation() -> ModuleType:
+    from mimetic.character import stabilisation
+
+    return stabilisation
+
+
+def strain_map() -> ModuleType:
+    from mimetic.character import strain_map
+
+    return strain_map
+
+
+def timing() -> ModuleType:
+    from mimetic.media import timing
+
+    return timing
 
 
 def array(matrix):

@@ -28,7 +28,7 @@ def follow(clip: bpy.types.MovieClip) -> list[str]:
     fit = face_fit.stored(clip)
     moved = landmarks.moved(clip, fit) if fit else {}
     for frame, places in moved.items():
-        fit = native.part("fit").refit(fit, fit.pins.get(frame, {}) | places, frame)
+        fit = native.fitting().refit(fit, fit.pins.get(frame, {}) | places, frame)
     if moved:
         face_fit.update(clip, fit)
     return sorted({name for places in moved.values() for name in places})
@@ -39,7 +39,7 @@ def pin(clip, names: list[str], frame: int) -> None:
     fit = face_fit.stored(clip)
     places = landmarks.expected(fit, frame)
     pins = fit.pins.get(frame, {}) | {name: places[name] for name in names if name in places}
-    face_fit.update(clip, native.part("fit").refit(fit, pins, frame))
+    face_fit.update(clip, native.fitting().refit(fit, pins, frame))
 
 
 def unpin(clip, names: list[str]) -> None:
@@ -48,7 +48,7 @@ def unpin(clip, names: list[str]) -> None:
     for frame, pins in fit.pins.items():
         kept = {name: place for name, place in pins.items() if name not in names}
         if kept != pins:
-            fit = native.part("fit").refit(fit, kept, frame)
+            fit = native.fitting().refit(fit, kept, frame)
     face_fit.update(clip, fit)
 
 

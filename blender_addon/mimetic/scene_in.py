@@ -244,12 +244,12 @@ def landmark_empties(scene: bpy.types.Scene, head: bpy.types.Object) -> dict:
 
 def _landmark_of(empty: bpy.types.Object) -> str:
     name = empty.mimetic.landmark or empty.name
-    return name if name in native.part("face_template").load_template().landmark_names else ""
+    return name if name in native.face_template().load_template().landmark_names else ""
 
 
 def _landmark_groups(head: bpy.types.Object) -> dict[str, int]:
     """Vertex groups with landmarks' names: the vertex with the largest weight."""
-    known = native.part("face_template").load_template().landmark_names
+    known = native.face_template().load_template().landmark_names
     numbers = {group.index: group.name for group in head.vertex_groups if group.name in known}
     best: dict[str, tuple[float, int]] = {}
     if numbers:
@@ -300,7 +300,7 @@ def timing(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None) -> Timing:
 
 def scene_frames(performance, clock: Timing):
     """N scene frames, whole or not, at which the performance's frames are."""
-    return native.part("timing").scene_frames(
+    return native.timing().scene_frames(
         performance.frame,
         performance.fps,
         clock.scene_rate,
@@ -335,7 +335,7 @@ def footage_pixel(context, x: int, y: int) -> tuple[float, float] | None:
             place = region.view2d.region_to_view(across, up)
             if not all(0 <= part <= 1 for part in place):
                 return None
-            pixels = native.part("projection").picture_pixels(place, context.space_data.clip.size)
+            pixels = native.picture().picture_pixels(place, context.space_data.clip.size)
             return tuple(float(part) for part in pixels[0])
     return None
 

@@ -63,7 +63,7 @@ def _new_take(folder: Path, clip_name: str) -> str:
 
 def load(take: Take):
     """The take's Performance; raises what it raises, and InvalidInput if it is another clip's."""
-    performance = native.part("performance").Performance.load(take.path)
+    performance = native.performances().Performance.load(take.path)
     if not performance.is_of(take.fingerprint):
         raise native.invalid_input(
             f"{Path(take.path).name} was captured from {performance.footage[0]}, which is not what "
@@ -75,7 +75,8 @@ def load(take: Take):
 def action_name(take: Take, performance) -> str:
     """What a bake's actions are called after: the clip, else the footage, else the file."""
     footage = performance.footage[0] if performance.footage else ""
-    return Path(take.clip_name or footage or take.path).name.split(".")[0]
+    name = Path(take.clip_name or footage or take.path).name.split(".")[0]
+    return native.shown_text().shown(name)
 
 
 def keep(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None, path: str) -> None:

@@ -2,7 +2,7 @@
 // Flow with covariance at 640 x 480, beside OpenCV's DIS alone as the floor.
 #include <benchmark/benchmark.h>
 
-#include <mimetic/flow.hpp>
+#include <mimetic/flow/flow.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/video/tracking.hpp>
 

@@ -3,7 +3,7 @@
 // tracker without reference textures is the paper's own form.
 #include <benchmark/benchmark.h>
 
-#include <mimetic/head.hpp>
+#include <mimetic/head/head.hpp>
 
 #include "../../tests/native/head/head_scene.hpp"
 

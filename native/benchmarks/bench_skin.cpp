@@ -4,9 +4,9 @@
 #include <benchmark/benchmark.h>
 
 #include <cmath>
-#include <mimetic/corotational_skin.hpp>
-#include <mimetic/skin_dynamics.hpp>
-#include <mimetic/surface.hpp>
+#include <mimetic/skin/corotational_skin.hpp>
+#include <mimetic/skin/skin_dynamics.hpp>
+#include <mimetic/surface/surface.hpp>
 
 #include "skin/check_mesh.hpp"
 #include "skin/cholesky.hpp"

@@ -2,7 +2,7 @@
 // One frame of the tracker at 320 x 240, beside its floor: the flow of a texture of its size, once.
 #include <benchmark/benchmark.h>
 
-#include <mimetic/solve.hpp>
+#include <mimetic/solve/solve.hpp>
 
 #include "../../tests/native/solve/face_scene.hpp"
 

@@ -2,7 +2,7 @@
 // What must hold exactly on any mesh: patch tests, free rigid motion, balance of energy.
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <mimetic/surface.hpp>
+#include <mimetic/surface/surface.hpp>
 
 #include "benchmark.hpp"
 #include "grid.hpp"

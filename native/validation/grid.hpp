@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <functional>
-#include <mimetic/shell.hpp>
-#include <mimetic/skin.hpp>
+#include <mimetic/skin/shell.hpp>
+#include <mimetic/skin/skin.hpp>
 #include <vector>
 
 namespace mimetic::validation {

@@ -117,8 +117,8 @@ def rig_file(tmp_path_factory) -> Path:
 
 
 def make_performance(num_frames: int, fps: float = 25.0, seed: int = 0):
-    from mimetic.face_template import load_template
-    from mimetic.performance import Performance
+    from mimetic.performance.document import Performance
+    from mimetic.template.face_template import load_template
 
     random = np.random.default_rng(seed)
     template = load_template()

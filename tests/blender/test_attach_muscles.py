@@ -15,9 +15,9 @@ UNIT = 0.01  # metres in the object's unit: modelled in centimetres, scaled in t
 @pytest.fixture(scope="session")
 def parts():
     """The template's mesh as anybody's head: points in centimetres, faces, landmarks' vertices."""
-    from mimetic.face_template import load_template
-    from mimetic.foreign_mesh import REQUIRED
-    from mimetic.placement import to_object
+    from mimetic.character.foreign_mesh import REQUIRED
+    from mimetic.character.placement import to_object
+    from mimetic.template.face_template import load_template
 
     template = load_template()
     marks = {name: template.landmark(name) for name in REQUIRED}
@@ -78,8 +78,8 @@ def offsets_of(head, name) -> np.ndarray:
 
 @pytest.mark.oldest_and_newest
 def test_a_head_by_empties_gets_the_muscles_of_our_own(parts, head, extension, capfd):
-    from mimetic.canonical_head import make_head
-    from mimetic.placement import to_object
+    from mimetic.character.canonical_head import make_head
+    from mimetic.character.placement import to_object
 
     put_landmarks(head, parts)
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}

@@ -16,9 +16,9 @@ FRAMES = (1, 9, 24, 40)
 @pytest.fixture(scope="session")
 def parts():
     """The template's mesh as anybody's head: points in centimetres, faces, landmarks' vertices."""
-    from mimetic.face_template import load_template
-    from mimetic.foreign_mesh import REQUIRED
-    from mimetic.placement import to_object
+    from mimetic.character.foreign_mesh import REQUIRED
+    from mimetic.character.placement import to_object
+    from mimetic.template.face_template import load_template
 
     template = load_template()
     marks = {name: template.landmark(name) for name in REQUIRED}
@@ -28,8 +28,8 @@ def parts():
 @pytest.fixture(scope="session")
 def acted(performance, tmp_path_factory):
     """A performance of the muscles that faces have; its file."""
-    from mimetic.articulators import ARTICULATORS
-    from mimetic.canonical_head import make_head
+    from mimetic.character.canonical_head import make_head
+    from mimetic.muscles.articulators import ARTICULATORS
 
     names = [shape.name for shape in make_head().shapes[:36]]
     lowest, highest = np.array([ARTICULATORS[name] for name in performance.articulators]).T
@@ -137,7 +137,7 @@ def rest_of(face) -> np.ndarray:
 
 def test_its_head_turns_about_its_own_centre_as_the_actors(hero, loaded):
     """From where it stands, whatever its axes, origin and unit are."""
-    from mimetic.projection import reference_index
+    from mimetic.performance.projection import reference_index
 
     stands = np.array(hero.matrix_world)
     at_rest = reference_index(loaded)
@@ -365,8 +365,7 @@ def test_attach_muscles_is_offered_beside_a_face(scene, hero, loaded):
     other.shape_key_clear()
     bpy.context.view_layer.objects.active = other
     shown = drawn("MIMETIC_PT_muscles")
-    assert "mimetic.attach_muscles" in shown
-    assert "Muscles on Other" in shown
+    assert "mimetic.attach_muscles" in shown and "Muscles on Other" in shown
     assert bpy.ops.mimetic.attach_muscles.poll()
     bpy.context.view_layer.objects.active = hero
     assert "mimetic.rest_face" in drawn("MIMETIC_PT_muscles")
@@ -393,9 +392,8 @@ def test_a_bound_head_in_edit_mode_or_linked_is_refused(hero, loaded, tmp_path):
     linked.data = linked.data.override_create(remap_local_usages=False)
     assert bpy.ops.mimetic.bake() == {"FINISHED"}
     bpy.context.scene.collection.objects.unlink(target.objects[0])
-    shot = str(tmp_path / "shot.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=shot)
-    bpy.ops.wm.open_mainfile(filepath=shot)
+    for save_or_open in (bpy.ops.wm.save_as_mainfile, bpy.ops.wm.open_mainfile):
+        save_or_open(filepath=str(tmp_path / "shot.blend"))
     kept = bpy.context.scene.objects["Hero"]
     assert kept.data.shape_keys.animation_data.action
     bpy.context.scene.frame_set(17)

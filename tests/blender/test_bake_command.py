@@ -21,7 +21,7 @@ def run_bake(*arguments) -> subprocess.CompletedProcess:
 
 def untouched(performance) -> np.ndarray:
     """V truth values: control vertices that lie too far from lips and lids for contact."""
-    from mimetic.contact import contact_on
+    from mimetic.muscles.contact import contact_on
 
     free = np.ones(len(performance.neutral_vertices), bool)
     free[contact_on(performance.neutral_vertices).moved] = False

@@ -220,7 +220,7 @@ def test_an_exported_plain_take_is_as_small_as_if_there_never_was_detail(
 
 
 def test_contact_off_turns_contact_off(extension, bake, face, keys, performance):
-    from mimetic.contact_shapes import contact_shapes
+    from mimetic.character.contact_shapes import contact_shapes
 
     shapes = contact_shapes(performance)
     bake(contact_shapes=shapes)
@@ -246,7 +246,7 @@ def test_the_button_says_what_was_kept_and_resets(scene, performance_file, capfd
 
 @pytest.fixture(scope="module")
 def appearance(performance, footage):
-    from mimetic.appearance import appearance_of
+    from mimetic.character.appearance import appearance_of
 
     return appearance_of(performance, footage)
 

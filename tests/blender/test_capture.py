@@ -38,14 +38,15 @@ def with_clip(scene, clip_path):
 
 def test_a_found_face_is_kept_and_its_landmarks_marked(extension, scene, with_clip):
     assert bpy.ops.mimetic.find_face(frame=FIT_FRAME) == {"FINISHED"}
-    from mimetic import fit, pipeline
+    from mimetic.fit import fitting
+    from mimetic.solve import clip_capture
 
-    expected = pipeline.find_face(bpy.path.abspath(with_clip.filepath), FIT_FRAME)
+    expected = clip_capture.find_face(bpy.path.abspath(with_clip.filepath), FIT_FRAME)
     stored = extension("scene_out").face_fit.stored(with_clip)
     assert (stored.frame, stored.features) == (FIT_FRAME, expected.features)
     np.testing.assert_array_equal(stored.head_pose, expected.head_pose)
     tracks = with_clip.tracking.objects["Face"].tracks
-    places = fit.landmark_places(expected)
+    places = fitting.landmark_places(expected)
     assert set(tracks.keys()) == set(places)
     for name, (x, y) in places.items():
         co = tracks[name].markers.find_frame(FIT_FRAME).co
@@ -66,7 +67,7 @@ def test_finding_again_replaces_the_marks(scene, with_clip):
 
 
 def test_of_several_faces_the_one_near_a_pixel_is_taken(extension, scene, clip_path, tmp_path):
-    from mimetic.footage import Footage
+    from mimetic.media.footage import Footage
 
     picture = Footage(clip_path).read(FIT_FRAME)
     both = np.full((300, 720, 3), 90, np.uint8)
@@ -104,12 +105,12 @@ def test_capture_by_operator_is_capture_by_function(extension, scene, with_clip,
     scene.mimetic.frame_first, scene.mimetic.frame_last = FRAMES
     assert bpy.ops.mimetic.capture(filepath=str(path)) == {"FINISHED"}
     assert extension("clips").known(with_clip).performance_path == str(path)
-    from mimetic import pipeline
-    from mimetic.performance import Performance
+    from mimetic.performance.document import Performance
+    from mimetic.solve import clip_capture
 
     by_operator = Performance.load(path)
     fit = extension("scene_out").face_fit.stored(with_clip)
-    by_function = pipeline.capture(bpy.path.abspath(with_clip.filepath), FRAMES, fit)
+    by_function = clip_capture.capture(bpy.path.abspath(with_clip.filepath), FRAMES, fit)
     np.testing.assert_array_equal(by_operator.frame, np.arange(FRAMES[0], FRAMES[1] + 1))
     for key in ("head_pose", "activations", "articulator_values", "neutral_vertices", "quality"):
         np.testing.assert_allclose(getattr(by_operator, key), getattr(by_function, key), atol=1e-9)
@@ -122,8 +123,8 @@ def test_capture_by_operator_is_capture_by_function(extension, scene, with_clip,
 def test_a_person_is_calibrated_in_the_fit_in_one_undo_step(
     extension, scene, with_clip, monkeypatch
 ):
-    from mimetic import calibration_capture
-    from mimetic.calibration import Calibration
+    from mimetic.muscles.calibration import Calibration
+    from mimetic.solve import calibration_run
 
     assert not bpy.ops.mimetic.calibrate.poll()
     bpy.ops.mimetic.find_face(frame=FIT_FRAME)
@@ -144,7 +145,7 @@ def test_a_person_is_calibrated_in_the_fit_in_one_undo_step(
             raise KeyboardInterrupt
         return dataclasses.replace(fit, calibration=found), None
 
-    monkeypatch.setattr(calibration_capture, "calibrate", calibrate)
+    monkeypatch.setattr(calibration_run, "calibrate", calibrate)
     operator = extension("operators.calibrate").MIMETIC_OT_calibrate
     footage = extension("scene_in").footage(bpy.context)
     inputs = (footage, FRAMES, face_fit.stored(with_clip))
@@ -174,7 +175,7 @@ def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, t
     footage = extension("scene_in").footage(bpy.context)
     inputs = (footage, (1, 40), fit, (path, path), None)
     assert operator.work(operator, inputs, progress)[:2] == (footage.clip_name, path)
-    from mimetic.performance import Performance
+    from mimetic.performance.document import Performance
 
     part = Performance.load(path)
     assert 1 < part.num_frames < 8
@@ -230,7 +231,7 @@ def test_a_capture_is_not_lost_for_a_folder_that_cannot_be_written(
         tmp_path / "file" / "take.npz"
     )  # its folder is a file: root may not write there either
     assert bpy.ops.mimetic.capture(filepath=str(refused)) == {"FINISHED"}
-    from mimetic.performance import Performance
+    from mimetic.performance.document import Performance
 
     kept = Path(extension("clips").known(with_clip).performance_path)
     assert kept != refused

@@ -10,10 +10,10 @@ import bpy
 import numpy as np
 import pytest
 from mimetic import _core
-from mimetic.calibration import Calibration
-from mimetic.clip_fingerprint import fingerprint
-from mimetic.face_fit import FaceFit
-from mimetic.fitted_view import FittedView
+from mimetic.fit.face_fit import FaceFit
+from mimetic.fit.fitted_view import FittedView
+from mimetic.media.clip_fingerprint import fingerprint
+from mimetic.muscles.calibration import Calibration
 from panel_texts import drawn
 
 PANEL = "MIMETIC_PT_capture_view"

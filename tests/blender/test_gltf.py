@@ -58,8 +58,8 @@ def test_the_validator_finds_neither_errors_nor_warnings(exported):
 def test_lashes_are_cut_out_and_the_exporter_has_no_warnings(
     extension, scene, performance, tmp_path, capfd
 ):
-    from mimetic import gltf
-    from mimetic.appearance import appearance_of
+    from mimetic.character import gltf
+    from mimetic.character.appearance import appearance_of
 
     extension("scene_out").bake(scene, performance, "take", appearance_of(performance))
     capfd.readouterr()
@@ -93,7 +93,7 @@ def test_a_reimported_face_moves_the_same(exported, scene, performance, extensio
 
 
 def test_times_and_weights_are_the_performances(exported, scene, performance):
-    from mimetic import gltf
+    from mimetic.character import gltf
 
     document, _ = gltf.read_chunks(exported.read_bytes())
     (animation,) = document["animations"]

@@ -16,9 +16,9 @@ MILLIMETRE = 1e-3
 
 @pytest.fixture(scope="session")
 def contact():
-    from mimetic.anatomy import attach_skin
-    from mimetic.contact import attach_contact
-    from mimetic.face_template import load_template
+    from mimetic.muscles.anatomy import attach_skin
+    from mimetic.muscles.contact import attach_contact
+    from mimetic.template.face_template import load_template
 
     template = load_template()
     return attach_contact(attach_skin(template.vertices, template))
@@ -42,8 +42,8 @@ def evaluated(face, depsgraph=None) -> np.ndarray:
 
 def depth(contact, points) -> float:
     """How deep lips or lids lie in each other, metres."""
-    from mimetic.face_template import load_template
-    from mimetic.placement import to_head
+    from mimetic.character.placement import to_head
+    from mimetic.template.face_template import load_template
 
     return contact.depth(to_head(points) - load_template().vertices)
 
@@ -147,7 +147,7 @@ def test_handlers_go_with_the_extension():
 
 def test_an_exported_face_takes_its_contact_along(contact, extension, added, tmp_path):
     """The file's morph targets and weights, added up by hand."""
-    from mimetic import gltf
+    from mimetic.character import gltf
 
     blocks = added.data.shape_keys.key_blocks
     for frame, value in ((1, 0.0), (9, 1.0)):
@@ -181,7 +181,7 @@ def test_an_exported_face_takes_its_contact_along(contact, extension, added, tmp
 
 
 def test_a_face_that_nothing_presses_is_exported_without_contact(added, tmp_path):
-    from mimetic import gltf
+    from mimetic.character import gltf
 
     key = added.data.shape_keys.key_blocks["jaw_open"]
     for frame, value in ((1, 0.0), (5, 1.0)):
@@ -198,8 +198,8 @@ def test_a_baked_take_carries_its_contact(contact, extension, scene, performance
     """Lips that a take presses through each other rest on each other, frame by frame."""
     import dataclasses
 
-    from mimetic.canonical_head import make_head
-    from mimetic.contact_shapes import contact_shapes
+    from mimetic.character.canonical_head import make_head
+    from mimetic.character.contact_shapes import contact_shapes
 
     head = make_head()
     pressing = {shape.name: shape.offsets for shape in head.shapes}
@@ -226,7 +226,7 @@ def test_a_baked_take_carries_its_contact(contact, extension, scene, performance
         expected = take.surface(frame - 1)
         assert depth(contact, evaluated(face)) < 0.15 * MILLIMETRE
         if not activations[frame - 1].any():
-            from mimetic.placement import to_object
+            from mimetic.character.placement import to_object
 
             np.testing.assert_allclose(evaluated(face), to_object(expected), atol=2e-6)
     assert contact.depth(take.surface(19) - take.neutral_vertices) > 5 * MILLIMETRE

@@ -59,8 +59,8 @@ def test_bake_by_operator_is_bake_by_function(
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     scene = bpy.context.scene
     scene.render.fps = 25
-    from mimetic.appearance import appearance_of
-    from mimetic.contact_shapes import contact_shapes
+    from mimetic.character.appearance import appearance_of
+    from mimetic.character.contact_shapes import contact_shapes
 
     clip = extension("scene_out").clip.load(scene, str(footage))
     appearance = appearance_of(performance, footage)

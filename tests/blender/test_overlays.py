@@ -5,8 +5,8 @@ import bpy
 import numpy as np
 import pytest
 from conftest import MODULE
-from mimetic.placement import to_head
-from mimetic.skin_mesh import SkinMesh, multiply
+from mimetic.character.placement import to_head
+from mimetic.skin.mesh import SkinMesh, multiply
 
 METRES = 2e-6
 
@@ -24,7 +24,7 @@ def added():
 
 def refined(points) -> np.ndarray:
     """The skin's limit surface of V x 3 in the object's frame, in the head frame."""
-    from mimetic.face_template import load_template
+    from mimetic.template.face_template import load_template
 
     template = load_template()
     mesh = SkinMesh(template, np.ascontiguousarray(template.vertices))

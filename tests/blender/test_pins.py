@@ -52,7 +52,7 @@ def select(clip, *names: str) -> None:
 
 
 def test_a_dragged_landmark_is_pinned_and_the_face_follows(extension, found):
-    from mimetic import fit as fitting
+    from mimetic.fit import fitting
 
     stored = extension("scene_out").face_fit.stored
     before = stored(found)
@@ -131,8 +131,8 @@ def test_pins_live_in_the_file_and_capture_starts_from_them(extension, found, tm
     settings = scene.mimetic
     settings.use_frame_range, settings.frame_first, settings.frame_last = True, FRAME, FRAME + 1
     bpy.ops.mimetic.capture(filepath=str(tmp_path / "take.npz"))
-    from mimetic.face_template import load_template
-    from mimetic.performance import Performance
+    from mimetic.performance.document import Performance
+    from mimetic.template.face_template import load_template
 
     captured = Performance.load(tmp_path / "take.npz").neutral_vertices
     np.testing.assert_allclose(captured, fit.neutral_vertices(load_template()), atol=1e-9)

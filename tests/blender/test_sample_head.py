@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from mimetic.face_template import load_template
+from mimetic.template.face_template import load_template
 
 pytestmark = pytest.mark.oldest_and_newest
 

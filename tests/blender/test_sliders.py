@@ -10,7 +10,7 @@ METRES = 2e-6
 
 @pytest.fixture(scope="session")
 def head():
-    from mimetic.canonical_head import make_head
+    from mimetic.character.canonical_head import make_head
 
     return make_head()
 
@@ -32,7 +32,7 @@ def evaluated(face) -> np.ndarray:
 
 
 def shape_sum(head, values) -> np.ndarray:
-    from mimetic.placement import to_object
+    from mimetic.character.placement import to_object
 
     by_name = {shape.name: shape for shape in (*head.shapes, *head.groups)}
     offsets = sum(value * by_name[name].offsets for name, value in values.items())
@@ -104,7 +104,7 @@ def test_a_group_adds_to_baked_curves_and_leaves_them(extension, scene, performa
         )
         if group == 1 and name.endswith(".L")
     ]
-    from mimetic.placement import to_object
+    from mimetic.character.placement import to_object
 
     added = 0.5 * to_object(np.sum(members, axis=0, dtype=np.float64))
     np.testing.assert_allclose(evaluated(face) - plain, added, atol=METRES)
@@ -159,7 +159,7 @@ def test_panels_mean_the_selected_face(extension, scene, added, performance):
 
 
 def test_an_added_face_is_exported(added, tmp_path):
-    from mimetic import gltf
+    from mimetic.character import gltf
 
     added.data.shape_keys.key_blocks["jaw_open"].keyframe_insert("value", frame=1)
     added.data.shape_keys.key_blocks["jaw_open"].value = 1.0
@@ -172,7 +172,7 @@ def test_an_added_face_is_exported(added, tmp_path):
 
 
 def test_only_groups_that_do_something_are_exported(extension, scene, performance, tmp_path):
-    from mimetic import gltf
+    from mimetic.character import gltf
 
     extension("scene_out").bake(scene, performance, "take")
     blocks = scene.mimetic.face.data.shape_keys.key_blocks

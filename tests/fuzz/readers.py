@@ -13,27 +13,31 @@ from dataclasses import dataclass
 from pathlib import Path
 from random import Random
 
-import mimetic.info  # noqa: F401 - what `cli` would import in every process anew
+import mimetic.commands.info  # noqa: F401 - what `cli` would import in every process anew
 import numpy as np
-from mimetic import InvalidInput, cli, eigenspaces, placement, shapes
-from mimetic import landmarks as cascade_file
-from mimetic.evaluate.score import score
-from mimetic.evaluate.stills import Stills
-from mimetic.evaluate.tables import as_json, as_text
-from mimetic.evaluate.truth import Truth
-from mimetic.face_fit import FaceFit
-from mimetic.face_template import load_template
-from mimetic.fit import landmark_places, refit
-from mimetic.footage import Footage
-from mimetic.foreign_mesh import read_skin
-from mimetic.mesh_file import read_landmarks, read_mesh
-from mimetic.performance import Performance
-from mimetic.points import read_points, track_points
-from mimetic.pose_smoothing import smoothed
-from mimetic.report import head_angles
-from mimetic.shown_text import shown
-from mimetic.timing import frame_steps, scene_frames, scene_rate
+from mimetic import InvalidInput
+from mimetic.character import placement, shapes
+from mimetic.character.foreign_mesh import read_skin
+from mimetic.character.landmarks_file import read_landmarks
+from mimetic.commands import cli
+from mimetic.commands.points import read_points, track_points
+from mimetic.fit.face_fit import FaceFit
+from mimetic.fit.fitting import landmark_places, refit
+from mimetic.head.smoothing import smoothed
+from mimetic.locate import eigenspaces
+from mimetic.locate import landmarks as cascade_file
+from mimetic.media.footage import Footage
+from mimetic.media.timing import frame_steps, scene_frames, scene_rate
+from mimetic.performance.document import Performance
+from mimetic.report.html import head_angles
+from mimetic.score.score import score
+from mimetic.score.tables import as_json, as_text
+from mimetic.score.truth import Truth
+from mimetic.shared.shown_text import shown
+from mimetic.template.face_template import load_template
 
+from evaluation.anatomy.mesh_file import read_mesh
+from evaluation.runs.stills import Stills
 from fuzz import samples
 from fuzz.changed_bytes import change_bytes
 from fuzz.samples import Sample

@@ -15,17 +15,18 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 from clips import make_clip
-from mimetic.eigenspaces import FILE_NAME as SPACES
-from mimetic.evaluate.stills import PARTS
-from mimetic.face_template import data_folder, load_template
-from mimetic.foreign_mesh import REQUIRED
-from mimetic.gltf import write_chunks
-from mimetic.landmarks import FILE_NAME as CASCADE
+from mimetic.character.foreign_mesh import REQUIRED
+from mimetic.character.gltf import write_chunks
+from mimetic.locate.eigenspaces import FILE_NAME as SPACES
+from mimetic.locate.landmarks import FILE_NAME as CASCADE
+from mimetic.shared.installed_data import data_folder
+from mimetic.template.face_template import load_template
 from sample_fit import make_fit
 from sample_mesh import document, ply
 from sample_performance import make_performance
 from sample_truth import make_truth
 
+from evaluation.runs.stills import PARTS
 from fuzz.changed_arrays import change_arrays
 from fuzz.changed_bytes import change_bytes, change_text
 from fuzz.changed_json import change_glb, change_json

@@ -14,10 +14,10 @@ def rendered_clip():
     50 frames of 320 x 240. Rendered by Blender in about 20 s the first time, then taken from the
     cache; never fetched.
     """
-    from mimetic.face_template import load_template
+    from mimetic.template.face_template import load_template
 
-    from evaluation.clips import clip
-    from evaluation.recipes import TEST
+    from evaluation.synthetic.clips import clip
+    from evaluation.synthetic.recipes import TEST
 
     return clip(TEST, load_template())
 

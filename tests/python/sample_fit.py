@@ -3,9 +3,9 @@
 
 import numpy as np
 from mimetic import _core
-from mimetic.calibration import Calibration
-from mimetic.face_fit import FaceFit
-from mimetic.fitted_view import FittedView
+from mimetic.fit.face_fit import FaceFit
+from mimetic.fit.fitted_view import FittedView
+from mimetic.muscles.calibration import Calibration
 
 
 def make_fit(**changes):

@@ -2,7 +2,7 @@
 """A small made-up performance: a curved patch that turns and bulges, seen by a 320 x 240 camera."""
 
 import numpy as np
-from mimetic.performance import Performance
+from mimetic.performance.document import Performance
 
 
 def make_performance(num_frames=12, rings=9, **changes):

@@ -2,8 +2,8 @@
 """Truth that a made-up performance explains exactly."""
 
 import numpy as np
-from mimetic.evaluate import Truth
-from mimetic.evaluate.prediction import follow
+from mimetic.score.prediction import follow
+from mimetic.score.truth import Truth
 
 
 def make_truth(performance, num_points=40, **changes):

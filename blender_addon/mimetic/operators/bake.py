@@ -78,10 +78,10 @@ class MIMETIC_OT_bake(Job, Operator):
             performance = performance.without_detail()
         contact = None
         if use_contact:
-            contact = native.part("contact_shapes").contact_shapes(performance, progress)
+            contact = native.contact_shapes().contact_shapes(performance, progress)
         if not progress(0.9, "projecting the texture" if footage else "painting"):
             return None
-        appearance = native.part("appearance").appearance_of(performance, footage)
+        appearance = native.appearance().appearance_of(performance, footage)
         return performance, name, take.clip_name, (appearance, contact), ""
 
     def write(self, context, result):

@@ -23,7 +23,7 @@ skin is held and how strong the muscles are; the fit keeps it for every capture"
     def read(self, context):
         clip = scene_in.clip_of(context)
         frames = scene_in.frame_range(context.scene)
-        most = native.part("calibration_capture").MOST_FRAMES
+        most = native.calibration_run().MOST_FRAMES
         if frames is None and clip.frame_duration > most:
             raise native.invalid_input(
                 f"Calibration rests on {most} frames at most: tick Part of the Clip, and choose a "
@@ -34,7 +34,7 @@ skin is held and how strong the muscles are; the fit keeps it for every capture"
     def work(self, inputs, progress):
         footage, frames, fit = inputs
         try:
-            calibrate = native.part("calibration_capture").calibrate
+            calibrate = native.calibration_run().calibrate
             calibrated, _ = calibrate(footage.path, frames, fit, progress)
         except KeyboardInterrupt:  # stopped: half a calibration is none
             return None

@@ -14,6 +14,6 @@ class MIMETIC_OT_capture(Following, Operator):
 
     @staticmethod
     def follow(option, footage_path, frames, fit, progress):
-        return native.part("pipeline").capture(
+        return native.clip_capture().capture(
             footage_path, frames=frames, fit=fit, progress=progress
         )

@@ -25,7 +25,7 @@ class MIMETIC_OT_load_clip(Operator, ImportHelper):
     def execute(self, context):
         path = bpy.path.abspath(self.filepath)
         try:
-            footage = native.part("footage").Footage(path)
+            footage = native.footage().Footage(path)
         except native.known_errors() as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}

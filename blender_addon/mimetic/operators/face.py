@@ -47,7 +47,7 @@ class MIMETIC_OT_find_face(Job, Operator):
 
     def work(self, inputs, progress):
         footage, frame, near = inputs
-        find = native.part("pipeline").find_face
+        find = native.clip_capture().find_face
         return footage.clip_name, find(footage.path, frame, progress=progress, near=near)
 
     def write(self, context, result):

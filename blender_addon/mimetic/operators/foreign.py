@@ -25,7 +25,7 @@ class MIMETIC_OT_add_landmarks(Operator):
         if found := scene_in.landmark_empties(context.scene, head):
             self.report({"ERROR"}, f"There are landmarks for {head.name}: {', '.join(found)}")
             return {"CANCELLED"}
-        parts = native.part("foreign_face")
+        parts = native.foreign_face()
         try:
             places = parts.guess_landmarks(scene_in.world_points(head))
         except native.known_errors() as error:
@@ -67,12 +67,12 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
         head, path = inputs
         if not progress(0.1, "laying the template on the head"):
             return None
-        parts = native.part("foreign_face")
+        parts = native.foreign_face()
         landmarks = head.landmarks
         if path:
             from pathlib import Path
 
-            landmarks = native.part("mesh_file").read_landmarks(Path(path))
+            landmarks = native.landmarks_file().read_landmarks(Path(path))
         face = parts.attach_face(
             head.points, parts.Polygons(head.starts, head.corners), landmarks, head.matrix
         )
@@ -82,7 +82,7 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
         head, landmarks, face = result
         shown = bpy.data.objects.get(head.name)
         if shown is None or len(shown.data.vertices) != len(head.points):
-            raise native.part("foreign_face").InvalidInput(
+            raise native.foreign_face().InvalidInput(
                 f"{head.name} was changed meanwhile: attach its muscles again"
             )
         kept = scene_out.foreign.attach(shown, head, landmarks, face)

@@ -30,7 +30,7 @@ class MIMETIC_OT_track_head(Following, Operator):
 
     @staticmethod
     def follow(option, footage_path, frames, fit, progress):
-        return native.part("head_motion").track_head(footage_path, option, frames, fit, progress)
+        return native.head_tracking().track_head(footage_path, option, frames, fit, progress)
 
 
 class MIMETIC_OT_find_head_bones(Operator):
@@ -103,7 +103,7 @@ class MIMETIC_OT_bake_head(Job, Operator):
         performance = takes.load(take)
         if not progress(0.2, "smoothing"):
             return None
-        performance = native.part("pose_smoothing").smoothed(performance, smoothing)
+        performance = native.head_smoothing().smoothed(performance, smoothing)
         return performance, target, takes.action_name(take, performance), take.clip_name
 
     def write(self, context, result):

@@ -59,7 +59,7 @@ def _missing_clips() -> list[bpy.types.MovieClip]:
 
 
 def _find_clips(folder: Path) -> list[str]:
-    files = native.part("clip_fingerprint")
+    files = native.clip_fingerprint()
     found = []
     for clip in _missing_clips():
         path = files.find_content(clip.mimetic.fingerprint, files.files_in(folder, DEPTH))
@@ -74,7 +74,7 @@ def _find_takes(folder: Path) -> list[str]:
     names = {takes.name_of(holder) for holder in takes.missing()}
     candidates: dict[str, list[Path]] = {}
     if names:
-        for path in native.part("clip_fingerprint").files_in(folder, DEPTH):
+        for path in native.clip_fingerprint().files_in(folder, DEPTH):
             if path.name in names:
                 candidates.setdefault(path.name, []).append(path)
     found = []

@@ -28,7 +28,7 @@ class MIMETIC_OT_load_performance(Operator, ImportHelper):
     def execute(self, context):
         path = bpy.path.abspath(self.filepath)
         try:
-            performance = native.part("performance").Performance.load(path)
+            performance = native.performances().Performance.load(path)
             clip = _clip_of(context, performance, path)
         except native.known_errors() as error:
             self.report({"ERROR"}, str(error))
@@ -59,7 +59,7 @@ def _clip_of(context, performance, path: str) -> bpy.types.MovieClip | None:
         return shown
     if clip := clips.with_content(mark):
         return clip
-    files = native.part("clip_fingerprint")
+    files = native.clip_fingerprint()
     near = [Path(path).parent, *([Path(bpy.data.filepath).parent] if bpy.data.filepath else ())]
     near += [Path(clips.path_of(clip)).parent for clip in bpy.data.movieclips]
     for folder in dict.fromkeys(near):

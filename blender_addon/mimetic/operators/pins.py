@@ -88,8 +88,8 @@ class MIMETIC_OT_show_landmarks(Job, Operator):
     def work(self, inputs, progress):
         footage, fit, frame = inputs
         progress(0.0, f"finding the face in frame {frame}")
-        image = native.part("footage").Footage(footage.path).read(frame)
-        return footage.clip_name, native.part("fit_frames").with_frame(fit, image, frame), frame
+        image = native.footage().Footage(footage.path).read(frame)
+        return footage.clip_name, native.further_frame().with_frame(fit, image, frame), frame
 
     def write(self, context, result):
         clip_name, fit, frame = result

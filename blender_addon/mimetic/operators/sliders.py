@@ -31,7 +31,7 @@ class MIMETIC_OT_add_face(Job, Operator):
         return None
 
     def work(self, inputs, progress):
-        return native.part("canonical_head").make_head()
+        return native.canonical_head().make_head()
 
     def write(self, context, head):
         face = scene_out.canonical.add(

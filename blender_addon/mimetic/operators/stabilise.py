@@ -27,7 +27,7 @@ class MIMETIC_OT_hold_head_still(Job, Operator):
         performance = takes.load(take)
         if not progress(0.2, "smoothing"):
             return None
-        return native.part("pose_smoothing").smoothed(performance, smoothing), take.clip_name
+        return native.head_smoothing().smoothed(performance, smoothing), take.clip_name
 
     def write(self, context, result):
         performance, clip_name = result

@@ -126,7 +126,7 @@ def _draw_scale(context, settings, lowest: float, highest: float) -> None:
     width, height = (side * ui_scale for side in LEGEND_SIZE)
     left = (context.region.width - width) / 2
     bottom = MARGIN * ui_scale
-    points, colours = native.part("strain_map").scale_strip(left, bottom, width, height)
+    points, colours = native.strain_map().scale_strip(left, bottom, width, height)
     shader = gpu.shader.from_builtin("SMOOTH_COLOR")
     gpu.state.blend_set("ALPHA")
     batch_for_shader(shader, "TRI_STRIP", {"pos": points, "color": colours}).draw(shader)

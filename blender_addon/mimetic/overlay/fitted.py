@@ -59,7 +59,7 @@ def _batch(context):
         return None
     frame = scene_in.shown_frame(context)
     if _drawn is None or _drawn[0] is not fit or _drawn[1] != frame:
-        lines = native.part("fit_lines").fit_lines(fit, frame).reshape(-1, 2)
+        lines = native.fitted_lines().fit_lines(fit, frame).reshape(-1, 2)
         places = np.column_stack([lines, np.zeros(len(lines))]).astype(np.float32)
         shader = gpu.shader.from_builtin("UNIFORM_COLOR")
         made = batch_for_shader(shader, "LINES", {"pos": places}) if len(lines) else None

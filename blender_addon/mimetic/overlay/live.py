@@ -73,7 +73,7 @@ def _new(rest: np.ndarray) -> Seen:
     if reason := native.problem():
         return Seen(rest, problem=reason)
     try:
-        return Seen(rest, native.part("live_face").LiveFace(rest))
+        return Seen(rest, native.live_face().LiveFace(rest))
     except native.known_errors() as error:
         return Seen(rest, problem=str(error))
 

@@ -75,14 +75,14 @@ def bake(
     nothing then, where face or camera are linked from another file.
     """
     writable.check(targets.no_update(scene))
-    placement = native.part("placement")
+    placement = native.placement()
     # First: to know where the camera stands evaluates curves of before
     world_from_camera = scene_in.camera_matrix(scene)
     if world_from_camera is None:
         world_from_camera = placement.WORLD_FROM_SCENE_CAMERA
     timing = scene_in.timing(scene, footage)
     frames = scene_in.scene_frames(performance, timing)
-    parts = native.part("shapes")
+    parts = native.shapes()
     shapes = [*parts.shapes_of(performance), *(contact_shapes or ())]
     groups = parts.groups_of(performance) if with_groups else []
     shown, kept = face.ensure(scene, performance, shapes, groups, subdivision, is_reset)

@@ -53,7 +53,7 @@ def clear(holder, data_path: str) -> None:
 
 def take_name(path: str | os.PathLike[str]) -> str:
     """What a take from this clip or performance is called; Blender's names are Unicode, always."""
-    return native.part("shown_text").shown(Path(path).name.split(".")[0])
+    return native.shown_text().shown(Path(path).name.split(".")[0])
 
 
 def new_take(id_block: bpy.types.ID, name: str):

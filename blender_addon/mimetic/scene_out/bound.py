@@ -43,7 +43,7 @@ def bake(
     """
     writable.check(writable.no_sliders(bound))
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
-    shapes = native.part("shapes").shapes_of(performance.without_detail())
+    shapes = native.shapes().shapes_of(performance.without_detail())
     keys = bound.data.shape_keys
     sliders = _sliders(bound, shapes)
     driven = _driven(keys)
@@ -109,7 +109,7 @@ def _has_deltas(moved: bpy.types.Object) -> bool:
 def _motion(scene: bpy.types.Scene, performance, bound: bpy.types.Object):
     """`mimetic.rig_motion.Channels` of the object."""
     with standing.at_rest(scene, bound):
-        return native.part("bound_head").head_channels(
+        return native.bound_head().head_channels(
             performance,
             native.array(world.matrix(bound)) @ _object_from_character(scene, bound),
             native.array(bound.location),
@@ -124,7 +124,7 @@ def _object_from_character(scene: bpy.types.Scene, bound: bpy.types.Object):
     known = scene_in.remembered_head(scene, bound)
     if known is None:
         return native.array(Matrix.Identity(4))
-    parts = native.part("bound_head")
+    parts = native.bound_head()
     return parts.object_from_character(known.points, known.landmarks, known.matrix)
 
 
@@ -168,7 +168,7 @@ def _untouched(bound: bpy.types.Object, named: set[str]) -> list[str]:
 
 def _is_of_a_take(listed) -> bool:
     """Whether a shape belongs to one take, and is no slider for the hand."""
-    parts = native.part("shapes")
+    parts = native.shapes()
     return listed.group in (parts.DETAIL, parts.CONTACT)
 
 

@@ -68,7 +68,7 @@ def listed(face) -> dict:
 
 def remember(entry, key, basis, offsets: np.ndarray, lowest: float, highest: float) -> None:
     """Keeps with an entry what its key was given; not what it has, if the hand's was kept."""
-    fingerprint = native.part("fingerprint").fingerprint
+    fingerprint = native.fingerprint().fingerprint
     entry.name, entry.lowest, entry.highest = key.name, lowest, highest
     entry.offsets = fingerprint(offsets)
     entry.points = fingerprint((basis + offsets).astype(np.float32))
@@ -87,7 +87,7 @@ def remember_places(face) -> None:
 def is_rest_sculpted(face) -> bool:
     """Whether the basis is not as it was given."""
     entry, basis = face.mimetic.rest, points_of(face.data.shape_keys.reference_key)
-    parts = native.part("fingerprint")
+    parts = native.fingerprint()
     known = entry.place >= 0
     return known and not parts.is_same(parts.fingerprint(basis), entry.points, _largest(basis))
 
@@ -105,7 +105,7 @@ def _compare(face, entry, name: str) -> Found:
 
 def _is_as_given(entry, key, basis) -> bool:
     """In place, or gone along with a basis that was sculpted."""
-    parts = native.part("fingerprint")
+    parts = native.fingerprint()
     points, largest = points_of(key), _largest(basis)
     return parts.is_same(parts.fingerprint(points), entry.points, largest) or parts.is_same(
         parts.fingerprint(points - basis), entry.offsets, largest

@@ -47,7 +47,7 @@ def show_footage(seen_through, footage, timing, performance, take: str) -> None:
     camera.show_background_images = True
     images = camera.background_images
     behind = images[0] if images else images.new()
-    keyed = native.part("timing").frame_steps(
+    keyed = native.timing().frame_steps(
         performance.frame,
         performance.fps,
         timing.scene_rate,

@@ -21,7 +21,7 @@ def load(scene: bpy.types.Scene, path: str) -> bpy.types.MovieClip:
     own = [c for c in bpy.data.movieclips if c.source == "MOVIE" and not c.library]
     clip = next((c for c in own if os.path.abspath(clips.path_of(c)) == path), None)
     if clip is None:
-        clip = clips.with_content(native.part("clip_fingerprint").fingerprint(path))
+        clip = clips.with_content(native.clip_fingerprint().fingerprint(path))
         if clip is None:
             clip = bpy.data.movieclips.load(path)
             place(clip, path)

@@ -58,7 +58,7 @@ def _shapes(scene: bpy.types.Scene, face: bpy.types.Object):
     finally:
         scene.frame_set(int(np.floor(shown)), subframe=shown % 1)
     everywhere = np.arange(len(basis))
-    parts = native.part("contact_shapes")
+    parts = native.contact_shapes()
     shapes = parts.shapes_of_corrections(corrections, len(frames), everywhere, len(basis))
     return shapes, frames
 

@@ -60,7 +60,7 @@ def _has_faces(face, faces) -> bool:
 def new(neutral_vertices, faces) -> bpy.types.Object:
     """A face without shapes, in no collection yet; V x 3 metres in the head frame, F x 4."""
     mesh = bpy.data.meshes.new("Face")
-    vertices = native.part("placement").to_object(neutral_vertices)
+    vertices = native.placement().to_object(neutral_vertices)
     mesh.from_pydata(vertices, [], faces.tolist())
     mesh.shade_smooth()
     face = bpy.data.objects.new("Face", mesh)
@@ -137,7 +137,7 @@ def _drop_others(face, given: dict[str, Found], named: set[str], kept: Kept) -> 
 
 def _set_rest(face, neutral_vertices, is_reset: bool, kept: Kept) -> np.ndarray:
     """Puts the basis where the face rests unless it was sculpted; V x 3 by how much it moved."""
-    neutral = native.part("placement").to_object(neutral_vertices).astype(np.float32)
+    neutral = native.placement().to_object(neutral_vertices).astype(np.float32)
     basis = face.data.shape_keys.reference_key
     moved = neutral - contact.points_of(basis)
     is_sculpted = not is_reset and by_hand.is_rest_sculpted(face)
@@ -187,7 +187,7 @@ def _write(face, entry, shape, found: Found, kept: Kept) -> set[str]:
     """Gives a shape's key points and limits; returns the key's name if it has new points."""
     keys = face.data.shape_keys
     key, basis = keys.key_blocks[found.key], contact.points_of(keys.reference_key)
-    offsets = native.part("placement").to_object(shape.offsets)
+    offsets = native.placement().to_object(shape.offsets)
     points = (basis + offsets).astype(np.float32)
     by_hand.remember(entry, key, basis, offsets, shape.lowest, shape.highest)
     limits = np.subtract((key.slider_min, key.slider_max), (shape.lowest, shape.highest))

@@ -84,7 +84,7 @@ def stored(clip: bpy.types.MovieClip | None):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "face.json")
             path.write_text(content, encoding="utf-8")
-            _remember(content, native.part("fit").FaceFit.load(path))
+            _remember(content, native.fitting().FaceFit.load(path))
     return _parsed[content]
 
 

@@ -35,7 +35,7 @@ def attach(shown: bpy.types.Object, head, landmarks: Mapping, attached) -> str:
     head: scene_in.ForeignHead. Returns what to tell of keys that were changed by hand and stay.
     """
     writable.check(writable.no_shapes(shown))
-    to_head = native.part("placement").to_head
+    to_head = native.placement().to_head
     shown.mimetic.use_contact = True
     told = face.set_shapes(shown, to_head(head.points), attached.shapes, attached.groups).text()
     shown.mimetic.metres_from_object = np.asarray(head.matrix, dtype=np.float64).ravel().tolist()

@@ -50,7 +50,7 @@ def export(
         # Blender's exporter multiplies by the rate's base where it should divide: at 23.976 frames
         # a second a minute would come out 120 ms short
         rate = scene_in.timing(scene, None).scene_rate
-        files = native.part("gltf")
+        files = native.gltf()
         aside.write_bytes(files.split_negative(files.retime(aside.read_bytes(), rate)))
         os.replace(aside, path)
 

@@ -68,13 +68,13 @@ def key_object(moved, performance, take: str, frames, channels, target: Target) 
     if target.is_absolute:
         standing.forget(moved)
     else:
-        rest_index = native.part("rig_motion").rest_index
+        rest_index = native.rig_motion().rest_index
         standing.note(moved, frames[rest_index(performance, target.calibration_frame or None)])
     return num_curves
 
 
 def _motion(performance, target: Target):
-    return native.part("rig_motion").motion(
+    return native.rig_motion().motion(
         performance, target.is_absolute, target.calibration_frame or None, target.pivot
     )
 
@@ -85,7 +85,7 @@ def _bone_channels(armature, performance, target: Target) -> dict:
     if target.neck and target.neck_share > 0:
         share, neck = target.neck_share, rigs.as_bone(armature, target.neck)
         followed = rigs.followed_share(armature, target.bone, target.neck)
-    head, of_neck = native.part("rig_motion").bone_channels(
+    head, of_neck = native.rig_motion().bone_channels(
         _motion(performance, target),
         rigs.as_bone(armature, target.bone),
         neck,
@@ -100,7 +100,7 @@ def _bone_channels(armature, performance, target: Target) -> dict:
 
 def _object_channels(scene, moved, performance, target: Target):
     if target.is_absolute:
-        channels = native.part("rig_motion").placed_channels(
+        channels = native.rig_motion().placed_channels(
             performance,
             _world_from_parent(moved),
             moved.rotation_mode,
@@ -110,7 +110,7 @@ def _object_channels(scene, moved, performance, target: Target):
         )
     else:
         with standing.at_rest(scene, moved):
-            channels = native.part("rig_motion").object_channels(
+            channels = native.rig_motion().object_channels(
                 _motion(performance, target),
                 native.array(moved.matrix_basis),
                 _world_from_parent(moved),

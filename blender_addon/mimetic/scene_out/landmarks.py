@@ -36,7 +36,7 @@ def show(clip: bpy.types.MovieClip, fit) -> None:
     settings = clip.tracking.settings
     usual = settings.default_pattern_size, settings.default_search_size
     settings.default_pattern_size, settings.default_search_size = PATTERN_PIXELS
-    for name in native.part("fit").landmark_places(fit):
+    for name in native.fitting().landmark_places(fit):
         track = marked.tracks.new(name=name, frame=frames[0])
         for frame in frames:
             track.markers.insert_frame(frame)
@@ -53,9 +53,7 @@ def place(clip: bpy.types.MovieClip, fit) -> None:
     tracks = {track.name: track for track in tracks_of(clip)}
     for frame in _frames(fit):
         places = expected(fit, frame)
-        coordinates = native.part("projection").picture_coordinates(
-            list(places.values()), fit.image_size
-        )
+        coordinates = native.picture().picture_coordinates(list(places.values()), fit.image_size)
         for name, coordinate in zip(places, coordinates, strict=True):
             marker = _marker(tracks.get(name), frame - clip.frame_offset)
             if marker is not None and np.abs(np.subtract(marker.co, coordinate)).max() > 1e-7:
@@ -68,7 +66,7 @@ def place(clip: bpy.types.MovieClip, fit) -> None:
 
 def expected(fit, frame: int) -> dict[str, tuple[float, float]]:
     """Where a frame's markers belong, pixels: pins at their own place, the rest as fitted."""
-    places = native.part("fit").landmark_places(fit, frame)
+    places = native.fitting().landmark_places(fit, frame)
     return places | fit.pins.get(frame, {})
 
 
@@ -80,7 +78,7 @@ def moved(clip: bpy.types.MovieClip, fit) -> dict[int, dict[str, tuple[float, fl
         places = {n: at for n, at in expected(fit, frame).items() if n in tracks}
         markers = {n: _marker(tracks[n], frame - clip.frame_offset) for n in places}
         seen = {n: marker.co for n, marker in markers.items() if marker is not None}
-        pixels = native.part("projection").picture_pixels(list(seen.values()), fit.image_size)
+        pixels = native.picture().picture_pixels(list(seen.values()), fit.image_size)
         away = {
             name: tuple(pixel.tolist())
             for name, pixel in zip(seen, pixels, strict=True)

@@ -22,16 +22,16 @@ def write(
     footage's. with_detail: shapes for what the muscles leave unexplained too. Returns what was
     written; raises what the package raises for bad input, and OSError.
     """
-    performance = native.part("performance").Performance.load(performance_path)
+    performance = native.performances().Performance.load(performance_path)
     if not with_detail:
         performance = performance.without_detail()
-    appearance = native.part("appearance").appearance_of(performance, footage_path)
+    appearance = native.appearance().appearance_of(performance, footage_path)
     scene = bpy.context.scene
     set_up(scene, performance)
     footage = clip.load(scene, footage_path) if footage_path else None
     take = actions.take_name(footage_path or performance_path)
     is_blend = Path(out).suffix != ".glb"
-    contact = native.part("contact_shapes").contact_shapes(performance)
+    contact = native.contact_shapes().contact_shapes(performance)
     baked = bake(
         scene,
         performance,
@@ -52,7 +52,7 @@ def write(
 
 
 def set_up(scene: bpy.types.Scene, performance) -> None:
-    rate = native.part("timing").scene_rate(performance.fps)
+    rate = native.timing().scene_rate(performance.fps)
     scene.render.fps, scene.render.fps_base = rate.fps, rate.fps_base
     scene.render.resolution_x, scene.render.resolution_y = (int(n) for n in performance.image_size)
     scene.frame_start, scene.frame_end = int(performance.frame[0]), int(performance.frame[-1])

@@ -25,8 +25,8 @@ def write(
     settings: bone and neck, found by name where None; neck_share; smoothing. The file keeps its own
     rate, range and everything else; its scripts do not run. Returns what was written.
     """
-    performance = native.part("performance").Performance.load(performance_path)
-    performance = native.part("pose_smoothing").smoothed(performance, settings["smoothing"])
+    performance = native.performances().Performance.load(performance_path)
+    performance = native.head_smoothing().smoothed(performance, settings["smoothing"])
     try:
         bpy.ops.wm.open_mainfile(filepath=rig_path, load_ui=False, use_scripts=False)
     except RuntimeError as error:

@@ -66,7 +66,7 @@ def followed_share(armature: bpy.types.Object, head: str, neck: str) -> float:
     finally:
         turned.matrix_basis = before
         bpy.context.view_layer.update()
-    return native.part("rig_motion").followed(at_rest, posed, TRIAL_TURN)
+    return native.rig_motion().followed(at_rest, posed, TRIAL_TURN)
 
 
 def _orientation(armature: bpy.types.Object, name: str):
@@ -78,7 +78,7 @@ def _orientation(armature: bpy.types.Object, name: str):
 def as_bone(armature: bpy.types.Object, name: str):
     """A `mimetic.rig_motion.Bone` of a bone."""
     posed = armature.pose.bones[name]
-    return native.part("rig_motion").Bone(
+    return native.rig_motion().Bone(
         rest=native.array(posed.bone.matrix_local.to_3x3()),
         rotation_mode=posed.rotation_mode,
         can_move=not (posed.bone.use_connect and posed.bone.parent),

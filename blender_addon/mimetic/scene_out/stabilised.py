@@ -19,15 +19,15 @@ CENTRE, ABOVE = scene_in.HELD_BY
 def hold_still(clip: bpy.types.MovieClip, performance) -> int:
     """Holds the head of a `mimetic.performance.Performance` still; returns the number of frames."""
     writable.check(writable.no_tracks(clip))
-    places = native.part("stabilisation").anchors(performance)
-    parts = native.part("projection")
+    places = native.stabilisation().anchors(performance)
+    parts = native.projection()
     release(clip)
     for i, name in enumerate((CENTRE, ABOVE)):
         at = parts.picture_coordinates(places[:, i], performance.image_size)
         _write_track(clip, name, performance.frame - clip.frame_offset, at)
     _stabilise_by(clip)
     stabilisation = clip.tracking.stabilization
-    best = native.part("projection").reference_index(performance)
+    best = native.projection().reference_index(performance)
     stabilisation.anchor_frame = int(performance.frame[best]) - clip.frame_offset
     stabilisation.use_2d_stabilization = True
     stabilisation.use_stabilize_rotation = True

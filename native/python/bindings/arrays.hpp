@@ -6,8 +6,8 @@
 #include <pybind11/pybind11.h>
 #include <pybind11/stl.h>
 
-#include <mimetic/error.hpp>
-#include <mimetic/image.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/shared/image.hpp>
 #include <string>
 
 namespace mimetic::bindings {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/camera.hpp>
+#include <mimetic/shared/camera.hpp>
 
 #include "arrays.hpp"
 

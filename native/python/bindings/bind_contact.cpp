@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/contact.hpp>
+#include <mimetic/contact/contact.hpp>
 
 #include "arrays.hpp"
 

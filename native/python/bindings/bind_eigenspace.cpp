@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/face_spaces.hpp>
+#include <mimetic/locate/face_spaces.hpp>
 
 #include "arrays.hpp"
 

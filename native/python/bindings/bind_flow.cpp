@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/flow.hpp>
+#include <mimetic/flow/flow.hpp>
 #include <optional>
 
 #include "arrays.hpp"

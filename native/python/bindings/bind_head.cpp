@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/head.hpp>
+#include <mimetic/head/head.hpp>
 
 #include "arrays.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/landmarks.hpp>
+#include <mimetic/locate/landmarks.hpp>
 
 #include "arrays.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/cascade.hpp>
-#include <mimetic/locate.hpp>
+#include <mimetic/locate/cascade.hpp>
+#include <mimetic/locate/locate.hpp>
 #include <optional>
 
 #include "arrays.hpp"

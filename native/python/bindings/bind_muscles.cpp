@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/muscles.hpp>
+#include <mimetic/muscles/muscles.hpp>
 
 #include "arrays.hpp"
 

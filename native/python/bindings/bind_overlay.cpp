@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cstring>
-#include <mimetic/depth.hpp>
-#include <mimetic/overlay.hpp>
+#include <mimetic/raster/depth.hpp>
+#include <mimetic/raster/overlay.hpp>
 
 #include "arrays.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/skin.hpp>
-#include <mimetic/skin_check.hpp>
+#include <mimetic/skin/skin.hpp>
+#include <mimetic/skin/skin_check.hpp>
 
 #include "arrays.hpp"
 #include "compressed_rows.hpp"

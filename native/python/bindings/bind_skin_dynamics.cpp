@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/corotational_skin.hpp>
-#include <mimetic/skin_dynamics.hpp>
+#include <mimetic/skin/corotational_skin.hpp>
+#include <mimetic/skin/skin_dynamics.hpp>
 
 #include "arrays.hpp"
 #include "compressed_rows.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/solve.hpp>
+#include <mimetic/solve/solve.hpp>
 
 #include "arrays.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/strain.hpp>
+#include <mimetic/skin/strain.hpp>
 
 #include "arrays.hpp"
 

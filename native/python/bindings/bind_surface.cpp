@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/surface.hpp>
+#include <mimetic/surface/surface.hpp>
 
 #include "arrays.hpp"
 

@@ -3,13 +3,13 @@
 
 import sys
 
-from mimetic.interrupts import exit_on_signals, ignore_signals
+from mimetic.shared.interrupts import exit_on_signals, ignore_signals
 
 
 def main() -> int:
     """Runs the command line; returns the exit status."""
     exit_on_signals()
-    from mimetic import cli  # numpy and the core: half a second in which Ctrl-C may come
+    from mimetic.commands import cli  # numpy and the core: half a second in which Ctrl-C may come
 
     status = cli.main()
     ignore_signals()

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/error.hpp>
+#include <mimetic/shared/error.hpp>
 
 #include "fit/blend.hpp"
 #include "fit/outline.hpp"

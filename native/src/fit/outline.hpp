@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <mimetic/fit.hpp>
+#include <mimetic/fit/fit.hpp>
 
 namespace mimetic::fit {
 

@@ -3,7 +3,7 @@
 #include <ceres/ceres.h>
 #include <ceres/rotation.h>
 
-#include <mimetic/types.hpp>
+#include <mimetic/shared/types.hpp>
 
 namespace mimetic::fit {
 

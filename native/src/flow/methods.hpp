@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <mimetic/flow.hpp>
+#include <mimetic/flow/flow.hpp>
 #include <opencv2/core.hpp>
 
 #include "flow/image_noise.hpp"

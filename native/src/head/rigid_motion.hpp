@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <Eigen/Geometry>
-#include <mimetic/camera.hpp>
-#include <mimetic/types.hpp>
+#include <mimetic/shared/camera.hpp>
+#include <mimetic/shared/types.hpp>
 #include <vector>
 
 namespace mimetic::head {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "seen_head.hpp"
 
-#include <mimetic/depth.hpp>
-#include <mimetic/error.hpp>
+#include <mimetic/raster/depth.hpp>
+#include <mimetic/shared/error.hpp>
 #include <opencv2/imgproc.hpp>
 #include <string>
 

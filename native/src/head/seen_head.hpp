@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <mimetic/head.hpp>
+#include <mimetic/head/head.hpp>
 #include <opencv2/core.hpp>
 
 namespace mimetic::head {

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <mimetic/error.hpp>
+#include <mimetic/shared/error.hpp>
 #include <string>
 #include <utility>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <mimetic/eigenspace.hpp>
+#include <mimetic/locate/eigenspace.hpp>
 
 namespace mimetic::locate {
 

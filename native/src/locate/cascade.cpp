@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <filesystem>
-#include <mimetic/cascade.hpp>
-#include <mimetic/error.hpp>
+#include <mimetic/locate/cascade.hpp>
+#include <mimetic/shared/error.hpp>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/objdetect.hpp>
 #include <string>

@@ -2,8 +2,8 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 #include <limits>
-#include <mimetic/eigenspace.hpp>
-#include <mimetic/error.hpp>
+#include <mimetic/locate/eigenspace.hpp>
+#include <mimetic/shared/error.hpp>
 #include <numbers>
 
 namespace mimetic {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <mimetic/face_spaces.hpp>
+#include <mimetic/locate/face_spaces.hpp>
 
 #include "locate/batch_space.hpp"
 #include "locate/flatten.hpp"

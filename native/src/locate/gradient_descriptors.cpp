@@ -2,7 +2,7 @@
 #include <Eigen/LU>
 #include <array>
 #include <cmath>
-#include <mimetic/landmarks.hpp>
+#include <mimetic/locate/landmarks.hpp>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 

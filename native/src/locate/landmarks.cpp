@@ -2,8 +2,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <mimetic/error.hpp>
-#include <mimetic/landmarks.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/locate/landmarks.hpp>
 
 namespace mimetic {
 namespace {

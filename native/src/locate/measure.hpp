@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <map>
-#include <mimetic/locate.hpp>
+#include <mimetic/locate/locate.hpp>
 #include <optional>
 
 #include "locate/patch.hpp"

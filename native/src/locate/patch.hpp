@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <Eigen/LU>
-#include <mimetic/image.hpp>
-#include <mimetic/types.hpp>
+#include <mimetic/shared/image.hpp>
+#include <mimetic/shared/types.hpp>
 #include <opencv2/core.hpp>
 
 namespace mimetic::locate {

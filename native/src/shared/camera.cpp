@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
-#include <mimetic/camera.hpp>
-#include <mimetic/error.hpp>
-#include <mimetic/image.hpp>
+#include <mimetic/shared/camera.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/shared/image.hpp>
 #include <string>
 
 namespace mimetic {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <mimetic/image.hpp>
+#include <mimetic/shared/image.hpp>
 #include <opencv2/core.hpp>
 
 namespace mimetic {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/error.hpp>
-#include <mimetic/image.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/shared/image.hpp>
 #include <string>
 
 namespace mimetic {

@@ -3,8 +3,8 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <mimetic/error.hpp>
-#include <mimetic/skin_check.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/skin/skin_check.hpp>
 #include <string>
 
 #include "mesh_edges.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <mimetic/types.hpp>
+#include <mimetic/shared/types.hpp>
 #include <vector>
 
 namespace mimetic {

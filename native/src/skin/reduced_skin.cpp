@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/Eigenvalues>
-#include <mimetic/error.hpp>
-#include <mimetic/skin_dynamics.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/skin/skin_dynamics.hpp>
 #include <numbers>
 #include <string>
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <mimetic/shell.hpp>
+#include <mimetic/skin/shell.hpp>
 
 #include "elements.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <mimetic/skin.hpp>
+#include <mimetic/skin/skin.hpp>
 #include <vector>
 
 #include "elements.hpp"

@@ -2,8 +2,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
-#include <mimetic/error.hpp>
-#include <mimetic/skin_check.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/skin/skin_check.hpp>
 #include <string>
 
 #include "mesh_edges.hpp"

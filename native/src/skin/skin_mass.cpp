@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/error.hpp>
-#include <mimetic/skin_dynamics.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/skin/skin_dynamics.hpp>
 #include <string>
 
 #include "check_mesh.hpp"

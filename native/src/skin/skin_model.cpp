@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/error.hpp>
-#include <mimetic/skin.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/skin/skin.hpp>
 #include <string>
 #include <utility>
 #include <vector>

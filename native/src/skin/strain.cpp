@@ -3,8 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <mimetic/error.hpp>
-#include <mimetic/strain.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/skin/strain.hpp>
 #include <string>
 
 namespace mimetic {

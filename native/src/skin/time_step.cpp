@@ -2,7 +2,7 @@
 #include "time_step.hpp"
 
 #include <cmath>
-#include <mimetic/error.hpp>
+#include <mimetic/shared/error.hpp>
 #include <string>
 
 namespace mimetic {

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <mimetic/skin_dynamics.hpp>
+#include <mimetic/skin/skin_dynamics.hpp>
 
 namespace mimetic {
 

@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <mimetic/error.hpp>
-#include <mimetic/skin_dynamics.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/skin/skin_dynamics.hpp>
 #include <numbers>
 #include <string>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "block_banded.hpp"
 
-#include <mimetic/error.hpp>
+#include <mimetic/shared/error.hpp>
 
 namespace mimetic {
 

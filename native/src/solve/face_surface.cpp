@@ -2,7 +2,7 @@
 #include "face_surface.hpp"
 
 #include <limits>
-#include <mimetic/surface.hpp>
+#include <mimetic/surface/surface.hpp>
 
 namespace mimetic {
 

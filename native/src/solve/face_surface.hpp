@@ -6,8 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <mimetic/camera.hpp>
-#include <mimetic/solve.hpp>
+#include <mimetic/shared/camera.hpp>
+#include <mimetic/solve/solve.hpp>
 #include <string>
 #include <vector>
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
-#include <mimetic/solve.hpp>
+#include <mimetic/solve/solve.hpp>
 
 namespace mimetic {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/LU>
-#include <mimetic/error.hpp>
+#include <mimetic/shared/error.hpp>
 
 #include "block_banded.hpp"
 #include "detail_solver.hpp"

@@ -5,8 +5,8 @@
 
 #include <Eigen/Geometry>
 #include <memory>
-#include <mimetic/error.hpp>
-#include <mimetic/surface.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/surface/surface.hpp>
 #include <string>
 #include <vector>
 

@@ -3,8 +3,8 @@
 #include <array>
 #include <limits>
 #include <map>
-#include <mimetic/error.hpp>
-#include <mimetic/surface.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/surface/surface.hpp>
 #include <string>
 #include <vector>
 

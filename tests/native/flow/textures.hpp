@@ -4,7 +4,7 @@
 #include <Eigen/Dense>
 #include <cmath>
 #include <functional>
-#include <mimetic/flow.hpp>
+#include <mimetic/flow/flow.hpp>
 #include <random>
 #include <vector>
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <mimetic/head.hpp>
+#include <mimetic/head/head.hpp>
 #include <random>
 #include <vector>
 

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <mimetic/error.hpp>
+#include <mimetic/shared/error.hpp>
 
 #include "head_scene.hpp"
 

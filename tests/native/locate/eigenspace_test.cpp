@@ -3,8 +3,8 @@
 
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <mimetic/eigenspace.hpp>
-#include <mimetic/error.hpp>
+#include <mimetic/locate/eigenspace.hpp>
+#include <mimetic/shared/error.hpp>
 #include <numbers>
 #include <random>
 

@@ -3,8 +3,8 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <mimetic/error.hpp>
-#include <mimetic/landmarks.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/locate/landmarks.hpp>
 
 namespace mimetic {
 namespace {

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <mimetic/error.hpp>
-#include <mimetic/locate.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/locate/locate.hpp>
 
 namespace mimetic {
 namespace {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <mimetic/camera.hpp>
-#include <mimetic/error.hpp>
+#include <mimetic/shared/camera.hpp>
+#include <mimetic/shared/error.hpp>
 
 namespace mimetic {
 namespace {

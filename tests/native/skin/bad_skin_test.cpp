@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
-#include <mimetic/error.hpp>
-#include <mimetic/skin_check.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/skin/skin_check.hpp>
 
 #include "shapes.hpp"
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <cmath>
-#include <mimetic/skin.hpp>
-#include <mimetic/surface.hpp>
+#include <mimetic/skin/skin.hpp>
+#include <mimetic/surface/surface.hpp>
 #include <vector>
 
 namespace mimetic {

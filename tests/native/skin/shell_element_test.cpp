@@ -5,7 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
-#include <mimetic/error.hpp>
+#include <mimetic/shared/error.hpp>
 
 #include "shapes.hpp"
 

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <mimetic/error.hpp>
-#include <mimetic/skin_dynamics.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/skin/skin_dynamics.hpp>
 #include <numbers>
 
 namespace mimetic {

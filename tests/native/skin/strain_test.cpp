@@ -4,8 +4,8 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
-#include <mimetic/error.hpp>
-#include <mimetic/strain.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/skin/strain.hpp>
 
 #include "shapes.hpp"
 

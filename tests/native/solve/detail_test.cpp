@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <mimetic/error.hpp>
+#include <mimetic/shared/error.hpp>
 
 #include "face_scene.hpp"
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <Eigen/Geometry>
 #include <cmath>
-#include <mimetic/solve.hpp>
+#include <mimetic/solve/solve.hpp>
 #include <random>
 #include <vector>
 

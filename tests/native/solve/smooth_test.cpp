@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
-#include <mimetic/solve.hpp>
+#include <mimetic/solve/solve.hpp>
 #include <random>
 
 namespace mimetic {

@@ -3,8 +3,8 @@
 
 #include <Eigen/Geometry>
 #include <array>
-#include <mimetic/error.hpp>
-#include <mimetic/surface.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/surface/surface.hpp>
 #include <set>
 
 namespace mimetic {

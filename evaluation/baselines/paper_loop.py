@@ -1,0 +1,385 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The paper's own estimator: an observer with the skin's dynamics, and feedback control.
+
+Essa, Basu, Darrell and Pentland 1996, Fig. 2, as a baseline on the interface of `pipeline.capture`:
+(a) a Kalman filter whose only measurement is the optical flow from frame to frame, with the flow's
+covariance; (b) its model is the skin's M u'' + D u' + K u = f, in the coordinates of ReducedSkin
+(static responses of muscles and jaw and the lowest natural modes); (c) the muscle controls are
+those whose forces make the model follow the corrected motion best (linear quadratic tracking), and
+they drive the model's next step. There is no reference texture and no smoother: errors add up, as
+theirs did. The head's pose is solved together with the skin, from the same flow.
+"""
+
+from __future__ import annotations
+
+import os
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+from itertools import compress
+
+import numpy as np
+from mimetic import _core
+from mimetic.fit.fitting import FaceFit
+from mimetic.media.backward import frames_backward
+from mimetic.media.footage import Footage
+from mimetic.muscles.anatomy import Anatomy, modes_of
+from mimetic.muscles.articulators import ARTICULATORS, JAW
+from mimetic.muscles.motion import LoadedSkin, dynamics_options, load_skin
+from mimetic.performance.document import NUM_MUSCLES, Performance
+from mimetic.shared import luminance
+from mimetic.shared.progress import ATTACHED, SEARCHED, Progress, stages
+from mimetic.shared.rotations import from_rotation_vectors
+from mimetic.shared.sampling import sampled
+from mimetic.skin.mesh import multiply
+from mimetic.solve.clip_capture import CaptureSummary, FrameRange, check_range, fit_for
+from mimetic.solve.tracking import UNMEASURED
+from mimetic.solve.walk import check_any_done
+from mimetic.template.face_template import FaceTemplate, load_template
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+GREY = luminance.GREY.astype(np.float32)
+NUM_MODES = 8
+MOST_SAMPLES = 1000
+LEAST_COSINE = 0.35  # between a sample's normal and the view
+WINDOW_PX = 64.0  # pixels whose flow is one independent measurement
+MODEL_PX = 0.1  # what flow does not measure, standard deviation a frame
+DEGREES_OF_FREEDOM = 4.0  # of Student's t, for the robust weights
+ITERATIONS = 3
+# Standard deviations of what is not foreseen from one frame to the next.
+ACTIVATION_STEP = 0.05
+MODE_STEP = 1e-5  # metres, root mean square over the skin, a natural mode
+POSE_STEP = np.array([0.02] * 3 + [0.005] * 3)  # rad, metres
+CONTROL_COST = 0.1  # of activations, against the mean that forces of one activation do
+
+
+@dataclass(frozen=True)
+class ReducedFace:
+    """A person's skin in R coordinates of unit mass that do not act on each other."""
+
+    squared: Floats  # R, (rad/s)^2
+    damping: Floats  # R, 1/s
+    loads: Floats  # R x L, forces of 36 muscles and 3 motions of the jaw at value 1
+    shapes: Floats  # R x V x 3, metres of the whole head's control vertices
+    samples: Floats  # P x 3, metres at rest
+    normals: Floats  # P x 3
+    moved: Floats  # P x 3 x R, the samples' motion
+
+    @classmethod
+    def of(cls, skin: LoadedSkin, num_modes: int = NUM_MODES) -> ReducedFace:
+        options = dynamics_options()
+        reduced = skin.reduced(options, num_modes)
+        shapes = np.asarray(reduced.shapes)
+        squared = (2 * np.pi * np.asarray(reduced.frequencies)) ** 2
+        mesh, free = skin.mesh, skin.skin.free
+        responses = np.zeros((shapes.shape[1], len(free), 3))
+        responses[:, free] = shapes.T.reshape(shapes.shape[1], -1, 3)
+        template = mesh.template
+        kept = (~template.in_region(*UNMEASURED))[: len(free)].astype(np.float64)
+        seen = mesh.seen_from_front
+        seen = seen[multiply(mesh.stencils, kept)[seen] > 0.99]
+        seen = seen[:: max(1, round(len(seen) / MOST_SAMPLES))]
+        moved = multiply(skin.stencils_of(seen), responses[:, free].transpose(1, 2, 0))
+        return cls(
+            squared,
+            options.mass_damping + options.stiffness_damping * squared,
+            shapes.T @ skin.loads,
+            skin.skin.spread(responses),
+            mesh.vertices[seen],
+            mesh.normals[seen],
+            moved,
+        )
+
+
+class Observer:
+    """State (coordinates, their rates); P is its covariance, pose_cov that of the head's pose."""
+
+    def __init__(self, face: ReducedFace, pose: Floats, step: float) -> None:
+        self.face, self.pose = face, pose.copy()
+        count = len(face.squared)
+        self.state = np.zeros(2 * count)
+        self.cov = 1e-10 * np.eye(2 * count)
+        self.pose_cov = np.diag(np.square([1e-3] * 3 + [1e-3] * 3))
+        self.control = np.zeros(face.loads.shape[1])
+        self.control_std = np.zeros(face.loads.shape[1])
+        self.step = step
+        jaw = [ARTICULATORS[name] for name in JAW]
+        self.limits = np.array([*[(0.0, 1.0)] * NUM_MUSCLES, *jaw]).T
+        self.transition, self.input = _discrete(face.squared, face.damping, step)
+        weight = 1 / face.squared
+        normal = face.loads.T @ (weight[:, None] * face.loads)
+        normal += CONTROL_COST * np.trace(normal) / len(normal) * np.eye(len(normal))
+        self.tracking = np.linalg.solve(normal, face.loads.T * weight)
+        self.noise = self._process_noise()
+
+    def _process_noise(self) -> Floats:
+        """Of the state, from forces that change between frames."""
+        face = self.face
+        size = np.sqrt((face.moved**2).mean((0, 1)) * 3)
+        forces = ACTIVATION_STEP * face.loads
+        unforeseen = forces @ forces.T + np.diag((MODE_STEP / size * face.squared) ** 2)
+        return self.input @ unforeseen @ self.input.T
+
+    def advance(
+        self, previous: NDArray[np.uint8], image: NDArray[np.uint8], camera: Floats
+    ) -> None:
+        """From one grey frame to the next; camera: 3 x 3."""
+        count = len(self.face.squared)
+        forces = self.face.loads @ self.control
+        predicted = self.transition @ self.state + self.input @ forces
+        # How far each coordinate goes from frame to frame is measured, together with the pose.
+        change = self.transition[:count] - np.eye(count, 2 * count)
+        cov = self.transition @ self.cov @ self.transition.T + self.noise
+        change_cov = change @ self.cov @ change.T + self.noise[:count, :count]
+        cross = self.transition @ self.cov @ change.T + self.noise[:, :count]
+        prior = np.zeros((count + 6, count + 6))
+        prior[:count, :count] = change_cov + 1e-16 * np.trace(change_cov) * np.eye(count)
+        prior[count:, count:] = np.diag(POSE_STEP**2)
+        expected = np.concatenate([predicted[:count] - self.state[:count], np.zeros(6)])
+        found, found_cov = self._measured(previous, image, camera, expected, prior)
+        gain = np.linalg.solve(prior[:count, :count], cross.T).T
+        old = self.state
+        self.state = predicted + gain @ (found - expected)[:count]
+        self.cov = cov - gain @ (prior - found_cov)[:count, :count] @ gain.T
+        self.cov = (self.cov + self.cov.T) / 2
+        self.pose[:3, :3] = from_rotation_vectors(found[count : count + 3]) @ self.pose[:3, :3]
+        self.pose[:3, 3] += found[count + 3 :]
+        self.pose_cov = self.pose_cov + found_cov[count:, count:]
+        self._steer(old)
+
+    def _steer(self, old: Floats) -> None:
+        """Controls whose forces carry the corrected motion."""
+        face = self.face
+        count = len(face.squared)
+        place, rate = self.state[:count], self.state[count:]
+        acceleration = (rate - old[count:]) / self.step
+        control = self.tracking @ (face.squared * place + face.damping * rate + acceleration)
+        self.control = np.clip(control, *self.limits)
+        forces = np.hstack([np.diag(face.squared), np.diag(face.damping)])
+        spread = self.tracking @ forces
+        variance = np.einsum("ls,st,lt->l", spread, self.cov, spread)
+        self.control_std = np.sqrt(np.maximum(variance, 0))
+
+    def _measured(
+        self,
+        previous: NDArray[np.uint8],
+        image: NDArray[np.uint8],
+        camera: Floats,
+        expected: Floats,
+        prior: Floats,
+    ) -> tuple[Floats, Floats]:
+        """The step of coordinates and pose, and its covariance, under the prior and the flow."""
+        face, count = self.face, len(self.face.squared)
+        surface = face.samples + face.moved @ self.state[:count]
+        before, pixels = self._seen(surface, camera)
+        height, width = image.shape
+        inside = (pixels > 1).all(1) & (pixels[:, 0] < width - 2) & (pixels[:, 1] < height - 2)
+        at = before / np.linalg.norm(before, axis=1, keepdims=True)
+        facing = -np.einsum("pi,pi->p", face.normals @ self.pose[:3, :3].T, at)
+        used = inside & (facing > LEAST_COSINE)
+        options = _core.FlowOptions()
+        options.method = _core.FlowMethod.probabilistic
+        field = _core.compute_flow(previous, image, options)
+        pixels = pixels[used]
+        flow = sampled(np.asarray(field.flow), pixels)
+        xx, xy, yy = np.moveaxis(sampled(np.asarray(field.covariance), pixels), 1, 0)
+        noise = np.stack([np.stack([xx, xy], 1), np.stack([xy, yy], 1)], 1) + MODEL_PX**2 * np.eye(
+            2
+        )
+        hull = np.ptp(pixels, axis=0).prod() * np.pi / 4 if len(pixels) else 1.0
+        share = min(1.0, hull / WINDOW_PX / max(len(pixels), 1))
+        inverse = share * np.linalg.inv(noise)
+        slopes = self._slopes(before[used], surface[used], face.moved[used], camera)
+        information = np.linalg.inv(prior)
+        found = expected.copy()
+        for _ in range(ITERATIONS):
+            off = flow - (self._moved_pixels(surface[used], used, found, camera) - pixels)
+            distance = np.einsum("pi,pij,pj->p", off, inverse, off) / share
+            weight = (DEGREES_OF_FREEDOM + 2) / (DEGREES_OF_FREEDOM + distance)
+            weighted = np.einsum("pij,pjk->pik", weight[:, None, None] * inverse, slopes)
+            measured = np.tensordot(slopes, weighted, axes=((0, 1), (0, 1)))
+            pull = np.einsum("pik,pi->k", weighted, off) - information @ (found - expected)
+            found = found + np.linalg.solve(information + measured, pull)
+        return found, np.linalg.inv(information + measured)
+
+    def _seen(self, surface: Floats, camera: Floats) -> tuple[Floats, Floats]:
+        """Places in the camera (P,3), pixels (P,2)."""
+        placed = surface @ self.pose[:3, :3].T + self.pose[:3, 3]
+        pixels = placed @ camera.T
+        return placed, pixels[:, :2] / pixels[:, 2:]
+
+    def _moved_pixels(self, surface: Floats, used: NDArray, step: Floats, camera: Floats) -> Floats:
+        count = len(self.face.squared)
+        moved = surface + self.face.moved[used] @ step[:count]
+        rotation = from_rotation_vectors(step[count : count + 3]) @ self.pose[:3, :3]
+        pixels = (moved @ rotation.T + self.pose[:3, 3] + step[count + 3 :]) @ camera.T
+        return pixels[:, :2] / pixels[:, 2:]
+
+    def _slopes(self, placed: Floats, surface: Floats, moved: Floats, camera: Floats) -> Floats:
+        """Pixels (P,2,R+6) a unit of coordinates and pose."""
+        x, y, z = placed.T
+        projection = np.zeros((len(placed), 2, 3))
+        projection[:, 0, 0], projection[:, 0, 2] = camera[0, 0] / z, -camera[0, 0] * x / z**2
+        projection[:, 1, 1], projection[:, 1, 2] = camera[1, 1] / z, -camera[1, 1] * y / z**2
+        turned = surface @ self.pose[:3, :3].T
+        turning = np.cross(np.eye(3), turned[:, None]).transpose(0, 2, 1)
+        deformed = (projection @ self.pose[:3, :3]) @ moved
+        return np.concatenate([deformed, projection @ turning, projection], axis=2)
+
+
+def _discrete(squared: Floats, damping: Floats, step: float) -> tuple[Floats, Floats]:
+    """Transition (2R,2R) and input (2R,R) of q'' + d q' + w^2 q = f, the force held for a step."""
+    root = np.sqrt((damping**2 - 4 * squared).astype(complex) + 1e-9)
+    slow, fast = (-damping + root) / 2, (-damping - root) / 2
+    a, b = np.exp(slow * step), np.exp(fast * step)
+    place = np.stack([slow * b - fast * a, a - b]) / (slow - fast)
+    rate = np.stack([slow * fast * (b - a), slow * a - fast * b]) / (slow - fast)
+    transition = np.block([[np.diag(row.real) for row in part] for part in (place, rate)])
+    held = np.concatenate([(1 - place[0].real) / squared, -rate[0].real / squared])
+    count = len(squared)
+    return transition, np.vstack([np.diag(held[:count]), np.diag(held[count:])])
+
+
+@dataclass
+class _Followed:
+    frame: list[int] = field(default_factory=list)
+    pose: list[Floats] = field(default_factory=list)
+    pose_cov: list[Floats] = field(default_factory=list)
+    place: list[Floats] = field(default_factory=list)
+    control: list[Floats] = field(default_factory=list)
+    control_std: list[Floats] = field(default_factory=list)
+
+    def add(self, frame: int, observer: Observer) -> None:
+        self.frame.append(frame)
+        self.pose.append(observer.pose.copy())
+        self.pose_cov.append(observer.pose_cov)
+        self.place.append(observer.state[: len(observer.face.squared)])
+        self.control.append(observer.control)
+        self.control_std.append(observer.control_std)
+
+    def within(self, first: int, last: int) -> _Followed:
+        """Only the frames from first to last, both included."""
+        kept = [first <= frame <= last for frame in self.frame]
+        return _Followed(*(list(compress(column, kept)) for column in vars(self).values()))
+
+
+def capture_by_loop(
+    path: str | os.PathLike[str],
+    frames: FrameRange | None = None,
+    fit: FaceFit | None = None,
+    progress: Progress | None = None,
+    summary: CaptureSummary | None = None,
+) -> Performance:
+    """Frames of a clip by the paper's loop, from the fit's frame both ways: as `pipeline.capture`.
+
+    The activations are the controls, which stay within 0 and 1 (unbounded, antagonists run off
+    against each other on what a flow cannot tell apart); what the skin does beyond their static
+    answer is kept as detail. Nothing tells a frame that is lost. Raises NoFace, UnreadableMedia,
+    InvalidInput.
+    """
+    summary = summary if summary is not None else CaptureSummary()
+    footage = Footage(path)
+    first, last = check_range(frames, footage)
+    finding, attaching, following = stages(
+        progress, 0.0 if fit else SEARCHED, ATTACHED, 1 + last - first
+    )
+    fit = fit_for(footage, (first, last), fit, finding, summary)
+    attaching(0.0, "attaching the muscles")
+    begun = time.perf_counter()
+    template = load_template()
+    skin = load_skin(fit.neutral_vertices(template), template, calibration=fit.calibration)
+    face = ReducedFace.of(skin)
+    summary.add("attach the muscles", time.perf_counter() - begun)
+    begun = time.perf_counter()
+    walk = _Walk(face, fit, footage, following, summary, max(1, last - first))
+    start = _Followed()
+    start.add(fit.frame, walk.observer())
+    back = walk.along(frames_backward(footage, fit.frame - 1, first))
+    forward = walk.along(footage.frames(fit.frame + 1, last) if last > fit.frame else ())
+    rows = _Followed()
+    for name in vars(rows):
+        joined = [*getattr(back, name)[::-1], *getattr(start, name), *getattr(forward, name)]
+        setattr(rows, name, joined)
+    rows = rows.within(first, last)
+    check_any_done(rows, footage, (first, last), summary.stopped)
+    summary.add("follow the face", time.perf_counter() - begun)
+    return _performance(rows, face, modes_of(skin.skin), fit, footage, template)
+
+
+@dataclass
+class _Walk:
+    """Through the footage, away from the fit's frame."""
+
+    face: ReducedFace
+    fit: FaceFit
+    footage: Footage
+    progress: Progress | None
+    summary: CaptureSummary
+    num_needed: int
+    num_done: int = 0
+
+    def observer(self) -> Observer:
+        pose = np.asarray(self.fit.head_pose, np.float64)
+        return Observer(self.face, pose, 1 / float(self.footage.fps))
+
+    def along(self, images: Iterable[tuple[int, NDArray[np.uint8]]]) -> _Followed:
+        """The images, or fewer when the user stops."""
+        rows = _Followed()
+        observer = self.observer()
+        previous = _grey(self.footage.read(self.fit.frame))
+        for frame, image in images:
+            fraction = min(1.0, self.num_done / self.num_needed)
+            told = f"following the face: frame {frame}"
+            if self.summary.stopped or (self.progress and not self.progress(fraction, told)):
+                self.summary.stopped = True
+                break
+            grey = _grey(image)
+            observer.advance(previous, grey, np.asarray(self.fit.intrinsics))
+            rows.add(frame, observer)
+            previous = grey
+            self.num_done += 1
+        return rows
+
+
+def _grey(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    return np.round(image @ GREY).astype(np.uint8)
+
+
+def _performance(
+    rows: _Followed,
+    face: ReducedFace,
+    anatomy: Anatomy,
+    fit: FaceFit,
+    footage: Footage,
+    template: FaceTemplate,
+) -> Performance:
+    controls = np.array(rows.control)
+    names = list(anatomy.articulator_names)
+    jaw = [names.index(name) for name in JAW]
+    values = np.zeros((len(rows.frame), len(names)))
+    values[:, jaw] = controls[:, NUM_MUSCLES:]
+    static = controls @ (face.loads / face.squared[:, None]).T
+    return Performance(
+        frame=np.array(rows.frame),
+        fps=float(footage.fps),
+        image_size=np.array(footage.size),
+        stored_size=np.array(footage.stored_size),
+        intrinsics=fit.intrinsics,
+        head_pose=np.array(rows.pose),
+        head_pose_cov=np.array([(c + c.T) / 2 for c in rows.pose_cov]),
+        muscles=list(anatomy.muscle_names),
+        muscle_modes=anatomy.muscle_modes,
+        groups=anatomy.groups,
+        activations=controls[:, :NUM_MUSCLES],
+        activations_std=np.array(rows.control_std)[:, :NUM_MUSCLES],
+        articulators=names,
+        articulator_values=values,
+        articulator_modes=anatomy.articulator_modes,
+        detail_modes=face.shapes,
+        detail_coefficients=np.array(rows.place) - static,
+        neutral_vertices=fit.neutral_vertices(template),
+        faces=template.faces,
+        quality=np.ones(len(rows.frame)),
+        footage=footage.identity,
+    )

@@ -1,0 +1,138 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`mimetic evaluate ablations`: the capture with one part taken away or set wrong at a time."""
+
+from __future__ import annotations
+
+import math
+import statistics
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass, field, replace
+from pathlib import Path
+
+import numpy as np
+from mimetic import _core
+from mimetic.fit.fitting import FaceFit
+from mimetic.media.footage import Footage
+from mimetic.muscles.anatomy import AnatomyPerturbation, attach_skin, modes_of
+from mimetic.performance.document import Performance
+from mimetic.score.json_text import json_text
+from mimetic.score.score import score
+from mimetic.score.text_table import text_table
+from mimetic.score.truth import Truth
+from mimetic.solve import clip_capture, smoothing, tracking
+
+from evaluation.runs.expressions import clips_of
+
+COLUMNS = {
+    "image": ("R2 image", ".3f"),
+    "muscles": ("muscles alone", ".3f"),
+    "surface": ("R2 in space", ".3f"),
+    "groups": ("group corr.", ".3f"),
+    "turn": ("turn deg", ".2f"),
+    "held": ("in 90 % int.", ".3f"),
+    "false": ("largest false", ".3f"),
+}
+
+
+@dataclass(frozen=True)
+class Variant:
+    """How a capture differs. tracker: TrackerOptions by name; stiffness: times the attachment."""
+
+    tracker: dict[str, object] = field(default_factory=dict)
+    smoothed: bool = True
+    relief: bool = True
+    stiffness: float = 1.0
+
+
+VARIANTS = {
+    "as it is": Variant(),
+    "no relief": Variant(relief=False),
+    "no smoother": Variant(smoothed=False),
+    "no flow between frames": Variant({"relative_flow": False}),
+    "no further reference views": Variant({"max_key_views": 0}),
+    "one iteration": Variant({"max_iterations": 1}),
+    "probabilistic flow": Variant({"flow_method": _core.FlowMethod.probabilistic}),
+    "image noise alone": Variant({"model_error": 1e-5, "shape_error": 1e-5}),
+    "skin held twice as stiffly": Variant(stiffness=2.0),
+    "skin held half as stiffly": Variant(stiffness=0.5),
+}
+
+
+class _VariedCapture(clip_capture.ClipCapture):
+    def __init__(self, footage: Footage, fit: FaceFit, variant: Variant) -> None:
+        fit = fit if variant.relief else replace(fit, relief=[])
+        summary = clip_capture.CaptureSummary(fit=fit)
+        super().__init__(footage, fit, (1, footage.num_frames), None, summary)
+        self.variant = variant
+        if variant.stiffness != 1:
+            other = AnatomyPerturbation(stiffness_factor=variant.stiffness)
+            self.anatomy = modes_of(attach_skin(self.neutral, self.template, other))
+            self.motion = tracking.face_motion(
+                self.neutral, self.template, self.anatomy, self.detail
+            )
+
+    def make_tracker(self, reference):
+        options = _core.TrackerOptions()
+        for name, value in self.variant.tracker.items():
+            setattr(options, name, value)
+        known = (self.fit, self.template, self.anatomy, self.motion)
+        return tracking.make_tracker(reference, *known, options)
+
+    def smooth(self, estimates, before):
+        if self.variant.smoothed:
+            return super().smooth(estimates, before)
+        return _as_they_are(estimates)
+
+
+def _as_they_are(estimates) -> Iterator[smoothing.State]:
+    last = None
+    for frame, estimate in estimates:
+        last = last if estimate is None else estimate
+        if last is not None:
+            yield smoothing.State(frame, last, held=estimate is None or estimate.held)
+
+
+def capture_varied(path: Path, fit: FaceFit, variant: Variant) -> Performance:
+    return _VariedCapture(Footage(path), fit, variant).run()
+
+
+def score_ablations(
+    which: str, people: int | None, report: Callable[[str], None]
+) -> dict[str, dict[str, float]]:
+    """Figures by clip and variant; every variant of a clip starts from the same fit."""
+    made = {}
+    for clip in clips_of(which, people, report):
+        truth = Truth.load(clip.truth)
+        if truth.units is None and truth.muscles is None:
+            continue  # a still face
+        fit = clip_capture.find_face(clip.footage)
+        for name, variant in VARIANTS.items():
+            report(f"{clip.name}: {name}")
+            made[f"{clip.name}: {name}"] = _figures(
+                truth, capture_varied(clip.footage, fit, variant)
+            )
+    return made
+
+
+def _figures(truth: Truth, performance: Performance) -> dict[str, float]:
+    found = score(truth, performance)
+    groups = [curve["correlation"] for curve in found.groups.values()]
+    image = {name: figures["nonrigid_r2"] for name, figures in found.image.items()}
+    return {
+        "image": image["mimetic"],
+        "muscles": image.get("its muscles alone", math.nan),
+        "surface": found.surface["r2"],
+        "groups": statistics.median(groups) if groups else math.nan,
+        "turn": float(np.mean([found.head[f"{axis}_deg"] for axis in ("pitch", "yaw", "roll")])),
+        "held": found.overall.get("coverage_90", math.nan),
+        "false": found.overall.get("largest_false", math.nan),
+    }
+
+
+def as_text(made: dict[str, dict[str, float]]) -> str:
+    return text_table("one part less", COLUMNS, made)
+
+
+def as_json(made: dict[str, dict[str, float]]) -> str:
+    variants = {name: str(asdict(variant)) for name, variant in VARIANTS.items()}
+    return json_text({"variants": variants, "figures": made})

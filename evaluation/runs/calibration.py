@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`mimetic evaluate calibration`: what knowing a person's skin is worth on frames not seen yet.
+
+Each person is calibrated on the first part of a clip; the whole clip is captured with and without,
+from the same fit, and scored on both parts. Truth is moved by muscles attached 3 mm elsewhere on
+skin held twice as stiffly, under large rotations.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from mimetic import InvalidInput
+from mimetic.muscles.calibration import REGIONS, Calibration
+from mimetic.performance.document import Performance
+from mimetic.score.json_text import json_text
+from mimetic.score.text_table import text_table
+from mimetic.score.truth import Truth
+from mimetic.solve import clip_capture
+from mimetic.solve.calibrate import Found, NothingSeen
+from mimetic.solve.calibration_run import calibrate
+
+from evaluation.runs import deviation, expressions
+from evaluation.runs.deviation import Explained
+from evaluation.runs.expressions import seen_at_start
+from evaluation.runs.methods import of_performance
+from evaluation.runs.rendered import Clip
+
+TRUE_STIFFNESS = 2.0
+FIRST_SHARE = 0.6  # of a clip without named expressions
+PARTS = ("calibrated on", "other frames")
+WITHOUT, WITH, TRUE = "not calibrated", "calibrated", "true stiffness"
+COLUMNS = {
+    "image": ("R2 image", ".3f"),
+    "image_median": ("moving px", ".2f"),
+    "space": ("R2 in space", ".3f"),
+    "space_median": ("moving mm", ".2f"),
+    "activations": ("act. RMSE", ".4f"),
+}
+FOUND = {name: (name, ".2f") for name in REGIONS} | {
+    "mean": ("mean", ".2f"),
+    "gain": ("evidence", "+.1f"),
+}
+
+
+@dataclass(frozen=True)
+class Scored:
+    """Muscles alone in one part of a clip, ready to be pooled; activations: squared errors."""
+
+    image: Explained
+    space: Explained
+    activations: np.ndarray
+
+
+@dataclass(frozen=True)
+class Person:
+    """One clip: what was found, and scores by what was known and part."""
+
+    name: str
+    found: dict[str, float]
+    scored: dict[tuple[str, str], Scored]
+
+
+def score_calibration(
+    which: str, people: int | None, report: Callable[[str], None]
+) -> list[Person]:
+    """Every person of a set who is moved by muscles."""
+    made = []
+    for clip in expressions.clips_of(which, people, report):
+        truth = Truth.load(clip.truth)
+        if truth.muscles is not None:
+            report(f"{clip.name}: calibrating")
+            made.append(score_person(clip, truth))
+    if not made:
+        raise InvalidInput(f"--set {which}: nobody of it is moved by muscles; take more people")
+    return made
+
+
+def score_person(clip: Clip, truth: Truth) -> Person:
+    fit = clip_capture.find_face(clip.footage)
+    split = num_first(truth)
+    try:
+        calibrated, found = calibrate(clip.footage, (1, split), fit)
+        figures = figures_of(found)
+    except NothingSeen:
+        calibrated, figures = fit, {}
+    known = {
+        WITHOUT: Calibration(),
+        WITH: calibrated.calibration,
+        TRUE: Calibration(dict.fromkeys(REGIONS, TRUE_STIFFNESS)),
+    }
+    scored = {}
+    for name, calibration in known.items():
+        made = clip_capture.capture(clip.footage, fit=replace(fit, calibration=calibration))
+        for part, score in zip(PARTS, score_parts(truth, made, split), strict=True):
+            scored[name, part] = score
+    return Person(clip.name, figures, scored)
+
+
+def num_first(truth: Truth) -> int:
+    """Frames to calibrate on: all before the last expression."""
+    if truth.expression_frames is None:
+        return round(FIRST_SHARE * len(truth.frame))
+    return int(np.searchsorted(truth.frame, truth.expression_frames[-1][0]))
+
+
+def score_parts(truth: Truth, performance: Performance, split: int) -> tuple[Scored, Scored]:
+    """Of muscles alone, up to and from frame `split` (an index)."""
+    truth = seen_at_start(truth)
+    motion = of_performance(performance.without_detail(), truth.tracks[0])
+    image, space = deviation.in_image(truth, motion), deviation.in_space(truth, motion)
+    order = [truth.muscles.index(name) for name in performance.muscles]
+    error = (performance.activations - truth.activations[:, order]) ** 2
+    parts = slice(0, split), slice(split, len(truth.frame))
+    return tuple(
+        Scored(Explained.of(image, rows), Explained.of(space, rows), error[rows]) for rows in parts
+    )
+
+
+def figures_of(found: Found) -> dict[str, float]:
+    """Factors by region, their geometric mean, and what evidence gained."""
+    factors = {name: found.calibration.stiffness.get(name, 1.0) for name in REGIONS}
+    mean = math.exp(np.mean(np.log(list(factors.values()))))
+    return factors | {"mean": mean, "gain": found.gain}
+
+
+def pooled(made: list[Person]) -> dict[str, dict[str, float]]:
+    """Figures by part and by what was known, over all people."""
+    rows = {}
+    for part in PARTS:
+        for known in (WITHOUT, WITH, TRUE):
+            own = [person.scored[known, part] for person in made]
+            image = Explained.all_of(one.image for one in own)
+            space = Explained.all_of(one.space for one in own)
+            error = np.concatenate([one.activations.ravel() for one in own])
+            rows[f"{part}: {known}"] = {
+                "image": image.r2,
+                "image_median": image.median,
+                "space": space.r2,
+                "space_median": space.median,
+                "activations": float(np.sqrt(error.mean())),
+            }
+    return rows
+
+
+def as_text(made: list[Person]) -> str:
+    found = {person.name: person.found for person in made}
+    tables = [text_table(f"attachment found (truth: {TRUE_STIFFNESS:g})", FOUND, found)]
+    tables += [text_table(person.name, COLUMNS, pooled([person])) for person in made]
+    if len(made) > 1:
+        tables.append(text_table(f"all {len(made)}", COLUMNS, pooled(made)))
+    return "\n\n".join(tables)
+
+
+def as_json(made: list[Person]) -> str:
+    people = {person.name: {"found": person.found, "scores": pooled([person])} for person in made}
+    return json_text({"people": people, "all": pooled(made)})

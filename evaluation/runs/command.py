@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`mimetic evaluate`: scores against known truth."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from mimetic import InvalidInput
+from mimetic.locate.eigenspaces import installed_spaces, load
+from mimetic.score.tables import as_json, as_text, summary
+from mimetic.shared.whole_file import whole_file
+from mimetic.template.face_template import load_template
+
+from evaluation.runs import (
+    ablations,
+    abuse,
+    calibration,
+    expression_tables,
+    expressions,
+    fit,
+    flow,
+    head,
+    locate,
+    rest,
+)
+from evaluation.runs.head_clips import face_mesh_python
+from evaluation.runs.portraits import rendered_portraits
+from evaluation.runs.rendered import scored
+from evaluation.runs.stills import Stills, rendered_stills
+
+FILES = ("truth", "performance", "footage")
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    """What a checkout can score beside files (`mimetic.commands.evaluate`)."""
+    parser.description += (
+        " `locate` scores what finds faces on still images instead, beside OpenCV's cascades; "
+        "`head` scores what follows heads on rendered sequences, beside MediaPipe's face mesh; "
+        "`fit` scores heads fitted to portraits (docs/fitting.md); `flow` tells whether optical "
+        "flow knows how far it is off, `ablations` what each part of the capture is good for "
+        "(docs/evaluation.md), `calibration` what knowing a person's skin is worth "
+        "(docs/calibration.md), `abuse` whether faces that are covered, cut away or in the dark "
+        "are held or right (docs/evaluation.md), `rest` how often the frame that is taken for the "
+        "neutral face shows it (docs/fitting.md)."
+    )
+    parser.add_argument(
+        "what",
+        nargs="?",
+        choices=(
+            *("ablations", "abuse", "calibration", "capture", "fit", "flow", "head", "locate"),
+            "rest",
+        ),
+        default="capture",
+        help="what to score (default: capture)",
+    )
+    parser.add_argument(
+        "--set",
+        choices=("held-out", "tuning", "small", "real", *expressions.SETS),
+        default="held-out",
+        help="which rendered clips or images (default: held-out); locate: real ones too; capture: "
+        "full, nine expressions by 30 people, beside all peers (docs/evaluation.md)",
+    )
+    parser.add_argument("--images", type=Path, help="locate: these images (docs/still-images.md)")
+    parser.add_argument(
+        "--eigenspaces",
+        type=Path,
+        help="locate: this model, not the installed one (scripts/train_eigenspaces)",
+    )
+    parser.add_argument(
+        "--people", type=int, metavar="N", help="--set full: only N of the people, evenly"
+    )
+    parser.add_argument(
+        "--jobs", type=int, default=2, help="--set full: clips at once (default: 2)"
+    )
+    parser.add_argument(
+        "--out", type=Path, help="--set full, fit, head, locate: write figures and plots here"
+    )
+
+
+def check(options: argparse.Namespace) -> None:
+    """Raises InvalidInput if options do not go together."""
+    if options.what != "locate":
+        if options.images or options.eigenspaces:
+            raise InvalidInput("--images and --eigenspaces go with `mimetic evaluate locate`")
+        _check_set(options)
+    if options.what != "capture":
+        _refuse(options, *FILES)
+    elif options.set in expressions.SETS and any(getattr(options, name) for name in FILES):
+        raise InvalidInput(f"--set {options.set} goes with plain `mimetic evaluate`")
+
+
+def run_tables(options: argparse.Namespace) -> int:
+    """Prints the tables of what is to be scored; 0 when all went well. Options are checked."""
+    run = {
+        "locate": _run_locate,
+        "calibration": _run_calibration,
+        "ablations": _run_ablations,
+        "abuse": _run_abuse,
+        "rest": _run_rest,
+        "head": _run_head,
+        "fit": _run_fit,
+        "flow": _run_flow,
+    }
+    if options.what in run:
+        return run[options.what](options)
+    if options.set in expressions.SETS:
+        return _run_expressions(options)
+    if options.out:
+        raise InvalidInput("--out goes with --set full, `fit`, `head` and `locate`")
+    made = []
+    for one in scored(options.set, _to_stderr):
+        made.append(one)
+        if not options.json:
+            print(as_text(one), end="\n\n", flush=True)
+    return _show(options, made, as_json, summary)
+
+
+def _run_expressions(options: argparse.Namespace) -> int:
+    if options.jobs < 1 or (options.people is not None and options.people < 1):
+        raise InvalidInput("--jobs and --people must be 1 or more")
+    _prepare_out(options)
+    chosen, long = expressions.takes(options.set, options.people, _to_stderr)
+    python = face_mesh_python(_to_stderr)
+    shown, drifts = expressions.score_set(chosen, long, python, _to_stderr, options.jobs)
+    if options.out is not None:
+        with whole_file(options.out / "expressions.json") as stream:
+            stream.write(f"{expression_tables.as_json(shown, drifts)}\n".encode())
+    if options.json:
+        print(expression_tables.as_json(shown, drifts))
+    else:
+        print(expression_tables.as_text(shown), expression_tables.drift_text(drifts), sep="\n\n")
+    return 0
+
+
+def _run_head(options: argparse.Namespace) -> int:
+    done = []
+    for scores in head.score_heads(options.set, _to_stderr):
+        done += scores
+        if not options.json:
+            print(head.clip_text(scores), end="\n\n", flush=True)
+    if options.out is not None:
+        head.write(done, options.out)
+    return _show(options, done, head.as_json, head.summary_text)
+
+
+def _run_abuse(options: argparse.Namespace) -> int:
+    _refuse(options, "out")
+    done = []
+    for scores in abuse.score_set(options.set, _to_stderr):
+        done += scores
+    return _show(options, done, abuse.as_json, abuse.as_text)
+
+
+def _run_flow(options: argparse.Namespace) -> int:
+    _refuse(options, "out")
+    found = flow.score_flow(options.set, _to_stderr)
+    return _show(options, found, flow.as_json, flow.as_text)
+
+
+def _run_rest(options: argparse.Namespace) -> int:
+    _refuse(options, "out")
+    return _show(options, rest.score_rest(options.set, _to_stderr), rest.as_json, rest.as_text)
+
+
+def _run_ablations(options: argparse.Namespace) -> int:
+    _refuse(options, "out")
+    made = ablations.score_ablations(options.set, options.people, _to_stderr)
+    return _show(options, made, ablations.as_json, ablations.as_text)
+
+
+def _run_calibration(options: argparse.Namespace) -> int:
+    _refuse(options, "out")
+    made = calibration.score_calibration(options.set, options.people, _to_stderr)
+    return _show(options, made, calibration.as_json, calibration.as_text)
+
+
+def _prepare_out(options: argparse.Namespace) -> None:
+    """Tells before hours of work that --out cannot be written to."""
+    if options.out is not None:
+        prepare_folder(options.out, ())
+
+
+def _refuse(options: argparse.Namespace, *names: str) -> None:
+    """Raises InvalidInput if a path is given for which what is scored has no use."""
+    if any(getattr(options, name) for name in names):
+        listed = " and ".join(f"--{name}" for name in names)
+        raise InvalidInput(f"{listed} do not go with `{options.what}`")
+
+
+def _show(
+    options: argparse.Namespace,
+    made: Any,
+    as_json: Callable[[Any], str],
+    as_text: Callable[[Any], str],
+) -> int:
+    """Prints what was scored in the form that is asked for; the exit status."""
+    print(as_json(made) if options.json else as_text(made))
+    return 0
+
+
+def _check_set(options: argparse.Namespace) -> None:
+    if options.people is not None and options.set not in expressions.SETS:
+        raise InvalidInput("--people goes with --set full")
+    if options.set == "real":
+        raise InvalidInput("--set real goes with `mimetic evaluate locate`")
+
+
+def _run_locate(options: argparse.Namespace) -> int:
+    if options.images is not None:
+        images = Stills.load(options.images)
+    else:
+        images = rendered_stills(options.set, _to_stderr)
+    spaces = load(options.eigenspaces) if options.eigenspaces else installed_spaces()
+    scores = locate.score_finders(images, spaces)
+    if options.out is not None:
+        locate.write(scores, options.out)
+    return _show(options, scores, locate.as_json, locate.as_text)
+
+
+def _run_fit(options: argparse.Namespace) -> int:
+    template = load_template()
+    scores = fit.score_fits(rendered_portraits(options.set, template, _to_stderr), template)
+    if options.out is not None:
+        fit.write(scores, options.out)
+    return _show(options, scores, fit.as_json, fit.as_text)
+
+
+def _to_stderr(line: str) -> None:
+    print(line, file=sys.stderr, flush=True)

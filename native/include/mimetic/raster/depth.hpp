@@ -1,0 +1,24 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <mimetic/shared/camera.hpp>
+#include <mimetic/shared/types.hpp>
+#include <vector>
+
+namespace mimetic {
+
+/// How far the nearest surface is behind each pixel.
+struct DepthMap {
+    int rows = 0;
+    int cols = 0;
+    std::vector<float> depth;  ///< rows x cols, metres along the camera's z; infinity where nothing is
+
+    /// Whether a point (metres, camera frame) is in the image and at most `tolerance` metres behind the
+    /// surface.
+    bool shows(const Camera& camera, const Eigen::Vector3d& point_in_camera, double tolerance) const;
+};
+
+/// Depth of a mesh (vertices V x 3, metres, camera frame). Faces with a vertex behind the camera are left
+/// out. Throws InvalidInput on an index out of range or a vertex that is not finite.
+DepthMap render_depth(const Camera& camera, PointsIn vertices_in_camera, QuadsIn faces);
+
+}  // namespace mimetic

@@ -1,0 +1,151 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <Eigen/Geometry>
+#include <memory>
+#include <mimetic/shared/camera.hpp>
+#include <mimetic/flow/flow.hpp>
+#include <mimetic/shared/image.hpp>
+#include <mimetic/shared/progress.hpp>
+#include <mimetic/shared/types.hpp>
+#include <optional>
+#include <vector>
+
+namespace mimetic {
+
+/// The skin that is looked at, refined once; linear in the V control vertices.
+struct TrackedSurface {
+    SparseRows stencils;      ///< R x V: refined vertices from control vertices
+    Quads quads;              ///< of refined vertices, counter-clockwise seen from outside
+    Eigen::VectorXd weights;  ///< R, 0 to 1: 0 keeps a vertex out of the measurement (hair, mouth, eyes)
+};
+
+/// The skin of V control vertices with a weight each, refined `levels` times on its limit surface.
+TrackedSurface refine_for_tracking(QuadsIn faces, VectorIn vertex_weights, int levels);
+
+/// How a face moves: its surface is neutral + sum of values_j modes_j + sum of detail_k detail_modes_k.
+/// Muscles come first among the values, articulators after them.
+struct FaceMotion {
+    Points neutral;             ///< V x 3, head frame, metres
+    MatrixRows modes;           ///< M x 3V (x, y, z of each vertex in turn), metres at the value 1
+    int num_muscles = 0;        ///< the first num_muscles values are activations, taken as sparse
+    Eigen::VectorXd lower;      ///< M
+    Eigen::VectorXd upper;      ///< M
+    Eigen::VectorXd prior_std;  ///< M: how far a value strays from 0; up to 0.4 it is taken as 0 unless seen
+    Eigen::VectorXi partner;    ///< M or empty: the same value of the other side, -1: none
+    MatrixRows
+        detail_modes;  ///< D x 3V, D may be 0: what the values cannot explain, metres at the coefficient 1
+    Eigen::VectorXd detail_std;  ///< D: how far a coefficient strays from 0
+};
+
+/// One eye's opening by its control vertices and the values that its lids are. -1: no such value.
+struct EyeSlit {
+    int inner = -1;
+    int outer = -1;
+    int upper = -1;
+    int lower = -1;
+    int lid_upper = -1;  ///< index among the values
+    int lid_lower = -1;
+};
+
+struct TrackerOptions {
+    int crop_height = 200;         ///< pixels of the face in the reference texture, 48 to 1024
+    int sample_spacing = 4;        ///< reference pixels between samples, 1 to 16
+    int max_iterations = 4;        ///< times the frame is stabilised and solved again, 1 to 20
+    int max_key_views = 6;         ///< reference textures taken on the way, 0 to 32
+    double model_error = 3.5e-4;   ///< s.d. of what the modes cannot follow, metres, correlated over the skin
+    double shape_error = 5e-4;     ///< s.d. of the neutral's depth, metres: counts when the head turns
+    double correlation_time = 25;  ///< frames in which a value forgets itself
+    double held_quality = 0.2;     ///< below it a frame is held, 0 to 1
+    bool relative_flow = true;     ///< frame-to-frame flow for the first guess
+    FlowMethod flow_method = FlowMethod::dis;  ///< against the reference textures
+    void check() const;                        ///< throws InvalidInput: field, value, limit
+};
+
+struct StageTimes {
+    double predict_ms = 0;  ///< frame-to-frame flow and search
+    double warp_ms = 0;     ///< surface, visibility, stabilised image
+    double flow_ms = 0;     ///< flow with covariance against the reference textures
+    double solve_ms = 0;    ///< robust normal equations, bounds, covariance
+    double total_ms = 0;
+};
+
+/// Displacement of the surface that the values leave unexplained, by coefficients of the detail modes.
+struct DetailEstimate {
+    Eigen::VectorXd coefficients;  ///< D
+    Eigen::VectorXd std;           ///< D
+    Eigen::MatrixXd information;   ///< D squared: of this frame's measurement alone
+    Eigen::MatrixXd coupling;      ///< D x (6 + M): with a step of pose and values
+    Eigen::VectorXd pull;          ///< D: at the estimate's pose and values and coefficients 0
+};
+
+/// State vectors are (rotation vector, translation; values): the pose after a step d is exp(d_rotation) R, t
+/// + d_translation.
+struct FrameEstimate {
+    Eigen::Isometry3d camera_from_head = Eigen::Isometry3d::Identity();  ///< metres
+    Eigen::VectorXd values;                                              ///< M, within their bounds
+    Eigen::MatrixXd covariance;  ///< (6 + M) squared; rad, m, 1; model error included
+    double quality = 0;          ///< 0 lost to 1 well explained
+    bool held = false;           ///< nothing was measured: state of the last good frame
+    int num_samples = 0;         ///< samples in sight
+    int num_explained = 0;       ///< of them, those that the state explains
+    double residual_px = 0;      ///< median distance of used samples from the model, frame pixels
+    double correlation = 0;      ///< mean normalised cross-correlation of the samples in sight
+    int num_views = 0;           ///< reference textures used
+    StageTimes times;
+    Eigen::MatrixXd information;  ///< (6 + M) squared: of this frame's measurement alone
+    Eigen::VectorXd gradient;     ///< 6 + M: pull of this frame's measurement at the estimate
+    DetailEstimate detail;        ///< empty without detail modes
+    Matrix6 pose_cov() const { return covariance.topLeftCorner<6, 6>(); }
+    Eigen::VectorXd values_std() const {
+        return covariance.diagonal().tail(values.size()).cwiseMax(0).cwiseSqrt();
+    }
+};
+
+/// Where the skin was seen in one frame: K points of it, found by flow against reference textures.
+struct SkinObservations {
+    Triangles vertices;           ///< K x 3: refined vertices around each point
+    Points barycentric;           ///< K x 3: their shares
+    Rows<double, 2> pixels;       ///< K x 2: where the point is in the frame, by flow alone
+    Rows<double, 4> information;  ///< K x (2 x 2), frame pixels^-2; neighbours share, outliers have 0
+};
+
+/// Follows one face: pose, muscles and articulators together, each frame against reference textures
+/// (no drift), after a first guess by frame-to-frame flow. Memory does not depend on the clip's length.
+class FaceTracker {
+public:
+    /// image: the reference frame, in which the face is at camera_from_head with all values 0.
+    FaceTracker(const Camera& camera, const TrackedSurface& surface, const FaceMotion& motion,
+                const ColorView& image, const Eigen::Isometry3d& camera_from_head,
+                const std::vector<EyeSlit>& eyes = {}, const TrackerOptions& options = {});
+    ~FaceTracker();
+    FaceTracker(FaceTracker&&) noexcept;
+    FaceTracker& operator=(FaceTracker&&) noexcept;
+
+    /// The next frame. guess: where a detector sees the head, used when the face was lost.
+    FrameEstimate advance(const ColorView& image, const std::optional<Eigen::Isometry3d>& guess = {});
+
+    /// What the last frame's estimate rests on; none where the face was lost.
+    SkinObservations observations() const;
+
+    /// Goes back to a state, to follow the clip the other way; reference textures are kept.
+    void restart(const ColorView& image, const FrameEstimate& estimate);
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+struct SmootherOptions {
+    double value_acceleration = 0.08;        ///< s.d. of a value's second difference, 1 a frame squared
+    double rotation_acceleration = 0.01;     ///< rad a frame squared
+    double translation_acceleration = 2e-3;  ///< metres a frame squared
+    int max_iterations = 200;                ///< of the bounds
+    void check() const;                      ///< throws InvalidInput: field, value, limit
+};
+
+/// The whole clip at once: most probable states under each frame's measurement, small accelerations and
+/// the bounds, without lag (banded quadratic programme). Held frames are bridged and stay marked.
+std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, const FaceMotion& motion,
+                                  const SmootherOptions& options = {}, const Progress& progress = {});
+
+}  // namespace mimetic

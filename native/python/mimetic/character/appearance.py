@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a captured face is painted with: surfaces for its parts, the footage on its skin."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic.character import face_paint
+from mimetic.media.footage import Footage
+from mimetic.performance import projection
+from mimetic.performance.document import Performance
+from mimetic.template.face_template import FaceTemplate, load_template
+
+TEXTURE_SIZE = 1024  # the face fills a third of it; footage rarely has more pixels on a face
+EYE_SIZE, LASHES_SIZE = 256, (512, 128)
+UNSEEN_REGIONS = ("scalp", "ear", "neck", "mouth_cavity", "eye_socket")  # hair, clothes, shadows
+
+
+@dataclass(frozen=True)
+class Surface:
+    name: str
+    colour: tuple[float, float, float]  # linear, 0 to 1
+    roughness: float
+    texture: NDArray[np.uint8] | None = None  # H x W x 3 or 4, sRGB, first row on top
+
+
+@dataclass(frozen=True)
+class Appearance:
+    uv: NDArray[np.float64]  # F x 4 x 2, origin bottom left
+    surfaces: list[Surface]
+    surface_of_face: NDArray[np.int64]  # F
+
+
+SURFACE_OF_PART = {
+    "skin": "Skin",
+    "eye_socket": "Inner Lids",
+    "mouth_cavity": "Mouth",
+    "eye.L": "Eyes",
+    "eye.R": "Eyes",
+    "teeth_upper": "Teeth",
+    "teeth_lower": "Teeth",
+    "tongue": "Tongue",
+    "lashes.L": "Lashes",
+    "lashes.R": "Lashes",
+}
+
+
+def appearance_of(
+    performance: Performance,
+    footage: str | os.PathLike[str] | None = None,
+    frame: int | None = None,
+) -> Appearance | None:
+    """Paint for the performance's face; None if it is not our own head's mesh.
+
+    footage: the clip it was captured from, for the skin's texture; painted skin without. frame: the
+    footage frame to take colours from, the best one if None.
+    """
+    template = load_template()
+    if not np.array_equal(template.faces, performance.faces):
+        return None
+    if footage is None:
+        return painted(template)
+    uv = face_paint.fill_square(template)
+    texture, colour = _from_footage(performance, footage, frame, template, uv)
+    return _appearance(template, uv, texture, colour)
+
+
+def painted(template: FaceTemplate) -> Appearance:
+    """Paint for a head that was never filmed."""
+    uv = face_paint.fill_square(template)
+    texture = _bytes(face_paint.paint_skin(template, uv, TEXTURE_SIZE))
+    return _appearance(template, uv, texture, 255 * face_paint.SKIN)
+
+
+def _appearance(template: FaceTemplate, uv, texture, colour) -> Appearance:
+    surfaces = _surfaces(texture, _linear(colour / 255))
+    names = [surface.name for surface in surfaces]
+    of_part = [names.index(SURFACE_OF_PART[str(part)]) for part in template.part_names]
+    return Appearance(uv, surfaces, np.array(of_part)[template.part])
+
+
+def _from_footage(performance, footage, frame, template: FaceTemplate, uv):
+    if frame is None:
+        frame = int(performance.frame[projection.reference_index(performance)])
+    i = performance.index_of(frame)
+    image = Footage(footage).read(frame)
+    weights = _vertex_weights(template)
+    return projection.project_texture(performance, i, image, uv, weights, TEXTURE_SIZE)
+
+
+def _surfaces(skin: NDArray[np.uint8], colour: NDArray) -> list[Surface]:
+    """All surfaces, from the skin's texture and its colour in linear light."""
+    lashes = _bytes(face_paint.paint_lashes(*LASHES_SIZE))
+    return [
+        Surface("Skin", _triple(colour), 0.55, skin),
+        Surface("Inner Lids", _triple(0.6 * colour), 0.5),
+        Surface("Mouth", (0.22, 0.035, 0.03), 0.4),
+        Surface("Eyes", (0.55, 0.50, 0.46), 0.15, _bytes(face_paint.paint_eye(EYE_SIZE))),
+        Surface("Teeth", (0.66, 0.58, 0.46), 0.3),
+        Surface("Tongue", (0.38, 0.10, 0.09), 0.4),
+        Surface("Lashes", _triple(_linear(face_paint.LASH)), 0.8, lashes),
+    ]
+
+
+def _vertex_weights(template: FaceTemplate) -> NDArray[np.float64]:
+    unseen = [list(template.region_names).index(name) for name in UNSEEN_REGIONS]
+    weights = np.zeros(len(template.vertices))
+    weights[: template.num_skin_vertices] = ~np.isin(template.region, unseen)
+    faces = template.faces[: template.num_skin_faces]
+    wanted = weights.copy()
+    counts = np.bincount(faces.reshape(-1), minlength=len(weights))
+    for _ in range(2):  # the border becomes a ramp of two quads, inwards
+        around = weights[faces].mean(axis=1)
+        sums = np.bincount(faces.reshape(-1), np.repeat(around, 4), len(weights))
+        weights = np.minimum(wanted, sums / np.maximum(counts, 1))
+    return weights
+
+
+def _bytes(picture: NDArray) -> NDArray[np.uint8]:
+    return (np.clip(picture, 0, 1) * 255 + 0.5).astype(np.uint8)
+
+
+def _triple(colour: NDArray) -> tuple[float, float, float]:
+    return tuple(float(part) for part in colour)
+
+
+def _linear(colour: NDArray) -> NDArray:
+    """Linear light of sRGB values, both 0 to 1 (IEC 61966-2-1)."""
+    return np.where(colour <= 0.04045, colour / 12.92, ((colour + 0.055) / 1.055) ** 2.4)

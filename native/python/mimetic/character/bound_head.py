@@ -1,0 +1,64 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The head's motion on a character's mesh that has muscles: it turns about its own head's centre.
+
+*Character* frame: as in `rig_motion`, from midway between the ears. Metres unless said otherwise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mimetic.character.foreign_mesh import REQUIRED, fit_similarity
+from mimetic.character.placement import OBJECT_FROM_HEAD
+from mimetic.character.rig_motion import Channels, carried_channels, motion, rotation_of
+from mimetic.performance.document import Performance
+from mimetic.template.face_template import load_template
+
+Floats = NDArray[np.float64]
+
+
+def object_from_character(
+    points: ArrayLike, landmarks: Mapping[str, int | ArrayLike], metres_from_object: ArrayLike
+) -> Floats:
+    """4 x 4: where the head is in an object, and how it looks there, as its landmarks tell.
+
+    points: V x 3, the object's frame; landmarks: name -> vertex, or place in metres;
+    metres_from_object: 4 x 4, as it was for those places.
+    """
+    points = np.asarray(points, dtype=np.float64)
+    matrix = np.asarray(metres_from_object, dtype=np.float64)
+    places = [
+        matrix[:3, :3] @ points[int(place)] + matrix[:3, 3] if np.ndim(place) == 0 else place
+        for place in (landmarks[name] for name in REQUIRED)
+    ]
+    template = load_template()
+    usual = template.vertices[[template.landmark(name) for name in REQUIRED]]
+    laid = fit_similarity(np.asarray(usual, dtype=np.float64), np.array(places, dtype=np.float64))
+    metres_from_character = np.eye(4)
+    metres_from_character[:3, :3] = laid.rotation @ OBJECT_FROM_HEAD[:3, :3].T
+    metres_from_character[:3, 3] = laid.shift
+    return np.linalg.inv(matrix) @ metres_from_character
+
+
+def head_channels(
+    performance: Performance,
+    world_from_character: ArrayLike,
+    location: ArrayLike,
+    rotation: ArrayLike,
+    rotation_mode: str,
+    units: float = 1.0,
+) -> Channels:
+    """Curves of an object without parent that move it as the actor's head moves from its rest.
+
+    world_from_character: 4 x 4, where the object's head rests in the world; location: 3, rotation:
+    3 x 3, the object's own now; units: of the world, per metre.
+    """
+    world = np.asarray(world_from_character, dtype=np.float64)
+    axes = rotation_of(world[:3, :3], "head")
+    # The object's origin goes where a rigid head takes it: it may lie at the feet
+    pivot = (np.asarray(location, dtype=np.float64) - world[:3, 3]) @ axes / units
+    moved = motion(performance, pivot=pivot)
+    return carried_channels(moved, location, rotation, np.eye(4), axes, rotation_mode, units)

@@ -1,0 +1,363 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Muscles, jaw, lids, extras and contact on any head's own mesh, given by landmarks.
+
+The template is laid onto the head (`skin_registration`). What anatomy says by region, materials,
+what is held, how much hangs on the jaw, how far lids turn, is read from there; the skin itself is
+solved on the head's own triangles.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mimetic import _core
+from mimetic.character.foreign_holes import hole_notes
+from mimetic.character.foreign_mesh import ForeignSkin, Similarity, read_skin
+from mimetic.character.foreign_registration import LippedSurface, SkinPlaces, lay_template, lipped
+from mimetic.character.loose_parts import LooseParts
+from mimetic.muscles.anatomy import (
+    MATERIALS,
+    SIDES,
+    Anatomy,
+    AnatomyPerturbation,
+    AttachedSkin,
+    canonical_skin,
+    measured_place,
+    muscle_table,
+    place_muscles,
+)
+from mimetic.muscles.articulators import (
+    ARTICULATORS,
+    JAW,
+    EyeFrame,
+    EyeLids,
+    Jaw,
+    eye_frames,
+    rotate,
+)
+from mimetic.muscles.contact import (
+    Contact,
+    EyeRest,
+    TouchPoints,
+    eye_rest,
+    lid_slit,
+    lip_slit,
+    numbered,
+)
+from mimetic.muscles.extras import (
+    Extras,
+    LoadedSkin,
+    collect,
+    gaze_rows,
+    lid_angle,
+    loaded_modes,
+    slit_middle,
+    turned_eye,
+)
+from mimetic.skin.closest_points import nearest
+from mimetic.skin.mesh import Place, SkinMesh, multiply
+
+TOO_FAR = 0.015  # m from the laid template: body, hair; such skin is held
+SEALED = 0.006  # m; the way over the seam of a mouth without a slit exceeds the gap by less
+SEAM = 0.0025  # m; skin so near to the seam is soft
+SEAM_STIFFNESS = 0.05  # times young and pre-stress
+SEAM_ENDS = 0.4  # of half the mouth's width; there lips are joined on any face
+TOUCH_GAP = 0.003  # m; points of the template's lips and lids so near to the skin can touch
+
+
+@dataclass(frozen=True)
+class ForeignHead:
+    """A head of any mesh with its muscles.
+
+    anatomy and extras: modes over the mesh's own V vertices, in its own axes, metres; strengths:
+    newtons; make_contact: the contact of its lips and lids, in these axes, solved when asked for;
+    registered: the template's vertices laid onto the head, in the mesh's coordinates; eye_centers:
+    2 x 3, left first, likewise; mesh_from_template: from the template's axes and size; gap_mm:
+    median and 95 % distance of the free skin from the template laid onto it; notes: what was
+    assumed or repaired.
+    """
+
+    anatomy: Anatomy
+    extras: Extras
+    make_contact: Callable[[], Contact]
+    registered: NDArray[np.float64]
+    eye_centers: NDArray[np.float64]
+    mesh_from_template: Similarity
+    gap_mm: tuple[float, float]
+    notes: tuple[str, ...]
+
+
+def attach_foreign(
+    vertices: ArrayLike,
+    faces: ArrayLike,
+    landmarks: Mapping[str, int | ArrayLike],
+    template,
+) -> ForeignHead:
+    """Attach muscles, jaw and lids to any head.
+
+    vertices: V x 3, metres, axes and origin as they are, x, y, z right-handed; faces: F x 3 or
+    F x 4, outward, a triangle among quads ends in -1; landmarks: name -> index of a vertex or
+    point x, y, z on the skin. Needed are `foreign_mesh.REQUIRED`, all of the template's are taken;
+    .L is the subject's own left. Eyes must be open. The mouth may be open, closed, with or without
+    a lining; if its lips are one surface, their seam is made soft and a note says so.
+    Raises InvalidInput, naming the landmark, face or vertex, on missing and unknown landmarks, a
+    head that is not in metres or mirrored, more than a million vertices, and a skin that is not
+    one well-formed piece.
+    """
+    skin = read_skin(vertices, faces, landmarks, template)
+    laid = lay_template(template, skin.landmarks, skin.vertices, skin.triangles, skin.surface)
+    with skin.named_by_caller():
+        head = _Carried(skin, laid)
+        modes, strengths = head.muscle_modes()
+        bones = head.jaw_modes() + head.lid_modes()
+        extras = head.extra_modes()
+    to_user = skin.user_from_skin
+    anatomy = Anatomy(
+        muscle_names=tuple(f"{row['name']}.{side}" for row in muscle_table() for side in SIDES),
+        groups=np.repeat([row["group"] for row in muscle_table()], 2).astype(np.int32),
+        muscle_modes=to_user.turn(modes),
+        muscle_strengths=strengths * _force_scales(to_user.scale),
+        articulator_names=tuple(ARTICULATORS),
+        articulator_modes=to_user.turn(np.stack(bones)),
+        articulator_limits=np.array(list(ARTICULATORS.values())),
+    )
+    gaps = 1e3 * to_user.scale * head.places.gaps[head.free]
+    return ForeignHead(
+        anatomy=anatomy,
+        extras=dataclasses.replace(extras, modes=to_user.turn(extras.modes)),
+        make_contact=lambda: head.contact().turned(to_user.scale * to_user.rotation),
+        registered=to_user.apply(laid.neutral),
+        eye_centers=to_user.apply(np.array([frame.centre for frame in eye_frames(head.laid)])),
+        mesh_from_template=to_user,
+        gap_mm=(float(np.median(gaps)), float(np.percentile(gaps, 95))),
+        notes=head.notes,
+    )
+
+
+def _force_scales(scale: float) -> NDArray[np.float64]:
+    """36: forces go with a muscle's cross-section, a sphincter's tension with its thickness."""
+    is_ring = [row["type"] == "sphincter" for row in muscle_table() for _ in SIDES]
+    return np.where(is_ring, scale, scale**2)
+
+
+class _Carried:
+    """A foreign skin with all that is read from the template laid onto it."""
+
+    def __init__(self, skin: ForeignSkin, laid: SkinMesh):
+        self.skin, self.laid = skin, laid
+        self.loose = LooseParts(skin, laid.neutral, laid.template)
+        self.notes = skin.notes + self.loose.notes
+        lips = [laid.neutral[laid.landmark(name)] for name in ("lip_upper", "lip_lower")]
+        self.own = LippedSurface(skin.vertices, skin.triangles, skin.surface, lips)
+        self.source = lipped(laid)
+        self.places = self.source.find(skin.vertices, self.own.normals, self.own.lip)
+        attached = AttachedSkin(laid, 1.0)
+        free = multiply(laid.stencils, attached.free.astype(float))
+        self.free = (self.places.values(free) > 0.5) & (self.places.gaps < TOO_FAR)
+        if not self.free.any():
+            raise _core.InvalidInput("no skin of the head lies where a face has skin")
+        self.notes += hole_notes(skin, laid, self.free)
+        outer = np.zeros(len(laid.vertices))
+        outer[np.unique(laid.triangles[laid.triangle_part == "skin"])] = 1
+        carries = (self.places.values(outer) > 0.5)[skin.triangles].any(axis=1)
+        seam = self._seam()
+        self.is_sealed = bool(seam.any())
+        self.carries = carries & ~seam[skin.triangles].all(axis=1)
+        self.surface = _core.MuscleSurface(skin.vertices, skin.triangles, self.carries)
+        self.model = self._model(attached.materials, seam)
+
+    def _model(self, laid_materials: _core.SkinMaterials, seam) -> _core.SkinModel:
+        values = {name: self.places.values(getattr(laid_materials, name)) for name in MATERIALS}
+        for name in ("young", "pre_stress"):
+            values[name][seam] *= SEAM_STIFFNESS
+        indptr = np.concatenate([[0], np.cumsum(self.free)]).astype(np.int32)
+        count = int(self.free.sum())
+        basis = (indptr, np.arange(count, dtype=np.int32), np.ones(count))
+        materials = _core.SkinMaterials(**values)
+        return _core.SkinModel(self.skin.vertices, self.skin.triangles, materials, basis, count)
+
+    def _seam(self) -> NDArray[np.bool_]:
+        """Skin over a mouth that is not cut open."""
+        inner = np.array([self.skin.landmarks[f"lip_{lip}_inner"] for lip in ("upper", "lower")])
+        at = nearest(inner, self.skin.vertices)
+        upper, lower = self.skin.vertices[at]
+        way = self.skin.surface.distances(upper[None], 0.1)
+        gap = np.linalg.norm(upper - lower)
+        if not way[at[1]] < 1.25 * gap + SEALED:
+            return np.zeros(len(self.free), bool)
+        self.notes += ("upper and lower lip are one surface: their seam was made soft",)
+        corners = [self.skin.landmarks[f"mouth_corner.{side}"] for side in SIDES]
+        line = np.array([corners[0], (upper + lower) / 2, corners[1]])
+        at = np.linspace(SEAM_ENDS, 2 - SEAM_ENDS, 41)
+        line = np.column_stack([np.interp(at, [0, 1, 2], axis) for axis in line.T])
+        distance = np.linalg.norm(self.skin.vertices[:, None] - line, axis=2).min(axis=1)
+        seam = distance < max(SEAM, gap / 2 + 0.0005)
+        triangles = self.skin.triangles
+        if not seam[triangles].all(axis=1).any():  # one row: what lies on both sides of it parts
+            seam[triangles[seam[triangles].any(axis=1)]] = True
+        return seam
+
+    def respond(self, forces: NDArray[np.float64]) -> NDArray[np.float64]:
+        """M x N x 3 newtons -> displacements M x N x 3."""
+        response = np.zeros_like(forces)
+        solved = self.model.solve(forces.reshape(len(forces), -1).T)
+        response[:, self.free] = solved.T.reshape(len(forces), -1, 3)
+        return response
+
+    def muscle_modes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """36 x V x 3 and 36 strengths, in the template's frame and size."""
+        canonical = canonical_skin(self.laid.template)
+        placed = place_muscles(canonical, self.laid, AnatomyPerturbation())
+        rows = [row for row in muscle_table() for _ in SIDES]
+        forces = np.stack(
+            [
+                self.surface.forces(self._carry(muscle, row))
+                for muscle, row in zip(placed, rows, strict=True)
+            ]
+        )
+        responses = self.respond(forces)
+        strengths = np.empty(len(rows))
+        for index, row in enumerate(rows):
+            place = measured_place(canonical, row, SIDES[index % 2])
+            at = self._onto(place.vertex, place.position(self.laid))
+            moved = np.linalg.norm(at.values(responses[index]))
+            if not moved > 0:
+                raise _core.InvalidInput(
+                    f"the skin where {row['name']} is measured, by {row['measured_at'][0]}, "
+                    "does not move: the mesh ends there, or that landmark is out of place"
+                )
+            strengths[index] = 1e-3 * row["excursion_mm"] * place.scale(self.laid) / moved
+        return self._to_mesh(responses * strengths[:, None, None]), strengths
+
+    def _carry(self, muscle: _core.Muscle, row: dict) -> _core.Muscle:
+        """A muscle of the laid template with its insertion on this skin."""
+        vertex = nearest(muscle.insertion, self.laid.vertices[self.laid.seen_from_front])
+        found = self._onto(self.laid.seen_from_front[vertex], muscle.insertion)
+        return _core.Muscle(
+            type=muscle.type,
+            insertion=found.values(self.skin.vertices),
+            origin=muscle.origin,
+            width=muscle.width,
+            normal_share=row.get("normal_share", 0.1),
+            protrusion=row.get("protrusion", 0.0),
+            swelling=row.get("swelling", 0.0),
+        )
+
+    def _onto(self, laid_vertex, points) -> SkinPlaces:
+        """Places on this skin of points by vertices of the laid template."""
+        vertex = np.atleast_1d(laid_vertex)
+        return self.own.find(
+            np.atleast_2d(points), self.source.normals[vertex], self.source.lip[vertex]
+        )
+
+    def jaw_modes(self) -> list[NDArray[np.float64]]:
+        jaw = Jaw(self.laid)
+        influence = self.places.values(jaw.influence)[:, None]
+        forces = np.stack(
+            [
+                self.model.foundation_forces(influence * jaw.motion(name, self.skin.vertices))
+                for name in JAW
+            ]
+        )
+        modes = self._to_mesh(self.respond(forces))
+        rigid = self.loose.on_jaw
+        for mode, name in zip(modes, JAW, strict=True):
+            mode[rigid] = jaw.motion(name, self.skin.user_vertices[rigid])
+        return list(modes)
+
+    def extra_modes(self) -> Extras:
+        """In the template's frame and size; gaze turns the loose parts that are eyes."""
+        loaded = LoadedSkin(
+            self.skin.vertices,
+            self.surface,
+            self.skin.triangles[self.carries],
+            slit_middle(self.laid),
+            self.laid.size,
+        )
+        seen = self.laid.seen_from_front
+
+        def onto(points: NDArray[np.float64]) -> NDArray[np.float64]:
+            vertex = seen[nearest(points, self.laid.vertices[seen])]
+            return self._onto(vertex, points).values(self.skin.vertices)
+
+        def moved_at(place: Place, response: NDArray[np.float64]) -> NDArray[np.float64]:
+            return self._onto(place.vertex, place.position(self.laid)).values(response)[0]
+
+        modes = loaded_modes(self.laid, loaded, self.respond, onto, moved_at)
+        modes = dict(zip(modes, self._to_mesh(np.stack(list(modes.values()))), strict=True))
+        for frame in eye_frames(self.laid):
+            eye, lids = self.loose.eyes[frame.side], EyeLids(frame)
+            if not eye.any():
+                side = "left" if frame.side == "L" else "right"
+                self.notes += (f"no {side} eyeball was found: its gaze moves the lids alone",)
+            for row in gaze_rows():
+                angle = lid_angle(lids, row) if row["axis"][0] else np.zeros(0)
+                mode = self._to_mesh(self._turn_lids(frame, angle)[None])[0]
+                mode[eye] = turned_eye(frame, row, self.skin.user_vertices[eye])
+                modes[f"{row['name']}.{frame.side}"] = mode
+        return collect(modes)
+
+    def contact(self) -> Contact:
+        """Contact of what the template's lips and lids lie on, in its frame and size."""
+        # A touch point costs a solution on the head's own mesh, so there are fewer
+        slits = [*(() if self.is_sealed else (lip_slit(self.laid, refined=False),))]
+        slits += [lid_slit(self.laid, side) for side in SIDES]
+        vertices = np.arange(len(self.laid.vertices))
+        of_slits = np.unique(np.concatenate([np.r_[s.upper, s.lower] for s in slits]))
+        found = self._onto(of_slits, self.laid.vertices[of_slits])
+        kept = np.zeros(len(vertices), bool)
+        kept[of_slits] = found.gaps < TOUCH_GAP  # many a mesh ends behind the lips
+        vertices, slits = numbered(slits, kept)
+        rows = np.searchsorted(of_slits, vertices)
+        corners, weights = found.corners[rows], found.weights[rows]
+        rest = np.einsum("pk,pkx->px", weights, self.skin.vertices[corners])
+        stencils = np.arange(0, corners.size + 1, 3), corners.ravel(), weights.ravel()
+        first = np.full(len(self.skin.vertices), -1)
+        on_skin = np.flatnonzero(self.skin.skin_vertex >= 0)
+        first[self.skin.skin_vertex[on_skin][::-1]] = on_skin[::-1]
+        eyes = [self._eye_rest(frame) for frame in eye_frames(self.laid)]
+        return Contact(TouchPoints(rest, stencils, slits), eyes, self._lift, self._to_mesh, first)
+
+    def _lift(self, vertices: NDArray[np.int64], loads: NDArray) -> NDArray[np.float64]:
+        forces = np.zeros((len(loads), len(self.free), 3))
+        forces[:, vertices, 1] = loads
+        return self.respond(forces)
+
+    def _eye_rest(self, frame: EyeFrame) -> EyeRest:
+        laid = eye_rest(frame)
+        share = np.zeros(int(self.laid.template.num_skin_vertices))
+        share[laid.vertices] = laid.share
+        share = self.places.values(multiply(self.laid.stencils, share))
+        own = np.flatnonzero(share > 0)
+        return dataclasses.replace(
+            laid, vertices=own, rest=self.skin.vertices[own], share=share[own]
+        )
+
+    def lid_modes(self) -> list[NDArray[np.float64]]:
+        modes = []
+        for frame in eye_frames(self.laid):
+            for laid_angle in EyeLids(frame).angles():
+                modes.append(self._turn_lids(frame, laid_angle))
+        return list(self._to_mesh(np.stack(modes)))
+
+    def _turn_lids(self, frame: EyeFrame, laid_angle: NDArray[np.float64]) -> NDArray[np.float64]:
+        """N x 3: skin turned about an eye by the angles of the laid template (S, or none)."""
+        points = self.skin.vertices
+        if not len(laid_angle):
+            return np.zeros_like(points)
+        angle = self.places.values(multiply(self.laid.stencils, laid_angle))
+        return rotate(points, frame.centre, frame.axis, angle) - points
+
+    def _to_mesh(self, displacements: NDArray[np.float64]) -> NDArray[np.float64]:
+        """M x N x 3 of the skin -> M x V x 3: what is loose and near to the skin follows it."""
+        skin = self.skin
+        modes = np.zeros((len(displacements), len(skin.user_vertices), 3))
+        on_skin = skin.skin_vertex >= 0
+        modes[:, on_skin] = displacements[:, skin.skin_vertex[on_skin]]
+        modes[:, self.loose.following] = displacements[:, self.loose.roots]
+        return modes

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Binary glTF files: what Mimetic must read or mend in them."""
+
+from __future__ import annotations
+
+import copy
+import json
+import struct
+
+import numpy as np
+
+from mimetic import InvalidInput
+from mimetic.shared.json_file import parse_json
+
+MAGIC, JSON_CHUNK, BINARY_CHUNK = 0x46546C67, 0x4E4F534A, 0x004E4942
+FLOAT = 5126
+WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+
+
+def read_chunks(glb: bytes) -> tuple[dict, bytes]:
+    """JSON and binary chunk of a .glb file; raises InvalidInput."""
+    try:
+        magic, version, length = struct.unpack_from("<3I", glb)
+        json_length, json_type = struct.unpack_from("<2I", glb, 12)
+        document = parse_json(glb[20 : 20 + json_length])
+        binary_length, binary_type = struct.unpack_from("<2I", glb, 20 + json_length)
+    except (struct.error, InvalidInput) as error:
+        raise InvalidInput(f"not a binary glTF file: {error}") from None
+    expected = (MAGIC, 2, len(glb), JSON_CHUNK, BINARY_CHUNK)
+    if (magic, version, length, json_type, binary_type) != expected:
+        raise InvalidInput("not a binary glTF 2.0 file, or cut short")
+    if not isinstance(document, dict):
+        raise InvalidInput("not a binary glTF file: its JSON is no object")
+    start = 28 + json_length
+    return document, glb[start : start + binary_length]
+
+
+def write_chunks(document: dict, binary: bytes) -> bytes:
+    """A .glb file of a JSON and a binary chunk."""
+    text = json.dumps(document, separators=(",", ":")).encode()
+    text += b" " * (-len(text) % 4)
+    binary += b"\0" * (-len(binary) % 4)
+    return b"".join(
+        [
+            struct.pack("<3I", MAGIC, 2, 28 + len(text) + len(binary)),
+            struct.pack("<2I", len(text), JSON_CHUNK),
+            text,
+            struct.pack("<2I", len(binary), BINARY_CHUNK),
+            binary,
+        ]
+    )
+
+
+class Chunks:
+    """A .glb file taken apart: its document, and the bytes of each buffer view."""
+
+    def __init__(self, glb: bytes) -> None:
+        self.document, binary = read_chunks(glb)
+        self.views = [
+            bytearray(binary[view.get("byteOffset", 0) :][: view["byteLength"]])
+            for view in self.document["bufferViews"]
+        ]
+
+    def to_bytes(self) -> bytes:
+        binary = bytearray()
+        for view, content in zip(self.document["bufferViews"], self.views, strict=True):
+            binary += b"\0" * (-len(binary) % 4)
+            view["byteOffset"], view["byteLength"] = len(binary), len(content)
+            binary += content
+        self.document["buffers"][0]["byteLength"] = len(binary)
+        return write_chunks(self.document, bytes(binary))
+
+    def floats(self, described: dict, kind: str) -> np.ndarray:
+        """Rows of an accessor, or of its sparse values, as a view that writes through."""
+        if described.get("componentType", FLOAT) != FLOAT:
+            raise InvalidInput("the glTF file has integers where it should have floats")
+        start = described.get("byteOffset", 0)
+        width = WIDTHS[kind]
+        view = self.views[described["bufferView"]]
+        return np.frombuffer(view, np.float32, described["count"] * width, start).reshape(-1, width)
+
+    def accessor(self, index: int) -> np.ndarray:
+        described = self.document["accessors"][index]
+        return self.floats(described, described["type"])
+
+    def add_view(self, content: bytes, like: int) -> int:
+        """A buffer view of the same use as another; returns its index."""
+        self.views.append(bytearray(content))
+        self.document["bufferViews"].append(dict(self.document["bufferViews"][like]))
+        return len(self.views) - 1
+
+    def add_negative(self, index: int) -> int:
+        """An accessor with the negated values of another; returns its index."""
+        described = copy.deepcopy(self.document["accessors"][index])
+        holders = [described] if "bufferView" in described else []
+        if "sparse" in described:
+            holders.append(described["sparse"]["values"])
+            holders[-1]["count"] = described["sparse"]["count"]
+        for holder in holders:
+            values = -self.floats(holder, described["type"])
+            holder["bufferView"] = self.add_view(values.tobytes(), holder["bufferView"])
+            holder["byteOffset"] = 0
+        if "sparse" in described:
+            del described["sparse"]["values"]["count"]
+        if "min" in described:
+            low, high = described["min"], described["max"]
+            described["min"], described["max"] = [-v for v in high], [-v for v in low]
+        self.document["accessors"].append(described)
+        return len(self.document["accessors"]) - 1
+
+
+def read_weights(glb: bytes) -> tuple[np.ndarray, np.ndarray, list[str]]:
+    """Morph weights of a file with one animated mesh.
+
+    returns: seconds (N), weights (N x T), names of the targets (T).
+    """
+    chunks = Chunks(glb)
+    sampler = _weights_sampler(chunks.document)
+    names = chunks.document["meshes"][0]["extras"]["targetNames"]
+    weights = chunks.accessor(sampler["output"]).reshape(-1, len(names))
+    return chunks.accessor(sampler["input"])[:, 0].copy(), weights.copy(), names
+
+
+def retime(glb: bytes, rate: float) -> bytes:
+    """The file with its animation's keys at 0, 1 / rate, 2 / rate, ... seconds.
+
+    For files whose keys are evenly spaced, as a sampling exporter writes them; raises InvalidInput
+    for others.
+    """
+    chunks = Chunks(glb)
+    inputs = {
+        sampler["input"]
+        for animation in chunks.document.get("animations", [])
+        for sampler in animation["samplers"]
+    }
+    for accessor in sorted(inputs):
+        seconds = chunks.accessor(accessor)[:, 0]
+        steps = np.diff(seconds)
+        if len(steps) and np.ptp(steps) > 0.5 * steps.mean():
+            raise InvalidInput("the animation's keys are not evenly spaced")
+        seconds[:] = np.arange(len(seconds)) / rate
+        described = chunks.document["accessors"][accessor]
+        described["min"], described["max"] = [float(seconds[0])], [float(seconds[-1])]
+    return chunks.to_bytes()
+
+
+def split_negative(glb: bytes) -> bytes:
+    """The file with weights of 0 and above only.
+
+    Engines clamp morph weights at 0, and Blender's importer does after the first key. A target
+    whose weight goes below gets a second one, `<name>.negative`, with the opposite displacement.
+    """
+    chunks = Chunks(glb)
+    if not any(mesh.get("weights") for mesh in chunks.document["meshes"]):
+        return glb
+    (mesh,) = chunks.document["meshes"]
+    sampler = _weights_sampler(chunks.document)
+    names = mesh["extras"]["targetNames"]
+    output = chunks.document["accessors"][sampler["output"]]
+    weights = chunks.accessor(sampler["output"]).reshape(-1, len(names))
+    below = np.flatnonzero(weights.min(axis=0) < 0)
+    for primitive in mesh["primitives"]:
+        primitive["targets"] += [
+            {kind: chunks.add_negative(index) for kind, index in primitive["targets"][i].items()}
+            for i in below
+        ]
+    names += [f"{names[i]}.negative" for i in below]
+    mesh["weights"] = [0.0] * len(names)
+    both = np.hstack([np.maximum(weights, 0), np.maximum(-weights[:, below], 0)])
+    chunks.views[output["bufferView"]] = bytearray(both.astype(np.float32).tobytes())
+    output["byteOffset"], output["count"] = 0, both.size
+    output.pop("min", None), output.pop("max", None)
+    return chunks.to_bytes()
+
+
+def _weights_sampler(document: dict) -> dict:
+    for animation in document.get("animations", []):
+        for channel in animation["channels"]:
+            if channel["target"]["path"] == "weights":
+                return animation["samplers"][channel["sampler"]]
+    raise InvalidInput("the glTF file has no animated morph weights")

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Head motion and camera in a scene whose z points up and whose characters face -y.
+
+Frames: *head* and *camera* as in `Performance`; *object*, the face's own frame in such a scene:
+x to the person's left, z up, the face towards -y, origin midway between the ears; *scene camera*:
+x right, y up, looking along -z; *world*, the scene. Metres.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mimetic import InvalidInput
+from mimetic.performance.document import Performance
+from mimetic.shared.rotations import quaternions
+
+OBJECT_FROM_HEAD = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+SCENE_CAMERA_FROM_CAMERA = np.diag([1.0, -1, -1, 1])
+# A camera at the world's origin that looks along +y, level: a head facing it stands upright
+WORLD_FROM_SCENE_CAMERA = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
+SENSOR_MM = 36.0
+
+
+@dataclass(frozen=True)
+class HeadMotion:
+    quaternions: NDArray[np.float64]  # N x 4, w x y z, neighbours on one side: no flips
+    locations: NDArray[np.float64]  # N x 3, metres
+
+
+@dataclass(frozen=True)
+class Lens:
+    """A pinhole camera as a lens: see `lens`."""
+
+    fit: str  # HORIZONTAL or VERTICAL: the side of the picture that sensor and shifts refer to
+    focal_mm: float
+    sensor_mm: float
+    shift_x: float  # of the picture's fitted side; positive moves the window right
+    shift_y: float  # positive moves the window up
+
+
+def to_object(points: ArrayLike) -> NDArray[np.float64]:
+    """Points or displacements (... x 3) of the head frame in the object's frame."""
+    return np.asarray(points, dtype=np.float64) @ OBJECT_FROM_HEAD[:3, :3].T
+
+
+def to_head(points: ArrayLike) -> NDArray[np.float64]:
+    """Points or displacements (... x 3) of the object's frame in the head frame."""
+    return np.asarray(points, dtype=np.float64) @ OBJECT_FROM_HEAD[:3, :3]
+
+
+def head_motion(
+    performance: Performance, world_from_scene_camera: ArrayLike = WORLD_FROM_SCENE_CAMERA
+) -> HeadMotion:
+    """The face object's motion in the world, before a camera that stands still."""
+    poses = world_from_object(performance, world_from_scene_camera)
+    return HeadMotion(quaternions(poses[:, :3, :3]), poses[:, :3, 3].copy())
+
+
+def world_from_object(
+    performance: Performance, world_from_scene_camera: ArrayLike = WORLD_FROM_SCENE_CAMERA
+) -> NDArray[np.float64]:
+    """N x 4 x 4 poses of the face object. A camera's scale does not count, as in its picture."""
+    world = np.array(world_from_scene_camera, dtype=np.float64)
+    lengths = np.linalg.norm(world[:3, :3], axis=0)
+    if world.shape != (4, 4) or not np.isfinite(world).all() or (lengths < 1e-9).any():
+        raise InvalidInput("the camera's matrix is not 4 x 4, or flat; reset its scale")
+    world[:3, :3] /= lengths
+    head_from_object = OBJECT_FROM_HEAD.T
+    return world @ SCENE_CAMERA_FROM_CAMERA @ performance.head_pose @ head_from_object
+
+
+def lens(
+    intrinsics: ArrayLike,
+    image_size: ArrayLike,
+    picture_size: ArrayLike | None = None,
+    pixel_aspect: float = 1.0,
+) -> Lens:
+    """The lens under which a scene's picture shows footage fitted whole into it.
+
+    intrinsics: 3 x 3, pixels; image_size: of the footage; picture_size: of the scene's pictures,
+    the footage's if None; pixel_aspect: a picture pixel's height over its width.
+    """
+    (fx, _, cx), (_, fy, cy), _ = np.asarray(intrinsics, dtype=np.float64)
+    width, height = (float(side) for side in np.asarray(image_size))
+    if abs(fy / fx - 1) > 1e-3:
+        raise InvalidInput(
+            f"the footage's pixels are not square (focal lengths {fx:.1f} and {fy:.1f}); "
+            "convert it to square pixels first"
+        )
+    picture = np.asarray((width, height) if picture_size is None else picture_size, dtype=float)
+    is_wider = picture[0] > picture[1] * pixel_aspect * width / height * (1 + 1e-9)
+    side = height if is_wider else width
+    return Lens(
+        fit="VERTICAL" if is_wider else "HORIZONTAL",
+        focal_mm=fx * SENSOR_MM / side,
+        sensor_mm=SENSOR_MM,
+        # Pixel (0, 0) is a pixel's centre: the picture's edge lies half a pixel further out
+        shift_x=(width / 2 - (cx + 0.5)) / side,
+        shift_y=((cy + 0.5) - height / 2) / side,
+    )

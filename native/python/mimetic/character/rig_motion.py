@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A head's motion on other things: objects, and bones of any armature.
+
+*Character* frame: as the object frame of `placement`, x to the character's left, z up, the face
+towards -y. A turn in it is read by rest axes of the thing that takes it, so that a character looks
+to its own left when the actor does, however its bones lie. Metres unless said otherwise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from mimetic import InvalidInput
+from mimetic.character.placement import WORLD_FROM_SCENE_CAMERA, world_from_object
+from mimetic.performance.document import Performance
+from mimetic.performance.projection import reference_index
+from mimetic.shared.rotations import Floats, euler_angles, powers, quaternions, rotation_vectors
+
+# Where a thing's own face looks, as turns about z from -y
+FACINGS = {"-Y": 0.0, "+X": 0.5 * np.pi, "+Y": np.pi, "-X": -0.5 * np.pi}
+
+STILL = 1e-6  # radians: an axis cannot be told
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Turns and shifts of the head in the character frame, frame by frame."""
+
+    rotations: Floats  # N x 3 x 3
+    shifts: Floats  # N x 3
+
+
+@dataclass(frozen=True)
+class Channels:
+    """What curves hold: see `rotation_channels`."""
+
+    rotation_path: str  # rotation_quaternion, rotation_euler or rotation_axis_angle
+    rotations: Floats  # N x 4 or N x 3
+    locations: Floats | None  # N x 3, in the target's own units
+
+
+@dataclass(frozen=True)
+class Bone:
+    """A bone as its armature has it at rest."""
+
+    rest: Floats  # 3 x 3, armature from bone
+    rotation_mode: str
+    can_move: bool = True  # a connected bone takes no location
+    is_local: bool = True  # its location is along its own axes, not the armature's
+
+
+def motion(
+    performance: Performance,
+    is_absolute: bool = False,
+    calibration_frame: int | None = None,
+    pivot: ArrayLike = (0.0, 0.0, 0.0),
+) -> Motion:
+    """The head's motion against one of its frames, or against a head that faces the camera.
+
+    is_absolute: turns are 0 where the head faces the camera straight; otherwise at the calibration
+    frame, in the axes that the head has there. Shifts are 0 there in both.
+    calibration_frame: a footage frame; None takes the one in which the head is best seen, straight
+    and at rest. pivot: the point whose shifts are given, in the character frame from midway between
+    the ears. Raises InvalidInput for a frame that the performance lacks.
+    """
+    i = rest_index(performance, calibration_frame)
+    poses = world_from_object(performance)
+    points = poses[:, :3, 3] + poses[:, :3, :3] @ np.asarray(pivot, dtype=np.float64)
+    axes = np.eye(3) if is_absolute else poses[i, :3, :3]
+    return Motion(axes.T @ poses[:, :3, :3], (points - points[i]) @ axes)
+
+
+def rest_index(performance: Performance, calibration_frame: int | None = None) -> int:
+    """Index of the frame in which a target is as it was: see `motion`."""
+    if calibration_frame is None:
+        return reference_index(performance)
+    return performance.index_of(calibration_frame)
+
+
+def facing(direction: str) -> Floats:
+    """3 x 3: the axes of a thing whose face looks along `direction`, one of FACINGS, from ours."""
+    if direction not in FACINGS:
+        raise InvalidInput(f"facing {direction!r}; there are {', '.join(FACINGS)}")
+    angle = FACINGS[direction]
+    c, s = np.cos(angle), np.sin(angle)
+    return np.array([[c, -s, 0], [s, c, 0], [0, 0, 1.0]])
+
+
+def bone_channels(
+    moved: Motion,
+    head: Bone,
+    neck: Bone | None = None,
+    neck_share: float = 0.0,
+    followed_share: float = 1.0,
+    direction: str = "-Y",
+    units: float = 1.0,
+) -> tuple[Channels, Channels | None]:
+    """Curves of a head's bone and of its neck's, from rest, that turn the head as the actor's.
+
+    neck_share: part of each turn that the neck takes; followed_share: part of the neck's turn that
+    reaches the head by the armature itself (1 for a child, 0 where the head keeps its orientation):
+    see `followed`. direction: where the armature's face looks; units: of its space, per metre.
+    """
+    if not 0 <= neck_share <= 1:
+        raise InvalidInput(f"neck share is {neck_share}; it lies in 0 to 1")
+    axes = facing(direction)
+    turns = axes @ moved.rotations @ axes.T
+    shifts = units * moved.shifts @ axes.T
+    neck_turns = powers(turns, neck_share if neck else 0.0)
+    carried = powers(neck_turns, followed_share)
+    own = carried.transpose(0, 2, 1) @ turns
+    rotations = head.rest.T @ own @ head.rest
+    locations = None
+    if head.can_move:
+        locations = np.einsum("nji,nj->ni", carried, shifts)
+        locations = locations @ head.rest if head.is_local else locations
+    head_channels = _channels(rotations, locations, head.rotation_mode)
+    if neck is None:
+        return head_channels, None
+    neck_rotations = neck.rest.T @ neck_turns @ neck.rest
+    return head_channels, _channels(neck_rotations, None, neck.rotation_mode)
+
+
+def object_channels(
+    moved: Motion,
+    basis: ArrayLike,
+    world_from_parent: ArrayLike,
+    rotation_mode: str,
+    direction: str = "-Y",
+    scale: float = 1.0,
+) -> Channels:
+    """Curves of an object that starts from where it is and moves as the head does.
+
+    basis: 4 x 4, what the object's own channels are now; world_from_parent: 4 x 4, what comes
+    before them; direction: where its face looks; scale: of shifts.
+    """
+    basis, parent = np.asarray(basis, dtype=np.float64), np.asarray(world_from_parent, dtype=float)
+    own = rotation_of(basis[:3, :3], "object")
+    axes = rotation_of(parent[:3, :3], "parent") @ own @ facing(direction)
+    return carried_channels(moved, basis[:3, 3], own, parent, axes, rotation_mode, scale)
+
+
+def carried_channels(
+    moved: Motion,
+    location: ArrayLike,
+    rotation: ArrayLike,
+    world_from_parent: ArrayLike,
+    axes: ArrayLike,
+    rotation_mode: str,
+    scale: float = 1.0,
+) -> Channels:
+    """Curves of an object that is carried from where it is.
+
+    location: 3, rotation: 3 x 3, its own channels now; world_from_parent: 4 x 4; axes: 3 x 3, world
+    from the character frame; scale: of shifts.
+    """
+    parent, axes = np.asarray(world_from_parent, dtype=float), np.asarray(axes, dtype=np.float64)
+    own = rotation_of(parent[:3, :3], "parent").T @ axes
+    locations = location + scale * moved.shifts @ axes.T @ np.linalg.inv(parent[:3, :3]).T
+    return _channels(own @ moved.rotations @ own.T @ rotation, locations, rotation_mode)
+
+
+def placed_channels(
+    performance: Performance,
+    world_from_parent: ArrayLike,
+    rotation_mode: str,
+    world_from_scene_camera: ArrayLike | None = None,
+    direction: str = "-Y",
+    scale: float = 1.0,
+) -> Channels:
+    """Curves that put an object where the head is before the footage's camera.
+
+    scale: of the distance to the camera, as for a character larger than its actor.
+    """
+    world = WORLD_FROM_SCENE_CAMERA if world_from_scene_camera is None else world_from_scene_camera
+    poses = world_from_object(performance, world)
+    camera = np.asarray(world, dtype=np.float64)[:3, 3]
+    parent = np.linalg.inv(np.asarray(world_from_parent, dtype=np.float64))
+    points = camera + scale * (poses[:, :3, 3] - camera)
+    turn = rotation_of(parent[:3, :3], "parent")
+    rotations = turn @ poses[:, :3, :3] @ facing(direction).T
+    return _channels(rotations, points @ parent[:3, :3].T + parent[:3, 3], rotation_mode)
+
+
+def followed(before: ArrayLike, after: ArrayLike, turned: float) -> float:
+    """The part (0 to 1) of a turn by `turned` radians that took `before` to `after` (3 x 3)."""
+    change = np.asarray(after, dtype=np.float64) @ np.asarray(before, dtype=np.float64).T
+    angle = np.linalg.norm(rotation_vectors(change[None])[0])
+    return float(np.clip(angle / turned, 0, 1))
+
+
+def _channels(rotations: Floats, locations: Floats | None, rotation_mode: str) -> Channels:
+    path, values = rotation_channels(rotations, rotation_mode)
+    return Channels(path, values, locations)
+
+
+def rotation_channels(rotations: Floats, rotation_mode: str) -> tuple[str, Floats]:
+    """The property that a rotation mode reads, and its values without jumps."""
+    if rotation_mode == "QUATERNION":
+        return "rotation_quaternion", quaternions(rotations)
+    if rotation_mode == "AXIS_ANGLE":
+        vectors = rotation_vectors(rotations)
+        angles = np.linalg.norm(vectors, axis=1)
+        axes = vectors / np.maximum(angles, 1e-12)[:, None]
+        before = np.array([0.0, 1, 0]) if angles.max() < STILL else axes[np.argmax(angles >= STILL)]
+        for i in range(len(axes)):  # through rest a turn goes on backwards, not about a new axis
+            if angles[i] < STILL:
+                axes[i], angles[i] = before, vectors[i] @ before
+            elif axes[i] @ before < 0:
+                axes[i], angles[i] = -axes[i], -angles[i]
+            before = axes[i]
+        return "rotation_axis_angle", np.column_stack([angles, axes])
+    return "rotation_euler", euler_angles(rotations, rotation_mode)
+
+
+def rotation_of(matrix: Floats, what: str) -> Floats:
+    """The rotation nearest to a 3 x 3 matrix that may scale; raises InvalidInput if it is flat."""
+    if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) < 1e-12:
+        raise InvalidInput(f"the {what}'s matrix is flat or not finite; reset its scale")
+    u, _, vt = np.linalg.svd(matrix)
+    return u @ vt if np.linalg.det(u @ vt) > 0 else u @ np.diag([1.0, 1, -1]) @ vt

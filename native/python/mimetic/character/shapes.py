@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A performance as named shapes with a curve each, the form that keyed characters carry."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from mimetic.muscles.anatomy import Anatomy
+from mimetic.muscles.articulators import ARTICULATORS
+from mimetic.muscles.extras import Extras
+from mimetic.performance.document import Performance
+
+GROUPS = {
+    1: "Lip Corners",
+    2: "Upper Lip and Nose",
+    3: "Lip Depressors",
+    4: "Chin and Lip Ring",
+    5: "Brow Raisers",
+    6: "Brow Lowerers",
+    7: "Eye Ring",
+}
+SIDES = ("", ".L", ".R")  # both, the subject's left, right
+JAW_AND_LIDS = "Jaw and Lids"
+DETAIL = "Detail"
+CONTACT = "Contact"
+
+
+def group_name(group: int, side: str = "") -> str:
+    """A group's slider: of one side (".L", ".R") or of both."""
+    return GROUPS[group] + side
+
+
+@dataclass(frozen=True)
+class Shape:
+    """One shape: V control vertices, N frames."""
+
+    name: str
+    group: str  # what curves are listed under
+    offsets: NDArray[np.float64]  # V x 3, metres in the head frame at value 1
+    values: NDArray[np.float64]  # N; none for a slider without a curve
+    lowest: float  # range of the values' slider; every value lies inside
+    highest: float
+
+
+def shapes_of(performance: Performance) -> list[Shape]:
+    """Muscles, articulators and detail of a performance, in this order.
+
+    At every frame the neutral vertices plus the sum of value times offsets are
+    `performance.surface(i)`; without detail, give `performance.without_detail()`.
+    """
+    shapes = [
+        _shape(name, GROUPS[int(group)], modes, values, 0.0)
+        for name, group, modes, values in zip(
+            performance.muscles,
+            performance.groups,
+            performance.muscle_modes,
+            performance.activations.T,
+            strict=True,
+        )
+    ]
+    if performance.articulator_modes is not None:
+        shapes += [
+            _shape(name, JAW_AND_LIDS, modes, values, *ARTICULATORS.get(name, (-1.0, 1.0)))
+            for name, modes, values in zip(
+                performance.articulators,
+                performance.articulator_modes,
+                performance.articulator_values.T,
+                strict=True,
+            )
+        ]
+    if performance.detail_modes is not None and performance.detail_coefficients is not None:
+        shapes += [
+            _detail(i, modes, values)
+            for i, (modes, values) in enumerate(
+                zip(performance.detail_modes, performance.detail_coefficients.T, strict=True)
+            )
+        ]
+    return shapes
+
+
+def groups_of(performance: Performance) -> list[Shape]:
+    """The group sliders of a performance's face."""
+    return group_shapes(performance.muscles, performance.groups, performance.muscle_modes)
+
+
+def group_shapes(
+    names: Sequence[str], groups: ArrayLike, modes: NDArray[np.float64]
+) -> list[Shape]:
+    """Sliders of groups of muscles, left, right and both: sums of their muscles' shapes.
+
+    names: M muscles; groups: M, 1 to 7; modes: M x V x 3. They have no values: what they do comes
+    on top of the muscles' own curves, so that a whole take is softened (to -1) or strengthened.
+    """
+    groups = np.asarray(groups)
+    shapes = []
+    for group in GROUPS:
+        for side in SIDES:
+            chosen = (groups == group) & [name.endswith(side) for name in names]
+            if chosen.any():
+                offsets = np.asarray(modes)[chosen].sum(axis=0, dtype=np.float64)
+                shapes.append(_slider(group_name(group, side), GROUPS[group], offsets, -1.0, 1.0))
+    return shapes
+
+
+def shapes_of_anatomy(anatomy: Anatomy) -> list[Shape]:
+    """Muscles and articulators of a head at rest."""
+    muscles = zip(anatomy.muscle_names, anatomy.groups, anatomy.muscle_modes, strict=True)
+    articulators = zip(
+        anatomy.articulator_names,
+        anatomy.articulator_modes,
+        anatomy.articulator_limits,
+        strict=True,
+    )
+    return [
+        *(_slider(name, GROUPS[int(group)], modes, 0.0, 1.0) for name, group, modes in muscles),
+        *(_slider(name, JAW_AND_LIDS, modes, *limits) for name, modes, limits in articulators),
+    ]
+
+
+def shapes_of_extras(extras: Extras) -> list[Shape]:
+    """Lips in parts, air and gaze: for the hand, no take has them."""
+    entries = zip(extras.names, extras.groups, extras.modes, extras.limits, strict=True)
+    return [_slider(name, group, modes, *limits) for name, group, modes, limits in entries]
+
+
+def _slider(name: str, group: str, offsets, lowest: float, highest: float) -> Shape:
+    """A shape that no take moves yet."""
+    offsets = np.asarray(offsets, dtype=np.float64)
+    return Shape(name, group, offsets, np.empty(0), float(lowest), float(highest))
+
+
+def _shape(name: str, group: str, offsets, values, lowest: float, highest: float = 1.0) -> Shape:
+    return Shape(
+        name,
+        group,
+        np.asarray(offsets, dtype=np.float64),
+        values,
+        min(lowest, float(values.min())),
+        max(highest, float(values.max())),
+    )
+
+
+def _detail(i: int, offsets, values) -> Shape:
+    # Coefficients have any size; a slider wants -1 to 1
+    scale = float(np.abs(values).max()) or 1.0
+    return _shape(f"detail.{i:03d}", DETAIL, offsets * scale, values / scale, -1.0)

@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`mimetic bake`: a performance as .glb or .blend, by the Blender extension in a child process."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import importlib.util
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from mimetic import InvalidInput, UnreadableMedia
+from mimetic.head.smoothing import USUAL_STRENGTH
+from mimetic.shared.regular_file import check_input, check_target
+from mimetic.shared.whole_file import file_beside
+
+SUFFIXES = (".glb", ".blend")
+SCRIPT = "headless_bake.py"
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("performance", type=Path, help="performance.npz of a capture")
+    parser.add_argument("--out", type=Path, required=True, help="FACE.glb or FACE.blend to write")
+    parser.add_argument(
+        "--footage",
+        type=Path,
+        help="the captured clip: its colours on the skin, and the clip behind the face",
+    )
+    parser.add_argument(
+        "--target",
+        metavar="RIG.blend:OBJECT",
+        help="put the head's motion on this object or armature instead, in a copy of its file",
+    )
+    parser.add_argument(
+        "--detail",
+        action="store_true",
+        help="shapes and curves for what the muscles leave unexplained too",
+    )
+    parser.add_argument("--bone", help="the armature's head (default: found by its name)")
+    parser.add_argument(
+        "--neck", help="the armature's neck (default: found by its name; '' for none)"
+    )
+    parser.add_argument(
+        "--neck-share", type=float, default=0.3, help="part of the turns that the neck takes"
+    )
+    parser.add_argument(
+        "--smoothing",
+        type=float,
+        default=USUAL_STRENGTH,
+        help="of the head's motion on a target: how far poses are doubted, in their own standard "
+        "deviations (default: %(default)s; 0 keeps them)",
+    )
+    parser.add_argument(
+        "--blender-python",
+        type=Path,
+        metavar="PYTHON",
+        help="a Python that has the bpy module (default: this one)",
+    )
+
+
+def run_bake(arguments: argparse.Namespace) -> int:
+    target = None
+    if arguments.target:
+        target = parse_target(arguments.target)
+        target["settings"] = {
+            "bone": arguments.bone,
+            "neck": arguments.neck,
+            "neck_share": arguments.neck_share,
+            "smoothing": arguments.smoothing,
+        }
+        if arguments.detail:
+            raise InvalidInput("--detail is of the person's own face; a --target takes the head")
+    elif arguments.bone or arguments.neck:
+        raise InvalidInput("--bone and --neck name bones of a --target RIG.blend:OBJECT; give it")
+    text = bake(
+        *(arguments.performance, arguments.out, arguments.footage, arguments.blender_python),
+        target,
+        arguments.detail,
+    )
+    print(f"{arguments.out}: {text}")
+    return 0
+
+
+def parse_target(text: str) -> dict:
+    """The file and the object of RIG.blend:OBJECT."""
+    path, _, name = text.rpartition(":")
+    if not path.endswith(".blend") or not name:
+        raise InvalidInput(f"--target {text}: give it as RIG.blend:OBJECT")
+    check_input(path, "the .blend of a rig")
+    return {"file": str(Path(path).absolute()), "object": name}
+
+
+def bake(
+    performance: os.PathLike[str],
+    out: os.PathLike[str],
+    footage: os.PathLike[str] | None = None,
+    blender_python: os.PathLike[str] | None = None,
+    target: dict | None = None,
+    with_detail: bool = False,
+) -> str:
+    """Writes `out`, whole or not at all; returns a line that says what is in it.
+
+    Blender works in a process of its own on a file beside `out`, and ends when this one ends: only
+    this process puts the file in its place.
+
+    blender_python: a Python with the bpy module, this one if None. target: what `parse_target`
+    gives, with `settings` for the head's motion on it; None bakes the person's own face.
+    with_detail: shapes and curves of the surface that the muscles leave unexplained too.
+    Raises InvalidInput, UnreadableMedia, and OSError where `out` cannot be written.
+    """
+    out = Path(os.path.realpath(out))
+    if out.suffix not in SUFFIXES:
+        raise InvalidInput(f"--out {out.name}: bake writes {' and '.join(SUFFIXES)} files")
+    if target and out.suffix != ".blend":
+        raise InvalidInput(f"--out {out.name}: a target is written as .blend")
+    check_input(performance, "the performance.npz of a capture")
+    if footage is not None:
+        check_input(footage, "a video file")
+    check_target(out, performance, *([] if footage is None else [footage]))
+    python = blender_python or python_with_blender()
+    with (
+        tempfile.TemporaryDirectory(prefix="mimetic-bake-") as folder,
+        file_beside(out, out.suffix) as aside,
+    ):
+        request = {
+            "performance": str(Path(performance).absolute()),
+            "out": str(aside),
+            "footage": None if footage is None else str(Path(footage).absolute()),
+            "package_folder": str(Path(__file__).absolute().parents[2]),
+            "target": target,
+            "with_detail": with_detail,
+            "answer": str(Path(folder, "answer.json")),
+        }
+        try:
+            answer = _ask(python, request, Path(folder))
+        finally:
+            _remove_left_beside(aside)
+        if "error" in answer:
+            raise InvalidInput(answer["error"].replace(str(aside), str(out)))
+    return answer["text"]
+
+
+def python_with_blender() -> str:
+    """This Python, if it has the bpy module; raises InvalidInput if not."""
+    if importlib.util.find_spec("bpy") is None:
+        raise InvalidInput(
+            "Blender as a Python module (bpy) is missing here: pip install 'mimetic[blender]', "
+            "or name a Python that has it by --blender-python"
+        )
+    return sys.executable
+
+
+def extension_folder() -> Path:
+    """Where the extension's sources are: beside this file when installed, else in the checkout."""
+    here = Path(__file__).absolute()
+    for folder in (here.parents[1] / "blender_addon", here.parents[4] / "blender_addon"):
+        if (folder / SCRIPT).is_file():
+            return folder
+    raise UnreadableMedia(f"{here.parent}: the Blender extension is missing; install Mimetic again")
+
+
+def _remove_left_beside(aside: Path) -> None:
+    """What a Blender that was ended had begun: files and folders named after `aside`."""
+    for left in aside.parent.glob(f".{aside.stem}.*"):
+        if left.is_dir():
+            shutil.rmtree(left, ignore_errors=True)
+        else:
+            left.unlink(missing_ok=True)
+
+
+def _ask(python: os.PathLike[str] | str, request: dict, folder: Path) -> dict:
+    """Runs the child, with `folder` for all that it keeps for a while; returns its answer."""
+    # Isolated (-I): nothing of the caller's environment or folder changes what is imported
+    command = [os.fspath(python), "-I", str(extension_folder() / SCRIPT)]
+    log = folder / "blender.log"
+    try:
+        with open(log, "wb") as stream:
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.PIPE,
+                stdout=stream,
+                stderr=subprocess.STDOUT,
+                env={**os.environ, "TMPDIR": str(folder)},
+                start_new_session=True,  # Ctrl-C is ours to handle
+            )
+    except OSError as error:
+        raise UnreadableMedia(f"--blender-python {python}: {error.strerror}") from None
+    try:
+        # Standard input stays open while this process lives: the child ends when it closes
+        with contextlib.suppress(BrokenPipeError):
+            process.stdin.write(json.dumps(request).encode() + b"\n")
+            process.stdin.flush()
+        process.wait()
+    finally:
+        process.kill()
+        process.wait()
+        with contextlib.suppress(BrokenPipeError):
+            process.stdin.close()
+    answer = Path(request["answer"])
+    if process.returncode == 0 and answer.exists():
+        return json.loads(answer.read_text(encoding="utf-8"))
+    told = log.read_text(encoding="utf-8", errors="replace")
+    if "No module named 'bpy'" in told:
+        raise InvalidInput(
+            f"--blender-python {python} has no Blender module: pip install bpy in it"
+        )
+    last_lines = "\n".join(told.strip().splitlines()[-12:])
+    raise OSError(f"Blender failed (exit status {process.returncode}):\n{last_lines}")

@@ -1,0 +1,87 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`mimetic calibrate`: a few seconds of a person in; a fit that knows skin and muscles out."""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+
+from mimetic import InvalidInput, UnreadableMedia
+from mimetic.commands.console import Console
+from mimetic.commands.on_clip import parse_frames
+from mimetic.fit.fitting import FaceFit
+from mimetic.muscles.calibration import REGIONS
+from mimetic.shared.interrupts import listen_for_interrupt
+from mimetic.shared.regular_file import check_target
+from mimetic.solve.calibrate import Found
+from mimetic.solve.calibration_run import calibrate
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.description = (
+        "Find by evidence how firmly this person's skin is held, by region, and how strong the "
+        "muscles are, from a few seconds that show expressions. The result is kept in the fit, and "
+        "every capture with it (mimetic capture --fit) uses it."
+    )
+    parser.add_argument("footage", type=Path, help="video of one face, showing expressions")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="FIT.json", help="the calibrated fit"
+    )
+    parser.add_argument(
+        "--fit", type=Path, metavar="FIT.json", help="a fit of this footage, instead of finding one"
+    )
+    parser.add_argument(
+        "--frames",
+        type=parse_frames,
+        metavar="A:B",
+        help="first and last frame to rest on, counted from 1 (default: all, 600 at most)",
+    )
+
+
+def run_calibrate(arguments: argparse.Namespace) -> int:
+    """Writes the fit and tells what was found; bad input raises, and writes nothing."""
+    out = arguments.out
+    check_target(out, arguments.footage)
+    fit = FaceFit.load(arguments.fit) if arguments.fit else None
+    with Console() as console, listen_for_interrupt("nothing is kept") as interrupted:
+
+        def progress(fraction: float, text: str) -> bool:
+            console.show(fraction, text)
+            return not interrupted()
+
+        try:
+            fit, found = calibrate(arguments.footage, arguments.frames, fit, progress)
+        except (InvalidInput, UnreadableMedia):
+            if interrupted():
+                raise KeyboardInterrupt from None
+            raise
+        console.show(1.0, "done")
+    fit.save(out)
+    print(described(found))
+    print(f"{out}: calibrated to {len(found.calibration.frames)} frames that differ most")
+    return 0
+
+
+def described(found: Found) -> str:
+    """What was found: a line for each factor with the range of one standard deviation."""
+    known = found.calibration
+    lines = ["attachment of the skin to the bone, times what is assumed"]
+    lines += [_line(name, known.stiffness.get(name), found.stiffness_std[name]) for name in REGIONS]
+    if known.insertion:
+        lines.append("insertions, millimetres away from the midline and up from where assumed")
+        lines += [f"  {name:34} {x:+.1f}  {y:+.1f}" for name, (x, y) in known.insertion.items()]
+    if known.strength:
+        lines.append("strength of the muscles that were seen at work, times what is assumed")
+        lines += [
+            _line(name, known.strength[name], found.strength_std[name]) for name in known.strength
+        ]
+    lines.append(f"logarithm of the evidence: {found.gain:+.1f} against all factors at 1")
+    return "\n".join(lines)
+
+
+def _line(name: str, factor: float | None, std: float) -> str:
+    if factor is None:
+        return f"  {name:34} 1     not seen well enough"
+    low, high = (factor * math.exp(sign * std) for sign in (-1, 1))
+    return f"  {name:34} {factor:.2f}  {low:.2f} to {high:.2f}"

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`mimetic capture`: footage in; performance, overlay and report out."""
+
+from __future__ import annotations
+
+import argparse
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from mimetic.commands.on_clip import add_clip_arguments, run_on_clip
+from mimetic.media.footage import Footage
+from mimetic.performance.document import Performance
+from mimetic.report.html import write_report
+from mimetic.report.overlay import write_overlay
+from mimetic.shared.progress import ATTACHED, Costs, Progress
+from mimetic.solve.clip_capture import CaptureSummary, capture
+
+COSTS = Costs(followed_once=ATTACHED, followed_each=1.0, drawn_each=0.5, written=60.0)
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    add_clip_arguments(parser, "face")
+
+
+def run_capture(arguments: argparse.Namespace) -> int:
+    def follow(fit, progress, summary):
+        return capture(arguments.footage, arguments.frames, fit, progress, summary)
+
+    return run_on_clip(arguments, COSTS, follow, write_pictures)
+
+
+def write_pictures(
+    performance: Performance,
+    footage: Footage,
+    folder: Path,
+    summary: CaptureSummary,
+    progress: Progress | None = None,
+    interrupted: Callable[[], bool] = lambda: False,
+) -> None:
+    """overlay.mp4 and report.html, after an interrupt the report alone."""
+    start = time.perf_counter()
+    if not interrupted():
+        write_overlay(performance, footage, folder / "overlay.mp4", progress)
+    summary.add("draw and encode the overlay", time.perf_counter() - start)
+    write_report(performance, footage, folder / "report.html", summary)

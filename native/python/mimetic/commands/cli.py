@@ -1,0 +1,95 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The command line: `mimetic COMMAND ...`.
+
+Exit status: 0 done, 1 failed, 2 bad input, 130 ended by Ctrl-C, 143 by SIGTERM.
+"""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+
+from mimetic import InvalidInput, UnreadableMedia, __version__
+from mimetic.shared.interrupts import signals_raised
+from mimetic.shared.shown_text import shown
+
+# command: (module with add_arguments(parser) and run_<command>(arguments) -> status, summary)
+COMMANDS = {
+    "capture": (
+        "mimetic.commands.capture",
+        "video of a face -> muscles, head motion, overlay, report",
+    ),
+    "fit": (
+        "mimetic.commands.fit",
+        "video of a face -> the person's head, and the canonical picture",
+    ),
+    "calibrate": (
+        "mimetic.commands.calibrate",
+        "a few seconds of a face -> how its skin is held, how strong its muscles are",
+    ),
+    "head": ("mimetic.commands.head", "video of a head -> its motion alone, overlay, plot"),
+    "points": ("mimetic.commands.points", "where pixels of one frame go in all others"),
+    "bake": ("mimetic.commands.bake", "a performance -> animated head in a .blend or .glb"),
+    "evaluate": ("mimetic.commands.evaluate", "score a capture against known truth"),
+    "info": ("mimetic.commands.info", "what is in a performance"),
+}
+FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    arguments = list(sys.argv[1:] if arguments is None else arguments)
+    parser = _make_parser(arguments)
+    try:
+        options = parser.parse_args(arguments)
+    except SystemExit as request:  # argparse has told why
+        return int(request.code or 0)
+    _write_any_name(sys.stdout)
+    try:
+        with signals_raised():
+            return options.run(options)
+    except (InvalidInput, UnreadableMedia) as error:
+        return _fail(error, BAD_INPUT)
+    except KeyboardInterrupt as request:
+        return _fail("stopped", getattr(request, "status", INTERRUPTED))
+    except BrokenPipeError:  # `mimetic info ... | head`
+        sys.stderr.close()
+        return FAILED
+    except OSError as error:
+        name = f"{error.filename}: " if error.filename else ""
+        return _fail(f"{name}{error.strerror or error}", FAILED)
+    except MemoryError:
+        return _fail("not enough memory; scale the footage down", FAILED)
+
+
+def _make_parser(arguments: list[str]) -> argparse.ArgumentParser:
+    """Only the module of the command that is asked for is imported."""
+    parser = argparse.ArgumentParser(
+        prog="mimetic",
+        description="Video of a face to muscle activations and head motion, for Blender.",
+    )
+    parser.add_argument("--version", action="version", version=f"mimetic {__version__}")
+    commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
+    asked = next((word for word in arguments if not word.startswith("-")), None)
+    for name, (module_name, summary) in COMMANDS.items():
+        command = commands.add_parser(
+            name, help=summary, description=f"{summary[0].upper()}{summary[1:]}."
+        )
+        if name == asked:
+            module = importlib.import_module(module_name)
+            module.add_arguments(command)
+            command.set_defaults(run=getattr(module, f"run_{name}"))
+    return parser
+
+
+def _write_any_name(stream) -> None:
+    """Names of files may hold what the stream's encoding lacks: that is no reason to fail."""
+    if hasattr(stream, "reconfigure"):
+        stream.reconfigure(errors="backslashreplace")
+
+
+def _fail(error: object, status: int) -> int:
+    text = shown(" ".join(str(error).split()))
+    print(f"mimetic: {text}", file=sys.stderr)
+    return status

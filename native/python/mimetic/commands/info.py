@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`mimetic info`: what is in a performance."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import numpy as np
+
+from mimetic.performance.document import HELD_QUALITY, Performance
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("performance", type=Path, help="performance.npz of a capture")
+
+
+def run_info(arguments: argparse.Namespace) -> int:
+    print(describe(Performance.load(arguments.performance)))
+    return 0
+
+
+def describe(performance: Performance) -> str:
+    """Several lines of text on a performance."""
+    width, height = performance.image_size
+    stored = ""
+    if performance.pixel_aspect != 1:
+        stored = " ({} x {} in the file)".format(*performance.stored_size)
+    num_vertices = len(performance.neutral_vertices)
+    held = int((performance.quality < HELD_QUALITY).sum())
+    peak = performance.activations.max(axis=0)
+    strongest = np.argsort(-peak)[:5]
+    lines = [] if performance.footage is None else [f"footage      {performance.footage[0]}"]
+    lines += [
+        f"frames       {performance.frame[0]} to {performance.frame[-1]}, "
+        f"{performance.num_frames} in all, {performance.fps:.6g} a second",
+        f"picture      {width} x {height}{stored}, "
+        f"focal length {performance.intrinsics[0, 0]:.0f} pixels",
+        f"mesh         {num_vertices} vertices, {len(performance.faces)} quads",
+        f"muscles      {len(performance.muscles)} in {len(np.unique(performance.groups))} groups",
+        "strongest    " + ", ".join(f"{performance.muscles[i]} {peak[i]:.2f}" for i in strongest),
+        f"articulators {', '.join(performance.articulators) or 'none'}",
+        f"quality      median {np.median(performance.quality):.2f}, "
+        f"lowest {performance.quality.min():.2f}, {held} frames held",
+    ]
+    if performance.detail_modes is not None:
+        lines.append(f"detail       {len(performance.detail_modes)} modes")
+    lines += [f"note         {note}" for note in performance.notes or ()]
+    return "\n".join(lines)

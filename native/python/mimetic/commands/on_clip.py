@@ -1,0 +1,157 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the commands that follow a clip share: arguments, progress, interrupts, files."""
+
+from __future__ import annotations
+
+import argparse
+import re
+import shutil
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+from mimetic import InvalidInput, UnreadableMedia
+from mimetic.commands.console import Console
+from mimetic.fit.fitting import FaceFit
+from mimetic.media.footage import Footage
+from mimetic.performance.document import Performance
+from mimetic.report.html import check_report_packages
+from mimetic.shared.interrupts import listen_for_interrupt
+from mimetic.shared.progress import SEARCHED, Costs, Progress, stages
+from mimetic.shared.results import OF_A_CLIP, PERFORMANCE, prepare_folder, publish, staging
+from mimetic.solve.clip_capture import CaptureSummary, check_range, find_face
+
+Follow = Callable[[FaceFit | None, Progress, CaptureSummary], Performance]
+# (performance, footage, folder, summary, progress, interrupted): writes pictures in the folder
+Draw = Callable[[Performance, Footage, Path, CaptureSummary, Progress, Callable[[], bool]], None]
+
+
+def add_clip_arguments(parser: argparse.ArgumentParser, shown: str) -> None:
+    parser.add_argument("footage", type=Path, help=f"video of one {shown}")
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="folder for the results"
+    )
+    parser.add_argument(
+        "--frames",
+        type=parse_frames,
+        metavar="A:B",
+        help="first and last frame, counted from 1; either may be left out. The file is decoded "
+        "from its start, so that the numbers are exact",
+    )
+    parser.add_argument(
+        "--fit", type=Path, metavar="FIT.json", help="a face fit, instead of finding one"
+    )
+    parser.add_argument(
+        "--face",
+        type=parse_place,
+        metavar="X,Y",
+        help="of several faces, the one nearest to this pixel (default: the largest)",
+    )
+
+
+def parse_frames(text: str) -> tuple[int | None, int | None]:
+    """`A:B`, `A:`, `:B` as (first, last); raises argparse.ArgumentTypeError."""
+    match = re.fullmatch(r"(\d{0,9}):(\d{0,9})", text)
+    if not match:
+        raise argparse.ArgumentTypeError(f"{text!r} is not A:B, such as 10:200")
+    first, last = (int(number) if number else None for number in match.groups())
+    if first == 0 or (last is not None and last < (first or 1)):
+        raise argparse.ArgumentTypeError(
+            f"{text!r}: frames count from 1, the first before the last"
+        )
+    return first, last
+
+
+def parse_place(text: str) -> tuple[float, float]:
+    """`X,Y` in pixels; raises argparse.ArgumentTypeError."""
+    match = re.fullmatch(r"(\d{1,5}(?:\.\d{1,9})?),(\d{1,5}(?:\.\d{1,9})?)", text)
+    if not match:
+        raise argparse.ArgumentTypeError(f"{text!r} is not X,Y in pixels, such as 320,180")
+    return float(match[1]), float(match[2])
+
+
+def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, draw: Draw) -> int:
+    """Follows, saves, draws, tells; returns the exit status.
+
+    costs: of following, with a fit, and of what comes after, for the time left. The results
+    appear in the folder together when all are done; of a run that is stopped, or fails after the
+    following, what is finished is kept. Raises what the work raises.
+    """
+    check_report_packages()
+    out = arguments.out
+    footage = Footage(arguments.footage)
+    if arguments.fit and arguments.face:
+        raise InvalidInput(
+            "--face chooses a face to find, --fit says where it is: give one of them"
+        )
+    first, last = check_range(arguments.frames, footage)
+    fit = FaceFit.load(arguments.fit) if arguments.fit else None
+    prepare_folder(out, OF_A_CLIP, footage.path)
+    summary = CaptureSummary()
+    with staging(out) as folder, Console() as console, listen_for_interrupt() as interrupted:
+
+        def show(fraction: float, text: str) -> bool:
+            console.show(fraction, text)
+            return not interrupted()
+
+        num_frames = 1 + last - first
+        search = 0.0 if fit else SEARCHED
+        followed = costs.followed_once + num_frames * costs.followed_each
+        finding, following, drawing, _ = stages(
+            show,
+            search if arguments.face else 0.0,
+            followed if arguments.face else search + followed,
+            num_frames * costs.drawn_each,
+            costs.written,
+        )
+        try:
+            if arguments.face:
+                frames, near = arguments.frames, arguments.face
+                fit = find_face(footage.path, frames=frames, near=near, progress=finding)
+            performance = follow(fit, following, summary)
+        except (InvalidInput, UnreadableMedia):
+            if interrupted():  # before there was anything to keep
+                raise KeyboardInterrupt from None
+            raise
+        save_performance(performance, folder / PERFORMANCE, console.tell)
+        failure = summary.footage.failure if summary.footage else None
+        try:
+            summary.fit.save(folder / "fit.json")
+            draw(performance, footage, folder, summary, drawing, interrupted)
+        except OSError as error:  # a full disk, footage that is gone: the capture is done
+            failure = error
+        console.show(1.0, "done")
+        written = sorted(path.name for path in folder.iterdir())
+        where = publish(folder, out, finished=not interrupted() and failure is None)
+        tell_results(console, performance, where, written)
+        if where != out:
+            console.tell(f"note: not finished; {out} keeps the results that were there before")
+        if failure:
+            raise failure
+    return interrupted.status
+
+
+def save_performance(performance: Performance, path: Path, tell: Callable[[str], None]) -> None:
+    """Saves hours of work: where `path` cannot be written, in the system's folder for such files.
+
+    Raises the OSError of the first try.
+    """
+    try:
+        performance.save(path)
+    except OSError:
+        folder = Path(tempfile.mkdtemp(prefix="mimetic-"))
+        try:
+            performance.save(folder / path.name)
+        except OSError:
+            shutil.rmtree(folder, ignore_errors=True)
+        else:
+            tell(f"{folder / path.name}: kept here, {performance.num_frames} frames")
+        raise
+
+
+def tell_results(
+    console: Console, performance: Performance, folder: Path, written: list[str]
+) -> None:
+    for note in performance.notes or ():
+        console.tell(f"note: {note}")
+    console.tell(f"{folder}: {', '.join(written)}; {performance.num_frames} frames")

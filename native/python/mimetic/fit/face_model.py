@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The template as the fit sees it: surface points, landmarks, curves and ways to differ."""
+
+from __future__ import annotations
+
+import heapq
+import itertools
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import _core
+from mimetic.fit.face_shape import face_shape
+from mimetic.locate.landmarks import landmark_points
+from mimetic.template.face_template import FaceTemplate
+
+COMPONENT_LIMIT = 30.0  # prior standard deviations: a pin may be far off
+OUTLINE_REGIONS = ("cheek", "zygomatic", "chin", "jaw_line", "temple")
+CURVES = {
+    "lip_line": ("mouth_corner.R", "lip_upper_inner", "mouth_corner.L"),
+    "brow.L": ("brow_inner.L", "brow_middle.L", "brow_outer.L"),
+    "brow.R": ("brow_outer.R", "brow_middle.R", "brow_inner.R"),
+}
+# Points between landmarks: weights sum to 1
+BETWEEN = {
+    "nostril.L": {"ala.L": 0.5, "nose_base": 0.35, "nose_tip": 0.15},
+    "nostril.R": {"ala.R": 0.5, "nose_base": 0.35, "nose_tip": 0.15},
+    "lip_line": {"lip_upper_inner": 0.5, "lip_lower_inner": 0.5},
+}
+
+
+@lru_cache(maxsize=6)
+def face_model(
+    template: FaceTemplate, with_identity: bool = True, with_residual: bool = True
+) -> _core.FaceModel:
+    """What the core's fit needs: points on the limit surface, then the two eyeballs' centres.
+
+    Modes: the components of `face_shape` with the same arguments.
+    """
+    skin = template.num_skin_vertices
+    faces = np.ascontiguousarray(template.skin_faces, dtype=np.int32)
+    on_limit = limit_positions(template)
+    eyes = [template.part_vertices(name) for name in ("eye.L", "eye.R")]
+    components = face_shape(template, with_identity, with_residual).components
+    points = np.array(
+        [
+            np.vstack([on_limit(shape[:skin]), *(shape[eye].mean(axis=0) for eye in eyes)])
+            for shape in (template.vertices, *components)
+        ]
+    )
+    # Means of the eyeballs' vertices move as their centres do; the centres are the template's own
+    points[0, skin:] = template.eye_centers
+    far = np.full((len(components), 1), COMPONENT_LIMIT)
+    names, weights = _landmark_weights(template, len(points[0]))
+    on_outline = np.zeros(len(points[0]), dtype=bool)
+    # Under the chin the outline runs on what counts as neck; the neck's own sides are not the jaw
+    normals = _core.SubdividedMesh(faces, skin, 0).normals(
+        np.ascontiguousarray(template.vertices[:skin])
+    )[:skin]
+    underside = template.in_region("neck") & (normals[:, 1] < -0.3)
+    on_outline[:skin] = template.in_region(*OUTLINE_REGIONS) | underside
+    chains = [_chain(template, points[0], stops) for stops in CURVES.values()]
+    return _core.FaceModel(
+        points[0],
+        points[1:].reshape(len(components), -1),
+        np.ones(len(components)),
+        np.hstack([-far, far]),
+        faces,
+        on_outline.tolist(),
+        names,
+        weights,
+        list(CURVES),
+        chains,
+    )
+
+
+def limit_positions(template: FaceTemplate):
+    """A function from the skin's control vertices (S x 3) to their limits on the surface."""
+    faces = np.ascontiguousarray(template.skin_faces, dtype=np.int32)
+    num_vertices = template.num_skin_vertices
+    indptr, indices, weights = _core.SubdividedMesh(faces, num_vertices, 0).stencils()
+    indptr, count = indptr[: num_vertices + 1], indptr[num_vertices]
+
+    def apply(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.add.reduceat(
+            weights[:count, None] * vertices[indices[:count]], indptr[:-1], axis=0
+        )
+
+    return apply
+
+
+def _landmark_weights(
+    template: FaceTemplate, num_points: int
+) -> tuple[list[str], NDArray[np.float64]]:
+    rows = {}
+    for name, vertex in zip(template.landmark_names, template.landmark_vertices, strict=True):
+        rows[name] = np.zeros(num_points)
+        rows[name][vertex] = 1
+    for name, parts in BETWEEN.items():
+        rows[name] = sum(weight * rows[part] for part, weight in parts.items())
+    for name, row in zip(*landmark_points(template), strict=True):
+        rows.setdefault(name, row)
+    return list(rows), np.array(list(rows.values()))
+
+
+def _chain(
+    template: FaceTemplate, points: NDArray[np.float64], stops: tuple[str, ...]
+) -> list[int]:
+    """Vertices of the shortest way along the skin's edges through landmarks."""
+    vertices = [template.landmark(name) for name in stops]
+    edges: dict[int, set[int]] = {}
+    for quad in template.skin_faces:
+        for a, b in zip(quad, np.roll(quad, 1), strict=True):
+            edges.setdefault(int(a), set()).add(int(b))
+            edges.setdefault(int(b), set()).add(int(a))
+    chain = [vertices[0]]
+    for start, goal in itertools.pairwise(vertices):
+        chain += _shortest_way(edges, points, start, goal)[1:]
+    return chain
+
+
+def _shortest_way(edges: dict[int, set[int]], points, start: int, goal: int) -> list[int]:
+    reached: dict[int, int] = {}
+    queue = [(0.0, start, start)]
+    while queue:
+        length, vertex, before = heapq.heappop(queue)
+        if vertex in reached:
+            continue
+        reached[vertex] = before
+        if vertex == goal:
+            break
+        for other in edges[vertex] - reached.keys():
+            step = float(np.linalg.norm(points[other] - points[vertex]))
+            heapq.heappush(queue, (length + step, other, vertex))
+    way = [goal]
+    while way[-1] != start:
+        way.append(reached[way[-1]])
+    return way[::-1]

@@ -1,0 +1,371 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Finding a face in an image and fitting the head to it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, _core
+from mimetic.fit.canonical_image import canonical_image
+from mimetic.fit.face_fit import FaceFit
+from mimetic.fit.face_model import face_model
+from mimetic.fit.face_shape import face_shape
+from mimetic.fit.fitted_view import FittedView
+from mimetic.fit.relief_shift import picture_shifts
+from mimetic.fit.symmetry import symmetry
+from mimetic.fit.views import follow_points
+from mimetic.locate.eigenspaces import installed_spaces
+from mimetic.locate.landmarks import BETWEEN_PREFIX, installed_cascade, measured_landmarks
+from mimetic.locate.rest import detail, expression, rest_score
+from mimetic.shared.installed_data import data_folder
+from mimetic.template.face_template import FaceTemplate, load_template
+
+__all__ = [
+    "FaceFit",
+    "NoFace",
+    "find_face",
+    "judge_frame",
+    "landmark_places",
+    "refit",
+]
+
+DEFAULT_FOCAL = 1.2  # image widths: a webcam's 45 degrees
+LARGEST_ERROR = 0.1  # rms of a face that was found, pupil distances; usual are 0.02
+LEAST_FOLLOWED = 20  # points, for a view to tell anything
+SYMMETRY_SIZE = 96  # pixels of the canonical picture that is compared with its mirror image
+LEAST_SYMMETRY = 0.12  # below, the head lies beside the face; well-fitted ones have 0.2 to 0.9
+LINES = ("lip_line", "jaw")  # sharper in the picture than points on them
+LINE_SEARCH = 0.07  # half width, pupil distances
+
+
+class NoFace(InvalidInput):
+    """No face in the image that a head could be fitted to; the text says why."""
+
+
+def face_likelihood(image: NDArray[np.uint8]) -> float:
+    """Of the likeliest face in an image (H, W, 3) RGB, 0 where there is none."""
+    return max((face.likelihood for face in _locator().locate(as_rgb(image))), default=0.0)
+
+
+@dataclass(frozen=True)
+class Judged:
+    """What the finder says of one frame; by all but features frames of a clip compare."""
+
+    score: float
+    detail: float
+    expression: NDArray[np.float64]  # 6
+    features: _core.FaceFeatures
+
+
+def judge_frame(image: NDArray[np.uint8], near: tuple[float, float] | None = None) -> Judged | None:
+    """What there is to say of the face that `find_face` would take, None without one.
+
+    near: as `find_face` has it
+    """
+    image = as_rgb(image)
+    faces = _locator().locate(image)
+    if not faces:
+        return None
+    face = faces[0 if near is None else _nearest(faces, near)]
+    return Judged(rest_score(image, face), detail(image, face), expression(face), face)
+
+
+def find_face(
+    image: NDArray[np.uint8],
+    frame: int = 1,
+    *,
+    template: FaceTemplate | None = None,
+    camera: _core.Camera | None = None,
+    choice: int = 0,
+    near: tuple[float, float] | None = None,
+) -> FaceFit:
+    """Finds a face and fits pose and proportions of the head to it.
+
+    image: (H, W, 3) RGB or (H, W) grey, uint8
+    camera: its focal length is kept; without one, 1.2 image widths
+    choice: which face, the largest first
+    near: a place (x, y) in pixels; the face nearest to it is taken, whatever `choice` is
+    Raises NoFace with the reason, InvalidInput for an image that cannot be worked with.
+    """
+    image = as_rgb(image)
+    height, width = image.shape[:2]
+    template = template or load_template()
+    faces = _locator().locate(image)
+    if not faces:
+        raise NoFace(
+            f"no frontal face in frame {frame} ({width} x {height}): choose a frame in which the "
+            "face looks at the camera, is lit and at least an eighth of the picture high, "
+            "or give a face fit"
+        )
+    if not 0 <= choice < len(faces):
+        raise InvalidInput(
+            f"face {choice} was asked for, but frame {frame} shows {len(faces)}: count from 0"
+        )
+    if near is not None:
+        choice = _nearest(faces, near)
+    warnings = []
+    if len(faces) > 1:
+        boxes = "; ".join(
+            f"{i}: {f.box[2]:.0f} px wide, its left top at ({f.box[0]:.0f}, {f.box[1]:.0f})"
+            for i, f in enumerate(faces)
+        )
+        warnings.append(f"{len(faces)} faces in frame {frame}, face {choice} is used ({boxes})")
+    if camera is None:
+        focal = DEFAULT_FOCAL * width
+        camera = _core.Camera(focal, focal, (width - 1) / 2, (height - 1) / 2, width, height)
+    elif (camera.width, camera.height) != (width, height):
+        raise InvalidInput(
+            f"the camera is for {camera.width} x {camera.height} pixels, "
+            f"the image has {width} x {height}"
+        )
+    fit = _fitted(image, frame, faces[choice], camera, template)
+    if fit is None:
+        raise NoFace(
+            f"what looks like a face in frame {frame} does not fit a head: choose another frame, "
+            "or give a face fit"
+        )
+    fit.warnings += warnings
+    return fit
+
+
+def _fitted(
+    image: NDArray[np.uint8],
+    frame: int,
+    face: _core.FaceFeatures,
+    camera: _core.Camera,
+    template: FaceTemplate,
+) -> FaceFit | None:
+    """The head fitted to a face; None where none fits.
+
+    Landmarks come from a regression that starts from a view of the face. The finder's is mostly
+    right; where the halves of the warped face do not match, it was not, or this is no face.
+    """
+    views = [view.yaw for view in installed_cascade().views]
+    for yaw in sorted(views, key=lambda yaw: abs(yaw - face.yaw)):
+        try:
+            landmarks = measured_landmarks(image, face, yaw)
+        except InvalidInput:  # lost: what looks like a face shrank to nothing
+            continue
+        fit = _fit_from(image, frame, landmarks, camera, template)
+        if fit is None:
+            continue
+        warped = canonical_image(fit, image, size=SYMMETRY_SIZE, template=template)
+        if symmetry(*warped) >= LEAST_SYMMETRY:
+            return fit
+    return None
+
+
+def _fit_from(
+    image: NDArray[np.uint8],
+    frame: int,
+    landmarks: _core.FaceFeatures,
+    camera: _core.Camera,
+    template: FaceTemplate,
+) -> FaceFit | None:
+    model = face_model(template)
+    estimate = _core.fit_face(model, [_core.FaceView(landmarks)], camera)
+    expected = _expected(model, estimate, camera, landmarks)
+    seen = _core.measure_features(image, expected, LINE_SEARCH, mouth_and_jaw=True)
+    features = _core.FaceFeatures(
+        landmarks.features,
+        [curve for curve in seen.curves if curve.name in LINES],
+        landmarks.box,
+        landmarks.likelihood,
+    )
+    estimate = _core.fit_face(model, [_core.FaceView(features)], camera)
+    if not estimate.converged or estimate.rms_ipd > LARGEST_ERROR:
+        return None
+    view = FittedView(frame, estimate.camera_from_head[0], features)
+    return _as_fit(template, camera, estimate, [view], [])
+
+
+def refit(
+    fit: FaceFit,
+    pins: Mapping[str, tuple[float, float]],
+    frame: int | None = None,
+    *,
+    template: FaceTemplate | None = None,
+) -> FaceFit:
+    """The fit solved again with other pins, from the features it keeps; no image is needed.
+
+    pins: landmark -> pixel (x, y), (0, 0) the middle of the first; all that are to hold in `frame`,
+    so that an empty mapping lets go. `landmark_places` gives the names. frame: one of the fit's
+    views, by default the reference. Other frames keep theirs. Raises InvalidInput.
+    """
+    template = template or load_template()
+    frame = fit.frame if frame is None else frame
+    if fit.view(frame) is None:
+        shown = ", ".join(str(view.frame) for view in fit.views) or "none"
+        raise InvalidInput(
+            f"the fit does not rest on frame {frame} (its frames: {shown}): add it, or fit again"
+        )
+    model = face_model(template)
+    names = [name for name in model.landmark_names if not name.startswith(BETWEEN_PREFIX)]
+    if unknown := sorted(set(pins) - set(names)):
+        raise InvalidInput(
+            f"there is no landmark {', '.join(unknown)}; there are {', '.join(names)}"
+        )
+    views = [
+        FittedView(
+            view.frame,
+            view.head_pose,
+            view.measured,
+            dict(pins if view.frame == frame else view.pins),
+        )
+        for view in fit.views
+    ]
+    shifts = picture_shifts(fit, template, [view.head_pose for view in views])
+    observed = [view.observed(shift) for view, shift in zip(views, shifts, strict=True)]
+    estimate = _core.fit_face(model, observed, fit.camera, start=_estimate_of(fit, template))
+    return _solved_again(fit, template, estimate, views)
+
+
+def join_views(
+    fit: FaceFit,
+    reference: NDArray[np.uint8],
+    others: Sequence[tuple[int, _core.FaceFeatures, NDArray[np.uint8]]],
+    *,
+    template: FaceTemplate | None = None,
+) -> FaceFit:
+    """One head for the reference frame and others: pose of each, shape and camera of all.
+
+    reference: the picture of `fit.frame`; others: frame number, features found in it, its picture.
+    Views in which too little of the face could be followed are left out. Pins stay.
+    """
+    template = template or load_template()
+    model, shape = face_model(template), face_shape(template)
+    values = shape.joined(fit.identity, fit.residual)
+    views = [fit.views[0]]
+    for frame, features, image in others:
+        view = lone_view(frame, image, features, fit.camera, template)
+        if view is None:
+            continue
+        view.motion = follow_points(reference, image, fit, view, template)
+        if len(view.motion) >= LEAST_FOLLOWED:
+            views.append(view)
+    if len(views) == 1:
+        return fit
+    start = _core.FaceEstimate(
+        [view.head_pose for view in views], float(fit.intrinsics[0, 0]), values
+    )
+    observed = [view.observed() for view in views]
+    estimate = _core.fit_face(model, observed, fit.camera, start=start)
+    if not estimate.converged:
+        return fit
+    return _solved_again(fit, template, estimate, views)
+
+
+def lone_view(
+    frame: int,
+    image: NDArray[np.uint8],
+    features: _core.FaceFeatures,
+    camera: _core.Camera,
+    template: FaceTemplate,
+) -> FittedView | None:
+    """A picture by itself: its landmarks, from the features found, and the pose that they tell."""
+    landmarks = measured_landmarks(image, features)
+    alone = _core.fit_face(face_model(template), [_core.FaceView(landmarks)], camera)
+    if not alone.converged or alone.rms_ipd > LARGEST_ERROR:
+        return None
+    return FittedView(frame, alone.camera_from_head[0], landmarks)
+
+
+def landmark_places(
+    fit: FaceFit, frame: int | None = None, *, template: FaceTemplate | None = None
+) -> dict[str, tuple[float, float]]:
+    """Where the fitted head's landmarks are in one of its views, pixels: all that can be pinned."""
+    template = template or load_template()
+    frame = fit.frame if frame is None else frame
+    frames = [view.frame for view in fit.views] or [fit.frame]
+    if frame not in frames:
+        raise InvalidInput(f"the fit does not rest on frame {frame}")
+    number = frames.index(frame)
+    estimate = _estimate_of(fit, template)
+    projected = _core.project_features(face_model(template), estimate, fit.camera, number)
+    (shift,) = picture_shifts(fit, template, [estimate.camera_from_head[number]])
+    return {
+        f.name: tuple(float(v) for v in np.add(f.position, shift.get(f.name, (0.0, 0.0))))
+        for f in projected.features
+        if not f.name.startswith(BETWEEN_PREFIX)
+    }
+
+
+def _estimate_of(fit: FaceFit, template: FaceTemplate) -> _core.FaceEstimate:
+    values = face_shape(template).joined(fit.identity, fit.residual)
+    poses = [view.head_pose for view in fit.views] or [fit.head_pose]
+    return _core.FaceEstimate(poses, float(fit.intrinsics[0, 0]), values)
+
+
+def _solved_again(
+    fit: FaceFit, template: FaceTemplate, estimate: _core.FaceEstimate, views: list[FittedView]
+) -> FaceFit:
+    """What is known of the person and was said of the footage stays."""
+    found = _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
+    return replace(found, relief=fit.relief, calibration=fit.calibration)
+
+
+def _as_fit(
+    template: FaceTemplate,
+    camera: _core.Camera,
+    estimate: _core.FaceEstimate,
+    views: list[FittedView],
+    warnings: list[str],
+) -> FaceFit:
+    identity, residual = face_shape(template).split(estimate.identity)
+    focal = estimate.focal
+    for view, pose in zip(views, estimate.camera_from_head, strict=True):
+        view.head_pose = np.array(pose)
+    first = views[0]
+    return FaceFit(
+        frame=first.frame,
+        image_size=(camera.width, camera.height),
+        intrinsics=np.array([[focal, 0, camera.cx], [0, focal, camera.cy], [0, 0, 1.0]]),
+        head_pose=first.head_pose,
+        identity=identity,
+        features={
+            f.name: (float(f.position[0]), float(f.position[1])) for f in first.measured.features
+        },
+        error=float(estimate.rms_ipd),
+        warnings=warnings,
+        residual=residual,
+        views=views,
+    )
+
+
+def as_rgb(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
+    """(H, W, 3) uint8, C order, from RGB, RGBA or grey; raises InvalidInput."""
+    image = np.asarray(image)
+    if image.dtype != np.uint8:
+        raise InvalidInput(f"image is {image.dtype}; 8-bit pixels (uint8) are needed")
+    if image.ndim == 3 and image.shape[2] == 1:
+        image = image[:, :, 0]
+    if image.ndim == 2:
+        image = np.repeat(image[:, :, None], 3, axis=2)
+    if image.ndim != 3 or image.shape[2] not in (3, 4):
+        raise InvalidInput(
+            f"image has shape {image.shape}; (height, width) or (height, width, 3) is needed"
+        )
+    return np.ascontiguousarray(image[:, :, :3])
+
+
+def _expected(model, estimate, camera, features):
+    projected = _core.project_features(model, estimate, camera)
+    return _core.FaceFeatures(
+        projected.features, projected.curves, features.box, features.likelihood
+    )
+
+
+def _nearest(faces: list[_core.FaceFeatures], near: tuple[float, float]) -> int:
+    """Index of the face whose middle is nearest to a place, pixels."""
+    away = [np.linalg.norm(face.box[:2] + face.box[2:] / 2 - near) for face in faces]
+    return int(np.argmin(away))
+
+
+@lru_cache(maxsize=1)
+def _locator() -> _core.FaceLocator:
+    return _core.FaceLocator(str(data_folder()), spaces=installed_spaces())

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the relief of a head shifts in pictures of it from other sides."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic.fit.face_fit import FaceFit
+from mimetic.shared import pinhole
+from mimetic.template.face_template import FaceTemplate
+
+Floats = NDArray[np.float64]
+
+
+def picture_shifts(
+    fit: FaceFit, template: FaceTemplate, poses: Sequence[Floats]
+) -> list[dict[str, tuple[float, float]]]:
+    """Pixels, right and down, by which relief moves each landmark; nothing without relief.
+
+    poses: 4 x 4, camera from head, one a picture
+    """
+    if not fit.relief:
+        return [{} for _ in poses]
+    landmarks = np.asarray(template.landmark_vertices)
+    plain, relieved = (
+        one.neutral_vertices(template)[landmarks] for one in (replace(fit, relief=[]), fit)
+    )
+    shifts = []
+    for pose in poses:
+        before, after = (pinhole.show(one, pose, fit.intrinsics)[0] for one in (plain, relieved))
+        moved = (after - before).tolist()
+        shifts.append({n: (x, y) for n, (x, y) in zip(template.landmark_names, moved, strict=True)})
+    return shifts

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ways in which a face may differ from every combination of the identity modes.
+
+A skin held elastically to the canonical head is pulled at places all over the face; what it does
+between them is the smooth deformation of least elastic energy. Energy gives the prior too: taken
+as exp(-energy), it says how likely each deformation is [Terzopoulos 1988, regularised surfaces],
+and its principal components over the face are the modes here. The materials are not the face's:
+shape must be as free across the skin as along it.
+"""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import _core
+from mimetic.skin.mesh import SkinMesh, keep_columns, split_quads
+from mimetic.template.face_template import FaceTemplate
+from mimetic.template.regions import FACE
+
+PULL_RADIUS = 0.008  # metres, s.d.
+PLACES = 40  # where the skin is pulled, landmarks among them
+SPREAD, ODD_SPREAD = 0.0010, 0.0004  # metres, rms over the face, mirrored alike and opposed
+LEAST_VARIANCE = 0.02  # of the largest mode's: what is finer is left out
+HELD = ("ear", "scalp")
+YOUNG, POISSON, THICKNESS, PRE_STRESS = 4e4, 0.49, 1.5e-3, 2e4  # Pa, 1, m, Pa: data/materials.toml
+ATTACHMENT = 1e5  # N/m^3, both along and across: deformations reach about 2 cm
+
+
+@lru_cache(maxsize=2)
+def residual_modes(template: FaceTemplate) -> NDArray[np.float64]:
+    """M x V x 3 metres at one prior standard deviation; even modes under the mirror, then odd."""
+    skin = _held_skin(template)
+    face = np.flatnonzero(template.in_region(*FACE))
+    modes = []
+    for sign, spread in ((1.0, SPREAD), (-1.0, ODD_SPREAD)):
+        pulls = _pulls(template, sign)
+        modes += _principal(pulls, skin(pulls), face, spread)
+    return _with_parts(template, np.array(modes))
+
+
+def _principal(pulls, responses, face, spread: float) -> list[NDArray[np.float64]]:
+    """Principal components over the face of the elastic prior, largest first, rms `spread`.
+
+    pulls, responses: N x S x 3, newtons and metres.
+    """
+    flat = responses.reshape(len(responses), -1)
+    compliance = pulls.reshape(len(pulls), -1) @ flat.T
+    root = np.linalg.cholesky((compliance + compliance.T) / 2)
+    likely = np.linalg.solve(root, flat).reshape(responses.shape)  # a unit of energy each
+    seen = likely[:, face].reshape(len(likely), -1)
+    values, vectors = np.linalg.eigh(seen @ seen.T)
+    kept = np.flatnonzero(values > LEAST_VARIANCE * values.max())[::-1]
+    modes = np.tensordot(vectors[:, kept].T, likely, axes=1)
+    variance = (modes[:, face] ** 2).sum(axis=(0, 2)).mean() / 3
+    return list(modes * (spread / np.sqrt(variance)))
+
+
+def _pulls(template: FaceTemplate, sign: float) -> NDArray[np.float64]:
+    """N x S x 3 newtons on both sides alike (sign 1) or opposed (-1), spread round each place."""
+    points = template.vertices[: template.num_skin_vertices]
+    on_face = template.in_region(*FACE)
+    pulls = []
+    for place in _places(template):
+        shares = []
+        for middle in (points[place], points[place] * (-1, 1, 1)):
+            near = np.exp(-((points - middle) ** 2).sum(axis=1) / (2 * PULL_RADIUS**2)) * on_face
+            shares.append(near / near.sum())
+        for axis in range(3):
+            parity = sign * (-1.0 if axis == 0 else 1.0)
+            if parity < 0 and abs(points[place, 0]) < 1e-6:
+                continue  # a pull that is its own opposite
+            pull = np.zeros(points.shape)
+            pull[:, axis] = (shares[0] + parity * shares[1]) / 2
+            pulls.append(pull)
+    return np.array(pulls)
+
+
+def _places(template: FaceTemplate) -> NDArray[np.int64]:
+    """Vertices of the face's left half and midline, well apart, the landmarks first."""
+    skin = template.num_skin_vertices
+    points = template.vertices[:skin]
+    allowed = template.in_region(*FACE) & (points[:, 0] > -1e-6)
+    chosen = [int(v) for v in template.landmark_vertices if allowed[v]]
+    distance = np.min([np.linalg.norm(points - points[v], axis=1) for v in chosen], axis=0)
+    distance[~allowed] = -1
+    while len(chosen) < PLACES:
+        chosen.append(int(np.argmax(distance)))
+        distance = np.minimum(distance, np.linalg.norm(points - points[chosen[-1]], axis=1))
+    return np.array(chosen)
+
+
+def _held_skin(template: FaceTemplate):
+    """A function from forces N x S x 3 on the canonical head's skin to what it does, N x S x 3."""
+    count = template.num_skin_vertices
+    points = np.ascontiguousarray(template.vertices[:count])
+    kept = ~(template.in_region(*HELD) | (template.in_region("neck") & (points[:, 2] < 0)))
+    ones = np.ones(count)
+    rows = np.arange(count + 1, dtype=np.int32)
+    model = _core.SkinModel(
+        points,
+        split_quads(points, template.skin_faces),
+        _core.SkinMaterials(
+            young=YOUNG * ones,
+            poisson=POISSON * ones,
+            thickness=THICKNESS * ones,
+            pre_stress=PRE_STRESS * ones,
+            tangential=ATTACHMENT * ones,
+            normal=ATTACHMENT * ones,
+        ),
+        keep_columns((rows, rows[:-1], ones), kept),
+        int(kept.sum()),
+    )
+
+    def respond(forces: NDArray[np.float64]) -> NDArray[np.float64]:
+        moved = np.zeros(forces.shape)
+        solved = model.solve(forces.reshape(len(forces), -1).T)
+        moved[:, kept] = solved.T.reshape(len(forces), -1, 3)
+        return moved
+
+    return respond
+
+
+def _with_parts(template: FaceTemplate, skin: NDArray[np.float64]) -> NDArray[np.float64]:
+    """N x V x 3: eyeballs and lashes go with their lids, teeth and tongue with the lips."""
+    mesh = SkinMesh(template, template.vertices)
+    lids = mesh.vertices_between("skin", "eye_socket")
+    lips = mesh.vertices_between("skin", "mouth_cavity")
+    left = template.vertices[lids, 0] > 0
+    followed = {"teeth_upper": lips, "teeth_lower": lips, "tongue": lips}
+    for side, its_lids in (("L", lids[left]), ("R", lids[~left])):
+        followed |= {f"eye.{side}": its_lids, f"lashes.{side}": its_lids}
+    modes = np.zeros((len(skin), *template.vertices.shape))
+    modes[:, : skin.shape[1]] = skin
+    for part, leaders in followed.items():
+        inner = template.part_vertices(part)
+        inner = inner[inner >= skin.shape[1]]
+        modes[:, inner] = skin[:, leaders].mean(axis=1, keepdims=True)
+    return modes

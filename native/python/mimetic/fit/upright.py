@@ -1,0 +1,60 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Footage that was filmed sideways, and does not say so: it is told from upright footage."""
+
+from __future__ import annotations
+
+import shlex
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic.fit import fitting
+from mimetic.fit.fitting import NoFace
+from mimetic.media.footage import Footage
+
+SURE = 0.8  # likelihood of a face above which it can only be upright
+# Quarter turns to the left that set the picture upright: where the head points, ffmpeg's filter
+TURNS = {
+    1: ("to the right", "transpose=cclock"),
+    2: ("down", "hflip,vflip"),
+    3: ("to the left", "transpose=clock"),
+}
+
+
+def check_upright(footage: Footage, frame: int, image: NDArray[np.uint8]) -> None:
+    """Raises NoFace, with how to mend it, if the face in `image` lies on its side or head.
+
+    What resembles a face in the picture as it is, is less likely one then than the face in the
+    picture turned. Other people's pictures on a wall may lie as they like: they fit no head.
+    """
+    turns = turns_to_upright(image)
+    if not turns:
+        return
+    where, turning = TURNS[turns]
+    source = shlex.quote(str(footage.path))
+    raise NoFace(
+        f"{footage.path.name}: the head points {where} in frame {frame}, and the file does not say "
+        f"that it is turned: set it upright (ffmpeg -i {source} -vf {turning} upright.mp4) and "
+        "take that clip"
+    )
+
+
+def turns_to_upright(image: NDArray[np.uint8]) -> int:
+    """Quarter turns to the left (H x W x 3 RGB) after which a head is seen best, 0 to 3."""
+    best, likelihood = 0, fitting.face_likelihood(image)
+    if likelihood > SURE:
+        return 0
+    for turns in TURNS:
+        turned = np.ascontiguousarray(np.rot90(image, turns))
+        found = fitting.face_likelihood(turned)
+        if found > likelihood and _shows_a_head(turned):
+            best, likelihood = turns, found
+    return best
+
+
+def _shows_a_head(image: NDArray[np.uint8]) -> bool:
+    try:
+        fitting.find_face(image)
+    except NoFace:
+        return False
+    return True

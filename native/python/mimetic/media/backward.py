@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A clip walked backwards in bounded memory."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic.media.footage import Footage
+
+BACKWARD_BYTES = 128 << 20  # of frames held to walk a clip backwards
+
+
+def frames_backward(
+    footage: Footage, first: int, last: int
+) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+    """Frames from `first` down to `last`, in runs that fit in memory."""
+    width, height = footage.size
+    num_held = max(1, BACKWARD_BYTES // (3 * width * height))
+    while first >= last:
+        start = max(last, first - num_held + 1)
+        yield from reversed(list(footage.frames(start, first)))
+        first = start - 1

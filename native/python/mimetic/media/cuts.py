@@ -1,0 +1,27 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where footage cuts to another scene."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+CUT_DIFFERENCE = 18.0  # mean change of grey levels from frame to frame
+
+
+class CutWatch:
+    """Tells where another scene starts, frame by frame."""
+
+    def __init__(self, before: NDArray[np.uint8] | None = None) -> None:
+        self._before = None if before is None else self._shrink(before)
+
+    def starts_scene(self, image: NDArray[np.uint8]) -> bool:
+        """Whether this frame (H x W x 3) is cut off from the one before."""
+        small, before = self._shrink(image), self._before
+        self._before = small
+        return before is not None and bool(np.abs(small - before).mean() > CUT_DIFFERENCE)
+
+    @staticmethod
+    def _shrink(image: NDArray[np.uint8]) -> NDArray[np.float64]:
+        """The little of a frame that tells a cut, grey levels."""
+        return image[::8, ::8].mean(axis=2)

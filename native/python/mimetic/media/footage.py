@@ -1,0 +1,298 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Video by an ffmpeg process of its own: hostile files cannot crash us, memory stays constant."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import re
+import subprocess
+import threading
+from collections import deque
+from collections.abc import Iterator
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import UnreadableMedia
+from mimetic.media.clip_fingerprint import fingerprint
+from mimetic.media.ffmpeg import failure_of, ffmpeg_program
+from mimetic.media.timing import FASTEST, SLOWEST
+from mimetic.shared.regular_file import check_input
+
+SMALLEST, LARGEST = 16, 16384  # pixels, each side
+NEARLY_SQUARE = 1.01  # a pixel's longer side over its shorter: turns a head by a tenth of a degree
+LARGEST_ASPECT = 4.0  # the widest lenses squeeze pictures to a half
+# Containers of moving pictures only: play lists and image patterns can open other files.
+CONTAINERS = (
+    "mov,mp4,m4a,3gp,3g2,mj2,matroska,webm,avi,mpegts,mpeg,mpegvideo,flv,asf,ogg,mxf,gif,"
+    "yuv4mpegpipe,nut,ivf,h264,hevc,av1,obu,m4v,dv,apng,rm,swf,wtv"
+)
+FRAME_RATE = re.compile(rb"config in time_base: (\d+)/(\d+), frame_rate: (\d+)/(\d+)")
+FIRST_FRAME = re.compile(rb" n: +0 .* sar:(\d+)/(\d+) s:(\d+)x(\d+) ")
+DAMAGED = "is damaged: all frames could be read, but not without errors"
+NO_TIME = -(1 << 63)  # ffmpeg's, of a packet that carries none
+# ffmpeg's words -> ours
+REASONS = (
+    ("not on whitelist", "is not a video file; convert it to MP4, MOV, MKV, WebM or AVI"),
+    ("moov atom not found", "is no video or is cut off before its index; copy or record it again"),
+    ("matches no streams", "has no video stream"),
+    ("max_pixels", f"has frames larger than {LARGEST} x {LARGEST} pixels; scale it down"),
+    ("Permission denied", "cannot be opened: no permission to read it"),
+    ("Invalid data found", "is not video that can be read; convert it to MP4 (H.264)"),
+)
+
+
+class Footage:
+    """A video file: its size, rate and frames.
+
+    `size` is (width, height) of the frames that it gives: their pixels are square, and the file's
+    rotation is applied. `stored_size` is what the file itself has and other tools show, rotated
+    too; it differs where pixels are stored wider or narrower. `fps` is an exact fraction;
+    `num_frames` what the file lists, which a damaged file may not hold; `times` the seconds of each
+    listed frame since the first; `identity` the file's name and its fingerprint
+    (`clip_fingerprint`), as a performance keeps them. Frame numbers start at 1. `warnings` says
+    what the user should know and grows while frames are read; `failure` is why ffmpeg gave up on
+    them, if it did. Raises UnreadableMedia, and OSError where ffmpeg ran out of memory or was
+    ended.
+    """
+
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self.path = Path(path)
+        self.warnings: list[str] = []
+        self.failure: OSError | None = None
+        self._check_file()
+        name = os.fsencode(self.path.name).decode(errors="replace")
+        self.identity = [name, fingerprint(self.path)]
+        report, times, ticks = self._probe()
+        self._read_report(report)
+        self.num_frames = max(1, len(times))
+        self.times = times
+        self._set_rate(report, ticks)
+
+    def __iter__(self) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+        return self.frames()
+
+    def frames(
+        self, first: int = 1, last: int | None = None
+    ) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+        """Yields (frame number, H x W x 3 uint8 red, green, blue), `first` to `last` included.
+
+        Decodes from the start of the file and drops what comes before `first`: seeking lands on the
+        right frame in no format for certain. The array is the caller's to keep. Raises OSError if
+        ffmpeg fails before it gives a frame; later, `failure` says so and the frames end.
+        """
+        width, height = self.size
+        until = "" if last is None else f"*lte(n\\,{last - 1})"
+        command = [
+            *self._command("-v", "error"),
+            *("-vf", f"select=gte(n\\,{first - 1}){until},scale={width}:{height}"),
+            *("-fps_mode", "passthrough", "-pix_fmt", "rgb24", "-f", "rawvideo"),
+            *(() if last is None else ("-frames:v", str(last - first + 1))),
+            "pipe:1",
+        ]
+        frame = first - 1
+        with _run(command) as (process, errors):
+            while True:
+                image = np.empty((height, width, 3), np.uint8)
+                if not _fill(process.stdout, image):
+                    break
+                frame += 1
+                yield frame, image
+            process.wait()
+        failure = failure_of(process.returncode, errors, self.path)
+        if failure and frame < first:
+            raise failure
+        self.failure = failure or self.failure
+        if process.returncode != 0 or frame < min(last or self.num_frames, self.num_frames):
+            self._warn_of_early_end(frame, failure, errors)
+        elif errors:
+            self._warn_of_damage(errors)
+
+    def read(self, frame: int) -> NDArray[np.uint8]:
+        """One frame by its number, H x W x 3 uint8."""
+        for _, image in self.frames(frame, frame):
+            return image
+        raise UnreadableMedia(f"{self.path} has no frame {frame} that can be read")
+
+    def _warn_of_early_end(self, frame: int, failure: OSError | None, errors: deque[bytes]) -> None:
+        reason = f" ({_shorten(errors[-1])})" if errors else ""
+        why = failure.strerror if failure else f"it ends early or is damaged{reason}"
+        self._warn(f"{self.path.name}: {frame} of {self.num_frames} frames could be read: {why}")
+
+    def _warn_of_damage(self, errors: deque[bytes]) -> None:
+        # Later passes over the file meet the same errors, in another order: told once
+        if not any(DAMAGED in warning for warning in self.warnings):
+            self._warn(
+                f"{self.path.name} {DAMAGED} ({_shorten(errors[0])}): what is measured in broken "
+                "pictures is wrong; copy or record it again"
+            )
+
+    def _warn(self, warning: str) -> None:
+        if warning not in self.warnings:
+            self.warnings.append(warning)
+
+    def _check_file(self) -> None:
+        check_input(self.path, "a video file")
+        if self.path.stat().st_size == 0:
+            raise UnreadableMedia(f"{self.path} is empty; copy or record it again")
+
+    def _command(self, *options: str) -> list[str]:
+        # "file:" before an absolute path: no name can be taken for an option or a protocol.
+        return [
+            *(ffmpeg_program(), "-nostdin", "-hide_banner", *options),
+            *("-protocol_whitelist", "file", "-format_whitelist", CONTAINERS),
+            *("-max_pixels", str(LARGEST * LARGEST)),
+            *("-i", f"file:{self.path.absolute()}", "-map", "0:V:0"),
+        ]
+
+    def _probe(self) -> tuple[bytes, NDArray[np.float64], Fraction]:
+        """ffmpeg's report on the first frame; each packet's time and the clock's tick, seconds."""
+        command = [
+            *self._command("-v", "info", "-nostats"),
+            *("-vf", "showinfo", "-frames:v", "1", "-f", "null", "-"),
+            *("-map", "0:V:0", "-c", "copy", "-f", "framecrc", "pipe:1"),
+        ]
+        tick = Fraction(0)
+        stamps = []
+        with _run(command, longest=400) as (process, report):
+            for line in process.stdout:
+                if line.startswith(b"#tb 0:"):
+                    tick = Fraction(line.split(b":", 1)[1].decode().strip())
+                elif not line.startswith(b"#"):
+                    stamps.append([int(word) for word in line.split(b",")[1:3]])
+            process.wait()
+        if failure := failure_of(process.returncode, report, self.path):
+            raise failure
+        decoded, shown = np.array(stamps, dtype=np.int64).reshape(-1, 2).T
+        # Raw streams and AVI say when frames are decoded, not when they are shown
+        stamps = np.sort(decoded if (shown == NO_TIME).any() else shown)
+        return b"\n".join(report), (stamps - stamps[:1]) * float(tick), tick
+
+    def _read_report(self, report: bytes) -> None:
+        match = FIRST_FRAME.search(report)
+        if match is None:
+            text = report.decode(errors="replace")
+            for word, reason in REASONS:
+                if word in text:
+                    raise UnreadableMedia(f"{self.path} {reason}")
+            raise UnreadableMedia(
+                f"{self.path} holds no frame that can be decoded; convert it to MP4"
+            )
+        aspect_x, aspect_y, width, height = (int(group) for group in match.groups())
+        if min(width, height) < SMALLEST or max(width, height) > LARGEST:
+            raise UnreadableMedia(
+                f"{self.path} has frames of {width} x {height} pixels; "
+                f"each side must be {SMALLEST} to {LARGEST}: scale the footage"
+            )
+        self.size = self.stored_size = (width, height)
+        aspect = Fraction(aspect_x, aspect_y) if aspect_x > 0 and aspect_y > 0 else Fraction(1)
+        if max(aspect, 1 / aspect) < NEARLY_SQUARE:
+            return
+        told = f"{self.path.name} has pixels of aspect {aspect_x}:{aspect_y}"
+        if max(aspect, 1 / aspect) > LARGEST_ASPECT:
+            self.warnings.append(f"{told}, which no camera makes; they are taken as square")
+            return
+        self.size = _with_square_pixels(width, height, aspect)
+        self.warnings.append(
+            f"{told}: its frames of {width} x {height} are worked with at "
+            f"{self.size[0]} x {self.size[1]}, where they are square"
+        )
+
+    @property
+    def pixel_aspect(self) -> float:
+        """Width over height of a stored pixel, as it is shown."""
+        (width, height), (stored_width, stored_height) = self.size, self.stored_size
+        return (width / stored_width) / (height / stored_height)
+
+    def _set_rate(self, report: bytes, tick: Fraction) -> None:
+        match = FRAME_RATE.search(report)
+        nominal = Fraction(0)
+        if match and int(match[4]) > 0:
+            nominal = Fraction(int(match[3]), int(match[4]))
+        steps = np.diff(self.times)
+        mean = float(steps.mean()) if len(steps) and steps.mean() > 0 else 0.0
+        expected = 1 / float(nominal) if nominal > 0 else mean
+        # A clock of milliseconds rounds 41.7 to 41 or 42: a tick to either side is still constant.
+        slack = 1.5 * float(tick) + 0.02 * expected
+        # A file cut off mid-group lists its last frames with gaps.
+        trusted = steps[:-16] if len(steps) > 32 else steps
+        if len(trusted) and (np.abs(trusted - expected) > slack).all():
+            nominal, expected = Fraction(0), float(np.median(trusted))  # not what the codec says
+            slack = 1.5 * float(tick) + 0.02 * expected
+        self.variable_rate = bool((np.abs(trusted - expected) > slack).any())
+        if nominal <= 0 or self.variable_rate:
+            nominal = _rate_of(mean) if mean > 0 else Fraction(25)
+        if not SLOWEST <= nominal <= FASTEST:
+            raise UnreadableMedia(
+                f"{self.path} has {float(nominal):.3g} frames a second; {SLOWEST:g} to "
+                f"{FASTEST:g} are read: convert it to another rate"
+            )
+        self.fps = nominal
+        if self.variable_rate:
+            self.warnings.append(
+                f"{self.path.name} has a variable rate ({1000 * steps.min():.0f} to "
+                f"{1000 * steps.max():.0f} ms a frame, {float(nominal):.4g} frames/s on average): "
+                "frames are counted as stored; convert it to a constant rate for exact timing"
+            )
+
+
+def _rate_of(seconds: float) -> Fraction:
+    """Frames a second, of so many seconds a frame: a fraction of small numbers."""
+    if seconds > 1:
+        return 1 / Fraction(seconds).limit_denominator(1001)
+    return Fraction(1 / seconds).limit_denominator(1001)
+
+
+def _with_square_pixels(width: int, height: int, aspect: Fraction) -> tuple[int, int]:
+    """The size at which nothing that is stored is lost, unless that would be too large."""
+    enlarged = (round(width * aspect), height) if aspect > 1 else (width, round(height / aspect))
+    if max(enlarged) <= LARGEST:
+        return enlarged
+    return (width, round(height / aspect)) if aspect > 1 else (round(width * aspect), height)
+
+
+@contextlib.contextmanager
+def _run(command: list[str], longest: int = 50):
+    """The process and its last lines of errors; killed however the block is left."""
+    # A session of its own: Ctrl-C is ours to handle, the child ends by the block below.
+    process = subprocess.Popen(
+        command,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        start_new_session=True,
+    )
+    errors: deque[bytes] = deque(maxlen=longest)
+    reader = threading.Thread(target=_collect, args=(process.stderr, errors), daemon=True)
+    reader.start()
+    try:
+        yield process, errors
+    finally:
+        if process.poll() is None:
+            process.kill()
+        process.wait()
+        reader.join()
+        process.stdout.close()
+        process.stderr.close()
+
+
+def _collect(stream, lines: deque[bytes]) -> None:
+    while line := stream.readline(4096):
+        lines.append(line.rstrip())
+
+
+def _fill(stream, image: NDArray[np.uint8]) -> bool:
+    view = memoryview(image).cast("B")
+    while len(view):
+        count = stream.readinto(view)
+        if not count:
+            return False
+        view = view[count:]
+    return True
+
+
+def _shorten(line: bytes) -> str:
+    return re.sub(r"^\[[^]]*\] *", "", line.decode(errors="replace"))[:120]

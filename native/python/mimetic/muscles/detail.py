@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What muscles cannot explain of a face's motion: wrinkles of its own, lips, the model's error.
+
+The surface may still be drawn into its low-energy modes, so that it follows the footage as well as
+the flow does; the priors keep that weaker than the muscles, which stay readable.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic.muscles.anatomy import AttachedSkin
+from mimetic.muscles.modes import low_energy_modes, visible_area
+from mimetic.skin.mesh import multiply
+
+NUM_MODES = 120
+# One camera hardly sees depth: what it does not see must not be invented.
+FRONTAL = (1, 1, 0)
+TYPICAL = 1.0  # mm, root mean square over the skin, of all modes together
+
+
+@dataclass(frozen=True)
+class Detail:
+    """D modes of the whole head: D x V x 3, metres at the coefficient 1; std: D, prior."""
+
+    modes: NDArray[np.float64]
+    std: NDArray[np.float64]
+
+
+def detail_of(skin: AttachedSkin, unmeasured: tuple[str, ...], count: int = NUM_MODES) -> Detail:
+    """The modes of a person's skin but for the regions named."""
+    mesh = skin.mesh
+    count_skin = int(mesh.template.num_skin_vertices)
+    kept = (~mesh.template.in_region(*unmeasured))[:count_skin].astype(np.float64)
+    found = low_energy_modes(
+        skin, count, visible_area(mesh) * multiply(mesh.stencils, kept), FRONTAL
+    )
+    share = found.compliance / found.compliance.sum()
+    return Detail(found.modes, TYPICAL * np.sqrt(share))

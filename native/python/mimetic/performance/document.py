@@ -1,0 +1,351 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The document that passes between capture and everything after it."""
+
+from __future__ import annotations
+
+import os
+import re
+from dataclasses import dataclass, fields, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput
+from mimetic.media.clip_fingerprint import is_fingerprint
+from mimetic.media.timing import LAST_FRAME, check_rate
+from mimetic.shared.array_file import (
+    ArrayArchive,
+    check_names,
+    check_shape,
+    is_bounded,
+    open_arrays,
+)
+from mimetic.shared.array_writer import write_arrays
+from mimetic.shared.pinhole import is_pinhole
+from mimetic.shared.shown_text import shown
+
+SCHEMA = 1
+NUM_MUSCLES = 36
+CHECKED_AT_ONCE = 4096  # frames, for the memory's sake
+HELD_QUALITY = 0.2  # frames under it are held, not invented
+LARGEST = {"N": 10_000_000, "V": 2_000_000, "F": 4_000_000, "A": 1000, "M": 1000, "K": 1000}
+
+# key: (kind of number, shape); letters are lengths that must agree between the keys
+REQUIRED = {
+    "frame": ("i", ("N",)),
+    "fps": ("f", (1,)),
+    "image_size": ("i", (2,)),
+    "intrinsics": ("f", (3, 3)),
+    "head_pose": ("f", ("N", 4, 4)),
+    "head_pose_cov": ("f", ("N", 6, 6)),
+    "muscles": ("U", (NUM_MUSCLES,)),
+    "muscle_modes": ("m", (NUM_MUSCLES, "V", 3)),
+    "groups": ("i", (NUM_MUSCLES,)),
+    "activations": ("f", ("N", NUM_MUSCLES)),
+    "activations_std": ("f", ("N", NUM_MUSCLES)),
+    "articulators": ("U", ("A",)),
+    "articulator_values": ("f", ("N", "A")),
+    "neutral_vertices": ("f", ("V", 3)),
+    "faces": ("i", ("F", 4)),
+    "quality": ("f", ("N",)),
+}
+OPTIONAL = {
+    "articulator_modes": ("m", ("A", "V", 3)),
+    "articulator_values_std": ("f", ("N", "A")),
+    "detail_modes": ("m", ("M", "V", 3)),
+    "detail_coefficients": ("f", ("N", "M")),
+    "detail_coefficients_std": ("f", ("N", "M")),
+    "notes": ("U", ("K",)),
+    "stored_size": ("i", (2,)),
+    "footage": ("U", (2,)),
+}
+# Modes are kept in single precision: 1e-7 of a displacement of centimetres, at half the memory.
+DTYPES = {"f": np.float64, "m": np.float32, "i": np.int64}
+ACCEPTED = {"f": "fiu", "m": "fiu", "i": "iu", "U": "U"}
+
+
+@dataclass
+class Performance:
+    """A person's performance: surface, head motion and muscle activations, frame by frame.
+
+    N frames, V control vertices, F quads, A articulators. Metres, pixels; the head frame has
+    x to the image right when the person faces the camera, y up, z out of the face, its origin
+    midway between the ears; the camera frame x right, y down, z forward.
+    """
+
+    frame: NDArray[np.int64]  # N, numbers in the footage, first = 1
+    fps: float
+    image_size: NDArray[np.int64]  # width, height
+    intrinsics: NDArray[np.float64]  # 3 x 3
+    head_pose: NDArray[np.float64]  # N x 4 x 4, camera from head
+    head_pose_cov: NDArray[np.float64]  # N x 6 x 6, of (rotation vector, translation)
+    muscles: list[str]  # 36
+    muscle_modes: NDArray[np.float32]  # 36 x V x 3, displacement at full activation
+    groups: NDArray[np.int64]  # 36, 1 to 7
+    activations: NDArray[np.float64]  # N x 36, 0 to 1
+    activations_std: NDArray[np.float64]  # N x 36
+    articulators: list[str]  # A
+    articulator_values: NDArray[np.float64]  # N x A
+    neutral_vertices: NDArray[np.float64]  # V x 3
+    faces: NDArray[np.int64]  # F x 4
+    quality: NDArray[np.float64]  # N, 0 lost to 1 well explained
+    articulator_modes: NDArray[np.float32] | None = None  # A x V x 3, displacement at value 1
+    articulator_values_std: NDArray[np.float64] | None = None  # N x A
+    detail_modes: NDArray[np.float32] | None = None  # M x V x 3
+    detail_coefficients: NDArray[np.float64] | None = None  # N x M
+    detail_coefficients_std: NDArray[np.float64] | None = None  # N x M
+    notes: list[str] | None = None  # what the reader should know: stopped early, cut, held frames
+    # Width, height of the footage's frames as the file stores them, where pixels may not be square;
+    # all else is in pixels of `image_size`, which are
+    stored_size: NDArray[np.int64] | None = None
+    # Of the clip it was captured from: file name, and `clip_fingerprint` of its content
+    footage: list[str] | None = None
+
+    def __post_init__(self) -> None:
+        for key, (kind, shape) in (REQUIRED | OPTIONAL).items():
+            value = getattr(self, key)
+            if value is None and key in OPTIONAL:
+                continue
+            if kind == "U":
+                setattr(self, key, [str(name) for name in np.atleast_1d(value)])
+            elif key == "fps":
+                self.fps = float(np.asarray(value, dtype=np.float64).reshape(1)[0])
+            else:
+                array = np.asarray(value)
+                if array.dtype.kind not in ACCEPTED[kind]:
+                    raise InvalidInput(
+                        f"performance {key} holds {array.dtype}; "
+                        + ("whole numbers" if kind == "i" else "numbers")
+                        + f" of the shape {_shape_text(shape)} are needed"
+                    )
+                setattr(self, key, np.ascontiguousarray(array, dtype=DTYPES[kind]))
+        if self.notes is not None:
+            self.notes = [shown(note) for note in self.notes]
+        self.check()
+
+    @property
+    def num_frames(self) -> int:
+        return len(self.frame)
+
+    @property
+    def pixel_aspect(self) -> float:
+        """Width over height of the pixels that the footage's file stores, as they are shown."""
+        if self.stored_size is None:
+            return 1.0
+        width, height = self.image_size / self.stored_size
+        return float(width / height)
+
+    def index_of(self, frame: int) -> int:
+        """The index of a frame number; raises InvalidInput if the performance lacks it."""
+        i = int(np.searchsorted(self.frame, frame))
+        if i == self.num_frames or self.frame[i] != frame:
+            raise InvalidInput(
+                f"frame {frame} is not in the performance, "
+                f"which has frames {self.frame[0]} to {self.frame[-1]}"
+            )
+        return i
+
+    def surface(self, i: int) -> NDArray[np.float64]:
+        """Control vertices (V x 3, metres, head frame) at frame index `i`, counted from 0."""
+        shape = (-1, self.neutral_vertices.size)
+        moved = self.activations[i].astype(np.float32) @ self.muscle_modes.reshape(shape)
+        if self.articulator_modes is not None and len(self.articulators):
+            values = self.articulator_values[i].astype(np.float32)
+            moved += values @ self.articulator_modes.reshape(shape)
+        if self.detail_modes is not None and self.detail_coefficients is not None:
+            coefficients = self.detail_coefficients[i].astype(np.float32)
+            moved += coefficients @ self.detail_modes.reshape(shape)
+        return self.neutral_vertices + moved.reshape(-1, 3)
+
+    def is_of(self, fingerprint: str) -> bool:
+        """Whether it is of the footage with a fingerprint; true if either is unknown."""
+        return not (fingerprint and self.footage) or self.footage[1] == fingerprint
+
+    def without_detail(self) -> Performance:
+        """The same performance by its muscles and articulators alone."""
+        return replace(
+            self, detail_modes=None, detail_coefficients=None, detail_coefficients_std=None
+        )
+
+    def surface_in_camera(self, i: int) -> NDArray[np.float64]:
+        """Control vertices (V x 3, metres, camera frame) at frame index `i`, counted from 0."""
+        camera_from_head = self.head_pose[i]
+        return self.surface(i) @ camera_from_head[:3, :3].T + camera_from_head[:3, 3]
+
+    def project(self, points_in_camera: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Pixels (K x 2) of points (K x 3, metres, camera frame, z > 0)."""
+        pixels = points_in_camera @ self.intrinsics.T
+        return pixels[:, :2] / pixels[:, 2:]
+
+    def check(self) -> None:
+        """Raises InvalidInput: which key, which frame, what is wrong."""
+        lengths: dict[str, int] = {}
+        for key, (_, shape) in (REQUIRED | OPTIONAL).items():
+            value = getattr(self, key)
+            if value is not None:
+                actual = (1,) if key == "fps" else np.shape(value)
+                check_shape(f"performance {key}", actual, shape, lengths, LARGEST)
+        check_names("performance muscles and articulators", self.muscles + self.articulators)
+        if (self.detail_modes is None) != (self.detail_coefficients is None):
+            raise InvalidInput(
+                "performance has one of detail_modes and detail_coefficients; it needs both or none"
+            )
+        if self.detail_coefficients_std is not None and self.detail_modes is None:
+            raise InvalidInput("performance has detail_coefficients_std without detail_modes")
+        if lengths["N"] < 1 or lengths["F"] < 1:
+            raise InvalidInput("performance has no frames or no faces")
+        self._check_finite()
+        self._check_ranges()
+
+    def _check_finite(self) -> None:
+        for key, (kind, shape) in (REQUIRED | OPTIONAL).items():
+            value = getattr(self, key)
+            if value is None or kind not in "fm" or is_bounded(np.asarray(value)):
+                continue
+            where = ""
+            if shape[0] == "N":
+                bad = next(i for i, row in enumerate(value) if not is_bounded(row))
+                where = f" at frame {self.frame[bad]}"
+            raise InvalidInput(
+                f"performance {key} is not finite{where}, or beyond all measure; capture the "
+                "footage again"
+            )
+
+    def _check_ranges(self) -> None:
+        tolerance = 1e-6
+        if self.frame[0] < 1 or (self.frame[1:] <= self.frame[:-1]).any():
+            raise InvalidInput("performance frame must count upwards from 1 or later")
+        if self.frame[-1] > LAST_FRAME:
+            raise InvalidInput(f"performance frame ends at {self.frame[-1]}, beyond {LAST_FRAME}")
+        check_rate("performance fps", self.fps)
+        if (self.image_size < 1).any() or (self.image_size > 16384).any():
+            raise InvalidInput(f"performance image_size is {self.image_size.tolist()}")
+        if (
+            self.stored_size is not None
+            and not ((self.stored_size >= 1) & (self.stored_size <= 16384)).all()
+        ):
+            raise InvalidInput(f"performance stored_size is {self.stored_size.tolist()}")
+        if not is_pinhole(self.intrinsics):
+            raise InvalidInput("performance intrinsics is not a pinhole camera matrix")
+        if self.faces.min() < 0 or self.faces.max() >= len(self.neutral_vertices):
+            raise InvalidInput("performance faces name vertices that do not exist")
+        if self.groups.min() < 1 or self.groups.max() > 7:
+            raise InvalidInput("performance groups must be 1 to 7")
+        for key in ("activations", "quality"):
+            value = getattr(self, key)
+            if value.min() < -tolerance or value.max() > 1 + tolerance:
+                raise InvalidInput(f"performance {key} must lie in 0 to 1")
+        if self.activations_std.min() < 0:
+            raise InvalidInput("performance activations_std must not be negative")
+        if self.articulator_values_std is not None and (self.articulator_values_std < 0).any():
+            raise InvalidInput("performance articulator_values_std must not be negative")
+        std = self.detail_coefficients_std
+        if std is not None and (std < 0).any():
+            raise InvalidInput("performance detail_coefficients_std must not be negative")
+        self._check_poses()
+        self._check_footage()
+
+    def _check_poses(self) -> None:
+        largest = max(-self.head_pose_cov.min(), self.head_pose_cov.max())
+        for start in range(0, self.num_frames, CHECKED_AT_ONCE):
+            frames = slice(start, start + CHECKED_AT_ONCE)
+            for what, bad in (
+                ("head_pose is not a rigid motion", ~_is_rigid(self.head_pose[frames])),
+                (
+                    "head_pose_cov is not a covariance",
+                    ~_is_covariance(self.head_pose_cov[frames], 1e-6 * largest),
+                ),
+            ):
+                if bad.any():
+                    frame = self.frame[frames][bad][0]
+                    raise InvalidInput(f"performance {what} at frame {frame}")
+
+    def _check_footage(self) -> None:
+        if self.footage is None:
+            return
+        name, mark = self.footage
+        # A name, never a way to somewhere: the file is looked for by it
+        if not name or name in (".", "..") or re.search(r"[/\\\0]", name) or len(name) > 255:
+            raise InvalidInput("performance footage must be a file name without its folder")
+        if not is_fingerprint(mark):
+            raise InvalidInput("performance footage has no fingerprint of a file's content")
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes `performance.npz`, whole or not at all."""
+        self.check()
+        path = Path(path)
+        arrays = {"schema": np.int64(SCHEMA)}
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is None:
+                continue
+            is_text = (REQUIRED | OPTIONAL)[field.name][0] == "U"
+            arrays[field.name] = np.array(value, dtype=np.str_) if is_text else np.asarray(value)
+        arrays["fps"] = np.array([self.fps])
+        write_arrays(path, arrays)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Performance:
+        """Reads and checks `performance.npz`; raises UnreadableMedia or InvalidInput."""
+        what = "a performance (the performance.npz of a capture)"
+        with open_arrays(path, what) as archive:
+            return cls(**_read_arrays(archive))
+
+
+def unitless(cov: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Covariances N x D x D as correlations, and the N x D standard deviations taken out.
+
+    Radians and metres differ by orders of magnitude: rounding is judged without them.
+    """
+    std = np.sqrt(np.clip(np.diagonal(cov, axis1=1, axis2=2), 1e-300, None))
+    return cov / (std[:, :, None] * std[:, None, :]), std
+
+
+def _is_rigid(poses: NDArray[np.float64]) -> NDArray[np.bool_]:
+    rotation = poses[:, :3, :3]
+    error = np.abs(rotation @ rotation.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
+    upright = (error <= 1e-4) & (np.linalg.det(rotation) > 0)
+    return upright & (poses[:, 3] == [0, 0, 0, 1]).all(axis=1)
+
+
+def _is_covariance(cov: NDArray[np.float64], rounding: float) -> NDArray[np.bool_]:
+    fits = (np.diagonal(cov, axis1=1, axis2=2) >= 0).all(axis=1)
+    fits &= np.abs(cov - cov.transpose(0, 2, 1)).max(axis=(1, 2)) <= rounding
+    with np.errstate(over="ignore"):
+        correlation = unitless(cov)[0]
+    fits &= np.abs(correlation).max(axis=(1, 2)) <= 1 + 1e-6
+    correlation[~fits] = np.eye(6)  # eigenvalues of what is infinite are not found
+    return fits & (np.linalg.eigvalsh(correlation)[:, 0] >= -1e-6)
+
+
+def _shape_text(shape: tuple[int | str, ...]) -> str:
+    return " x ".join(str(length) for length in shape)
+
+
+def _read_arrays(archive: ArrayArchive) -> dict[str, np.ndarray]:
+    headers = archive.headers
+    if "schema" not in headers:
+        raise InvalidInput("is not a performance: it has no schema number")
+    if headers["schema"].shape not in ((), (1,)) or headers["schema"].dtype.kind not in "iu":
+        raise InvalidInput("the schema must be one whole number")
+    schema = int(archive.read_one("schema").reshape(-1)[0])
+    if schema != SCHEMA:
+        newer = "a newer version of Mimetic wrote it; update Mimetic" if schema > SCHEMA else ""
+        raise InvalidInput(
+            f"has schema {schema}, this version reads {SCHEMA}: {newer or 'no such schema existed'}"
+        )
+    # Every shape is checked before the first large array is read: a small file can claim terabytes.
+    lengths: dict[str, int] = {}
+    dtypes = {}
+    for key, (kind, shape) in (REQUIRED | OPTIONAL).items():
+        if key not in headers:
+            if key in OPTIONAL:
+                continue
+            raise InvalidInput(f"performance lacks the key {key}; capture the footage again")
+        header = headers[key]
+        if header.dtype.kind not in ACCEPTED[kind]:
+            raise InvalidInput(f"performance {key} has the type {header.dtype}")
+        check_shape(f"performance {key}", header.shape, shape, lengths, LARGEST)
+        dtypes[key] = DTYPES.get(kind)
+    return archive.read(dtypes)

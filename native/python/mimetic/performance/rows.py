@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The performance as it grows, one row a frame."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import _core
+from mimetic.performance.document import unitless
+
+
+@dataclass(frozen=True)
+class State:
+    frame: int
+    estimate: _core.FrameEstimate
+    held: bool  # nothing was measured: the estimate is the last good frame's
+
+
+@dataclass
+class Rows:
+    """The performance as it grows, one row a frame."""
+
+    frame: list[int] = field(default_factory=list)
+    pose: list[NDArray[np.float64]] = field(default_factory=list)
+    pose_cov: list[NDArray[np.float64]] = field(default_factory=list)
+    values: list[NDArray[np.float64]] = field(default_factory=list)
+    values_std: list[NDArray[np.float64]] = field(default_factory=list)
+    detail: list[NDArray[np.float64]] = field(default_factory=list)
+    detail_std: list[NDArray[np.float64]] = field(default_factory=list)
+    quality: list[float] = field(default_factory=list)
+
+    def append(self, state: State) -> None:
+        # Copies: a view would keep all the estimate, a tenth of a megabyte a frame.
+        estimate = state.estimate
+        self.frame.append(state.frame)
+        self.pose.append(np.array(estimate.camera_from_head))
+        self.pose_cov.append(np.array(estimate.pose_cov))
+        self.values.append(np.array(estimate.values))
+        self.values_std.append(np.array(estimate.values_std))
+        self.detail.append(np.array(estimate.detail))
+        self.detail_std.append(np.array(estimate.detail_std))
+        self.quality.append(0.0 if state.held else estimate.quality)
+
+    def reversed(self) -> Rows:
+        return Rows(*(getattr(self, column.name)[::-1] for column in fields(self)))
+
+    def __add__(self, after: Rows) -> Rows:
+        names = [column.name for column in fields(self)]
+        return Rows(*(getattr(self, name) + getattr(after, name) for name in names))
+
+    def rigid_poses(self) -> NDArray[np.float64]:
+        """N x 4 x 4, rotations orthonormal to the last digit."""
+        poses = np.array(self.pose)
+        u, _, vt = np.linalg.svd(poses[:, :3, :3])
+        poses[:, :3, :3] = u @ vt
+        poses[:, 3] = [0, 0, 0, 1]
+        return poses
+
+    def pose_covariances(self) -> NDArray[np.float64]:
+        """N x 6 x 6 without the rounding that makes them asymmetric or indefinite."""
+        cov = np.array(self.pose_cov)
+        correlation, std = unitless((cov + cov.transpose(0, 2, 1)) / 2)
+        values, vectors = np.linalg.eigh(correlation)
+        correlation = np.einsum("nij,nj,nkj->nik", vectors, np.clip(values, 1e-9, None), vectors)
+        return correlation * std[:, :, None] * std[:, None, :]

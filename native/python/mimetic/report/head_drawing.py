@@ -1,0 +1,112 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The head's model drawn over the footage, and its six parameters over time."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import _core
+from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.report.overlay import make_painter
+from mimetic.shared.whole_file import whole_file
+from mimetic.template.face_template import load_template
+
+AROUND, UP = 32, 16  # meridians and parallels of a whole ellipsoid
+RINGS = 6  # of the planar patch
+
+
+class HeadDrawing:
+    """Paints the model's meridians over frames, as the paper's Fig. 15 does."""
+
+    def __init__(self, performance: Performance, shape: _core.HeadShape) -> None:
+        self.performance = performance
+        self.vertices, faces = model_mesh(shape, _height_of(performance.neutral_vertices))
+        self.painter = make_painter(performance, len(self.vertices), faces, [])
+
+    def paint(self, image: NDArray[np.uint8], i: int) -> NDArray[np.uint8]:
+        """An enlarged H x W x 3 picture of frame index `i`."""
+        pose = self.performance.head_pose[i]
+        points = np.ascontiguousarray(self.vertices @ pose[:3, :3].T + pose[:3, 3])
+        quality, frame = float(self.performance.quality[i]), int(self.performance.frame[i])
+        return self.painter.paint(image, points, quality, frame)
+
+
+def _height_of(neutral_vertices: NDArray[np.float64]) -> tuple[float, float]:
+    """Chin and crown (metres, y of the head frame): past them an ellipsoid stands for no skin."""
+    template = load_template()
+    chin = neutral_vertices[template.landmark("menton"), 1]
+    return float(chin), float(neutral_vertices[: template.num_skin_vertices, 1].max())
+
+
+def model_mesh(
+    shape: _core.HeadShape, height: tuple[float, float] = (-np.inf, np.inf)
+) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
+    """Vertices (V x 3, metres, head frame) and quads (F x 4) of an ellipsoid or a patch.
+
+    height: between which y of the head frame an ellipsoid is wanted; metres.
+    """
+    is_plane = shape.model == _core.HeadModel.plane
+    around = np.linspace(0, 2 * np.pi, AROUND, endpoint=False)
+    rings = RINGS if is_plane else UP
+    if is_plane:
+        radius = np.linspace(0.02, 1, rings + 1)[::-1, None]
+        place = np.stack([radius * np.cos(around), radius * np.sin(around)], axis=-1)
+        place = np.concatenate([place, np.zeros((rings + 1, AROUND, 1))], axis=-1)
+    else:
+        low, high = (np.array(height) - shape.centre[1]) / shape.half_axes[1]
+        pole = 0.49 * np.pi
+        lowest, highest = np.clip(np.arcsin(np.clip((low, high), -1, 1)), -pole, pole)
+        up = np.linspace(lowest, highest, rings + 1)[:, None]
+        flat = np.cos(up)
+        place = np.stack(
+            [flat * np.sin(around), np.broadcast_to(np.sin(up), (rings + 1, AROUND)),
+             flat * np.cos(around)],
+            axis=-1,
+        )  # fmt: skip
+    vertices = shape.centre + (place.reshape(-1, 3) * shape.half_axes) @ shape.turn.T
+    row, column = np.divmod(np.arange(rings * AROUND), AROUND)
+    beside = (column + 1) % AROUND
+    faces = [row * AROUND + column, row * AROUND + beside]
+    faces += [(row + 1) * AROUND + beside, (row + 1) * AROUND + column]
+    return np.ascontiguousarray(vertices), np.ascontiguousarray(np.stack(faces, 1), np.int32)
+
+
+def write_motion_plot(performance: Performance, path: str | os.PathLike[str]) -> None:
+    """The six parameters over the frames with their standard deviations, as the paper's Fig. 16.
+
+    path: .png or .svg, written whole or not at all; raises OSError.
+    """
+    from matplotlib.figure import Figure
+
+    from mimetic.report.html import head_angles
+
+    path = Path(path)
+    std = np.sqrt(np.clip(np.diagonal(performance.head_pose_cov, axis1=1, axis2=2), 0, None))
+    values = np.hstack([head_angles(performance), 1000 * performance.head_pose[:, :3, 3]])
+    spreads = np.hstack([np.degrees(std[:, :3]), 1000 * std[:, 3:]])
+    names = ("pitch, degrees", "yaw, degrees", "roll, degrees")
+    names += ("x, right, mm", "y, down, mm", "z, away, mm")
+    figure = Figure(figsize=(11, 5.5), layout="constrained")
+    held = performance.quality < HELD_QUALITY
+    panels = figure.subplots(2, 3, sharex=True)
+    for k, (panel, name) in enumerate(zip(panels.flat, names, strict=True)):
+        value, spread = values[:, k], spreads[:, k]
+        panel.plot(performance.frame, value, color="#1b7f79", linewidth=1.2)
+        panel.fill_between(
+            performance.frame, value - spread, value + spread, color="#1b7f79", alpha=0.15, lw=0
+        )
+        panel.fill_between(
+            performance.frame, 0, 1, where=held, step="mid", color="#8a8f93", alpha=0.25, lw=0,
+            transform=panel.get_xaxis_transform(),
+        )  # fmt: skip
+        panel.set_title(name, fontsize=10)
+        panel.spines[["top", "right"]].set_visible(False)
+        panel.set(xmargin=0.01)
+    for panel in panels[1]:
+        panel.set_xlabel("frame")
+    with whole_file(path) as stream:
+        figure.savefig(stream, format="png", dpi=120)

@@ -1,0 +1,353 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""report.html: what a capture found, in one file that needs nothing else."""
+
+from __future__ import annotations
+
+import base64
+import html
+import importlib.util
+import io
+import os
+import platform
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, __version__
+from mimetic.media.footage import Footage
+from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.report.overlay import FaceDrawing
+from mimetic.shared.shown_text import shown
+from mimetic.shared.whole_file import whole_file
+from mimetic.solve.clip_capture import CaptureSummary
+
+NUM_PICTURES = 6
+GROUPS = {
+    1: "Lip corner pullers",
+    2: "Upper lip and nose",
+    3: "Lip depressors",
+    4: "Chin and orbicularis oris",
+    5: "Brow raisers",
+    6: "Brow lowerers",
+    7: "Orbicularis oculi",
+}
+COLOURS = ("#1b7f79", "#d1495b", "#edae49", "#5b5f97", "#66a182", "#8d5524")
+STYLE = """
+:root { color-scheme: light dark;
+  --ink: #1d2429; --paper: #fbfaf8; --soft: #6b757c; --line: #dfe3e4; }
+@media (prefers-color-scheme: dark) {
+  :root { --ink: #e6eaec; --paper: #161a1d; --soft: #96a1a8; --line: #30373c; }
+  img.plot { background: #fbfaf8; border-radius: 6px; }
+}
+body { margin: 0 auto; padding: 2.5rem 1.5rem 4rem; max-width: 68rem; background: var(--paper);
+  color: var(--ink); font: 16px/1.55 system-ui, "Segoe UI", "Noto Sans", sans-serif; }
+h1 { font-size: 1.7rem; margin: 0 0 .2rem; } h2 { font-size: 1.15rem; margin: 2.6rem 0 .6rem; }
+p.lead { color: var(--soft); margin: 0 0 1.5rem; }
+.facts { display: grid; grid-template-columns: repeat(auto-fit, minmax(9rem, 1fr)); gap: 1px;
+  background: var(--line); border: 1px solid var(--line); border-radius: 8px; overflow: hidden; }
+.facts div { background: var(--paper); padding: .7rem .9rem; }
+.facts b { display: block; font-size: 1.25rem; font-variant-numeric: tabular-nums; }
+.facts span { color: var(--soft); font-size: .85rem; }
+.note { border-left: 3px solid #edae49; padding: .3rem .9rem; margin: .5rem 0; }
+img.plot { width: 100%; height: auto; }
+.pictures { display: grid; grid-template-columns: repeat(3, 1fr); gap: .6rem; }
+.pictures img { width: 100%; border-radius: 6px; display: block; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+td, th { padding: .3rem .9rem .3rem 0; text-align: left; border-bottom: 1px solid var(--line); }
+td.number { text-align: right; }
+.bar { display: inline-block; height: .6rem; background: #1b7f79; border-radius: 2px; }
+.caption { color: var(--soft); font-size: .9rem; margin-top: .2rem; }
+"""
+
+
+def check_report_packages() -> None:
+    """Tells before hours of work that the report could not be drawn; raises InvalidInput."""
+    if importlib.util.find_spec("matplotlib") is None:
+        raise InvalidInput(
+            "the report needs matplotlib, which is not installed: pip install 'mimetic[report]'"
+        )
+
+
+def write_report(
+    performance: Performance,
+    footage: Footage,
+    path: str | os.PathLike[str],
+    summary: CaptureSummary | None = None,
+) -> None:
+    """Writes report.html, whole or not at all; raises OSError."""
+    path = Path(path)
+    text = "".join(_parts(performance, footage, summary or CaptureSummary()))
+    with whole_file(path) as stream:
+        stream.write(text.encode())
+
+
+def _parts(performance: Performance, footage: Footage, summary: CaptureSummary) -> Iterator[str]:
+    name = _html(footage.path.name)
+    yield "<!doctype html><html lang='en'><head><meta charset='utf-8'>"
+    yield "<meta name='viewport' content='width=device-width, initial-scale=1'>"
+    yield f"<title>{name}: capture</title><style>{STYLE}</style></head><body>"
+    yield f"<h1>{name}</h1><p class='lead'>{_lead(performance)}</p>"
+    yield _facts(performance, summary)
+    for note in performance.notes or ():
+        yield f"<p class='note'>{_html(note)}</p>"
+    yield "<h2>The face over the footage</h2><div class='pictures'>"
+    for frame, picture in _pictures(performance, footage):
+        yield f"<img src='{_jpeg_uri(picture)}' alt='frame {frame}'>"
+    yield "</div><p class='caption'>The captured mesh and its landmarks. Bar: quality.</p>"
+    yield "<h2>Quality and head motion</h2>" + _plot(_head_figure(performance), "head motion")
+    yield "<p class='caption'>Rotation about the head's own axes relative to facing the camera: "
+    yield "pitch down, yaw to the image's right, roll clockwise. Bands: one standard deviation.</p>"
+    yield "<h2>Muscles</h2>" + _plot(_muscle_figure(performance), "activations of the 36 muscles")
+    yield "<p class='caption'>Activation from 0 to 1 by the seven groups; solid: the subject's "
+    yield "left, dashed: right. Bands: one standard deviation. Grey: held frames, in which "
+    yield "nothing was measured.</p>"
+    if performance.articulators:
+        yield "<h2>Jaw and lids</h2>" + _plot(_articulator_figure(performance), "articulators")
+    yield _times(performance, summary) + _settings(performance, footage, summary)
+    yield "</body></html>\n"
+
+
+def _html(text: str) -> str:
+    """Text that may come from a file, in the page's own language."""
+    return html.escape(shown(text))
+
+
+def _lead(performance: Performance) -> str:
+    width, height = performance.image_size
+    return (
+        f"Frames {performance.frame[0]} to {performance.frame[-1]}, "
+        f"{performance.fps:.6g} frames/s, {width} &times; {height} pixels"
+    )
+
+
+def _facts(performance: Performance, summary: CaptureSummary) -> str:
+    total = sum(summary.seconds.values())
+    names = np.array(performance.muscles)
+    peak = performance.activations.max(axis=0)
+    facts = [
+        (f"{performance.num_frames}", "frames"),
+        (f"{np.median(performance.quality):.2f}", "median quality"),
+        (f"{int((performance.quality < HELD_QUALITY).sum())}", "frames held"),
+        (f"{names[peak.argmax()].replace('_', ' ')}", f"strongest muscle, {peak.max():.2f}"),
+    ]
+    if total > 0:
+        facts.append((f"{performance.num_frames / total:.1f}", "frames captured a second"))
+    cells = "".join(f"<div><b>{_html(b)}</b><span>{text}</span></div>" for b, text in facts)
+    return f"<div class='facts'>{cells}</div>"
+
+
+def _pictures(
+    performance: Performance, footage: Footage
+) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+    """Overlay pictures of the frames that differ most from each other."""
+    drawing = FaceDrawing(performance)
+    chosen = set(performance.frame[_distinct(performance)].tolist())
+    for frame, image in footage.frames(min(chosen), max(chosen)):
+        if frame in chosen:
+            yield frame, drawing.paint(image, performance.index_of(frame))
+
+
+def _distinct(performance: Performance) -> NDArray[np.int64]:
+    """Indices of frames far from each other in expression and head turn."""
+    state = np.hstack(
+        [
+            performance.activations,
+            performance.articulator_values,
+            3 * performance.head_pose[:, :3, 2],
+        ]
+    )
+    usable = performance.quality >= min(0.5, float(np.median(performance.quality)))
+    chosen = [int(np.argmax(performance.quality))]
+    distance = np.full(performance.num_frames, np.inf)
+    while len(chosen) < min(NUM_PICTURES, int(usable.sum())):
+        distance = np.minimum(distance, np.linalg.norm(state - state[chosen[-1]], axis=1))
+        distance[chosen] = -1
+        chosen.append(int(np.argmax(np.where(usable, distance, -1))))
+    return np.sort(np.unique(chosen))
+
+
+def _figure(rows: int, cols: int, height: float):
+    from matplotlib import rc_context
+    from matplotlib.figure import Figure
+
+    with rc_context({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}):
+        figure = Figure(figsize=(11, height), layout="constrained")
+        return figure, figure.subplots(rows, cols, sharex=True, squeeze=False)
+
+
+def _draw(axes, frame, values, std, colour, label, style="-") -> None:
+    axes.plot(frame, values, style, color=colour, linewidth=1.2, label=label)
+    if std is not None:
+        axes.fill_between(frame, values - std, values + std, color=colour, alpha=0.13, linewidth=0)
+
+
+def _shade_held(axes, performance: Performance) -> None:
+    held = performance.quality < HELD_QUALITY
+    if held.any():
+        axes.fill_between(
+            performance.frame,
+            *(0, 1),
+            where=held,
+            step="mid",
+            transform=axes.get_xaxis_transform(),
+            color="#8a8f93",
+            alpha=0.25,
+            linewidth=0,
+        )
+
+
+def _muscle_figure(performance: Performance):
+    figure, axes = _figure(4, 2, 10.5)
+    for group, panel in zip(GROUPS, axes.flat, strict=False):
+        members = np.flatnonzero(performance.groups == group)
+        stems = list(dict.fromkeys(performance.muscles[i].rpartition(".")[0] for i in members))
+        for i in members:
+            stem, _, side = performance.muscles[i].rpartition(".")
+            colour = COLOURS[stems.index(stem) % len(COLOURS)]
+            label = stem.replace("_", " ") if side == "L" else None
+            std = performance.activations_std[:, i]
+            curve = performance.activations[:, i]
+            _draw(panel, performance.frame, curve, std, colour, label, "-" if side == "L" else "--")
+        _set_activation_axes(panel, f"{group}  {GROUPS[group]}")
+        _shade_held(panel, performance)
+    mean = [
+        performance.activations[:, performance.groups == group].mean(axis=1) for group in GROUPS
+    ]
+    last = axes.flat[7]
+    for group, curve in zip(GROUPS, mean, strict=True):
+        colour = (*COLOURS, "#222222")[group - 1]
+        _draw(last, performance.frame, curve, None, colour, GROUPS[group])
+    _set_activation_axes(last, "Mean of each group", room=0.55)
+    for panel in axes[-1]:
+        panel.set_xlabel("frame")
+    return figure
+
+
+def _set_activation_axes(axes, title: str, room: float = 0.3) -> None:
+    """From 0 to 1, with room above for the names of the curves."""
+    axes.set_title(title, fontweight="bold")
+    axes.set(ylim=(-0.03, 1 + room), yticks=np.linspace(0, 1, 6), xmargin=0.01)
+    axes.axhline(1, color="#8a8f93", linewidth=0.5)
+    axes.legend(loc="upper right", fontsize=7.5, frameon=False, ncols=2)
+
+
+def _articulator_figure(performance: Performance):
+    pairs: dict[str, list[int]] = {}
+    for i, name in enumerate(performance.articulators):
+        pairs.setdefault(name.partition(".")[0], []).append(i)
+    rows = (len(pairs) + 1) // 2
+    figure, axes = _figure(rows, 2, 2.1 * rows + 0.4)
+    for (stem, members), panel in zip(pairs.items(), axes.flat, strict=False):
+        for i in members:
+            std = performance.articulator_values_std
+            side = performance.articulators[i].partition(".")[2]
+            values = performance.articulator_values[:, i]
+            _draw(
+                *(panel, performance.frame, values, None if std is None else std[:, i]),
+                *(COLOURS[0], {"L": "left", "R": "right"}.get(side), "--" if side == "R" else "-"),
+            )
+        panel.set_title(stem.replace("_", " "), fontweight="bold")
+        panel.set(xmargin=0.01)
+        if len(members) > 1:
+            panel.legend(loc="upper right", fontsize=7.5, frameon=False)
+        _shade_held(panel, performance)
+    for panel in list(axes.flat)[len(pairs) :]:
+        panel.remove()
+    for panel in axes[-1]:
+        panel.set_xlabel("frame")
+    return figure
+
+
+def head_angles(performance: Performance) -> NDArray[np.float64]:
+    """N x 3: pitch, yaw, roll of the head in degrees, 0 when it faces the camera."""
+    facing = np.diag([1.0, -1.0, -1.0])  # head axes (y up, z to the camera) -> camera axes
+    r = performance.head_pose[:, :3, :3] @ facing
+    yaw = np.arcsin(np.clip(r[:, 2, 0], -1, 1))
+    pitch = np.arctan2(r[:, 2, 1], r[:, 2, 2])
+    roll = np.arctan2(r[:, 1, 0], r[:, 0, 0])
+    return np.degrees(np.stack([pitch, yaw, roll], axis=1))
+
+
+def _head_figure(performance: Performance):
+    figure, axes = _figure(3, 1, 6.5)
+    frame = performance.frame
+    std = np.sqrt(np.clip(np.diagonal(performance.head_pose_cov, axis1=1, axis2=2), 0, None))
+    quality, turn, place = axes[:, 0]
+    quality.fill_between(frame, performance.quality, color="#1b7f79", alpha=0.35, linewidth=0)
+    quality.axhline(HELD_QUALITY, color="#d1495b", linewidth=0.8, linestyle=":")
+    quality.set(ylabel="quality", ylim=(0, 1.03))
+    angles = head_angles(performance)
+    for k, name in enumerate(("pitch", "yaw", "roll")):
+        _draw(turn, frame, angles[:, k], np.degrees(std[:, k]), COLOURS[k], name)
+    turn.set_ylabel("rotation, degrees")
+    where = 1000 * (performance.head_pose[:, :3, 3] - performance.head_pose[:1, :3, 3])
+    for k, name in enumerate(("x, right", "y, down", "z, away")):
+        _draw(place, frame, where[:, k], 1000 * std[:, 3 + k], COLOURS[k], name)
+    place.set(ylabel="translation, mm", xlabel="frame")
+    for panel in (turn, place):
+        panel.set(xmargin=0.01)
+        bottom, top = panel.get_ylim()
+        panel.set_ylim(bottom, top + 0.15 * (top - bottom))  # room for the names
+        panel.legend(loc="upper right", fontsize=7.5, frameon=False, ncols=3)
+        _shade_held(panel, performance)
+    return figure
+
+
+def _plot(figure, label: str) -> str:
+    stream = io.BytesIO()
+    figure.savefig(stream, format="png", dpi=150)
+    return f"<img class='plot' alt='{label}' src='{_uri('png', stream.getvalue())}'>"
+
+
+def _jpeg_uri(picture: NDArray[np.uint8]) -> str:
+    from PIL import Image  # comes with matplotlib
+
+    stream = io.BytesIO()
+    Image.fromarray(picture).save(stream, "jpeg", quality=85)
+    return _uri("jpeg", stream.getvalue())
+
+
+def _uri(kind: str, content: bytes) -> str:
+    return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
+
+
+def _times(performance: Performance, summary: CaptureSummary) -> str:
+    if not summary.seconds:
+        return ""
+    total = sum(summary.seconds.values())
+    rows = "".join(
+        f"<tr><td>{_html(stage)}</td><td class='number'>{seconds:.2f} s</td>"
+        f"<td class='number'>{1000 * seconds / performance.num_frames:.1f} ms</td>"
+        f"<td><span class='bar' style='width:{12 * seconds / total:.2f}rem'></span></td></tr>"
+        for stage, seconds in summary.seconds.items()
+    )
+    return (
+        "<h2>Where the time goes</h2><table><tr><th>stage</th><th>total</th><th>a frame</th>"
+        f"<th></th></tr>{rows}<tr><th>all</th><td class='number'>{total:.2f} s</td>"
+        f"<td class='number'>{1000 * total / performance.num_frames:.1f} ms</td><td></td></tr>"
+        "</table>"
+    )
+
+
+def _settings(performance: Performance, footage: Footage, summary: CaptureSummary) -> str:
+    k = performance.intrinsics
+    rows = {
+        "footage": f"{footage.path.name}, {footage.num_frames} frames",
+        "camera": f"focal length {k[0, 0]:.0f} pixels, centre ({k[0, 2]:.1f}, {k[1, 2]:.1f})",
+        "mesh": f"{len(performance.neutral_vertices)} vertices, {len(performance.faces)} quads",
+        **summary.settings,
+    }
+    if summary.fit is not None:
+        shape = sorted(summary.fit.identity.items(), key=lambda item: -abs(item[1]))[:6]
+        rows["reference frame"] = str(summary.fit.frame)
+        rows["head shape"] = ", ".join(f"{name} {value:+.2f}" for name, value in shape) or "average"
+    rows["versions"] = (
+        f"Mimetic {__version__}, numpy {np.__version__}, Python {platform.python_version()}, "
+        f"{platform.system()} {platform.machine()}"
+    )
+    cells = "".join(
+        f"<tr><td>{_html(key)}</td><td>{_html(value)}</td></tr>" for key, value in rows.items()
+    )
+    return f"<h2>Settings and versions</h2><table>{cells}</table>"

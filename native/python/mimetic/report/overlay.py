@@ -1,0 +1,175 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The captured face drawn over its footage."""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import signal
+import subprocess
+import threading
+from collections.abc import Callable, Iterator
+from fractions import Fraction
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import _core
+from mimetic.media.ffmpeg import ffmpeg_program
+from mimetic.media.footage import Footage
+from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.shared.whole_file import file_beside
+from mimetic.template.face_template import FaceTemplate, load_template
+
+CLEAR_WIDTH = 800  # pixels: smaller footage is enlarged until its lines stay apart
+HIDDEN_REGIONS = ("scalp", "ear", "neck", "mouth_cavity", "eye_socket")
+Progress = Callable[[float, str], bool]
+
+
+def make_painter(
+    performance: Performance, num_vertices: int, faces: NDArray[np.int32], landmarks: list[int]
+) -> _core.OverlayPainter:
+    """For meshes of so many vertices and these quads (F x 4), over the performance's footage."""
+    width, height = (int(side) for side in performance.image_size)
+    options = _core.OverlayOptions()
+    options.scale = int(np.clip(np.ceil(CLEAR_WIDTH / width), 1, 4))
+    options.held_quality = HELD_QUALITY
+    k = performance.intrinsics
+    camera = _core.Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], width, height)
+    faces = np.ascontiguousarray(faces)
+    return _core.OverlayPainter(camera, num_vertices, faces, landmarks, options)
+
+
+class FaceDrawing:
+    """Paints frames of a performance; `paint(image, i)` gives an enlarged H x W x 3 picture."""
+
+    def __init__(self, performance: Performance) -> None:
+        self.performance = performance
+        template = _template_of(performance)
+        if template is None:
+            used, faces = np.unique(performance.faces, return_inverse=True)
+            faces, drawn, landmarks = faces.reshape(-1, 4), slice(None), []
+            self.vertices = used
+        else:
+            self.vertices = np.arange(template.num_skin_vertices)
+            faces = np.asarray(template.skin_faces)
+            hidden = template.in_region(*HIDDEN_REGIONS)
+            drawn = ~hidden[faces].any(axis=1)
+            landmarks = [v for v in template.landmark_vertices.tolist() if not hidden[v]]
+        faces = np.ascontiguousarray(faces, dtype=np.int32)
+        # The limit surface, where the face is, lies inside of the control mesh.
+        self.mesh = _core.SubdividedMesh(faces, len(self.vertices), 0)
+        self.painter = make_painter(performance, len(self.vertices), faces[drawn], landmarks)
+
+    def paint(self, image: NDArray[np.uint8], i: int) -> NDArray[np.uint8]:
+        control = self.performance.surface_in_camera(i)[self.vertices]
+        points = self.mesh.positions(np.ascontiguousarray(control))[: len(self.vertices)]
+        quality = float(self.performance.quality[i])
+        frame = int(self.performance.frame[i])
+        return self.painter.paint(image, np.ascontiguousarray(points), quality, frame)
+
+
+def write_overlay(
+    performance: Performance,
+    footage: Footage,
+    path: str | os.PathLike[str],
+    progress: Progress | None = None,
+    drawing: FaceDrawing | None = None,
+) -> bool:
+    """Encodes overlay.mp4 (H.264) in a second pass over the footage, whole or not at all.
+
+    drawing: has `performance` and `paint`, by default the captured face's. Returns False, and
+    leaves no file, if `progress` stopped it. Raises OSError.
+    """
+    path = Path(path)
+    drawing = drawing or FaceDrawing(performance)
+    with (
+        file_beside(path, path.suffix) as aside,
+        contextlib.closing(_pictures(drawing, footage, progress)) as pictures,
+    ):
+        finished = _encode(pictures, aside, Fraction(footage.fps), str(path))
+        if not finished:
+            aside.unlink()
+    return finished
+
+
+def _pictures(
+    drawing: FaceDrawing, footage: Footage, progress: Progress | None
+) -> Iterator[NDArray[np.uint8] | None]:
+    """Pictures in order; None instead of the next one when the user stops."""
+    numbers = drawing.performance.frame
+    index = {int(frame): i for i, frame in enumerate(numbers)}
+    for frame, image in footage.frames(int(numbers[0]), int(numbers[-1])):
+        if frame in index:
+            i = index[frame]
+            if progress and not progress(i / len(numbers), f"drawing frame {frame}"):
+                yield None
+                return
+            yield drawing.paint(image, i)
+
+
+def _encode(
+    pictures: Iterator[NDArray[np.uint8] | None], path: Path, fps: Fraction, shown: str
+) -> bool:
+    """Whether all pictures are in the file; raises OSError that calls it `shown`."""
+    first = next(pictures, None)
+    if first is None:
+        return False
+    height, width = first.shape[:2]
+    command = [
+        *(ffmpeg_program(), "-hide_banner", "-v", "error", "-y"),
+        *("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"),
+        *("-r", f"{fps.numerator}/{fps.denominator}", "-i", "pipe:0"),
+        # H.264 in players' common form wants even sides.
+        *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset", "veryfast"),
+        *("-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart"),
+        f"file:{path.absolute()}",
+    ]
+    process = subprocess.Popen(
+        command, stdin=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
+    )
+    errors: list[bytes] = []
+    reader = threading.Thread(target=lambda: errors.append(process.stderr.read()), daemon=True)
+    reader.start()
+    picture = first
+    try:
+        while picture is not None:
+            process.stdin.write(picture)
+            picture = next(pictures, False)
+            if picture is False:
+                process.stdin.close()
+                break
+        if picture is None:
+            return False
+        process.wait()
+    except BrokenPipeError:
+        process.wait()
+    finally:
+        if process.poll() is None:
+            process.kill()
+            process.wait()
+        reader.join()
+        process.stderr.close()
+    if process.returncode != 0:
+        raise _failure(b"".join(errors).decode(errors="replace"), process.returncode, shown)
+    return True
+
+
+def _failure(report: str, status: int, shown: str) -> OSError:
+    """What ffmpeg's words on a file that it could not write mean."""
+    for number in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.ENOMEM, errno.EIO):
+        if os.strerror(number) in report:
+            return OSError(number, os.strerror(number), shown)
+    ended = f"ended by {signal.Signals(-status).name}" if status < 0 else f"status {status}"
+    lines = report.strip().splitlines() or [ended]
+    return OSError(errno.EIO, f"ffmpeg could not write it: {lines[0][:200]}", shown)
+
+
+def _template_of(performance: Performance) -> FaceTemplate | None:
+    """The canonical head, if the performance has its mesh: it names parts and landmarks."""
+    template = load_template()
+    if np.array_equal(performance.faces, template.faces):
+        return template
+    return None

@@ -1,0 +1,181 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Scores one performance against one truth file."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput
+from mimetic.media.footage import Footage
+from mimetic.performance.document import OPTIONAL, REQUIRED, Performance
+from mimetic.score import scores
+from mimetic.score import truth as truth_file
+from mimetic.score.groups import GROUP_NAMES, UNIT_ARTICULATORS, by_group, unit_groups
+from mimetic.score.peers import dis_tracks
+from mimetic.score.prediction import follow
+from mimetic.score.truth import Truth
+
+LEAST_FRAMES = 3
+PERFORMANCE_KEYS = REQUIRED | OPTIONAL
+Document = TypeVar("Document", Truth, Performance)
+
+
+@dataclass
+class Score:
+    """All figures of one clip; nan where the truth cannot tell."""
+
+    name: str
+    num_frames: int
+    on_face: float  # share of the points that the performance's surface covers in the first frame
+    image: dict[str, dict[str, float]]  # who -> figure -> value; `mimetic` first, then peers
+    surface: dict[str, float]
+    head: dict[str, float]
+    overall: dict[str, float] = field(default_factory=dict)
+    controls: dict[str, dict[str, float]] = field(default_factory=dict)
+    groups: dict[str, dict[str, float]] = field(default_factory=dict)
+    largest_activation: float = float("nan")
+
+
+def score(
+    truth: Truth,
+    performance: Performance,
+    name: str = "",
+    images: Iterable[NDArray[np.uint8]] | None = None,
+) -> Score:
+    """Every figure that the truth allows; peers that need the footage if its images are given.
+
+    images: RGB uint8 of the frames that both files share, in order.
+    """
+    truth, performance = _shared_frames(truth, performance)
+    at_start = truth.visible[0]
+    if not at_start.any():
+        raise InvalidInput("no point of the truth is visible in the first frame of both files")
+    tracks, points = truth.tracks[:, at_start], truth.points[:, at_start]
+    seen = truth.visible[:, at_start]
+    rigid = scores.project(points[:1], truth.head_pose, truth.intrinsics)
+    followed = follow(performance, tracks[0])
+    stiff = follow(_stiffened(performance), tracks[0])
+    image = {"mimetic": scores.image_motion(tracks, rigid, seen, followed.tracks)}
+    if performance.detail_modes is not None:
+        plain = follow(performance.without_detail(), tracks[0])
+        image["its muscles alone"] = scores.image_motion(tracks, rigid, seen, plain.tracks)
+    image |= {
+        "its head motion alone": scores.image_motion(tracks, rigid, seen, stiff.tracks),
+    }
+    if images is not None:
+        for peer, predicted in dis_tracks(images, tracks[0]).items():
+            image[f"DIS flow, {peer}"] = scores.image_motion(tracks, rigid, seen, predicted)
+    covered = followed.on_face
+    made = Score(
+        name=name,
+        num_frames=len(truth.frame),
+        on_face=float(covered.mean()),
+        image=image,
+        surface=scores.surface_motion(
+            points[:, covered], seen[:, covered], followed.points[:, covered]
+        ),
+        head=scores.head_motion(truth.head_pose, performance.head_pose),
+        largest_activation=float(performance.activations.max()),
+    )
+    _score_controls(made, truth, performance)
+    return made
+
+
+def _stiffened(performance: Performance) -> Performance:
+    """The same head motion with a face that does not move."""
+    still = {"activations": np.zeros_like(performance.activations)}
+    still["articulator_values"] = np.zeros_like(performance.articulator_values)
+    return replace(performance.without_detail(), **still)
+
+
+def _shared_frames(truth: Truth, performance: Performance) -> tuple[Truth, Performance]:
+    """Both cut to the frames that both have."""
+    if tuple(truth.image_size) != tuple(performance.image_size):
+        raise InvalidInput(
+            f"the truth is of {truth.image_size.tolist()} pixels, the performance of "
+            f"{performance.image_size.tolist()}: they are not of the same footage"
+        )
+    shared = np.intersect1d(truth.frame, performance.frame)
+    if len(shared) < LEAST_FRAMES:
+        raise InvalidInput(
+            f"truth and performance share {len(shared)} frames; at least {LEAST_FRAMES} are needed"
+        )
+    return _cut(truth, shared), _cut(performance, shared)
+
+
+def _cut(document: Document, frames: NDArray[np.int64]) -> Document:
+    """A copy with these frames alone."""
+    keys = truth_file.KEYS if isinstance(document, Truth) else PERFORMANCE_KEYS
+    rows = np.searchsorted(document.frame, frames)
+    changed = {
+        key: np.asarray(getattr(document, key))[rows]
+        for key, (_, shape) in keys.items()
+        if shape[0] == "N" and getattr(document, key) is not None
+    }
+    return replace(document, **changed)
+
+
+def _score_controls(made: Score, truth: Truth, performance: Performance) -> None:
+    true_groups: dict[int, NDArray[np.float64]] = {}
+    if truth.muscles is not None:
+        names = [name for name in truth.muscles if name in performance.muscles]
+        ours = [performance.muscles.index(name) for name in names]
+        theirs = [truth.muscles.index(name) for name in names]
+        true, estimated = truth.activations[:, theirs], performance.activations[:, ours]
+        std = performance.activations_std[:, ours]
+        made.overall = scores.activations(true, estimated, std)
+        for m, name in enumerate(names):
+            if true[:, m].max() > scores.ACTIVE:
+                made.controls[name] = _curve(true[:, m], estimated[:, m])
+        if truth.groups is not None:
+            true_groups = by_group(truth.activations, truth.groups)
+    if truth.units is not None:
+        true_groups = by_group(truth.unit_values, unit_groups(truth.units))
+        for unit, names in UNIT_ARTICULATORS.items():
+            if unit in truth.units:
+                true = truth.unit_values[:, truth.units.index(unit)]
+                _score_articulators(made, performance, unit, true, names)
+    for name, true in zip(
+        truth.articulators or [], _columns(truth.articulator_values), strict=True
+    ):
+        _score_articulators(made, performance, name, true, (name,))
+    estimated_groups = by_group(performance.activations, performance.groups)
+    for group, true in true_groups.items():
+        if true.max() > scores.ACTIVE and group in estimated_groups:
+            made.groups[GROUP_NAMES[group]] = _curve(true, estimated_groups[group])
+
+
+def _score_articulators(
+    made: Score, performance: Performance, label: str, true: NDArray, names: tuple[str, ...]
+) -> None:
+    known = [performance.articulators.index(n) for n in names if n in performance.articulators]
+    if known and np.abs(true).max() > scores.ACTIVE:
+        made.controls[label] = _curve(true, performance.articulator_values[:, known].sum(1))
+
+
+def _columns(values: NDArray | None) -> NDArray:
+    return np.zeros((0, 0)) if values is None else values.T
+
+
+def _curve(true: NDArray, estimated: NDArray) -> dict[str, float]:
+    return {
+        "correlation": scores.correlation(true, estimated),
+        "rmse": float(np.sqrt(((estimated - true) ** 2).mean())),
+        "true_peak": float(true.max()),
+        "peak": float(estimated.max()),
+        "lag_frames": scores.lag_frames(true, estimated),
+    }
+
+
+def shared_images(footage: Path, truth: Truth, performance: Performance) -> Iterator:
+    """Images (H,W,3) of the frames that both have."""
+    shared = set(truth.frame.tolist()) & set(performance.frame.tolist())
+    for frame, image in Footage(footage):
+        if frame in shared:
+            yield image

@@ -1,0 +1,169 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The truth file: what a clip really shows. docs/truth-file.md describes it for others."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, fields
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput
+from mimetic.media.timing import LAST_FRAME, check_rate
+from mimetic.shared.array_file import (
+    ArrayArchive,
+    check_names,
+    check_shape,
+    is_bounded,
+    open_arrays,
+)
+from mimetic.shared.array_writer import write_arrays
+from mimetic.shared.pinhole import is_pinhole
+
+SCHEMA = 1
+LARGEST = {"N": 1_000_000, "K": 100_000, "M": 1000, "A": 1000, "U": 1000, "V": 2_000_000}
+LARGEST["E"] = 10_000
+# key: (kind of number, shape); equal letters are equal lengths
+REQUIRED = {
+    "frame": ("i", ("N",)),
+    "fps": ("f", (1,)),
+    "image_size": ("i", (2,)),
+    "intrinsics": ("f", (3, 3)),
+    "head_pose": ("f", ("N", 4, 4)),
+    "points": ("f", ("N", "K", 3)),
+    "tracks": ("f", ("N", "K", 2)),
+    "visible": ("b", ("N", "K")),
+}
+OPTIONAL = {
+    "neutral_points": ("f", ("K", 3)),
+    "points_face": ("i", ("K", 3)),
+    "points_bary": ("f", ("K", 3)),
+    "neutral_vertices": ("f", ("V", 3)),
+    "muscles": ("U", ("M",)),
+    "groups": ("i", ("M",)),
+    "activations": ("f", ("N", "M")),
+    "articulators": ("U", ("A",)),
+    "articulator_values": ("f", ("N", "A")),
+    "units": ("U", ("U",)),
+    "unit_values": ("f", ("N", "U")),
+    "expressions": ("U", ("E",)),
+    "expression_frames": ("i", ("E", 2)),
+}
+KEYS = REQUIRED | OPTIONAL
+ACCEPTED = {"f": "fiu", "i": "iu", "b": "b", "U": "U"}
+DTYPES = {"f": np.float64, "i": np.int64, "b": np.bool_}
+NAMED = {"muscles": "activations", "articulators": "articulator_values", "units": "unit_values"}
+NAMED["expressions"] = "expression_frames"
+
+
+@dataclass
+class Truth:
+    """N frames, K points of the surface. Metres and pixels, frames as in a `Performance`."""
+
+    frame: NDArray[np.int64]  # N, numbers in the footage, first = 1
+    fps: float
+    image_size: NDArray[np.int64]  # width, height
+    intrinsics: NDArray[np.float64]  # 3 x 3
+    head_pose: NDArray[np.float64]  # N x 4 x 4, camera from head
+    points: NDArray[np.float64]  # N x K x 3, head frame
+    tracks: NDArray[np.float64]  # N x K x 2, pixels
+    visible: NDArray[np.bool_]  # N x K
+    neutral_points: NDArray[np.float64] | None = None  # K x 3
+    points_face: NDArray[np.int64] | None = None  # K x 3, vertices of each point's triangle
+    points_bary: NDArray[np.float64] | None = None  # K x 3
+    neutral_vertices: NDArray[np.float64] | None = None  # V x 3
+    muscles: list[str] | None = None  # M
+    groups: NDArray[np.int64] | None = None  # M, 1 to 7
+    activations: NDArray[np.float64] | None = None  # N x M
+    articulators: list[str] | None = None  # A
+    articulator_values: NDArray[np.float64] | None = None  # N x A
+    units: list[str] | None = None  # U
+    unit_values: NDArray[np.float64] | None = None  # N x U
+    expressions: list[str] | None = None  # E, what is shown from when to when
+    expression_frames: NDArray[np.int64] | None = None  # E x 2, first and last frame of each
+
+    def __post_init__(self) -> None:
+        for key, (kind, _) in KEYS.items():
+            value = getattr(self, key)
+            if value is None:
+                continue
+            if kind == "U":
+                setattr(self, key, [str(name) for name in np.atleast_1d(value)])
+            elif key == "fps":
+                self.fps = float(np.asarray(value, np.float64).reshape(-1)[0])
+            else:
+                setattr(self, key, np.ascontiguousarray(value, DTYPES[kind]))
+        self.check()
+
+    def check(self) -> None:
+        """Raises InvalidInput: which key, what is wrong."""
+        lengths: dict[str, int] = {}
+        for key, (kind, shape) in KEYS.items():
+            value = getattr(self, key)
+            if value is None:
+                continue
+            actual = (1,) if key == "fps" else np.shape(value)
+            check_shape(f"truth {key}", actual, shape, lengths, LARGEST)
+            if kind == "f" and not is_bounded(np.asarray(value)):
+                raise InvalidInput(f"truth {key} is not finite, or beyond all measure")
+            if kind == "U" and key != "expressions":
+                check_names(f"truth {key}", value)
+        if lengths["N"] < 2 or lengths["K"] < 1:
+            raise InvalidInput("truth needs two frames and one point at least")
+        if self.frame[0] < 1 or (self.frame[1:] <= self.frame[:-1]).any():
+            raise InvalidInput("truth frame must count upwards from 1 or later")
+        if self.frame[-1] > LAST_FRAME:
+            raise InvalidInput(f"truth frame ends at {self.frame[-1]}, beyond {LAST_FRAME}")
+        check_rate("truth fps", self.fps)
+        if (self.image_size < 1).any() or (self.image_size > 16384).any():
+            raise InvalidInput(f"truth image_size is {self.image_size.tolist()}")
+        if not is_pinhole(self.intrinsics):
+            raise InvalidInput("truth intrinsics is not a pinhole camera matrix")
+        for names, values in NAMED.items():
+            if (getattr(self, names) is None) != (getattr(self, values) is None):
+                raise InvalidInput(f"truth needs both or none of {names} and {values}")
+        rotation = self.head_pose[:, :3, :3]
+        if np.abs(rotation @ rotation.transpose(0, 2, 1) - np.eye(3)).max() > 1e-4:
+            raise InvalidInput("truth head_pose is not a rigid motion")
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes the file whole or not at all."""
+        path = Path(path)
+        arrays = {"schema": np.array([SCHEMA])}
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is not None:
+                text = KEYS[field.name][0] == "U"
+                arrays[field.name] = np.array(value, np.str_) if text else np.atleast_1d(value)
+        write_arrays(path, arrays)
+
+    @classmethod
+    def load(cls, path: str | os.PathLike[str]) -> Truth:
+        """Reads and checks a truth file; raises UnreadableMedia or InvalidInput."""
+        with open_arrays(path, "a truth file (docs/truth-file.md)") as archive:
+            return cls(**_read(archive))
+
+
+def _read(archive: ArrayArchive) -> dict[str, np.ndarray]:
+    headers = archive.headers
+    schema = headers.get("schema")
+    if schema is None or schema.dtype.kind not in "iu" or schema.shape not in ((), (1,)):
+        raise InvalidInput("is no truth file: it has no schema number")
+    number = int(archive.read_one("schema").reshape(-1)[0])
+    if number != SCHEMA:
+        raise InvalidInput(f"has schema {number}, this version reads {SCHEMA}")
+    lengths: dict[str, int] = {}
+    dtypes = {}
+    for key, (kind, shape) in KEYS.items():
+        if key not in headers:
+            if key in REQUIRED:
+                raise InvalidInput(f"truth lacks the key {key}")
+            continue
+        header = headers[key]
+        if header.dtype.kind not in ACCEPTED[kind]:
+            raise InvalidInput(f"truth {key} has the type {header.dtype}")
+        check_shape(f"truth {key}", header.shape, shape, lengths, LARGEST)
+        dtypes[key] = DTYPES.get(kind)
+    return archive.read(dtypes)

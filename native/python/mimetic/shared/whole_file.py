@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files that appear whole or not at all."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from collections.abc import Iterator
+from pathlib import Path
+from typing import BinaryIO
+
+from mimetic.shared.regular_file import check_replaceable
+
+HIDDEN = ".mimetic-"  # how the names of files begin that are not done yet
+
+
+@contextlib.contextmanager
+def whole_file(path: str | os.PathLike[str]) -> Iterator[BinaryIO]:
+    """A stream to a file beside `path`, which takes its place when the block ends well.
+
+    If it does not, `path` is as it was and nothing is left beside it. Raises OSError that names
+    `path`, UnreadableMedia if that is a folder, a device or read-only.
+    """
+    with file_beside(path, ".part") as aside, open(aside, "wb") as stream:
+        yield stream
+
+
+@contextlib.contextmanager
+def file_beside(path: str | os.PathLike[str], suffix: str) -> Iterator[Path]:
+    """An empty file beside `path`, for others to write, which takes its place in the end.
+
+    suffix: of its name, as writers choose the format by it. A block that removes the file, or
+    raises, leaves `path` as it was. A link at `path` stays, and the file that it names is replaced.
+    """
+    target = Path(os.path.realpath(path))
+    check_replaceable(target, str(path))
+    name = None
+    try:
+        # A name of its own: two writers of one file each end well
+        handle, name = tempfile.mkstemp(dir=target.parent, prefix=HIDDEN, suffix=suffix)
+        os.close(handle)
+        aside = Path(name)
+        yield aside
+        if aside.exists():
+            aside.chmod(0o644)
+            os.replace(aside, target)
+    except OSError as error:
+        if error.errno is not None and error.filename in (None, name):
+            raise OSError(error.errno, error.strerror, str(path)) from error
+        raise
+    finally:
+        if name:
+            with contextlib.suppress(OSError):
+                os.unlink(name)

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From footage to a calibrated fit: the capture, keeping where the skin was seen."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import replace
+
+import numpy as np
+
+from mimetic import InvalidInput
+from mimetic.fit.fitting import FaceFit
+from mimetic.media.footage import Footage
+from mimetic.muscles.calibration import Calibration
+from mimetic.shared.progress import ATTACHED, SEARCHED, Progress, stages
+from mimetic.skin.mesh import SkinMesh
+from mimetic.solve import clip_capture
+from mimetic.solve.calibrate import Found, estimate
+from mimetic.solve.clip_capture import CaptureSummary, ClipCapture, FrameRange
+from mimetic.solve.sightings import Sighting
+
+LEAST_FRAMES = 15  # in which the face was followed
+MOST_FRAMES = 600  # of footage: 20 s show what there is, and all are kept in memory
+WEIGHED = 0.7  # of what following costs, for the progress
+
+
+class _ObservedCapture(ClipCapture):
+    """A capture that keeps where the skin was seen in every frame that was followed."""
+
+    sightings: list[Sighting]
+
+    def advance(self, tracker, frame, image, guess=None):
+        found = super().advance(tracker, frame, image, guess)
+        if not found.held and self.first <= frame <= self.last:
+            self.sightings.append(Sighting.of(frame, found, tracker.observations()))
+        return found
+
+
+def calibrate(
+    path: str | os.PathLike[str],
+    frames: FrameRange | None = None,
+    fit: FaceFit | None = None,
+    progress: Progress | None = None,
+) -> tuple[FaceFit, Found]:
+    """The fit with the calibration that `frames` of the footage make most probable.
+
+    fit: of this footage, found if there is none; what it was calibrated to before is replaced.
+    progress: as `pipeline.capture` has it; False raises KeyboardInterrupt. Raises NothingSeen where
+    no expression was seen, NoFace, UnreadableMedia, InvalidInput.
+    """
+    footage = Footage(path)
+    first, last = clip_capture.check_range(frames, footage)
+    num_asked = last - first + 1
+    if not LEAST_FRAMES <= num_asked <= MOST_FRAMES:
+        raise InvalidInput(
+            f"calibration rests on {LEAST_FRAMES} to {MOST_FRAMES} frames, {first}:{last} are "
+            f"{num_asked}: choose a few seconds in which the face moves (--frames A:B)"
+        )
+    summary = CaptureSummary()
+    followed = ATTACHED + num_asked
+    finding, following, weighing = stages(
+        progress, 0.0 if fit else SEARCHED, followed, WEIGHED * followed
+    )
+    fit = clip_capture.fit_for(footage, (first, last), fit, finding, summary)
+    fit = replace(fit, calibration=Calibration())
+    capture = _ObservedCapture(footage, fit, (first, last), following, summary)
+    capture.sightings = []
+    capture.run()
+    if summary.stopped:
+        raise KeyboardInterrupt
+    if len(capture.sightings) < LEAST_FRAMES:
+        raise InvalidInput(
+            f"{footage.path.name}: the face was followed in {len(capture.sightings)} of the frames "
+            f"{first} to {last}, calibration needs {LEAST_FRAMES}: choose others (--frames A:B)"
+        )
+    mesh = SkinMesh(capture.template, np.ascontiguousarray(capture.neutral))
+    found = estimate(
+        mesh,
+        capture.sightings,
+        fit.intrinsics,
+        fit.head_pose,
+        lambda fraction: weighing(fraction, "weighing the evidence"),
+    )
+    return replace(fit, calibration=found.calibration), found

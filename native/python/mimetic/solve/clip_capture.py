@@ -1,0 +1,381 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From footage to a performance: the loop over the frames.
+
+`find_face` chooses a frame and fits the head; `capture` follows it through the clip. Memory does
+not depend on the clip's length but for the performance itself: frames are decoded one at a time.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import itertools
+import os
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, UnreadableMedia, _core
+from mimetic.fit import fitting
+from mimetic.fit.fitting import FaceFit, NoFace
+from mimetic.fit.upright import check_upright
+from mimetic.media.backward import frames_backward
+from mimetic.media.cuts import CutWatch
+from mimetic.media.footage import Footage
+from mimetic.muscles.anatomy import attach_skin, modes_of
+from mimetic.muscles.detail import detail_of
+from mimetic.performance.document import Performance
+from mimetic.performance.projection import rescaled
+from mimetic.performance.rows import Rows, State
+from mimetic.shared.progress import (
+    ATTACHED,
+    FITTED,
+    JUDGED,
+    MOST_FOLLOWED,
+    NUM_CANDIDATES,
+    NUM_TRIED,
+    SEARCHED,
+    Progress,
+    stages,
+)
+from mimetic.solve import smoothing, tracking
+from mimetic.solve.find_face import Rest, find_rest, joined_with_others
+from mimetic.solve.walk import (
+    SEARCH_AGAIN,
+    check_any_done,
+    find_again,
+    notes_on,
+    notes_on_strangers,
+    proved,
+)
+from mimetic.template.face_template import load_template
+
+FrameRange = tuple[int | None, int | None]
+Place = tuple[float, float]  # x, y, pixels of the footage's file
+
+SEARCHED_SECONDS = 8.0  # of the clip, for the frame that shows the face best
+# Share of the turn since the reference frame: what a fitted depth that is wrong makes of it
+# [Belhumeur et al. 1999, the bas-relief ambiguity]; `mimetic evaluate --set full-tuning` tells.
+TURN_ERROR = 0.02
+NUM_TURNED = 3  # frames in which a face that lies on its side is looked for, if none was found
+
+
+@dataclass
+class CaptureSummary:
+    """How a capture went: for the report."""
+
+    seconds: dict[str, float] = field(default_factory=dict)  # by stage
+    tracker_seconds: dict[str, float] = field(default_factory=dict)  # of following, by its stages
+    settings: dict[str, str] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+    fit: FaceFit | None = None
+    head_shape: _core.HeadShape | None = None  # as head tracking left it
+    footage: Footage | None = None  # as it was read: warnings, failure
+    stopped: bool = False
+
+    def add(self, stage: str, seconds: float) -> None:
+        self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
+
+    def add_tracker(self, times: _core.StageTimes) -> None:
+        for stage in ("predict", "warp", "flow", "solve"):
+            seconds = getattr(times, f"{stage}_ms") / 1e3
+            self.tracker_seconds[stage] = self.tracker_seconds.get(stage, 0.0) + seconds
+
+
+def find_face(
+    path: str | os.PathLike[str],
+    frame: int | None = None,
+    frames: FrameRange | None = None,
+    progress: Progress | None = None,
+    near: Place | None = None,
+) -> FaceFit:
+    """The head fitted to `frame`, or to the best of the first seconds (within `frames`).
+
+    The face must be at rest there. Of several the largest is taken, or the one nearest to `near`.
+    A frame chosen by itself is joined by others in which the head is turned otherwise
+    (`FaceFit.views`); one that is asked for stands alone.
+    Raises NoFace, UnreadableMedia, InvalidInput.
+    """
+    footage = Footage(path)
+    if near is not None:
+        x, y = rescaled(near, footage.stored_size, footage.size)[0]
+        near = float(x), float(y)
+    if frame is not None:
+        first, last = check_range((frame, frame), footage)
+        return face_in(footage, first, near)
+    first, last = check_range(frames, footage)
+    finding, joining = stages(
+        progress, NUM_CANDIDATES * JUDGED + NUM_TRIED * FITTED, ATTACHED + MOST_FOLLOWED
+    )
+    rest = rest_in(footage, (first, last), finding, near)
+    check_upright(footage, rest.fit.frame, footage.read(rest.fit.frame))
+    return joined_with_others(footage, rest, joining)
+
+
+def rest_in(
+    footage: Footage,
+    frames: tuple[int, int],
+    progress: Progress = lambda _fraction, _text: True,
+    near: Place | None = None,
+) -> Rest:
+    """The face at rest in the first seconds of these frames, or later; near: in the picture.
+
+    Raises NoFace.
+    """
+    first, last = frames
+    end = min(last, first + max(1, round(SEARCHED_SECONDS * float(footage.fps))))
+    searching, once_more = stages(progress, 1.0, 0.0)
+    rest = find_rest(footage, _spread(first, end, NUM_CANDIDATES), searching, near)
+    if rest is None and end < last:
+        rest = find_rest(footage, _spread(end + 1, last, 2 * NUM_CANDIDATES), once_more, near)
+    if rest is None and footage.failure:
+        raise footage.failure
+    if rest is None:
+        for one in sorted(_spread(first, last, NUM_TURNED)):
+            with contextlib.suppress(UnreadableMedia):  # a damaged end
+                check_upright(footage, one, footage.read(one))
+        raise NoFace(
+            f"no frontal face found in {footage.path.name}, frames {first} to {last}: choose a "
+            "range in which the face looks at the camera and is lit (--frames A:B), or give a fit"
+        )
+    return rest
+
+
+def face_in(footage: Footage, frame: int, near: Place | None = None) -> FaceFit:
+    """The head fitted to this frame alone; near: in the picture. Raises NoFace."""
+    image = footage.read(frame)
+    check_upright(footage, frame, image)
+    return fitting.find_face(image, frame, near=near)
+
+
+def _spread(first: int, last: int, number: int) -> set[int]:
+    """At most `number` frames from `first` to `last`, evenly."""
+    return set(np.linspace(first, last, min(number, last - first + 1)).astype(int).tolist())
+
+
+def check_range(frames: FrameRange | None, footage: Footage) -> tuple[int, int]:
+    """First and last frame number, both included; raises InvalidInput."""
+    first, last = frames or (None, None)
+    first = 1 if first is None else first
+    last = footage.num_frames if last is None else min(last, footage.num_frames)
+    if first < 1 or first > last:
+        raise InvalidInput(
+            f"frames {first}:{last} of {footage.path.name}: it has frames 1 to {footage.num_frames}"
+        )
+    return first, last
+
+
+def fit_for(
+    footage: Footage,
+    frames: tuple[int, int],
+    fit: FaceFit | None,
+    progress: Progress | None,
+    summary: CaptureSummary,
+) -> FaceFit:
+    """The fit to follow a clip from: the given one, or found in `frames`; noted in `summary`.
+
+    Raises InvalidInput for a fit of other pictures, NoFace.
+    """
+    start = time.perf_counter()
+    if fit is None:
+        fit = find_face(footage.path, frames=frames, progress=progress)
+    elif tuple(fit.image_size) != footage.size:
+        raise InvalidInput(
+            f"the face fit is for pictures of {fit.image_size[0]} x {fit.image_size[1]}, "
+            f"{footage.path.name} has {footage.size[0]} x {footage.size[1]}"
+        )
+    summary.fit, summary.footage = fit, footage
+    summary.add("find the face", time.perf_counter() - start)
+    return fit
+
+
+def capture(
+    path: str | os.PathLike[str],
+    frames: FrameRange | None = None,
+    fit: FaceFit | None = None,
+    progress: Progress | None = None,
+    summary: CaptureSummary | None = None,
+) -> Performance:
+    """Follows the head and solves the muscles in `frames` (both ends included; the whole clip).
+
+    progress: called with (fraction, text) every frame; when it returns False the frames done so far
+    are returned, and `notes` say so. summary: filled with how it went. Raises NoFace,
+    UnreadableMedia, InvalidInput.
+    """
+    summary = summary if summary is not None else CaptureSummary()
+    footage = Footage(path)
+    first, last = check_range(frames, footage)
+    if first == last:
+        raise InvalidInput(
+            f"{footage.path.name}: one frame ({first}) shows no motion; capture needs at least two"
+        )
+    finding, attaching, following = stages(
+        progress, 0.0 if fit else SEARCHED, ATTACHED, 1 + last - first
+    )
+    fit = fit_for(footage, (first, last), fit, finding, summary)
+    attaching(0.0, "attaching the muscles")
+    return ClipCapture(footage, fit, (first, last), following, summary).run()
+
+
+class ClipCapture:
+    """One capture at work; how it makes its tracker, advances and smooths may be varied."""
+
+    def __init__(
+        self,
+        footage: Footage,
+        fit: FaceFit,
+        frames: tuple[int, int],
+        progress: Progress | None,
+        summary: CaptureSummary,
+    ) -> None:
+        self.footage, self.fit, self.summary, self.progress = footage, fit, summary, progress
+        self.first, self.last = frames
+        self.num_done = 0
+        self.strangers: list[int] = []  # frames in which a face was seen that is not this one
+        self.num_needed = 1 + max(fit.frame, self.last) - min(fit.frame, self.first)
+        start = time.perf_counter()
+        self.template = load_template()
+        self.neutral = fit.neutral_vertices(self.template)
+        skin = attach_skin(self.neutral, self.template, calibration=fit.calibration)
+        self.anatomy = modes_of(skin)
+        self.detail = detail_of(skin, tracking.UNMEASURED)
+        self.motion = tracking.face_motion(self.neutral, self.template, self.anatomy, self.detail)
+        summary.add("attach the muscles", time.perf_counter() - start)
+
+    def run(self) -> Performance:
+        reference = self.footage.read(self.fit.frame)
+        tracker = self.make_tracker(reference)
+        at_reference = self.advance(tracker, self.fit.frame, reference)
+        backward, forward = Rows(), Rows()
+        near_reference: list[_core.FrameEstimate] = []
+        if self.fit.frame > self.first:
+            images = frames_backward(self.footage, self.fit.frame - 1, self.first)
+            for state in self.smooth(proved(self._follow(tracker, images)), [at_reference]):
+                if (
+                    len(near_reference) == len(backward.frame) < smoothing.OVERLAP
+                    and not state.held
+                ):
+                    near_reference.append(state.estimate)
+                if state.frame <= self.last:
+                    backward.append(state)
+            tracker.restart(reference, at_reference)
+        ahead = iter(())
+        if self.last > self.fit.frame:
+            images = self.footage.frames(self.fit.frame + 1, self.last)
+            ahead = proved(self._follow(tracker, images))
+        estimates = itertools.chain([(self.fit.frame, at_reference)], ahead)
+        for state in self.smooth(estimates, near_reference[::-1]):
+            if self.first <= state.frame <= self.last:
+                forward.append(state)
+        return self._performance(backward.reversed() + forward)
+
+    def smooth(self, estimates, before: list[_core.FrameEstimate]) -> Iterator[State]:
+        def count(seconds: float) -> None:
+            self.summary.add("smooth", seconds)
+
+        return smoothing.smooth_in_windows(estimates, before, self.motion, count)
+
+    def make_tracker(self, reference: NDArray[np.uint8]) -> _core.FaceTracker:
+        return tracking.make_tracker(reference, self.fit, self.template, self.anatomy, self.motion)
+
+    def advance(
+        self, tracker: _core.FaceTracker, frame: int, image: NDArray[np.uint8], guess=None
+    ) -> _core.FrameEstimate:
+        start = time.perf_counter()
+        estimate = tracker.advance(image, guess)
+        self.summary.add("follow the face", time.perf_counter() - start)
+        self.summary.add_tracker(estimate.times)
+        self.num_done += 1
+        return estimate
+
+    def _follow(
+        self, tracker: _core.FaceTracker, images: Iterator[tuple[int, NDArray[np.uint8]]]
+    ) -> Iterator[tuple[int, _core.FrameEstimate | None]]:
+        """Estimates frame by frame, until the images end or the user stops; None after a cut."""
+        num_lost = num_away = 0
+        cuts = CutWatch()
+        start = time.perf_counter()
+        for frame, image in images:
+            self.summary.add("decode", time.perf_counter() - start)
+            fraction = self.num_done / self.num_needed
+            told = f"following the face: frame {frame}"
+            if self.summary.stopped or (self.progress and not self.progress(fraction, told)):
+                self.summary.stopped = True
+                return
+            if cuts.starts_scene(image):
+                num_away = 1
+            guess = None
+            if num_away % SEARCH_AGAIN == 1 or (num_lost and num_lost % SEARCH_AGAIN == 0):
+                guess = self._look_again(image, frame)
+                num_away = 0 if guess is not None else num_away
+            if num_away:  # another scene: nothing may be read into it
+                num_away += 1
+                self.num_done += 1
+                yield frame, None
+                start = time.perf_counter()
+                continue
+            estimate = self.advance(tracker, frame, image, guess)
+            num_lost = num_lost + 1 if estimate.held else 0
+            if guess is not None and estimate.held:
+                self.strangers.append(frame)
+            yield frame, estimate
+            start = time.perf_counter()
+
+    def _look_again(self, image: NDArray[np.uint8], frame: int) -> NDArray[np.float64] | None:
+        start = time.perf_counter()
+        guess = find_again(image, frame, self.fit)
+        self.summary.add("look for the face again", time.perf_counter() - start)
+        return guess
+
+    def _performance(self, rows: Rows) -> Performance:
+        check_any_done(rows, self.footage, (self.first, self.last), self.summary.stopped)
+        num_muscles = len(self.anatomy.muscle_names)
+        values, std = np.array(rows.values), np.array(rows.values_std)
+        poses = rows.rigid_poses()
+        pose_cov = rows.pose_covariances()
+        pose_cov[:, :3, :3] += _of_the_turn(poses, self.fit.head_pose)
+        return Performance(
+            frame=np.array(rows.frame),
+            fps=float(self.footage.fps),
+            image_size=np.array(self.footage.size),
+            stored_size=np.array(self.footage.stored_size),
+            intrinsics=self.fit.intrinsics,
+            head_pose=poses,
+            head_pose_cov=pose_cov,
+            muscles=list(self.anatomy.muscle_names),
+            muscle_modes=self.anatomy.muscle_modes,
+            groups=self.anatomy.groups,
+            activations=np.clip(values[:, :num_muscles], 0, 1),
+            activations_std=std[:, :num_muscles],
+            articulators=list(self.anatomy.articulator_names),
+            articulator_values=values[:, num_muscles:],
+            articulator_values_std=std[:, num_muscles:],
+            articulator_modes=self.anatomy.articulator_modes,
+            detail_modes=self.detail.modes,
+            detail_coefficients=np.array(rows.detail),
+            detail_coefficients_std=np.array(rows.detail_std),
+            neutral_vertices=self.neutral,
+            faces=self.template.faces,
+            quality=np.clip(rows.quality, 0, 1),
+            notes=self._notes(rows),
+            footage=self.footage.identity,
+        )
+
+    def _notes(self, rows: Rows) -> list[str] | None:
+        notes = [
+            *(*self.footage.warnings, *self.fit.warnings),
+            *self.fit.calibration.notes(),
+            *notes_on(rows, (self.first, self.last), self.summary.stopped, "face"),
+            *notes_on_strangers(self.strangers),
+        ]
+        self.summary.warnings = notes
+        return notes or None
+
+
+def _of_the_turn(poses: NDArray[np.float64], reference: NDArray[np.float64]) -> NDArray[np.float64]:
+    """N x 3 x 3 rad^2, about every axis alike: what the fit's depth adds to the rotation's."""
+    cosines = (np.einsum("nij,ij->n", poses[:, :3, :3], reference[:3, :3]) - 1) / 2
+    std = TURN_ERROR * np.arccos(np.clip(cosines, -1, 1))
+    return std[:, None, None] ** 2 * np.eye(3)

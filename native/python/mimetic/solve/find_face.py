@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The frame of a clip that shows the face best, and the head fitted to it and a few others."""
+
+from __future__ import annotations
+
+import contextlib
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic.fit import fitting
+from mimetic.fit.face_fit import FaceFit
+from mimetic.fit.face_shape import face_shape
+from mimetic.fit.fitting import NoFace
+from mimetic.fit.views import Candidate, choose_views
+from mimetic.locate.rest import chances_of_rest, usual_expression
+from mimetic.media.footage import Footage
+from mimetic.shared.progress import FITTED, JUDGED, NUM_TRIED, Progress, stages
+from mimetic.solve.relief_sightings import with_relief
+from mimetic.template.face_template import load_template
+
+LEAST_CHANCE = 0.4  # of the best one's, to be tried
+
+
+@dataclass(frozen=True)
+class Rest:
+    """A frame at rest, with the head fitted to it alone, among those in which a face was found."""
+
+    fit: FaceFit
+    candidates: list[Candidate]
+
+
+def find_rest(
+    footage: Footage,
+    wanted: set[int],
+    progress: Progress,
+    near: tuple[float, float] | None = None,
+) -> Rest | None:
+    """The best at rest of the wanted frames that can be fitted at all.
+
+    near: as `mimetic.fit.fitting.find_face` has it
+    """
+    judging, fitting_heads = stages(progress, len(wanted) * JUDGED, NUM_TRIED * FITTED)
+    judged = _judged(footage, wanted, judging, near)
+    if not judged:
+        return None
+    frames = list(judged)
+    scores = np.array([one.score for one in judged.values()])
+    expressions = np.array([one.expression for one in judged.values()])
+    details = np.array([one.detail for one in judged.values()])
+    chances = chances_of_rest(scores, details, expressions)
+    fits = []
+    for number, i in enumerate(np.argsort(-chances)):
+        if len(fits) == NUM_TRIED or (fits and chances[i] < LEAST_CHANCE * chances.max()):
+            break
+        _go_on(fitting_heads, number / NUM_TRIED, f"fitting the head: frame {frames[i]}")
+        with contextlib.suppress(NoFace):
+            image = footage.read(frames[i])
+            fits.append(fitting.find_face(image, frames[i], near=near))
+    if not fits:
+        return None
+    # Pose or expression taken for shape asks for unusual proportions.
+    best = min(fits, key=_unusualness)
+    usual = usual_expression(expressions, scores)
+    candidates = [
+        Candidate(frame, one.features, float(share))
+        for (frame, one), share in zip(judged.items(), usual, strict=True)
+    ]
+    return Rest(best, candidates)
+
+
+def joined_with_others(footage: Footage, rest: Rest, progress: Progress) -> FaceFit:
+    """The head fitted to the frame at rest and to others in which it is turned otherwise."""
+    return with_relief(
+        footage, _joined(footage, rest.fit, rest.candidates), rest.candidates, progress
+    )
+
+
+def _judged(
+    footage: Footage, wanted: set[int], progress: Progress, near: tuple[float, float] | None
+) -> dict[int, fitting.Judged]:
+    """The wanted frames in which there is a face."""
+    judged = {}
+    num_seen = 0
+    for frame, image in footage.frames(min(wanted), max(wanted)):
+        if frame in wanted:
+            _go_on(progress, num_seen / len(wanted), f"looking for the face: frame {frame}")
+            num_seen += 1
+            found = fitting.judge_frame(image, near)
+            if found is not None:
+                judged[frame] = found
+    return judged
+
+
+def _go_on(progress: Progress, fraction: float, text: str) -> None:
+    if not progress(fraction, text):
+        raise NoFace("stopped while looking for the face")
+
+
+def _joined(footage: Footage, best: FaceFit, candidates: list[Candidate]) -> FaceFit:
+    reference = next(c for c in candidates if c.frame == best.frame)
+    views = {view.frame: view.features for view in choose_views(reference, candidates)}
+    if not views:
+        return best
+    needed = {best.frame, *views}
+    images: dict[int, NDArray[np.uint8]] = {
+        frame: image for frame, image in footage.frames(min(needed), max(needed)) if frame in needed
+    }
+    others = [(frame, features, images[frame]) for frame, features in views.items()]
+    return fitting.join_views(best, images[best.frame], others)
+
+
+def _unusualness(fit: FaceFit) -> float:
+    """Minus twice the logarithm of the prior."""
+    values = face_shape(load_template()).joined(fit.identity, fit.residual)
+    return float(values @ values)

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Looks at a fitted head in other frames of its clip, for its relief."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import _core
+from mimetic.fit.face_fit import FaceFit
+from mimetic.fit.views import LEAST_TURN, Candidate, turn_signs
+from mimetic.media.backward import frames_backward
+from mimetic.media.cuts import CutWatch
+from mimetic.media.footage import Footage
+from mimetic.muscles.anatomy import attach_skin, modes_of
+from mimetic.performance.document import HELD_QUALITY
+from mimetic.shared.progress import ATTACHED, MOST_FOLLOWED, Progress, stages
+from mimetic.solve import tracking
+from mimetic.solve.relief import LEAST_SIGHTINGS, find_relief
+from mimetic.solve.sightings import Sighting
+from mimetic.template.face_template import load_template
+
+Images = Iterator[tuple[int, NDArray[np.uint8]]]
+GIVEN_UP = 6  # frames in a row in which the face is lost
+
+
+def with_relief(
+    footage: Footage,
+    fit: FaceFit,
+    candidates: Sequence[Candidate],
+    progress: Progress | None,
+) -> FaceFit:
+    """The fit with the relief that the frames tell in which the head is turned otherwise.
+
+    candidates: frames in which the face was found, the fit's among them, expressions allowed; the
+    face is followed from the fit's frame as far as any of them that is turned. The fit as it is
+    where too few are, or progress says to stop.
+    """
+    signs = {c.frame: turn_signs(c.features) for c in candidates}
+    turned = [
+        frame
+        for frame, sign in signs.items()
+        if np.linalg.norm(sign - signs[fit.frame]) >= LEAST_TURN
+    ]
+    if len(turned) < LEAST_SIGHTINGS:
+        return fit
+    attaching, following = stages(progress, ATTACHED, MOST_FOLLOWED)
+    if not attaching(0.0, "looking for the face's relief"):
+        return fit
+    template = load_template()
+    neutral = fit.neutral_vertices(template)
+    anatomy = modes_of(attach_skin(neutral, template, calibration=fit.calibration))
+    motion = tracking.face_motion(neutral, template, anatomy)
+    reference = footage.read(fit.frame)
+    # Relief moves points along the rays of one frame: no other may lend its texture.
+    options = _core.TrackerOptions()
+    options.max_key_views = 0
+    tracker = tracking.make_tracker(reference, fit, template, anatomy, motion, options)
+    at_reference = tracker.advance(reference)
+    first, last = min(*turned, fit.frame), max(*turned, fit.frame)
+    stride = 1 + (last - first) // MOST_FOLLOWED
+    sightings: list[Sighting] = []
+    for images in (
+        footage.frames(fit.frame + 1, last) if last > fit.frame else iter(()),
+        frames_backward(footage, fit.frame - 1, first),
+    ):
+        tracker.restart(reference, at_reference)
+        chosen = itertools.islice(images, stride - 1, None, stride)
+        for sighting in _follow(tracker, _one_scene(reference, chosen)):
+            told = f"looking for the face's relief: frame {sighting.frame}"
+            if not following(len(sightings) * stride / (1 + last - first), told):
+                return fit
+            sightings.append(sighting)
+    modes, std = tracking.moving_modes(anatomy, template.num_skin_vertices)
+    return replace(fit, relief=find_relief(fit, template, sightings, modes, std))
+
+
+def _one_scene(reference: NDArray[np.uint8], images: Images) -> Images:
+    """The images up to a cut."""
+    cuts = CutWatch(reference)
+    for frame, image in images:
+        if cuts.starts_scene(image):
+            return
+        yield frame, image
+
+
+def _follow(tracker: _core.FaceTracker, images: Images) -> Iterator[Sighting]:
+    num_lost = 0
+    for frame, image in images:
+        estimate = tracker.advance(image)
+        if not estimate.held and estimate.quality >= HELD_QUALITY:
+            yield Sighting.of(frame, estimate, tracker.observations())
+        num_lost = num_lost + 1 if estimate.held else 0
+        if num_lost == GIVEN_UP:
+            return

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A fitted head with its muscles, ready to be followed through footage."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import _core
+from mimetic.fit.fitting import FaceFit
+from mimetic.muscles.anatomy import Anatomy
+from mimetic.muscles.detail import Detail
+from mimetic.template.face_template import FaceTemplate
+
+# Hair, neck and ears move on their own or show no skin; mouth and sockets are seen only now and
+# then. Lids are measured twice, here and by their look: over a blink flow loses them, but at rest
+# they are a tenth of what shows of a face.
+UNMEASURED = ("scalp", "neck", "ear", "mouth_cavity", "eye_socket")
+ACTIVATION_STD = 0.3
+# How far articulators stray from rest; from the front a camera hardly sees the jaw's thrust.
+ARTICULATOR_STD = {
+    "jaw_open": 0.3,
+    "jaw_side": 0.1,
+    "jaw_thrust": 0.1,
+    "lid_upper": 0.5,
+    "lid_lower": 0.05,
+}
+
+
+def face_motion(
+    neutral_vertices: NDArray[np.float64],
+    template: FaceTemplate,
+    anatomy: Anatomy,
+    detail: Detail | None = None,
+) -> _core.FaceMotion:
+    """The skin's motion: 36 muscles, the articulators, then detail.
+
+    neutral_vertices: V x 3, metres; detail: None for muscles and articulators alone.
+    """
+    skin = template.num_skin_vertices
+    modes, std = moving_modes(anatomy, skin)
+    muscles = len(anatomy.muscle_names)
+    limits = np.vstack([np.tile([0.0, 1.0], (muscles, 1)), anatomy.articulator_limits])
+    return _core.FaceMotion(
+        np.ascontiguousarray(neutral_vertices[:skin], dtype=np.float64),
+        np.ascontiguousarray(modes, dtype=np.float64),
+        muscles,
+        limits[:, 0],
+        limits[:, 1],
+        std,
+        partners([*anatomy.muscle_names, *anatomy.articulator_names]),
+        None if detail is None else np.ascontiguousarray(detail.modes[:, :skin]),
+        None if detail is None else detail.std,
+    )
+
+
+def moving_modes(
+    anatomy: Anatomy, num_skin_vertices: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Modes of the skin by muscles, then articulators (M x S x 3, metres), and their priors (M)."""
+    modes = np.concatenate([anatomy.muscle_modes, anatomy.articulator_modes])
+    std = [ACTIVATION_STD] * len(anatomy.muscle_names)
+    std += [ARTICULATOR_STD[name.split(".")[0]] for name in anatomy.articulator_names]
+    return modes[:, :num_skin_vertices], np.array(std)
+
+
+def partners(names: list[str]) -> NDArray[np.int32]:
+    """Index of each name's other side (.L, .R), -1 without one."""
+    other = {
+        name: name[:-1] + {"L": "R", "R": "L"}[name[-1]]
+        for name in names
+        if name[-2:] in (".L", ".R")
+    }
+    return np.array([names.index(other[n]) if n in other else -1 for n in names], dtype=np.int32)
+
+
+def eye_slits(template: FaceTemplate, anatomy: Anatomy) -> list[_core.EyeSlit]:
+    """The two eyes' openings, left first."""
+    names = list(anatomy.articulator_names)
+    first = len(anatomy.muscle_names)
+    return [
+        _core.EyeSlit(
+            inner=template.landmark(f"eye_inner.{side}"),
+            outer=template.landmark(f"eye_outer.{side}"),
+            upper=template.landmark(f"lid_upper.{side}"),
+            lower=template.landmark(f"lid_lower.{side}"),
+            lid_upper=first + names.index(f"lid_upper.{side}"),
+            lid_lower=first + names.index(f"lid_lower.{side}"),
+        )
+        for side in ("L", "R")
+    ]
+
+
+def make_tracker(
+    image: NDArray[np.uint8],
+    fit: FaceFit,
+    template: FaceTemplate,
+    anatomy: Anatomy,
+    motion: _core.FaceMotion,
+    options: _core.TrackerOptions | None = None,
+) -> _core.FaceTracker:
+    """A tracker that starts at the fit's frame.
+
+    image: (H, W, 3) uint8, the footage's frame number `fit.frame`; motion: `face_motion` of the
+    person. Raises InvalidInput.
+    """
+    weights = (~template.in_region(*UNMEASURED)).astype(np.float64)
+    return _core.FaceTracker(
+        fit.camera,
+        np.ascontiguousarray(template.skin_faces, dtype=np.int32),
+        weights,
+        motion,
+        np.ascontiguousarray(image),
+        np.asarray(fit.head_pose, dtype=np.float64),
+        eye_slits(template, anatomy),
+        options or _core.TrackerOptions(),
+    )

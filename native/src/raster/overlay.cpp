@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Geometry>
+#include <cmath>
+#include <map>
+#include <mimetic/raster/depth.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/raster/overlay.hpp>
+#include <opencv2/imgproc.hpp>
+
+namespace mimetic {
+namespace {
+
+constexpr int kSubpixelBits = 4;
+const cv::Scalar kWhite(255, 255, 255);
+
+cv::Point to_fixed(const Eigen::Vector2d& pixel) {
+    constexpr double kFar = 32000;  // OpenCV's fixed point ends beyond
+    const double unit = 1 << kSubpixelBits;
+    return {static_cast<int>(std::lround(std::clamp(pixel.x(), -kFar, kFar) * unit)),
+            static_cast<int>(std::lround(std::clamp(pixel.y(), -kFar, kFar) * unit))};
+}
+
+/// From red (lost) over amber to green-blue (well explained).
+cv::Vec3f colour_of(double quality, double held_quality) {
+    const cv::Vec3f lost(255, 70, 60);
+    const cv::Vec3f doubtful(255, 190, 60);
+    const cv::Vec3f good(90, 235, 215);
+    if (quality < held_quality) {
+        return lost;
+    }
+    const auto t = static_cast<float>(std::clamp((quality - held_quality) / (0.7 - held_quality), 0.0, 1.0));
+    return doubtful * (1 - t) + good * t;
+}
+
+/// Pixels move towards `colour` as far as the mask covers them.
+void tint(cv::Mat& image, const cv::Mat& mask, const cv::Vec3f& colour, double opacity) {
+    const auto strength = static_cast<float>(opacity / 255);
+    for (int y = 0; y < image.rows; ++y) {
+        auto* pixels = image.ptr<cv::Vec3b>(y);
+        const auto* cover = mask.ptr<std::uint8_t>(y);
+        for (int x = 0; x < image.cols; ++x) {
+            if (cover[x] == 0) {
+                continue;
+            }
+            const float a = strength * cover[x];
+            for (int k = 0; k < 3; ++k) {
+                pixels[x][k] =
+                    static_cast<std::uint8_t>(static_cast<float>(pixels[x][k]) * (1 - a) + colour[k] * a);
+            }
+        }
+    }
+}
+
+/// Frame number and quality in a dark strip at the lower left.
+void draw_gauge(cv::Mat& image, double quality, int frame, bool held, const cv::Vec3f& colour) {
+    const double unit = std::max(1.0, image.rows / 360.0);
+    const auto px = [unit](double value) { return static_cast<int>(std::lround(value * unit)); };
+    const cv::Rect strip =
+        cv::Rect(0, image.rows - px(22), image.cols, px(22)) & cv::Rect({0, 0}, image.size());
+    cv::Mat under = image(strip);
+    under *= 0.35;
+    const int baseline = image.rows - px(7);
+    const auto write = [&](const std::string& words, int x) {
+        cv::putText(image, words, {x, baseline}, cv::FONT_HERSHEY_SIMPLEX, 0.4 * unit, kWhite, px(1),
+                    cv::LINE_AA);
+    };
+    write("frame " + std::to_string(frame), px(8));
+    const cv::Rect bar(px(100), image.rows - px(15), px(120), px(8));
+    cv::rectangle(image, bar, cv::Scalar(90, 90, 90), cv::FILLED);
+    const cv::Rect filled(
+        bar.x, bar.y, static_cast<int>(std::lround(bar.width * std::clamp(quality, 0.0, 1.0))), bar.height);
+    cv::rectangle(image, filled, cv::Scalar(colour[0], colour[1], colour[2]), cv::FILLED);
+    write(held ? "held" : "quality " + std::to_string(quality).substr(0, 4), bar.x + bar.width + px(8));
+}
+
+}  // namespace
+
+void OverlayOptions::check() const {
+    const auto demand = [](bool fits, const char* rule) {
+        if (!fits) {
+            throw InvalidInput(std::string("overlay option ") + rule);
+        }
+    };
+    demand(scale >= 1 && scale <= 8, "scale must be 1 to 8");
+    demand(opacity >= 0 && opacity <= 1, "opacity must be 0 to 1");
+    demand(depth_tolerance >= 0 && depth_tolerance <= 1, "depth_tolerance must be 0 to 1 m");
+    demand(held_quality >= 0 && held_quality <= 1, "held_quality must be 0 to 1");
+}
+
+OverlayPainter::OverlayPainter(const Camera& camera, int num_vertices, QuadsIn faces,
+                               std::vector<int> landmarks, const OverlayOptions& options)
+    : camera_(camera),
+      options_(options),
+      num_vertices_(num_vertices),
+      faces_(faces),
+      landmarks_(std::move(landmarks)) {
+    options.check();
+    const auto fits = [num_vertices](int vertex) { return vertex >= 0 && vertex < num_vertices; };
+    if (!std::all_of(faces_.data(), faces_.data() + faces_.size(), fits) ||
+        !std::all_of(landmarks_.begin(), landmarks_.end(), fits)) {
+        throw InvalidInput("a face or landmark names a vertex outside 0 to " +
+                           std::to_string(num_vertices - 1));
+    }
+    // Pixel (0, 0) is a centre, so enlarging keeps the corner at (-0.5, -0.5) in place.
+    const double scale = options.scale;
+    camera_ = {camera.fx * scale,
+               camera.fy * scale,
+               (camera.cx + 0.5) * scale - 0.5,
+               (camera.cy + 0.5) * scale - 0.5,
+               camera.width * options.scale,
+               camera.height * options.scale};
+    camera_.check();
+    std::map<std::pair<int, int>, std::size_t> known;
+    for (int f = 0; f < faces_.rows(); ++f) {
+        for (int k = 0; k < 4; ++k) {
+            const auto ends = std::minmax(faces_(f, k), faces_(f, (k + 1) % 4));
+            const auto [place, is_new] = known.emplace(std::pair(ends.first, ends.second), edges_.size());
+            if (is_new) {
+                edges_.push_back({ends.first, ends.second, {f, -1}});
+            } else {
+                edges_[place->second].faces[1] = f;
+            }
+        }
+    }
+}
+
+std::vector<OverlayPainter::Place> OverlayPainter::find_places(PointsIn vertices_in_camera) const {
+    const DepthMap depth = render_depth(camera_, vertices_in_camera, faces_);
+    std::vector<Place> places(static_cast<std::size_t>(num_vertices_));
+    for (int i = 0; i < num_vertices_; ++i) {
+        const Eigen::Vector3d point = vertices_in_camera.row(i);
+        Place& place = places[static_cast<std::size_t>(i)];
+        place.is_shown = depth.shows(camera_, point, options_.depth_tolerance);
+        if (place.is_shown) {
+            place.pixel = camera_.project(point);
+        }
+    }
+    return places;
+}
+
+bool OverlayPainter::is_turned_to_camera(int face, PointsIn vertices_in_camera) const {
+    if (face < 0) {
+        return false;
+    }
+    const auto at = [&](int k) { return Eigen::Vector3d(vertices_in_camera.row(faces_(face, k))); };
+    const Eigen::Vector3d normal = (at(2) - at(0)).cross(at(3) - at(1));
+    return normal.dot(at(0)) < 0;
+}
+
+ColorImage OverlayPainter::paint(const ColorView& image, PointsIn vertices_in_camera, double quality,
+                                 int frame) const {
+    if (image.cols * options_.scale != camera_.width || image.rows * options_.scale != camera_.height) {
+        throw InvalidInput("the picture and the camera differ in size");
+    }
+    if (vertices_in_camera.rows() != num_vertices_) {
+        throw InvalidInput("the overlay needs " + std::to_string(num_vertices_) + " vertices, got " +
+                           std::to_string(vertices_in_camera.rows()));
+    }
+    ColorImage painted{camera_.height, camera_.width, {}};
+    painted.pixels.resize(3 * static_cast<std::size_t>(painted.rows) *
+                          static_cast<std::size_t>(painted.cols));
+    cv::Mat canvas(painted.rows, painted.cols, CV_8UC3, painted.pixels.data());
+    const cv::Mat source(image.rows, image.cols, CV_8UC3, const_cast<std::uint8_t*>(image.data),
+                         static_cast<std::size_t>(image.stride));
+    cv::resize(source, canvas, canvas.size(), 0, 0, cv::INTER_CUBIC);
+
+    const std::vector<Place> places = find_places(vertices_in_camera);
+    cv::Mat mask = cv::Mat::zeros(canvas.size(), CV_8U);
+    for (const Edge& edge : edges_) {
+        const Place& first = places[static_cast<std::size_t>(edge.first)];
+        const Place& second = places[static_cast<std::size_t>(edge.second)];
+        if (first.is_shown && second.is_shown &&
+            (is_turned_to_camera(edge.faces[0], vertices_in_camera) ||
+             is_turned_to_camera(edge.faces[1], vertices_in_camera))) {
+            cv::line(mask, to_fixed(first.pixel), to_fixed(second.pixel), kWhite, 1, cv::LINE_AA,
+                     kSubpixelBits);
+        }
+    }
+    const bool held = quality < options_.held_quality;
+    const cv::Vec3f colour = colour_of(quality, options_.held_quality);
+    tint(canvas, mask, colour, held ? 0.4 * options_.opacity : options_.opacity);
+
+    mask.setTo(0);
+    const int radius = (3 + options_.scale) << (kSubpixelBits - 1);
+    for (const int vertex : landmarks_) {
+        const Place& place = places[static_cast<std::size_t>(vertex)];
+        if (place.is_shown) {
+            cv::circle(mask, to_fixed(place.pixel), radius, kWhite, cv::FILLED, cv::LINE_AA, kSubpixelBits);
+        }
+    }
+    tint(canvas, mask, {255, 235, 90}, 0.95);
+    draw_gauge(canvas, quality, frame, held, colour);
+    return painted;
+}
+
+}  // namespace mimetic

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Prints what moving a whole face in Blender costs: medians in ms, and over a floor.
+
+The floor is one `foreach_set` of the mesh's positions, as many numbers as the face has.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import statistics
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+HEADLESS = Path(__file__).resolve().parents[3] / "blender_addon" / "headless_bake.py"
+ROUNDS = 101
+
+
+def median_ms(work: Callable[[int], object]) -> float:
+    """Median time of a call, after a few that warm up; work: takes the number of the round."""
+    times = []
+    for i in range(ROUNDS + 5):
+        start = time.perf_counter()
+        work(i)
+        times.append(1000 * (time.perf_counter() - start))
+    return statistics.median(times[5:])
+
+
+def load_extension() -> str:
+    """By its file: the folder beside it has the package's name, so stays off the path."""
+    spec = importlib.util.spec_from_file_location("headless_bake", HEADLESS)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.load_extension()
+
+
+def main() -> None:
+    extension = load_extension()
+    sliders = importlib.import_module(f"{extension}.scene_out.sliders")
+    live = importlib.import_module(f"{extension}.overlay.live")
+    native = importlib.import_module(f"{extension}.native")
+    contact = importlib.import_module(f"{extension}.scene_out.contact")
+    bpy.ops.mimetic.add_face()
+    face = bpy.context.active_object
+    modifier = face.modifiers["Subdivision"]
+    names = [shape.name for shape in face.mimetic.shapes]
+    rounds = random_values(names)
+    rest = contact.points_of(face.data.shape_keys.reference_key)
+    positions = rest.ravel()
+    attribute = face.data.attributes["position"].data
+    view_layer = bpy.context.view_layer
+
+    def set_and_evaluate(i: int) -> None:
+        sliders.set_values(face, rounds[i])
+        view_layer.update()
+        shown = face.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        assert len(shown.data.vertices)  # asked for: subdivision waits until then
+
+    def each_by_property(i: int) -> None:
+        blocks = face.data.shape_keys.key_blocks
+        for name, value in rounds[i].items():
+            blocks[name].value = value
+
+    def draw(i: int) -> None:
+        sliders.set_values(face, rounds[i])
+        seen = live.look(face)
+        seen.face.strokes(seen.pose)
+        seen.face.nodes(seen.pose)
+        seen.face.strain_patch(seen.pose, seen.face.strain(seen.pose, "area"), 0.2)
+
+    def follow_contact(pressed: float) -> None:
+        values = {"oris_close_upper": pressed, "oris_close_lower": pressed, "jaw_open": 1 - pressed}
+        correction = followed.correction(sliders.moves(face.data.shape_keys, values, rest))
+        contact.place(face, followed.moved, correction)
+
+    face.mimetic.use_contact = False
+    floor = median_ms(lambda i: attribute.foreach_set("vector", positions))
+    rows = [("positions written once (floor)", floor)]
+    at_once = median_ms(lambda i: sliders.set_values(face, rounds[i]))
+    rows.append((f"{len(names)} sliders set at once", at_once))
+    rows.append((f"{len(names)} sliders set one by one", median_ms(each_by_property)))
+    modifier.show_viewport = False
+    rows.append(("sliders set, face evaluated", median_ms(set_and_evaluate)))
+    contact.ensure_key(face)
+    followed = native.live_contact().live_contact(rest)
+    rows.append(("contact looked for, lips apart", median_ms(lambda i: follow_contact(0.01))))
+    rows.append(("contact solved, lips pressed", median_ms(lambda i: follow_contact(0.9))))
+    contact.place(face, None, None)
+    modifier.show_viewport = True
+    rows.append(("the same with one subdivision", median_ms(set_and_evaluate)))
+    rows.append(("both overlays made", median_ms(draw)))
+    print(f"Blender {bpy.app.version_string}, {len(positions) // 3} vertices, {len(names)} shapes")
+    print_rows(rows, floor)
+
+
+def random_values(names: list[str]) -> list[dict[str, float]]:
+    random = np.random.default_rng(0)
+    return [
+        dict(zip(names, random.uniform(0, 1, len(names)).tolist(), strict=True))
+        for _ in range(ROUNDS + 5)
+    ]
+
+
+def print_rows(rows: list[tuple[str, float]], floor: float) -> None:
+    for name, ms in rows:
+        print(f"{name:34} {ms:8.3f} ms {ms / floor:8.1f} x")
+
+
+if __name__ == "__main__":
+    main()

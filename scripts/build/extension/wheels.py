@@ -1,0 +1,171 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One wheel for each Python that a Blender runs, from one compiled core.
+
+The wheel of .venv's own Python is built as any other. For the other Pythons only the bindings are
+compiled, against that Python's headers, and take their place in a copy of the wheel: neither an
+interpreter nor a second core is needed. auditwheel then makes every wheel self-contained.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass
+from pathlib import Path
+
+from isolate import isolate
+
+ROOT = Path(__file__).resolve().parents[3]
+WHEELS = ROOT / "build" / "wheels"
+INPUTS = (
+    "CMakeLists.txt",
+    "cmake",
+    "pyproject.toml",
+    "native",
+    "build/data",
+    "scripts/build/extension",
+)
+
+
+@dataclass(frozen=True)
+class OtherPython:
+    """A Python that a wheel is for and that need not be here; only its headers must."""
+
+    version: str  # "3.13"
+    headers: Path  # the folder that holds Python.h
+
+    @property
+    def tag(self) -> str:
+        return "cp" + self.version.replace(".", "")
+
+
+def cache_folder() -> Path:
+    if named := os.environ.get("MIMETIC_CACHE"):
+        return Path(named)
+    return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "mimetic"
+
+
+def window_folder() -> Path | None:
+    """The Debian folder of the window tests, if it was made (tests/window/prepare)."""
+    for suite in ("sid", "trixie"):
+        folder = cache_folder() / f"window-{suite}"
+        if (folder / "mimetic-window.json").exists():
+            return folder
+    return None
+
+
+def window_python() -> OtherPython:
+    folder = window_folder()
+    if folder is None:
+        raise SystemExit("extension: no Debian folder with Blender; run tests/window/prepare")
+    version = json.loads((folder / "mimetic-window.json").read_text())["python"]
+    return OtherPython(version, folder / "opt" / "python-headers" / f"python{version}")
+
+
+def find_other_python(version: str) -> OtherPython | None:
+    """An installed Python with headers, or headers that the window tests' folder brought."""
+    script = "import sysconfig; print(sysconfig.get_path('include'))"
+    found = subprocess.run(
+        [ROOT / "scripts" / "find_python", version], capture_output=True, text=True, check=False
+    )
+    places = []
+    if found.returncode == 0:
+        asked = subprocess.run(
+            [found.stdout.strip(), "-c", script], capture_output=True, text=True, check=True
+        )
+        places.append(Path(asked.stdout.strip()))
+    if folder := window_folder():
+        places.append(folder / "opt" / "python-headers" / f"python{version}")
+    return next(
+        (OtherPython(version, place) for place in places if (place / "Python.h").exists()), None
+    )
+
+
+def run(command: list[object]) -> None:
+    """Run a command; its output is shown only if it fails."""
+    words = [str(word) for word in command]
+    done = subprocess.run(
+        words, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
+    )
+    if done.returncode:
+        print(done.stdout[-6000:], file=sys.stderr)
+        raise SystemExit(f"extension: failed: {' '.join(words)}")
+
+
+def state_of_inputs(pythons: list[OtherPython]) -> str:
+    digest = hashlib.sha256(repr([(p.version, str(p.headers)) for p in pythons]).encode())
+    for name in INPUTS:
+        place = ROOT / name
+        files = [place] if place.is_file() else sorted(place.rglob("*"))
+        for path in files:
+            if path.is_file() and path.suffix != ".pyc":
+                digest.update(str(path.relative_to(ROOT)).encode() + b"\0" + path.read_bytes())
+    return digest.hexdigest()
+
+
+def build_own(folder: Path) -> Path:
+    pip = [sys.executable, "-m", "pip", "wheel", "--no-deps", "--no-build-isolation"]
+    run([*pip, "--wheel-dir", folder, ROOT])
+    return next(folder.glob("mimetic-*.whl"))
+
+
+def build_tree() -> Path:
+    tag = f"cp{sys.version_info[0]}{sys.version_info[1]}"
+    return next((ROOT / "build").glob(f"{tag}-{tag}-*"))
+
+
+def compile_bindings(pythons: list[OtherPython]) -> None:
+    tree = build_tree()
+    named = ";".join(f"{python.tag}={python.headers}" for python in pythons)
+    run(["cmake", "-S", ROOT, "-B", tree, f"-DMIMETIC_OTHER_PYTHONS={named}"])
+    targets = [f"_core_{python.tag}" for python in pythons]
+    run(["cmake", "--build", tree, "-j", "2", "--target", *targets])
+
+
+def build_for_other(own: Path, python: OtherPython, folder: Path) -> Path:
+    """A copy of the own wheel with the other Python's module and tag."""
+    module = next((build_tree() / "other_pythons" / python.tag).glob("_core.*.so"))
+    with tempfile.TemporaryDirectory() as scratch:
+        run([sys.executable, "-m", "wheel", "unpack", "--dest", scratch, own])
+        unpacked = next(Path(scratch).iterdir())
+        for old in (unpacked / "mimetic").glob("_core.*.so"):
+            old.unlink()
+        shutil.copy(module, unpacked / "mimetic")
+        facts = next(unpacked.glob("*.dist-info")) / "WHEEL"
+        lines = facts.read_text().splitlines()
+        tags = [f"Tag: {python.tag}-{python.tag}-linux_x86_64"]
+        kept = [line for line in lines if line and not line.startswith("Tag:")]
+        facts.write_text("\n".join(kept + tags) + "\n")
+        before = set(folder.glob("*.whl"))
+        run([sys.executable, "-m", "wheel", "pack", "--dest-dir", folder, unpacked])
+    return next(iter(set(folder.glob("*.whl")) - before))
+
+
+def build(pythons: list[OtherPython]) -> list[Path]:
+    """Self-contained wheels for .venv's Python and the others, built only if an input changed."""
+    state = state_of_inputs(pythons)
+    stamp = WHEELS / "state"
+    if stamp.exists() and stamp.read_text() == state:
+        return sorted(WHEELS.glob("mimetic-*.whl"))
+    print("extension: building wheels for Python 3.11", *(p.version for p in pythons), flush=True)
+    WHEELS.mkdir(parents=True, exist_ok=True)
+    stamp.unlink(missing_ok=True)
+    for old in WHEELS.glob("mimetic-*.whl"):
+        old.unlink()
+    with tempfile.TemporaryDirectory(dir=ROOT / "build") as scratch:
+        own = build_own(Path(scratch))
+        raw = [own]
+        if pythons:
+            compile_bindings(pythons)
+            raw += [build_for_other(own, python, Path(scratch)) for python in pythons]
+        for wheel in raw:
+            run([sys.executable, "-m", "auditwheel", "repair", "--strip", "-w", WHEELS, wheel])
+    for wheel in WHEELS.glob("mimetic-*.whl"):
+        isolate(wheel)
+    stamp.write_text(state)
+    return sorted(WHEELS.glob("mimetic-*.whl"))

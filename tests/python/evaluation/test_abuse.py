@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Held or right: what is followed must look like this face, whatever the picture shows."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+from mimetic.media.footage import Footage
+from mimetic.performance.document import HELD_QUALITY
+from mimetic.score.truth import Truth
+from mimetic.solve import clip_capture
+from mimetic.solve.walk import notes_on_strangers, proved
+
+from evaluation.runs.abuse import as_text, total
+from evaluation.runs.abuse_score import AbuseTruth, score_abuse, slid
+from evaluation.synthetic.footage import encode
+from evaluation.synthetic.noise import ValueNoise
+from evaluation.synthetic.recipes import TEST
+
+BAR = 96  # pixels, of 320
+
+
+@pytest.fixture(scope="module")
+def clip_frames(rendered_clip):
+    return np.stack([image for _, image in Footage(rendered_clip.footage)])
+
+
+def _captured(frames, path, fit):
+    encode(frames, path, TEST)
+    return clip_capture.capture(path, fit=fit)
+
+
+@pytest.fixture(scope="module")
+def first_fit(rendered_clip):
+    return clip_capture.find_face(rendered_clip.footage, frame=6)
+
+
+def _degrees_off(performance, rendered_clip):
+    """Of the turn since the reference frame."""
+    truth = Truth.load(rendered_clip.truth).head_pose[:, :3, :3]
+    found = performance.head_pose[:, :3, :3]
+    left_over = np.einsum("nij,kj->nik", found, found[5]) @ truth[5] @ truth.transpose(0, 2, 1)
+    return np.degrees(np.arccos(np.clip((np.trace(left_over, axis1=1, axis2=2) - 1) / 2, -1, 1)))
+
+
+def test_a_bar_that_crosses_the_face_leaves_frames_held_or_right(
+    rendered_clip, clip_frames, first_fit, tmp_path
+):
+    frames = clip_frames.copy()
+    for i in range(10, 40):
+        left = round(-BAR + (i - 10) / 29 * (320 + BAR))
+        frames[i, :, max(0, left) : max(0, left + BAR)] = (46, 60, 52)
+    made = _captured(frames, tmp_path / "bar.mp4", first_fit)
+    followed = made.quality >= HELD_QUALITY
+    assert _degrees_off(made, rendered_clip)[followed].max() < 10
+    assert not followed.all()
+    assert followed[:10].all()
+    assert followed[40:].all()
+
+
+def test_grass_is_not_followed_and_the_face_is_found_again(
+    rendered_clip, clip_frames, first_fit, tmp_path
+):
+    frames = clip_frames.copy()
+    x, y = np.meshgrid(np.arange(320 + 40) / 240, np.arange(240) / 240)
+    at = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    tufts = ValueNoise(11).octaves(at, (0.12, 0.04, (0.012, 0.05, 1.0))).reshape(x.shape)
+    lawn = np.clip(np.array([87, 121, 55]) + 30 * tufts[..., None], 0, 255).astype(np.uint8)
+    # The face slides away before the lawn: no cut warns of it.
+    for i in range(10, 40):
+        away = round(360 * np.sin(np.pi * (i - 9) / 31) ** 0.5)
+        frames[i] = lawn[:, i : i + 320]
+        if away < 320:
+            frames[i, :, away:] = clip_frames[i, :, : 320 - away]
+    made = _captured(frames, tmp_path / "lawn.mp4", first_fit)
+    assert (made.quality[16:34] < HELD_QUALITY).all()
+    assert (made.quality[40:] >= HELD_QUALITY).all()
+    assert _degrees_off(made, rendered_clip)[40:].max() < 10
+
+
+def test_notes_name_the_runs_of_frames_that_show_another_face():
+    assert notes_on_strangers([]) == []
+    first, second = notes_on_strangers([51, 57, 63, 200, 63])
+    assert first.startswith("frames 51 to 63 show a face")
+    assert second.startswith("frames 200 to 200 show a face")
+
+
+@dataclass
+class _Estimate:
+    held: bool
+
+
+def test_a_face_that_was_lost_must_be_found_in_three_frames_on_end():
+    seen, lost = _Estimate(False), _Estimate(True)
+    given = [seen, lost, seen, lost, None, seen, seen, seen, seen, lost, seen]
+    made = list(proved(enumerate(given, start=1)))
+    assert [frame for frame, _ in made] == list(range(1, 12))
+    kept = [frame for frame, estimate in made if estimate is seen]
+    assert kept == [1, 6, 7, 8, 9]
+    assert [estimate for _, estimate in made][2] is None
+
+
+def _truth(count=12, later=False):
+    pose = np.tile(np.diag((1.0, -1.0, -1.0, 1.0)), (count, 1, 1))
+    pose[:, :3, 3] = 0, 0, 0.7
+    clean = np.ones(count, bool)
+    clean[4:8] = False
+    gone = np.zeros(count, bool)
+    gone[5:7] = True
+    return AbuseTruth(pose, clean, gone, np.zeros((count, 2)), 10.0, later)
+
+
+INTRINSICS = np.array([[480.0, 0, 200], [0, 480, 150], [0, 0, 1]])
+
+
+def test_frames_without_the_face_and_far_poses_are_wrong_unless_held():
+    truth = _truth()
+    quality = np.ones(12)
+    figures = score_abuse(truth, truth.head_pose, quality, INTRINSICS)
+    assert figures == {"touched": 4, "wrong": 2, "worst": 0, "lost": 0, "back": 0}
+    turned = truth.head_pose.copy()
+    turned[7, :3, :3] = [[0, 1, 0], [1, 0, 0], [0, 0, -1]]
+    quality[5:7] = 0
+    figures = score_abuse(truth, turned, quality, INTRINSICS)
+    assert figures["wrong"] == 1
+    assert figures["worst"] == pytest.approx(90)
+    quality[7] = 0
+    assert score_abuse(truth, turned, quality, INTRINSICS)["wrong"] == 0
+
+
+@pytest.mark.parametrize(("later", "held"), [(False, slice(8, 11)), (True, slice(1, 4))])
+def test_the_way_back_is_counted_from_the_first_clean_frame_in_the_order_of_following(later, held):
+    truth = _truth(later=later)
+    quality = np.ones(12)
+    quality[4:8] = 0
+    quality[held] = 0
+    figures = score_abuse(truth, truth.head_pose, quality, INTRINSICS)
+    assert figures["back"] == pytest.approx(0.3)
+    assert figures["lost"] == 0
+    quality[0 if not later else 11] = 0
+    assert score_abuse(truth, truth.head_pose, quality, INTRINSICS)["lost"] == 1
+
+
+def test_a_picture_that_slides_turns_the_head_about_the_camera():
+    truth = _truth(1)
+    (moved,) = slid(truth.head_pose, np.array([[96.0, 0.0]]), INTRINSICS)
+    (start,) = slid(truth.head_pose, np.zeros((1, 2)), INTRINSICS)
+    assert np.array_equal(start, truth.head_pose[0])
+    pixel = INTRINSICS @ moved[:3, 3]
+    before = INTRINSICS @ start[:3, 3]
+    assert pixel[:2] / pixel[2] - before[:2] / before[2] == pytest.approx([96, 0], abs=1e-9)
+    assert np.linalg.norm(moved[:3, 3]) == pytest.approx(0.7)
+
+
+def test_tables_add_frames_and_keep_the_worst():
+    rows = [
+        {"touched": 4, "wrong": 0, "worst": 3.0, "lost": 0, "back": 0.1},
+        {"touched": 5, "wrong": 2, "worst": float("nan"), "lost": 1, "back": 0.4},
+    ]
+    assert total(rows) == {"touched": 9, "wrong": 2, "lost": 1, "worst": 3.0, "back": 0.4}
+    assert as_text([]) == ""

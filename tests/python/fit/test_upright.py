@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Footage filmed sideways that does not say so is refused, with the way to turn it."""
+
+import numpy as np
+import pytest
+from clips import ffmpeg, make_clip
+from mimetic.fit.fitting import NoFace
+from mimetic.fit.upright import turns_to_upright
+from mimetic.media.footage import Footage
+from mimetic.solve.clip_capture import find_face
+
+FILTERS = {1: "transpose=clock", 2: "hflip,vflip", 3: "transpose=cclock"}
+
+
+def filtered(clip, path, filters, *output):
+    ffmpeg("-i", clip, "-vf", filters, "-frames:v", 12, "-crf", 18, *output, path)
+    return path
+
+
+@pytest.mark.parametrize(("turns", "where"), [(1, "to the right"), (2, "down"), (3, "to the left")])
+def test_a_turned_clip_is_refused_and_the_advice_mends_it(rendered_clip, tmp_path, turns, where):
+    turned = filtered(rendered_clip.footage, tmp_path / "turned.mp4", FILTERS[turns])
+    with pytest.raises(NoFace, match=f"the head points {where} in frame") as refused:
+        find_face(turned, frame=3)
+    advice = str(refused.value).split("-vf ")[1].split()[0]
+    mended = filtered(turned, tmp_path / "mended.mp4", advice)
+    upright = np.stack([Footage(rendered_clip.footage).read(3), Footage(mended).read(3)])
+    assert np.abs(np.diff(upright.astype(int), axis=0)).mean() < 4
+    assert turns_to_upright(upright[1]) == 0
+
+
+def test_where_no_face_is_found_the_search_tells_of_a_turned_one(rendered_clip, tmp_path):
+    turned = filtered(rendered_clip.footage, tmp_path / "turned clip.mp4", FILTERS[1])
+    with pytest.raises(NoFace, match=r"-i '.*turned clip\.mp4' -vf transpose=cclock"):
+        find_face(turned)
+
+
+def test_rotation_that_the_file_tells_is_followed(rendered_clip, tmp_path):
+    turned = filtered(rendered_clip.footage, tmp_path / "turned.mp4", FILTERS[1])
+    told = tmp_path / "told.mp4"
+    ffmpeg("-display_rotation", "90", "-i", turned, "-c", "copy", told)
+    expected = find_face(rendered_clip.footage, frame=3).head_pose
+    np.testing.assert_allclose(
+        find_face(told, frame=3).head_pose[:3, :3], expected[:3, :3], atol=0.03
+    )
+
+
+def test_a_picture_without_any_face_is_not_called_turned(tmp_path):
+    image = Footage(make_clip(tmp_path / "a.mp4", size="320x240")).read(1)
+    assert turns_to_upright(image) == 0

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A person's skin and muscles are found from what was seen, kept, and used."""
+
+import json
+
+import numpy as np
+import pytest
+from mimetic import InvalidInput
+from mimetic.commands import cli
+from mimetic.fit.face_fit import FaceFit
+from mimetic.muscles.anatomy import AttachedSkin, attach_skin, modes_of, muscle_names
+from mimetic.muscles.articulators import ARTICULATORS
+from mimetic.muscles.calibration import Calibration
+from mimetic.skin.mesh import multiply
+from mimetic.solve import calibrate, evidence
+from mimetic.solve.sightings import Sighting, at_points
+from mimetic.template.face_template import load_template
+
+INTRINSICS = np.array([[600, 0, 239.5], [0, 600, 239.5], [0, 0, 1.0]])
+POSE = np.diag([1.0, -1.0, -1.0, 1.0])
+POSE[2, 3] = 0.6
+NOISE_PX = 0.05
+
+
+@pytest.fixture(scope="module")
+def mesh():
+    template = load_template()
+    return attach_skin(template.vertices, template).mesh
+
+
+def seen(mesh, anatomy, frame, **activations):
+    """What a camera shows of a face, and what a tracker that assumes the usual skin makes of it."""
+    rng = np.random.default_rng(frame)
+    values = np.zeros(len(muscle_names()) + len(ARTICULATORS))
+    for name, value in activations.items():
+        for side in ("L", "R"):
+            values[muscle_names().index(f"{name}.{side}")] = value
+    in_front = mesh.vertices[mesh.triangles][:, :, 2].min(axis=1) > 0.03
+    shown = (mesh.triangle_part == "skin") & in_front
+    vertices = mesh.triangles[rng.choice(np.flatnonzero(shown), 250, replace=False)]
+    skin = mesh.neutral[: len(mesh.stencils[0]) and int(mesh.template.num_skin_vertices)]
+    moved = np.tensordot(values[:36], anatomy.muscle_modes[:, : len(skin)], axes=1)
+    points = multiply(mesh.stencils, skin + moved)[vertices].mean(axis=1) @ POSE[:3, :3].T
+    points += POSE[:3, 3]
+    pixels = 600 * points[:, :2] / points[:, 2:] + 239.5
+    pixels += rng.normal(0, NOISE_PX, pixels.shape)
+    shares = np.full((len(vertices), 3), 1 / 3)
+    information = np.tile(np.eye(2) / NOISE_PX**2, (len(vertices), 1, 1))
+    return Sighting(frame, POSE, values, vertices, shares, pixels, information)
+
+
+def test_stiffness_is_found_where_it_shows_and_stays_at_one_elsewhere(mesh, monkeypatch):
+    monkeypatch.setattr(calibrate, "MOST_ROUNDS", 1)
+    truth = AttachedSkin(mesh, 1.0, Calibration({"cheeks": 2.0, "lips": 2.0}))
+    sightings = [
+        seen(mesh, modes_of(truth), 3, zygomaticus_major=0.6),
+        seen(mesh, modes_of(truth), 9, zygomaticus_major=0.9, zygomaticus_minor=0.4),
+    ]
+    found = calibrate.estimate(mesh, sightings, INTRINSICS, POSE)
+    stiffness = found.calibration.stiffness
+    assert stiffness["cheeks"] > 1.25 and stiffness["lips"] > 1.25  # one round goes to 1.49
+    assert "forehead" not in stiffness
+    assert found.stiffness_std["forehead"] == pytest.approx(calibrate.STIFFNESS_STD, rel=0.1)
+    assert found.stiffness_std["cheeks"] < 0.5 * calibrate.STIFFNESS_STD
+    assert not any(name.startswith("frontalis") for name in found.calibration.strength)
+    assert found.calibration.frames == [3, 9]
+    assert found.gain > 10
+
+
+def test_a_face_at_rest_tells_nothing(mesh):
+    anatomy = modes_of(AttachedSkin(mesh, 1.0))
+    still = [seen(mesh, anatomy, frame, zygomaticus_major=0.02) for frame in (1, 2)]
+    with pytest.raises(calibrate.NothingSeen, match="no expression was seen"):
+        calibrate.choose(still, 39)
+
+
+def test_modes_follow_strength_and_insertion(mesh):
+    usual = modes_of(AttachedSkin(mesh, 1.0))
+    changed = Calibration({}, {"zygomaticus_major.L": 1.5}, {"zygomaticus_major.R": (2.0, 0.0)})
+    other = modes_of(AttachedSkin(mesh, 1.0, changed))
+    left, right = (muscle_names().index(f"zygomaticus_major.{side}") for side in "LR")
+    np.testing.assert_allclose(other.muscle_modes[left], 1.5 * usual.muscle_modes[left])
+    apart = np.abs(other.muscle_modes - usual.muscle_modes).max(axis=(1, 2))
+    assert apart[right] > 1e-3
+    assert np.delete(apart, [left, right]).max() == 0
+
+
+def test_evidence_is_that_of_the_normal_distribution():
+    rng = np.random.default_rng(1)
+    columns, displacement = rng.normal(size=(9, 2, 3)), rng.normal(size=9)  # two shares, 3 values
+    std, strength = np.array([0.5, 0.2, 1.0]), np.array([0.1, 0.0, -0.2])
+    frame = evidence.linear_frame(columns.reshape(9, 6), displacement, np.arange(3), std)
+    shares = np.array([[1.0, 1, 1], [0.3, -0.2, 0.5]])
+    modes = (columns * shares).sum(axis=1) * np.exp(strength)
+    spread = np.eye(9) + (modes * std**2) @ modes.T
+    usual = 0.5 * displacement @ displacement
+    told = -0.5 * displacement @ np.linalg.solve(spread, displacement)
+    told -= 0.5 * np.linalg.slogdet(spread)[1]
+    assert frame.log_evidence(shares, strength) == pytest.approx(told + usual)
+
+
+def test_the_maximum_is_found_with_its_width():
+    def hill(place):
+        return -2 * (place[0] - 0.3) ** 2 - 0.5 * (place[1] + 5) ** 2
+
+    peak = evidence.maximise(hill, np.zeros(2), 0.4)
+    np.testing.assert_allclose(peak.place, [0.3, -0.4], atol=1e-3)  # the second at its bound
+    np.testing.assert_allclose(peak.std, [0.5, 1.0], rtol=1e-3)
+
+
+def test_points_move_with_their_triangles(mesh):
+    anatomy = modes_of(AttachedSkin(mesh, 1.0))
+    sighting = seen(mesh, anatomy, 5)
+    modes = anatomy.muscle_modes[:3, : int(mesh.template.num_skin_vertices)]
+    refined = multiply(mesh.stencils, modes[1])[sighting.vertices].mean(axis=1)
+    np.testing.assert_allclose(
+        at_points(mesh, sighting.vertices, sighting.barycentric, modes)[:, :, 1],
+        refined,
+        atol=1e-12,
+    )
+
+
+@pytest.fixture
+def fit():
+    known = Calibration({"cheeks": 1.8}, {"mentalis.L": 0.9}, {"mentalis.L": (1.0, -0.5)}, [4, 9])
+    return FaceFit(4, (480, 480), INTRINSICS, POSE, {}, calibration=known)
+
+
+def test_a_fit_keeps_its_calibration_and_older_fits_have_none(tmp_path, fit):
+    path = tmp_path / "fit.json"
+    fit.save(path)
+    assert FaceFit.load(path).calibration == fit.calibration
+    assert "cheeks 1.80" in fit.calibration.notes()[0]
+    document = json.loads(path.read_text()) | {"schema": 2}
+    del document["calibration"], document["relief"]
+    path.write_text(json.dumps(document))
+    assert FaceFit.load(path).calibration == Calibration()
+    assert Calibration().notes() == []
+
+
+@pytest.mark.parametrize(
+    ("changed", "text"),
+    [
+        ([], "must be an object"),
+        ({"softness": {}}, "unknown keys: softness"),
+        ({"stiffness": {"ears": 1}}, "names ears"),
+        ({"stiffness": {"cheeks": 0}}, "stiffness cheeks is 0"),
+        ({"stiffness": {"cheeks": None}}, "stiffness cheeks"),
+        ({"stiffness": [1]}, "stiffness must be an object"),
+        ({"strength": {"mentalis.L": 1e9}}, "strength mentalis.L"),
+        ({"strength": {str(i): 1 for i in range(2000)}}, "at most 1000"),
+        ({"insertion": {"mentalis.L": [1]}}, "insertion mentalis.L"),
+        ({"insertion": {"mentalis.L": [30, 1]}}, "moved by 30 mm"),
+        ({"frames": [0]}, "frames must be"),
+        ({"frames": 3}, "frames must be"),
+    ],
+)
+def test_a_wrong_calibration_is_refused_by_name(tmp_path, fit, changed, text):
+    path = tmp_path / "fit.json"
+    fit.save(path)
+    document = json.loads(path.read_text())
+    path.write_text(json.dumps(document | {"calibration": changed}))
+    with pytest.raises(InvalidInput, match=text) as refused:
+        FaceFit.load(path)
+    assert str(path) in str(refused.value)
+
+
+def test_muscles_that_there_are_not_are_named(mesh):
+    with pytest.raises(InvalidInput, match="muscles that there are not: levator"):
+        modes_of(AttachedSkin(mesh, 1.0, Calibration({}, {"levator": 1.2})))
+
+
+def test_the_command_refuses_what_cannot_be_calibrated(tmp_path, capsys, rendered_clip):
+    clip, out = str(rendered_clip.footage), str(tmp_path / "fit.json")
+    assert cli.main(["calibrate", clip, "--out", out, "--frames", "1:5"]) == 2
+    assert "1:5 are 5" in capsys.readouterr().err
+    assert cli.main(["calibrate", clip, "--out", str(tmp_path)]) == 2
+    assert "give a file" in capsys.readouterr().err
+    assert list(tmp_path.iterdir()) == []

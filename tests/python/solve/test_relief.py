@@ -1,0 +1,192 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Depth from frames in which the head is turned otherwise."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from mimetic import InvalidInput, _core
+from mimetic.fit.face_fit import FaceFit
+from mimetic.fit.face_model import face_model
+from mimetic.fit.face_shape import face_shape
+from mimetic.fit.fitted_view import FittedView
+from mimetic.fit.fitting import landmark_places, refit
+from mimetic.performance.places import find_places
+from mimetic.shared import pinhole
+from mimetic.shared.rotations import from_rotation_vectors
+from mimetic.skin.mesh import SkinMesh
+from mimetic.solve.relief import find_relief
+from mimetic.solve.relief_sightings import _one_scene
+from mimetic.solve.sightings import Sighting, distinct_points
+from mimetic.template.face_template import load_template
+
+TURNS = np.radians([(0, 15, 0), (0, -14, 0), (9, 6, 0), (-8, -4, 3), (4, 10, 0)])
+STILL = np.zeros((3, 3))
+NOISE_PX = 0.3
+FRONTAL = np.array([[1.0, 0, 0, 0], [0, -1, 0, 0], [0, 0, -1, 0.6], [0, 0, 0, 1]])
+INTRINSICS = np.array([[700, 0, 319.5], [0, 700, 239.5], [0, 0, 1.0]])
+
+
+@pytest.fixture(scope="module")
+def fit() -> FaceFit:
+    return FaceFit(1, (640, 480), INTRINSICS, FRONTAL, identity={})
+
+
+def pixels_on_face(count: int) -> np.ndarray:
+    """Cheeks, nose and forehead: holes of eyes and mouth are no surface."""
+    x, y = np.meshgrid(np.linspace(-1, 1, count), np.linspace(-1, 1, count))
+    inside = x**2 + y**2 <= 1
+    pixels = np.column_stack([320 + 55 * x[inside], 240 + 70 * y[inside]])
+    template = load_template()
+    holes = np.flatnonzero(template.in_region("eyelid", "eye_socket", "mouth_cavity"))
+    in_picture = pinhole.show(template.vertices[holes], FRONTAL, INTRINSICS)[0]
+    away = np.linalg.norm(pixels[:, None] - in_picture, axis=2).min(axis=1)
+    return pixels[away > 6]
+
+
+def surface_of(fit: FaceFit, pixels) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """What the fitted frame shows at pixels: refined vertices, weights, places (head frame)."""
+    template = load_template()
+    mesh = SkinMesh(template, np.ascontiguousarray(fit.neutral_vertices(template)))
+    pose = fit.head_pose
+    in_camera = mesh.vertices @ pose[:3, :3].T + pose[:3, 3]
+    camera = SimpleNamespace(intrinsics=fit.intrinsics)
+    triangle, weights = find_places(camera, pixels, in_camera, mesh.triangles)
+    assert (triangle >= 0).all()
+    corners = mesh.triangles[triangle]
+    return corners, weights, np.einsum("kc,kcx->kx", weights, mesh.vertices[corners])
+
+
+def sightings_of(fit: FaceFit, person: FaceFit, turns, slip: float = 0.0) -> list[Sighting]:
+    """A person who shows nothing but turns, seen where the fit believes the skin to be.
+
+    slip: pixels by which flow errs to the right about the middle of the face, in every frame
+    """
+    pixels = pixels_on_face(31)
+    corners, weights, _ = surface_of(fit, pixels)
+    _, _, places = surface_of(person, pixels)
+    rng = np.random.default_rng(3)
+    seen = []
+    for number, turn in enumerate(turns):
+        pose = fit.head_pose.copy()
+        pose[:3, :3] = pose[:3, :3] @ from_rotation_vectors(turn[None])[0]
+        shown = pinhole.show(places, pose, fit.intrinsics)[0]
+        shown += rng.normal(0, NOISE_PX, shown.shape)
+        shown[:, 0] += slip * np.exp(-((pixels - [320, 240]) ** 2).sum(axis=1) / (2 * 35**2))
+        information = np.tile(np.eye(2) / NOISE_PX**2, (len(shown), 1, 1))
+        values = np.zeros(1)
+        seen.append(Sighting(number + 2, pose, values, corners, weights, shown, information))
+    return seen
+
+
+def relief_from(fit: FaceFit, seen: list[Sighting]) -> list[float]:
+    template = load_template()
+    idle = np.zeros((1, template.num_skin_vertices, 3))
+    return find_relief(fit, template, seen, idle, np.ones(1))
+
+
+def test_turned_frames_tell_how_deep_the_face_is(fit):
+    shape = face_shape(load_template()).components
+    nose = load_template().landmark("nose_tip")
+    deep = shape[:, nose, 2]
+    person = replace(fit, relief=(1.5 * deep / np.linalg.norm(deep)).tolist())
+    found = replace(fit, relief=relief_from(fit, sightings_of(fit, person, TURNS)))
+    pixels = pixels_on_face(15)
+    true, before, after = (surface_of(one, pixels)[2][:, 2] for one in (person, fit, found))
+    # All of it nearer or further is a pose, and the pose is free.
+    left, error = np.std(after - true), np.std(before - true)
+    assert error > 0.5e-3
+    assert left < 0.5 * error
+    landmarks = np.asarray(load_template().landmark_vertices)
+    shown = [
+        pinhole.show(one.neutral_vertices(load_template())[landmarks], FRONTAL, INTRINSICS)[0]
+        for one in (fit, found)
+    ]
+    assert np.abs(shown[1] - shown[0]).max() < 1.5  # pixels; a pupil distance is 72
+
+
+def test_a_head_that_does_not_turn_keeps_its_shape(fit):
+    seen = sightings_of(fit, fit, STILL)
+    assert np.linalg.norm(relief_from(fit, seen)) < 0.3
+
+
+def test_what_errs_alike_in_all_frames_is_hardly_depth(fit, monkeypatch):
+    turns = np.radians([(0, angle, 0) for angle in np.linspace(1, 15, 15)])
+    nose = load_template().landmark("nose_tip")
+
+    def slip_taken_for_depth() -> float:
+        depths = []
+        for slip in (0.0, 1.0):
+            found = relief_from(fit, sightings_of(fit, fit, turns, slip))
+            moved = replace(fit, relief=found).neutral_vertices(load_template())
+            depths.append(moved[nose, 2])
+        return abs(depths[1] - depths[0])
+
+    known = slip_taken_for_depth()
+    monkeypatch.setattr("mimetic.solve.relief.LASTING_ERROR", 1e-9)
+    assert known < 0.75 * slip_taken_for_depth()
+
+
+def test_the_same_view_again_tells_nothing_more(fit):
+    person = replace(
+        fit, relief=np.linspace(-0.3, 0.3, len(face_shape(load_template()).components)).tolist()
+    )
+    seen = sightings_of(fit, person, TURNS)
+    np.testing.assert_allclose(relief_from(fit, 5 * seen), relief_from(fit, seen), atol=1e-3)
+
+
+def test_too_few_frames_tell_nothing(fit):
+    assert relief_from(fit, sightings_of(fit, fit, TURNS[:2])) == []
+
+
+def test_following_ends_with_the_scene():
+    dark, light = (np.full((64, 64, 3), level, np.uint8) for level in (60, 120))
+    images = [(2, dark), (3, dark), (4, light), (5, dark)]
+    assert [frame for frame, _ in _one_scene(dark, iter(images))] == [2, 3]
+
+
+def test_points_seen_again_are_kept_once(fit):
+    seen = sightings_of(fit, fit, TURNS[:3])
+    fewer = replace(
+        seen[1],
+        vertices=seen[1].vertices[::-2],
+        barycentric=seen[1].barycentric[::-2],
+        pixels=seen[1].pixels[::-2],
+    )
+    vertices, barycentric, places = distinct_points([seen[0], fewer])
+    assert len(vertices) == len(seen[0].pixels)
+    for one, at in zip([seen[0], fewer], places, strict=True):
+        np.testing.assert_array_equal(vertices[at], one.vertices)
+        np.testing.assert_array_equal(barycentric[at], one.barycentric)
+
+
+def test_pins_hold_the_head_with_its_relief(fit):
+    """Whatever relief does to a landmark in the picture, its pin has the last word."""
+    template = load_template()
+    rng = np.random.default_rng(5)
+    relief = rng.normal(0, 0.3, len(face_shape(template).components)).tolist()
+    known = _core.project_features(
+        face_model(template),
+        _core.FaceEstimate([FRONTAL], 700.0, np.zeros(len(relief))),
+        fit.camera,
+    )
+    measured = _core.FaceFeatures(
+        [_core.Feature(f.name, f.position, 2.0) for f in known.features], [], np.zeros(4), 1.0
+    )
+    seen = replace(fit, relief=relief, views=[FittedView(1, FRONTAL, measured)])
+    x, y = landmark_places(seen)["mouth_corner.L"]
+    pinned = refit(seen, {"mouth_corner.L": (x + 3, y - 2)})
+    corner = pinned.neutral_vertices(template)[[template.landmark("mouth_corner.L")]]
+    shown = pinhole.show(corner, pinned.head_pose, pinned.intrinsics)[0][0]
+    np.testing.assert_allclose(shown, (x + 3, y - 2), atol=0.3)
+
+
+def test_relief_of_another_head_is_refused(fit, tmp_path):
+    with pytest.raises(InvalidInput, match="relief coefficients"):
+        replace(fit, relief=[0.1, 0.2]).neutral_vertices(load_template())
+    kept = replace(fit, relief=[0.5] * len(face_shape(load_template()).components))
+    kept.save(tmp_path / "fit.json")
+    assert FaceFit.load(tmp_path / "fit.json").relief == kept.relief
