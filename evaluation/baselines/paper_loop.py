@@ -20,6 +20,7 @@ from itertools import compress
 
 import numpy as np
 from mimetic import _core
+from mimetic._core import from_rotation_vectors
 from mimetic.fit.fitting import FaceFit
 from mimetic.media.backward import frames_backward
 from mimetic.media.footage import Footage
@@ -29,7 +30,6 @@ from mimetic.muscles.motion import LoadedSkin, dynamics_options, load_skin
 from mimetic.performance.document import NUM_MUSCLES, Performance
 from mimetic.shared import luminance
 from mimetic.shared.progress import ATTACHED, SEARCHED, Progress, stages
-from mimetic.shared.rotations import from_rotation_vectors
 from mimetic.shared.sampling import sampled
 from mimetic.skin.mesh import multiply
 from mimetic.solve.clip_capture import CaptureSummary, FrameRange, check_range, fit_for
@@ -143,7 +143,9 @@ class Observer:
         self.state = predicted + gain @ (found - expected)[:count]
         self.cov = cov - gain @ (prior - found_cov)[:count, :count] @ gain.T
         self.cov = (self.cov + self.cov.T) / 2
-        self.pose[:3, :3] = from_rotation_vectors(found[count : count + 3]) @ self.pose[:3, :3]
+        self.pose[:3, :3] = (
+            from_rotation_vectors(found[None, count : count + 3])[0] @ self.pose[:3, :3]
+        )
         self.pose[:3, 3] += found[count + 3 :]
         self.pose_cov = self.pose_cov + found_cov[count:, count:]
         self._steer(old)
@@ -212,7 +214,7 @@ class Observer:
     def _moved_pixels(self, surface: Floats, used: NDArray, step: Floats, camera: Floats) -> Floats:
         count = len(self.face.squared)
         moved = surface + self.face.moved[used] @ step[:count]
-        rotation = from_rotation_vectors(step[count : count + 3]) @ self.pose[:3, :3]
+        rotation = from_rotation_vectors(step[None, count : count + 3])[0] @ self.pose[:3, :3]
         pixels = (moved @ rotation.T + self.pose[:3, 3] + step[count + 3 :]) @ camera.T
         return pixels[:, :2] / pixels[:, 2:]
 

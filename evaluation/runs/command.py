@@ -12,6 +12,7 @@ from typing import Any
 from mimetic import InvalidInput
 from mimetic.locate.eigenspaces import installed_spaces, load
 from mimetic.score.tables import as_json, as_text, summary
+from mimetic.shared.results import prepare_folder
 from mimetic.shared.whole_file import whole_file
 from mimetic.template.face_template import load_template
 

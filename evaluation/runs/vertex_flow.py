@@ -11,10 +11,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from mimetic import InvalidInput
+from mimetic._core import from_rotation_vectors
 from mimetic.performance.document import Performance
 from mimetic.performance.places import RefinedSurface, places_under
 from mimetic.shared import pinhole
-from mimetic.shared.rotations import from_rotation_vectors
 from numpy.typing import NDArray
 
 ITERATIONS = 10
@@ -82,7 +82,7 @@ def _rigid_pose(
         weight = 1 / (1 + (off**2).sum(1) / ROBUST_PX**2)
         normal = np.einsum("pij,p,pik->jk", slopes, weight, slopes)
         step = np.linalg.solve(normal, np.einsum("pij,p,pi->j", slopes, weight, off))
-        pose[:3, :3] = from_rotation_vectors(step[:3]) @ pose[:3, :3]
+        pose[:3, :3] = from_rotation_vectors(step[None, :3])[0] @ pose[:3, :3]
         pose[:3, 3] += step[3:]
         if np.abs(step).max() < 1e-6:
             break

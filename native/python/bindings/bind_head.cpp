@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/head/head.hpp>
+#include <mimetic/head/placing.hpp>
+#include <mimetic/head/pose_smoothing.hpp>
 
 #include "arrays.hpp"
 
@@ -9,12 +11,6 @@ namespace py = pybind11;
 using namespace pybind11::literals;
 
 namespace {
-
-Eigen::Isometry3d to_isometry(const Eigen::Matrix4d& matrix) {
-    Eigen::Isometry3d pose;
-    pose.matrix() = matrix;
-    return pose;
-}
 
 void bind_shape(py::module_& m) {
     py::enum_<HeadModel>(m, "HeadModel", "The rigid body that stands for the head.")
@@ -54,6 +50,10 @@ void bind_shape(py::module_& m) {
 
 void bind_tracker(py::module_& m) {
     py::class_<PlacedView>(m, "PlacedView", "Where a reference texture was taken, as two models have it.")
+        .def(py::init([](const Eigen::Matrix4d& on_model, const Eigen::Matrix4d& on_skin) {
+                 return PlacedView{to_isometry(on_model), to_isometry(on_skin)};
+             }),
+             "on_model"_a, "on_skin"_a, "(4, 4) each, camera from head, metres")
         .def_property_readonly(
             "on_model", [](const PlacedView& v) { return v.on_model.matrix(); }, "(4, 4), metres")
         .def_property_readonly(
@@ -109,17 +109,40 @@ void bind_tracker(py::module_& m) {
             "head's own surface. Empty: no two of them show the same skin.")
         .def(
             "move_views",
-            [](HeadTracker& tracker, const std::vector<Eigen::Matrix4d>& poses) {
-                std::vector<Eigen::Isometry3d> moved;
-                for (const Eigen::Matrix4d& pose : poses) {
-                    moved.push_back(to_isometry(pose));
-                }
-                tracker.move_views(moved);
+            [](HeadTracker& tracker, const DoubleArray& poses) {
+                tracker.move_views(poses_of(poses, "poses"));
             },
             "poses"_a,
-            "Moves the reference textures, in their order, to poses (4, 4) and shapes the model so that it\n"
+            "Moves the reference textures, in their order, to poses (N, 4, 4) and shapes the model so that "
+            "it\n"
             "agrees. Raises InvalidInput.")
         .def_property_readonly("shape", &HeadTracker::shape, "HeadShape as all reference textures say.");
+}
+
+void bind_motion(py::module_& m) {
+    m.def(
+        "smooth_poses",
+        [](const DoubleArray& poses, const DoubleArray& covariances, const Eigen::VectorXd& seconds,
+           const std::vector<bool>& measured, double strength) {
+            PoseSequence motion{poses_of(poses, "poses"), matrices_of<6, 6>(covariances, "covariances")};
+            {
+                const py::gil_scoped_release unlocked;
+                motion = smooth_poses(motion, seconds, measured, strength);
+            }
+            return py::make_tuple(array_of(motion.poses), array_of<6, 6>(motion.covariances));
+        },
+        "poses"_a, "covariances"_a, "seconds"_a, "measured"_a, "strength"_a,
+        "Rigid motion smoothed forward and backward, so that nothing comes late: (N, 4, 4), (N, 6, 6).\n\n"
+        "poses: (N, 4, 4), metres; covariances: (N, 6, 6) of (rotation vector, translation):\nexp(d) R, t + "
+        "d; seconds: (N,), rising; measured: N, false where a pose is held;\nstrength: what standard "
+        "deviations are multiplied by, 0 changes nothing. Raises InvalidInput.");
+    m.def(
+        "place_poses",
+        [](const DoubleArray& poses, const std::vector<PlacedView>& views) {
+            return array_of(place_poses(poses_of(poses, "poses"), views));
+        },
+        "poses"_a, "views"_a,
+        "(N, 4, 4): poses by a simple model (N, 4, 4), put where the person's own skin has them.");
 }
 
 }  // namespace
@@ -127,6 +150,7 @@ void bind_tracker(py::module_& m) {
 void bind_head(py::module_& m) {
     bind_shape(m);
     bind_tracker(m);
+    bind_motion(m);
 }
 
 }  // namespace mimetic::bindings

@@ -41,12 +41,6 @@ FaceMotion make_motion(Points neutral, const ModesArray& modes, int num_muscles,
     return motion;
 }
 
-Eigen::Isometry3d to_isometry(const Eigen::Matrix4d& matrix) {
-    Eigen::Isometry3d pose;
-    pose.matrix() = matrix;
-    return pose;
-}
-
 void bind_options(py::module_& m) {
     py::class_<TrackerOptions>(m, "TrackerOptions", "How a face is followed; the defaults suit webcams.")
         .def(py::init<>())

@@ -2,7 +2,7 @@
 #include "arrays.hpp"
 
 namespace mimetic::bindings {
-void bind_camera(pybind11::module_& m);
+void bind_shared(pybind11::module_& m);
 void bind_surface(pybind11::module_& m);
 void bind_skin(pybind11::module_& m);
 void bind_strain(pybind11::module_& m);
@@ -26,7 +26,7 @@ PYBIND11_MODULE(_core, m) {
     pybind11::register_exception<InvalidInput>(m, "InvalidInput", PyExc_ValueError);
     pybind11::register_exception<UnreadableMedia>(m, "UnreadableMedia", PyExc_OSError);
     // In the order of the stages
-    bindings::bind_camera(m);
+    bindings::bind_shared(m);
     bindings::bind_surface(m);
     bindings::bind_skin(m);
     bindings::bind_strain(m);

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/shared/error.hpp>
 #include <mimetic/fit/fit.hpp>
+#include <mimetic/shared/error.hpp>
 
 #include "fit/blend.hpp"
 #include "fit/outline.hpp"

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/shared/error.hpp>
+#include <mimetic/shared/rotations.hpp>
 
 #include "fit/blend.hpp"
 #include "fit/outline.hpp"
@@ -47,9 +48,7 @@ struct State {
 
 Eigen::Isometry3d as_transform(const Pose& pose) {
     Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
-    const double angle = pose.head<3>().norm();
-    if (angle > 1e-12)
-        transform.linear() = Eigen::AngleAxisd(angle, pose.head<3>() / angle).toRotationMatrix();
+    transform.linear() = rotation_from_vector(pose.head<3>());
     transform.translation() = pose.tail<3>();
     return transform;
 }

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
-#include <mimetic/shared/error.hpp>
 #include <mimetic/flow/flow.hpp>
+#include <mimetic/shared/error.hpp>
 #include <string>
 
 #include "flow/methods.hpp"

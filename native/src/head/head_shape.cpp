@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/QR>
 #include <cmath>
-#include <mimetic/shared/error.hpp>
 #include <mimetic/head/head.hpp>
+#include <mimetic/shared/error.hpp>
 #include <set>
 #include <string>
 

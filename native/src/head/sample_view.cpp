@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "sample_view.hpp"
 
+#include <mimetic/shared/rotations.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace mimetic::head {
@@ -48,10 +49,6 @@ std::vector<Place> choose_places(const cv::Mat1f& image, const cv::Mat1f& inside
 }
 
 Eigen::Vector3d to_eigen(const cv::Vec3f& v) { return {v[0], v[1], v[2]}; }
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-    return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
-}
 
 Samples make_samples(const HeadShape& shape, const HeadOptions& options, const PyramidLevel& level,
                      std::size_t index, const Eigen::Isometry3d& camera_from_head) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
-#include <mimetic/shared/error.hpp>
 #include <mimetic/head/head.hpp>
+#include <mimetic/shared/error.hpp>
 
 #include "registration.hpp"
 #include "view_graph.hpp"

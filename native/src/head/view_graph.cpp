@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <mimetic/shared/error.hpp>
+#include <mimetic/shared/rotations.hpp>
 #include <string>
 #include <utility>
 
@@ -32,16 +33,6 @@ constexpr int kPlacings = 3;     // times textures are matched on another model,
 constexpr double kFixed = 1e12;  // information
 
 using Rows6 = Eigen::Matrix<double, 2, 6>;
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-    return (Eigen::Matrix3d() << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0).finished();
-}
-
-Eigen::Matrix3d turn_of(const Eigen::Vector3d& vector) {
-    const double angle = vector.norm();
-    return angle > 1e-12 ? Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix()
-                         : Eigen::Matrix3d::Identity();
-}
 
 /// Of a view's pose among the unknowns.
 Eigen::Index place_of(std::size_t view) { return static_cast<Eigen::Index>(kShapeSize + 6 * (view - 1)); }
@@ -78,7 +69,7 @@ ShapeChange prior_information(const HeadShape& shape, bool is_rigid) {
 HeadShape changed(const HeadShape& shape, const ShapeChange& change) {
     HeadShape next = shape;
     const Eigen::Vector3d growth = change.head<3>().array().exp();
-    const Eigen::Matrix3d turn = turn_of(change.segment<3>(3));
+    const Eigen::Matrix3d turn = rotation_from_vector(change.segment<3>(3));
     const Eigen::Matrix3d grown = turn * shape.turn * growth.asDiagonal() * shape.turn.transpose();
     next.centre += change.tail<3>();
     if (shape.model == HeadModel::surface) {
@@ -297,7 +288,7 @@ void ViewGraph::step(Body& body, Free free) {
         if (k > 0 && free != Free::shape) {
             const auto at = place_of(k);
             const Vector6 motion = change.segment<6>(at);
-            pose.linear() = turn_of(motion.head<3>()) * pose.linear();
+            pose.linear() = rotation_from_vector(motion.head<3>()) * pose.linear();
             pose.translation() += motion.tail<3>();
             covariance = spread.block<6, 6>(at, at);
         }

@@ -2,8 +2,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <mimetic/shared/error.hpp>
 #include <mimetic/locate/face_spaces.hpp>
+#include <mimetic/shared/error.hpp>
 #include <numeric>
 #include <opencv2/imgproc.hpp>
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/Cholesky>
 #include <cmath>
-#include <mimetic/shared/error.hpp>
 #include <mimetic/locate/face_spaces.hpp>
+#include <mimetic/shared/error.hpp>
 
 #include "locate/flatten.hpp"
 

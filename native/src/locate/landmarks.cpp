@@ -2,8 +2,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <mimetic/shared/error.hpp>
 #include <mimetic/locate/landmarks.hpp>
+#include <mimetic/shared/error.hpp>
 
 namespace mimetic {
 namespace {

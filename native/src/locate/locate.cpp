@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <filesystem>
-#include <mimetic/shared/error.hpp>
 #include <mimetic/locate/locate.hpp>
+#include <mimetic/shared/error.hpp>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/objdetect.hpp>

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/Geometry>
 #include <cmath>
-#include <mimetic/shared/error.hpp>
 #include <mimetic/muscles/muscles.hpp>
+#include <mimetic/shared/error.hpp>
 #include <string>
 
 namespace mimetic {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <limits>
 #include <map>
-#include <mimetic/shared/error.hpp>
 #include <mimetic/muscles/muscles.hpp>
+#include <mimetic/shared/error.hpp>
 #include <queue>
 #include <string>
 #include <utility>

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <map>
 #include <mimetic/raster/depth.hpp>
-#include <mimetic/shared/error.hpp>
 #include <mimetic/raster/overlay.hpp>
+#include <mimetic/shared/error.hpp>
 #include <opencv2/imgproc.hpp>
 
 namespace mimetic {

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <deque>
 #include <limits>
-#include <mimetic/skin/corotational_skin.hpp>
 #include <mimetic/shared/error.hpp>
+#include <mimetic/skin/corotational_skin.hpp>
 #include <string>
 #include <utility>
 

@@ -1,26 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "face_state.hpp"
 
+#include <mimetic/shared/rotations.hpp>
+
 namespace mimetic {
 
-namespace {
-
-Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
-    Eigen::Matrix3d matrix;
-    matrix << 0, -v.z(), v.y(), v.z(), 0, -v.x(), -v.y(), v.x(), 0;
-    return matrix;
-}
-
-Eigen::Matrix3d rotation_of(const Eigen::Vector3d& vector) {
-    const double angle = vector.norm();
-    return angle < 1e-12 ? Eigen::Matrix3d(Eigen::Matrix3d::Identity() + cross_matrix(vector))
-                         : Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
-}
-
-}  // namespace
-
 void FaceState::apply(const Eigen::VectorXd& step) {
-    const Eigen::Matrix3d rotation = rotation_of(step.head<3>()) * camera_from_head.linear();
+    const Eigen::Matrix3d rotation = rotation_from_vector(step.head<3>()) * camera_from_head.linear();
     camera_from_head.linear() = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
     camera_from_head.translation() += step.segment<3>(3);
     values += step.tail(values.size());

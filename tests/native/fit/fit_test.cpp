@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
-#include <mimetic/shared/error.hpp>
 #include <mimetic/fit/fit.hpp>
+#include <mimetic/shared/error.hpp>
 #include <random>
 
 namespace mimetic {

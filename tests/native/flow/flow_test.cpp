@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <mimetic/shared/error.hpp>
 #include <mimetic/flow/flow.hpp>
+#include <mimetic/shared/error.hpp>
 
 #include "textures.hpp"
 

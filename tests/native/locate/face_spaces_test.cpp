@@ -4,8 +4,8 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <mimetic/shared/error.hpp>
 #include <mimetic/locate/face_spaces.hpp>
+#include <mimetic/shared/error.hpp>
 #include <random>
 
 namespace mimetic {

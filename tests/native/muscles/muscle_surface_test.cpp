@@ -3,8 +3,8 @@
 
 #include <Eigen/Geometry>
 #include <cmath>
-#include <mimetic/shared/error.hpp>
 #include <mimetic/muscles/muscles.hpp>
+#include <mimetic/shared/error.hpp>
 
 namespace mimetic {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <mimetic/raster/depth.hpp>
-#include <mimetic/shared/error.hpp>
 #include <mimetic/raster/overlay.hpp>
+#include <mimetic/shared/error.hpp>
 
 namespace mimetic {
 namespace {

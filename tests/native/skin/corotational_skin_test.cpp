@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
-#include <mimetic/skin/corotational_skin.hpp>
 #include <mimetic/shared/error.hpp>
+#include <mimetic/skin/corotational_skin.hpp>
 #include <random>
 
 #include "../../../native/src/skin/corotational_element.hpp"

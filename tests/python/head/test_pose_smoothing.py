@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from mimetic import InvalidInput
+from mimetic._core import from_rotation_vectors, rotation_vectors
 from mimetic.head.smoothing import smooth_poses, smoothed, smoothed_scenes
-from mimetic.shared.rotations import from_rotation_vectors, rotation_vectors
 from sample_performance import make_performance
 
 FPS = 30.0

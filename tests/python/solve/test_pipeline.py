@@ -10,12 +10,12 @@ import pytest
 from clips import ffmpeg, make_clip
 from imageio_ffmpeg import get_ffmpeg_exe
 from mimetic import InvalidInput, UnreadableMedia
+from mimetic._core import rotation_vectors
 from mimetic.commands.cli import main
 from mimetic.fit.fitting import FaceFit, NoFace
 from mimetic.media.backward import frames_backward
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
-from mimetic.shared.rotations import rotation_vectors
 from mimetic.solve import clip_capture, smoothing
 from mimetic.solve.clip_capture import CaptureSummary, capture, find_face
 

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from mimetic import InvalidInput, _core
+from mimetic._core import from_rotation_vectors
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.face_model import face_model
 from mimetic.fit.face_shape import face_shape
@@ -16,7 +17,6 @@ from mimetic.fit.fitted_view import FittedView
 from mimetic.fit.fitting import landmark_places, refit
 from mimetic.performance.places import find_places
 from mimetic.shared import pinhole
-from mimetic.shared.rotations import from_rotation_vectors
 from mimetic.skin.mesh import SkinMesh
 from mimetic.solve.relief import find_relief
 from mimetic.solve.relief_sightings import _one_scene

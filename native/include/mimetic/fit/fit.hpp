@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <Eigen/Geometry>
-#include <mimetic/shared/camera.hpp>
 #include <mimetic/locate/locate.hpp>
+#include <mimetic/shared/camera.hpp>
 
 namespace mimetic {
 

@@ -2,8 +2,8 @@
 #pragma once
 #include <Eigen/Geometry>
 #include <memory>
-#include <mimetic/shared/camera.hpp>
 #include <mimetic/flow/flow.hpp>
+#include <mimetic/shared/camera.hpp>
 #include <mimetic/shared/image.hpp>
 #include <mimetic/shared/progress.hpp>
 #include <mimetic/shared/types.hpp>

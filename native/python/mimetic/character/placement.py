@@ -14,8 +14,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mimetic import InvalidInput
+from mimetic._core import quaternions
 from mimetic.performance.document import Performance
-from mimetic.shared.rotations import quaternions
 
 OBJECT_FROM_HEAD = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
 SCENE_CAMERA_FROM_CAMERA = np.diag([1.0, -1, -1, 1])

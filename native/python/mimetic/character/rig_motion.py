@@ -11,17 +11,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from mimetic import InvalidInput
+from mimetic._core import euler_angles, from_rotation_vectors, quaternions, rotation_vectors
 from mimetic.character.placement import WORLD_FROM_SCENE_CAMERA, world_from_object
 from mimetic.performance.document import Performance
 from mimetic.performance.projection import reference_index
-from mimetic.shared.rotations import Floats, euler_angles, powers, quaternions, rotation_vectors
 
 # Where a thing's own face looks, as turns about z from -y
 FACINGS = {"-Y": 0.0, "+X": 0.5 * np.pi, "+Y": np.pi, "-X": -0.5 * np.pi}
 
+Floats = NDArray[np.float64]
 STILL = 1e-6  # radians: an axis cannot be told
 
 
@@ -109,8 +110,8 @@ def bone_channels(
     axes = facing(direction)
     turns = axes @ moved.rotations @ axes.T
     shifts = units * moved.shifts @ axes.T
-    neck_turns = powers(turns, neck_share if neck else 0.0)
-    carried = powers(neck_turns, followed_share)
+    neck_turns = _share(turns, neck_share if neck else 0.0)
+    carried = _share(neck_turns, followed_share)
     own = carried.transpose(0, 2, 1) @ turns
     rotations = head.rest.T @ own @ head.rest
     locations = None
@@ -222,3 +223,8 @@ def rotation_of(matrix: Floats, what: str) -> Floats:
         raise InvalidInput(f"the {what}'s matrix is flat or not finite; reset its scale")
     u, _, vt = np.linalg.svd(matrix)
     return u @ vt if np.linalg.det(u @ vt) > 0 else u @ np.diag([1.0, 1, -1]) @ vt
+
+
+def _share(rotations: Floats, share: float) -> Floats:
+    """N x 3 x 3 rotations about the same axes by a share of the angle."""
+    return from_rotation_vectors(share * rotation_vectors(rotations))

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.fit.fitting import FaceFit
-from mimetic.head.placing import placed_poses
 from mimetic.head.smoothing import check_strength, smoothed_scenes
 from mimetic.media.backward import frames_backward
 from mimetic.media.cuts import CutWatch
@@ -173,8 +172,8 @@ class _HeadMotion:
         views = tracker.place_on(head_shape("surface", self.neutral, self.template))
         if not views:
             return rows
-        tracker.move_views(list(placed_poses(np.array([v.on_model for v in views]), views)))
-        return replace(rows, pose=list(placed_poses(np.array(rows.pose), views)))
+        tracker.move_views(list(_core.place_poses(np.array([v.on_model for v in views]), views)))
+        return replace(rows, pose=list(_core.place_poses(np.array(rows.pose), views)))
 
     def _both_ways(self, tracker: _core.HeadTracker, reference: NDArray[np.uint8]) -> Rows:
         """All frames, backward and forward from the reference frame."""

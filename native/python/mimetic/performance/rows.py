@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
-from mimetic.performance.document import unitless
 
 
 @dataclass(frozen=True)
@@ -54,15 +53,10 @@ class Rows:
     def rigid_poses(self) -> NDArray[np.float64]:
         """N x 4 x 4, rotations orthonormal to the last digit."""
         poses = np.array(self.pose)
-        u, _, vt = np.linalg.svd(poses[:, :3, :3])
-        poses[:, :3, :3] = u @ vt
+        poses[:, :3, :3] = _core.nearest_rotations(poses[:, :3, :3])
         poses[:, 3] = [0, 0, 0, 1]
         return poses
 
     def pose_covariances(self) -> NDArray[np.float64]:
         """N x 6 x 6 without the rounding that makes them asymmetric or indefinite."""
-        cov = np.array(self.pose_cov)
-        correlation, std = unitless((cov + cov.transpose(0, 2, 1)) / 2)
-        values, vectors = np.linalg.eigh(correlation)
-        correlation = np.einsum("nij,nj,nkj->nik", vectors, np.clip(values, 1e-9, None), vectors)
-        return correlation * std[:, :, None] * std[:, None, :]
+        return _core.nearest_covariances(np.array(self.pose_cov))

@@ -1,0 +1,11 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <Eigen/Core>
+
+namespace mimetic {
+
+/// The symmetric, positive definite matrix next to a covariance that rounding has spoilt. Judged as
+/// correlations: radians and metres differ by orders of magnitude. least: of the correlations' eigenvalues.
+Eigen::MatrixXd nearest_covariance(const Eigen::MatrixXd& covariance, double least = 1e-9);
+
+}  // namespace mimetic

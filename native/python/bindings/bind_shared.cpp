@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/shared/camera.hpp>
+#include <mimetic/shared/covariance.hpp>
+#include <mimetic/shared/rotations.hpp>
+
+#include "arrays.hpp"
+
+namespace mimetic::bindings {
+
+namespace py = pybind11;
+using namespace pybind11::literals;
+
+namespace {
+
+void bind_camera(py::module_& m) {
+    py::class_<Camera>(m, "Camera", "Pinhole camera: x right, y down, z forward; pixels.")
+        .def(py::init([](double fx, double fy, double cx, double cy, int width, int height) {
+                 Camera camera{fx, fy, cx, cy, width, height};
+                 camera.check();
+                 return camera;
+             }),
+             "fx"_a, "fy"_a, "cx"_a, "cy"_a, "width"_a, "height"_a,
+             "Focal lengths and principal point in pixels; raises InvalidInput.")
+        .def_readonly("fx", &Camera::fx)
+        .def_readonly("fy", &Camera::fy)
+        .def_readonly("cx", &Camera::cx)
+        .def_readonly("cy", &Camera::cy)
+        .def_readonly("width", &Camera::width)
+        .def_readonly("height", &Camera::height);
+}
+
+void bind_rotations(py::module_& m) {
+    m.def(
+        "quaternions", [](const DoubleArray& r) { return quaternions(matrices_of<3, 3>(r, "rotations")); },
+        "rotations"_a,
+        "(N, 4) unit quaternions (w x y z) of (N, 3, 3) rotations, each nearest to the one before.");
+    m.def(
+        "rotation_vectors",
+        [](const DoubleArray& r) { return rotation_vectors(matrices_of<3, 3>(r, "rotations")); },
+        "rotations"_a,
+        "(N, 3) axes times angles, radians, of (N, 3, 3) rotations, each the one nearest to that before "
+        "it:\nwhoever turns on past half a turn gets vectors longer than pi, not a jump.");
+    m.def(
+        "from_rotation_vectors",
+        [](PointsIn vectors) {
+            Rotations rotations;
+            for (Eigen::Index i = 0; i < vectors.rows(); ++i) {
+                rotations.push_back(rotation_from_vector(vectors.row(i).transpose()));
+            }
+            return array_of<3, 3>(rotations);
+        },
+        "vectors"_a, "(N, 3, 3) rotations of (N, 3) axes times angles, radians.");
+    m.def(
+        "nearest_rotations",
+        [](const DoubleArray& matrices) {
+            Rotations rotations = matrices_of<3, 3>(matrices, "matrices");
+            for (Eigen::Matrix3d& rotation : rotations) {
+                rotation = nearest_rotation(rotation);
+            }
+            return array_of<3, 3>(rotations);
+        },
+        "matrices"_a, "(N, 3, 3) rotations nearest to matrices (N, 3, 3), orthonormal to the last digit.");
+    m.def(
+        "euler_angles",
+        [](const DoubleArray& r, const std::string& order, const Eigen::Vector3d& first) {
+            return euler_angles(matrices_of<3, 3>(r, "rotations"), order, first);
+        },
+        "rotations"_a, "order"_a, "first"_a = Eigen::Vector3d(Eigen::Vector3d::Zero()),
+        "(N, 3) angles about x, y and z, radians, of (N, 3, 3) rotations.\n\norder: such as 'XYZ', the "
+        "first letter turns first, as in Blender; first: (3,)\nwhat the first row shall be near to; each "
+        "later "
+        "row is near to the one before.\nRaises InvalidInput.");
+}
+
+}  // namespace
+
+void bind_shared(py::module_& m) {
+    bind_camera(m);
+    bind_rotations(m);
+    m.def(
+        "nearest_covariances",
+        [](const DoubleArray& covariances) {
+            std::vector<Eigen::Matrix<double, 6, 6>> matrices = matrices_of<6, 6>(covariances, "covariances");
+            for (auto& matrix : matrices) {
+                matrix = nearest_covariance(matrix);
+            }
+            return array_of<6, 6>(matrices);
+        },
+        "covariances"_a,
+        "(N, 6, 6) symmetric and positive definite, next to what rounding has spoilt; judged as "
+        "correlations.");
+}
+
+}  // namespace mimetic::bindings

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Eigenvalues>
+#include <mimetic/shared/covariance.hpp>
+
+namespace mimetic {
+
+Eigen::MatrixXd nearest_covariance(const Eigen::MatrixXd& covariance, double least) {
+    const Eigen::MatrixXd symmetric = (covariance + covariance.transpose()) / 2;
+    const Eigen::VectorXd std = symmetric.diagonal().cwiseMax(1e-300).cwiseSqrt();
+    const Eigen::VectorXd scale = std.cwiseInverse();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scale.asDiagonal() * symmetric *
+                                                                scale.asDiagonal());
+    const Eigen::MatrixXd& vectors = solver.eigenvectors();
+    return std.asDiagonal() *
+           (vectors * solver.eigenvalues().cwiseMax(least).asDiagonal() * vectors.transpose()).eval() *
+           std.asDiagonal();
+}
+
+}  // namespace mimetic
