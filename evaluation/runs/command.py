@@ -138,6 +138,7 @@ def _run_expressions(options: argparse.Namespace) -> int:
 
 
 def _run_head(options: argparse.Namespace) -> int:
+    _prepare_out(options)
     done = []
     for scores in head.score_heads(options.set, _to_stderr):
         done += scores
@@ -211,6 +212,7 @@ def _check_set(options: argparse.Namespace) -> None:
 
 
 def _run_locate(options: argparse.Namespace) -> int:
+    _prepare_out(options)
     if options.images is not None:
         images = Stills.load(options.images)
     else:
@@ -223,6 +225,7 @@ def _run_locate(options: argparse.Namespace) -> int:
 
 
 def _run_fit(options: argparse.Namespace) -> int:
+    _prepare_out(options)
     template = load_template()
     scores = fit.score_fits(rendered_portraits(options.set, template, _to_stderr), template)
     if options.out is not None:

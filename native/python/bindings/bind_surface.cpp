@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/surface/places.hpp>
 #include <mimetic/surface/surface.hpp>
 
 #include "arrays.hpp"
@@ -23,9 +24,38 @@ py::tuple to_csr(const SparseRows& matrix) {
                           copy_array(matrix.valuePtr(), matrix.nonZeros()));
 }
 
+/// (on_face, triangle, weights, offset), or None.
+py::object places_under_pixels(const Camera& camera, PointsIn vertices, QuadsIn faces, Points2In pixels) {
+    std::optional<SurfacePlaces> places;
+    {
+        const py::gil_scoped_release release;
+        places = places_under(camera, vertices, faces, pixels);
+    }
+    if (!places) {
+        return py::none();
+    }
+    py::array_t<bool> on_face(static_cast<py::ssize_t>(places->on_face.size()));
+    std::copy(places->on_face.begin(), places->on_face.end(), on_face.mutable_data());
+    return py::make_tuple(on_face, places->triangle, places->weights, places->offset);
+}
+
 }  // namespace
 
 void bind_surface(py::module_& m) {
+    m.attr("COVERED") = kCovered;
+    m.def(
+        "places_under", &places_under_pixels, "camera"_a, py::arg("vertices_in_camera").noconvert(),
+        py::arg("faces").noconvert(), py::arg("pixels").noconvert(),
+        "The place on a fitted head's surface that each pixel (K, 2) shows; None if no skin faces the "
+        "camera.\n\n"
+        "vertices_in_camera: (V, 3) float64, metres, of facets of a millimetre or two; faces: (F, 4) int32\n"
+        "returns: on_face (K,) bool, pixels off it are given the nearest skin all the same; triangle (K,) "
+        "of\n"
+        "triangles_of; weights (K, 3) of its corners; offset (K, 2), pixels from the place to the pixel, 0 "
+        "but\nat "
+        "outlines. Raises InvalidInput.");
+    m.def("triangles_of", &triangles_of, py::arg("quads").noconvert(),
+          "(2 F, 3) int32: the halves (0, 1, 2) of all quads (F, 4), then the halves (0, 2, 3).");
     py::class_<LimitSurface>(
         m, "LimitSurface",
         "Places on the Catmull-Clark limit surface of a quad mesh, linear in its vertices.")

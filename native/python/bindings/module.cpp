@@ -3,6 +3,7 @@
 
 namespace mimetic::bindings {
 void bind_shared(pybind11::module_& m);
+void bind_raster(pybind11::module_& m);
 void bind_surface(pybind11::module_& m);
 void bind_skin(pybind11::module_& m);
 void bind_strain(pybind11::module_& m);
@@ -16,7 +17,6 @@ void bind_fit(pybind11::module_& m);
 void bind_flow(pybind11::module_& m);
 void bind_head(pybind11::module_& m);
 void bind_solve(pybind11::module_& m);
-void bind_overlay(pybind11::module_& m);
 }  // namespace mimetic::bindings
 
 PYBIND11_MODULE(_core, m) {
@@ -27,6 +27,7 @@ PYBIND11_MODULE(_core, m) {
     pybind11::register_exception<UnreadableMedia>(m, "UnreadableMedia", PyExc_OSError);
     // In the order of the stages
     bindings::bind_shared(m);
+    bindings::bind_raster(m);
     bindings::bind_surface(m);
     bindings::bind_skin(m);
     bindings::bind_strain(m);
@@ -40,5 +41,4 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_flow(m);
     bindings::bind_head(m);
     bindings::bind_solve(m);
-    bindings::bind_overlay(m);
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <mimetic/head/pose_smoothing.hpp>
+#include <mimetic/shared/covariance.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/shared/rotations.hpp>
 
@@ -212,7 +213,7 @@ PoseSequence smooth_poses(const PoseSequence& motion, VectorIn seconds, const st
         back.topLeftCorner<3, 3>() = inverse_left_jacobian(vector).inverse();
         const Matrix6 spread = back * belief.spread.topLeftCorner<6, 6>() * back.transpose();
         result.covariances[i] = .5 * (spread + spread.transpose());
-        if (!result.poses[i].matrix().allFinite() || !result.covariances[i].allFinite()) {
+        if (!result.poses[i].matrix().allFinite() || !is_covariance(result.covariances[i])) {
             throw InvalidInput(
                 "the head's motion cannot be smoothed: its covariances or its times are beyond what a "
                 "capture "

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <mimetic/head/head.hpp>
 #include <mimetic/shared/error.hpp>
+#include <mimetic/shared/rotations.hpp>
 
 #include "registration.hpp"
 #include "view_graph.hpp"
@@ -32,10 +33,6 @@ constexpr double kMostNearing = .03;    // of the distance, a frame on the fast 
 constexpr std::size_t kNearViews = 5;   // from which a doubtful frame is tried anew
 constexpr std::size_t kCloseViews = 6;  // taken at half the angle
 constexpr long kFlowEvery = 6;          // frames on the fast path: samples alone let the distance run away
-
-double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
-    return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
-}
 
 /// Share of the distance by which a head came nearer or went away.
 double nearing(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {

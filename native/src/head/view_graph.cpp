@@ -37,10 +37,6 @@ using Rows6 = Eigen::Matrix<double, 2, 6>;
 /// Of a view's pose among the unknowns.
 Eigen::Index place_of(std::size_t view) { return static_cast<Eigen::Index>(kShapeSize + 6 * (view - 1)); }
 
-double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
-    return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
-}
-
 /// How a point of the model moves by each entry of a change, head frame.
 Eigen::Matrix<double, 3, kShapeSize> motion_by_change(const HeadShape& shape, const Eigen::Vector3d& point) {
     const Eigen::Vector3d arm = point - shape.centre;

@@ -4,6 +4,17 @@
 
 namespace mimetic {
 
+bool is_covariance(const Eigen::MatrixXd& covariance) {
+    if (!covariance.allFinite() || covariance.diagonal().minCoeff() < 0) {
+        return false;
+    }
+    const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    const Eigen::MatrixXd correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation, Eigen::EigenvaluesOnly)
+               .eigenvalues()
+               .minCoeff() > -1e-6;
+}
+
 Eigen::MatrixXd nearest_covariance(const Eigen::MatrixXd& covariance, double least) {
     const Eigen::MatrixXd symmetric = (covariance + covariance.transpose()) / 2;
     const Eigen::VectorXd std = symmetric.diagonal().cwiseMax(1e-300).cwiseSqrt();

@@ -39,6 +39,10 @@ Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d& vector) {
                          : Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
 }
 
+double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
+    return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
+}
+
 Rows<double, 4> quaternions(const Rotations& rotations) {
     Rows<double, 4> result(rotations.size(), 4);
     for (Eigen::Index i = 0; i < result.rows(); ++i) {

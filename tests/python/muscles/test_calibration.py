@@ -175,5 +175,5 @@ def test_the_command_refuses_what_cannot_be_calibrated(tmp_path, capsys, rendere
     assert cli.main(["calibrate", clip, "--out", out, "--frames", "1:5"]) == 2
     assert "1:5 are 5" in capsys.readouterr().err
     assert cli.main(["calibrate", clip, "--out", str(tmp_path)]) == 2
-    assert "give a file" in capsys.readouterr().err
+    assert "give the name of a file" in capsys.readouterr().err
     assert list(tmp_path.iterdir()) == []

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import numpy as np
 import pytest
+from mimetic._core import cast_rays
 from mimetic.commands.points import track_points
-from mimetic.performance.places import RefinedSurface, find_places, places_under
+from mimetic.performance.places import RefinedSurface, places_under
 from mimetic.score.prediction import follow
 from mimetic.template.face_template import load_template
 from sample_performance import make_performance
@@ -32,7 +33,7 @@ def test_on_skin_that_faces_the_camera_the_ray_decides():
     performance = make_performance()
     pixels = performance.image_size / 2 + np.random.default_rng(5).uniform(-25, 25, (60, 2))
     surface = RefinedSurface(performance)
-    asked = find_places(performance, pixels, surface.in_camera(0), surface.triangles)
+    asked = cast_rays(surface.camera, surface.in_camera(0), surface.triangles, pixels)
     under = places_under(surface, pixels)
     assert under.on_face.all() and (under.offset == 0).all()
     np.testing.assert_array_equal(under.triangle, asked[0])

@@ -17,7 +17,7 @@ from fuzz.readers import READERS, Reader, make_case
 from fuzz.samples import Sample
 from mimetic import InvalidInput
 
-TESTS = Path(__file__).resolve().parents[1]
+TESTS = Path(__file__).resolve().parents[2]
 CASES = 250
 
 

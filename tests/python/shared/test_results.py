@@ -205,7 +205,7 @@ def test_a_disk_full_before_the_performance_is_saved_keeps_it_elsewhere(
 
 SAVE = """
 import sys
-from mimetic import cli
+from mimetic.commands import cli
 from sample_performance import make_performance
 cli.COMMANDS["save"] = ("save", "saves")
 class Save:
@@ -221,7 +221,7 @@ def test_a_performance_on_a_full_disk_is_one_line_with_the_path(tmp_path, larges
     done = subprocess.run(
         [sys.executable, "-c", SAVE],
         cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": os.path.dirname(__file__)},
+        env={**os.environ, "PYTHONPATH": os.path.dirname(os.path.dirname(__file__))},
         capture_output=True,
         text=True,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest)),

@@ -4,18 +4,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from mimetic import InvalidInput, _core
-from mimetic._core import from_rotation_vectors
+from mimetic._core import cast_rays, from_rotation_vectors
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.face_model import face_model
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitted_view import FittedView
 from mimetic.fit.fitting import landmark_places, refit
-from mimetic.performance.places import find_places
 from mimetic.shared import pinhole
 from mimetic.skin.mesh import SkinMesh
 from mimetic.solve.relief import find_relief
@@ -53,8 +51,8 @@ def surface_of(fit: FaceFit, pixels) -> tuple[np.ndarray, np.ndarray, np.ndarray
     mesh = SkinMesh(template, np.ascontiguousarray(fit.neutral_vertices(template)))
     pose = fit.head_pose
     in_camera = mesh.vertices @ pose[:3, :3].T + pose[:3, 3]
-    camera = SimpleNamespace(intrinsics=fit.intrinsics)
-    triangle, weights = find_places(camera, pixels, in_camera, mesh.triangles)
+    triangles = np.ascontiguousarray(mesh.triangles, dtype=np.int32)
+    triangle, weights = cast_rays(fit.camera, in_camera, triangles, pixels)
     assert (triangle >= 0).all()
     corners = mesh.triangles[triangle]
     return corners, weights, np.einsum("kc,kcx->kx", weights, mesh.vertices[corners])

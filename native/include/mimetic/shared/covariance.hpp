@@ -8,4 +8,7 @@ namespace mimetic {
 /// correlations: radians and metres differ by orders of magnitude. least: of the correlations' eigenvalues.
 Eigen::MatrixXd nearest_covariance(const Eigen::MatrixXd& covariance, double least = 1e-9);
 
+/// Whether a covariance is one, but for rounding: finite, and no correlation's eigenvalue is below -1e-6.
+bool is_covariance(const Eigen::MatrixXd& covariance);
+
 }  // namespace mimetic

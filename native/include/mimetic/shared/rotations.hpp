@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <mimetic/shared/types.hpp>
 #include <optional>
 #include <string>
@@ -17,6 +17,9 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
 
 /// The rotation about a vector by its length, radians (Rodrigues).
 Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d& vector);
+
+/// Radians by which the second pose is turned from the first.
+double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
 
 /// N x 4 unit quaternions (w x y z), each nearest to the one before. [Bar-Itzhack 2000]: the eigenvector of
 /// the largest eigenvalue, which has no special cases.

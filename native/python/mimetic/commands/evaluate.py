@@ -32,11 +32,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run_evaluate(options: argparse.Namespace) -> int:
     """Prints scores; 0 when all went well. Bad input raises InvalidInput or UnreadableMedia."""
-    if (options.truth is None) != (options.performance is None):
-        raise InvalidInput("give both --truth and --performance, or neither")
     runs = _runs()
     if runs:
         runs.check(options)
+    if (options.truth is None) != (options.performance is None):
+        raise InvalidInput("give both --truth and --performance, or neither")
     if options.truth is not None:
         return _score_files(options)
     if runs is None:

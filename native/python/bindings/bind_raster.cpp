@@ -2,6 +2,7 @@
 #include <cstring>
 #include <mimetic/raster/depth.hpp>
 #include <mimetic/raster/overlay.hpp>
+#include <mimetic/raster/rays.hpp>
 
 #include "arrays.hpp"
 
@@ -39,12 +40,28 @@ ImageArray paint(const OverlayPainter& painter, const ImageArray& image, PointsI
 
 }  // namespace
 
-void bind_overlay(py::module_& m) {
+void bind_raster(py::module_& m) {
     m.def("show_points", &show_points, "camera"_a, py::arg("vertices_in_camera").noconvert(),
           py::arg("faces").noconvert(), py::arg("points_in_camera").noconvert(), "tolerance"_a = 4e-3,
           "Which points (K x 3, metres, camera frame) are in the image and not covered by the mesh.\n\n"
           "vertices_in_camera: (V, 3) float64; faces: (F, 4) int32; tolerance: metres\n"
           "returns: (K,) bool; raises InvalidInput");
+    m.def(
+        "cast_rays",
+        [](const Camera& camera, PointsIn vertices, TrianglesIn triangles, Points2In pixels) {
+            RayHits hits;
+            {
+                const py::gil_scoped_release release;
+                hits = cast_rays(camera, vertices, triangles, pixels);
+            }
+            return py::make_tuple(hits.triangle, hits.weights);
+        },
+        "camera"_a, py::arg("vertices_in_camera").noconvert(), py::arg("triangles").noconvert(),
+        py::arg("pixels").noconvert(),
+        "The nearest triangle that faces the camera under each pixel: (K,) int32, -1 for none, and the "
+        "place\nin "
+        "it, (K, 3) weights of its corners.\n\nvertices_in_camera: (V, 3) float64, metres; triangles: (T, 3) "
+        "int32;\npixels: (K, 2) float64. Raises InvalidInput.");
     py::class_<OverlayOptions>(m, "OverlayOptions", "How the overlay is drawn; see overlay.hpp for units.")
         .def(py::init<>())
         .def_readwrite("scale", &OverlayOptions::scale)
