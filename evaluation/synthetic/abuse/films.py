@@ -21,7 +21,7 @@ from .composites import abused
 from .recipes import SECONDS, AbuseClip, Source
 
 HERE = Path(__file__).resolve().parent
-FOOTAGE = HERE.parent.parent / "build" / "footage"
+FOOTAGE = HERE.parents[2] / "build" / "footage"
 SOURCES = ("abuse/composites", "abuse/films", "abuse/recipes", "footage", "heads/hand", "noise")
 
 

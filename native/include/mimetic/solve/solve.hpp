@@ -86,6 +86,7 @@ struct FrameEstimate {
     Eigen::MatrixXd covariance;  ///< (6 + M) squared; rad, m, 1; model error included
     double quality = 0;          ///< 0 lost to 1 well explained
     bool held = false;           ///< nothing was measured: state of the last good frame
+    bool found_again = false;    ///< searched for or guessed, not followed on: it may be another face
     int num_samples = 0;         ///< samples in sight
     int num_explained = 0;       ///< of them, those that the state explains
     double residual_px = 0;      ///< median distance of used samples from the model, frame pixels

@@ -36,7 +36,8 @@ def proved(
 ) -> Iterator[tuple[int, _core.FrameEstimate | None]]:
     """The estimates, None where a lost face was found, but not for PROOF frames on end.
 
-    Chance makes another face look like this one in a frame, not in several.
+    Chance makes another face look like this one in a frame, not in several. A face may be lost and
+    found in one frame, and after a cut it was not lost before: `found_again` tells.
     """
     is_lost = False
     waiting: list[tuple[int, _core.FrameEstimate | None]] = []
@@ -45,7 +46,8 @@ def proved(
             yield from ((earlier, None) for earlier, _ in waiting)
             waiting, is_lost = [], True
             yield frame, estimate
-        elif is_lost:
+        elif is_lost or estimate.found_again:
+            is_lost = True
             waiting.append((frame, estimate))
             if len(waiting) == PROOF:
                 yield from waiting
