@@ -22,10 +22,6 @@ MODULE = f"bl_ext.{REPOSITORY}.mimetic"
 STATUS = pytest.StashKey[int]()
 
 
-# The module of Blender 4.2 frees an add-on's panels after Python is gone, and crashes
-CRASHES_AT_EXIT = bpy.app.version < (4, 3)
-
-
 def pytest_configure(config):
     config.addinivalue_line(
         "markers",
@@ -40,11 +36,14 @@ def pytest_sessionfinish(session, exitstatus):
 
 @pytest.hookimpl(trylast=True)
 def pytest_unconfigure(config):
-    """After all reports are written."""
-    if CRASHES_AT_EXIT:
-        sys.stdout.flush()
-        sys.stderr.flush()
-        os._exit(config.stash.get(STATUS, 3))
+    """Ends the process after all reports are written, as `headless_bake.leave` does.
+
+    The module of Blender 4.2 frees an add-on's panels after Python is gone, and crashes; that of
+    4.5 has waited for its own worker threads for ever.
+    """
+    sys.stdout.flush()
+    sys.stderr.flush()
+    os._exit(config.stash.get(STATUS, 3))
 
 
 def enable() -> None:
