@@ -19,6 +19,11 @@ def is_idle() -> bool:
     return sys.modules[f"{PACKAGE}.jobs"].running is None
 
 
+def is_contact_followed() -> bool:
+    known = sys.modules[f"{PACKAGE}.contact"]._known
+    return any(face.values is not None for face in known.values())
+
+
 def face_points() -> np.ndarray:
     """The face as the window's dependency graph has it."""
     face = bpy.context.view_layer.objects.active
@@ -52,6 +57,8 @@ def move_the_sliders(walk: Walk) -> Steps:
     blocks = bpy.context.view_layer.objects.active.data.shape_keys.key_blocks
     for name, value in SMILE.items():
         blocks[name].value = value
+    # What lips and lids do to each other is known some seconds after the face is there
+    yield from walk.until(is_contact_followed, 120, "contact follows the sliders")
     yield 0.5
     moved = np.abs(face_points() - before).max()
     walk.check("sliders move the face", moved > 0.005, f"{1000 * moved:.1f} mm")
