@@ -1,10 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+import signal
 import sys
 from pathlib import Path
 
 import pytest
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[n]) for n in (1, 2)]  # fuzz; evaluation
+# A shell starts what runs in its background with Ctrl-C ignored, and so would the commands that
+# tests send one to
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @pytest.fixture(scope="session")
