@@ -90,8 +90,11 @@ def check(options: argparse.Namespace) -> None:
         _check_set(options)
     if options.what != "capture":
         _refuse(options, *FILES)
-    elif options.set in expressions.SETS and any(getattr(options, name) for name in FILES):
+    files = any(getattr(options, name) for name in FILES)
+    if options.set in expressions.SETS and (files or options.what in ("fit", "flow", "head")):
         raise InvalidInput(f"--set {options.set} goes with plain `mimetic evaluate`")
+    if options.out and files:
+        raise InvalidInput("--out goes with --set full, `fit`, `head` and `locate`")
 
 
 def run_tables(options: argparse.Namespace) -> int:
