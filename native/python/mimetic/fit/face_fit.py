@@ -22,8 +22,10 @@ from mimetic.shared.whole_file import whole_file
 from mimetic.template.face_template import FaceTemplate
 
 SCHEMA = 4
-# Keys that came with a schema; files of older ones still load.
-ADDED = {2: {"residual", "views"}, 3: {"calibration"}, 4: {"relief"}}
+REQUIRED = ("schema", "frame", "image_size", "intrinsics", "head_pose", "identity")
+# Key: the schema that it came with; files of older schemas still load.
+OPTIONAL = {"features": 1, "error": 1, "warnings": 1}
+OPTIONAL |= {"residual": 2, "views": 2, "calibration": 3, "relief": 4}
 LARGEST_FILE = 4 << 20  # bytes
 MOST_VIEWS = 100
 
@@ -125,17 +127,14 @@ def _fields(document: object) -> dict:
     """Arguments of FaceFit from a JSON document of the right schema and keys."""
     if not isinstance(document, dict):
         raise InvalidInput("not a face fit: the document must be an object")
-    needed = {"schema", "frame", "image_size", "intrinsics", "head_pose", "identity"}
-    known = needed | {"features", "error", "warnings"}
     schema = document.get("schema")
     if isinstance(schema, bool) or schema not in range(1, SCHEMA + 1):
         raise InvalidInput(
             f"face fit has schema {schema!r}, this version reads {SCHEMA}: "
             "update Mimetic or fit again"
         )
-    for number, keys in ADDED.items():
-        known |= keys if schema >= number else set()
-    if missing := sorted(needed - document.keys()):
+    known = {*REQUIRED, *(key for key, number in OPTIONAL.items() if schema >= number)}
+    if missing := sorted(set(REQUIRED) - document.keys()):
         raise InvalidInput(f"face fit lacks {', '.join(missing)}")
     if unknown := sorted(document.keys() - known):
         raise InvalidInput(f"face fit has unknown keys: {', '.join(unknown)}")

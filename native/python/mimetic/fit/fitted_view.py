@@ -15,6 +15,7 @@ from mimetic.shared.documents import checked_places, checked_pose, named, number
 
 PIN_SIGMA = 0.1  # pixels: what a hand places is held
 MOST_POINTS = 1000  # of a curve
+KEYS = ("frame", "head_pose", "pins", "box", "likelihood", "features", "curves", "motion")
 
 
 @dataclass
@@ -67,9 +68,8 @@ class FittedView:
     @classmethod
     def from_json(cls, document: object) -> FittedView:
         """Raises InvalidInput naming the field."""
-        keys = ("frame", "head_pose", "pins", "box", "likelihood", "features", "curves", "motion")
-        if not isinstance(document, dict) or sorted(document) != sorted(keys):
-            raise InvalidInput(f"face fit's views must be objects with {', '.join(keys)}")
+        if not isinstance(document, dict) or sorted(document) != sorted(KEYS):
+            raise InvalidInput(f"face fit's views must be objects with {', '.join(KEYS)}")
         features = [
             _core.Feature(name, row[:2], max(row[2], 1e-3), row[3])
             for name, row in (
