@@ -41,12 +41,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description += (
         " `locate` scores what finds faces on still images instead, beside OpenCV's cascades; "
         "`head` scores what follows heads on rendered sequences, beside MediaPipe's face mesh; "
-        "`fit` scores heads fitted to portraits (docs/fitting.md); `flow` tells whether optical "
-        "flow knows how far it is off, `ablations` what each part of the capture is good for "
-        "(docs/evaluation.md), `calibration` what knowing a person's skin is worth "
-        "(docs/calibration.md), `abuse` whether faces that are covered, cut away or in the dark "
-        "are held or right (docs/evaluation.md), `rest` how often the frame that is taken for the "
-        "neutral face shows it (docs/fitting.md)."
+        "`fit` scores heads fitted to portraits (docs/measured/fitting.md); `flow` tells whether "
+        "optical flow knows how far it is off, `ablations` what each part of the capture is good "
+        "for, `abuse` whether faces that are covered, cut away or in the dark are held or right "
+        "(docs/measured/evaluation.md), `calibration` what knowing a person's skin is worth "
+        "(docs/measured/calibration.md), `rest` how often the frame that is taken for the neutral "
+        "face shows it (docs/guide/fitting.md)."
     )
     parser.add_argument(
         "what",
@@ -63,9 +63,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=("held-out", "tuning", "small", "real", *expressions.SETS),
         default="held-out",
         help="which rendered clips or images (default: held-out); locate: real ones too; capture: "
-        "full, nine expressions by 30 people, beside all peers (docs/evaluation.md)",
+        "full, nine expressions by 30 people, beside all peers (docs/measured/evaluation.md)",
     )
-    parser.add_argument("--images", type=Path, help="locate: these images (docs/still-images.md)")
+    parser.add_argument(
+        "--images", type=Path, help="locate: these images (docs/measured/finding-faces.md)"
+    )
     parser.add_argument(
         "--eigenspaces",
         type=Path,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of faces at rest whose head, pose and camera are known (docs/fitting.md)."""
+"""Pictures of faces at rest whose head, pose and camera are known (docs/measured/fitting.md)."""
 
 from __future__ import annotations
 

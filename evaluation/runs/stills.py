@@ -40,7 +40,7 @@ class Stills:
 
     @classmethod
     def load(cls, path: str | os.PathLike) -> Stills:
-        """Reads docs/still-images.md's file; raises InvalidInput, UnreadableMedia."""
+        """Reads docs/measured/finding-faces.md's file; raises InvalidInput, UnreadableMedia."""
         arrays = read_archive(path, SHAPES, KINDS, LARGEST)
         if tuple(arrays.pop("parts").tolist()) != PARTS:
             raise InvalidInput(f"{path}: parts must be {', '.join(PARTS)}")

@@ -29,7 +29,7 @@ FOCAL_RATIOS = (0.9, 1.5)  # focal length over image width
 
 
 def portraits(name: str, template: FaceTemplate, report: Callable[[str], None]) -> Path:
-    """The .npz of a set, drawn unless the cache has it (docs/fitting.md has its keys)."""
+    """The .npz of a set, drawn unless the cache has it (docs/measured/fitting.md has its keys)."""
     path = cache_folder() / f"portraits-{name}-{_key(name, template)}.npz"
     if path.exists():
         return path

@@ -20,7 +20,10 @@ SETS = {"held-out": range(500, 520), "tuning": range(40, 60), "small": range(700
 
 
 def stills(name: str, template: FaceTemplate, report: Callable[[str], None]) -> Path:
-    """The .npz of a set, drawn unless the cache has it (docs/still-images.md has its keys)."""
+    """The .npz of a set, drawn unless the cache has it.
+
+    docs/measured/finding-faces.md has its keys.
+    """
     path = cache_folder() / f"stills-{name}-{_key(name, template)}.npz"
     if path.exists():
         return path

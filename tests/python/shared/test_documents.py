@@ -13,7 +13,7 @@ def read(path: str) -> str:
 
 
 def test_the_validation_says_which_rows_are_of_the_faces_element():
-    text = read("docs/validation.md")
+    text = read("docs/measured/skin-validation.md")
     rows = [[cell.strip() for cell in line.split("|")] for line in text.splitlines()]
     cases = [row for row in rows if len(row) > 9 and row[2] in ("skin", "CST + DKT")]
     of_face = [row for row in cases if row[2] == "skin"]
@@ -40,3 +40,64 @@ def test_the_oldest_and_the_newest_blender_that_are_claimed_run_all_tests():
     assert f"({names[0]} to {names[-1]}; {listed} are tested)" in read("README.md")
     assert f"between Blender {names[0]} and {names[-1]}" in read("blender_addon/mimetic/compat.py")
     assert f"module {listed}," in read("CONTRIBUTING.md")
+
+
+PAGES = ("README.md", "CONTRIBUTING.md", "CHANGELOG.md", "docs", "sample_scenes")
+SOURCES = ("native", "blender_addon", "evaluation", "scripts", "tests", "sample_scenes")
+FOLDERS = "blender_addon|docs|evaluation|native|sample_scenes|scripts|tests"
+
+
+def pages() -> list[Path]:
+    found = [path for name in PAGES for path in [ROOT / name, *(ROOT / name).rglob("*.md")]]
+    return [path for path in found if path.suffix == ".md"]
+
+
+def texts() -> list[Path]:
+    """Pages and sources."""
+    sources = [path for name in SOURCES for path in (ROOT / name).rglob("*")]
+    kinds = (".py", ".cpp", ".hpp", ".toml", ".txt", ".cmake", "")
+    kept = [path for path in sources if path.suffix in kinds and path.is_file()]
+    return [*pages(), *(path for path in kept if "__pycache__" not in path.parts)]
+
+
+def test_links_between_pages_lead_somewhere():
+    broken = [
+        f"{path.relative_to(ROOT)}: {target}"
+        for path in pages()
+        for target in re.findall(r"\]\(([^)#:]+)\)", path.read_text(encoding="utf-8"))
+        if not (path.parent / target).exists()
+    ]
+    assert broken == []
+
+
+def test_pages_named_in_texts_and_sources_exist():
+    broken = [
+        f"{path.relative_to(ROOT)}: {name}"
+        for path in texts()
+        for name in re.findall(r"\bdocs/[\w/.-]+\.(?:md|png|jpg)", path.read_text(errors="ignore"))
+        if not (ROOT / name).exists()
+    ]
+    assert broken == []
+
+
+def test_files_and_modules_named_in_pages_exist():
+    broken = []
+    for path in pages():
+        text = path.read_text(encoding="utf-8")
+        named = re.findall(rf"`\.?/?((?:{FOLDERS})/[\w/.-]++)(?![<*])", text)
+        for dotted in re.findall(r"(?<![\w/])evaluation(?:\.(?!md\b)[a-z_]+)+", text):
+            stem = dotted.replace(".", "/")
+            named.append(stem if (ROOT / stem).is_dir() else f"{stem}.py")
+        named += [f"native/python/{stem}.py" for stem in modules_named(text)]
+        broken += [f"{path.relative_to(ROOT)}: {name}" for name in named if not exists(name)]
+    assert broken == []
+
+
+def modules_named(text: str) -> list[str]:
+    """`mimetic/fit/fitting` of `mimetic.fit.fitting.refit`; names with capitals are no modules."""
+    dotted = re.findall(r"\bmimetic\.[a-z_]+\.[a-z_]+\b(?!/)", text)
+    return [name.replace(".", "/") for name in dotted]
+
+
+def exists(name: str) -> bool:
+    return (ROOT / name.rstrip(".")).exists()
