@@ -78,12 +78,12 @@ void bind_fit(py::module_& m) {
     m.def(
         "fit_face",
         [](const FaceModel& model, const std::vector<FaceView>& views, const Camera& camera, bool focal_free,
-           const FaceEstimate* start) {
+           const std::optional<FaceEstimate>& start) {
             FitOptions options;
             options.focal_free = focal_free;
-            return fit_face(model, views, camera, options, start);
+            return fit_face(model, views, camera, options, start ? &*start : nullptr);
         },
-        "model"_a, "views"_a, "camera"_a, "focal_free"_a = false, "start"_a = nullptr,
+        "model"_a, "views"_a, "camera"_a, "focal_free"_a = false, "start"_a = py::none(),
         py::call_guard<py::gil_scoped_release>(),
         "Pose of every view and the proportions and focal length that they share.\n\n"
         "start: FaceEstimate of the same views to go on from\nreturns: FaceEstimate, metres and pixels");

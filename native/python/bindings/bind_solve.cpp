@@ -174,9 +174,15 @@ void bind_tracker(py::module_& m) {
             },
             py::arg("image").noconvert(), "estimate"_a,
             "Goes back to a frame's state, to follow the clip the other way; reference textures are kept.");
-    m.def("smooth", &smooth, "estimates"_a, "motion"_a, "options"_a = SmootherOptions{},
-          "progress"_a = Progress{}, py::call_guard<py::gil_scoped_release>(),
-          "The most probable states of a whole clip, without lag and within the bounds, one per estimate.");
+    m.def(
+        "smooth",
+        [](const std::vector<FrameEstimate>& estimates, const FaceMotion& motion,
+           const SmootherOptions& options, const std::optional<Progress>& progress) {
+            return smooth(estimates, motion, options, progress.value_or(Progress{}));
+        },
+        "estimates"_a, "motion"_a, "options"_a = SmootherOptions{}, "progress"_a = py::none(),
+        py::call_guard<py::gil_scoped_release>(),
+        "The most probable states of a whole clip, without lag and within the bounds, one per estimate.");
 }
 
 }  // namespace

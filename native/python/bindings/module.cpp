@@ -25,7 +25,7 @@ PYBIND11_MODULE(_core, m) {
     m.attr("__version__") = MIMETIC_VERSION;
     pybind11::register_exception<InvalidInput>(m, "InvalidInput", PyExc_ValueError);
     pybind11::register_exception<UnreadableMedia>(m, "UnreadableMedia", PyExc_OSError);
-    // In the order of the stages
+    // In the order of the stages; a class before the signatures that name it, which the stubs repeat
     bindings::bind_shared(m);
     bindings::bind_raster(m);
     bindings::bind_surface(m);
@@ -34,9 +34,9 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_skin_dynamics(m);
     bindings::bind_contact(m);
     bindings::bind_muscles(m);
+    bindings::bind_eigenspace(m);
     bindings::bind_locate(m);
     bindings::bind_landmarks(m);
-    bindings::bind_eigenspace(m);
     bindings::bind_fit(m);
     bindings::bind_flow(m);
     bindings::bind_head(m);

@@ -190,17 +190,19 @@ def _ask(python: os.PathLike[str] | str, request: dict, folder: Path) -> dict:
             )
     except OSError as error:
         raise UnreadableMedia(f"--blender-python {python}: {error.strerror}") from None
+    requests = process.stdin
+    assert requests is not None  # a pipe, as requested
     try:
         # Standard input stays open while this process lives: the child ends when it closes
         with contextlib.suppress(BrokenPipeError):
-            process.stdin.write(json.dumps(request).encode() + b"\n")
-            process.stdin.flush()
+            requests.write(json.dumps(request).encode() + b"\n")
+            requests.flush()
         process.wait()
     finally:
         process.kill()
         process.wait()
         with contextlib.suppress(BrokenPipeError):
-            process.stdin.close()
+            requests.close()
     answer = Path(request["answer"])
     if process.returncode == 0 and answer.exists():
         return json.loads(answer.read_text(encoding="utf-8"))

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from mimetic.commands.on_clip import add_clip_arguments, run_on_clip
+from mimetic.fit.face_fit import FaceFit
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
 from mimetic.report.html import write_report
@@ -24,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_capture(arguments: argparse.Namespace) -> int:
-    def follow(fit, progress, summary):
+    def follow(fit: FaceFit | None, progress: Progress, summary: CaptureSummary) -> Performance:
         return capture(arguments.footage, arguments.frames, fit, progress, summary)
 
     return run_on_clip(arguments, COSTS, follow, write_pictures)

@@ -10,6 +10,7 @@ import argparse
 import importlib
 import sys
 from collections.abc import Sequence
+from typing import TextIO
 
 from mimetic import InvalidInput, UnreadableMedia, __version__
 from mimetic.shared.interrupts import signals_raised
@@ -83,7 +84,7 @@ def _make_parser(arguments: list[str]) -> argparse.ArgumentParser:
     return parser
 
 
-def _write_any_name(stream) -> None:
+def _write_any_name(stream: TextIO) -> None:
     """Names of files may hold what the stream's encoding lacks: that is no reason to fail."""
     if hasattr(stream, "reconfigure"):
         stream.reconfigure(errors="backslashreplace")

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import sys
 from time import monotonic
+from typing import Any
 
 from mimetic.shared.shown_text import shown
 
@@ -27,7 +28,7 @@ class Console:
             self._task = self._bar.add_task("starting", total=1.0, left="")
         return self
 
-    def __exit__(self, *_exception) -> None:
+    def __exit__(self, *_exception: object) -> None:
         if self._bar:
             self._bar.stop()
             self._bar = None
@@ -50,7 +51,7 @@ class Console:
         return f", {int(left) // 60}:{int(left) % 60:02d} left"
 
 
-def _make_bar():
+def _make_bar() -> Any:  # rich's Progress, or None without it
     try:
         from rich.console import Console as RichConsole
         from rich.progress import (

@@ -4,15 +4,20 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable
+from pathlib import Path
 
 from mimetic import _core
 from mimetic.commands.on_clip import add_clip_arguments, run_on_clip
+from mimetic.fit.face_fit import FaceFit
 from mimetic.head.smoothing import check_strength
 from mimetic.head.tracking import MODELS, NUM_PASSES, PASS_COST, SMOOTHING, track_head
+from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
 from mimetic.report.head_drawing import HeadDrawing, write_motion_plot
 from mimetic.report.overlay import FaceDrawing, write_overlay
-from mimetic.shared.progress import ATTACHED, Costs
+from mimetic.shared.progress import ATTACHED, Costs, Progress
+from mimetic.solve.clip_capture import CaptureSummary
 
 COSTS = Costs(
     followed_once=ATTACHED, followed_each=NUM_PASSES * PASS_COST, drawn_each=0.5, written=0.0
@@ -47,16 +52,24 @@ def run_head(arguments: argparse.Namespace) -> int:
     model = arguments.model
     check_strength(arguments.smoothing)
 
-    def follow(fit, progress, summary):
+    def follow(fit: FaceFit | None, progress: Progress, summary: CaptureSummary) -> Performance:
         return track_head(
             *(arguments.footage, model, arguments.frames, fit, progress, summary),
             fast=arguments.fast,
             smoothing=arguments.smoothing,
         )
 
-    def draw(performance, footage, folder, summary, progress, interrupted):
+    def draw(
+        performance: Performance,
+        footage: Footage,
+        folder: Path,
+        summary: CaptureSummary,
+        progress: Progress,
+        interrupted: Callable[[], bool],
+    ) -> None:
         write_motion_plot(performance, folder / "motion.png")
         if not interrupted():
+            assert summary.head_shape is not None  # tracking leaves it
             drawing = _drawing_of(performance, summary.head_shape)
             write_overlay(performance, footage, folder / "overlay.mp4", progress, drawing)
 

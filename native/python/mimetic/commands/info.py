@@ -24,7 +24,7 @@ def describe(performance: Performance) -> str:
     """Several lines of text on a performance."""
     width, height = performance.image_size
     stored = ""
-    if performance.pixel_aspect != 1:
+    if performance.stored_size is not None and performance.pixel_aspect != 1:
         stored = " ({} x {} in the file)".format(*performance.stored_size)
     num_vertices = len(performance.neutral_vertices)
     held = int((performance.quality < HELD_QUALITY).sum())

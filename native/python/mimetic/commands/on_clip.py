@@ -116,6 +116,7 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
         save_performance(performance, folder / PERFORMANCE, console.tell)
         failure = summary.footage.failure if summary.footage else None
         try:
+            assert summary.fit is not None  # given, or found before anything was followed
             summary.fit.save(folder / "fit.json")
             draw(performance, footage, folder, summary, drawing, interrupted)
         except OSError as error:  # a full disk, footage that is gone: the capture is done

@@ -161,7 +161,7 @@ def read_points(path: str | os.PathLike[str]) -> NDArray[np.float64]:
             header = [name.strip() for name in next(rows, [])]
             if header != ["x", "y"]:
                 raise InvalidInput(f"{path}: the first line must be x,y")
-            points = []
+            points: list[tuple[float, float]] = []
             for row in rows:
                 if not row:
                     continue

@@ -32,7 +32,7 @@ def smoothed(performance: Performance, strength: float = USUAL_STRENGTH) -> Perf
         performance.head_pose,
         performance.head_pose_cov,
         performance.frame / performance.fps,
-        performance.quality >= HELD_QUALITY,
+        (performance.quality >= HELD_QUALITY).tolist(),
         strength,
     )
     return replace(performance, head_pose=poses, head_pose_cov=covariances)
@@ -53,7 +53,7 @@ def smoothed_scenes(
                 poses[part],
                 performance.head_pose_cov[part],
                 performance.frame[part] / performance.fps,
-                performance.quality[part] >= HELD_QUALITY,
+                (performance.quality[part] >= HELD_QUALITY).tolist(),
                 strength,
             )
     return replace(performance, head_pose=poses)

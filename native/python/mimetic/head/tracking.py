@@ -244,7 +244,7 @@ class _HeadMotion:
             articulator_values=np.zeros((shape[0], len(anatomy.articulator_names))),
             articulator_modes=anatomy.articulator_modes,
             neutral_vertices=self.neutral,
-            faces=self.template.faces,
+            faces=self.template.faces.astype(np.int64),
             quality=np.clip(rows.quality, 0, 1),
             notes=self._notes(rows),
             footage=self.footage.identity,

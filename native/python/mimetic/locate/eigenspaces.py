@@ -92,7 +92,9 @@ def _read(archive: ArrayArchive) -> _core.FaceSpaces:
     if not all(header.dtype.kind in "fiuU" for header in headers.values()):
         raise InvalidInput("holds arrays of neither numbers nor names")
 
-    def read(name: str, shape: tuple[int | str, ...], lengths: dict, kinds: str = "fiu"):
+    def read(
+        name: str, shape: tuple[int | str, ...], lengths: dict[str, int], kinds: str = "fiu"
+    ) -> np.ndarray:
         if name not in headers:
             raise InvalidInput(f"lacks {name}: not a file of eigenspaces")
         header = headers[name]
@@ -107,8 +109,10 @@ def _read(archive: ArrayArchive) -> _core.FaceSpaces:
         if not ((a["size"] >= 1) & (a["size"] <= LARGEST["N"])).all():
             raise InvalidInput(f"{prefix}_size is {a['size'].tolist()}")
         try:
+            width, height = (int(side) for side in a["size"])
             return _core.Eigenspace(
-                *(int(side) for side in a["size"]),
+                width,
+                height,
                 a["mean"],
                 a["basis"],
                 a["eigenvalues"],

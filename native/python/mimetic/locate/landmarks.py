@@ -105,8 +105,13 @@ def measured_landmarks(
     InvalidInput where the regression leaves the face.
     """
     cascade = installed_cascade()
-    pupils = [f.position for n in ("pupil.R", "pupil.L") for f in face.features if f.name == n]
-    start = cascade.start(*pupils, face.yaw if yaw is None else yaw)
+    right, left = (
+        feature.position
+        for name in ("pupil.R", "pupil.L")
+        for feature in face.features
+        if feature.name == name
+    )
+    start = cascade.start(right, left, face.yaw if yaw is None else yaw)
     found = cascade.find(image, start)
     if abs(np.log(_size(found.places) / _size(start))) > RESIZED:
         found = cascade.find(image, found.places)

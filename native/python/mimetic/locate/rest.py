@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -159,7 +161,7 @@ class _FaceView:
     def _midway(self, name: str) -> float:
         return float((self._places[name + ".L"] + self._places[name + ".R"])[0]) / 2
 
-    def _window(self, center, half_x: float, half_y: float) -> Window:
+    def _window(self, center: Sequence[float] | NDArray, half_x: float, half_y: float) -> Window:
         """41 x 41 grey values round a point."""
         x, y = np.meshgrid(np.linspace(-half_x, half_x, 41), np.linspace(-half_y, half_y, 41))
         spots = self._middle + (center[0] + x)[..., None] * self._across

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+import io
 import os
 import re
 import subprocess
@@ -12,6 +13,7 @@ from collections import deque
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
+from typing import IO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -94,10 +96,10 @@ class Footage:
             "pipe:1",
         ]
         frame = first - 1
-        with _run(command) as (process, errors):
+        with _run(command) as (process, output, errors):
             while True:
                 image = np.empty((height, width, 3), np.uint8)
-                if not _fill(process.stdout, image):
+                if not _fill(output, image):
                     break
                 frame += 1
                 yield frame, image
@@ -156,17 +158,17 @@ class Footage:
             *("-map", "0:V:0", "-c", "copy", "-f", "framecrc", "pipe:1"),
         ]
         tick = Fraction(0)
-        stamps = []
-        with _run(command, longest=400) as (process, report):
-            for line in process.stdout:
+        rows = []
+        with _run(command, longest=400) as (process, output, report):
+            for line in output:
                 if line.startswith(b"#tb 0:"):
                     tick = Fraction(line.split(b":", 1)[1].decode().strip())
                 elif not line.startswith(b"#"):
-                    stamps.append([int(word) for word in line.split(b",")[1:3]])
+                    rows.append([int(word) for word in line.split(b",")[1:3]])
             process.wait()
         if failure := failure_of(process.returncode, report, self.path):
             raise failure
-        decoded, shown = np.array(stamps, dtype=np.int64).reshape(-1, 2).T
+        decoded, shown = np.array(rows, dtype=np.int64).reshape(-1, 2).T
         # Raw streams and AVI say when frames are decoded, not when they are shown
         stamps = np.sort(decoded if (shown == NO_TIME).any() else shown)
         return b"\n".join(report), (stamps - stamps[:1]) * float(tick), tick
@@ -254,8 +256,16 @@ def _with_square_pixels(width: int, height: int, aspect: Fraction) -> tuple[int,
     return (width, round(height / aspect)) if aspect > 1 else (round(width * aspect), height)
 
 
+class Running(NamedTuple):
+    """An ffmpeg at work."""
+
+    process: subprocess.Popen[bytes]
+    output: io.BufferedReader  # what it decodes
+    errors: deque[bytes]  # the last lines that it wrote
+
+
 @contextlib.contextmanager
-def _run(command: list[str], longest: int = 50):
+def _run(command: list[str], longest: int = 50) -> Iterator[Running]:
     """The process and its last lines of errors; killed however the block is left."""
     # A session of its own: Ctrl-C is ours to handle, the child ends by the block below.
     process = subprocess.Popen(
@@ -265,11 +275,12 @@ def _run(command: list[str], longest: int = 50):
         stderr=subprocess.PIPE,
         start_new_session=True,
     )
+    assert isinstance(process.stdout, io.BufferedReader) and process.stderr  # pipes, as requested
     errors: deque[bytes] = deque(maxlen=longest)
     reader = threading.Thread(target=_collect, args=(process.stderr, errors), daemon=True)
     reader.start()
     try:
-        yield process, errors
+        yield Running(process, process.stdout, errors)
     finally:
         if process.poll() is None:
             process.kill()
@@ -279,13 +290,13 @@ def _run(command: list[str], longest: int = 50):
         process.stderr.close()
 
 
-def _collect(stream, lines: deque[bytes]) -> None:
+def _collect(stream: IO[bytes], lines: deque[bytes]) -> None:
     while line := stream.readline(4096):
         lines.append(line.rstrip())
 
 
-def _fill(stream, image: NDArray[np.uint8]) -> bool:
-    view = memoryview(image).cast("B")
+def _fill(stream: io.BufferedReader, image: NDArray[np.uint8]) -> bool:
+    view = image.data.cast("B")
     while len(view):
         count = stream.readinto(view)
         if not count:

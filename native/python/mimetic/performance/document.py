@@ -7,6 +7,7 @@ import os
 import re
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,7 +33,7 @@ HELD_QUALITY = 0.2  # frames under it are held, not invented
 LARGEST = {"N": 10_000_000, "V": 2_000_000, "F": 4_000_000, "A": 1000, "M": 1000, "K": 1000}
 
 # key: (kind of number, shape); letters are lengths that must agree between the keys
-REQUIRED = {
+REQUIRED: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "frame": ("i", ("N",)),
     "fps": ("f", (1,)),
     "image_size": ("i", (2,)),
@@ -50,7 +51,7 @@ REQUIRED = {
     "faces": ("i", ("F", 4)),
     "quality": ("f", ("N",)),
 }
-OPTIONAL = {
+OPTIONAL: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "articulator_modes": ("m", ("A", "V", 3)),
     "articulator_values_std": ("f", ("N", "A")),
     "detail_modes": ("m", ("M", "V", 3)),
@@ -275,7 +276,7 @@ class Performance:
         """Writes `performance.npz`, whole or not at all."""
         self.check()
         path = Path(path)
-        arrays = {"schema": np.int64(SCHEMA)}
+        arrays: dict[str, np.ndarray] = {"schema": np.array(SCHEMA, np.int64)}
         for field in fields(self):
             value = getattr(self, field.name)
             if value is None:
@@ -323,7 +324,7 @@ def _shape_text(shape: tuple[int | str, ...]) -> str:
     return " x ".join(str(length) for length in shape)
 
 
-def _read_arrays(archive: ArrayArchive) -> dict[str, np.ndarray]:
+def _read_arrays(archive: ArrayArchive) -> dict[str, Any]:
     headers = archive.headers
     if "schema" not in headers:
         raise InvalidInput("is not a performance: it has no schema number")

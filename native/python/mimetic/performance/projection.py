@@ -81,14 +81,16 @@ def project_texture(
     return np.clip(texture + 0.5, 0, 255).astype(np.uint8), np.median(colours[seen], axis=0)
 
 
-def _facing(points, faces, samples: Samples, at) -> NDArray:
+def _facing(points: NDArray, faces: NDArray, samples: Samples, at: NDArray) -> NDArray:
     sampled = samples.of(quad_normals(points, faces)[faces])
     cosines = -np.einsum("kd,kd->k", sampled, at) / np.linalg.norm(at, axis=1)
     ramp = np.clip((cosines - GRAZING) / (FACING - GRAZING), 0, 1)
     return ramp * ramp * (3 - 2 * ramp)
 
 
-def _visible(performance: Performance, points, at, pixels) -> NDArray[np.bool_]:
+def _visible(
+    performance: Performance, points: NDArray, at: NDArray, pixels: NDArray
+) -> NDArray[np.bool_]:
     """Whether the points are inside the picture and nearest to the camera: a depth buffer."""
     width, height = (int(side) for side in performance.image_size)
     faces = performance.faces
@@ -101,14 +103,16 @@ def _visible(performance: Performance, points, at, pixels) -> NDArray[np.bool_]:
     return inside & (at[:, 2] > 0) & (at[:, 2] < depth.reshape(-1)[cells] + BEHIND_METRES)
 
 
-def _cells(pixels, width: int, height: int):
+def _cells(
+    pixels: NDArray[np.float64], width: int, height: int
+) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     nearest = np.rint(np.clip(pixels, -1, max(width, height) + 1)).astype(int)
     inside = ((nearest >= 0) & (nearest < (width, height))).all(axis=1)
     nearest = np.clip(nearest, 0, (width - 1, height - 1))
     return nearest[:, 1] * width + nearest[:, 0], inside
 
 
-def _bilinear(image, pixels) -> NDArray[np.float64]:
+def _bilinear(image: NDArray, pixels: NDArray[np.float64]) -> NDArray[np.float64]:
     height, width = image.shape[:2]
     clipped = np.clip(pixels, 0, (width - 1, height - 1))
     low = np.minimum(clipped.astype(int), (width - 2, height - 2)).clip(min=0)
@@ -127,7 +131,7 @@ def _spread(texture: NDArray) -> NDArray[np.float64]:
     levels = [texture]
     while len(levels[-1]) > 1:
         fine = levels[-1]
-        coarse = sum(fine[y::2, x::2] for y in (0, 1) for x in (0, 1))
+        coarse = fine[::2, ::2] + fine[::2, 1::2] + fine[1::2, ::2] + fine[1::2, 1::2]
         coarse /= np.maximum(coarse[..., 3:], 1)  # weights grow by gathering, up to 1
         levels.append(coarse)
     colours = levels[-1][..., :3] / np.maximum(levels[-1][..., 3:], 1e-12)

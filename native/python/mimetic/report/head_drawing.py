@@ -88,8 +88,10 @@ def write_motion_plot(performance: Performance, path: str | os.PathLike[str]) ->
     std = np.sqrt(np.clip(np.diagonal(performance.head_pose_cov, axis1=1, axis2=2), 0, None))
     values = np.hstack([head_angles(performance), 1000 * performance.head_pose[:, :3, 3]])
     spreads = np.hstack([np.degrees(std[:, :3]), 1000 * std[:, 3:]])
-    names = ("pitch, degrees", "yaw, degrees", "roll, degrees")
-    names += ("x, right, mm", "y, down, mm", "z, away, mm")
+    names = (
+        *("pitch, degrees", "yaw, degrees", "roll, degrees"),
+        *("x, right, mm", "y, down, mm", "z, away, mm"),
+    )
     figure = Figure(figsize=(11, 5.5), layout="constrained")
     held = performance.quality < HELD_QUALITY
     panels = figure.subplots(2, 3, sharex=True)

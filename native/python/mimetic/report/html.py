@@ -11,6 +11,7 @@ import os
 import platform
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +23,10 @@ from mimetic.report.overlay import FaceDrawing
 from mimetic.shared.shown_text import shown
 from mimetic.shared.whole_file import whole_file
 from mimetic.solve.clip_capture import CaptureSummary
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 NUM_PICTURES = 6
 GROUPS = {
@@ -168,7 +173,7 @@ def _distinct(performance: Performance) -> NDArray[np.int64]:
     return np.sort(np.unique(chosen))
 
 
-def _figure(rows: int, cols: int, height: float):
+def _figure(rows: int, cols: int, height: float) -> tuple[Figure, np.ndarray]:
     from matplotlib import rc_context
     from matplotlib.figure import Figure
 
@@ -177,13 +182,21 @@ def _figure(rows: int, cols: int, height: float):
         return figure, figure.subplots(rows, cols, sharex=True, squeeze=False)
 
 
-def _draw(axes, frame, values, std, colour, label, style="-") -> None:
+def _draw(
+    axes: Axes,
+    frame: NDArray[np.int64],
+    values: NDArray,
+    std: NDArray | None,
+    colour: str,
+    label: str | None,
+    style: str = "-",
+) -> None:
     axes.plot(frame, values, style, color=colour, linewidth=1.2, label=label)
     if std is not None:
         axes.fill_between(frame, values - std, values + std, color=colour, alpha=0.13, linewidth=0)
 
 
-def _shade_held(axes, performance: Performance) -> None:
+def _shade_held(axes: Axes, performance: Performance) -> None:
     held = performance.quality < HELD_QUALITY
     if held.any():
         axes.fill_between(
@@ -198,7 +211,7 @@ def _shade_held(axes, performance: Performance) -> None:
         )
 
 
-def _muscle_figure(performance: Performance):
+def _muscle_figure(performance: Performance) -> Figure:
     figure, axes = _figure(4, 2, 10.5)
     for group, panel in zip(GROUPS, axes.flat, strict=False):
         members = np.flatnonzero(performance.groups == group)
@@ -225,7 +238,7 @@ def _muscle_figure(performance: Performance):
     return figure
 
 
-def _set_activation_axes(axes, title: str, room: float = 0.3) -> None:
+def _set_activation_axes(axes: Axes, title: str, room: float = 0.3) -> None:
     """From 0 to 1, with room above for the names of the curves."""
     axes.set_title(title, fontweight="bold")
     axes.set(ylim=(-0.03, 1 + room), yticks=np.linspace(0, 1, 6), xmargin=0.01)
@@ -233,7 +246,7 @@ def _set_activation_axes(axes, title: str, room: float = 0.3) -> None:
     axes.legend(loc="upper right", fontsize=7.5, frameon=False, ncols=2)
 
 
-def _articulator_figure(performance: Performance):
+def _articulator_figure(performance: Performance) -> Figure:
     pairs: dict[str, list[int]] = {}
     for i, name in enumerate(performance.articulators):
         pairs.setdefault(name.partition(".")[0], []).append(i)
@@ -270,7 +283,7 @@ def head_angles(performance: Performance) -> NDArray[np.float64]:
     return np.degrees(np.stack([pitch, yaw, roll], axis=1))
 
 
-def _head_figure(performance: Performance):
+def _head_figure(performance: Performance) -> Figure:
     figure, axes = _figure(3, 1, 6.5)
     frame = performance.frame
     std = np.sqrt(np.clip(np.diagonal(performance.head_pose_cov, axis1=1, axis2=2), 0, None))
@@ -295,7 +308,7 @@ def _head_figure(performance: Performance):
     return figure
 
 
-def _plot(figure, label: str) -> str:
+def _plot(figure: Figure, label: str) -> str:
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=150)
     return f"<img class='plot' alt='{label}' src='{_uri('png', stream.getvalue())}'>"

@@ -5,13 +5,15 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import itertools
 import os
 import signal
 import subprocess
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Generator
 from fractions import Fraction
 from pathlib import Path
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +22,13 @@ from mimetic import _core
 from mimetic.media.ffmpeg import ffmpeg_program
 from mimetic.media.footage import Footage
 from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.shared.progress import Progress
 from mimetic.shared.whole_file import file_beside
 from mimetic.template.face_template import FaceTemplate, load_template
 
 CLEAR_WIDTH = 800  # pixels: smaller footage is enlarged until its lines stay apart
 HIDDEN_REGIONS = ("scalp", "ear", "neck", "mouth_cavity", "eye_socket")
-Progress = Callable[[float, str], bool]
+Pictures = Generator[NDArray[np.uint8] | None, None, None]
 
 
 def make_painter(
@@ -40,6 +43,16 @@ def make_painter(
     camera = _core.Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], width, height)
     faces = np.ascontiguousarray(faces)
     return _core.OverlayPainter(camera, num_vertices, faces, landmarks, options)
+
+
+class Drawing(Protocol):
+    """What can paint the frames of a performance."""
+
+    performance: Performance
+
+    def paint(self, image: NDArray[np.uint8], i: int) -> NDArray[np.uint8]:
+        """An enlarged (H, W, 3) picture of frame index `i`."""
+        ...
 
 
 class FaceDrawing:
@@ -76,7 +89,7 @@ def write_overlay(
     footage: Footage,
     path: str | os.PathLike[str],
     progress: Progress | None = None,
-    drawing: FaceDrawing | None = None,
+    drawing: Drawing | None = None,
 ) -> bool:
     """Encodes overlay.mp4 (H.264) in a second pass over the footage, whole or not at all.
 
@@ -95,9 +108,7 @@ def write_overlay(
     return finished
 
 
-def _pictures(
-    drawing: FaceDrawing, footage: Footage, progress: Progress | None
-) -> Iterator[NDArray[np.uint8] | None]:
+def _pictures(drawing: Drawing, footage: Footage, progress: Progress | None) -> Pictures:
     """Pictures in order; None instead of the next one when the user stops."""
     numbers = drawing.performance.frame
     index = {int(frame): i for i, frame in enumerate(numbers)}
@@ -110,9 +121,7 @@ def _pictures(
             yield drawing.paint(image, i)
 
 
-def _encode(
-    pictures: Iterator[NDArray[np.uint8] | None], path: Path, fps: Fraction, shown: str
-) -> bool:
+def _encode(pictures: Pictures, path: Path, fps: Fraction, shown: str) -> bool:
     """Whether all pictures are in the file; raises OSError that calls it `shown`."""
     first = next(pictures, None)
     if first is None:
@@ -130,19 +139,16 @@ def _encode(
     process = subprocess.Popen(
         command, stdin=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True
     )
-    errors: list[bytes] = []
-    reader = threading.Thread(target=lambda: errors.append(process.stderr.read()), daemon=True)
+    assert process.stdin is not None and process.stderr is not None  # pipes, as requested
+    report, errors = process.stderr, list[bytes]()
+    reader = threading.Thread(target=lambda: errors.append(report.read()), daemon=True)
     reader.start()
-    picture = first
     try:
-        while picture is not None:
-            process.stdin.write(picture)
-            picture = next(pictures, False)
-            if picture is False:
-                process.stdin.close()
-                break
-        if picture is None:
-            return False
+        for picture in itertools.chain([first], pictures):
+            if picture is None:
+                return False
+            process.stdin.write(picture.data)
+        process.stdin.close()
         process.wait()
     except BrokenPipeError:
         process.wait()
@@ -151,7 +157,7 @@ def _encode(
             process.kill()
             process.wait()
         reader.join()
-        process.stderr.close()
+        report.close()
     if process.returncode != 0:
         raise _failure(b"".join(errors).decode(errors="replace"), process.returncode, shown)
     return True

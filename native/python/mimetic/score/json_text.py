@@ -12,7 +12,7 @@ def json_text(document: object) -> str:
     return json.dumps(_plain(document), indent=1, allow_nan=False)
 
 
-def _plain(value):
+def _plain(value: object) -> object:
     if isinstance(value, dict):
         return {key: _plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

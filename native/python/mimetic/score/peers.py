@@ -27,10 +27,11 @@ def dis_tracks(
     options = FlowOptions()
     options.method = FlowMethod.dis
     tracks: dict[str, list] = {"chained": [start], "direct": [start]}
-    first = previous = chained = None
+    first = previous = np.zeros((0, 0), np.uint8)
+    chained = np.zeros((0, 0, 2), np.float32)
     for image in images:
         grey = np.round(image @ GREY).astype(np.uint8)
-        if first is None:
+        if not first.size:
             first = previous = grey
             chained = np.zeros((*grey.shape, 2), np.float32)
             continue

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -89,9 +89,11 @@ def score(
 
 def _stiffened(performance: Performance) -> Performance:
     """The same head motion with a face that does not move."""
-    still = {"activations": np.zeros_like(performance.activations)}
-    still["articulator_values"] = np.zeros_like(performance.articulator_values)
-    return replace(performance.without_detail(), **still)
+    return replace(
+        performance.without_detail(),
+        activations=np.zeros_like(performance.activations),
+        articulator_values=np.zeros_like(performance.articulator_values),
+    )
 
 
 def _shared_frames(truth: Truth, performance: Performance) -> tuple[Truth, Performance]:
@@ -113,7 +115,7 @@ def _cut(document: Document, frames: NDArray[np.int64]) -> Document:
     """A copy with these frames alone."""
     keys = truth_file.KEYS if isinstance(document, Truth) else PERFORMANCE_KEYS
     rows = np.searchsorted(document.frame, frames)
-    changed = {
+    changed: dict[str, Any] = {
         key: np.asarray(getattr(document, key))[rows]
         for key, (_, shape) in keys.items()
         if shape[0] == "N" and getattr(document, key) is not None
@@ -123,7 +125,7 @@ def _cut(document: Document, frames: NDArray[np.int64]) -> Document:
 
 def _score_controls(made: Score, truth: Truth, performance: Performance) -> None:
     true_groups: dict[int, NDArray[np.float64]] = {}
-    if truth.muscles is not None:
+    if truth.muscles is not None and truth.activations is not None:
         names = [name for name in truth.muscles if name in performance.muscles]
         ours = [performance.muscles.index(name) for name in names]
         theirs = [truth.muscles.index(name) for name in names]
@@ -135,12 +137,12 @@ def _score_controls(made: Score, truth: Truth, performance: Performance) -> None
                 made.controls[name] = _curve(true[:, m], estimated[:, m])
         if truth.groups is not None:
             true_groups = by_group(truth.activations, truth.groups)
-    if truth.units is not None:
+    if truth.units is not None and truth.unit_values is not None:
         true_groups = by_group(truth.unit_values, unit_groups(truth.units))
-        for unit, names in UNIT_ARTICULATORS.items():
+        for unit, articulators in UNIT_ARTICULATORS.items():
             if unit in truth.units:
                 true = truth.unit_values[:, truth.units.index(unit)]
-                _score_articulators(made, performance, unit, true, names)
+                _score_articulators(made, performance, unit, true, articulators)
     for name, true in zip(
         truth.articulators or [], _columns(truth.articulator_values), strict=True
     ):

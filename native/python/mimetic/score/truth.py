@@ -6,6 +6,7 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +27,7 @@ SCHEMA = 1
 LARGEST = {"N": 1_000_000, "K": 100_000, "M": 1000, "A": 1000, "U": 1000, "V": 2_000_000}
 LARGEST["E"] = 10_000
 # key: (kind of number, shape); equal letters are equal lengths
-REQUIRED = {
+REQUIRED: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "frame": ("i", ("N",)),
     "fps": ("f", (1,)),
     "image_size": ("i", (2,)),
@@ -36,7 +37,7 @@ REQUIRED = {
     "tracks": ("f", ("N", "K", 2)),
     "visible": ("b", ("N", "K")),
 }
-OPTIONAL = {
+OPTIONAL: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "neutral_points": ("f", ("K", 3)),
     "points_face": ("i", ("K", 3)),
     "points_bary": ("f", ("K", 3)),
@@ -146,7 +147,7 @@ class Truth:
             return cls(**_read(archive))
 
 
-def _read(archive: ArrayArchive) -> dict[str, np.ndarray]:
+def _read(archive: ArrayArchive) -> dict[str, Any]:
     headers = archive.headers
     schema = headers.get("schema")
     if schema is None or schema.dtype.kind not in "iu" or schema.shape not in ((), (1,)):

@@ -18,6 +18,7 @@ import zipfile
 import zlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from typing import IO, cast
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -36,10 +37,12 @@ AT_ONCE = 1 << 20  # bytes read from the file; the list of an archive's contents
 LAST_CHARACTER = 0x10FFFF
 COMPRESSIONS = (zipfile.ZIP_STORED, zipfile.ZIP_DEFLATED)  # what numpy writes
 # What zipfile and zlib raise for archives that are damaged, or built to look as if they were not
-DAMAGE = (OSError, zipfile.BadZipFile, zlib.error, EOFError, struct.error)
-DAMAGE += (ValueError, KeyError, IndexError, OverflowError, RuntimeError)
+DAMAGE = (
+    *(OSError, zipfile.BadZipFile, zlib.error, EOFError, struct.error),
+    *(ValueError, KeyError, IndexError, OverflowError, RuntimeError),
+)
 
-HEADER_LENGTHS = {(1, 0): "<H", (2, 0): "<I", (3, 0): "<I"}  # version: how its length is written
+HEADER_LENGTHS = {b"\1\0": "<H", b"\2\0": "<I", b"\3\0": "<I"}  # version: how its length is written
 DESCR = r"""['"]descr['"]\s*:\s*(?P<descr>'[^'\\]{1,40}'|"[^"\\]{1,40}"|\[.*\])"""
 ORDER = r"""['"]fortran_order['"]\s*:\s*(?P<order>True|False)"""
 SHAPE = r"""['"]shape['"]\s*:\s*\((?P<shape>(?:\d{1,15}\s*,\s*)+(?:\d{1,15}\s*)?|)\)"""
@@ -121,12 +124,12 @@ class ArrayArchive:
     def read_one(self, name: str, dtype: DTypeLike | None = None) -> np.ndarray:
         header = self.headers[name]
         numbers = np.empty(header.count, header.dtype)
-        content = memoryview(numbers.view(np.uint8) if header.bytes_as() else b"")
+        content = numbers.view(np.uint8).data if header.bytes_as() else memoryview(b"")
         with _damage_told(), self._archive.open(self._members[name]) as stream:
             stream.read(header.length)
             for start in range(0, len(content), AT_ONCE):
                 chunk = content[start : start + AT_ONCE]
-                if stream.readinto(chunk) != len(chunk):
+                if cast(zipfile.ZipExtFile, stream).readinto(chunk) != len(chunk):
                     raise EOFError(f"array {name} is cut short")
         if header.fortran_order:
             numbers = numbers.reshape(header.shape[::-1]).transpose()
@@ -248,10 +251,10 @@ def _opened_zip(stream: io.FileIO) -> zipfile.ZipFile:
         return zipfile.ZipFile(stream)
 
 
-def _read_header(stream, name: str) -> ArrayHeader:
+def _read_header(stream: IO[bytes], name: str) -> ArrayHeader:
     """Of the format that numpy.lib.format describes; Python's syntax only as numpy writes it."""
     start = stream.read(8)
-    length_type = HEADER_LENGTHS.get(tuple(start[6:8])) if start[:6] == b"\x93NUMPY" else None
+    length_type = HEADER_LENGTHS.get(start[6:8]) if start[:6] == b"\x93NUMPY" else None
     if length_type is None:
         raise InvalidInput(f"array {name} cannot be read: not a .npy file of version 1 to 3")
     size = struct.calcsize(length_type)

@@ -10,7 +10,8 @@ import contextlib
 import os
 import signal
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
+from types import FrameType
 
 SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
@@ -48,7 +49,7 @@ def exit_on_signals() -> None:
     An exception would not do: from inside of compiled modules it comes out as an ImportError.
     """
 
-    def leave(number, _frame) -> None:
+    def leave(number: int, _frame: FrameType | None) -> None:
         _tell("mimetic: stopped\n")
         os._exit(exit_status(number))
 
@@ -69,7 +70,7 @@ def ignore_signals() -> None:
 def signals_raised() -> Iterator[None]:
     """Signals raise Ended in the block, so that everything on the way out is cleaned up."""
 
-    def end(number, _frame) -> None:
+    def end(number: int, _frame: FrameType | None) -> None:
         raise Ended(number)
 
     heard = [number for number in SIGNALS if signal.getsignal(number) is not signal.SIG_IGN]
@@ -85,7 +86,7 @@ def listen_for_interrupt(announced: str = "keeping what is done") -> Iterator[In
     """
     interrupt = Interrupt()
 
-    def ask(number, _frame) -> None:
+    def ask(number: int, _frame: FrameType | None) -> None:
         if interrupt():
             raise Ended(number)
         interrupt.number = number
@@ -108,7 +109,9 @@ def _tell(text: str) -> None:
 
 
 @contextlib.contextmanager
-def _handled(numbers, handler: Callable) -> Iterator[None]:
+def _handled(
+    numbers: Iterable[signal.Signals], handler: Callable[[int, FrameType | None], None]
+) -> Iterator[None]:
     if threading.current_thread() is not threading.main_thread():  # no other may handle signals
         yield
         return

@@ -13,6 +13,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from functools import cached_property, lru_cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +24,7 @@ from mimetic.shared.installed_data import data_folder
 from mimetic.shared.shown_text import shortened
 
 # key: (kind of number, shape); letters are lengths that must agree between the keys
-KEYS = {
+KEYS: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "vertices": ("f8", ("V", 3)),
     "faces": ("i4", ("F", 4)),
     "num_skin_vertices": ("i8", ()),
@@ -133,9 +134,10 @@ def load_template(path: str | os.PathLike | None = None) -> FaceTemplate:
 def _load(path: Path, _changed: int) -> FaceTemplate:
     with open_arrays(path, "a face template") as archive:
         lengths = _check_headers(archive)
-        values = archive.read({key: None for key in KEYS})
-    for array in values.values():
+        arrays = archive.read({key: None for key in KEYS})
+    for array in arrays.values():
         array.flags.writeable = False
+    values: dict[str, Any] = dict(arrays)
     for key, (kind, shape) in KEYS.items():
         if kind == "U":
             values[key] = [str(name) for name in values[key]]
@@ -164,10 +166,11 @@ def _check_headers(archive: ArrayArchive) -> dict[str, int]:
             )
         for length, name in zip(header.shape, expected, strict=True):
             wanted = lengths.setdefault(name, length) if isinstance(name, str) else name
-            if length != wanted or length > LARGEST.get(name, length):
+            limit = LARGEST.get(str(name), wanted)
+            if length != wanted or length > limit:
                 raise InvalidInput(
                     f"face template {key} has shape {header.shape}, expected {expected}"
-                    f" with {name} = {min(wanted, LARGEST.get(name, wanted))}"
+                    f" with {name} = {min(wanted, limit)}"
                 )
     return lengths
 
