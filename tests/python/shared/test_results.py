@@ -152,7 +152,7 @@ def test_what_cannot_be_published_leaves_the_earlier_results(tmp_path):
     with pytest.raises(UnreadableMedia, match="b is a folder"), staging(tmp_path) as folder:
         (folder / "a").write_bytes(b"new")
         (folder / "b").write_bytes(b"new")
-        publish(folder, tmp_path, finished=True)
+        publish(folder, tmp_path, is_finished=True)
     assert names(tmp_path) == ["a", "b"] and (tmp_path / "a").read_bytes() == b"old"
 
 

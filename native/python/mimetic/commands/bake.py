@@ -206,10 +206,10 @@ def _ask(python: os.PathLike[str] | str, request: dict, folder: Path) -> dict:
     answer = Path(request["answer"])
     if process.returncode == 0 and answer.exists():
         return json.loads(answer.read_text(encoding="utf-8"))
-    told = log.read_text(encoding="utf-8", errors="replace")
-    if "No module named 'bpy'" in told:
+    output = log.read_text(encoding="utf-8", errors="replace")
+    if "No module named 'bpy'" in output:
         raise InvalidInput(
             f"--blender-python {python} has no Blender module: pip install bpy in it"
         )
-    last_lines = "\n".join(told.strip().splitlines()[-12:])
+    last_lines = "\n".join(output.strip().splitlines()[-12:])
     raise OSError(f"Blender failed (exit status {process.returncode}):\n{last_lines}")

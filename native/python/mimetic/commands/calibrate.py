@@ -51,32 +51,37 @@ def run_calibrate(arguments: argparse.Namespace) -> int:
             return not interrupted()
 
         try:
-            fit, found = calibrate(arguments.footage, arguments.frames, fit, progress)
+            fit, result = calibrate(arguments.footage, arguments.frames, fit, progress)
         except (InvalidInput, UnreadableMedia):
             if interrupted():
                 raise KeyboardInterrupt from None
             raise
         console.show(1.0, "done")
     fit.save(out)
-    print(described(found))
-    print(f"{out}: calibrated to {len(found.calibration.frames)} frames that differ most")
+    print(described(result))
+    print(f"{out}: calibrated to {len(result.calibration.frames)} frames that differ most")
     return 0
 
 
-def described(found: Found) -> str:
-    """What was found: a line for each factor with the range of one standard deviation."""
-    known = found.calibration
+def described(result: Found) -> str:
+    """What was result: a line for each factor with the range of one standard deviation."""
+    calibration = result.calibration
     lines = ["attachment of the skin to the bone, times what is assumed"]
-    lines += [_line(name, known.stiffness.get(name), found.stiffness_std[name]) for name in REGIONS]
-    if known.insertion:
+    lines += [
+        _line(name, calibration.stiffness.get(name), result.stiffness_std[name]) for name in REGIONS
+    ]
+    if calibration.insertion:
         lines.append("insertions, millimetres away from the midline and up from where assumed")
-        lines += [f"  {name:34} {x:+.1f}  {y:+.1f}" for name, (x, y) in known.insertion.items()]
-    if known.strength:
+        lines += [
+            f"  {name:34} {x:+.1f}  {y:+.1f}" for name, (x, y) in calibration.insertion.items()
+        ]
+    if calibration.strength:
         lines.append("strength of the muscles that were seen at work, times what is assumed")
         lines += [
-            _line(name, known.strength[name], found.strength_std[name]) for name in known.strength
+            _line(name, calibration.strength[name], result.strength_std[name])
+            for name in calibration.strength
         ]
-    lines.append(f"logarithm of the evidence: {found.gain:+.1f} against all factors at 1")
+    lines.append(f"logarithm of the evidence: {result.gain:+.1f} against all factors at 1")
     return "\n".join(lines)
 
 

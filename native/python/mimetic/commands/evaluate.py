@@ -52,13 +52,13 @@ def _score_files(options: argparse.Namespace) -> int:
     images = None
     if options.footage is not None:
         images = shared_images(options.footage, truth, performance)
-    scored = score(truth, performance, shown(options.performance.stem), images)
-    print(as_json([scored]) if options.json else _text(scored))
+    result = score(truth, performance, shown(options.performance.stem), images)
+    print(as_json([result]) if options.json else _text(result))
     return 0
 
 
-def _text(scored: Score) -> str:
-    return f"{as_text(scored)}\n\n{summary([scored])}"
+def _text(result: Score) -> str:
+    return f"{as_text(result)}\n\n{summary([result])}"
 
 
 def _runs() -> ModuleType | None:

@@ -46,7 +46,7 @@ def run_fit(arguments: argparse.Namespace) -> int:
         fit.save(folder / "fit.json")
         _save(folder / "fit.png", draw_fit(fit, image))
         _save(folder / "canonical.png", canonical_image(fit, image)[0])
-        publish(folder, out, finished=True)
+        publish(folder, out, is_finished=True)
     for warning in fit.warnings:
         print(f"note: {warning}")
     others = ", ".join(str(view.frame) for view in fit.views[1:])
@@ -66,8 +66,8 @@ def draw_fit(
     faces = np.ascontiguousarray(template.skin_faces, dtype=np.int32)
     hidden = template.in_region(*HIDDEN_REGIONS)
     landmarks = [v for v in template.landmark_vertices.tolist() if not hidden[v]]
-    drawn = np.ascontiguousarray(faces[~hidden[faces].any(axis=1)])
-    painter = _core.OverlayPainter(fit.camera, skin, drawn, landmarks, options)
+    visible_faces = np.ascontiguousarray(faces[~hidden[faces].any(axis=1)])
+    painter = _core.OverlayPainter(fit.camera, skin, visible_faces, landmarks, options)
     pose = fit.head_pose
     control = fit.neutral_vertices(template)[:skin] @ pose[:3, :3].T + pose[:3, 3]
     mesh = _core.SubdividedMesh(faces, skin, 0)

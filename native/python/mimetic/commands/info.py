@@ -23,25 +23,25 @@ def run_info(arguments: argparse.Namespace) -> int:
 def describe(performance: Performance) -> str:
     """Several lines of text on a performance."""
     width, height = performance.image_size
-    stored = ""
+    stored_text = ""
     if performance.stored_size is not None and performance.pixel_aspect != 1:
-        stored = " ({} x {} in the file)".format(*performance.stored_size)
+        stored_text = " ({} x {} in the file)".format(*performance.stored_size)
     num_vertices = len(performance.neutral_vertices)
-    held = int((performance.quality < HELD_QUALITY).sum())
+    num_held = int((performance.quality < HELD_QUALITY).sum())
     peak = performance.activations.max(axis=0)
     strongest = np.argsort(-peak)[:5]
     lines = [] if performance.footage is None else [f"footage      {performance.footage[0]}"]
     lines += [
         f"frames       {performance.frame[0]} to {performance.frame[-1]}, "
         f"{performance.num_frames} in all, {performance.fps:.6g} a second",
-        f"picture      {width} x {height}{stored}, "
+        f"picture      {width} x {height}{stored_text}, "
         f"focal length {performance.intrinsics[0, 0]:.0f} pixels",
         f"mesh         {num_vertices} vertices, {len(performance.faces)} quads",
         f"muscles      {len(performance.muscles)} in {len(np.unique(performance.groups))} groups",
         "strongest    " + ", ".join(f"{performance.muscles[i]} {peak[i]:.2f}" for i in strongest),
         f"articulators {', '.join(performance.articulators) or 'none'}",
         f"quality      median {np.median(performance.quality):.2f}, "
-        f"lowest {performance.quality.min():.2f}, {held} frames held",
+        f"lowest {performance.quality.min():.2f}, {num_held} frames held",
     ]
     if performance.detail_modes is not None:
         lines.append(f"detail       {len(performance.detail_modes)} modes")

@@ -26,8 +26,8 @@ Follow = Callable[[FaceFit | None, Progress, CaptureSummary], Performance]
 Draw = Callable[[Performance, Footage, Path, CaptureSummary, Progress, Callable[[], bool]], None]
 
 
-def add_clip_arguments(parser: argparse.ArgumentParser, shown: str) -> None:
-    parser.add_argument("footage", type=Path, help=f"video of one {shown}")
+def add_clip_arguments(parser: argparse.ArgumentParser, subject: str) -> None:
+    parser.add_argument("footage", type=Path, help=f"video of one {subject}")
     parser.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder for the results"
     )
@@ -95,12 +95,12 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
             return not interrupted()
 
         num_frames = 1 + last - first
-        search = 0.0 if fit else SEARCHED
-        followed = costs.followed_once + num_frames * costs.followed_each
+        search_cost = 0.0 if fit else SEARCHED
+        following_cost = costs.followed_once + num_frames * costs.followed_each
         finding, following, drawing, _ = stages(
             show,
-            search if arguments.face else 0.0,
-            followed if arguments.face else search + followed,
+            search_cost if arguments.face else 0.0,
+            following_cost if arguments.face else search_cost + following_cost,
             num_frames * costs.drawn_each,
             costs.written,
         )
@@ -122,9 +122,9 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
         except OSError as error:  # a full disk, footage that is gone: the capture is done
             failure = error
         console.show(1.0, "done")
-        written = sorted(path.name for path in folder.iterdir())
-        where = publish(folder, out, finished=not interrupted() and failure is None)
-        tell_results(console, performance, where, written)
+        names = sorted(path.name for path in folder.iterdir())
+        where = publish(folder, out, is_finished=not interrupted() and failure is None)
+        tell_results(console, performance, where, names)
         if where != out:
             console.tell(f"note: not finished; {out} keeps the results that were there before")
         if failure:
@@ -151,8 +151,8 @@ def save_performance(performance: Performance, path: Path, tell: Callable[[str],
 
 
 def tell_results(
-    console: Console, performance: Performance, folder: Path, written: list[str]
+    console: Console, performance: Performance, folder: Path, names: list[str]
 ) -> None:
     for note in performance.notes or ():
         console.tell(f"note: {note}")
-    console.tell(f"{folder}: {', '.join(written)}; {performance.num_frames} frames")
+    console.tell(f"{folder}: {', '.join(names)}; {performance.num_frames} frames")

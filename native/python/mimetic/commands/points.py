@@ -56,12 +56,12 @@ def track_points(
     `surface_places`); the place on the skin is then projected in every frame. Raises InvalidInput
     on points that are not finite or a frame the file lacks.
     """
-    followed = FollowedPoints(performance, points, frame)
-    shape = (performance.num_frames, len(followed.on_face))
+    points_on_face = FollowedPoints(performance, points, frame)
+    shape = (performance.num_frames, len(points_on_face.on_face))
     tracks, visible = np.empty((*shape, 2)), np.empty(shape, dtype=bool)
-    for i, (places, shown) in enumerate(followed.frames()):
-        tracks[i], visible[i] = places, shown
-    return Tracks(tracks, visible, followed.on_face)
+    for i, (places, is_visible) in enumerate(points_on_face.frames()):
+        tracks[i], visible[i] = places, is_visible
+    return Tracks(tracks, visible, points_on_face.on_face)
 
 
 class FollowedPoints:
@@ -82,8 +82,8 @@ class FollowedPoints:
         if points.ndim != 2 or points.shape[1] != 2 or not np.isfinite(points).all():
             raise InvalidInput("points must be K rows of two finite numbers, x and y in pixels")
         self.performance = performance
-        self._size, stored = performance.image_size, performance.stored_size
-        self._stored = self._size if stored is None else stored
+        self._size, stored_size = performance.image_size, performance.stored_size
+        self._stored = self._size if stored_size is None else stored_size
         points = rescaled(points, self._stored, self._size)
         self._surface = RefinedSurface(performance)
         start = performance.index_of(frame) if frame is not None else 0
@@ -112,14 +112,14 @@ class FollowedPoints:
             visible = np.zeros(len(self.on_face), dtype=bool)
             if len(self._corners):
                 vertices = surface.in_camera(i)
-                seen = vertices[self._corners]
-                places = np.einsum("kc,kcx->kx", self._weights, seen)
-                turned = cosines(seen, places) > GRAZING
+                corners = vertices[self._corners]
+                places = np.einsum("kc,kcx->kx", self._weights, corners)
+                faces_camera = cosines(corners, places) > GRAZING
                 in_front = places[:, 2] > 1e-3
                 pixels = self.performance.project(np.where(in_front[:, None], places, np.nan))
                 tracks[self.on_face] = rescaled(pixels + self._offset, self._size, self._stored)
-                shown = _core.show_points(surface.camera, vertices, surface.faces, places, COVERED)
-                visible[self.on_face] = turned & shown
+                view = _core.show_points(surface.camera, vertices, surface.faces, places, COVERED)
+                visible[self.on_face] = faces_camera & view
             yield tracks, visible
 
 
@@ -181,8 +181,8 @@ def _read_row(path: Path, line: int, row: list[str]) -> tuple[float, float]:
     try:
         x, y = (float(cell) for cell in row)
     except ValueError:
-        told = ",".join(row)[:60]
-        raise InvalidInput(f"{path}, line {line}: {told!r} is not x,y") from None
+        text = ",".join(row)[:60]
+        raise InvalidInput(f"{path}, line {line}: {text!r} is not x,y") from None
     if not (abs(x) <= FARTHEST and abs(y) <= FARTHEST):
         raise InvalidInput(
             f"{path}, line {line}: x and y must be finite, and within {FARTHEST:g} pixels"
@@ -213,9 +213,9 @@ def run_points(arguments: argparse.Namespace) -> int:
                 console.show(FOUND + (1 - FOUND) * i / num_frames, f"following: frame {i + 1}")
                 yield frame
 
-        followed = FollowedPoints(performance, points, arguments.frame, look)
-        write_tracks(arguments.out, num_frames, followed.on_face, counted(followed.frames()))
-    on_face = followed.on_face
+        tracks = FollowedPoints(performance, points, arguments.frame, look)
+        write_tracks(arguments.out, num_frames, tracks.on_face, counted(tracks.frames()))
+    on_face = tracks.on_face
     print(
         f"{arguments.out}: {int(on_face.sum())} of {len(on_face)} points on the face, "
         f"{num_frames} frames"

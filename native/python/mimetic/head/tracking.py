@@ -202,8 +202,8 @@ class _HeadMotion:
         cuts = CutWatch()
         for frame, image in images:
             fraction = self.num_done / self.num_needed
-            told = f"following the head: frame {frame}"
-            if self.summary.stopped or (self.progress and not self.progress(fraction, told)):
+            text = f"following the head: frame {frame}"
+            if self.summary.stopped or (self.progress and not self.progress(fraction, text)):
                 self.summary.stopped = True
                 return
             start = time.perf_counter()

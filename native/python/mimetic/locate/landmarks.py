@@ -51,17 +51,19 @@ def landmark_points(template: FaceTemplate) -> tuple[list[str], NDArray[np.float
     and points of the face between them, named `skin.` and their vertex.
     """
     skin = template.num_skin_vertices
-    known = dict(zip(template.landmark_names, map(int, template.landmark_vertices), strict=True))
-    named = set(known.values())
+    vertex_of = dict(
+        zip(template.landmark_names, map(int, template.landmark_vertices), strict=True)
+    )
+    landmark_vertices = set(vertex_of.values())
     for vertex in _spread(template):
         for v in (vertex, int(template.mirror[vertex])):
-            if v not in named:
-                named.add(v)
-                known[f"{BETWEEN_PREFIX}{v}"] = v
-    known |= {"pupil.L": skin, "pupil.R": skin + 1}
-    weights = np.zeros((len(known), skin + 2))
-    weights[np.arange(len(known)), list(known.values())] = 1
-    return list(known), weights
+            if v not in landmark_vertices:
+                landmark_vertices.add(v)
+                vertex_of[f"{BETWEEN_PREFIX}{v}"] = v
+    vertex_of |= {"pupil.L": skin, "pupil.R": skin + 1}
+    weights = np.zeros((len(vertex_of), skin + 2))
+    weights[np.arange(len(vertex_of)), list(vertex_of.values())] = 1
+    return list(vertex_of), weights
 
 
 def mirrored_order(template: FaceTemplate) -> NDArray[np.int64]:
@@ -81,14 +83,14 @@ def mirrored_order(template: FaceTemplate) -> NDArray[np.int64]:
 def _spread(template: FaceTemplate) -> list[int]:
     """Vertices of the face's left half and midline, well apart, the named ones first."""
     points = template.vertices[: template.num_skin_vertices]
-    allowed = template.in_region(*FACE) & (points[:, 0] > -1e-6)
-    chosen = [int(v) for v in template.landmark_vertices if points[v, 0] > -1e-6]
-    distance = np.min([np.linalg.norm(points - points[v], axis=1) for v in chosen], axis=0)
-    distance[~allowed] = -1
-    while len(chosen) < NUM_PLACES:
-        chosen.append(int(np.argmax(distance)))
-        distance = np.minimum(distance, np.linalg.norm(points - points[chosen[-1]], axis=1))
-    return chosen
+    candidates = template.in_region(*FACE) & (points[:, 0] > -1e-6)
+    vertices = [int(v) for v in template.landmark_vertices if points[v, 0] > -1e-6]
+    distance = np.min([np.linalg.norm(points - points[v], axis=1) for v in vertices], axis=0)
+    distance[~candidates] = -1
+    while len(vertices) < NUM_PLACES:
+        vertices.append(int(np.argmax(distance)))
+        distance = np.minimum(distance, np.linalg.norm(points - points[vertices[-1]], axis=1))
+    return vertices
 
 
 def installed_cascade() -> _core.LandmarkCascade:
@@ -112,13 +114,13 @@ def measured_landmarks(
         if feature.name == name
     )
     start = cascade.start(right, left, face.yaw if yaw is None else yaw)
-    found = cascade.find(image, start)
-    if abs(np.log(_size(found.places) / _size(start))) > RESIZED:
-        found = cascade.find(image, found.places)
+    landmarks = cascade.find(image, start)
+    if abs(np.log(_size(landmarks.places) / _size(start))) > RESIZED:
+        landmarks = cascade.find(image, landmarks.places)
     weight = [ALIKE * (BARE if name.startswith(ON_BARE_SKIN) else 1) for name in cascade.names]
     features = [
         _core.Feature(*one)
-        for one in zip(cascade.names, found.places, weight * found.sigma_px, strict=True)
+        for one in zip(cascade.names, landmarks.places, weight * landmarks.sigma_px, strict=True)
     ]
     return _core.FaceFeatures(features, [], face.box, face.likelihood)
 

@@ -61,8 +61,8 @@ def chances_of_rest(
     """
     usual = usual_expression(expressions, scores)
     full = max(float(np.quantile(details, DETAILED)), 1e-6)
-    told = np.minimum(details / full, 1) ** 2
-    return scores * told * usual * shared_expression(expressions, scores * told)
+    sharpness = np.minimum(details / full, 1) ** 2
+    return scores * sharpness * usual * shared_expression(expressions, scores * sharpness)
 
 
 def shared_expression(
@@ -118,12 +118,12 @@ def usual_expression(
     median of each value is its rest, whatever the person looks like. scores: F of `rest_score`;
     where most frames are plainly not at rest, a long smile, the others alone tell what is usual.
     """
-    told = scores >= LEAST_REST * scores.max()
-    if told.mean() >= 0.5:
-        told[:] = True
+    is_informative = scores >= LEAST_REST * scores.max()
+    if is_informative.mean() >= 0.5:
+        is_informative[:] = True
     values = np.ma.masked_invalid(expressions)
-    off = np.ma.abs(values - np.ma.median(values[told], axis=0)).filled(0.0)
-    spread = np.maximum(1.48 * np.median(off[told], axis=0), LEAST_SPREAD)
+    off = np.ma.abs(values - np.ma.median(values[is_informative], axis=0)).filled(0.0)
+    spread = np.maximum(1.48 * np.median(off[is_informative], axis=0), LEAST_SPREAD)
     return np.exp(-0.5 * ((off / spread).max(axis=1) / USUAL) ** 2)
 
 

@@ -59,7 +59,7 @@ def find_content(mark: str, files: Iterator[Path]) -> Path | None:
 
 def files_in(folder: str | os.PathLike[str], depth: int = 0) -> Iterator[Path]:
     """Regular files in a folder and in `depth` levels of folders under it, at most 200,000."""
-    counted = 0
+    num_entries = 0
     waiting = [(Path(folder), min(depth, MOST_DEPTH))]
     while waiting:
         current, levels = waiting.pop()
@@ -68,8 +68,8 @@ def files_in(folder: str | os.PathLike[str], depth: int = 0) -> Iterator[Path]:
         except OSError:  # not ours to read
             continue
         for entry in entries:
-            counted += 1
-            if counted > MOST_FILES:
+            num_entries += 1
+            if num_entries > MOST_FILES:
                 return
             try:
                 if entry.is_dir(follow_symlinks=False):

@@ -168,9 +168,9 @@ class Footage:
             process.wait()
         if failure := failure_of(process.returncode, report, self.path):
             raise failure
-        decoded, shown = np.array(rows, dtype=np.int64).reshape(-1, 2).T
+        decode_times, shown_times = np.array(rows, dtype=np.int64).reshape(-1, 2).T
         # Raw streams and AVI say when frames are decoded, not when they are shown
-        stamps = np.sort(decoded if (shown == NO_TIME).any() else shown)
+        stamps = np.sort(decode_times if (shown_times == NO_TIME).any() else shown_times)
         return b"\n".join(report), (stamps - stamps[:1]) * float(tick), tick
 
     def _read_report(self, report: bytes) -> None:
@@ -193,13 +193,13 @@ class Footage:
         aspect = Fraction(aspect_x, aspect_y) if aspect_x > 0 and aspect_y > 0 else Fraction(1)
         if max(aspect, 1 / aspect) < NEARLY_SQUARE:
             return
-        told = f"{self.path.name} has pixels of aspect {aspect_x}:{aspect_y}"
+        warning = f"{self.path.name} has pixels of aspect {aspect_x}:{aspect_y}"
         if max(aspect, 1 / aspect) > LARGEST_ASPECT:
-            self.warnings.append(f"{told}, which no camera makes; they are taken as square")
+            self.warnings.append(f"{warning}, which no camera makes; they are taken as square")
             return
         self.size = _with_square_pixels(width, height, aspect)
         self.warnings.append(
-            f"{told}: its frames of {width} x {height} are worked with at "
+            f"{warning}: its frames of {width} x {height} are worked with at "
             f"{self.size[0]} x {self.size[1]}, where they are square"
         )
 
@@ -216,15 +216,18 @@ class Footage:
             nominal = Fraction(int(match[3]), int(match[4]))
         steps = np.diff(self.times)
         mean = float(steps.mean()) if len(steps) and steps.mean() > 0 else 0.0
-        expected = 1 / float(nominal) if nominal > 0 else mean
+        expected_step = 1 / float(nominal) if nominal > 0 else mean
         # A clock of milliseconds rounds 41.7 to 41 or 42: a tick to either side is still constant.
-        slack = 1.5 * float(tick) + 0.02 * expected
+        slack = 1.5 * float(tick) + 0.02 * expected_step
         # A file cut off mid-group lists its last frames with gaps.
-        trusted = steps[:-16] if len(steps) > 32 else steps
-        if len(trusted) and (np.abs(trusted - expected) > slack).all():
-            nominal, expected = Fraction(0), float(np.median(trusted))  # not what the codec says
-            slack = 1.5 * float(tick) + 0.02 * expected
-        self.variable_rate = bool((np.abs(trusted - expected) > slack).any())
+        sound_steps = steps[:-16] if len(steps) > 32 else steps
+        if len(sound_steps) and (np.abs(sound_steps - expected_step) > slack).all():
+            nominal, expected_step = (
+                Fraction(0),
+                float(np.median(sound_steps)),
+            )  # not what the codec says
+            slack = 1.5 * float(tick) + 0.02 * expected_step
+        self.variable_rate = bool((np.abs(sound_steps - expected_step) > slack).any())
         if nominal <= 0 or self.variable_rate:
             nominal = _rate_of(mean) if mean > 0 else Fraction(25)
         if not SLOWEST <= nominal <= FASTEST:
@@ -250,9 +253,9 @@ def _rate_of(seconds: float) -> Fraction:
 
 def _with_square_pixels(width: int, height: int, aspect: Fraction) -> tuple[int, int]:
     """The size at which nothing that is stored is lost, unless that would be too large."""
-    enlarged = (round(width * aspect), height) if aspect > 1 else (width, round(height / aspect))
-    if max(enlarged) <= LARGEST:
-        return enlarged
+    larger = (round(width * aspect), height) if aspect > 1 else (width, round(height / aspect))
+    if max(larger) <= LARGEST:
+        return larger
     return (width, round(height / aspect)) if aspect > 1 else (round(width * aspect), height)
 
 

@@ -67,14 +67,14 @@ def scene_frames(
     """
     step = float(exact_rate(scene_rate) / exact_rate(clip_rate))
     elapsed_frames = np.asarray(frames, dtype=np.float64) - 1 - frame_offset
-    placed = frame_start + elapsed_frames * step
-    if placed.size and np.abs(placed).max() > LAST_SCENE_FRAME:
+    exact = frame_start + elapsed_frames * step
+    if exact.size and np.abs(exact).max() > LAST_SCENE_FRAME:
         raise InvalidInput(
             f"footage of {clip_rate:g} frames a second falls on scene frames up to "
-            f"{np.abs(placed).max():.0f} at {scene_rate:g} a second; a timeline ends at "
+            f"{np.abs(exact).max():.0f} at {scene_rate:g} a second; a timeline ends at "
             f"{LAST_SCENE_FRAME}: capture a part of the footage, or give the scene a lower rate"
         )
-    return placed
+    return exact
 
 
 def footage_frames(
@@ -104,12 +104,16 @@ def frame_steps(
     """
     if exact_rate(clip_rate) == exact_rate(scene_rate):
         return None
-    placed = scene_frames(frames, clip_rate, scene_rate, frame_start, frame_offset)
-    shown_at = np.arange(np.floor(placed[0]), np.ceil(placed[-1]) + 1).astype(np.int64)
-    shown = footage_frames(shown_at, clip_rate, scene_rate, frame_start, frame_offset)
+    scene_numbers = scene_frames(frames, clip_rate, scene_rate, frame_start, frame_offset)
+    shown_at = np.arange(np.floor(scene_numbers[0]), np.ceil(scene_numbers[-1]) + 1).astype(
+        np.int64
+    )
+    footage_numbers = footage_frames(shown_at, clip_rate, scene_rate, frame_start, frame_offset)
     # The frame on screen is the last that has begun; 1e-6 keeps whole frames whole
-    shown = np.clip(np.floor(shown + 1e-6), np.min(frames), np.max(frames)).astype(np.int64)
-    return FrameSteps(shown_at, shown - (shown_at - frame_start + 1))
+    footage_numbers = np.clip(
+        np.floor(footage_numbers + 1e-6), np.min(frames), np.max(frames)
+    ).astype(np.int64)
+    return FrameSteps(shown_at, footage_numbers - (shown_at - frame_start + 1))
 
 
 @dataclass(frozen=True)

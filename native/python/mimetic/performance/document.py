@@ -150,14 +150,14 @@ class Performance:
     def surface(self, i: int) -> NDArray[np.float64]:
         """Control vertices (V x 3, metres, head frame) at frame index `i`, counted from 0."""
         shape = (-1, self.neutral_vertices.size)
-        moved = self.activations[i].astype(np.float32) @ self.muscle_modes.reshape(shape)
+        displacement = self.activations[i].astype(np.float32) @ self.muscle_modes.reshape(shape)
         if self.articulator_modes is not None and len(self.articulators):
             values = self.articulator_values[i].astype(np.float32)
-            moved += values @ self.articulator_modes.reshape(shape)
+            displacement += values @ self.articulator_modes.reshape(shape)
         if self.detail_modes is not None and self.detail_coefficients is not None:
             coefficients = self.detail_coefficients[i].astype(np.float32)
-            moved += coefficients @ self.detail_modes.reshape(shape)
-        return self.neutral_vertices + moved.reshape(-1, 3)
+            displacement += coefficients @ self.detail_modes.reshape(shape)
+        return self.neutral_vertices + displacement.reshape(-1, 3)
 
     def is_of(self, fingerprint: str) -> bool:
         """Whether it is of the footage with a fingerprint; true if either is unknown."""

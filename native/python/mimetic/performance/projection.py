@@ -18,8 +18,10 @@ GRAZING, FACING = 0.2, 0.5  # cosine to the viewer: no colour taken below, all o
 def reference_index(performance: Performance) -> int:
     """Index of the frame to take colours from: well explained, facing the camera, at rest."""
     facing = -performance.head_pose[:, 2, 2]  # cosine between the face and the way to the camera
-    moved = performance.activations.sum(axis=1) + np.abs(performance.articulator_values).sum(axis=1)
-    return int(np.argmax(performance.quality * np.maximum(facing, 0) ** 2 / (1 + moved)))
+    motion = performance.activations.sum(axis=1) + np.abs(performance.articulator_values).sum(
+        axis=1
+    )
+    return int(np.argmax(performance.quality * np.maximum(facing, 0) ** 2 / (1 + motion)))
 
 
 def rescaled(pixels: ArrayLike, from_size: ArrayLike, to_size: ArrayLike) -> NDArray[np.float64]:
@@ -59,8 +61,8 @@ def project_texture(
         )
     points = performance.surface_in_camera(i)
     faces = performance.faces
-    wanted = np.flatnonzero(vertex_weights[faces].max(axis=1) > 0)
-    samples = sample_quads(uv[wanted] * size, wanted)
+    chosen_faces = np.flatnonzero(vertex_weights[faces].max(axis=1) > 0)
+    samples = sample_quads(uv[chosen_faces] * size, chosen_faces)
     at = samples.of(points[faces])
     pixels = performance.project(at)
     weights = samples.of(vertex_weights[faces][..., None])[:, 0]
@@ -74,16 +76,16 @@ def project_texture(
     for channel in range(3):
         sums[:, channel] = np.bincount(index, weights * colours[:, channel], size * size)
     hits = np.maximum(np.bincount(index, minlength=size * size), 1)
-    seen = weights > 0.5
-    if not seen.any():
+    is_seen = weights > 0.5
+    if not is_seen.any():
         raise InvalidInput("the face is outside the picture in the frame chosen for its texture")
     texture = _spread((sums / hits[:, None]).reshape(size, size, 4))
-    return np.clip(texture + 0.5, 0, 255).astype(np.uint8), np.median(colours[seen], axis=0)
+    return np.clip(texture + 0.5, 0, 255).astype(np.uint8), np.median(colours[is_seen], axis=0)
 
 
 def _facing(points: NDArray, faces: NDArray, samples: Samples, at: NDArray) -> NDArray:
-    sampled = samples.of(quad_normals(points, faces)[faces])
-    cosines = -np.einsum("kd,kd->k", sampled, at) / np.linalg.norm(at, axis=1)
+    normals = samples.of(quad_normals(points, faces)[faces])
+    cosines = -np.einsum("kd,kd->k", normals, at) / np.linalg.norm(at, axis=1)
     ramp = np.clip((cosines - GRAZING) / (FACING - GRAZING), 0, 1)
     return ramp * ramp * (3 - 2 * ramp)
 
@@ -114,9 +116,9 @@ def _cells(
 
 def _bilinear(image: NDArray, pixels: NDArray[np.float64]) -> NDArray[np.float64]:
     height, width = image.shape[:2]
-    clipped = np.clip(pixels, 0, (width - 1, height - 1))
-    low = np.minimum(clipped.astype(int), (width - 2, height - 2)).clip(min=0)
-    s, t = (clipped - low).T[..., None]
+    inside = np.clip(pixels, 0, (width - 1, height - 1))
+    low = np.minimum(inside.astype(int), (width - 2, height - 2)).clip(min=0)
+    s, t = (inside - low).T[..., None]
     x, y = low.T
     right, below = np.minimum(x + 1, width - 1), np.minimum(y + 1, height - 1)
     above = image[y, x] * (1 - s) + image[y, right] * s

@@ -93,7 +93,7 @@ def write_motion_plot(performance: Performance, path: str | os.PathLike[str]) ->
         *("x, right, mm", "y, down, mm", "z, away, mm"),
     )
     figure = Figure(figsize=(11, 5.5), layout="constrained")
-    held = performance.quality < HELD_QUALITY
+    is_held = performance.quality < HELD_QUALITY
     panels = figure.subplots(2, 3, sharex=True)
     for k, (panel, name) in enumerate(zip(panels.flat, names, strict=True)):
         value, spread = values[:, k], spreads[:, k]
@@ -102,7 +102,7 @@ def write_motion_plot(performance: Performance, path: str | os.PathLike[str]) ->
             performance.frame, value - spread, value + spread, color="#1b7f79", alpha=0.15, lw=0
         )
         panel.fill_between(
-            performance.frame, 0, 1, where=held, step="mid", color="#8a8f93", alpha=0.25, lw=0,
+            performance.frame, 0, 1, where=is_held, step="mid", color="#8a8f93", alpha=0.25, lw=0,
             transform=panel.get_xaxis_transform(),
         )  # fmt: skip
         panel.set_title(name, fontsize=10)

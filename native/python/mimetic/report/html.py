@@ -148,9 +148,9 @@ def _pictures(
 ) -> Iterator[tuple[int, NDArray[np.uint8]]]:
     """Overlay pictures of the frames that differ most from each other."""
     drawing = FaceDrawing(performance)
-    chosen = set(performance.frame[_distinct(performance)].tolist())
-    for frame, image in footage.frames(min(chosen), max(chosen)):
-        if frame in chosen:
+    frames = set(performance.frame[_distinct(performance)].tolist())
+    for frame, image in footage.frames(min(frames), max(frames)):
+        if frame in frames:
             yield frame, drawing.paint(image, performance.index_of(frame))
 
 
@@ -164,13 +164,13 @@ def _distinct(performance: Performance) -> NDArray[np.int64]:
         ]
     )
     usable = performance.quality >= min(0.5, float(np.median(performance.quality)))
-    chosen = [int(np.argmax(performance.quality))]
+    indices = [int(np.argmax(performance.quality))]
     distance = np.full(performance.num_frames, np.inf)
-    while len(chosen) < min(NUM_PICTURES, int(usable.sum())):
-        distance = np.minimum(distance, np.linalg.norm(state - state[chosen[-1]], axis=1))
-        distance[chosen] = -1
-        chosen.append(int(np.argmax(np.where(usable, distance, -1))))
-    return np.sort(np.unique(chosen))
+    while len(indices) < min(NUM_PICTURES, int(usable.sum())):
+        distance = np.minimum(distance, np.linalg.norm(state - state[indices[-1]], axis=1))
+        distance[indices] = -1
+        indices.append(int(np.argmax(np.where(usable, distance, -1))))
+    return np.sort(np.unique(indices))
 
 
 def _figure(rows: int, cols: int, height: float) -> tuple[Figure, np.ndarray]:
@@ -197,12 +197,12 @@ def _draw(
 
 
 def _shade_held(axes: Axes, performance: Performance) -> None:
-    held = performance.quality < HELD_QUALITY
-    if held.any():
+    is_held = performance.quality < HELD_QUALITY
+    if is_held.any():
         axes.fill_between(
             performance.frame,
             *(0, 1),
-            where=held,
+            where=is_held,
             step="mid",
             transform=axes.get_xaxis_transform(),
             color="#8a8f93",

@@ -63,18 +63,20 @@ class FaceDrawing:
         template = _template_of(performance)
         if template is None:
             used, faces = np.unique(performance.faces, return_inverse=True)
-            faces, drawn, landmarks = faces.reshape(-1, 4), slice(None), []
+            faces, visible_faces, landmarks = faces.reshape(-1, 4), slice(None), []
             self.vertices = used
         else:
             self.vertices = np.arange(template.num_skin_vertices)
             faces = np.asarray(template.skin_faces)
             hidden = template.in_region(*HIDDEN_REGIONS)
-            drawn = ~hidden[faces].any(axis=1)
+            visible_faces = ~hidden[faces].any(axis=1)
             landmarks = [v for v in template.landmark_vertices.tolist() if not hidden[v]]
         faces = np.ascontiguousarray(faces, dtype=np.int32)
         # The limit surface, where the face is, lies inside of the control mesh.
         self.mesh = _core.SubdividedMesh(faces, len(self.vertices), 0)
-        self.painter = make_painter(performance, len(self.vertices), faces[drawn], landmarks)
+        self.painter = make_painter(
+            performance, len(self.vertices), faces[visible_faces], landmarks
+        )
 
     def paint(self, image: NDArray[np.uint8], i: int) -> NDArray[np.uint8]:
         control = self.performance.surface_in_camera(i)[self.vertices]
@@ -102,10 +104,10 @@ def write_overlay(
         file_beside(path, path.suffix) as aside,
         contextlib.closing(_pictures(drawing, footage, progress)) as pictures,
     ):
-        finished = _encode(pictures, aside, Fraction(footage.fps), str(path))
-        if not finished:
+        is_finished = _encode(pictures, aside, Fraction(footage.fps), str(path))
+        if not is_finished:
             aside.unlink()
-    return finished
+    return is_finished
 
 
 def _pictures(drawing: Drawing, footage: Footage, progress: Progress | None) -> Pictures:
@@ -121,8 +123,8 @@ def _pictures(drawing: Drawing, footage: Footage, progress: Progress | None) -> 
             yield drawing.paint(image, i)
 
 
-def _encode(pictures: Pictures, path: Path, fps: Fraction, shown: str) -> bool:
-    """Whether all pictures are in the file; raises OSError that calls it `shown`."""
+def _encode(pictures: Pictures, path: Path, fps: Fraction, name: str) -> bool:
+    """Whether all pictures are in the file; raises OSError that calls it `name`."""
     first = next(pictures, None)
     if first is None:
         return False
@@ -159,18 +161,18 @@ def _encode(pictures: Pictures, path: Path, fps: Fraction, shown: str) -> bool:
         reader.join()
         report.close()
     if process.returncode != 0:
-        raise _failure(b"".join(errors).decode(errors="replace"), process.returncode, shown)
+        raise _failure(b"".join(errors).decode(errors="replace"), process.returncode, name)
     return True
 
 
-def _failure(report: str, status: int, shown: str) -> OSError:
+def _failure(report: str, status: int, name: str) -> OSError:
     """What ffmpeg's words on a file that it could not write mean."""
     for number in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.ENOMEM, errno.EIO):
         if os.strerror(number) in report:
-            return OSError(number, os.strerror(number), shown)
-    ended = f"ended by {signal.Signals(-status).name}" if status < 0 else f"status {status}"
-    lines = report.strip().splitlines() or [ended]
-    return OSError(errno.EIO, f"ffmpeg could not write it: {lines[0][:200]}", shown)
+            return OSError(number, os.strerror(number), name)
+    reason = f"ended by {signal.Signals(-status).name}" if status < 0 else f"status {status}"
+    lines = report.strip().splitlines() or [reason]
+    return OSError(errno.EIO, f"ffmpeg could not write it: {lines[0][:200]}", name)
 
 
 def _template_of(performance: Performance) -> FaceTemplate | None:

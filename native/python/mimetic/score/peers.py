@@ -20,7 +20,7 @@ def dis_tracks(
 ) -> dict[str, NDArray[np.float64]]:
     """Tracks (N,K,2) of start pixels (K,2) by OpenCV's dense inverse search, two ways.
 
-    `chained` adds up flow from frame to frame; `direct` takes flow from the first frame to each,
+    `chain` adds up flow from frame to frame; `direct` takes flow from the first frame to each,
     started from the chained field: no drift, but it must bridge the whole motion at once.
     images: N RGB uint8 (H,W,3).
     """
@@ -28,17 +28,17 @@ def dis_tracks(
     options.method = FlowMethod.dis
     tracks: dict[str, list] = {"chained": [start], "direct": [start]}
     first = previous = np.zeros((0, 0), np.uint8)
-    chained = np.zeros((0, 0, 2), np.float32)
+    chain = np.zeros((0, 0, 2), np.float32)
     for image in images:
         grey = np.round(image @ GREY).astype(np.uint8)
         if not first.size:
             first = previous = grey
-            chained = np.zeros((*grey.shape, 2), np.float32)
+            chain = np.zeros((*grey.shape, 2), np.float32)
             continue
         step = np.asarray(compute_flow(previous, grey, options).flow)
-        chained = np.ascontiguousarray(chained + sampled(step, _pixels(grey.shape) + chained))
-        direct = np.asarray(compute_flow(first, grey, options, chained).flow)
-        tracks["chained"].append(start + sampled(chained, start))
+        chain = np.ascontiguousarray(chain + sampled(step, _pixels(grey.shape) + chain))
+        direct = np.asarray(compute_flow(first, grey, options, chain).flow)
+        tracks["chained"].append(start + sampled(chain, start))
         tracks["direct"].append(start + sampled(direct, start))
         previous = grey
     return {name: np.array(rows, np.float64) for name, rows in tracks.items()}

@@ -37,7 +37,7 @@ def follow(performance: Performance, pixels: NDArray[np.float64]) -> Followed:
     points = np.full((performance.num_frames, len(pixels), 3), np.nan)
     for i in range(performance.num_frames):
         pose = performance.head_pose[i]
-        placed = np.einsum("kc,kcx->kx", under.weights, surface.in_camera(i)[corners])
-        tracks[i] = performance.project(placed) + under.offset
-        points[i, under.on_face] = ((placed - pose[:3, 3]) @ pose[:3, :3])[under.on_face]
+        in_camera = np.einsum("kc,kcx->kx", under.weights, surface.in_camera(i)[corners])
+        tracks[i] = performance.project(in_camera) + under.offset
+        points[i, under.on_face] = ((in_camera - pose[:3, 3]) @ pose[:3, :3])[under.on_face]
     return Followed(tracks, points, under.on_face)

@@ -57,34 +57,34 @@ def score(
     if not at_start.any():
         raise InvalidInput("no point of the truth is visible in the first frame of both files")
     tracks, points = truth.tracks[:, at_start], truth.points[:, at_start]
-    seen = truth.visible[:, at_start]
+    is_visible = truth.visible[:, at_start]
     rigid = scores.project(points[:1], truth.head_pose, truth.intrinsics)
-    followed = follow(performance, tracks[0])
+    prediction = follow(performance, tracks[0])
     stiff = follow(_stiffened(performance), tracks[0])
-    image = {"mimetic": scores.image_motion(tracks, rigid, seen, followed.tracks)}
+    image = {"mimetic": scores.image_motion(tracks, rigid, is_visible, prediction.tracks)}
     if performance.detail_modes is not None:
         plain = follow(performance.without_detail(), tracks[0])
-        image["its muscles alone"] = scores.image_motion(tracks, rigid, seen, plain.tracks)
+        image["its muscles alone"] = scores.image_motion(tracks, rigid, is_visible, plain.tracks)
     image |= {
-        "its head motion alone": scores.image_motion(tracks, rigid, seen, stiff.tracks),
+        "its head motion alone": scores.image_motion(tracks, rigid, is_visible, stiff.tracks),
     }
     if images is not None:
-        for peer, predicted in dis_tracks(images, tracks[0]).items():
-            image[f"DIS flow, {peer}"] = scores.image_motion(tracks, rigid, seen, predicted)
-    covered = followed.on_face
-    made = Score(
+        for peer, peer_tracks in dis_tracks(images, tracks[0]).items():
+            image[f"DIS flow, {peer}"] = scores.image_motion(tracks, rigid, is_visible, peer_tracks)
+    on_face = prediction.on_face
+    result = Score(
         name=name,
         num_frames=len(truth.frame),
-        on_face=float(covered.mean()),
+        on_face=float(on_face.mean()),
         image=image,
         surface=scores.surface_motion(
-            points[:, covered], seen[:, covered], followed.points[:, covered]
+            points[:, on_face], is_visible[:, on_face], prediction.points[:, on_face]
         ),
         head=scores.head_motion(truth.head_pose, performance.head_pose),
         largest_activation=float(performance.activations.max()),
     )
-    _score_controls(made, truth, performance)
-    return made
+    _score_controls(result, truth, performance)
+    return result
 
 
 def _stiffened(performance: Performance) -> Performance:
@@ -103,27 +103,27 @@ def _shared_frames(truth: Truth, performance: Performance) -> tuple[Truth, Perfo
             f"the truth is of {truth.image_size.tolist()} pixels, the performance of "
             f"{performance.image_size.tolist()}: they are not of the same footage"
         )
-    shared = np.intersect1d(truth.frame, performance.frame)
-    if len(shared) < LEAST_FRAMES:
+    common = np.intersect1d(truth.frame, performance.frame)
+    if len(common) < LEAST_FRAMES:
         raise InvalidInput(
-            f"truth and performance share {len(shared)} frames; at least {LEAST_FRAMES} are needed"
+            f"truth and performance share {len(common)} frames; at least {LEAST_FRAMES} are needed"
         )
-    return _cut(truth, shared), _cut(performance, shared)
+    return _cut(truth, common), _cut(performance, common)
 
 
 def _cut(document: Document, frames: NDArray[np.int64]) -> Document:
     """A copy with these frames alone."""
     keys = truth_file.KEYS if isinstance(document, Truth) else PERFORMANCE_KEYS
     rows = np.searchsorted(document.frame, frames)
-    changed: dict[str, Any] = {
+    rows_of: dict[str, Any] = {
         key: np.asarray(getattr(document, key))[rows]
         for key, (_, shape) in keys.items()
         if shape[0] == "N" and getattr(document, key) is not None
     }
-    return replace(document, **changed)
+    return replace(document, **rows_of)
 
 
-def _score_controls(made: Score, truth: Truth, performance: Performance) -> None:
+def _score_controls(result: Score, truth: Truth, performance: Performance) -> None:
     true_groups: dict[int, NDArray[np.float64]] = {}
     if truth.muscles is not None and truth.activations is not None:
         names = [name for name in truth.muscles if name in performance.muscles]
@@ -131,10 +131,10 @@ def _score_controls(made: Score, truth: Truth, performance: Performance) -> None
         theirs = [truth.muscles.index(name) for name in names]
         true, estimated = truth.activations[:, theirs], performance.activations[:, ours]
         std = performance.activations_std[:, ours]
-        made.overall = scores.activations(true, estimated, std)
+        result.overall = scores.activations(true, estimated, std)
         for m, name in enumerate(names):
             if true[:, m].max() > scores.ACTIVE:
-                made.controls[name] = _curve(true[:, m], estimated[:, m])
+                result.controls[name] = _curve(true[:, m], estimated[:, m])
         if truth.groups is not None:
             true_groups = by_group(truth.activations, truth.groups)
     if truth.units is not None and truth.unit_values is not None:
@@ -142,23 +142,23 @@ def _score_controls(made: Score, truth: Truth, performance: Performance) -> None
         for unit, articulators in UNIT_ARTICULATORS.items():
             if unit in truth.units:
                 true = truth.unit_values[:, truth.units.index(unit)]
-                _score_articulators(made, performance, unit, true, articulators)
+                _score_articulators(result, performance, unit, true, articulators)
     for name, true in zip(
         truth.articulators or [], _columns(truth.articulator_values), strict=True
     ):
-        _score_articulators(made, performance, name, true, (name,))
+        _score_articulators(result, performance, name, true, (name,))
     estimated_groups = by_group(performance.activations, performance.groups)
     for group, true in true_groups.items():
         if true.max() > scores.ACTIVE and group in estimated_groups:
-            made.groups[GROUP_NAMES[group]] = _curve(true, estimated_groups[group])
+            result.groups[GROUP_NAMES[group]] = _curve(true, estimated_groups[group])
 
 
 def _score_articulators(
-    made: Score, performance: Performance, label: str, true: NDArray, names: tuple[str, ...]
+    result: Score, performance: Performance, label: str, true: NDArray, names: tuple[str, ...]
 ) -> None:
-    known = [performance.articulators.index(n) for n in names if n in performance.articulators]
-    if known and np.abs(true).max() > scores.ACTIVE:
-        made.controls[label] = _curve(true, performance.articulator_values[:, known].sum(1))
+    indices = [performance.articulators.index(n) for n in names if n in performance.articulators]
+    if indices and np.abs(true).max() > scores.ACTIVE:
+        result.controls[label] = _curve(true, performance.articulator_values[:, indices].sum(1))
 
 
 def _columns(values: NDArray | None) -> NDArray:
@@ -177,7 +177,7 @@ def _curve(true: NDArray, estimated: NDArray) -> dict[str, float]:
 
 def shared_images(footage: Path, truth: Truth, performance: Performance) -> Iterator:
     """Images (H,W,3) of the frames that both have."""
-    shared = set(truth.frame.tolist()) & set(performance.frame.tolist())
+    frames = set(truth.frame.tolist()) & set(performance.frame.tolist())
     for frame, image in Footage(footage):
-        if frame in shared:
+        if frame in frames:
             yield image

@@ -27,15 +27,15 @@ def project(points: Floats, head_pose: Floats, intrinsics: Floats) -> Floats:
     return pixels[..., :2] / pixels[..., 2:]
 
 
-def explained(error: Floats, motion: Floats, counted: Bools, least: float) -> float:
+def explained(error: Floats, motion: Floats, counts: Bools, least: float) -> float:
     """R2 without a mean: 1 - sum |error|^2 / sum |motion|^2 over counted points (N,K).
 
     nan if the motion's root mean square is under `least`: nothing is there to be explained.
     """
-    energy = (motion[counted] ** 2).sum()
-    if energy <= least**2 * counted.sum():
+    energy = (motion[counts] ** 2).sum()
+    if energy <= least**2 * counts.sum():
         return float("nan")
-    return float(1 - (error[counted] ** 2).sum() / energy)
+    return float(1 - (error[counts] ** 2).sum() / energy)
 
 
 def image_motion(tracks: Floats, rigid: Floats, seen: Bools, predicted: Floats) -> dict[str, float]:
@@ -43,19 +43,19 @@ def image_motion(tracks: Floats, rigid: Floats, seen: Bools, predicted: Floats) 
 
     rigid (N,K,2): where the true head's motion alone would take the points of frame 0.
     """
-    counted = seen.copy()
-    counted[0] = False
+    counts = seen.copy()
+    counts[0] = False
     error = predicted - tracks
     apart = np.linalg.norm(tracks - rigid, axis=2)
     distance = np.linalg.norm(error, axis=2)
-    moving = counted & (apart > MOVING_PX)
+    moving = counts & (apart > MOVING_PX)
     return {
-        "r2": explained(error, tracks - tracks[:1], counted, LEAST_PX),
-        "nonrigid_r2": explained(error, tracks - rigid, counted, LEAST_PX),
-        "median_px": _median(distance[counted]),
-        "p95_px": _percentile(distance[counted], 95),
+        "r2": explained(error, tracks - tracks[:1], counts, LEAST_PX),
+        "nonrigid_r2": explained(error, tracks - rigid, counts, LEAST_PX),
+        "median_px": _median(distance[counts]),
+        "p95_px": _percentile(distance[counts], 95),
         "moving_median_px": _median(distance[moving]),
-        "nonrigid_rms_px": float(np.sqrt((apart[counted] ** 2).mean())),
+        "nonrigid_rms_px": float(np.sqrt((apart[counts] ** 2).mean())),
     }
 
 
@@ -68,14 +68,14 @@ def surface_motion(points: Floats, seen: Bools, predicted: Floats) -> dict[str, 
     rotation = rotation_between(predicted[0], points[0])
     true_motion = points - points[:1]
     error = (predicted - predicted[:1]) @ rotation.T - true_motion
-    counted = seen.copy()
-    counted[0] = False
+    counts = seen.copy()
+    counts[0] = False
     distance = 1000 * np.linalg.norm(error, axis=2)
-    moving = counted & (np.linalg.norm(true_motion, axis=2) > MOVING_M)
+    moving = counts & (np.linalg.norm(true_motion, axis=2) > MOVING_M)
     shape = (predicted[0] - predicted[0].mean(0)) @ rotation.T - (points[0] - points[0].mean(0))
     return {
-        "r2": explained(error, true_motion, counted, LEAST_M),
-        "median_mm": _median(distance[counted]),
+        "r2": explained(error, true_motion, counts, LEAST_M),
+        "median_mm": _median(distance[counts]),
         "moving_median_mm": _median(distance[moving]),
         "neutral_shape_median_mm": _median(1000 * np.linalg.norm(shape, axis=1)),
     }
@@ -88,8 +88,8 @@ def head_motion(true_pose: Floats, pose: Floats) -> dict[str, float]:
     the rotation vector of the error). Translation is that of the midpoint between the ears.
     """
     error = head_errors(true_pose, pose)
-    moved = [1000 * (p[:, :3, 3] - p[0, :3, 3]) for p in (pose, true_pose)]
-    shift = np.abs(moved[0] - moved[1])[1:]
+    shifts = [1000 * (p[:, :3, 3] - p[0, :3, 3]) for p in (pose, true_pose)]
+    shift = np.abs(shifts[0] - shifts[1])[1:]
     mean = np.abs(error[1:]).mean(0)
     return {
         "pitch_deg": float(mean[0]),
@@ -103,8 +103,8 @@ def head_motion(true_pose: Floats, pose: Floats) -> dict[str, float]:
 
 def head_errors(true_pose: Floats, pose: Floats) -> Floats:
     """Rotation vectors (N,3), degrees, camera axes, of the error in turning since frame 0."""
-    turned = [(p[:, :3, :3] @ p[0, :3, :3].T) for p in (np.asarray(pose), np.asarray(true_pose))]
-    return np.degrees([_rotation_vector(a @ b.T) for a, b in zip(*turned, strict=True)])
+    turns = [(p[:, :3, :3] @ p[0, :3, :3].T) for p in (np.asarray(pose), np.asarray(true_pose))]
+    return np.degrees([_rotation_vector(a @ b.T) for a, b in zip(*turns, strict=True)])
 
 
 def correlation(true: Floats, estimated: Floats) -> float:
@@ -141,8 +141,8 @@ def activations(true: Floats, estimated: Floats, std: Floats) -> dict[str, float
     error = estimated - true
     active = true.max(0) > ACTIVE
     silent = true.max(0) < SILENT
-    covered = np.abs(error) <= INTERVAL_90 * std
-    moved = true > SILENT
+    is_inside = np.abs(error) <= INTERVAL_90 * std
+    is_moving = true > SILENT
     each = [correlation(true[:, m], estimated[:, m]) for m in np.flatnonzero(active)]
     return {
         "median_correlation": _median(np.array(each)),
@@ -150,16 +150,16 @@ def activations(true: Floats, estimated: Floats, std: Floats) -> dict[str, float
         "rmse_active": float(np.sqrt((error[:, active] ** 2).mean())) if active.any() else np.nan,
         "largest_false": float(estimated[:, silent].max()) if silent.any() else float("nan"),
         "median_std": _median(std),
-        "coverage_90": _share(covered[moved]),
-        "coverage_90_silent": _share(covered[~moved]),
+        "coverage_90": _share(is_inside[is_moving]),
+        "coverage_90_silent": _share(is_inside[~is_moving]),
     }
 
 
 def _overlap(a: Floats, b: Floats, lag: int) -> float:
     """Correlation of a(t) with b(t + lag) over a window that is the same for every lag."""
     inner = a[LARGEST_LAG:-LARGEST_LAG]
-    moved = b[LARGEST_LAG + lag : len(b) - LARGEST_LAG + lag]
-    return float(inner @ moved / np.sqrt((inner @ inner) * (moved @ moved) + 1e-30))
+    later = b[LARGEST_LAG + lag : len(b) - LARGEST_LAG + lag]
+    return float(inner @ later / np.sqrt((inner @ inner) * (later @ later) + 1e-30))
 
 
 def rotation_between(source: Floats, target: Floats) -> Floats:
@@ -181,8 +181,8 @@ def _rotation_vector(rotation: Floats) -> Floats:
     return sine * (angle / max(np.linalg.norm(sine), 1e-12))
 
 
-def _share(held: Bools) -> float:
-    return float(held.mean()) if held.size else float("nan")
+def _share(is_inside: Bools) -> float:
+    return float(is_inside.mean()) if is_inside.size else float("nan")
 
 
 def _median(values: Floats) -> float:

@@ -59,7 +59,7 @@ def as_text(score: Score) -> str:
     return "\n".join(parts)
 
 
-def summary(made: list[Score]) -> str:
+def summary(scores: list[Score]) -> str:
     """One line a clip: the figures to quote."""
     columns = {
         "nonrigid": ("R2 non-rigid", ".3f"),
@@ -72,17 +72,17 @@ def summary(made: list[Score]) -> str:
         "coverage": ("in 90 % int.", ".3f"),
         "silent": ("silent in it", ".3f"),
     }
-    return text_table("summary", columns, {score.name: _summary_row(score) for score in made})
+    return text_table("summary", columns, {score.name: _summary_row(score) for score in scores})
 
 
 def _summary_row(score: Score) -> dict[str, float]:
-    explained = {who: figures["nonrigid_r2"] for who, figures in score.image.items()}
-    peers = [value for who, value in explained.items() if who.startswith("DIS")]
+    r2_by_method = {who: figures["nonrigid_r2"] for who, figures in score.image.items()}
+    peers = [value for who, value in r2_by_method.items() if who.startswith("DIS")]
     groups = [figures["correlation"] for figures in score.groups.values()]
     still = not score.groups and not score.controls
     return {
-        "nonrigid": explained["mimetic"],
-        "muscles": explained.get("its muscles alone", explained["mimetic"]),
+        "nonrigid": r2_by_method["mimetic"],
+        "muscles": r2_by_method.get("its muscles alone", r2_by_method["mimetic"]),
         "peer": max(peers, default=math.nan),
         "surface": score.surface["r2"],
         "groups": statistics.median(groups) if groups else math.nan,

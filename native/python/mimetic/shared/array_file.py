@@ -98,10 +98,10 @@ class ArrayArchive:
             )
         with _damage_told(), self._archive.open(member) as stream:
             header = _read_header(stream, name)
-        claimed = header.length + header.bytes_as()
-        if claimed != member.file_size:
+        size = header.length + header.bytes_as()
+        if size != member.file_size:
             raise InvalidInput(
-                f"array {name} claims {claimed} bytes of arrays and their header; the file has "
+                f"array {name} claims {size} bytes of arrays and their header; the file has "
                 f"{member.file_size}"
             )
         self._members[name], self.headers[name] = member, header
@@ -148,11 +148,11 @@ def open_arrays(
     """
     check_input(path, what)
     try:
-        with contextlib.ExitStack() as opened:
-            stream = opened.enter_context(_FrugalFile(path))
+        with contextlib.ExitStack() as stack:
+            stream = stack.enter_context(_FrugalFile(path))
             if os.fstat(stream.fileno()).st_size > LARGEST_BYTES:
                 raise InvalidInput(f"is larger than {LARGEST_BYTES} bytes")
-            archive = opened.enter_context(_opened_zip(stream))
+            archive = stack.enter_context(_opened_zip(stream))
             yield ArrayArchive(archive)
     except _Damage as error:
         raise UnreadableMedia(f"{path} is not {what} or is damaged ({shortened(error)})") from None
@@ -192,15 +192,15 @@ def check_shape(
 ) -> None:
     """Raises InvalidInput unless `actual` fits `shape` and the named lengths met so far."""
     fits = len(actual) == len(shape)
-    for length, wanted in zip(actual, shape, strict=False):
-        if isinstance(wanted, str):
-            fits &= length <= largest[wanted] and lengths.setdefault(wanted, length) == length
+    for length, side in zip(actual, shape, strict=False):
+        if isinstance(side, str):
+            fits &= length <= largest[side] and lengths.setdefault(side, length) == length
         else:
-            fits &= length == wanted
+            fits &= length == side
     if not fits:
-        expected = " x ".join(str(length) for length in shape)
-        known = ", ".join(f"{name} = {length}" for name, length in lengths.items())
-        raise InvalidInput(f"{what} has the shape {actual}, expected {expected} ({known})")
+        shape_text = " x ".join(str(length) for length in shape)
+        lengths_text = ", ".join(f"{name} = {length}" for name, length in lengths.items())
+        raise InvalidInput(f"{what} has the shape {actual}, expected {shape_text} ({lengths_text})")
 
 
 def is_bounded(numbers: np.ndarray) -> bool:
@@ -274,9 +274,9 @@ def _read_header(stream: IO[bytes], name: str) -> ArrayHeader:
     return ArrayHeader(shape, dtype, items["order"] == "True", 8 + size + length)
 
 
-def _checked_type(name: str, written: str) -> np.dtype:
-    descr = written[1:-1]
-    if written[0] == "[" or descr.lstrip("<>|=").startswith("O"):
+def _checked_type(name: str, text: str) -> np.dtype:
+    descr = text[1:-1]
+    if text[0] == "[" or descr.lstrip("<>|=").startswith("O"):
         raise InvalidInput(f"array {name} holds Python objects, which are never read")
     if not TYPE.fullmatch(descr):
         raise InvalidInput(f"array {name} has the type {descr!r}; numbers and texts are read")
@@ -295,8 +295,8 @@ def _converted(name: str, array: np.ndarray, dtype: DTypeLike | None) -> np.ndar
             raise InvalidInput(f"array {name} holds characters that there are not")
     if kind == "b":
         array = array.view(np.uint8) != 0  # any other byte would be neither true nor false
-    wanted = np.dtype(dtype or array.dtype).newbyteorder("=")
-    if kind == "u" and wanted.kind == "i" and array.size and array.max() > np.iinfo(wanted).max:
-        raise InvalidInput(f"array {name} holds numbers above {np.iinfo(wanted).max}")
+    target = np.dtype(dtype or array.dtype).newbyteorder("=")
+    if kind == "u" and target.kind == "i" and array.size and array.max() > np.iinfo(target).max:
+        raise InvalidInput(f"array {name} holds numbers above {np.iinfo(target).max}")
     with np.errstate(over="ignore", invalid="ignore"):
-        return array.astype(wanted, copy=False)
+        return array.astype(target, copy=False)

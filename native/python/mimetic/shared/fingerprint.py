@@ -21,9 +21,9 @@ TOLERANCE = 1e-6
 def fingerprint(points: ArrayLike) -> NDArray[np.float64]:
     """SIZE sums of all coordinates (V x 3) with random signs, over the root of their number."""
     flat = np.asarray(points, dtype=np.float64).ravel()
-    padded = np.zeros(-(-max(flat.size, 1) // PERIOD) * PERIOD)
-    padded[: flat.size] = flat
-    return padded.reshape(-1, PERIOD).sum(axis=0) @ SIGNS / np.sqrt(max(flat.size, 1))
+    values = np.zeros(-(-max(flat.size, 1) // PERIOD) * PERIOD)
+    values[: flat.size] = flat
+    return values.reshape(-1, PERIOD).sum(axis=0) @ SIGNS / np.sqrt(max(flat.size, 1))
 
 
 def is_same(one: ArrayLike, other: ArrayLike, largest: float) -> bool:

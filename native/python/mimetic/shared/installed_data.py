@@ -30,8 +30,8 @@ def _loaded(load: Callable[[Path], Model], path: Path, _changed: int) -> Model:
 
 def data_folder() -> Path:
     """Where the installed data files are: `MIMETIC_DATA`, or `data` beside the compiled module."""
-    if chosen := os.environ.get("MIMETIC_DATA"):
-        return Path(chosen)
+    if folder := os.environ.get("MIMETIC_DATA"):
+        return Path(folder)
     from mimetic import _core
 
     return Path(_core.__file__).parent / "data"

@@ -48,7 +48,7 @@ def sample_quads(texels: NDArray, faces: NDArray) -> Samples:
         t = (np.arange(count, dtype=np.float32) + 0.5) / count
         s, t = (grid.reshape(-1) for grid in np.meshgrid(t, t))
         grid = np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t], axis=1)
-        chosen = faces[steps == count]
-        owners.append(np.repeat(chosen, len(grid)))
-        weights.append(np.tile(grid, (len(chosen), 1)))
+        of_count = faces[steps == count]
+        owners.append(np.repeat(of_count, len(grid)))
+        weights.append(np.tile(grid, (len(of_count), 1)))
     return Samples(np.concatenate(owners), np.concatenate(weights))

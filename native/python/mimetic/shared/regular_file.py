@@ -23,20 +23,20 @@ KINDS = (
 )
 
 
-def check_input(path: str | os.PathLike[str], wanted: str) -> None:
+def check_input(path: str | os.PathLike[str], what: str) -> None:
     """Raises UnreadableMedia unless `path` is a regular file, or a link to one, that can be read.
 
-    wanted: what to give instead, such as "a video file".
+    what: what to give instead, such as "a video file".
     """
     try:
         if kind := _kind(os.stat(path).st_mode):
-            raise UnreadableMedia(f"{path} is {kind}, not a file; give {wanted}")
+            raise UnreadableMedia(f"{path} is {kind}, not a file; give {what}")
         with open(path, "rb"):
             pass
     except UnreadableMedia:
         raise
     except (FileNotFoundError, NotADirectoryError):
-        raise UnreadableMedia(f"{path}: there is no such file; give {wanted}") from None
+        raise UnreadableMedia(f"{path}: there is no such file; give {what}") from None
     except PermissionError:
         raise UnreadableMedia(f"{path} cannot be opened: no permission to read it") from None
     except (OSError, ValueError) as error:  # ValueError: a null character in the name
@@ -56,39 +56,39 @@ def check_target(
     if not target.parent.is_dir():
         raise UnreadableMedia(f"{option} {path}: there is no folder {target.parent}")
     check_replaceable(target, f"{option} {path}")
-    for given in inputs:
-        if target.exists() and os.path.exists(given) and os.path.samefile(target, given):
+    for source in inputs:
+        if target.exists() and os.path.exists(source) and os.path.samefile(target, source):
             raise InvalidInput(f"{option} {path} would replace what is read; give another name")
     check_folder(target.parent, f"{option} {path}")
 
 
-def check_replaceable(path: str | os.PathLike[str], shown: str = "") -> None:
+def check_replaceable(path: str | os.PathLike[str], name: str = "") -> None:
     """Raises UnreadableMedia if what is at `path` may not be replaced by a file.
 
-    shown: what to call it.
+    name: what to call it.
     """
-    shown = shown or str(path)
+    name = name or str(path)
     try:
         mode = os.stat(path).st_mode
     except FileNotFoundError:
         return
     except OSError as error:
-        raise UnreadableMedia(f"{shown}: {error.strerror}; give another name") from None
+        raise UnreadableMedia(f"{name}: {error.strerror}; give another name") from None
     if kind := _kind(mode):
-        raise UnreadableMedia(f"{shown} is {kind}; give the name of a file")
+        raise UnreadableMedia(f"{name} is {kind}; give the name of a file")
     # The superuser may write all the same, but who took the right away meant it
     if not mode & 0o222 or not os.access(path, os.W_OK):
-        raise UnreadableMedia(f"{shown} is read-only; give another name or make it writable")
+        raise UnreadableMedia(f"{name} is read-only; give another name or make it writable")
 
 
-def check_folder(folder: Path, shown: str) -> None:
+def check_folder(folder: Path, name: str) -> None:
     """Raises UnreadableMedia unless files can be made in a folder; leaves none there."""
     try:
         with tempfile.TemporaryFile(dir=folder):
             pass
     except OSError as error:
         raise UnreadableMedia(
-            f"{shown}: {error.strerror}; give a folder that can be written to"
+            f"{name}: {error.strerror}; give a folder that can be written to"
         ) from None
 
 

@@ -39,8 +39,8 @@ def prepare_folder(out: Path, names: Iterable[str], *inputs: str | os.PathLike[s
     check_folder(out, f"--out {out}")
     for name in names:
         check_replaceable(out / name, f"--out {out}: {name}")
-        for given in inputs:
-            if (out / name).exists() and os.path.samefile(out / name, given):
+        for source in inputs:
+            if (out / name).exists() and os.path.samefile(out / name, source):
                 raise InvalidInput(f"--out {out}: {name} is what is read; give another folder")
 
 
@@ -58,28 +58,28 @@ def staging(out: Path) -> Iterator[Path]:
         shutil.rmtree(folder, ignore_errors=True)
 
 
-def publish(folder: Path, out: Path, finished: bool) -> Path:
+def publish(folder: Path, out: Path, is_finished: bool) -> Path:
     """Moves the files staged in `folder` to `out` together; returns where they are.
 
     What did not finish replaces no earlier performance: it goes to a folder of its own in `out`.
     Raises OSError, and leaves `out` as it was.
     """
     with _alone_in(out):
-        if not finished and (out / PERFORMANCE).exists():
+        if not is_finished and (out / PERFORMANCE).exists():
             out = _fresh_folder(out)
         names = {path.name for path in folder.iterdir()}
-        replaced = names | set(OF_A_CLIP) if PERFORMANCE in names else names
-        _exchange(folder, out, names, {name for name in replaced if (out / name).exists()})
+        old_names = names | set(OF_A_CLIP) if PERFORMANCE in names else names
+        _exchange(folder, out, names, {name for name in old_names if (out / name).exists()})
     return out
 
 
-def _exchange(folder: Path, out: Path, names: set[str], replaced: set[str]) -> None:
-    for name in replaced:
+def _exchange(folder: Path, out: Path, names: set[str], old_names: set[str]) -> None:
+    for name in old_names:
         check_replaceable(out / name)
     before = folder / HIDDEN
     before.mkdir()
     try:
-        for name in sorted(replaced):
+        for name in sorted(old_names):
             os.rename(out / name, before / name)
         for name in sorted(names):
             os.rename(folder / name, out / name)

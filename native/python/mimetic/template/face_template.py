@@ -80,8 +80,8 @@ class FaceTemplate:
 
     def part_faces(self, *names: str) -> NDArray[np.int64]:
         """Indices of the faces in the named parts."""
-        wanted = [_index(name, self.part_names, "part") for name in names]
-        return np.flatnonzero(np.isin(self.part, wanted))
+        indices = [_index(name, self.part_names, "part") for name in names]
+        return np.flatnonzero(np.isin(self.part, indices))
 
     def part_vertices(self, *names: str) -> NDArray[np.int32]:
         """Indices of the vertices that the faces of the named parts use, ascending."""
@@ -89,8 +89,8 @@ class FaceTemplate:
 
     def in_region(self, *names: str) -> NDArray[np.bool_]:
         """S booleans: which skin vertices lie in the named regions."""
-        wanted = [_index(name, self.region_names, "region") for name in names]
-        return np.isin(self.region, wanted)
+        indices = [_index(name, self.region_names, "region") for name in names]
+        return np.isin(self.region, indices)
 
     @cached_property
     def skin_faces(self) -> NDArray[np.int32]:
@@ -122,12 +122,12 @@ def load_template(path: str | os.PathLike | None = None) -> FaceTemplate:
     """
     path = Path(path) if path is not None else data_folder() / "face.npz"
     try:
-        changed = path.stat().st_mtime_ns
+        modified = path.stat().st_mtime_ns
     except OSError as error:
         raise UnreadableMedia(
             f"{path}: {error.strerror}; scripts/make_face derives it, then build the package again"
         ) from None
-    return _load(path.resolve(), changed)
+    return _load(path.resolve(), modified)
 
 
 @lru_cache(maxsize=2)
@@ -157,20 +157,20 @@ def _check_headers(archive: ArrayArchive) -> dict[str, int]:
     if missing := [key for key in KEYS if key not in headers]:
         raise InvalidInput(f"face template lacks {', '.join(missing)}; run scripts/make_face")
     lengths: dict[str, int] = {}
-    for key, (kind, expected) in KEYS.items():
+    for key, (kind, shape) in KEYS.items():
         header = headers[key]
         matches = header.dtype.kind == "U" if kind == "U" else header.dtype == np.dtype(kind)
-        if not matches or len(header.shape) != len(expected):
+        if not matches or len(header.shape) != len(shape):
             raise InvalidInput(
-                f"face template {key} is {header.dtype} {header.shape}, expected {kind} {expected}"
+                f"face template {key} is {header.dtype} {header.shape}, expected {kind} {shape}"
             )
-        for length, name in zip(header.shape, expected, strict=True):
-            wanted = lengths.setdefault(name, length) if isinstance(name, str) else name
-            limit = LARGEST.get(str(name), wanted)
-            if length != wanted or length > limit:
+        for length, name in zip(header.shape, shape, strict=True):
+            length_needed = lengths.setdefault(name, length) if isinstance(name, str) else name
+            limit = LARGEST.get(str(name), length_needed)
+            if length != length_needed or length > limit:
                 raise InvalidInput(
-                    f"face template {key} has shape {header.shape}, expected {expected}"
-                    f" with {name} = {min(wanted, limit)}"
+                    f"face template {key} has shape {header.shape}, expected {shape}"
+                    f" with {name} = {min(length_needed, limit)}"
                 )
     return lengths
 
