@@ -113,7 +113,7 @@ class _Reader:
         while waiting:
             number, parent, depth = waiting.pop()
             if number in seen or depth > DEEPEST:
-                raise InvalidInput("its nodes hang on each other in a circle")
+                raise InvalidInput("its nodes contain each other in a circle")
             seen.add(number)
             matrix = parent @ _matrix(nodes[number])
             if "mesh" in nodes[number]:

@@ -92,7 +92,7 @@ def drift_text(drifts: dict[str, Drift]) -> str:
 
 
 def as_json(shown: list[ShownExpression], drifts: dict[str, Drift]) -> str:
-    """Pooled figures by row and method; what cannot be told is null."""
+    """Pooled figures by row and method; what is undefined is null."""
     made: dict[str, dict] = {}
     for name, ones in grouped(shown).items():
         made[name] = {"people": len({one.take for one in ones})}

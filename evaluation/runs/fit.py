@@ -54,7 +54,7 @@ class FitScores:
 
 
 def score_fits(portraits: Portraits, template: FaceTemplate) -> FitScores:
-    """Fits every portrait that a face is found in; the camera's focal length is not told."""
+    """Fits every portrait that a face is found in; the camera's focal length is unknown to it."""
     fits: dict[int, FaceFit] = {}
     for i, image in enumerate(portraits.images):
         try:

@@ -93,7 +93,7 @@ def summary_text(scores: list[HeadScore]) -> str:
 
 
 def as_json(scores: list[HeadScore]) -> str:
-    """Figures by clip and method, and the summary; what cannot be told is null."""
+    """Figures by clip and method, and the summary; what is undefined is null."""
     clips: dict[str, dict] = {}
     for score in scores:
         row = {"kind": score.kind, **score.figures}

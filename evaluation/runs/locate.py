@@ -62,7 +62,7 @@ def as_text(scores: dict[str, LocateScore]) -> str:
 
 
 def as_json(scores: dict[str, LocateScore]) -> str:
-    """Figures and curves by finder; what cannot be told is null."""
+    """Figures and curves by finder; what is undefined is null."""
     document = {}
     for name, score in scores.items():
         curve = ("threshold", "false_per_image", "found_rate")

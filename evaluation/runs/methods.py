@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What follows a face in a clip: ours and others, told in one form."""
+"""What follows a face in a clip: ours and others, in one form."""
 
 from __future__ import annotations
 

@@ -15,7 +15,7 @@ constexpr double kSkinSigma = 2;       // pixels: what is finer than this, a flo
 constexpr float kMostColor = 20;       // of codecs; an image without any fine part has no bound
 constexpr int kBlock = 2;              // pixels: the residual is kept by blocks, for speed
 constexpr int kCell = 4;               // blocks
-constexpr double kSpread = 1;          // cells: noise is told from place to place no finer
+constexpr double kSpread = 1;          // cells: the noise is estimated from place to place no finer
 constexpr int kRowsInBand = 16;        // of blocks
 
 /// What a flow leaves between two images, by blocks of 2 x 2 pixels, CV_32F.

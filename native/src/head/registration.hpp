@@ -19,7 +19,7 @@ struct Registration {
     int num_samples = 0;
 };
 
-/// Only the coarsest level: which of two guesses is the better one is told by the correlation.
+/// Only the coarsest level: the correlation decides which of two guesses is the better one.
 Registration register_coarsely(const ViewShares& views, const Pyramid& now, const Eigen::Isometry3d& start,
                                const HeadOptions& options);
 

@@ -29,7 +29,7 @@ constexpr double kReferenceStd = 2e-3;  // rad and metres of the first pose: it 
 constexpr double kFoundQuality = .45;   // from which a head counts as found again, or as the one after a cut
 constexpr double kTooVague = 0.12;      // rad: s.d. of a pose that no reference texture is taken at
 constexpr double kNearer = 0.3;         // share of the distance after which a texture is taken anew
-constexpr double kMostNearing = .03;    // of the distance, a frame on the fast path: samples go astray
+constexpr double kMostNearing = .03;    // of the distance, a frame on the fast path: samples are lost
 constexpr std::size_t kNearViews = 5;   // from which a doubtful frame is tried anew
 constexpr std::size_t kCloseViews = 6;  // taken at half the angle
 constexpr long kFlowEvery = 6;          // frames on the fast path: samples alone let the distance run away
@@ -55,7 +55,7 @@ struct HeadTracker::State {
     // Of each view, on the fast path, once it is wanted: relaxing moves all of them
     mutable std::vector<std::optional<SampleView>> sampled;
     long num_frames = 0;
-    long refused = -kFlowEvery;  // frame in which flow did not stand behind a texture
+    long refused = -kFlowEvery;  // frame in which flow did not confirm a texture
 
     State(const Camera& of, const HeadShape& start, const HeadOptions& given)
         : camera(of), options(given), graph(start, given) {}

@@ -24,7 +24,7 @@ inline bool is_same_edge(const Edge& a, const Edge& b) {
 /// Sides that belong to one face only.
 std::vector<Edge> boundary_edges(TrianglesIn triangles);
 
-/// Things that hang together, by union and find.
+/// Connected components, by union and find.
 class Components {
 public:
     explicit Components(Eigen::Index size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0); }

@@ -14,7 +14,7 @@ constexpr double kSteep = .2;    // cosine of normal and view below which a ray'
 constexpr double kReach = 5e-3;  // metres beside the ray, as seen, within which facing skin is looked for
 constexpr double kBehind =
     3e-3;  // metres deeper than facing skin beside it allows: hidden, were the outline right
-constexpr double kLeastFacing = .1;  // cosine with which skin can be told from what turns away
+constexpr double kLeastFacing = .1;  // cosine under which skin counts as turned away
 constexpr double kOutline = .15;  // cosine below which the outline's error decides where a ray meets the skin
 constexpr double kOutlineError = 1.5e-3;  // metres, of a fit, in the picture
 constexpr double kNearest = 1e-3;         // metres

@@ -101,3 +101,14 @@ def modules_named(text: str) -> list[str]:
 
 def exists(name: str) -> bool:
     return (ROOT / name.rstrip(".")).exists()
+
+
+def test_python_files_named_in_pages_exist():
+    names = {path.name for folder in SOURCES for path in (ROOT / folder).rglob("*.py")}
+    broken = [
+        f"{path.relative_to(ROOT)}: {name}"
+        for path in pages()
+        for name in re.findall(r"`(?:[\w/]+/)?(\w+\.py)`", path.read_text(encoding="utf-8"))
+        if name not in names
+    ]
+    assert broken == []

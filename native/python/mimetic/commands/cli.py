@@ -44,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parser = _make_parser(arguments)
     try:
         options = parser.parse_args(arguments)
-    except SystemExit as request:  # argparse has told why
+    except SystemExit as request:  # argparse has printed why
         return int(request.code or 0)
     _write_any_name(sys.stdout)
     try:

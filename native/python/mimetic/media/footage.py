@@ -125,7 +125,7 @@ class Footage:
         self._warn(f"{self.path.name}: {frame} of {self.num_frames} frames could be read: {why}")
 
     def _warn_of_damage(self, errors: deque[bytes]) -> None:
-        # Later passes over the file meet the same errors, in another order: told once
+        # Later passes over the file meet the same errors, in another order: reported once
         if not any(DAMAGED in warning for warning in self.warnings):
             self._warn(
                 f"{self.path.name} {DAMAGED} ({_shorten(errors[0])}): what is measured in broken "

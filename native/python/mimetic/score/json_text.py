@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scores as JSON, which knows no number for what cannot be told."""
+"""Scores as JSON, which has no number for what is undefined."""
 
 from __future__ import annotations
 

@@ -96,5 +96,5 @@ def _summary_row(score: Score) -> dict[str, float]:
 
 
 def as_json(scores: list[Score]) -> str:
-    """A list of clips with every figure; what cannot be told is null."""
+    """A list of clips with every figure; what is undefined is null."""
     return json_text([asdict(score) for score in scores])

@@ -61,7 +61,7 @@ def exit_on_signals() -> None:
 
 
 def ignore_signals() -> None:
-    """All is done and told; the process is about to end."""
+    """All is done and reported; the process is about to end."""
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
 
@@ -82,7 +82,7 @@ def signals_raised() -> Iterator[None]:
 def listen_for_interrupt(announced: str = "keeping what is done") -> Iterator[Interrupt]:
     """The first signal asks to finish what is begun, the second ends at once.
 
-    announced: what the user is told will become of the work.
+    announced: what becomes of the work, for the message to the user.
     """
     interrupt = Interrupt()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far long work is, by what its stages cost: so that the time left can be told.
+"""How far long work is, by what its stages cost: for an estimate of the time left.
 
 Costs are in frames of the same footage that the face is followed through: rough, from clips of
 400 x 300 and 640 x 360, but neither the machine nor the number of frames changes them.
@@ -33,7 +33,7 @@ class Costs:
 def stages(progress: Progress | None, *costs: float) -> list[Progress]:
     """A progress for each stage of some work: takes the stage's fraction, tells that of the whole.
 
-    progress: of the whole; None is told nothing and never stops. costs: of the stages, in turn.
+    progress: of the whole; None shows nothing and never stops. costs: of the stages, in turn.
     """
     whole = sum(costs) or 1.0
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which files may be read, and which may be written: told before the work, in one place.
+"""Which files may be read, and which may be written: checked before the work, in one place.
 
 Only regular files are either: a pipe is waited for forever, a device never ends, and one that is
 replaced is gone for everybody.
