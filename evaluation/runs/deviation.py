@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 import numpy as np
+from mimetic import _core
 from mimetic.score import scores
 from mimetic.score.truth import Truth
 from numpy.typing import NDArray
@@ -83,7 +84,7 @@ def in_space(truth: Truth, motion: Motion) -> Deviation:
     """Motion in the head frame, each method's own laid on the true one by its first points."""
     known = np.isfinite(motion.points).all((0, 2))
     points, predicted = truth.points[:, known], motion.points[:, known]
-    rotation = scores.rotation_between(predicted[0], points[0])
+    rotation = _core.fit_similarity(predicted[0], points[0]).rotation
     moved = points - points[:1]
     off = (predicted - predicted[:1]) @ rotation.T - moved
     size = 1000 * np.linalg.norm(moved, axis=2)

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <mimetic/contact/contact.hpp>
+#include <mimetic/contact/skin_contact.hpp>
+#include <mimetic/contact/slits.hpp>
 
 #include "arrays.hpp"
+#include "compressed_rows.hpp"
 
 namespace mimetic::bindings {
 
@@ -9,17 +11,114 @@ namespace py = pybind11;
 using namespace pybind11::literals;
 using release_gil = py::call_guard<py::gil_scoped_release>;
 
-void bind_contact(py::module_& m) {
-    py::class_<ContactOptions>(m, "ContactOptions", "How contact is found and parted; SI units.")
-        .def(py::init<>())
-        .def_readwrite("deepest", &ContactOptions::deepest)
-        .def_readwrite("tolerance", &ContactOptions::tolerance)
-        .def_readwrite("softness", &ContactOptions::softness)
-        .def_readwrite("relaxation", &ContactOptions::relaxation)
-        .def_readwrite("convergence", &ContactOptions::convergence)
-        .def_readwrite("max_sweeps", &ContactOptions::max_sweeps)
-        .def_readwrite("max_rounds", &ContactOptions::max_rounds);
+namespace {
 
+py::array_t<int> rows_array(const std::vector<int>& rows) {
+    return py::array_t<int>(static_cast<py::ssize_t>(rows.size()), rows.data());
+}
+
+SkinContact make_contact(PointsIn rest, const CompressedRows& stencils, const std::vector<Slit>& slits,
+                         const std::vector<EyeRest>& eyes, const SkinModel& model,
+                         const std::vector<bool>& free, const std::vector<int>& moves_with,
+                         const std::vector<int>& read) {
+    const py::gil_scoped_release release;
+    const TouchPoints touch{rest, to_sparse(stencils, static_cast<int>(free.size())), slits};
+    return SkinContact(touch, eyes, {model, free, moves_with, read});
+}
+
+py::tuple shapes_of_contact(const SkinContact& contact,
+                            const std::vector<std::pair<MatrixRows, MatrixRows>>& parts,
+                            const Progress& progress) {
+    ContactShapes shapes;
+    {
+        const py::gil_scoped_release release;
+        std::vector<MotionPart> motion;
+        for (const auto& [values, modes] : parts) {
+            motion.push_back({values, modes});
+        }
+        shapes = contact_shapes(contact, motion, progress);
+    }
+    return py::make_tuple(std::move(shapes.values), std::move(shapes.offsets));
+}
+
+void bind_slits(py::module_& m) {
+    m.def("lip_slit", &lip_slit, "vertices"_a, "triangles"_a, "surface"_a, "margin"_a, "inner"_a, "size"_a,
+          release_gil(),
+          "Slit of the lips as far as they can touch, the lining behind them included.\n\n"
+          "surface: of all triangles; margin: (K, 3), where skin becomes lining; inner: (2, 3), the middle "
+          "of\nthe upper and of the lower lip; size: of the head, the template's being 1");
+    m.def("lid_slit", &lid_slit, "vertices"_a, "margin"_a, "corners"_a, "size"_a,
+          "Slit of one eye's lids without the corners that they share.\n\n"
+          "margin: vertices on the edge of both; corners: (2, 3), the inner and the outer one");
+    m.def(
+        "number_slits",
+        [](const std::vector<Slit>& slits, const std::vector<bool>& kept) {
+            auto [vertices, numbered] = number_slits(slits, kept);
+            return py::make_tuple(rows_array(vertices), std::move(numbered));
+        },
+        "slits"_a, "kept"_a,
+        "The slits' vertices that are kept (C,), and slits by their numbers among them.");
+}
+
+void bind_skin_contact(py::module_& m) {
+    py::class_<EyeRest>(m, "EyeRest", "Skin that lies on an eye and slides there; metres, head frame.")
+        .def(py::init([](const Eigen::Vector3d& centre, const std::vector<int>& vertices, PointsIn rest,
+                         const Eigen::VectorXd& share,
+                         double sink) { return EyeRest{centre, vertices, rest, share, sink}; }),
+             "centre"_a, "vertices"_a, "rest"_a, "share"_a, "sink"_a,
+             "vertices: E base vertices; rest: (E, 3); share: (E,) of sinking that is put back; sink: left "
+             "alone")
+        .def_readonly("centre", &EyeRest::centre)
+        .def_property_readonly("vertices", [](const EyeRest& self) { return rows_array(self.vertices); })
+        .def_readonly("rest", &EyeRest::rest)
+        .def_readonly("share", &EyeRest::share)
+        .def_readonly("sink", &EyeRest::sink);
+    m.def("rest_on_eye", &rest_on_eye, "surface"_a, "margin"_a, "rest"_a, "centre"_a, "reach"_a, "size"_a,
+          release_gil(),
+          "EyeRest of lids.\n\nsurface: of the whole skin; margin: (K, 3), the edge of the lids; rest: (S, "
+          "3)\ncontrol vertices; reach: metres along the skin where lids end; size: of the head");
+    py::class_<SkinContact>(
+        m, "SkinContact",
+        "What lips and lids of a head do to each other: contact without friction, for shapes at rest.\n\n"
+        "Displacements are in the head frame, or in that of `turned`; metres.")
+        .def(py::init(&make_contact), py::kw_only(), "rest"_a, "stencils"_a, "slits"_a, "eyes"_a, "model"_a,
+             "free"_a, "moves_with"_a, "read"_a,
+             "rest: (C, 3), the points that can touch; stencils: compressed rows of the C x B matrix that "
+             "makes\nthem of base vertices; model: its unknowns are those that are `free` (B,); "
+             "moves_with: (V,), the\nbase vertex that each of the head's goes with, -1 for none; read: (B,), "
+             "the head's vertex that is\neach base vertex. Raises InvalidInput.")
+        .def_property_readonly(
+            "vertices", [](const SkinContact& self) { return rows_array(self.vertices()); },
+            "(K,) of the head, that are looked at")
+        .def_property_readonly(
+            "moved", [](const SkinContact& self) { return rows_array(self.moved()); },
+            "(W,) of the head, that yield")
+        .def_property_readonly("num_slits", &SkinContact::num_slits)
+        .def("correction", &SkinContact::correction, "displacement"_a, release_gil(),
+             "(W, 3) float32 of `moved` that parts lips and lids; None if nothing touches.\n\n"
+             "displacement: (K, 3), of `vertices`")
+        .def("relieve", &SkinContact::relieve, "displacement"_a, release_gil(),
+             "The displacement (V, 3) with lips and lids parted; unchanged where nothing touches.")
+        .def("gaps", &SkinContact::gaps, "displacement"_a, release_gil(),
+             "Gaps of what overlaps at a displacement (V, 3), all negative.")
+        .def(
+            "depth",
+            [](const SkinContact& self, PointsIn displacement) {
+                const Eigen::VectorXd gaps = self.gaps(displacement);
+                return gaps.size() ? std::max(0., -gaps.minCoeff()) : 0.;
+            },
+            "displacement"_a, release_gil(), "How deep lips or lids lie in each other, metres.")
+        .def("turned", &SkinContact::turned, "linear"_a,
+             "The same contact for displacements in another frame: linear (3, 3) @ those of this.");
+    m.def("contact_shapes", &shapes_of_contact, "contact"_a, "parts"_a, "progress"_a = nullptr,
+          "Few shapes whose sums are a take's corrections: values (N, S), offsets (S, 3W).\n\n"
+          "parts: values (N, M) and modes at the contact's vertices (M, 3K), metres; progress: called with "
+          "the\nfraction done, false ends the work with the frames so far. Raises InvalidInput.");
+}
+
+}  // namespace
+
+void bind_contact(py::module_& m) {
     py::class_<Slit>(m, "Slit", "Two rims across a slit that can touch, by numbers of points.")
         .def(py::init([](std::vector<int> upper, std::vector<int> lower, const Triangles& triangles) {
                  return Slit{std::move(upper), std::move(lower), triangles};
@@ -29,26 +128,8 @@ void bind_contact(py::module_& m) {
         .def_readonly("upper", &Slit::upper)
         .def_readonly("lower", &Slit::lower)
         .def_readonly("triangles", &Slit::triangles);
-
-    py::class_<ContactSolver>(m, "ContactSolver",
-                              "Contact without friction of points across slits, on an elastic skin.")
-        .def(py::init<PointsIn, std::vector<Slit>, const Eigen::Ref<const ContactSolver::Response>&,
-                      const ContactOptions&>(),
-             py::arg("rest").noconvert(), "slits"_a, py::arg("response").noconvert(),
-             "options"_a = ContactOptions{},
-             "rest: (C, 3) float64, metres\n"
-             "response: (C, 3C) float32, row j: how the points move, metres, xyz interleaved, under one\n"
-             "    upward newton at point j")
-        .def("solve", &ContactSolver::solve, py::arg("displacements").noconvert(), release_gil(),
-             "Upward forces, (C,) newtons, that part what overlaps; all 0 if nothing does.\n\n"
-             "displacements: (C, 3) float64, metres")
-        .def("gaps", &ContactSolver::gaps, py::arg("displacements").noconvert(), release_gil(),
-             "Gaps of what overlaps, metres, all negative.\n\ndisplacements: (C, 3) float64, metres");
-
-    m.def("part_overlaps", &part_overlaps, "compliance"_a, "gaps"_a, "options"_a = ContactOptions{},
-          release_gil(),
-          "Forces f >= 0 with compliance @ f + gaps >= 0, at work only where that is 0.\n\n"
-          "compliance: (K, K) m/N; gaps: (K,) metres\nreturns: (K,) newtons");
+    bind_slits(m);
+    bind_skin_contact(m);
 }
 
 }  // namespace mimetic::bindings

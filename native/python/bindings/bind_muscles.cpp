@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/muscles/fibres.hpp>
 #include <mimetic/muscles/muscles.hpp>
 
 #include "arrays.hpp"
@@ -45,6 +46,18 @@ void bind_muscles(py::module_& m) {
         .def("forces", &MuscleSurface::forces, "muscle"_a, release_gil(),
              "Nodal forces (N, 3) at a total pull of 1 N, of a sphincter at a tension of 1 N/m.")
         .def_property_readonly("normals", &MuscleSurface::normals, "(N, 3), unit, at the vertices");
+    m.def("insertion_nodes", &insertion_nodes, "muscle"_a,
+          "(K, 3) where fibres end in the skin: a point, points along a sheet's edge, a ring's own focus.");
+    m.def("muscle_fibres", &muscle_fibres, "muscle"_a, "num_steps"_a,
+          "Fibres in space before they are laid on skin, (num_steps, 3) each, the origin first.");
+    py::class_<MuscleLines>(m, "MuscleLines", "Lines from the bone to the skin; P points, metres.")
+        .def(py::init([](const SkinPlaces& places, const Points& rest, const MatrixRows& bone,
+                         const Eigen::VectorXd& share) { return MuscleLines{places, rest, bone, share}; }),
+             "places"_a, "rest"_a, "bone"_a, "share"_a,
+             "rest: (P, 3); bone: (J, 3P), how the bone under each point goes with the jaw's motions;\n"
+             "share: (P,), 0 on the bone to 1 on the skin")
+        .def("positions", &MuscleLines::positions, "vertices"_a, "jaw_values"_a, "lift"_a, release_gil(),
+             "(P, 3) on a shape of the skin (N, 3), the jaw's motions at values (J,), lifted off the skin.");
 }
 
 }  // namespace mimetic::bindings

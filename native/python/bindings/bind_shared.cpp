@@ -2,6 +2,7 @@
 #include <mimetic/shared/camera.hpp>
 #include <mimetic/shared/covariance.hpp>
 #include <mimetic/shared/rotations.hpp>
+#include <mimetic/shared/similarity.hpp>
 
 #include "arrays.hpp"
 
@@ -61,6 +62,12 @@ void bind_rotations(py::module_& m) {
         },
         "matrices"_a, "(N, 3, 3) rotations nearest to matrices (N, 3, 3), orthonormal to the last digit.");
     m.def(
+        "turn_between",
+        [](const Eigen::Matrix3d& before, const Eigen::Matrix3d& after) {
+            return rotation_vectors({after * before.transpose()}).row(0).norm();
+        },
+        "before"_a, "after"_a, "Radians between two rotations (3, 3).");
+    m.def(
         "euler_angles",
         [](const DoubleArray& r, const std::string& order, const Eigen::Vector3d& first) {
             return euler_angles(matrices_of<3, 3>(r, "rotations"), order, first);
@@ -72,11 +79,63 @@ void bind_rotations(py::module_& m) {
         "row is near to the one before.\nRaises InvalidInput.");
 }
 
+void bind_similarity(py::module_& m) {
+    py::class_<Similarity>(m, "Similarity", "target = scale * rotation @ source + shift.")
+        .def_readonly("scale", &Similarity::scale)
+        .def_readonly("rotation", &Similarity::rotation)
+        .def_readonly("shift", &Similarity::shift)
+        .def_readonly("is_mirror", &Similarity::is_mirror,
+                      "whether the points lie better on a mirror image of themselves")
+        .def("apply", &Similarity::apply, "points"_a, "(K, 3)")
+        .def(
+            "turn",
+            [](const Similarity& self, const DoubleArray& displacements) {
+                if (displacements.ndim() < 1 || displacements.shape(displacements.ndim() - 1) != 3) {
+                    throw InvalidInput("displacements must have the shape (..., 3)");
+                }
+                DoubleArray turned(std::vector<py::ssize_t>(displacements.shape(),
+                                                            displacements.shape() + displacements.ndim()));
+                const Eigen::Index count = displacements.size() / 3;
+                Eigen::Map<Points>(turned.mutable_data(), count, 3) =
+                    self.turn(Eigen::Map<const Points>(displacements.data(), count, 3));
+                return turned;
+            },
+            "displacements"_a, "(..., 3), without the shift")
+        .def("inverse", &Similarity::inverse);
+    m.def("fit_similarity", &fit_similarity, "source"_a, "target"_a,
+          "The Similarity that lays points (K, 3) on others (K, 3), in least squares.");
+}
+
 }  // namespace
 
 void bind_shared(py::module_& m) {
     bind_camera(m);
     bind_rotations(m);
+    bind_similarity(m);
+    m.def(
+        "are_covariances",
+        [](const DoubleArray& covariances, double asymmetry) {
+            py::array_t<bool> fits(covariances.ndim() > 0 ? covariances.shape(0) : 0);
+            bool* out = fits.mutable_data();
+            for (const auto& matrix : matrices_of<6, 6>(covariances, "covariances")) {
+                *out++ = is_covariance(matrix, asymmetry);
+            }
+            return fits;
+        },
+        "covariances"_a, "asymmetry"_a,
+        "(N,) which of (N, 6, 6) are covariances but for rounding; asymmetry: between mirrored entries.");
+    m.def(
+        "are_rigid",
+        [](const DoubleArray& poses, double rounding) {
+            py::array_t<bool> fits(poses.ndim() > 0 ? poses.shape(0) : 0);
+            bool* out = fits.mutable_data();
+            for (const Eigen::Matrix4d& pose : matrices_of<4, 4>(poses, "poses")) {
+                *out++ = is_rigid(pose, rounding);
+            }
+            return fits;
+        },
+        "poses"_a, "rounding"_a,
+        "(N,) which of (N, 4, 4) turn and shift without scaling or mirroring; rounding: of R R' - 1.");
     m.def(
         "nearest_covariances",
         [](const DoubleArray& covariances) {

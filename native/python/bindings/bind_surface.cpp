@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/surface/nearest.hpp>
 #include <mimetic/surface/places.hpp>
+#include <mimetic/surface/shown_places.hpp>
+#include <mimetic/surface/skin_places.hpp>
 #include <mimetic/surface/surface.hpp>
 
 #include "arrays.hpp"
@@ -39,10 +42,65 @@ py::object places_under_pixels(const Camera& camera, PointsIn vertices, QuadsIn 
     return py::make_tuple(on_face, places->triangle, places->weights, places->offset);
 }
 
+void bind_skin_places(py::module_& m) {
+    py::class_<SkinPlaces>(m, "SkinPlaces", "P points on the triangles of a surface of N vertices.")
+        .def(py::init([](const Triangles& corners, const Points& weights) {
+                 if (corners.rows() != weights.rows() || (corners.size() > 0 && corners.minCoeff() < 0)) {
+                     throw InvalidInput("a place needs three corners, and their weights");
+                 }
+                 return SkinPlaces{corners, weights, Eigen::VectorXd::Zero(corners.rows())};
+             }),
+             "corners"_a, "weights"_a)
+        .def_readonly("corners", &SkinPlaces::corners, "(P, 3), vertices")
+        .def_readonly("weights", &SkinPlaces::weights, "(P, 3), of the corners; they sum to 1")
+        .def_readonly("gaps", &SkinPlaces::gaps, "(P,), metres from what was looked for")
+        .def(
+            "values",
+            [](const SkinPlaces& self, const DoubleArray& at_vertices) -> DoubleArray {
+                const bool is_flat = at_vertices.ndim() == 1;
+                if (!is_flat && at_vertices.ndim() != 2) {
+                    throw InvalidInput("values at vertices must have the shape (N,) or (N, K)");
+                }
+                const py::ssize_t columns = is_flat ? 1 : at_vertices.shape(1);
+                const MatrixRows values = self.values(
+                    Eigen::Map<const MatrixRows>(at_vertices.data(), at_vertices.shape(0), columns));
+                std::vector<py::ssize_t> shape{values.rows()};
+                if (!is_flat) {
+                    shape.push_back(columns);
+                }
+                return DoubleArray(shape, values.data());
+            },
+            "at_vertices"_a, "Values at the vertices, (N,) or (N, K), interpolated: (P,) or (P, K).")
+        .def("positions", &SkinPlaces::positions, "vertices"_a, "lift"_a = 0.,
+             "(P, 3) on a shape of the surface (N, 3), metres, lifted off it outwards by so many metres.");
+    m.def(
+        "show_places",
+        [](const Camera& camera, PointsIn vertices, QuadsIn faces, const SkinPlaces& places) {
+            ShownPlaces shown;
+            {
+                const py::gil_scoped_release release;
+                shown = show_places(camera, vertices, faces, places);
+            }
+            py::array_t<bool> visible(static_cast<py::ssize_t>(shown.visible.size()));
+            std::copy(shown.visible.begin(), shown.visible.end(), visible.mutable_data());
+            return py::make_tuple(std::move(shown.points), std::move(shown.pixels), std::move(visible));
+        },
+        "camera"_a, py::arg("vertices_in_camera").noconvert(), py::arg("faces").noconvert(), "places"_a,
+        "Where places are: points (P, 3), metres, camera frame; pixels (P, 2), nan behind the camera; and "
+        "which\nare in the picture, turned to the camera and not covered (P,).\n\n"
+        "vertices_in_camera: (V, 3) float64, metres; faces: (F, 4) int32");
+    m.def("nearest_places", &nearest_places, "points"_a, "vertices"_a, "triangles"_a, release_gil(),
+          "SkinPlaces nearest to points (P, 3) on triangles (T, 3) of vertices (N, 3).");
+    m.def(
+        "nearest", [](PointsIn points, PointsIn among) { return NearestPoints(among).find(points); },
+        "points"_a, "among"_a, release_gil(),
+        "(P,) row of the nearest of `among` (N, 3) to each point (P, 3).");
+}
+
 }  // namespace
 
 void bind_surface(py::module_& m) {
-    m.attr("COVERED") = kCovered;
+    bind_skin_places(m);
     m.def(
         "places_under", &places_under_pixels, "camera"_a, py::arg("vertices_in_camera").noconvert(),
         py::arg("faces").noconvert(), py::arg("pixels").noconvert(),

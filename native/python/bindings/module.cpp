@@ -8,15 +8,18 @@ void bind_surface(pybind11::module_& m);
 void bind_skin(pybind11::module_& m);
 void bind_strain(pybind11::module_& m);
 void bind_skin_dynamics(pybind11::module_& m);
-void bind_contact(pybind11::module_& m);
 void bind_muscles(pybind11::module_& m);
+void bind_contact(pybind11::module_& m);
 void bind_locate(pybind11::module_& m);
 void bind_landmarks(pybind11::module_& m);
 void bind_eigenspace(pybind11::module_& m);
 void bind_fit(pybind11::module_& m);
 void bind_flow(pybind11::module_& m);
+void bind_register(pybind11::module_& m);
 void bind_head(pybind11::module_& m);
+void bind_rig_motion(pybind11::module_& m);
 void bind_solve(pybind11::module_& m);
+void bind_analyse(pybind11::module_& m);
 }  // namespace mimetic::bindings
 
 PYBIND11_MODULE(_core, m) {
@@ -32,13 +35,16 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_skin(m);
     bindings::bind_strain(m);
     bindings::bind_skin_dynamics(m);
-    bindings::bind_contact(m);
     bindings::bind_muscles(m);
     bindings::bind_eigenspace(m);
+    bindings::bind_contact(m);
     bindings::bind_locate(m);
     bindings::bind_landmarks(m);
     bindings::bind_fit(m);
     bindings::bind_flow(m);
+    bindings::bind_register(m);
     bindings::bind_head(m);
+    bindings::bind_rig_motion(m);
     bindings::bind_solve(m);
+    bindings::bind_analyse(m);
 }

@@ -4,15 +4,17 @@
 
 namespace mimetic {
 
-bool is_covariance(const Eigen::MatrixXd& covariance) {
-    if (!covariance.allFinite() || covariance.diagonal().minCoeff() < 0) {
+bool is_covariance(const Eigen::MatrixXd& covariance, double asymmetry) {
+    if (!covariance.allFinite() || covariance.diagonal().minCoeff() < 0 ||
+        (covariance - covariance.transpose()).cwiseAbs().maxCoeff() > asymmetry) {
         return false;
     }
     const Eigen::VectorXd scale = covariance.diagonal().cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
     const Eigen::MatrixXd correlation = scale.asDiagonal() * covariance * scale.asDiagonal();
-    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation, Eigen::EigenvaluesOnly)
-               .eigenvalues()
-               .minCoeff() > -1e-6;
+    return correlation.allFinite() &&  // else there is variation where there is no variance
+           Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(correlation, Eigen::EigenvaluesOnly)
+                   .eigenvalues()
+                   .minCoeff() > -1e-6;
 }
 
 Eigen::MatrixXd nearest_covariance(const Eigen::MatrixXd& covariance, double least) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <cstdlib>
 #include <mimetic/contact/contact.hpp>
 #include <mimetic/shared/error.hpp>
 
@@ -106,6 +107,20 @@ TEST(PartOverlaps, StopsAtTheExactSolutionOfTwo) {
     const Eigen::VectorXd one = part_overlaps(compliance, Eigen::Vector2d(-2, 1), options);
     EXPECT_NEAR(one[0], 1, 1e-6);
     EXPECT_EQ(one[1], 0);
+}
+
+TEST(PartOverlaps, ForcesPushOnlyAndOnlyWhereThereIsContact) {
+    std::srand(0);
+    const Eigen::MatrixXd factor = Eigen::MatrixXd::Random(8, 8);
+    const Eigen::MatrixXd compliance = factor * factor.transpose() + Eigen::MatrixXd::Identity(8, 8);
+    const Eigen::VectorXd gaps = Eigen::VectorXd::Random(8);
+    const Eigen::VectorXd forces = part_overlaps(compliance, gaps);
+    const Eigen::VectorXd parted = compliance * forces + gaps;
+    EXPECT_GE(forces.minCoeff(), 0);
+    EXPECT_TRUE((forces.array() > 0).any());
+    EXPECT_TRUE((forces.array() == 0).any());
+    EXPECT_GT(parted.minCoeff(), -.02);
+    EXPECT_LT((forces.array() > 0).select(parted, 0).cwiseAbs().maxCoeff(), .02);
 }
 
 }  // namespace

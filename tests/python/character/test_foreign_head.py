@@ -194,7 +194,7 @@ def test_a_scan_with_sealed_lips_gets_the_same_muscles(template):
     head = attach_foreign(vertices, quads, landmarks, template)
     assert any("one surface" in note for note in head.notes)
     assert any("no left eyeball" in note for note in head.notes)
-    assert len(head.make_contact().touch.slits) == 2  # of the lids
+    assert head.make_contact().num_slits == 2  # of the lids
     direct = anatomy.attach(template.vertices, template)
     cosines = {}
     for name, own, mode in zip(
@@ -331,7 +331,9 @@ def test_vertices_that_a_file_has_parted_are_one_again(template, head):
     np.testing.assert_array_equal(parted.triangles, whole.triangles)
     np.testing.assert_array_equal(parted.skin_vertex, whole.skin_vertex[head.faces].reshape(-1))
     extra = np.vstack([head.faces, head.faces[:1, [0, 0, 1]]])
-    assert (read_skin(head.vertices, extra, head.landmarks, template).face < len(head.faces)).all()
+    assert (
+        read_skin(head.vertices, extra, head.landmarks, template).mesh.face < len(head.faces)
+    ).all()
 
 
 def test_obj_and_landmark_files_are_read_and_refused(tmp_path, capsys):

@@ -6,7 +6,7 @@ from mimetic.commands.cli import main
 from mimetic.head.tracking import MODELS, head_shape, track_head
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
-from mimetic.report.head_drawing import HeadDrawing, model_mesh
+from mimetic.report.head_drawing import HeadDrawing
 from mimetic.score.truth import Truth
 from mimetic.solve.clip_capture import CaptureSummary, find_face
 from mimetic.template.face_template import load_template
@@ -45,11 +45,11 @@ def test_models_stand_where_the_head_is(fit):
     ellipsoid = shapes["ellipsoid"]
     assert np.all((ellipsoid.half_axes > 0.05) & (ellipsoid.half_axes < 0.18))
     assert ellipsoid.depth_error < shapes["plane"].depth_error
-    vertices, faces = model_mesh(ellipsoid)
+    vertices, faces = _core.mesh_of_model(ellipsoid)
     radius = np.linalg.norm((vertices - ellipsoid.centre) / ellipsoid.half_axes, axis=1)
     np.testing.assert_allclose(radius, 1, atol=1e-12)
     assert faces.min() == 0 and faces.max() == len(vertices) - 1
-    cut, _ = model_mesh(ellipsoid, (-0.08, 0.05))
+    cut, _ = _core.mesh_of_model(ellipsoid, -0.08, 0.05)
     np.testing.assert_allclose((cut[:, 1].min(), cut[:, 1].max()), (-0.08, 0.05), atol=1e-12)
     with pytest.raises(InvalidInput, match="cube"):
         head_shape("cube", neutral, template)

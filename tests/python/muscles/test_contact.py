@@ -64,20 +64,6 @@ def clearance(skin):
     return measure
 
 
-def test_parting_forces_push_only_and_only_where_there_is_contact():
-    random = np.random.default_rng(0)
-    factor = random.normal(size=(8, 8))
-    compliance = factor @ factor.T + np.eye(8)
-    gaps = random.normal(size=8)
-    forces = _core.part_overlaps(compliance, gaps)
-    parted = compliance @ forces + gaps
-    assert forces.min() >= 0
-    assert (forces > 0).any()
-    assert (forces == 0).any()
-    assert parted.min() > -0.02
-    assert np.abs(parted[forces > 0]).max() < 0.02
-
-
 def test_a_point_is_found_in_its_triangle():
     corners = [np.array([p]) for p in ([0.0, 0.0], [1.0, 0.0], [0.0, 1.0])]
     face, weights = faces_at(np.array([[0.25, 0.5], [0.8, 0.8]]), *corners)

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <Eigen/Core>
+#include <limits>
 
 namespace mimetic {
 
@@ -8,7 +9,9 @@ namespace mimetic {
 /// correlations: radians and metres differ by orders of magnitude. least: of the correlations' eigenvalues.
 Eigen::MatrixXd nearest_covariance(const Eigen::MatrixXd& covariance, double least = 1e-9);
 
-/// Whether a covariance is one, but for rounding: finite, and no correlation's eigenvalue is below -1e-6.
-bool is_covariance(const Eigen::MatrixXd& covariance);
+/// Whether a covariance is one, but for rounding: finite, mirrored entries at most `asymmetry` apart, and no
+/// correlation's eigenvalue below -1e-6.
+bool is_covariance(const Eigen::MatrixXd& covariance,
+                   double asymmetry = std::numeric_limits<double>::infinity());
 
 }  // namespace mimetic

@@ -11,9 +11,10 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mimetic.character.foreign_mesh import REQUIRED, fit_similarity
-from mimetic.character.placement import OBJECT_FROM_HEAD
-from mimetic.character.rig_motion import Channels, carried_channels, motion, rotation_of
+from mimetic import _core
+from mimetic._core import rotation_of
+from mimetic.character.foreign_mesh import REQUIRED
+from mimetic.character.rig_motion import Channels, carried_channels, motion
 from mimetic.performance.document import Performance
 from mimetic.template.face_template import load_template
 
@@ -36,11 +37,7 @@ def object_from_character(
     ]
     template = load_template()
     usual = template.vertices[[template.landmark(name) for name in REQUIRED]]
-    laid = fit_similarity(np.asarray(usual, dtype=np.float64), np.array(places, dtype=np.float64))
-    metres_from_character = np.eye(4)
-    metres_from_character[:3, :3] = laid.rotation @ OBJECT_FROM_HEAD[:3, :3].T
-    metres_from_character[:3, 3] = laid.shift
-    return np.linalg.inv(matrix) @ metres_from_character
+    return _core.object_from_character(usual, np.array(places, dtype=np.float64), matrix)
 
 
 def head_channels(

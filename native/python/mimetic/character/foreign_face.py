@@ -12,7 +12,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mimetic import InvalidInput
+from mimetic import InvalidInput, _core
 from mimetic.character.foreign_head import ForeignHead, attach_foreign
 from mimetic.character.foreign_mesh import MAX_VERTICES, REQUIRED
 from mimetic.character.live_contact import LiveContact
@@ -20,7 +20,6 @@ from mimetic.character.placement import to_head, to_object
 from mimetic.character.shapes import Shape, group_shapes, shapes_of_anatomy, shapes_of_extras
 from mimetic.template.face_template import load_template
 
-TOP = 0.13  # m of a head, from its top, by whose width its size is guessed
 KEPT = 2  # heads in memory
 
 
@@ -36,36 +35,7 @@ class Polygons:
 
         points: V x 3; polygons of five and more are cut from their corner that leaves no sliver.
         """
-        counts = np.diff(np.append(self.starts, len(self.corners)))
-        if len(counts) == 0 or counts.min() < 3:
-            raise InvalidInput("the mesh has no faces, or one of fewer than three corners")
-        faces, polygon = [], []
-        for count in np.unique(counts):
-            own = np.flatnonzero(counts == count)
-            corners = self.corners[self.starts[own][:, None] + np.arange(count)]
-            if corners.min() < 0 or corners.max() >= len(points):
-                raise InvalidInput("a face of the mesh names a vertex that it does not have")
-            if count > 4:
-                corners = _from_best_corner(points, corners)
-            fan = [[0, 1, 2, 3]] if count == 4 else [[0, k, k + 1, -1] for k in range(1, count - 1)]
-            for piece in fan:
-                faces.append(np.column_stack([corners[:, piece[:3]], corners[:, piece[3]]]))
-                if piece[3] < 0:
-                    faces[-1][:, 3] = -1
-                polygon.append(own)
-        return np.concatenate(faces), np.concatenate(polygon)
-
-
-def _from_best_corner(points: NDArray[np.float64], corners: NDArray[np.int64]):
-    """Polygons (P x K) turned so that the smallest triangle of their fan is the largest it can be:
-    a corner on a straight edge would make one without area."""
-    count = corners.shape[1]
-    turned = corners[:, (np.arange(count)[:, None] + np.arange(count)) % count]  # P x K x K
-    places = points[turned]
-    arms = places[:, :, 1:] - places[:, :, :1]
-    areas = np.linalg.norm(np.cross(arms[:, :, :-1], arms[:, :, 1:]), axis=3)
-    best = areas.min(axis=2).argmax(axis=1)
-    return turned[np.arange(len(corners)), best]
+        return _core.cut_polygons(points, self.starts, self.corners)
 
 
 @dataclass(frozen=True)
@@ -116,17 +86,10 @@ def attach_face(
 def _attach_face(points: bytes, starts: bytes, corners: bytes, marks, matrix: bytes) -> ForeignFace:
     own = np.frombuffer(points).reshape(-1, 3)
     metres_from_object = np.frombuffer(matrix).reshape(4, 4)
-    linear = metres_from_object[:3, :3]
-    if not np.isfinite(metres_from_object).all() or abs(np.linalg.det(linear)) < 1e-12:
-        raise InvalidInput("the object is scaled to nothing: apply its scale (Ctrl A)")
     faces, polygon = Polygons(
         np.frombuffer(starts, np.int64), np.frombuffer(corners, np.int64)
     ).pieces(own)
-    if np.linalg.det(linear) < 0:  # a mirrored object shows its faces turned over
-        is_quad = faces[:, 3] >= 0
-        faces[:, :3] = faces[:, 2::-1].copy()
-        faces[is_quad] = np.roll(faces[is_quad], 1, axis=1)
-    vertices = own @ linear.T + metres_from_object[:3, 3]
+    vertices, faces, object_from_head = _core.place_mesh(own, faces, metres_from_object)
     landmarks = {
         name: place if isinstance(place, int) else np.array(place) for name, place in marks
     }
@@ -134,7 +97,6 @@ def _attach_face(points: bytes, starts: bytes, corners: bytes, marks, matrix: by
         head = attach_foreign(vertices, faces, landmarks, load_template())
     except InvalidInput as error:
         raise InvalidInput(_by_polygon(str(error), polygon)) from None
-    object_from_head = np.linalg.inv(linear)
 
     def in_object(shape: Shape) -> Shape:
         offsets = to_head(shape.offsets @ object_from_head.T)
@@ -169,23 +131,9 @@ def guess_landmarks(points: ArrayLike) -> dict[str, NDArray[np.float64]]:
     points: V x 3. A start for the hand: the template's own landmarks, moved and scaled to the top
     and the front of the head, each on the vertex next to it.
     """
-    points = np.asarray(points, dtype=np.float64)
-    if points.ndim != 2 or len(points) == 0 or not np.isfinite(points).all():
-        raise InvalidInput("the mesh has no vertices, or one that is not finite")
     template = load_template()
     usual = to_object(template.vertices[: int(template.num_skin_vertices)])
-    places = {name: usual[template.landmark(name)] for name in REQUIRED}
-    own, known = (cloud[cloud[:, 2] > cloud[:, 2].max() - TOP] for cloud in (points, usual))
-    scale = np.clip(np.ptp(own[:, 0]) / np.ptp(known[:, 0]), 0.5, 2.0)
-    middle = (own[:, 0].min() + own[:, 0].max()) / 2
-    top = points[:, 2].max()
-    shift = np.array([middle, 0.0, top - scale * usual[:, 2].max()])
-    near = np.abs(points - shift)[:, 0] < 0.02 * scale
-    near &= np.abs(points[:, 2] - shift[2] - scale * places["nose_tip"][2]) < 0.03 * scale
-    front = points[near] if near.any() else points
-    shift[1] = front[:, 1].min() - scale * places["nose_tip"][1]
-    found = {}
-    for name, place in places.items():
-        away = (points - scale * place - shift) * [1.0, 0.3, 1.0]
-        found[name] = points[np.argmin((away**2).sum(axis=1))]
-    return found
+    places = usual[[template.landmark(name) for name in REQUIRED]]
+    nose = REQUIRED.index("nose_tip")
+    guessed = _core.guess_places(np.asarray(points, dtype=np.float64), usual, places, nose)
+    return dict(zip(REQUIRED, guessed, strict=True))

@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from mimetic import _core
 from mimetic.character.foreign_holes import hole_notes
-from mimetic.character.foreign_mesh import ForeignSkin, Similarity, read_skin
-from mimetic.character.foreign_registration import LippedSurface, SkinPlaces, lay_template, lipped
+from mimetic.character.foreign_mesh import ForeignSkin, read_skin
+from mimetic.character.foreign_registration import lay_template, lipped, lipped_skin
 from mimetic.character.loose_parts import LooseParts
 from mimetic.muscles.anatomy import (
     MATERIALS,
@@ -40,15 +40,7 @@ from mimetic.muscles.articulators import (
     eye_frames,
     rotate,
 )
-from mimetic.muscles.contact import (
-    Contact,
-    EyeRest,
-    TouchPoints,
-    eye_rest,
-    lid_slit,
-    lip_slit,
-    numbered,
-)
+from mimetic.muscles.contact import eye_rest, lid_slit, lip_slit
 from mimetic.muscles.extras import (
     Extras,
     LoadedSkin,
@@ -59,14 +51,10 @@ from mimetic.muscles.extras import (
     slit_middle,
     turned_eye,
 )
-from mimetic.skin.closest_points import nearest
 from mimetic.skin.mesh import Place, SkinMesh, multiply
 
 TOO_FAR = 0.015  # m from the laid template: body, hair; such skin is held
-SEALED = 0.006  # m; the way over the seam of a mouth without a slit exceeds the gap by less
-SEAM = 0.0025  # m; skin so near to the seam is soft
-SEAM_STIFFNESS = 0.05  # times young and pre-stress
-SEAM_ENDS = 0.4  # of half the mouth's width; there lips are joined on any face
+SEAM_STIFFNESS = 0.05  # times young and pre-stress, where the lips are one surface
 TOUCH_GAP = 0.003  # m; points of the template's lips and lids so near to the skin can touch
 
 
@@ -84,10 +72,10 @@ class ForeignHead:
 
     anatomy: Anatomy
     extras: Extras
-    make_contact: Callable[[], Contact]
+    make_contact: Callable[[], _core.SkinContact]
     registered: NDArray[np.float64]
     eye_centers: NDArray[np.float64]
-    mesh_from_template: Similarity
+    mesh_from_template: _core.Similarity
     gap_mm: tuple[float, float]
     notes: tuple[str, ...]
 
@@ -110,7 +98,7 @@ def attach_foreign(
     one well-formed piece.
     """
     skin = read_skin(vertices, faces, landmarks, template)
-    laid = lay_template(template, skin.landmarks, skin.vertices, skin.triangles, skin.surface)
+    laid = lay_template(template, skin)
     with skin.named_by_caller():
         head = _Carried(skin, laid)
         modes, strengths = head.muscle_modes()
@@ -152,8 +140,7 @@ class _Carried:
         self.skin, self.laid = skin, laid
         self.loose = LooseParts(skin, laid.neutral, laid.template)
         self.notes = skin.notes + self.loose.notes
-        lips = [laid.neutral[laid.landmark(name)] for name in ("lip_upper", "lip_lower")]
-        self.own = LippedSurface(skin.vertices, skin.triangles, skin.surface, lips)
+        self.own = lipped_skin(skin, laid)
         self.source = lipped(laid)
         self.places = self.source.find(skin.vertices, self.own.normals, self.own.lip)
         attached = AttachedSkin(laid, 1.0)
@@ -183,23 +170,12 @@ class _Carried:
 
     def _seam(self) -> NDArray[np.bool_]:
         """Skin over a mouth that is not cut open."""
-        inner = np.array([self.skin.landmarks[f"lip_{lip}_inner"] for lip in ("upper", "lower")])
-        at = nearest(inner, self.skin.vertices)
-        upper, lower = self.skin.vertices[at]
-        way = self.skin.surface.distances(upper[None], 0.1)
-        gap = np.linalg.norm(upper - lower)
-        if not way[at[1]] < 1.25 * gap + SEALED:
-            return np.zeros(len(self.free), bool)
-        self.notes += ("upper and lower lip are one surface: their seam was made soft",)
-        corners = [self.skin.landmarks[f"mouth_corner.{side}"] for side in SIDES]
-        line = np.array([corners[0], (upper + lower) / 2, corners[1]])
-        at = np.linspace(SEAM_ENDS, 2 - SEAM_ENDS, 41)
-        line = np.column_stack([np.interp(at, [0, 1, 2], axis) for axis in line.T])
-        distance = np.linalg.norm(self.skin.vertices[:, None] - line, axis=2).min(axis=1)
-        seam = distance < max(SEAM, gap / 2 + 0.0005)
-        triangles = self.skin.triangles
-        if not seam[triangles].all(axis=1).any():  # one row: what lies on both sides of it parts
-            seam[triangles[seam[triangles].any(axis=1)]] = True
+        marks = self.skin.landmarks
+        inner = np.array([marks[f"lip_{lip}_inner"] for lip in ("upper", "lower")])
+        corners = np.array([marks[f"mouth_corner.{side}"] for side in SIDES])
+        seam = _core.find_seam(self.skin.vertices, self.skin.triangles, inner, corners)
+        if seam.any():
+            self.notes += ("upper and lower lip are one surface: their seam was made soft",)
         return seam
 
     def respond(self, forces: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -236,7 +212,7 @@ class _Carried:
 
     def _carry(self, muscle: _core.Muscle, row: dict) -> _core.Muscle:
         """A muscle of the laid template with its insertion on this skin."""
-        vertex = nearest(muscle.insertion, self.laid.vertices[self.laid.seen_from_front])
+        vertex = _core.nearest(muscle.insertion, self.laid.vertices[self.laid.seen_from_front])
         found = self._onto(self.laid.seen_from_front[vertex], muscle.insertion)
         return _core.Muscle(
             type=muscle.type,
@@ -248,7 +224,7 @@ class _Carried:
             swelling=row.get("swelling", 0.0),
         )
 
-    def _onto(self, laid_vertex, points) -> SkinPlaces:
+    def _onto(self, laid_vertex, points) -> _core.SkinPlaces:
         """Places on this skin of points by vertices of the laid template."""
         vertex = np.atleast_1d(laid_vertex)
         return self.own.find(
@@ -282,7 +258,7 @@ class _Carried:
         seen = self.laid.seen_from_front
 
         def onto(points: NDArray[np.float64]) -> NDArray[np.float64]:
-            vertex = seen[nearest(points, self.laid.vertices[seen])]
+            vertex = seen[_core.nearest(points, self.laid.vertices[seen])]
             return self._onto(vertex, points).values(self.skin.vertices)
 
         def moved_at(place: Place, response: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -302,41 +278,38 @@ class _Carried:
                 modes[f"{row['name']}.{frame.side}"] = mode
         return collect(modes)
 
-    def contact(self) -> Contact:
+    def contact(self) -> _core.SkinContact:
         """Contact of what the template's lips and lids lie on, in its frame and size."""
         # A touch point costs a solution on the head's own mesh, so there are fewer
         slits = [*(() if self.is_sealed else (lip_slit(self.laid, refined=False),))]
         slits += [lid_slit(self.laid, side) for side in SIDES]
-        vertices = np.arange(len(self.laid.vertices))
         of_slits = np.unique(np.concatenate([np.r_[s.upper, s.lower] for s in slits]))
-        found = self._onto(of_slits, self.laid.vertices[of_slits])
-        kept = np.zeros(len(vertices), bool)
-        kept[of_slits] = found.gaps < TOUCH_GAP  # many a mesh ends behind the lips
-        vertices, slits = numbered(slits, kept)
+        on_slits = self._onto(of_slits, self.laid.vertices[of_slits])
+        kept = np.zeros(len(self.laid.vertices), bool)
+        kept[of_slits] = on_slits.gaps < TOUCH_GAP  # many a mesh ends behind the lips
+        vertices, slits = _core.number_slits(slits, kept)
         rows = np.searchsorted(of_slits, vertices)
-        corners, weights = found.corners[rows], found.weights[rows]
-        rest = np.einsum("pk,pkx->px", weights, self.skin.vertices[corners])
-        stencils = np.arange(0, corners.size + 1, 3), corners.ravel(), weights.ravel()
-        first = np.full(len(self.skin.vertices), -1)
-        on_skin = np.flatnonzero(self.skin.skin_vertex >= 0)
-        first[self.skin.skin_vertex[on_skin][::-1]] = on_skin[::-1]
-        eyes = [self._eye_rest(frame) for frame in eye_frames(self.laid)]
-        return Contact(TouchPoints(rest, stencils, slits), eyes, self._lift, self._to_mesh, first)
+        corners, weights = on_slits.corners[rows], on_slits.weights[rows]
+        moves_with = self.skin.skin_vertex.copy()
+        moves_with[self.loose.following] = self.loose.roots
+        return _core.SkinContact(
+            rest=on_slits.values(self.skin.vertices)[rows],
+            stencils=(np.arange(0, corners.size + 1, 3), corners.ravel(), weights.ravel()),
+            slits=slits,
+            eyes=[self._eye_rest(frame) for frame in eye_frames(self.laid)],
+            model=self.model,
+            free=self.free,
+            moves_with=moves_with,
+            read=self.skin.first_vertex,
+        )
 
-    def _lift(self, vertices: NDArray[np.int64], loads: NDArray) -> NDArray[np.float64]:
-        forces = np.zeros((len(loads), len(self.free), 3))
-        forces[:, vertices, 1] = loads
-        return self.respond(forces)
-
-    def _eye_rest(self, frame: EyeFrame) -> EyeRest:
+    def _eye_rest(self, frame: EyeFrame) -> _core.EyeRest:
         laid = eye_rest(frame)
         share = np.zeros(int(self.laid.template.num_skin_vertices))
         share[laid.vertices] = laid.share
         share = self.places.values(multiply(self.laid.stencils, share))
         own = np.flatnonzero(share > 0)
-        return dataclasses.replace(
-            laid, vertices=own, rest=self.skin.vertices[own], share=share[own]
-        )
+        return _core.EyeRest(laid.centre, own, self.skin.vertices[own], share[own], laid.sink)
 
     def lid_modes(self) -> list[NDArray[np.float64]]:
         modes = []

@@ -11,19 +11,20 @@ from collections.abc import Iterable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mimetic import _core
 from mimetic.character.live_face import template_rest
 from mimetic.character.placement import OBJECT_FROM_HEAD
-from mimetic.muscles.contact import Contact, contact_on
+from mimetic.muscles.contact import contact_on
 
 
 class LiveContact:
     """What lips and lids of a face do to each other; contact: in the object's frame."""
 
-    def __init__(self, contact: Contact):
+    def __init__(self, contact: _core.SkinContact):
         self._contact = contact
 
     @property
-    def moved(self) -> NDArray[np.int64]:
+    def moved(self) -> NDArray[np.int32]:
         """W vertices that contact can move."""
         return self._contact.moved
 

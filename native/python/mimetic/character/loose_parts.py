@@ -10,15 +10,17 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mimetic import _core
 from mimetic.character.foreign_mesh import ForeignSkin
 from mimetic.muscles.anatomy import SIDES
-from mimetic.skin.closest_points import nearest
 
-NEAR_SKIN = 0.008  # m at the template's size: lashes, brows, beards
-SAMPLES = 16  # vertices of a part that tell what it is
-MAX_FOLLOWING = 50_000
-ON_JAW = ("teeth_lower", "tongue")
-STILL = ("teeth_upper", "eye.L", "eye.R")
+PARTS = {
+    "teeth_lower": _core.TemplatePart.lower_jaw,
+    "tongue": _core.TemplatePart.lower_jaw,
+    "teeth_upper": _core.TemplatePart.upper_teeth,
+    "eye.L": _core.TemplatePart.left_eye,
+    "eye.R": _core.TemplatePart.right_eye,
+}
 
 
 class LooseParts:
@@ -27,57 +29,15 @@ class LooseParts:
     goes; notes."""
 
     def __init__(self, skin: ForeignSkin, laid_vertices: NDArray[np.float64], template):
-        loose = skin.loose
-        self.on_jaw = np.zeros(len(loose), bool)
-        self.eyes = {side: np.zeros(len(loose), bool) for side in SIDES}
-        self.following = self.roots = np.zeros(0, np.int64)
+        part = np.full(len(template.vertices), int(_core.TemplatePart.other), np.int32)
+        for name, like in PARTS.items():
+            part[template.part_vertices(name)] = int(like)
+        found = _core.sort_loose_parts(skin.mesh, laid_vertices, part)
+        self.on_jaw = found.on_jaw
+        self.eyes = {side: found.on_eye(number) for number, side in enumerate(SIDES)}
+        self.following, self.roots = found.following, found.roots
         self.notes: tuple[str, ...] = ()
-        vertices = np.flatnonzero(loose >= 0)
-        if not len(vertices):
-            return
-        labels, number, counts = np.unique(loose[vertices], return_inverse=True, return_counts=True)
-        sample = vertices[_few_of_each(number, counts)]
-        part = np.searchsorted(labels, loose[sample])
-        points = skin.user_vertices[sample]
-        like = _part_of_vertices(template)[nearest(points, laid_vertices)]
-        jaw, still, *eyes = (
-            np.isin(like, _indices(template, names))
-            for names in (ON_JAW, STILL, *((f"eye.{side}",) for side in SIDES))
-        )
-        root = skin.vertices[nearest(points, skin.vertices)]
-        near = np.linalg.norm(points - root, axis=1) < NEAR_SKIN
-
-        def mostly(flags):
-            return 2 * np.bincount(part, flags, len(labels)) > np.bincount(part, None, len(labels))
-
-        jaw, still, near = mostly(jaw), mostly(still), mostly(near)
-        self.on_jaw[vertices] = jaw[number]
-        for side, eye in zip(SIDES, eyes, strict=True):
-            self.eyes[side][vertices] = mostly(eye)[number]
-        following = vertices[(near & ~jaw & ~still)[number]]
-        if len(following) > MAX_FOLLOWING:
+        if found.num_left:
             self.notes = (
-                f"{len(following)} loose vertices near to the skin are too many: they stay",
+                f"{found.num_left} loose vertices near to the skin are too many: they stay",
             )
-            return
-        self.following = following
-        self.roots = nearest(skin.user_vertices[following], skin.vertices)
-
-
-def _few_of_each(number: NDArray[np.int64], counts: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Indices into `number` (which part each is of): some SAMPLES of every part."""
-    order = np.argsort(number, kind="stable")
-    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
-    rank = np.arange(len(number)) - np.repeat(starts, counts)
-    step = np.repeat(-(-counts // SAMPLES), counts)
-    return order[rank % step == 0]
-
-
-def _part_of_vertices(template) -> NDArray[np.int64]:
-    part = np.zeros(len(template.vertices), np.int64)
-    part[template.faces] = np.asarray(template.part)[:, None]
-    return part
-
-
-def _indices(template, names) -> list[int]:
-    return [list(template.part_names).index(name) for name in names]

@@ -13,12 +13,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mimetic import InvalidInput
-from mimetic._core import quaternions
+from mimetic import InvalidInput, _core
+from mimetic._core import OBJECT_FROM_HEAD, quaternions
 from mimetic.performance.document import Performance
 
-OBJECT_FROM_HEAD = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
-SCENE_CAMERA_FROM_CAMERA = np.diag([1.0, -1, -1, 1])
 # A camera at the world's origin that looks along +y, level: a head facing it stands upright
 WORLD_FROM_SCENE_CAMERA = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
 SENSOR_MM = 36.0
@@ -64,12 +62,9 @@ def world_from_object(
 ) -> NDArray[np.float64]:
     """N x 4 x 4 poses of the face object. A camera's scale does not count, as in its picture."""
     world = np.array(world_from_scene_camera, dtype=np.float64)
-    lengths = np.linalg.norm(world[:3, :3], axis=0)
-    if world.shape != (4, 4) or not np.isfinite(world).all() or (lengths < 1e-9).any():
+    if world.shape != (4, 4):
         raise InvalidInput("the camera's matrix is not 4 x 4, or flat; reset its scale")
-    world[:3, :3] /= lengths
-    head_from_object = OBJECT_FROM_HEAD.T
-    return world @ SCENE_CAMERA_FROM_CAMERA @ performance.head_pose @ head_from_object
+    return _core.world_from_object(performance.head_pose, world)
 
 
 def lens(

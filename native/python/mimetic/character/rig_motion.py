@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mimetic import InvalidInput
-from mimetic._core import euler_angles, from_rotation_vectors, quaternions, rotation_vectors
+from mimetic import InvalidInput, _core
+from mimetic._core import axis_angles, euler_angles, quaternions, rotation_of
 from mimetic.character.placement import WORLD_FROM_SCENE_CAMERA, world_from_object
 from mimetic.performance.document import Performance
 from mimetic.performance.projection import reference_index
@@ -23,7 +23,6 @@ from mimetic.performance.projection import reference_index
 FACINGS = {"-Y": 0.0, "+X": 0.5 * np.pi, "+Y": np.pi, "-X": -0.5 * np.pi}
 
 Floats = NDArray[np.float64]
-STILL = 1e-6  # radians: an axis cannot be told
 
 
 @dataclass(frozen=True)
@@ -67,11 +66,9 @@ def motion(
     and at rest. pivot: the point whose shifts are given, in the character frame from midway between
     the ears. Raises InvalidInput for a frame that the performance lacks.
     """
-    i = rest_index(performance, calibration_frame)
+    rest = rest_index(performance, calibration_frame)
     poses = world_from_object(performance)
-    points = poses[:, :3, 3] + poses[:, :3, :3] @ np.asarray(pivot, dtype=np.float64)
-    axes = np.eye(3) if is_absolute else poses[i, :3, :3]
-    return Motion(axes.T @ poses[:, :3, :3], (points - points[i]) @ axes)
+    return Motion(*_core.motion_from_rest(poses, rest, is_absolute, np.asarray(pivot)))
 
 
 def rest_index(performance: Performance, calibration_frame: int | None = None) -> int:
@@ -107,22 +104,19 @@ def bone_channels(
     """
     if not 0 <= neck_share <= 1:
         raise InvalidInput(f"neck share is {neck_share}; it lies in 0 to 1")
-    axes = facing(direction)
-    turns = axes @ moved.rotations @ axes.T
-    shifts = units * moved.shifts @ axes.T
-    neck_turns = _share(turns, neck_share if neck else 0.0)
-    carried = _share(neck_turns, followed_share)
-    own = carried.transpose(0, 2, 1) @ turns
-    rotations = head.rest.T @ own @ head.rest
-    locations = None
-    if head.can_move:
-        locations = np.einsum("nji,nj->ni", carried, shifts)
-        locations = locations @ head.rest if head.is_local else locations
-    head_channels = _channels(rotations, locations, head.rotation_mode)
-    if neck is None:
-        return head_channels, None
-    neck_rotations = neck.rest.T @ neck_turns @ neck.rest
-    return head_channels, _channels(neck_rotations, None, neck.rotation_mode)
+    rotations, locations, of_neck = _core.bone_motion(
+        rotations=moved.rotations,
+        shifts=moved.shifts,
+        head_rest=head.rest,
+        neck_rest=None if neck is None else neck.rest,
+        axes=facing(direction),
+        neck_share=neck_share,
+        followed_share=followed_share,
+        is_local=head.is_local,
+        units=units,
+    )
+    of_head = _channels(rotations, locations if head.can_move else None, head.rotation_mode)
+    return of_head, None if neck is None else _channels(of_neck, None, neck.rotation_mode)
 
 
 def object_channels(
@@ -158,10 +152,10 @@ def carried_channels(
     location: 3, rotation: 3 x 3, its own channels now; world_from_parent: 4 x 4; axes: 3 x 3, world
     from the character frame; scale: of shifts.
     """
-    parent, axes = np.asarray(world_from_parent, dtype=float), np.asarray(axes, dtype=np.float64)
-    own = rotation_of(parent[:3, :3], "parent").T @ axes
-    locations = location + scale * moved.shifts @ axes.T @ np.linalg.inv(parent[:3, :3]).T
-    return _channels(own @ moved.rotations @ own.T @ rotation, locations, rotation_mode)
+    carried = _core.carry_object(
+        moved.rotations, moved.shifts, location, rotation, world_from_parent, axes, scale
+    )
+    return _channels(*carried, rotation_mode)
 
 
 def placed_channels(
@@ -179,18 +173,15 @@ def placed_channels(
     world = WORLD_FROM_SCENE_CAMERA if world_from_scene_camera is None else world_from_scene_camera
     poses = world_from_object(performance, world)
     camera = np.asarray(world, dtype=np.float64)[:3, 3]
-    parent = np.linalg.inv(np.asarray(world_from_parent, dtype=np.float64))
-    points = camera + scale * (poses[:, :3, 3] - camera)
-    turn = rotation_of(parent[:3, :3], "parent")
-    rotations = turn @ poses[:, :3, :3] @ facing(direction).T
-    return _channels(rotations, points @ parent[:3, :3].T + parent[:3, 3], rotation_mode)
+    axes = facing(direction)
+    return _channels(
+        *_core.place_object(poses, camera, world_from_parent, axes, scale), rotation_mode
+    )
 
 
 def followed(before: ArrayLike, after: ArrayLike, turned: float) -> float:
     """The part (0 to 1) of a turn by `turned` radians that took `before` to `after` (3 x 3)."""
-    change = np.asarray(after, dtype=np.float64) @ np.asarray(before, dtype=np.float64).T
-    angle = np.linalg.norm(rotation_vectors(change[None])[0])
-    return float(np.clip(angle / turned, 0, 1))
+    return float(np.clip(_core.turn_between(before, after) / turned, 0, 1))
 
 
 def _channels(rotations: Floats, locations: Floats | None, rotation_mode: str) -> Channels:
@@ -203,28 +194,5 @@ def rotation_channels(rotations: Floats, rotation_mode: str) -> tuple[str, Float
     if rotation_mode == "QUATERNION":
         return "rotation_quaternion", quaternions(rotations)
     if rotation_mode == "AXIS_ANGLE":
-        vectors = rotation_vectors(rotations)
-        angles = np.linalg.norm(vectors, axis=1)
-        axes = vectors / np.maximum(angles, 1e-12)[:, None]
-        before = np.array([0.0, 1, 0]) if angles.max() < STILL else axes[np.argmax(angles >= STILL)]
-        for i in range(len(axes)):  # through rest a turn goes on backwards, not about a new axis
-            if angles[i] < STILL:
-                axes[i], angles[i] = before, vectors[i] @ before
-            elif axes[i] @ before < 0:
-                axes[i], angles[i] = -axes[i], -angles[i]
-            before = axes[i]
-        return "rotation_axis_angle", np.column_stack([angles, axes])
+        return "rotation_axis_angle", axis_angles(rotations)
     return "rotation_euler", euler_angles(rotations, rotation_mode)
-
-
-def rotation_of(matrix: Floats, what: str) -> Floats:
-    """The rotation nearest to a 3 x 3 matrix that may scale; raises InvalidInput if it is flat."""
-    if not np.isfinite(matrix).all() or abs(np.linalg.det(matrix)) < 1e-12:
-        raise InvalidInput(f"the {what}'s matrix is flat or not finite; reset its scale")
-    u, _, vt = np.linalg.svd(matrix)
-    return u @ vt if np.linalg.det(u @ vt) > 0 else u @ np.diag([1.0, 1, -1]) @ vt
-
-
-def _share(rotations: Floats, share: float) -> Floats:
-    """N x 3 x 3 rotations about the same axes by a share of the angle."""
-    return from_rotation_vectors(share * rotation_vectors(rotations))

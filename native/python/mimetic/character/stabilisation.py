@@ -6,10 +6,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mimetic import _core
 from mimetic.performance.document import Performance
-
-CENTRE = np.array([0.0, -0.01, 0.085])  # metres, head frame: the bridge of a usual nose
-ARM = 0.25  # picture heights: far enough from the centre for angles to be exact
 
 
 def anchors(performance: Performance) -> NDArray[np.float64]:
@@ -18,12 +16,6 @@ def anchors(performance: Performance) -> NDArray[np.float64]:
     Holding both still takes out the head's way through the picture, its roll, and its nearing.
     The second one's distance follows depth alone: a head that turns or nods is not zoomed.
     """
-    pose = performance.head_pose
-    centre = pose[:, :3, :3] @ CENTRE + pose[:, :3, 3]
-    above = centre + pose[:, :3, :3] @ np.array([0.0, 0.01, 0.0])
-    at = performance.project(centre)
-    upwards = performance.project(above) - at
-    # A nod by a quarter turn hides where up is; no face is seen then
-    upwards /= np.maximum(np.linalg.norm(upwards, axis=1, keepdims=True), 1e-9)
-    reach = ARM * float(performance.image_size[1]) * np.median(centre[:, 2]) / centre[:, 2]
-    return np.stack([at, at + reach[:, None] * upwards], axis=1)
+    height = float(performance.image_size[1])
+    points = _core.still_points(performance.head_pose, performance.intrinsics, height)
+    return points.reshape(-1, 2, 2)

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.commands.console import Console
 from mimetic.performance.document import Performance
-from mimetic.performance.places import COVERED, RefinedSurface, cosines, meets_face, places_under
+from mimetic.performance.places import RefinedSurface, meets_face, places_under
 from mimetic.performance.projection import rescaled
 from mimetic.shared.array_writer import array_stream, whole_archive
 from mimetic.shared.regular_file import check_input, check_target
@@ -29,7 +29,6 @@ FARTHEST = 1e6  # pixels from the picture's corner
 POINTS_AT_ONCE = 16_384  # whose skin is looked for
 KEPT_IN_MEMORY = 64 << 20  # bytes of what has to wait until the tracks are written
 FOUND = 0.3  # of the whole command when the skin under the points is found, for the progress
-GRAZING = 0.1  # cosine between normal and view below which a point is turned away
 
 
 @dataclass(frozen=True)
@@ -100,8 +99,10 @@ class FollowedPoints:
             corners.append(self._surface.triangles[under.triangle])
             weights.append(under.weights)
             offset.append(under.offset)
-        self._corners = np.concatenate([np.zeros((0, 3), dtype=np.int32), *corners])
-        self._weights = np.concatenate([np.zeros((0, 3)), *weights])
+        self._places = _core.SkinPlaces(
+            np.concatenate([np.zeros((0, 3), dtype=np.int32), *corners]),
+            np.concatenate([np.zeros((0, 3)), *weights]),
+        )
         self._offset = np.concatenate([np.zeros((0, 2)), *offset])
 
     def frames(self) -> Iterator[tuple[NDArray[np.float64], NDArray[np.bool_]]]:
@@ -110,16 +111,13 @@ class FollowedPoints:
         for i in range(self.performance.num_frames):
             tracks = np.full((len(self.on_face), 2), np.nan)
             visible = np.zeros(len(self.on_face), dtype=bool)
-            if len(self._corners):
+            if len(self._offset):
                 vertices = surface.in_camera(i)
-                corners = vertices[self._corners]
-                places = np.einsum("kc,kcx->kx", self._weights, corners)
-                faces_camera = cosines(corners, places) > GRAZING
-                in_front = places[:, 2] > 1e-3
-                pixels = self.performance.project(np.where(in_front[:, None], places, np.nan))
+                _, pixels, shown = _core.show_places(
+                    surface.camera, vertices, surface.faces, self._places
+                )
                 tracks[self.on_face] = rescaled(pixels + self._offset, self._size, self._stored)
-                view = _core.show_points(surface.camera, vertices, surface.faces, places, COVERED)
-                visible[self.on_face] = faces_camera & view
+                visible[self.on_face] = shown
             yield tracks, visible
 
 

@@ -7,23 +7,16 @@ import os
 import re
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput
+from mimetic import InvalidInput, _core
 from mimetic.media.clip_fingerprint import is_fingerprint
-from mimetic.media.timing import LAST_FRAME, check_rate
-from mimetic.shared.array_file import (
-    ArrayArchive,
-    check_names,
-    check_shape,
-    is_bounded,
-    open_arrays,
-)
+from mimetic.performance.clip_keys import check_clip, check_size
+from mimetic.shared.array_document import ArrayDocument
+from mimetic.shared.array_file import check_names, check_shape, is_bounded, open_arrays
 from mimetic.shared.array_writer import write_arrays
-from mimetic.shared.pinhole import is_pinhole
 from mimetic.shared.shown_text import shown
 
 SCHEMA = 1
@@ -64,6 +57,16 @@ OPTIONAL: dict[str, tuple[str, tuple[int | str, ...]]] = {
 # Modes are kept in single precision: 1e-7 of a displacement of centimetres, at half the memory.
 DTYPES = {"f": np.float64, "m": np.float32, "i": np.int64}
 ACCEPTED = {"f": "fiu", "m": "fiu", "i": "iu", "U": "U"}
+DOCUMENT = ArrayDocument(
+    what="performance",
+    schema=SCHEMA,
+    required=REQUIRED,
+    optional=OPTIONAL,
+    accepted=ACCEPTED,
+    dtypes=DTYPES,
+    largest=LARGEST,
+    advice="capture the footage again",
+)
 
 
 @dataclass
@@ -215,20 +218,9 @@ class Performance:
 
     def _check_ranges(self) -> None:
         tolerance = 1e-6
-        if self.frame[0] < 1 or (self.frame[1:] <= self.frame[:-1]).any():
-            raise InvalidInput("performance frame must count upwards from 1 or later")
-        if self.frame[-1] > LAST_FRAME:
-            raise InvalidInput(f"performance frame ends at {self.frame[-1]}, beyond {LAST_FRAME}")
-        check_rate("performance fps", self.fps)
-        if (self.image_size < 1).any() or (self.image_size > 16384).any():
-            raise InvalidInput(f"performance image_size is {self.image_size.tolist()}")
-        if (
-            self.stored_size is not None
-            and not ((self.stored_size >= 1) & (self.stored_size <= 16384)).all()
-        ):
-            raise InvalidInput(f"performance stored_size is {self.stored_size.tolist()}")
-        if not is_pinhole(self.intrinsics):
-            raise InvalidInput("performance intrinsics is not a pinhole camera matrix")
+        check_clip("performance", self.frame, self.fps, self.image_size, self.intrinsics)
+        if self.stored_size is not None:
+            check_size("performance stored_size", self.stored_size)
         if self.faces.min() < 0 or self.faces.max() >= len(self.neutral_vertices):
             raise InvalidInput("performance faces name vertices that do not exist")
         if self.groups.min() < 1 or self.groups.max() > 7:
@@ -252,10 +244,10 @@ class Performance:
         for start in range(0, self.num_frames, CHECKED_AT_ONCE):
             frames = slice(start, start + CHECKED_AT_ONCE)
             for what, bad in (
-                ("head_pose is not a rigid motion", ~_is_rigid(self.head_pose[frames])),
+                ("head_pose is not a rigid motion", ~_core.are_rigid(self.head_pose[frames], 1e-4)),
                 (
                     "head_pose_cov is not a covariance",
-                    ~_is_covariance(self.head_pose_cov[frames], 1e-6 * largest),
+                    ~_core.are_covariances(self.head_pose_cov[frames], 1e-6 * largest),
                 ),
             ):
                 if bad.any():
@@ -291,62 +283,8 @@ class Performance:
         """Reads and checks `performance.npz`; raises UnreadableMedia or InvalidInput."""
         what = "a performance (the performance.npz of a capture)"
         with open_arrays(path, what) as archive:
-            return cls(**_read_arrays(archive))
-
-
-def unitless(cov: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Covariances N x D x D as correlations, and the N x D standard deviations taken out.
-
-    Radians and metres differ by orders of magnitude: rounding is judged without them.
-    """
-    std = np.sqrt(np.clip(np.diagonal(cov, axis1=1, axis2=2), 1e-300, None))
-    return cov / (std[:, :, None] * std[:, None, :]), std
-
-
-def _is_rigid(poses: NDArray[np.float64]) -> NDArray[np.bool_]:
-    rotation = poses[:, :3, :3]
-    error = np.abs(rotation @ rotation.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2))
-    upright = (error <= 1e-4) & (np.linalg.det(rotation) > 0)
-    return upright & (poses[:, 3] == [0, 0, 0, 1]).all(axis=1)
-
-
-def _is_covariance(cov: NDArray[np.float64], rounding: float) -> NDArray[np.bool_]:
-    fits = (np.diagonal(cov, axis1=1, axis2=2) >= 0).all(axis=1)
-    fits &= np.abs(cov - cov.transpose(0, 2, 1)).max(axis=(1, 2)) <= rounding
-    with np.errstate(over="ignore"):
-        correlation = unitless(cov)[0]
-    fits &= np.abs(correlation).max(axis=(1, 2)) <= 1 + 1e-6
-    correlation[~fits] = np.eye(6)  # eigenvalues of what is infinite are not found
-    return fits & (np.linalg.eigvalsh(correlation)[:, 0] >= -1e-6)
+            return cls(**DOCUMENT.read(archive))
 
 
 def _shape_text(shape: tuple[int | str, ...]) -> str:
     return " x ".join(str(length) for length in shape)
-
-
-def _read_arrays(archive: ArrayArchive) -> dict[str, Any]:
-    headers = archive.headers
-    if "schema" not in headers:
-        raise InvalidInput("is not a performance: it has no schema number")
-    if headers["schema"].shape not in ((), (1,)) or headers["schema"].dtype.kind not in "iu":
-        raise InvalidInput("the schema must be one whole number")
-    schema = int(archive.read_one("schema").reshape(-1)[0])
-    if schema != SCHEMA:
-        newer = "a newer version of Mimetic wrote it; update Mimetic" if schema > SCHEMA else ""
-        raise InvalidInput(
-            f"has schema {schema}, this version reads {SCHEMA}: {newer or 'no such schema existed'}"
-        )
-    # Every shape is checked before the first large array is read: a small file can claim terabytes.
-    lengths: dict[str, int] = {}
-    dtypes = {}
-    for key, (kind, shape) in (REQUIRED | OPTIONAL).items():
-        if key not in headers:
-            if key in OPTIONAL:
-                continue
-            raise InvalidInput(f"performance lacks the key {key}; capture the footage again")
-        header = headers[key]
-        if header.dtype.kind not in ACCEPTED[kind]:
-            raise InvalidInput(f"performance {key} has the type {header.dtype}")
-        check_shape(f"performance {key}", header.shape, shape, lengths, LARGEST)
-        dtypes[key] = DTYPES.get(kind)
-    return archive.read(dtypes)

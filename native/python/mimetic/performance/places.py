@@ -13,7 +13,6 @@ from mimetic.performance.document import Performance
 from mimetic.template.face_template import load_template
 
 LEVELS = 2  # of refinement: facets of a millimetre or two
-COVERED = _core.COVERED  # metres behind the surface that still count as seen
 
 
 @dataclass(frozen=True)
@@ -73,13 +72,3 @@ def meets_face(
     pixels = np.ascontiguousarray(pixels, dtype=np.float64)
     vertices = surface.in_camera(frame_index)
     return _core.cast_rays(surface.camera, vertices, surface.triangles, pixels)[0] >= 0
-
-
-def cosines(corners: NDArray[np.float64], at: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Between the normals of triangles (K x 3 x 3) and the way to the camera from `at` (K x 3).
-
-    Metres, camera frame.
-    """
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    lengths = np.linalg.norm(normals, axis=1) * np.linalg.norm(at, axis=1)
-    return -(normals * at).sum(axis=1) / (lengths + 1e-30)

@@ -15,16 +15,14 @@ from mimetic.report.overlay import make_painter
 from mimetic.shared.whole_file import whole_file
 from mimetic.template.face_template import load_template
 
-AROUND, UP = 32, 16  # meridians and parallels of a whole ellipsoid
-RINGS = 6  # of the planar patch
-
 
 class HeadDrawing:
     """Paints the model's meridians over frames, as the paper's Fig. 15 does."""
 
     def __init__(self, performance: Performance, shape: _core.HeadShape) -> None:
         self.performance = performance
-        self.vertices, faces = model_mesh(shape, _height_of(performance.neutral_vertices))
+        low, high = _height_of(performance.neutral_vertices)
+        self.vertices, faces = _core.mesh_of_model(shape, low, high)
         self.painter = make_painter(performance, len(self.vertices), faces, [])
 
     def paint(self, image: NDArray[np.uint8], i: int) -> NDArray[np.uint8]:
@@ -40,39 +38,6 @@ def _height_of(neutral_vertices: NDArray[np.float64]) -> tuple[float, float]:
     template = load_template()
     chin = neutral_vertices[template.landmark("menton"), 1]
     return float(chin), float(neutral_vertices[: template.num_skin_vertices, 1].max())
-
-
-def model_mesh(
-    shape: _core.HeadShape, height: tuple[float, float] = (-np.inf, np.inf)
-) -> tuple[NDArray[np.float64], NDArray[np.int32]]:
-    """Vertices (V x 3, metres, head frame) and quads (F x 4) of an ellipsoid or a patch.
-
-    height: between which y of the head frame an ellipsoid is wanted; metres.
-    """
-    is_plane = shape.model == _core.HeadModel.plane
-    around = np.linspace(0, 2 * np.pi, AROUND, endpoint=False)
-    rings = RINGS if is_plane else UP
-    if is_plane:
-        radius = np.linspace(0.02, 1, rings + 1)[::-1, None]
-        place = np.stack([radius * np.cos(around), radius * np.sin(around)], axis=-1)
-        place = np.concatenate([place, np.zeros((rings + 1, AROUND, 1))], axis=-1)
-    else:
-        low, high = (np.array(height) - shape.centre[1]) / shape.half_axes[1]
-        pole = 0.49 * np.pi
-        lowest, highest = np.clip(np.arcsin(np.clip((low, high), -1, 1)), -pole, pole)
-        up = np.linspace(lowest, highest, rings + 1)[:, None]
-        flat = np.cos(up)
-        place = np.stack(
-            [flat * np.sin(around), np.broadcast_to(np.sin(up), (rings + 1, AROUND)),
-             flat * np.cos(around)],
-            axis=-1,
-        )  # fmt: skip
-    vertices = shape.centre + (place.reshape(-1, 3) * shape.half_axes) @ shape.turn.T
-    row, column = np.divmod(np.arange(rings * AROUND), AROUND)
-    beside = (column + 1) % AROUND
-    faces = [row * AROUND + column, row * AROUND + beside]
-    faces += [(row + 1) * AROUND + beside, (row + 1) * AROUND + column]
-    return np.ascontiguousarray(vertices), np.ascontiguousarray(np.stack(faces, 1), np.int32)
 
 
 def write_motion_plot(performance: Performance, path: str | os.PathLike[str]) -> None:

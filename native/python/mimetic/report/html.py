@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, __version__
+from mimetic import InvalidInput, __version__, _core
 from mimetic.media.footage import Footage
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.report.overlay import FaceDrawing
@@ -164,13 +164,9 @@ def _distinct(performance: Performance) -> NDArray[np.int64]:
         ]
     )
     usable = performance.quality >= min(0.5, float(np.median(performance.quality)))
-    indices = [int(np.argmax(performance.quality))]
-    distance = np.full(performance.num_frames, np.inf)
-    while len(indices) < min(NUM_PICTURES, int(usable.sum())):
-        distance = np.minimum(distance, np.linalg.norm(state - state[indices[-1]], axis=1))
-        distance[indices] = -1
-        indices.append(int(np.argmax(np.where(usable, distance, -1))))
-    return np.sort(np.unique(indices))
+    best = int(np.argmax(performance.quality))
+    count = min(NUM_PICTURES, int(usable.sum()))
+    return np.array(_core.distinct_rows(state, usable, best, count))
 
 
 def _figure(rows: int, cols: int, height: float) -> tuple[Figure, np.ndarray]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput
+from mimetic import InvalidInput, _core
 from mimetic.performance.document import Performance
 from mimetic.performance.places import RefinedSurface, places_under
 
@@ -32,12 +32,12 @@ def follow(performance: Performance, pixels: NDArray[np.float64]) -> Followed:
     under = places_under(surface, pixels)
     if under is None or not under.on_face.any():
         raise InvalidInput("the performance's face covers no point of the truth in the first frame")
-    corners = surface.triangles[under.triangle]
+    places = _core.SkinPlaces(surface.triangles[under.triangle], under.weights)
     tracks = np.empty((performance.num_frames, len(pixels), 2))
     points = np.full((performance.num_frames, len(pixels), 3), np.nan)
     for i in range(performance.num_frames):
         pose = performance.head_pose[i]
-        in_camera = np.einsum("kc,kcx->kx", under.weights, surface.in_camera(i)[corners])
+        in_camera = places.positions(surface.in_camera(i))
         tracks[i] = performance.project(in_camera) + under.offset
         points[i, under.on_face] = ((in_camera - pose[:3, 3]) @ pose[:3, :3])[under.on_face]
     return Followed(tracks, points, under.on_face)

@@ -6,14 +6,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mimetic import _core
+
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 # Points count as moving where truth takes them farther than this from where rigid motion would.
-MOVING_PX = 0.75
-MOVING_M = 0.001
-# Motion smaller than this, root mean square, is none.
-LEAST_PX = 0.05
-LEAST_M = 0.00005
+MOVING_PX, MOVING_M = _core.MOVING_PX, _core.MOVING_M
 SILENT = 0.01  # activation up to which truth does not move a muscle
 ACTIVE = 0.1  # a control whose true value reaches this
 INTERVAL_90 = 1.6449  # standard deviations
@@ -27,35 +25,19 @@ def project(points: Floats, head_pose: Floats, intrinsics: Floats) -> Floats:
     return pixels[..., :2] / pixels[..., 2:]
 
 
-def explained(error: Floats, motion: Floats, counts: Bools, least: float) -> float:
-    """R2 without a mean: 1 - sum |error|^2 / sum |motion|^2 over counted points (N,K).
-
-    nan if the motion's root mean square is under `least`: nothing is there to be explained.
-    """
-    energy = (motion[counts] ** 2).sum()
-    if energy <= least**2 * counts.sum():
-        return float("nan")
-    return float(1 - (error[counts] ** 2).sum() / energy)
-
-
 def image_motion(tracks: Floats, rigid: Floats, seen: Bools, predicted: Floats) -> dict[str, float]:
     """Scores of predicted tracks (N,K,2) against true ones, from where they are in frame 0.
 
     rigid (N,K,2): where the true head's motion alone would take the points of frame 0.
     """
-    counts = seen.copy()
-    counts[0] = False
-    error = predicted - tracks
-    apart = np.linalg.norm(tracks - rigid, axis=2)
-    distance = np.linalg.norm(error, axis=2)
-    moving = counts & (apart > MOVING_PX)
+    scores = _core.score_image_motion(tracks, rigid, seen, predicted)
     return {
-        "r2": explained(error, tracks - tracks[:1], counts, LEAST_PX),
-        "nonrigid_r2": explained(error, tracks - rigid, counts, LEAST_PX),
-        "median_px": _median(distance[counts]),
-        "p95_px": _percentile(distance[counts], 95),
-        "moving_median_px": _median(distance[moving]),
-        "nonrigid_rms_px": float(np.sqrt((apart[counts] ** 2).mean())),
+        "r2": scores.explained,
+        "nonrigid_r2": scores.explained_beyond_head,
+        "median_px": scores.median_px,
+        "p95_px": scores.percentile_95_px,
+        "moving_median_px": scores.moving_median_px,
+        "nonrigid_rms_px": scores.beyond_head_rms_px,
     }
 
 
@@ -65,19 +47,12 @@ def surface_motion(points: Floats, seen: Bools, predicted: Floats) -> dict[str, 
     Head frames of two models differ by how each was fitted, so the predicted motion is turned by
     the rotation that best lays its points of frame 0 on the true ones; what is compared is motion.
     """
-    rotation = rotation_between(predicted[0], points[0])
-    true_motion = points - points[:1]
-    error = (predicted - predicted[:1]) @ rotation.T - true_motion
-    counts = seen.copy()
-    counts[0] = False
-    distance = 1000 * np.linalg.norm(error, axis=2)
-    moving = counts & (np.linalg.norm(true_motion, axis=2) > MOVING_M)
-    shape = (predicted[0] - predicted[0].mean(0)) @ rotation.T - (points[0] - points[0].mean(0))
+    scores = _core.score_surface_motion(points, seen, predicted)
     return {
-        "r2": explained(error, true_motion, counts, LEAST_M),
-        "median_mm": _median(distance[counts]),
-        "moving_median_mm": _median(distance[moving]),
-        "neutral_shape_median_mm": _median(1000 * np.linalg.norm(shape, axis=1)),
+        "r2": scores.explained,
+        "median_mm": scores.median_mm,
+        "moving_median_mm": scores.moving_median_mm,
+        "neutral_shape_median_mm": scores.shape_median_mm,
     }
 
 
@@ -95,7 +70,7 @@ def head_motion(true_pose: Floats, pose: Floats) -> dict[str, float]:
         "pitch_deg": float(mean[0]),
         "yaw_deg": float(mean[1]),
         "roll_deg": float(mean[2]),
-        "largest_deg": float(np.linalg.norm(error, axis=1).max()),
+        "largest_deg": float(np.sqrt((error**2).sum(axis=1).max())),
         "sideways_mm": float(shift[:, :2].mean()),
         "depth_mm": float(shift[:, 2].mean()),
     }
@@ -103,8 +78,7 @@ def head_motion(true_pose: Floats, pose: Floats) -> dict[str, float]:
 
 def head_errors(true_pose: Floats, pose: Floats) -> Floats:
     """Rotation vectors (N,3), degrees, camera axes, of the error in turning since frame 0."""
-    turns = [(p[:, :3, :3] @ p[0, :3, :3].T) for p in (np.asarray(pose), np.asarray(true_pose))]
-    return np.degrees([_rotation_vector(a @ b.T) for a, b in zip(*turns, strict=True)])
+    return _core.head_turn_errors(true_pose, pose)
 
 
 def correlation(true: Floats, estimated: Floats) -> float:
@@ -162,27 +136,8 @@ def _overlap(a: Floats, b: Floats, lag: int) -> float:
     return float(inner @ later / np.sqrt((inner @ inner) * (later @ later) + 1e-30))
 
 
-def rotation_between(source: Floats, target: Floats) -> Floats:
-    """Rotation (3,3) that best lays centred source points (K,3) on target ones (Kabsch 1976)."""
-    u, _, vt = np.linalg.svd((target - target.mean(0)).T @ (source - source.mean(0)))
-    flip = np.sign(np.linalg.det(u @ vt))
-    return u @ np.diag([1, 1, flip]) @ vt
-
-
-def _rotation_vector(rotation: Floats) -> Floats:
-    sine = np.array(
-        [
-            rotation[2, 1] - rotation[1, 2],
-            rotation[0, 2] - rotation[2, 0],
-            rotation[1, 0] - rotation[0, 1],
-        ]
-    )
-    angle = np.arctan2(np.linalg.norm(sine), np.trace(rotation) - 1)
-    return sine * (angle / max(np.linalg.norm(sine), 1e-12))
-
-
-def _share(is_inside: Bools) -> float:
-    return float(is_inside.mean()) if is_inside.size else float("nan")
+def _share(held: Bools) -> float:
+    return float(held.mean()) if held.size else float("nan")
 
 
 def _median(values: Floats) -> float:

@@ -6,22 +6,15 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput
-from mimetic.media.timing import LAST_FRAME, check_rate
-from mimetic.shared.array_file import (
-    ArrayArchive,
-    check_names,
-    check_shape,
-    is_bounded,
-    open_arrays,
-)
+from mimetic.performance.clip_keys import check_clip
+from mimetic.shared.array_document import ArrayDocument
+from mimetic.shared.array_file import check_names, check_shape, is_bounded, open_arrays
 from mimetic.shared.array_writer import write_arrays
-from mimetic.shared.pinhole import is_pinhole
 
 SCHEMA = 1
 LARGEST = {"N": 1_000_000, "K": 100_000, "M": 1000, "A": 1000, "U": 1000, "V": 2_000_000}
@@ -55,6 +48,16 @@ OPTIONAL: dict[str, tuple[str, tuple[int | str, ...]]] = {
 KEYS = REQUIRED | OPTIONAL
 ACCEPTED = {"f": "fiu", "i": "iu", "b": "b", "U": "U"}
 DTYPES = {"f": np.float64, "i": np.int64, "b": np.bool_}
+DOCUMENT = ArrayDocument(
+    what="truth",
+    schema=SCHEMA,
+    required=REQUIRED,
+    optional=OPTIONAL,
+    accepted=ACCEPTED,
+    dtypes=DTYPES,
+    largest=LARGEST,
+    advice="docs/truth-file.md says what it holds",
+)
 NAMED = {"muscles": "activations", "articulators": "articulator_values", "units": "unit_values"}
 NAMED["expressions"] = "expression_frames"
 
@@ -113,15 +116,7 @@ class Truth:
                 check_names(f"truth {key}", value)
         if lengths["N"] < 2 or lengths["K"] < 1:
             raise InvalidInput("truth needs two frames and one point at least")
-        if self.frame[0] < 1 or (self.frame[1:] <= self.frame[:-1]).any():
-            raise InvalidInput("truth frame must count upwards from 1 or later")
-        if self.frame[-1] > LAST_FRAME:
-            raise InvalidInput(f"truth frame ends at {self.frame[-1]}, beyond {LAST_FRAME}")
-        check_rate("truth fps", self.fps)
-        if (self.image_size < 1).any() or (self.image_size > 16384).any():
-            raise InvalidInput(f"truth image_size is {self.image_size.tolist()}")
-        if not is_pinhole(self.intrinsics):
-            raise InvalidInput("truth intrinsics is not a pinhole camera matrix")
+        check_clip("truth", self.frame, self.fps, self.image_size, self.intrinsics)
         for names, values in NAMED.items():
             if (getattr(self, names) is None) != (getattr(self, values) is None):
                 raise InvalidInput(f"truth needs both or none of {names} and {values}")
@@ -144,27 +139,4 @@ class Truth:
     def load(cls, path: str | os.PathLike[str]) -> Truth:
         """Reads and checks a truth file; raises UnreadableMedia or InvalidInput."""
         with open_arrays(path, "a truth file (docs/truth-file.md)") as archive:
-            return cls(**_read(archive))
-
-
-def _read(archive: ArrayArchive) -> dict[str, Any]:
-    headers = archive.headers
-    schema = headers.get("schema")
-    if schema is None or schema.dtype.kind not in "iu" or schema.shape not in ((), (1,)):
-        raise InvalidInput("is no truth file: it has no schema number")
-    number = int(archive.read_one("schema").reshape(-1)[0])
-    if number != SCHEMA:
-        raise InvalidInput(f"has schema {number}, this version reads {SCHEMA}")
-    lengths: dict[str, int] = {}
-    dtypes = {}
-    for key, (kind, shape) in KEYS.items():
-        if key not in headers:
-            if key in REQUIRED:
-                raise InvalidInput(f"truth lacks the key {key}")
-            continue
-        header = headers[key]
-        if header.dtype.kind not in ACCEPTED[kind]:
-            raise InvalidInput(f"truth {key} has the type {header.dtype}")
-        check_shape(f"truth {key}", header.shape, shape, lengths, LARGEST)
-        dtypes[key] = DTYPES.get(kind)
-    return archive.read(dtypes)
+            return cls(**DOCUMENT.read(archive))

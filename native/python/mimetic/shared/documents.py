@@ -8,8 +8,10 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput
+from mimetic import InvalidInput, _core
 from mimetic.shared.array_file import is_bounded
+
+ROUNDING = 1e-5  # of a rotation in a file
 
 
 def numbers(name: str, value: object, shape: tuple[int, ...]) -> NDArray[np.float64]:
@@ -33,8 +35,9 @@ def named(field_name: str, value: object) -> Iterable[tuple[str, object]]:
 def checked_pose(value: object) -> NDArray[np.float64]:
     """A rigid transform that puts the head before the camera; raises InvalidInput."""
     pose = numbers("head_pose", value, (4, 4))
-    rotation = pose[:3, :3]
-    if not np.allclose(rotation @ rotation.T, np.eye(3), atol=1e-6) or np.linalg.det(rotation) < 0:
+    turn = np.eye(4)
+    turn[:3, :3] = pose[:3, :3]
+    if not _core.are_rigid(turn[None], ROUNDING)[0]:
         raise InvalidInput("face fit's head_pose must hold a rotation (orthonormal, determinant 1)")
     if pose[3].tolist() != [0, 0, 0, 1] or pose[2, 3] <= 0:
         raise InvalidInput(

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <memory>
+#include <mimetic/contact/contact.hpp>
+#include <mimetic/muscles/muscles.hpp>
+#include <mimetic/shared/progress.hpp>
+#include <mimetic/skin/skin.hpp>
+#include <optional>
+#include <vector>
+
+namespace mimetic {
+
+/// Points of the skin that can touch.
+struct TouchPoints {
+    Points rest;          ///< C x 3, metres, head frame
+    SparseRows stencils;  ///< C x B, what a point is of the skin's base vertices
+    std::vector<Slit> slits;
+};
+
+/// Skin that lies on an eye and slides there: what would sink into it is put back to its distance.
+struct EyeRest {
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    std::vector<int> vertices;  ///< E base vertices
+    Points rest;                ///< E x 3, their places at rest, metres
+    Eigen::VectorXd share;      ///< E, how much of sinking is put back, 1 at the margin of the lids
+    double sink = 0;            ///< m, that is left alone
+
+    Points push(PointsIn displacement) const;  ///< E x 3, away from the eye's centre
+};
+
+/// Lids on an eye. surface: of the whole skin; margin: K x 3, the edge of the lids; rest: S x 3, the control
+/// vertices, first among the surface's; reach: metres along the skin where lids end; size: the head's, the
+/// template's being 1.
+EyeRest rest_on_eye(const MuscleSurface& surface, PointsIn margin, PointsIn rest,
+                    const Eigen::Vector3d& centre, double reach, double size);
+
+/// What contact has to know of a skin that yields: B base vertices, V of the whole head.
+struct YieldingSkin {
+    const SkinModel& model;       ///< its unknowns are the free base vertices
+    std::vector<bool> free;       ///< B; what is held does not move
+    std::vector<int> moves_with;  ///< V, the base vertex that each vertex of the head goes with; -1: none
+    std::vector<int> read;        ///< B, the vertex of the head that is each base vertex
+};
+
+/// What lips and lids of a head do to each other: contact without friction, for shapes at rest.
+///
+/// Modes add up linearly and know nothing of each other, so that lips that are pressed together would pass
+/// through each other. The smallest forces between them that part them again are a linear complementarity
+/// problem on the skin's own compliance, condensed to the points that can touch. Displacements are in metres,
+/// in the head frame, or in that of `turned`.
+class SkinContact {
+public:
+    using Corrections = Rows<float, 3>;
+
+    SkinContact(const TouchPoints& touch, const std::vector<EyeRest>& eyes, const YieldingSkin& skin);
+
+    const std::vector<int>& vertices() const;  ///< K of the head that are looked at
+    const std::vector<int>& moved() const;     ///< W of the head that yield
+    int num_slits() const;
+
+    /// Displacement of `moved` (W x 3) that parts lips and lids; none if nothing touches. displacement: K x
+    /// 3, of `vertices`.
+    std::optional<Corrections> correction(PointsIn displacement) const;
+
+    /// The displacement (V x 3) with lips and lids parted; unchanged where nothing touches.
+    Points relieve(PointsIn displacement) const;
+
+    /// Gaps of what overlaps at a displacement (V x 3), metres, all negative.
+    Eigen::VectorXd gaps(PointsIn displacement) const;
+
+    /// The same contact for displacements in another frame: linear * those of this.
+    SkinContact turned(const Eigen::Matrix3d& linear) const;
+
+private:
+    struct Parts;
+
+    Points at_vertices(PointsIn displacement) const;
+    Points push(PointsIn displacement) const;
+    Points yield(const Eigen::VectorXd& forces) const;
+
+    std::shared_ptr<const Parts> parts_;
+    Eigen::Matrix3d turn_ = Eigen::Matrix3d::Identity();
+};
+
+/// A part of a motion: N frames' values of M modes, and these at the contact's vertices.
+struct MotionPart {
+    MatrixRows values;  ///< N x M
+    MatrixRows modes;   ///< M x 3K, metres
+};
+
+/// Few shapes whose sums are the corrections of a take, frame by frame.
+struct ContactShapes {
+    MatrixRows values;   ///< N x S, the largest of each shape is 1
+    MatrixRows offsets;  ///< S x 3W, metres, of the vertices that contact moves
+};
+
+/// Corrections over time lie close to a few shapes; frames in which nothing touches have the value 0. Stopped
+/// by `progress`, they cover the frames so far.
+ContactShapes contact_shapes(const SkinContact& contact, const std::vector<MotionPart>& parts,
+                             const Progress& progress);
+
+}  // namespace mimetic

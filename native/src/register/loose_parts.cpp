@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <mimetic/register/loose_parts.hpp>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/surface/nearest.hpp>
+
+namespace mimetic {
+namespace {
+
+constexpr double kNearSkin = .008;    // m at the template's size: lashes, brows, beards
+constexpr std::size_t kSamples = 16;  // vertices of a part that tell what it is
+constexpr std::size_t kMaxFollowing = 50'000;
+
+constexpr double kTop = .13;     // m of a head, from its top, by whose width its size is guessed
+constexpr double kAside = .02;   // m beside the middle where the front is looked for
+constexpr double kLevel = .03;   // m above and below the tip of the nose
+constexpr double kInFront = .3;  // how much depth counts beside height and breadth
+
+/// How many of a part's samples lie nearest to what.
+struct Votes {
+    int samples = 0, jaw = 0, still = 0, left = 0, right = 0, near = 0;
+
+    bool mostly(int count) const { return 2 * count > samples; }
+};
+
+using Parts = std::map<int, std::vector<int>>;
+
+Parts parts_of(const Eigen::VectorXi& loose) {
+    Parts parts;
+    for (Eigen::Index v = 0; v < loose.size(); ++v) {
+        if (loose[v] >= 0) {
+            parts[loose[v]].push_back(static_cast<int>(v));
+        }
+    }
+    return parts;
+}
+
+Votes vote(const Points& points, const Points& roots, const std::vector<TemplatePart>& like) {
+    Votes votes;
+    for (Eigen::Index i = 0; i < points.rows(); ++i) {
+        const TemplatePart part = like[static_cast<std::size_t>(i)];
+        ++votes.samples;
+        votes.jaw += part == TemplatePart::lower_jaw;
+        votes.left += part == TemplatePart::left_eye;
+        votes.right += part == TemplatePart::right_eye;
+        votes.near += (points.row(i) - roots.row(i)).norm() < kNearSkin;
+    }
+    votes.still = votes.left + votes.right +
+                  static_cast<int>(std::count(like.begin(), like.end(), TemplatePart::upper_teeth));
+    return votes;
+}
+
+}  // namespace
+
+LooseParts sort_loose_parts(const ForeignSkin& skin, PointsIn laid, const std::vector<TemplatePart>& parts) {
+    if (parts.size() != static_cast<std::size_t>(laid.rows())) {
+        throw InvalidInput("each vertex of the template needs its part");
+    }
+    const auto count = static_cast<std::size_t>(skin.loose.size());
+    LooseParts sorted;
+    sorted.on_jaw.assign(count, false);
+    sorted.on_eye = {sorted.on_jaw, sorted.on_jaw};
+    const Parts loose = parts_of(skin.loose);
+    if (loose.empty()) {
+        return sorted;
+    }
+    const NearestPoints on_template(laid), on_skin(skin.vertices);
+    for (const auto& [label, vertices] : loose) {
+        std::vector<int> sample;
+        const std::size_t step = (vertices.size() + kSamples - 1) / kSamples;
+        for (std::size_t i = 0; i < vertices.size(); i += step) {
+            sample.push_back(vertices[i]);
+        }
+        const Points points = skin.user_vertices(sample, Eigen::all);
+        std::vector<TemplatePart> like;
+        for (const int vertex : on_template.find(points)) {
+            like.push_back(parts[static_cast<std::size_t>(vertex)]);
+        }
+        const Votes votes = vote(points, skin.vertices(on_skin.find(points), Eigen::all), like);
+        const bool is_on_jaw = votes.mostly(votes.jaw), is_still = votes.mostly(votes.still);
+        for (const int vertex : vertices) {
+            const auto v = static_cast<std::size_t>(vertex);
+            sorted.on_jaw[v] = is_on_jaw;
+            sorted.on_eye[0][v] = votes.mostly(votes.left);
+            sorted.on_eye[1][v] = votes.mostly(votes.right);
+        }
+        if (votes.mostly(votes.near) && !is_on_jaw && !is_still) {
+            sorted.following.insert(sorted.following.end(), vertices.begin(), vertices.end());
+        }
+    }
+    std::sort(sorted.following.begin(), sorted.following.end());
+    if (sorted.following.size() > kMaxFollowing) {
+        sorted.num_left = static_cast<int>(sorted.following.size());
+        sorted.following.clear();
+    } else if (!sorted.following.empty()) {
+        sorted.roots = on_skin.find(skin.user_vertices(sorted.following, Eigen::all));
+    }
+    return sorted;
+}
+
+namespace {
+
+/// Least and largest x of what is less than kTop under the top.
+Eigen::Vector2d breadth_at_top(PointsIn points) {
+    const double top = points.col(2).maxCoeff();
+    Eigen::Vector2d range(std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity());
+    for (Eigen::Index v = 0; v < points.rows(); ++v) {
+        if (points(v, 2) > top - kTop) {
+            range = {std::min(range[0], points(v, 0)), std::max(range[1], points(v, 0))};
+        }
+    }
+    return range;
+}
+
+}  // namespace
+
+Points guess_places(PointsIn points, PointsIn usual_skin, PointsIn usual_places, int nose) {
+    if (points.rows() == 0 || !points.allFinite()) {
+        throw InvalidInput("the mesh has no vertices, or one that is not finite");
+    }
+    const Eigen::Vector2d own = breadth_at_top(points), usual = breadth_at_top(usual_skin);
+    const double scale = std::clamp((own[1] - own[0]) / (usual[1] - usual[0]), .5, 2.);
+    Eigen::RowVector3d shift(own.mean(), 0, points.col(2).maxCoeff() - scale * usual_skin.col(2).maxCoeff());
+    const Eigen::RowVector3d tip = scale * usual_places.row(nose);
+    double front = std::numeric_limits<double>::infinity();
+    for (Eigen::Index v = 0; v < points.rows(); ++v) {
+        if (std::abs(points(v, 0) - shift[0]) < kAside * scale &&
+            std::abs(points(v, 2) - shift[2] - tip[2]) < kLevel * scale) {
+            front = std::min(front, points(v, 1));
+        }
+    }
+    shift[1] = (std::isfinite(front) ? front : points.col(1).minCoeff()) - tip[1];
+    Points guessed(usual_places.rows(), 3);
+    for (Eigen::Index i = 0; i < usual_places.rows(); ++i) {
+        const Eigen::RowVector3d place = scale * usual_places.row(i) + shift;
+        const Eigen::RowVector3d counts(1, kInFront, 1);
+        Eigen::Index nearest = 0;
+        ((points.rowwise() - place) * counts.asDiagonal()).rowwise().squaredNorm().minCoeff(&nearest);
+        guessed.row(i) = points.row(nearest);
+    }
+    return guessed;
+}
+
+}  // namespace mimetic
