@@ -66,6 +66,10 @@ void bind_tracker(py::module_& m) {
                       "(6, 6) of (rotation vector, translation): exp(r) R, t + d; rad, metres")
         .def_readonly("quality", &HeadEstimate::quality, "0 lost to 1 well explained")
         .def_readonly("held", &HeadEstimate::held, "nothing was measured: the last good pose")
+        .def_readonly("found_again", &HeadEstimate::found_again,
+                      "searched for or guessed, not followed on: it may be another")
+        .def_readonly("likeness", &HeadEstimate::likeness,
+                      "share of what is in sight that looks as a reference texture has it")
         .def_readonly("num_samples", &HeadEstimate::num_samples)
         .def_readonly("explained", &HeadEstimate::explained)
         .def_readonly("residual_px", &HeadEstimate::residual_px)

@@ -167,6 +167,20 @@ Stabilised KeyView::stabilise(const HeadCrop& now, const Eigen::Isometry3d& hypo
     return result;
 }
 
+cv::Mat1f KeyView::weights(const HeadShape& shape, const HeadOptions& options,
+                           const Stabilised& stabilised) const {
+    cv::Mat1f weights = cv::Mat1f::zeros(mask_.size());
+    for (int y = 0; y < weights.rows; y += options.sample_spacing) {
+        for (int x = 0; x < weights.cols; x += options.sample_spacing) {
+            if (stabilised.map(y, x)[0] > 0) {
+                weights(y, x) = static_cast<float>(rigidity(shape, to_eigen(seen_.points(y, x))) *
+                                                   slant_weight(seen_.facing(y, x), options.least_facing));
+            }
+        }
+    }
+    return weights;
+}
+
 void KeyView::measure(const HeadShape& shape, const HeadOptions& options, const Stabilised& stabilised,
                       double share, std::vector<PointMeasurement>& measurements) const {
     cv::Mat1b from, to;

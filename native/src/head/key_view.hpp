@@ -33,9 +33,13 @@ public:
     void measure(const HeadShape& shape, const HeadOptions& options, const Stabilised& stabilised,
                  double share, std::vector<PointMeasurement>& measurements) const;
 
+    /// Of each pixel of the texture: how much it says, 0 where it is not in sight or between samples.
+    cv::Mat1f weights(const HeadShape& shape, const HeadOptions& options, const Stabilised& stabilised) const;
+
     /// To where later views say that it was, of a head that is as they say.
     void move(const HeadShape& shape, const Eigen::Isometry3d& camera_from_head, const Matrix6& covariance);
 
+    const cv::Mat1f& texture() const { return texture_; }  ///< light and contrast taken out
     const HeadCrop& crop() const { return crop_; }
     bool shows(int x, int y) const { return mask_(y, x) != 0; }
     Eigen::Vector3d point(int x, int y) const { return to_eigen(seen_.points(y, x)); }

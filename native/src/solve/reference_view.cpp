@@ -132,6 +132,14 @@ ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera, c
     blur_modes(flow_blur);
 }
 
+cv::Mat1f ReferenceView::sample_weights(const std::vector<float>& visible) const {
+    cv::Mat1f weights = cv::Mat1f::zeros(texture_.size());
+    for (std::size_t k = 0; k < samples_.size(); ++k) {
+        weights(samples_[k].y, samples_[k].x) = samples_[k].weight * std::max(0.f, visible[k]);
+    }
+    return weights;
+}
+
 void ReferenceView::keep_detail(const Eigen::VectorXd& coefficients) {
     const Eigen::VectorXf flat = coefficients.cast<float>();
     for (ReferenceSample& sample : samples_) {

@@ -56,6 +56,10 @@ public:
     void stabilise(const Triangles& triangles, const ProjectedSurface& projected, const PreparedFrame& frame,
                    cv::Mat2f& map, cv::Mat1f& texture);
 
+    /// Of each pixel of the texture: of a sample its weight times how well it is seen (visible, of each
+    /// sample).
+    cv::Mat1f sample_weights(const std::vector<float>& visible) const;
+
     const Eigen::Isometry3d& camera_from_head() const { return camera_from_head_; }
     const cv::Mat1f& texture() const { return texture_; }  ///< normalised
     const cv::Mat1b& mask() const { return mask_; }

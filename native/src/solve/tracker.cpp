@@ -12,10 +12,8 @@ namespace {
 constexpr double kFlowWindow = 9.5;    // reference pixels on a side
 constexpr double kErrorSpacing = .02;  // metres between the nodes of the model error field
 constexpr double kFoundQuality = .45;  // a lost face counts as found again from here
-constexpr int kTrial = 12;             // frames: half a second
 constexpr double kKeyViewAngle = .26;  // rad from the nearest texture
 constexpr double kKeyViewQuality = .6;
-constexpr double kKeyViewLikeness = .5;  // a texture of something else would confirm itself
 
 /// Well spread points of the measured skin, no two closer than the spacing.
 std::vector<Eigen::Vector3f> spread_nodes(const ReferenceView& view) {
@@ -50,7 +48,8 @@ FaceTracker::State::State(const Camera& camera_in, const TrackedSurface& surface
       surface(surface_in, motion_in),
       options(options_in),
       detail_solver(motion),
-      texture_flow(options_in.flow_method) {
+      texture_flow(options_in.flow_method),
+      likeness(options_in.crop_height) {
     noise.model_error = options.model_error;
     noise.shape_error = options.shape_error;
     noise.samples_a_window = std::max(1., std::pow(kFlowWindow / options.sample_spacing, 2));
@@ -154,7 +153,7 @@ void FaceTracker::State::measure_lids(FrameEstimate& estimate) {
 void FaceTracker::State::add_key_view(const FrameScore& score, const DetailEstimate& detail) {
     ++frames_since_key_view;
     if (static_cast<int>(views.size()) > options.max_key_views || score.quality < kKeyViewQuality ||
-        score.likeness < kKeyViewLikeness || frames_since_key_view < 10) {
+        score.likeness < kSurelyAlike || frames_since_key_view < 10) {
         return;
     }
     for (const auto& view : views) {
@@ -237,11 +236,14 @@ FrameEstimate FaceTracker::advance(const ColorView& image, const std::optional<E
         }
         s.frame.update(s.gray, 1 / s.face_pixels_per_crop_pixel());
         // Who gives a guess is in doubt: after a cut another face may be where this one was.
-        s.frames_on_trial = was_lost || guess ? kTrial : std::max(0, s.frames_on_trial - 1);
-        FrameScore score = s.register_face(prior, s.frames_on_trial == 0);
+        s.trial.next_frame();
+        if (was_lost || guess) {
+            s.trial.start();
+        }
+        FrameScore score = s.register_face(prior, s.trial.least_likeness());
         const double found = std::max(kFoundQuality, s.options.held_quality);
         if (was_lost || score.quality < s.options.held_quality) {
-            s.frames_on_trial = kTrial;  // lost and found in one frame is doubtful too
+            s.trial.start();  // lost and found in one frame is doubtful too
             // From where the face was last seen, or anywhere: whichever explains more
             const FaceState held = s.last;
             score = s.search_again(prior, score.quality, guess);
@@ -266,7 +268,7 @@ FrameEstimate FaceTracker::advance(const ColorView& image, const std::optional<E
                 s.velocity.setZero();
             }
             s.add_key_view(score, estimate.detail);
-            estimate.found_again = s.frames_on_trial == kTrial;
+            estimate.found_again = s.trial.has_just_started();
         }
         s.last = s.state;
         std::swap(s.gray, s.last_gray);
@@ -289,7 +291,7 @@ void FaceTracker::restart(const ColorView& image, const FrameEstimate& estimate)
     s.covariance = first_covariance(s.rest);
     s.last_std = s.motion.prior_std;
     s.lost = false;
-    s.frames_on_trial = 0;
+    s.trial.end();
 }
 
 }  // namespace mimetic

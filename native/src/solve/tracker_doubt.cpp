@@ -5,13 +5,8 @@ namespace mimetic {
 
 namespace {
 
-// Likeness (`Likeness::compare`), as `mimetic evaluate abuse --set tuning` shows it: a followed face has .7
-// to .9, under a hand that hides half of it .5; walls, grass and bars have .0 to .15, a stranger's features
-// laid on this face's up to .3.
-constexpr double kStillAlike = .3;   // to be followed on
-constexpr double kSurelyAlike = .5;  // to be taken for the face after a loss or a cut: half way between both
-constexpr double kPlain = .6;        // below it something covers the face
-constexpr double kVague = .07;       // rad: s.d. of a pose about some axis that is not measured
+constexpr double kPlain = .6;   // likeness below which something covers the face
+constexpr double kVague = .07;  // rad: s.d. of a pose about some axis that is not measured
 
 }  // namespace
 
@@ -28,10 +23,12 @@ double FaceTracker::State::look() {
         ReferenceView& view = *views[index];
         find_visible(view, visible);
         view.stabilise(surface.triangles(), projected, frame, map, stabilised);
-        best = std::max(best, likeness.compare(view, stabilised, visible));
-        for (std::size_t k = 0; k < view.samples().size(); ++k) {
-            if (likeness.correlations()[k] < Likeness::kAlike) {
-                unlike.insert(&view.samples()[k]);
+        const cv::Mat1f weights = view.sample_weights(visible);
+        best = std::max(best, likeness.compare(view.texture(), stabilised, weights));
+        for (const ReferenceSample& sample : view.samples()) {
+            if (weights(sample.y, sample.x) == 0 ||
+                likeness.correlations()(sample.y, sample.x) < Likeness::kAlike) {
+                unlike.insert(&sample);
             }
         }
     }
@@ -46,11 +43,10 @@ bool FaceTracker::State::is_vague(const StepPrior& prior) const {
     return !(spread.diagonal().head<3>().maxCoeff() < kVague * kVague);
 }
 
-/// Registers from the present state on and looks whether the face is there; is_known: it was just before, and
-/// has been for a while. A quality under the held one: it is not.
-FrameScore FaceTracker::State::register_face(const StepPrior& prior, bool is_known) {
+/// Registers from the present state on and looks whether the face is there, at least so alike. A quality
+/// under the held one: it is not.
+FrameScore FaceTracker::State::register_face(const StepPrior& prior, double least) {
     const Eigen::Index all = 6 + num_values();
-    const double least = is_known ? kStillAlike : kSurelyAlike;
     unlike.clear();
     FrameScore score = register_textures(prior, options.max_iterations, all);
     if (score.quality < options.held_quality) {
@@ -92,7 +88,7 @@ FrameScore FaceTracker::State::search_again(const StepPrior& prior, double near_
         unlike.clear();
         register_textures(prior, 4, 6);
         predicted.camera_from_head = state.camera_from_head;
-        const FrameScore score = register_face(prior, false);
+        const FrameScore score = register_face(prior, kSurelyAlike);
         if (score.quality > best_quality) {
             best_quality = score.quality;
             best = state;
@@ -101,7 +97,7 @@ FrameScore FaceTracker::State::search_again(const StepPrior& prior, double near_
     // Once more where it fits best: the solver must not be left with another candidate's equations.
     state = predicted = best;
     frame.update(gray, 1 / face_pixels_per_crop_pixel());
-    return register_face(prior, false);
+    return register_face(prior, kSurelyAlike);
 }
 
 }  // namespace mimetic

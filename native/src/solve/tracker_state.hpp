@@ -8,7 +8,7 @@
 #include "face_search.hpp"
 #include "joint_solver.hpp"
 #include "lid_meter.hpp"
-#include "likeness.hpp"
+#include "locate/likeness.hpp"
 #include "motion_prior.hpp"
 
 namespace mimetic {
@@ -47,7 +47,7 @@ struct FaceTracker::State {
     StepPrior predict();
     void follow_flow(const StepPrior& prior);
     FrameScore register_textures(const StepPrior& prior, int num_iterations, Eigen::Index num_free);
-    FrameScore register_face(const StepPrior& prior, bool is_known);
+    FrameScore register_face(const StepPrior& prior, double least);
     FrameScore search_again(const StepPrior& prior, double near_quality,
                             const std::optional<Eigen::Isometry3d>& guess);
     FrameEstimate report(const FrameScore& score, const StepPrior& prior);
@@ -90,7 +90,7 @@ struct FaceTracker::State {
     Eigen::VectorXd last_std;   // of the values
     bool lost = false;
     int frames_since_key_view = 0;
-    int frames_on_trial = 0;  // in which a face that was found again must go on to be surely this one
+    Trial trial;
 
     cv::Mat1b gray, last_gray;
     PreparedFrame frame;
@@ -101,7 +101,7 @@ struct FaceTracker::State {
     cv::Mat2f map;
     cv::Mat1f stabilised;
     std::vector<float> visible;
-    Likeness likeness;
+    Likeness likeness;                                  // of reference textures
     std::unordered_set<const ReferenceSample*> unlike;  // covered: they say nothing of the face
     std::vector<SampleMeasurement> measurements;
     StageTimes times;

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "../../../native/src/solve/likeness.hpp"
+#include "../../../native/src/locate/likeness.hpp"
 
 #include <gtest/gtest.h>
 
 #include <opencv2/imgproc.hpp>
 
+#include "../../../native/src/solve/reference_view.hpp"
 #include "face_scene.hpp"
 
 namespace mimetic {
@@ -38,7 +39,7 @@ protected:
         cv::Mat2f map;
         cv::Mat1f texture;
         view.stabilise(surface.triangles(), projected, frame, map, texture);
-        return likeness.compare(view, texture, visible);
+        return likeness.compare(view.texture(), texture, view.sample_weights(visible));
     }
 
     FaceScene scene;
@@ -47,7 +48,7 @@ protected:
     ReferenceView view;
     ProjectedSurface projected;
     std::vector<float> visible;
-    Likeness likeness;
+    Likeness likeness{200};
 };
 
 TEST_F(LikenessTest, IsWholeForTheSameSkinInOtherLight) {

@@ -16,7 +16,7 @@ from mimetic.solve import clip_capture
 from mimetic.solve.walk import notes_on_strangers, proved
 from mimetic.template.face_template import load_template
 
-from evaluation.runs.abuse import as_text, total
+from evaluation.runs.abuse import METHODS, as_text, total
 from evaluation.runs.abuse_score import AbuseTruth, score_abuse, slid
 from evaluation.synthetic.abuse import films
 from evaluation.synthetic.abuse.recipes import CAP12, SINGLE, AbuseClip
@@ -99,10 +99,11 @@ def cut_to_another():
     return np.stack([image for part in parts for _, image in part])
 
 
-def test_a_cut_to_another_person_is_held_and_noted(cut_to_another, tmp_path):
+@pytest.mark.parametrize("method", METHODS)
+def test_a_cut_to_another_person_is_held_and_noted(cut_to_another, method, tmp_path):
     path = tmp_path / "cut.mp4"
     encode(cut_to_another, path, replace(TEST, fps=CAP12.fps, crf=17))
-    made = clip_capture.capture(path, fit=clip_capture.find_face(path, frame=4))
+    made = METHODS[method](path, clip_capture.find_face(path, frame=4))
     is_followed = made.quality >= HELD_QUALITY
     assert is_followed.tolist() == 11 * [True] + 12 * [False] + 8 * [True]
     (note,) = [note for note in made.notes if "does not look like the fitted one" in note]

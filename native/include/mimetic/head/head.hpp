@@ -59,6 +59,8 @@ struct HeadEstimate {
     Matrix6 covariance = Matrix6::Zero();  ///< exp(rotation) R, t + translation; rad, m; model error included
     double quality = 0;                    ///< 0 lost to 1 well explained
     bool held = false;                     ///< nothing was measured: the last good pose
+    bool found_again = false;              ///< searched for or guessed, not followed on: it may be another
+    double likeness = 0;                   ///< share of what is in sight that looks as a reference texture
     int num_samples = 0;                   ///< measurements in sight
     double explained = 0;                  ///< the share of them that the rigid motion explains
     double residual_px = 0;                ///< their median distance from the model, pixels of the frame

@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -29,9 +30,11 @@ from mimetic.solve.walk import (
     find_again,
     notes_on,
     notes_on_strangers,
+    proved,
 )
 from mimetic.template.face_template import FaceTemplate, load_template
 
+Seen = tuple[int, _core.HeadEstimate | None]  # None: a head was seen, but is not surely this one
 MODELS = ("ellipsoid", "plane", "surface")
 # The regions of skin that each model leaves out. The patch is the face's; hair hides the scalp,
 # but the skull is what makes a head an ellipsoid.
@@ -49,6 +52,7 @@ MOVING_PARTS = (
 SMOOTHING = 1.0  # standard deviations as they are
 PASS_COST = 0.3  # of a frame, beside following the face in it (`mimetic.shared.progress`)
 NUM_PASSES = 2  # over the clip: the second with the shape that the first one found
+UNSEEN_COV = np.diag([1e-3] * 3 + [1e-4] * 3)  # rad^2, m^2: of a head that is not seen for a frame
 NECK_BELOW, NECK_RADIUS = 0.05, 0.04  # metres
 
 
@@ -181,22 +185,34 @@ class _HeadMotion:
         backward, forward = Rows(), Rows()
         if self.fit.frame > self.first:
             images = frames_backward(self.footage, self.fit.frame - 1, self.first)
-            self._follow(tracker, images, backward)
+            self._append(backward, proved(self._follow(tracker, images)), at_reference)
             tracker.restart(reference, at_reference)
-        if self.first <= self.fit.frame <= self.last:
-            _append(forward, self.fit.frame, at_reference)
+        ahead: Iterable[Seen] = ()
         if self.last > self.fit.frame and not self.summary.stopped:
             images = self.footage.frames(self.fit.frame + 1, self.last)
-            self._follow(tracker, images, forward)
+            ahead = proved(self._follow(tracker, images))
+        estimates = itertools.chain([(self.fit.frame, at_reference)], ahead)
+        self._append(forward, estimates, at_reference)
         return backward.reversed() + forward
 
+    def _append(self, rows: Rows, estimates: Iterable[Seen], good: _core.HeadEstimate) -> None:
+        """Rows of the frames that were asked for; a held frame has the last good one's pose."""
+        for frame, estimate in estimates:
+            is_held = estimate is None or estimate.held
+            good = good if is_held else estimate
+            if self.first <= frame <= self.last:
+                rows.frame.append(frame)
+                rows.pose.append(np.asarray(good.camera_from_head))
+                unseen = np.asarray(good.covariance) + UNSEEN_COV
+                rows.pose_cov.append(
+                    unseen if estimate is None else np.asarray(estimate.covariance)
+                )
+                rows.quality.append(0.0 if is_held else good.quality)
+
     def _follow(
-        self,
-        tracker: _core.HeadTracker,
-        images: Iterator[tuple[int, NDArray[np.uint8]]],
-        rows: Rows,
-    ) -> None:
-        """Appends frame by frame, until the images end or the user stops."""
+        self, tracker: _core.HeadTracker, images: Iterator[tuple[int, NDArray[np.uint8]]]
+    ) -> Iterator[Seen]:
+        """Frame by frame, until the images end or the user stops."""
         num_lost = 0
         last = 0
         cuts = CutWatch()
@@ -219,9 +235,8 @@ class _HeadMotion:
             if guess is not None and estimate.held:
                 self.strangers.append(frame)
             self.num_done += 1
-            if self.first <= frame <= self.last:
-                _append(rows, frame, estimate)
             self.summary.add("follow the head", time.perf_counter() - start)
+            yield frame, estimate
 
     def _performance(self, rows: Rows) -> Performance:
         check_any_done(rows, self.footage, (self.first, self.last), self.summary.stopped)
@@ -259,10 +274,3 @@ class _HeadMotion:
         ]
         self.summary.warnings = notes
         return notes
-
-
-def _append(rows: Rows, frame: int, estimate: _core.HeadEstimate) -> None:
-    rows.frame.append(frame)
-    rows.pose.append(np.asarray(estimate.camera_from_head))
-    rows.pose_cov.append(np.asarray(estimate.covariance))
-    rows.quality.append(0.0 if estimate.held else estimate.quality)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from mimetic.media.footage import Footage
 from mimetic.performance.document import HELD_QUALITY
 from mimetic.performance.rows import Rows
 
+Estimate = TypeVar("Estimate", _core.FrameEstimate, _core.HeadEstimate)
 SEARCH_AGAIN = 6  # frames between looks for a face that was lost: twice in half a second
 PROOF = 3  # frames on end in which a face that was lost must be found, to be this one
 
@@ -32,15 +34,15 @@ def find_again(image: NDArray[np.uint8], frame: int, fit: FaceFit) -> NDArray[np
 
 
 def proved(
-    estimates: Iterable[tuple[int, _core.FrameEstimate | None]],
-) -> Iterator[tuple[int, _core.FrameEstimate | None]]:
+    estimates: Iterable[tuple[int, Estimate | None]],
+) -> Iterator[tuple[int, Estimate | None]]:
     """The estimates, None where a lost face was found, but not for PROOF frames on end.
 
     Chance makes another face look like this one in a frame, not in several. A face may be lost and
     found in one frame, and after a cut it was not lost before: `found_again` tells.
     """
     is_lost = False
-    waiting: list[tuple[int, _core.FrameEstimate | None]] = []
+    waiting: list[tuple[int, Estimate | None]] = []
     for frame, estimate in estimates:
         if estimate is None or estimate.held:
             yield from ((earlier, None) for earlier, _ in waiting)
