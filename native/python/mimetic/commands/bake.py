@@ -16,7 +16,10 @@ from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.head.smoothing import USUAL_STRENGTH
+from mimetic.media.clip_fingerprint import fingerprint
+from mimetic.performance.document import Performance
 from mimetic.shared.regular_file import check_input, check_target
+from mimetic.shared.shown_text import shown
 from mimetic.shared.whole_file import file_beside
 
 SUFFIXES = (".glb", ".blend")
@@ -95,6 +98,17 @@ def parse_target(text: str) -> dict:
     return {"file": str(Path(path).absolute()), "object": name}
 
 
+def check_footage(performance: os.PathLike[str], footage: os.PathLike[str]) -> None:
+    """Raises InvalidInput for footage that the performance was not captured from, if it says."""
+    check_input(footage, "a video file")
+    captured = Performance.load(performance)
+    if not captured.is_of(fingerprint(footage)):
+        raise InvalidInput(
+            f"--footage {shown(footage)} is not the clip that {shown(performance)} was captured "
+            f"from ({shown(captured.footage[0])}): give that one, or leave --footage out"
+        )
+
+
 def bake(
     performance: os.PathLike[str],
     out: os.PathLike[str],
@@ -120,7 +134,7 @@ def bake(
         raise InvalidInput(f"--out {out.name}: a target is written as .blend")
     check_input(performance, "the performance.npz of a capture")
     if footage is not None:
-        check_input(footage, "a video file")
+        check_footage(performance, footage)
     check_target(out, performance, *([] if footage is None else [footage]))
     python = blender_python or python_with_blender()
     with (
