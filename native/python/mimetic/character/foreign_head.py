@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Muscles, jaw, lids, extras and contact on any head's own mesh, given by landmarks.
 
-The template is laid onto the head (`skin_registration`). What anatomy says by region, materials,
+The template is laid onto the head (`foreign_registration`). What anatomy says by region, materials,
 what is held, how much hangs on the jaw, how far lids turn, is read from there; the skin itself is
 solved on the head's own triangles.
 """
