@@ -73,8 +73,10 @@ def head_columns(
     own = [name for name in extras.names if not name.startswith("look_")]
     chosen = [extras.names.index(name) for name in own]
     free = np.tile(FREE, (num_modes, 1))
+    count = len(anatomy.muscle_names)
+    limits = np.tile([0.0, 1.0], (count, 1))
     rows = [
-        ("36 muscles", anatomy.muscle_names, anatomy.muscle_modes, np.tile([0.0, 1.0], (36, 1))),
+        (f"{count} muscles", anatomy.muscle_names, anatomy.muscle_modes, limits),
         ("+ jaw and lids", *_articulators(anatomy)),
         (f"+ {len(own)} extras", tuple(own), extras.modes[chosen], extras.limits[chosen]),
         (f"+ {num_modes} skin modes", (), _skin_modes(skin, num_modes, gauge, axes), free),

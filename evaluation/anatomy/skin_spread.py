@@ -14,8 +14,8 @@ import argparse
 
 import numpy as np
 from mimetic import _core
-from mimetic.muscles.anatomy import AttachedSkin, canonical_skin
-from mimetic.skin.mesh import SkinMesh, find_place, multiply
+from mimetic.muscles.anatomy import AttachedSkin
+from mimetic.skin.mesh import SkinMesh, canonical_skin, find_place, multiply
 from mimetic.template.face_template import load_template
 from numpy.typing import NDArray
 
@@ -34,25 +34,25 @@ PLACES = {
 }
 
 
-class EvenSkin(AttachedSkin):
+class EvenSkin(_core.AttachedSkin):
     """Skin on its bones that is the same everywhere and spreads pulls over one length."""
 
     def __init__(self, mesh: SkinMesh, length: float):
-        self.length = length
-        super().__init__(mesh, 1)
+        self.mesh, self.length = mesh, length
 
-    def _materials(self, stiffness_factor: float) -> _core.SkinMaterials:
         def everywhere(value):
-            return np.full(len(self.mesh.vertices), value)
+            return np.full(len(mesh.vertices), value)
 
-        return _core.SkinMaterials(
+        materials = _core.SkinMaterials(
             young=everywhere(YOUNG),
             poisson=everywhere(POISSON),
             thickness=everywhere(THICKNESS),
             pre_stress=everywhere(0.0),
-            tangential=everywhere(stiffness_factor * STRETCH / self.length**2),
+            tangential=everywhere(STRETCH / length**2),
             normal=everywhere(1e6),
         )
+        free = AttachedSkin(mesh, 1.0).free
+        super().__init__(mesh.vertices, mesh.triangles, materials, free, mesh.stencils)
 
 
 class Patch:

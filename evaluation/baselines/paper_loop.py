@@ -27,7 +27,7 @@ from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import Anatomy, modes_of
 from mimetic.muscles.articulators import ARTICULATORS, JAW
 from mimetic.muscles.motion import LoadedSkin, dynamics_options, load_skin
-from mimetic.performance.document import NUM_MUSCLES, Performance
+from mimetic.performance.document import Performance
 from mimetic.shared import luminance
 from mimetic.shared.progress import ATTACHED, SEARCHED, Progress, stages
 from mimetic.shared.sampling import sampled
@@ -60,7 +60,7 @@ class ReducedFace:
 
     squared: Floats  # R, (rad/s)^2
     damping: Floats  # R, 1/s
-    loads: Floats  # R x L, forces of 36 muscles and 3 motions of the jaw at value 1
+    loads: Floats  # R x L, forces of the muscles and 3 motions of the jaw at value 1
     shapes: Floats  # R x V x 3, metres of the whole head's control vertices
     samples: Floats  # P x 3, metres at rest
     normals: Floats  # P x 3
@@ -105,7 +105,8 @@ class Observer:
         self.control_std = np.zeros(face.loads.shape[1])
         self.step = step
         jaw = [ARTICULATORS[name] for name in JAW]
-        self.limits = np.array([*[(0.0, 1.0)] * NUM_MUSCLES, *jaw]).T
+        muscles = face.loads.shape[1] - len(jaw)
+        self.limits = np.array([*[(0.0, 1.0)] * muscles, *jaw]).T
         self.transition, self.input = _discrete(face.squared, face.damping, step)
         weight = 1 / face.squared
         normal = face.loads.T @ (weight[:, None] * face.loads)
@@ -360,7 +361,8 @@ def _performance(
     names = list(anatomy.articulator_names)
     jaw = [names.index(name) for name in JAW]
     values = np.zeros((len(rows.frame), len(names)))
-    values[:, jaw] = controls[:, NUM_MUSCLES:]
+    muscles = len(anatomy.muscle_names)
+    values[:, jaw] = controls[:, muscles:]
     static = controls @ (face.loads / face.squared[:, None]).T
     return Performance(
         frame=np.array(rows.frame),
@@ -373,8 +375,8 @@ def _performance(
         muscles=list(anatomy.muscle_names),
         muscle_modes=anatomy.muscle_modes,
         groups=anatomy.groups,
-        activations=controls[:, :NUM_MUSCLES],
-        activations_std=np.array(rows.control_std)[:, :NUM_MUSCLES],
+        activations=controls[:, :muscles],
+        activations_std=np.array(rows.control_std)[:, :muscles],
         articulators=names,
         articulator_values=values,
         articulator_modes=anatomy.articulator_modes,

@@ -45,7 +45,9 @@ void bind_muscles(py::module_& m) {
              "Along the skin from the nearest of the sources (K, 3), metres; infinite beyond the limit.")
         .def("forces", &MuscleSurface::forces, "muscle"_a, release_gil(),
              "Nodal forces (N, 3) at a total pull of 1 N, of a sphincter at a tension of 1 N/m.")
-        .def_property_readonly("normals", &MuscleSurface::normals, "(N, 3), unit, at the vertices");
+        .def_property_readonly("normals", &MuscleSurface::normals, "(N, 3), unit, at the vertices")
+        .def_property_readonly("areas", &MuscleSurface::areas,
+                               "(N,): a third of the triangles at each vertex, m^2");
     m.def("insertion_nodes", &insertion_nodes, "muscle"_a,
           "(K, 3) where fibres end in the skin: a point, points along a sheet's edge, a ring's own focus.");
     m.def("muscle_fibres", &muscle_fibres, "muscle"_a, "num_steps"_a,

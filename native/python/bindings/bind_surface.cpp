@@ -6,6 +6,7 @@
 #include <mimetic/surface/surface.hpp>
 
 #include "arrays.hpp"
+#include "compressed_rows.hpp"
 
 namespace mimetic::bindings {
 
@@ -14,18 +15,6 @@ using namespace pybind11::literals;
 using release_gil = py::call_guard<py::gil_scoped_release>;
 
 namespace {
-
-template <typename Value>
-py::array_t<Value> copy_array(const Value* data, Eigen::Index size) {
-    return py::array_t<Value>(static_cast<py::ssize_t>(size), data);
-}
-
-/// (indptr, indices, weights) of a compressed row matrix.
-py::tuple to_csr(const SparseRows& matrix) {
-    return py::make_tuple(copy_array(matrix.outerIndexPtr(), matrix.outerSize() + 1),
-                          copy_array(matrix.innerIndexPtr(), matrix.nonZeros()),
-                          copy_array(matrix.valuePtr(), matrix.nonZeros()));
-}
 
 /// (on_face, triangle, weights, offset), or None.
 py::object places_under_pixels(const Camera& camera, PointsIn vertices, QuadsIn faces, Points2In pixels) {
@@ -129,12 +118,13 @@ void bind_surface(py::module_& m) {
         .def("normals", &LimitSurface::normals, py::arg("vertices").noconvert(), release_gil(),
              "vertices: (V, 3) float64\nreturns: (P, 3), unit, outwards; zero without a tangent plane")
         .def(
-            "stencils", [](const LimitSurface& self) { return to_csr(self.position_stencils()); },
+            "stencils", [](const LimitSurface& self) { return to_compressed(self.position_stencils()); },
             "Compressed rows (indptr, indices, weights) of the P x V matrix of positions.")
         .def(
             "tangent_stencils",
             [](const LimitSurface& self) {
-                return py::make_tuple(to_csr(self.s_tangent_stencils()), to_csr(self.t_tangent_stencils()));
+                return py::make_tuple(to_compressed(self.s_tangent_stencils()),
+                                      to_compressed(self.t_tangent_stencils()));
             },
             "The same for d position / d s and d position / d t.");
 
@@ -152,7 +142,7 @@ void bind_surface(py::module_& m) {
         .def("normals", &SubdividedMesh::normals, py::arg("vertices").noconvert(), release_gil(),
              "vertices: (V, 3) float64\nreturns: (num_refined, 3), unit, outwards")
         .def(
-            "stencils", [](const SubdividedMesh& self) { return to_csr(self.stencils()); },
+            "stencils", [](const SubdividedMesh& self) { return to_compressed(self.stencils()); },
             "Compressed rows (indptr, indices, weights) of the num_refined x V matrix.");
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <mimetic/shared/types.hpp>
 #include <tuple>
+#include <type_traits>
 
 #include "arrays.hpp"
 
@@ -26,6 +27,17 @@ inline SparseRows to_sparse(const CompressedRows& rows, int num_columns) {
     }
     return Eigen::Map<const SparseRows>(indptr.size() - 1, num_columns, indices.size(), indptr.data(),
                                         indices.data(), weights.data());
+}
+
+/// (indptr, indices, weights) of a matrix of compressed rows.
+inline pybind11::tuple to_compressed(const SparseRows& matrix) {
+    const auto copied = [](const auto* data, Eigen::Index size) {
+        return pybind11::array_t<std::remove_cvref_t<decltype(*data)>>(static_cast<pybind11::ssize_t>(size),
+                                                                       data);
+    };
+    return pybind11::make_tuple(copied(matrix.outerIndexPtr(), matrix.outerSize() + 1),
+                                copied(matrix.innerIndexPtr(), matrix.nonZeros()),
+                                copied(matrix.valuePtr(), matrix.nonZeros()));
 }
 
 }  // namespace mimetic::bindings

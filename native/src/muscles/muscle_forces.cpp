@@ -5,6 +5,8 @@
 #include <mimetic/shared/error.hpp>
 #include <string>
 
+#include "line_points.hpp"
+
 namespace mimetic {
 namespace {
 
@@ -15,23 +17,6 @@ void check_range(const char* name, double value, double low, double high) {
         throw InvalidInput(std::string(name) + " is " + std::to_string(value) + ", allowed are " +
                            std::to_string(low) + " to " + std::to_string(high));
     }
-}
-
-/// A sheet's edge as points close enough to each other to snap to neighbouring vertices.
-Points sample_edge(const Points& corners, double spacing) {
-    std::vector<Eigen::RowVector3d> samples{corners.row(0)};
-    for (Eigen::Index i = 1; i < corners.rows(); ++i) {
-        const Eigen::RowVector3d step = corners.row(i) - corners.row(i - 1);
-        const int count = std::max(1, static_cast<int>(std::ceil(step.norm() / spacing)));
-        for (int k = 1; k <= count; ++k) {
-            samples.emplace_back(corners.row(i - 1) + step * (static_cast<double>(k) / count));
-        }
-    }
-    Points points(samples.size(), 3);
-    for (Eigen::Index i = 0; i < points.rows(); ++i) {
-        points.row(i) = samples[i];
-    }
-    return points;
 }
 
 }  // namespace
@@ -58,7 +43,7 @@ Points MuscleSurface::forces(const Muscle& muscle) const {
 
 // The pull spreads over a Gaussian footprint; its reaction is at the bone and loads no skin.
 Points MuscleSurface::pull(const Muscle& muscle) const {
-    const Points edge = sample_edge(muscle.insertion, muscle.width / 4);
+    const Points edge = line_points(muscle.insertion, muscle.width / 4);
     const Eigen::VectorXd distance = distances(edge, kFootprintLimit * muscle.width);
     const Eigen::RowVector3d middle = edge.colwise().mean();
     const Eigen::RowVector3d direction = muscle.origin.transpose() - middle;

@@ -3,6 +3,8 @@
 
 #include <Eigen/Geometry>
 
+#include "galerkin_product.hpp"
+
 namespace mimetic {
 namespace {
 
@@ -135,11 +137,11 @@ SkinMatrices assemble_skin(PointsIn vertices, TrianglesIn triangles, const SkinM
     const std::vector<SkinTriangle> elements = make_skin_triangles(vertices, triangles);
     const VertexFrames frames = make_frames(elements, triangles, vertices.rows());
     SkinMatrices skin{interleave(basis), {}, assemble_foundation(materials, frames)};
-    const Columns nodal = assemble_membrane(elements, triangles, materials) + block_diagonal(skin.foundation);
-    const Columns force = nodal * skin.basis;
-    const SparseRows bend = curvature_change(elements, triangles, frames) * skin.basis;
-    const SparseRows moment = flexure(materials, frames, on_boundary).asDiagonal() * bend;
-    skin.stiffness = Columns(skin.basis.transpose() * force) + Columns(bend.transpose() * moment);
+    const Columns change = curvature_change(elements, triangles, frames);
+    const Columns moment = flexure(materials, frames, on_boundary).asDiagonal() * change;
+    const Columns nodal = assemble_membrane(elements, triangles, materials) +
+                          block_diagonal(skin.foundation) + Columns(change.transpose() * moment);
+    skin.stiffness = galerkin_product(nodal, basis);
     return skin;
 }
 

@@ -104,7 +104,7 @@ def test_what_lies_off_the_skin_is_laid_on_its_nearest_point(mesh):
 
 
 def test_lines_run_from_origin_to_insertion_on_the_skin(mesh, lines, template):
-    placed = place_muscles(mesh, mesh, AnatomyPerturbation())
+    placed = [one.muscle for one in place_muscles(mesh, mesh, AnatomyPerturbation())]
     positions = lines.positions(mesh.vertices, np.zeros(3))
     assert len(set(lines.muscle)) == 36
     for i, muscle in enumerate(placed):

@@ -5,7 +5,6 @@ import numpy as np
 import pytest
 from mimetic import InvalidInput, _core
 from mimetic.muscles import anatomy
-from mimetic.skin.checks import check_areas
 from mimetic.skin.mesh import SkinMesh
 from mimetic.template.face_template import load_template
 
@@ -37,7 +36,7 @@ def test_face_without_area_is_named(template):
     a, b, _ = mesh.triangles[8 * face]
     vertices[b] = vertices[a]
     with pytest.raises(InvalidInput, match="has no area") as error:
-        check_areas(vertices, mesh.triangles, mesh.refinement.parent_face)
+        _core.check_areas(vertices, mesh.triangles, np.repeat(mesh.refinement.parent_face, 2))
     named = int(str(error.value).split()[1])
     assert {a, b} <= set(mesh.triangles[8 * named : 8 * named + 8].ravel())
 

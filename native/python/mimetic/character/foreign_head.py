@@ -26,8 +26,8 @@ from mimetic.muscles.anatomy import (
     Anatomy,
     AnatomyPerturbation,
     AttachedSkin,
-    canonical_skin,
-    measured_place,
+    muscle_groups,
+    muscle_names,
     muscle_table,
     place_muscles,
 )
@@ -43,15 +43,13 @@ from mimetic.muscles.articulators import (
 from mimetic.muscles.contact import eye_rest, lid_slit, lip_slit
 from mimetic.muscles.extras import (
     Extras,
-    LoadedSkin,
     collect,
+    gaze_of,
     gaze_rows,
-    lid_angle,
-    loaded_modes,
-    slit_middle,
-    turned_eye,
+    loading_names,
+    place_extras,
 )
-from mimetic.skin.mesh import Place, SkinMesh, multiply
+from mimetic.skin.mesh import Csr, SkinMesh, canonical_skin, multiply
 
 TOO_FAR = 0.015  # m from the laid template: body, hair; such skin is held
 SEAM_STIFFNESS = 0.05  # times young and pre-stress, where the lips are one surface
@@ -106,8 +104,8 @@ def attach_foreign(
         extras = head.extra_modes()
     to_user = skin.user_from_skin
     anatomy = Anatomy(
-        muscle_names=tuple(f"{row['name']}.{side}" for row in muscle_table() for side in SIDES),
-        groups=np.repeat([row["group"] for row in muscle_table()], 2).astype(np.int32),
+        muscle_names=muscle_names(),
+        groups=muscle_groups(),
         muscle_modes=to_user.turn(modes),
         muscle_strengths=strengths * _force_scales(to_user.scale),
         articulator_names=tuple(ARTICULATORS),
@@ -128,7 +126,7 @@ def attach_foreign(
 
 
 def _force_scales(scale: float) -> NDArray[np.float64]:
-    """36: forces go with a muscle's cross-section, a sphincter's tension with its thickness."""
+    """M: forces go with a muscle's cross-section, a sphincter's tension with its thickness."""
     is_ring = [row["type"] == "sphincter" for row in muscle_table() for _ in SIDES]
     return np.where(is_ring, scale, scale**2)
 
@@ -156,17 +154,15 @@ class _Carried:
         self.is_sealed = bool(seam.any())
         self.carries = carries & ~seam[skin.triangles].all(axis=1)
         self.surface = _core.MuscleSurface(skin.vertices, skin.triangles, self.carries)
-        self.model = self._model(attached.materials, seam)
+        self.attached = self._attach(attached.materials, seam)
+        self.model = self.attached.model
 
-    def _model(self, laid_materials: _core.SkinMaterials, seam) -> _core.SkinModel:
+    def _attach(self, laid_materials: _core.SkinMaterials, seam) -> _core.AttachedSkin:
         values = {name: self.places.values(getattr(laid_materials, name)) for name in MATERIALS}
         for name in ("young", "pre_stress"):
             values[name][seam] *= SEAM_STIFFNESS
-        indptr = np.concatenate([[0], np.cumsum(self.free)]).astype(np.int32)
-        count = int(self.free.sum())
-        basis = (indptr, np.arange(count, dtype=np.int32), np.ones(count))
         materials = _core.SkinMaterials(**values)
-        return _core.SkinModel(self.skin.vertices, self.skin.triangles, materials, basis, count)
+        return _core.AttachedSkin(self.skin.vertices, self.skin.triangles, materials, self.free)
 
     def _seam(self) -> NDArray[np.bool_]:
         """Skin over a mouth that is not cut open."""
@@ -178,51 +174,28 @@ class _Carried:
             self.notes += ("upper and lower lip are one surface: their seam was made soft",)
         return seam
 
-    def respond(self, forces: NDArray[np.float64]) -> NDArray[np.float64]:
-        """M x N x 3 newtons -> displacements M x N x 3."""
-        response = np.zeros_like(forces)
-        solved = self.model.solve(forces.reshape(len(forces), -1).T)
-        response[:, self.free] = solved.T.reshape(len(forces), -1, 3)
-        return response
-
     def muscle_modes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """36 x V x 3 and 36 strengths, in the template's frame and size."""
+        """M x V x 3 and M strengths, in the template's frame and size."""
         canonical = canonical_skin(self.laid.template)
-        placed = place_muscles(canonical, self.laid, AnatomyPerturbation())
-        rows = [row for row in muscle_table() for _ in SIDES]
-        forces = np.stack(
-            [
-                self.surface.forces(self._carry(muscle, row))
-                for muscle, row in zip(placed, rows, strict=True)
-            ]
-        )
-        responses = self.respond(forces)
-        strengths = np.empty(len(rows))
-        for index, row in enumerate(rows):
-            place = measured_place(canonical, row, SIDES[index % 2])
-            at = self._onto(place.vertex, place.position(self.laid))
-            moved = np.linalg.norm(at.values(responses[index]))
-            if not moved > 0:
-                raise _core.InvalidInput(
-                    f"the skin where {row['name']} is measured, by {row['measured_at'][0]}, "
-                    "does not move: the mesh ends there, or that landmark is out of place"
-                )
-            strengths[index] = 1e-3 * row["excursion_mm"] * place.scale(self.laid) / moved
-        return self._to_mesh(responses * strengths[:, None, None]), strengths
+        placed = [
+            muscle.carried(self._carry(muscle.muscle.insertion))
+            for muscle in place_muscles(canonical, self.laid, AnatomyPerturbation())
+        ]
+        pulled = _core.pull(self.attached, self.surface, placed, self._measured(placed))
+        return self._to_mesh(pulled.responses * pulled.strengths[:, None, None]), pulled.strengths
 
-    def _carry(self, muscle: _core.Muscle, row: dict) -> _core.Muscle:
-        """A muscle of the laid template with its insertion on this skin."""
-        vertex = _core.nearest(muscle.insertion, self.laid.vertices[self.laid.seen_from_front])
-        found = self._onto(self.laid.seen_from_front[vertex], muscle.insertion)
-        return _core.Muscle(
-            type=muscle.type,
-            insertion=found.values(self.skin.vertices),
-            origin=muscle.origin,
-            width=muscle.width,
-            normal_share=row.get("normal_share", 0.1),
-            protrusion=row.get("protrusion", 0.0),
-            swelling=row.get("swelling", 0.0),
-        )
+    def _carry(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Places on the laid template's skin to those on this one."""
+        seen = self.laid.seen_from_front
+        vertex = seen[_core.nearest(points, self.laid.vertices[seen])]
+        return self._onto(vertex, points).values(self.skin.vertices)
+
+    def _measured(self, placed) -> Csr:
+        """Rows that read the motion of the places by which muscles or extras are measured."""
+        places = [one.measured for one in placed]
+        points = np.array([place.position(self.laid) for place in places])
+        at = self._onto([place.vertex for place in places], points)
+        return np.arange(0, at.corners.size + 1, 3), at.corners.ravel(), at.weights.ravel()
 
     def _onto(self, laid_vertex, points) -> _core.SkinPlaces:
         """Places on this skin of points by vertices of the laid template."""
@@ -234,13 +207,8 @@ class _Carried:
     def jaw_modes(self) -> list[NDArray[np.float64]]:
         jaw = Jaw(self.laid)
         influence = self.places.values(jaw.influence)[:, None]
-        forces = np.stack(
-            [
-                self.model.foundation_forces(influence * jaw.motion(name, self.skin.vertices))
-                for name in JAW
-            ]
-        )
-        modes = self._to_mesh(self.respond(forces))
+        under = np.stack([influence * jaw.motion(name, self.skin.vertices) for name in JAW])
+        modes = self._to_mesh(self.attached.respond(self.attached.foundation_forces(under)))
         rigid = self.loose.on_jaw
         for mode, name in zip(modes, JAW, strict=True):
             mode[rigid] = jaw.motion(name, self.skin.user_vertices[rigid])
@@ -248,33 +216,22 @@ class _Carried:
 
     def extra_modes(self) -> Extras:
         """In the template's frame and size; gaze turns the loose parts that are eyes."""
-        loaded = LoadedSkin(
-            self.skin.vertices,
-            self.surface,
-            self.skin.triangles[self.carries],
-            slit_middle(self.laid),
-            self.laid.size,
+        placed = [extra.carried(self._carry(extra.line)) for extra in place_extras(self.laid)]
+        mouth = _core.MouthFrame(self.laid)
+        responses = _core.extra_responses(
+            self.attached, self.surface, mouth, placed, self._measured(placed)
         )
-        seen = self.laid.seen_from_front
-
-        def onto(points: NDArray[np.float64]) -> NDArray[np.float64]:
-            vertex = seen[_core.nearest(points, self.laid.vertices[seen])]
-            return self._onto(vertex, points).values(self.skin.vertices)
-
-        def moved_at(place: Place, response: NDArray[np.float64]) -> NDArray[np.float64]:
-            return self._onto(place.vertex, place.position(self.laid)).values(response)[0]
-
-        modes = loaded_modes(self.laid, loaded, self.respond, onto, moved_at)
-        modes = dict(zip(modes, self._to_mesh(np.stack(list(modes.values()))), strict=True))
+        modes = dict(zip(loading_names(), self._to_mesh(responses), strict=True))
         for frame in eye_frames(self.laid):
             eye, lids = self.loose.eyes[frame.side], EyeLids(frame)
             if not eye.any():
                 side = "left" if frame.side == "L" else "right"
                 self.notes += (f"no {side} eyeball was found: its gaze moves the lids alone",)
             for row in gaze_rows():
-                angle = lid_angle(lids, row) if row["axis"][0] else np.zeros(0)
+                gaze = gaze_of(row)
+                angle = _core.lid_angle(lids, gaze) if row["axis"][0] else np.zeros(0)
                 mode = self._to_mesh(self._turn_lids(frame, angle)[None])[0]
-                mode[eye] = turned_eye(frame, row, self.skin.user_vertices[eye])
+                mode[eye] = _core.turned_eye(frame, gaze, self.skin.user_vertices[eye])
                 modes[f"{row['name']}.{frame.side}"] = mode
         return collect(modes)
 

@@ -14,14 +14,13 @@ from numpy.typing import NDArray
 
 from mimetic import _core
 from mimetic.muscles.anatomy import (
-    SIDES,
     AnatomyPerturbation,
-    canonical_skin,
-    muscle_table,
+    muscle_groups,
+    muscle_names,
     place_muscles,
 )
 from mimetic.muscles.articulators import JAW, Jaw
-from mimetic.skin.mesh import SkinMesh
+from mimetic.skin.mesh import SkinMesh, canonical_skin
 
 NUM_STEPS = 14  # points of a line
 LIFT = 0.0012  # over the skin, so that the skin does not hide the line
@@ -36,9 +35,10 @@ class MuscleLines:
 
     def __init__(self, mesh: SkinMesh):
         self._mesh = mesh
-        placed = place_muscles(canonical_skin(mesh.template), self._mesh, AnatomyPerturbation())
-        self.names = [f"{row['name']}.{side}" for row in muscle_table() for side in SIDES]
-        self.groups = np.repeat([row["group"] for row in muscle_table()], 2)
+        canonical = canonical_skin(mesh.template)
+        placed = [one.muscle for one in place_muscles(canonical, mesh, AnatomyPerturbation())]
+        self.names = list(muscle_names())
+        self.groups = muscle_groups()
         fibres = [_core.muscle_fibres(muscle, NUM_STEPS) for muscle in placed]
         self.muscle = np.repeat(np.arange(len(placed)), [len(lines) for lines in fibres])
         self._skin = find_on_skin(self._mesh, np.concatenate(fibres).reshape(-1, 3))

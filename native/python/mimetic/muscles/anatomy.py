@@ -9,16 +9,16 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 from importlib import resources
 
 import numpy as np
 
 from mimetic import _core
-from mimetic.muscles.articulators import ARTICULATORS, JAW, EyeLids, Jaw, eye_frames
+from mimetic.muscles.articulators import ARTICULATORS, Jaw
 from mimetic.muscles.calibration import Calibration
-from mimetic.skin.checks import check_areas, check_size
-from mimetic.skin.mesh import LEVELS, Place, SkinMesh, find_place, keep_columns, multiply
+from mimetic.skin.checks import check_size
+from mimetic.skin.mesh import SkinMesh, canonical_skin
 
 SIDES = ("L", "R")
 MATERIALS = ("young", "poisson", "thickness", "pre_stress", "tangential", "normal")
@@ -49,8 +49,8 @@ class AnatomyPerturbation:
 class Anatomy:
     """Modes over the whole control mesh; metres, head frame.
 
-    muscle_names: 36, zygomaticus_major.L and so on; groups: 36, 1 to 7; muscle_modes: 36 x V x 3,
-    displacement at activation 1; muscle_strengths: 36, newtons (sphincters: newtons a metre);
+    muscle_names: M, zygomaticus_major.L and so on; groups: M, 1 to 7; muscle_modes: M x V x 3,
+    displacement at activation 1; muscle_strengths: M, newtons (sphincters: newtons a metre);
     articulator_names, articulator_modes A x V x 3 at value 1, articulator_limits A x 2.
     """
 
@@ -70,8 +70,44 @@ def load_table(name: str) -> dict:
 
 
 def muscle_table() -> list[dict]:
-    """The 18 pairs, as in muscles.toml."""
+    """The pairs, as in muscles.toml."""
     return load_table("muscles.toml")["muscle"]
+
+
+def muscle_entries() -> list[_core.MuscleEntry]:
+    """The same for the core."""
+    return [_entry(row) for row in muscle_table()]
+
+
+def _entry(row: dict) -> _core.MuscleEntry:
+    place = _core.LandmarkPlace
+    return _core.MuscleEntry(
+        name=row["name"],
+        type=getattr(_core.MuscleType, row["type"]),
+        insertion=[place(*at) for at in row["insertion"]],
+        origin=place(*row["origin"]) if "origin" in row else place(row["insertion"][0][0], 0, 0),
+        width=row["width"],
+        normal_share=row.get("normal_share", 0.1),
+        protrusion=row.get("protrusion", 0.0),
+        swelling=row.get("swelling", 0.0),
+        measured_at=place(*row["measured_at"]),
+        excursion=row["excursion_mm"],
+    )
+
+
+@cache
+def material_table() -> _core.MaterialTable:
+    """data/materials.toml for the core."""
+    table = load_table("materials.toml")
+    return _core.MaterialTable(
+        base=[table["base"][name] for name in MATERIALS],
+        regions={
+            region: [factors.get(name, 1.0) for name in MATERIALS]
+            for region, factors in table["regions"].items()
+        },
+        lid_reach=table["lid_margin"]["reach"],
+        lid_attachment=table["lid_margin"]["attachment"],
+    )
 
 
 def attach(
@@ -106,8 +142,9 @@ def attach_skin(
         raise _core.InvalidInput("neutral_vertices hold NaN or infinity")
     check_size(neutral, template)
     mesh = SkinMesh(template, neutral)
-    _core.check_openings(mesh.triangles, 1, 2 * 4**LEVELS)
-    check_areas(mesh.vertices, mesh.triangles, mesh.refinement.parent_face)
+    faces = np.repeat(mesh.refinement.parent_face, 2)
+    _core.check_openings(mesh.triangles, 1, len(faces) // len(mesh.faces))
+    _core.check_areas(mesh.vertices, mesh.triangles, faces)
     factor = (perturbation or AnatomyPerturbation()).stiffness_factor
     return AttachedSkin(mesh, factor, calibration)
 
@@ -116,15 +153,12 @@ def modes_of(skin: AttachedSkin, perturbation: AnatomyPerturbation | None = None
     """Muscles, jaw and lids on a skin that is attached; strengths as it was calibrated."""
     mesh = skin.mesh
     pulled = pull(skin, canonical_skin(mesh.template), perturbation)
-    muscle_modes = skin.spread(pulled.responses * pulled.strengths[:, None, None])
-    jaw = Jaw(mesh)
-    jaw_modes = [skin.move_bone(jaw, name) for name in JAW]
-    lid_modes = [lid for frame in eye_frames(mesh) for lid in EyeLids(frame).modes()]
-    modes = dict(zip(ARTICULATORS, [*jaw_modes, *lid_modes], strict=True))
+    bones = [*_core.jaw_modes(skin, mesh, Jaw(mesh)), *_core.lid_modes(mesh)]
+    modes = dict(zip(ARTICULATORS, bones, strict=True))
     return Anatomy(
         muscle_names=muscle_names(),
-        groups=np.repeat([row["group"] for row in muscle_table()], 2).astype(np.int32),
-        muscle_modes=muscle_modes,
+        groups=muscle_groups(),
+        muscle_modes=skin.spread(pulled.responses * pulled.strengths[:, None, None]),
         muscle_strengths=pulled.strengths,
         articulator_names=tuple(modes),
         articulator_modes=np.stack(list(modes.values())),
@@ -134,10 +168,10 @@ def modes_of(skin: AttachedSkin, perturbation: AnatomyPerturbation | None = None
 
 @dataclass(frozen=True)
 class Pulled:
-    """What the 36 muscles do to a skin.
+    """What the muscles do to a skin.
 
-    forces: 36 x N x 3 on the refined vertices at unit strength; responses: 36 x S x 3, metres, of
-    the control vertices to them; strengths: 36, newtons (sphincters: newtons a metre).
+    forces: M x N x 3 on the refined vertices at unit strength; responses: M x S x 3, metres, of
+    the control vertices to them; strengths: M, newtons (sphincters: newtons a metre).
     """
 
     forces: np.ndarray
@@ -156,25 +190,19 @@ def pull(
     shifts = skin.calibration.insertion_shifts(names)
     perturbation = perturbation or AnatomyPerturbation()
     muscles = place_muscles(canonical, skin.mesh, perturbation, shifts)
-    forces = np.stack([skin.mesh.surface.forces(muscle) for muscle in muscles])
-    responses = skin.respond(forces)
-    rows = [(row, side) for row in muscle_table() for side in SIDES]
-    strengths = [
-        strength(row, measured_place(canonical, row, side), skin.mesh, response)
-        for (row, side), response in zip(rows, responses, strict=True)
-    ]
+    pulled = _core.pull_person(skin, skin.mesh, muscles)
     factors = skin.calibration.strength_factors(names)
-    return Pulled(forces, responses, np.array(strengths) * factors)
-
-
-def canonical_skin(template) -> SkinMesh:
-    """The skin of the template itself, on which muscles have their places."""
-    return SkinMesh(template, np.ascontiguousarray(template.vertices, dtype=np.float64))
+    return Pulled(pulled.forces, pulled.responses, pulled.strengths * factors)
 
 
 def muscle_names() -> tuple[str, ...]:
-    """The 36, left and right of each pair in turn."""
+    """Left and right of each pair in turn."""
     return tuple(f"{row['name']}.{side}" for row in muscle_table() for side in SIDES)
+
+
+def muscle_groups() -> np.ndarray:
+    """The group of each, 1 to 7."""
+    return np.repeat([row["group"] for row in muscle_table()], 2).astype(np.int32)
 
 
 def place_muscles(
@@ -182,147 +210,33 @@ def place_muscles(
     mesh: SkinMesh,
     perturbation: AnatomyPerturbation,
     shifts_mm: np.ndarray | None = None,
-) -> list[_core.Muscle]:
-    """The 36 muscles on a person's skin, left and right of each pair in turn.
+) -> list[_core.PlacedMuscle]:
+    """The muscles on a person's skin, left and right of each pair in turn.
 
-    shifts_mm: 36 x 2 of the insertions along the skin, away from the midline and up.
+    shifts_mm: M x 2 of the insertions along the skin, away from the midline and up.
     """
-    shifts_mm = np.zeros((2 * len(muscle_table()), 2)) if shifts_mm is None else shifts_mm
-    random = np.random.default_rng(perturbation.seed)
-    muscles = []
-    for row in muscle_table():
-        for side in SIDES:
-            angle = random.uniform(0, 2 * np.pi)
-            shift = perturbation.insertion_mm * np.array([np.cos(angle), np.sin(angle)])
-            shift += shifts_mm[len(muscles)]
-            muscles.append(place_muscle(canonical, mesh, row, side, shift))
-    return muscles
+    entries = muscle_entries()
+    angles = np.random.default_rng(perturbation.seed).uniform(0, 2 * np.pi, 2 * len(entries))
+    shifts = perturbation.insertion_mm * np.column_stack([np.cos(angles), np.sin(angles)])
+    if shifts_mm is not None:
+        shifts = shifts + shifts_mm
+    return _core.place_muscles(canonical, mesh, entries, shifts)
 
 
-def place_muscle(canonical: SkinMesh, mesh: SkinMesh, row: dict, side: str, shift) -> _core.Muscle:
-    def find(place, side, shift=(0.0, 0.0)):
-        anchor, x, y, depth = place
-        return find_place(canonical, anchor, x + shift[0], y + shift[1], depth, side)
-
-    def position(place, side, shift=(0.0, 0.0)):
-        return find(place, side, shift).position(mesh)
-
-    insertion = [position(place, side, shift) for place in row["insertion"]]
-    scale = np.mean([find(place, side, shift).scale(mesh) for place in row["insertion"]])
-    origin = np.zeros(3)
-    if row["type"] == "sphincter":
-        other = SIDES[1 - SIDES.index(side)]
-        insertion.append(position(row["insertion"][0], other, shift))
-    else:
-        origin = position(row["origin"], side)
-    return _core.Muscle(
-        type=getattr(_core.MuscleType, row["type"]),
-        insertion=np.array(insertion),
-        origin=origin,
-        width=1e-3 * row["width"] * scale,
-        normal_share=row.get("normal_share", 0.1),
-        protrusion=row.get("protrusion", 0.0),
-        swelling=row.get("swelling", 0.0),
-    )
-
-
-def strength(row: dict, measured: Place, mesh: SkinMesh, response: np.ndarray) -> float:
-    """That gives a muscle its excursion, in proportion to the person's local size.
-
-    measured: its `measured_place`; response: S x 3 of the skin to the muscle at unit force.
-    """
-    moved = np.linalg.norm(measured.on_vertex(mesh, response))
-    return 1e-3 * row["excursion_mm"] * measured.scale(mesh) / moved
-
-
-def measured_place(canonical: SkinMesh, row: dict, side: str) -> Place:
-    """The place on the skin by whose motion a muscle's strength is known."""
-    anchor, x, y = row["measured_at"]
-    return find_place(canonical, anchor, x, y, 0, side)
-
-
-class AttachedSkin:
-    """Skin with its materials on its bones, factored when first asked."""
+class AttachedSkin(_core.AttachedSkin):
+    """A person's skin with its materials on its bones, factored when first asked."""
 
     def __init__(
         self, mesh: SkinMesh, stiffness_factor: float, calibration: Calibration | None = None
     ):
         self.mesh = mesh
         self.calibration = calibration or Calibration()
-        template = mesh.template
-        self.free = self._free_vertices()
-        self.basis = keep_columns(mesh.stencils, self.free)
-        stiffness = stiffness_factor
+        stiffness = np.full(len(mesh.vertices), float(stiffness_factor))
         if self.calibration.stiffness:
             stiffness = stiffness * self.calibration.stiffness_factors(mesh)
-        self.materials = self._materials(stiffness)
-        self.num_vertices = len(template.vertices)
-
-    @cached_property
-    def model(self) -> _core.SkinModel:
-        mesh = self.mesh
-        return _core.SkinModel(
-            mesh.vertices, mesh.triangles, self.materials, self.basis, int(self.free.sum())
-        )
-
-    def respond(self, forces: np.ndarray) -> np.ndarray:
-        """M x N x 3 newtons -> displacements of the skin's control vertices, M x S x 3."""
-        columns = forces.reshape(len(forces), -1).T
-        solution = self.model.solve(columns).T.reshape(len(forces), -1, 3)
-        response = np.zeros((len(forces), len(self.free), 3))
-        response[:, self.free] = solution
-        return response
+        super().__init__(mesh, material_table(), stiffness)
+        self.num_vertices = len(mesh.template.vertices)
 
     def spread(self, responses: np.ndarray) -> np.ndarray:
         """From the skin, M x S x 3, to the whole head, M x V x 3: lashes follow their lids."""
-        modes = np.zeros((len(responses), self.num_vertices, 3))
-        modes[:, : len(self.free)] = responses
-        for frame in eye_frames(self.mesh):
-            lashes, roots = frame.lash_roots
-            modes[:, lashes] = responses[:, roots]
-        return modes
-
-    def move_bone(self, jaw: Jaw, name: str) -> np.ndarray:
-        """Mode V x 3 of the jaw: the attachments' feet move with the bone, the skin follows."""
-        forces = self.model.foundation_forces(jaw.under_skin(name))
-        mode = self.spread(self.respond(forces[None]))[0]
-        rigid = jaw.rigid_vertices
-        mode[rigid] = jaw.motion(name, self.mesh.neutral[rigid])
-        return mode
-
-    def _free_vertices(self) -> np.ndarray:
-        mesh = self.mesh
-        count = int(mesh.template.num_skin_vertices)
-        skin = mesh.neutral[:count]
-        held = mesh.in_region("ear") | mesh.in_region("scalp")
-        held |= mesh.in_region("neck") & (
-            skin[:, 2] < mesh.neutral[mesh.landmark("gonion.L"), 2] - 0.06 * mesh.size
-        )
-        held |= skin[:, 1] < skin[:, 1].min() + 0.012 * mesh.size  # the lower edge of the neck
-        depth = mesh.whole_surface.distances(
-            mesh.vertices[mesh.vertices_between("skin", "eye_socket")], 0.008 * mesh.size
-        )[:count]
-        held |= mesh.in_region("eye_socket") & ~np.isfinite(depth)
-        return ~held
-
-    def _materials(self, stiffness_factor: float | np.ndarray) -> _core.SkinMaterials:
-        mesh = self.mesh
-        table = load_table("materials.toml")
-        count = int(mesh.template.num_skin_vertices)
-        values = {name: np.full(count, table["base"][name]) for name in MATERIALS}
-        for region, factors in table["regions"].items():
-            for name, factor in factors.items():
-                values[name][mesh.in_region(region)] *= factor
-        # Skin and fat are as thick as the face is long: a pull then spreads in proportion too.
-        values["thickness"] *= mesh.local_scale
-        values["tangential"] /= mesh.local_scale
-        values["normal"] /= mesh.local_scale
-        values = {name: multiply(mesh.stencils, value) for name, value in values.items()}
-        lids = table["lid_margin"]
-        margin = mesh.vertices[mesh.vertices_between("skin", "eye_socket")]
-        reach = lids["reach"] * mesh.size
-        distance = mesh.whole_surface.distances(margin, 2 * reach)
-        nearness = np.clip(2 - distance / reach, 0, 1)
-        for name in ("tangential", "normal"):
-            values[name] *= lids["attachment"] ** nearness * stiffness_factor
-        return _core.SkinMaterials(**values)
+        return _core.spread(self.mesh, responses)

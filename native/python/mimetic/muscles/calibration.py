@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput
+from mimetic import InvalidInput, _core
 from mimetic.media.timing import LAST_FRAME
 from mimetic.shared.documents import named, numbers
 from mimetic.skin.mesh import SkinMesh, multiply
@@ -59,8 +59,11 @@ class Calibration:
 
     def stiffness_factors(self, mesh: SkinMesh) -> NDArray[np.float64]:
         """N: times the attachment at every refined vertex; regions blend as the surface does."""
-        logs = np.log([self.stiffness.get(name, 1.0) for name in REGIONS])
-        return np.exp(region_weights(mesh) @ logs)
+        return _core.stiffness_factors(region_weights(mesh), self.region_factors())
+
+    def region_factors(self) -> list[float]:
+        """One for each of REGIONS."""
+        return [self.stiffness.get(name, 1.0) for name in REGIONS]
 
     def strength_factors(self, names: tuple[str, ...]) -> NDArray[np.float64]:
         """One for each of the muscles; raises InvalidInput for a muscle that they are not."""

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from mimetic import _core
 from mimetic.muscles.anatomy import SIDES, AttachedSkin, attach_skin
 from mimetic.muscles.articulators import LID_REACH, EyeFrame, eye_frames
-from mimetic.skin.mesh import Csr, SkinMesh, split_quads
+from mimetic.skin.mesh import SkinMesh, split_quads
 from mimetic.template.face_template import load_template
 
 KEPT = 4  # heads in memory, some 20 MB each
@@ -51,7 +51,7 @@ def attach_contact(skin: AttachedSkin) -> _core.SkinContact:
         moves_with[lashes] = roots
     return _core.SkinContact(
         rest=mesh.vertices[vertices],
-        stencils=rows_of(mesh.stencils, vertices),
+        stencils=mesh.stencil_rows_at(vertices),
         slits=slits,
         eyes=[eye_rest(frame) for frame in eye_frames(mesh)],
         model=skin.model,
@@ -59,15 +59,6 @@ def attach_contact(skin: AttachedSkin) -> _core.SkinContact:
         moves_with=moves_with,
         read=np.arange(count),
     )
-
-
-def rows_of(matrix: Csr, rows: NDArray[np.integer]) -> Csr:
-    """Some rows of compressed rows."""
-    indptr, indices, weights = matrix
-    entries = [np.arange(indptr[row], indptr[row + 1]) for row in rows]
-    starts = np.cumsum([0, *map(len, entries)])
-    chosen = np.concatenate(entries)
-    return starts, indices[chosen], weights[chosen]
 
 
 def eye_rest(frame: EyeFrame) -> _core.EyeRest:

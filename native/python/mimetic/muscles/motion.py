@@ -3,7 +3,7 @@
 
 What `anatomy` gives is the static, linear answer. Here the same skin with the same forces has mass,
 damping and relaxation (SkinDynamics, or ReducedSkin in real time), or turns far (CorotationalSkin).
-Loads: L = 36 muscles and 3 motions of the jaw, at value 1. Metres, newtons, seconds, head frame.
+Loads: L, the muscles and 3 motions of the jaw, at value 1. Metres, newtons, seconds, head frame.
 """
 
 from __future__ import annotations
@@ -17,14 +17,13 @@ from mimetic import _core
 from mimetic.muscles.anatomy import (
     AnatomyPerturbation,
     AttachedSkin,
-    canonical_skin,
     load_table,
     muscle_names,
     pull,
 )
 from mimetic.muscles.articulators import JAW, Jaw
 from mimetic.muscles.calibration import Calibration
-from mimetic.skin.mesh import Csr, SkinMesh, keep_columns
+from mimetic.skin.mesh import Csr, SkinMesh, canonical_skin
 
 SUBSTEPS = 8  # of a frame at 30 a second: 1/240 s
 NUM_MODES = (
@@ -66,13 +65,7 @@ class LoadedSkin:
 
     def stencils_of(self, refined_vertices: np.ndarray) -> Csr:
         """Rows of the model's basis for some refined vertices."""
-        indptr, indices, weights = self.mesh.stencils
-        lengths = np.diff(indptr)[refined_vertices]
-        ends = np.cumsum(lengths)
-        starts = indptr[refined_vertices]
-        places = np.arange(ends[-1]) + np.repeat(starts - (ends - lengths), lengths)
-        rows = np.concatenate([[0], ends]).astype(np.int32)
-        return keep_columns((rows, indices[places], weights[places]), self.skin.free)
+        return self.skin.basis_at(refined_vertices)
 
     def dynamics(self, options: _core.DynamicsOptions) -> _core.SkinDynamics:
         """The whole skin in time; advance it by `loads @ values`."""
@@ -108,7 +101,7 @@ def load_skin(
     skin = AttachedSkin(mesh, perturbation.stiffness_factor, calibration)
     pulled = pull(skin, canonical_skin(template), perturbation)
     jaw = Jaw(mesh)
-    jaw_forces = [skin.model.foundation_forces(jaw.under_skin(name)) for name in JAW]
+    jaw_forces = skin.foundation_forces(np.stack([jaw.under_skin(name) for name in JAW]))
     return LoadedSkin(
         skin,
         (*muscle_names(), *JAW),

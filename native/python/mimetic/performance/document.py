@@ -20,10 +20,9 @@ from mimetic.shared.array_writer import write_arrays
 from mimetic.shared.shown_text import shown
 
 SCHEMA = 1
-NUM_MUSCLES = 36
 CHECKED_AT_ONCE = 4096  # frames, for the memory's sake
 HELD_QUALITY = 0.2  # frames under it are held, not invented
-LARGEST = {"N": 10_000_000, "V": 2_000_000, "F": 4_000_000, "A": 1000, "M": 1000, "K": 1000}
+LARGEST = {"N": 10_000_000, "V": 2_000_000, "F": 4_000_000} | dict.fromkeys("PAMK", 1000)
 
 # key: (kind of number, shape); letters are lengths that must agree between the keys
 REQUIRED: dict[str, tuple[str, tuple[int | str, ...]]] = {
@@ -33,11 +32,11 @@ REQUIRED: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "intrinsics": ("f", (3, 3)),
     "head_pose": ("f", ("N", 4, 4)),
     "head_pose_cov": ("f", ("N", 6, 6)),
-    "muscles": ("U", (NUM_MUSCLES,)),
-    "muscle_modes": ("m", (NUM_MUSCLES, "V", 3)),
-    "groups": ("i", (NUM_MUSCLES,)),
-    "activations": ("f", ("N", NUM_MUSCLES)),
-    "activations_std": ("f", ("N", NUM_MUSCLES)),
+    "muscles": ("U", ("P",)),
+    "muscle_modes": ("m", ("P", "V", 3)),
+    "groups": ("i", ("P",)),
+    "activations": ("f", ("N", "P")),
+    "activations_std": ("f", ("N", "P")),
     "articulators": ("U", ("A",)),
     "articulator_values": ("f", ("N", "A")),
     "neutral_vertices": ("f", ("V", 3)),
@@ -73,8 +72,8 @@ DOCUMENT = ArrayDocument(
 class Performance:
     """A person's performance: surface, head motion and muscle activations, frame by frame.
 
-    N frames, V control vertices, F quads, A articulators. Metres, pixels; the head frame has
-    x to the image right when the person faces the camera, y up, z out of the face, its origin
+    N frames, V control vertices, F quads, P muscles, A articulators. Metres, pixels; the head frame
+    has x to the image right when the person faces the camera, y up, z out of the face, its origin
     midway between the ears; the camera frame x right, y down, z forward.
     """
 
@@ -84,11 +83,11 @@ class Performance:
     intrinsics: NDArray[np.float64]  # 3 x 3
     head_pose: NDArray[np.float64]  # N x 4 x 4, camera from head
     head_pose_cov: NDArray[np.float64]  # N x 6 x 6, of (rotation vector, translation)
-    muscles: list[str]  # 36
-    muscle_modes: NDArray[np.float32]  # 36 x V x 3, displacement at full activation
-    groups: NDArray[np.int64]  # 36, 1 to 7
-    activations: NDArray[np.float64]  # N x 36, 0 to 1
-    activations_std: NDArray[np.float64]  # N x 36
+    muscles: list[str]  # P
+    muscle_modes: NDArray[np.float32]  # P x V x 3, displacement at full activation
+    groups: NDArray[np.int64]  # P, 1 to 7
+    activations: NDArray[np.float64]  # N x P, 0 to 1
+    activations_std: NDArray[np.float64]  # N x P
     articulators: list[str]  # A
     articulator_values: NDArray[np.float64]  # N x A
     neutral_vertices: NDArray[np.float64]  # V x 3
@@ -197,8 +196,8 @@ class Performance:
             )
         if self.detail_coefficients_std is not None and self.detail_modes is None:
             raise InvalidInput("performance has detail_coefficients_std without detail_modes")
-        if lengths["N"] < 1 or lengths["F"] < 1:
-            raise InvalidInput("performance has no frames or no faces")
+        if lengths["N"] < 1 or lengths["F"] < 1 or lengths["P"] < 1:
+            raise InvalidInput("performance has no frames, no faces or no muscles")
         self._check_finite()
         self._check_ranges()
 

@@ -104,7 +104,9 @@ def _parts(performance: Performance, footage: Footage, summary: CaptureSummary) 
     yield "<h2>Quality and head motion</h2>" + _plot(_head_figure(performance), "head motion")
     yield "<p class='caption'>Rotation about the head's own axes relative to facing the camera: "
     yield "pitch down, yaw to the image's right, roll clockwise. Bands: one standard deviation.</p>"
-    yield "<h2>Muscles</h2>" + _plot(_muscle_figure(performance), "activations of the 36 muscles")
+    yield "<h2>Muscles</h2>" + _plot(
+        _muscle_figure(performance), f"activations of the {len(performance.muscles)} muscles"
+    )
     yield "<p class='caption'>Activation from 0 to 1 by the seven groups; solid: the subject's "
     yield "left, dashed: right. Bands: one standard deviation. Grey: held frames, in which "
     yield "nothing was measured.</p>"

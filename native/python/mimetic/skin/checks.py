@@ -4,8 +4,9 @@ warning."""
 
 from __future__ import annotations
 
+import math
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,13 +20,12 @@ UNITS = {
     "inches": 2.54e-2,
     "millimetres": 1e-3,
 }
-MAX_ROUNDS = 50
 
 
 def check_size(neutral: NDArray[np.float64], template) -> None:
     """Raise InvalidInput unless the head (V x 3) is in metres, as its eyes tell."""
-    centres, _ = template.eye_spheres(neutral)
-    check_span(float(np.linalg.norm(centres[0] - centres[1])), "the eyes")
+    (left, right), _ = template.eye_spheres(neutral)
+    check_span(math.dist(left, right), "the eyes")
 
 
 def check_span(apart: float, what: str) -> None:
@@ -43,23 +43,6 @@ def check_span(apart: float, what: str) -> None:
     )
 
 
-def check_areas(
-    vertices: NDArray[np.float64], triangles: NDArray[np.int32], parent_face: NDArray[np.int32]
-) -> None:
-    """Raise InvalidInput on a triangle without area, naming its face of the head.
-
-    vertices N x 3 and triangles T x 3 of the refined skin; parent_face: T / 2, of the quads.
-    """
-    corners = vertices[triangles]
-    sides = corners - np.roll(corners, 1, axis=1)
-    doubled = np.linalg.norm(np.cross(sides[:, 1], sides[:, 2]), axis=1)
-    empty = np.flatnonzero(~(doubled > 1e-9 * (sides**2).sum(2).max(1)))
-    if len(empty):
-        raise _core.InvalidInput(
-            f"face {parent_face[empty[0] // 2]} of the head has no area: move its vertices apart"
-        )
-
-
 def unfold(
     vertices: NDArray[np.float64],
     split: Callable[[NDArray[np.float64]], NDArray[np.int32]],
@@ -71,42 +54,21 @@ def unfold(
     of the head. split: the mesh's triangles for such vertices. Raises InvalidInput if that does not
     help. face: T, of the head, for each triangle.
     """
-    triangles = split(vertices)
-    turned = _core.inverted_faces(vertices, triangles)
-    if not turned:
-        return vertices
-    found = set()
-    repaired = vertices.copy()
-    for _ in range(MAX_ROUNDS):
-        found |= {int(face[triangle]) for triangle in turned}
-        repaired = _to_mean_of_neighbours(repaired, triangles, np.unique(triangles[turned]))
-        triangles = split(repaired)
-        turned = _core.inverted_faces(repaired, triangles)
-        if not turned:
-            moved = 1e3 * np.linalg.norm(repaired - vertices, axis=1).max()
-            warnings.warn(
-                f"faces {_listed(sorted(found))} of the head lie turned over among those around "
-                f"them; the skin was smoothed there, by up to {moved:.1f} mm",
-                stacklevel=2,
-            )
-            return repaired
-    raise _core.InvalidInput(
-        f"face {face[turned[0]]} of the head lies turned over among those around it, "
-        "and smoothing does not help: put its vertices back in their place"
-    )
+    unfolded, faces, farthest = _core.unfold(vertices, split, face)
+    warn_of_smoothed(faces, farthest)
+    return unfolded
 
 
-def _to_mean_of_neighbours(vertices, triangles, moved):
-    sums, counts = np.zeros_like(vertices), np.zeros(len(vertices))
-    for k in range(3):
-        for other in (1, 2):
-            np.add.at(sums, triangles[:, k], vertices[triangles[:, (k + other) % 3]])
-            np.add.at(counts, triangles[:, k], 1)
-    result = vertices.copy()
-    result[moved] = sums[moved] / counts[moved, None]
-    return result
+def warn_of_smoothed(faces: Sequence[int], farthest: float) -> None:
+    """Warn of faces that lay turned over, if there were any; farthest: m, a vertex was moved."""
+    if faces:
+        warnings.warn(
+            f"faces {_listed(faces)} of the head lie turned over among those around "
+            f"them; the skin was smoothed there, by up to {1e3 * farthest:.1f} mm",
+            stacklevel=3,
+        )
 
 
-def _listed(faces: list[int]) -> str:
+def _listed(faces: Sequence[int]) -> str:
     shown = ", ".join(str(face) for face in faces[:8])
     return shown if len(faces) <= 8 else f"{shown} and {len(faces) - 8} more"

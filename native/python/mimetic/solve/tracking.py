@@ -33,7 +33,7 @@ def face_motion(
     anatomy: Anatomy,
     detail: Detail | None = None,
 ) -> _core.FaceMotion:
-    """The skin's motion: 36 muscles, the articulators, then detail.
+    """The skin's motion: muscles, the articulators, then detail.
 
     neutral_vertices: V x 3, metres; detail: None for muscles and articulators alone.
     """

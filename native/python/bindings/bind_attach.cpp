@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/muscles/attach.hpp>
+#include <optional>
+
+#include "compressed_rows.hpp"
+#include "stacks.hpp"
+
+namespace mimetic::bindings {
+
+namespace py = pybind11;
+using namespace pybind11::literals;
+using release_gil = py::call_guard<py::gil_scoped_release>;
+using MeshPointer = std::shared_ptr<SkinMesh>;
+
+namespace {
+
+/// An N x N identity where no stencils are given: the mesh's vertices are its control vertices.
+SparseRows stencils_of(const std::optional<CompressedRows>& stencils, Eigen::Index num_vertices,
+                       Eigen::Index num_control) {
+    if (stencils) {
+        return to_sparse(*stencils, static_cast<int>(num_control));
+    }
+    SparseRows identity(num_vertices, num_vertices);
+    identity.setIdentity();
+    return identity;
+}
+
+void bind_skin_on_bones(py::module_& m) {
+    py::class_<MaterialTable>(m, "MaterialTable", "What skin is made of, by regions: data/materials.toml.")
+        .def(
+            py::init([](const MaterialTable::Values& base,
+                        const std::map<std::string, MaterialTable::Values>& regions, double lid_reach,
+                        double lid_attachment) {
+                return MaterialTable{base, regions, lid_reach, lid_attachment};
+            }),
+            py::kw_only(), "base"_a, "regions"_a, "lid_reach"_a, "lid_attachment"_a,
+            "base, regions: values and factors of young, poisson, thickness, pre_stress, tangential, normal");
+    py::class_<AttachedSkin>(m, "AttachedSkin", "Skin of a head on its bones, factored when first asked.")
+        .def(py::init([](const MeshPointer& mesh, const MaterialTable& table, VectorIn stiffness) {
+                 return std::make_unique<AttachedSkin>(*mesh, table, stiffness);
+             }),
+             "mesh"_a, "table"_a, "stiffness"_a, release_gil(),
+             "A person's, on the template's mesh. stiffness: (N,), times the attachment to the bone.")
+        .def(py::init([](PointsIn vertices, TrianglesIn triangles, const SkinMaterials& materials,
+                         const Flags& free, const std::optional<CompressedRows>& stencils) {
+                 return std::make_unique<AttachedSkin>(vertices, triangles, materials,
+                                                       stencils_of(stencils, vertices.rows(), free.size()),
+                                                       free);
+             }),
+             py::arg("vertices").noconvert(), py::arg("triangles").noconvert(), "materials"_a, "free"_a,
+             "stencils"_a = py::none(), release_gil(),
+             "Any head's own. vertices: (N, 3); triangles: (T, 3); free: (S,) bool, the others are held;\n"
+             "stencils: compressed rows (N, S), none if the vertices are their own control vertices")
+        .def_property_readonly("free", &AttachedSkin::free, "(S,) bool")
+        .def_property_readonly(
+            "basis", [](const AttachedSkin& skin) { return to_compressed(skin.basis()); },
+            "Compressed rows of the (N, U) matrix from the unknowns of the model.")
+        .def(
+            "basis_at",
+            [](const AttachedSkin& skin, const std::vector<int>& vertices) {
+                return to_compressed(keep_rows(skin.basis(), vertices));
+            },
+            "vertices"_a, "The rows of the basis for some vertices.")
+        .def_property_readonly("materials", &AttachedSkin::materials)
+        .def_property_readonly(
+            "model",
+            [](const AttachedSkin& skin) -> const SkinModel& {
+                const py::gil_scoped_release release;
+                return skin.model();
+            },
+            py::return_value_policy::reference_internal)
+        .def(
+            "respond",
+            [](const AttachedSkin& skin, const DoubleArray& forces) {
+                const auto rows = stack_of(forces, "forces");
+                MatrixRows response;
+                {
+                    const py::gil_scoped_release release;
+                    response = skin.respond(rows);
+                }
+                return array_of_stack(std::move(response));
+            },
+            "forces"_a, "(M, N, 3) newtons -> displacements of the control vertices, (M, S, 3).")
+        .def(
+            "foundation_forces",
+            [](const AttachedSkin& skin, const DoubleArray& displacements) {
+                return array_of_stack(skin.foundation_forces(stack_of(displacements, "displacements")));
+            },
+            "displacements"_a, "(M, N, 3) metres of the bone under the skin -> newtons on the skin.");
+}
+
+void bind_entries(py::module_& m) {
+    py::class_<LandmarkPlace>(m, "LandmarkPlace", "A place by a landmark of the template.")
+        .def(py::init([](std::string anchor, double x, double y, double depth) {
+                 return LandmarkPlace{std::move(anchor), x, y, depth};
+             }),
+             "anchor"_a, "x"_a, "y"_a, "depth"_a = 0.0, "x, y, depth: mm");
+    py::class_<MuscleEntry>(m, "MuscleEntry", "A muscle of data/muscles.toml, left and right.")
+        .def(py::init([](std::string name, MuscleType type, std::vector<LandmarkPlace> insertion,
+                         const LandmarkPlace& origin, double width, double normal_share, double protrusion,
+                         double swelling, const LandmarkPlace& measured_at, double excursion) {
+                 return MuscleEntry{std::move(name), type,         std::move(insertion), origin,
+                                    width,           normal_share, protrusion,           swelling,
+                                    measured_at,     excursion};
+             }),
+             py::kw_only(), "name"_a, "type"_a, "insertion"_a, "origin"_a, "width"_a, "normal_share"_a,
+             "protrusion"_a, "swelling"_a, "measured_at"_a, "excursion"_a, "width, excursion: mm");
+    py::class_<PlacedMuscle>(m, "PlacedMuscle", "A muscle on a head.")
+        .def_readonly("name", &PlacedMuscle::name, "without side")
+        .def_readonly("muscle", &PlacedMuscle::muscle)
+        .def_readonly("measured", &PlacedMuscle::measured, "Place by whose motion its strength is known")
+        .def_readonly("excursion", &PlacedMuscle::excursion, "metres on this head")
+        .def(
+            "carried",
+            [](PlacedMuscle placed, PointsIn insertion) {
+                placed.muscle.insertion = insertion;
+                placed.muscle.check();
+                return placed;
+            },
+            "insertion"_a, "The same muscle with its insertion (K, 3) on another skin.");
+}
+
+void bind_pull(py::module_& m) {
+    py::class_<Pulled>(m, "Pulled", "What M muscles do to a skin.")
+        .def_property_readonly(
+            "forces", [](const Pulled& p) { return array_of_stack(p.forces); }, "(M, N, 3) at unit strength")
+        .def_property_readonly(
+            "responses", [](const Pulled& p) { return array_of_stack(p.responses); }, "(M, S, 3), metres")
+        .def_readonly("strengths", &Pulled::strengths, "(M,), newtons (sphincters: newtons a metre)");
+    m.def("place_muscles", &place_muscles, "canonical"_a, "mesh"_a, "table"_a, "shifts_mm"_a, release_gil(),
+          "The muscles on a head of the template's mesh, left and right of each entry in turn.\n\n"
+          "canonical: the template's own skin; shifts_mm: (M, 2) of the insertions along the skin, away from "
+          "the\nmidline and up");
+    m.def(
+        "pull",
+        [](const AttachedSkin& skin, const MuscleSurface& surface, const std::vector<PlacedMuscle>& muscles,
+           const CompressedRows& measured) {
+            return pull(skin, surface, muscles, to_sparse(measured, static_cast<int>(skin.free().size())));
+        },
+        "skin"_a, "surface"_a, "muscles"_a, "measured"_a, release_gil(),
+        "Each muscle as strong as gives it its excursion.\n\n"
+        "measured: compressed rows (M, S) that read the motion of each muscle's measured place\n"
+        "raises InvalidInput, naming it, on a place that does not move");
+    m.def(
+        "pull_person",
+        [](const AttachedSkin& skin, const MeshPointer& mesh, const std::vector<PlacedMuscle>& muscles) {
+            return pull(skin, mesh->surface(), muscles, measured_rows(*mesh, muscles));
+        },
+        "skin"_a, "mesh"_a, "muscles"_a, release_gil(), "The same on a head of the template's mesh.");
+    m.def(
+        "spread",
+        [](const MeshPointer& mesh, const DoubleArray& modes) {
+            return array_of_stack(spread(mesh, stack_of(modes, "modes")));
+        },
+        "mesh"_a, "modes"_a,
+        "From the skin, (M, S, 3), to the whole head, (M, V, 3): lashes follow their lids.");
+    m.def(
+        "jaw_modes",
+        [](const AttachedSkin& skin, const MeshPointer& mesh, const Jaw& jaw) {
+            MatrixRows modes;
+            {
+                const py::gil_scoped_release release;
+                modes = jaw_modes(skin, mesh, jaw);
+            }
+            return array_of_stack(std::move(modes));
+        },
+        "skin"_a, "mesh"_a, "jaw"_a,
+        "(3, V, 3): the attachments' feet move with the bone, the skin follows.");
+    m.def(
+        "lid_modes",
+        [](const MeshPointer& mesh) {
+            MatrixRows modes;
+            {
+                const py::gil_scoped_release release;
+                modes = lid_modes(mesh);
+            }
+            return array_of_stack(std::move(modes));
+        },
+        "mesh"_a, "(4, V, 3): upper and lower lid of the left and of the right eye at value 1.");
+}
+
+}  // namespace
+
+void bind_attach(py::module_& m) {
+    bind_skin_on_bones(m);
+    bind_entries(m);
+    bind_pull(m);
+}
+
+}  // namespace mimetic::bindings
