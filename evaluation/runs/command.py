@@ -26,6 +26,7 @@ from evaluation.runs import (
     flow,
     head,
     locate,
+    real,
     rest,
 )
 from evaluation.runs.head_clips import face_mesh_python
@@ -46,14 +47,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "for, `abuse` whether faces that are covered, cut away or in the dark are held or right "
         "(docs/measured/evaluation.md), `calibration` what knowing a person's skin is worth "
         "(docs/measured/calibration.md), `rest` how often the frame that is taken for the neutral "
-        "face shows it (docs/guide/fitting.md)."
+        "face shows it (docs/guide/fitting.md), `real` how near eyes and lips come to points "
+        "marked by hand on real faces (docs/measured/real-faces.md)."
     )
     parser.add_argument(
         "what",
         nargs="?",
         choices=(
             *("ablations", "abuse", "calibration", "capture", "fit", "flow", "head", "locate"),
-            "rest",
+            *("real", "rest"),
         ),
         default="capture",
         help="what to score (default: capture)",
@@ -80,7 +82,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--jobs", type=int, default=2, help="--set full: clips at once (default: 2)"
     )
     parser.add_argument(
-        "--out", type=Path, help="--set full, fit, head, locate: write figures and plots here"
+        "--out", type=Path, help="--set full, fit, head, locate, real: write figures here"
     )
 
 
@@ -96,7 +98,7 @@ def check(options: argparse.Namespace) -> None:
     if options.set in expressions.SETS and (files or options.what in ("fit", "flow", "head")):
         raise InvalidInput(f"--set {options.set} goes with plain `mimetic evaluate`")
     if options.out and files:
-        raise InvalidInput("--out goes with --set full, `fit`, `head` and `locate`")
+        raise InvalidInput("--out goes with --set full, `fit`, `head`, `locate` and `real`")
 
 
 def run_tables(options: argparse.Namespace) -> int:
@@ -106,6 +108,7 @@ def run_tables(options: argparse.Namespace) -> int:
         "calibration": _run_calibration,
         "ablations": _run_ablations,
         "abuse": _run_abuse,
+        "real": _run_real,
         "rest": _run_rest,
         "head": _run_head,
         "fit": _run_fit,
@@ -116,7 +119,7 @@ def run_tables(options: argparse.Namespace) -> int:
     if options.set in expressions.SETS:
         return _run_expressions(options)
     if options.out:
-        raise InvalidInput("--out goes with --set full, `fit`, `head` and `locate`")
+        raise InvalidInput("--out goes with --set full, `fit`, `head`, `locate` and `real`")
     made = []
     for one in scored(options.set, _to_stderr):
         made.append(one)
@@ -171,6 +174,21 @@ def _run_flow(options: argparse.Namespace) -> int:
 def _run_rest(options: argparse.Namespace) -> int:
     _refuse(options, "out")
     return _show(options, rest.score_rest(options.set, _to_stderr), rest.as_json, rest.as_text)
+
+
+def _run_real(options: argparse.Namespace) -> int:
+    _prepare_out(options)
+    done = []
+    for scores in real.score_real(_to_stderr, options.out):
+        done += scores
+        if not options.json:
+            print(real.clip_text(scores), end="\n\n", flush=True)
+    if options.out is not None:
+        with whole_file(options.out / "real.json") as stream:
+            stream.write(f"{real.as_json(done)}\n".encode())
+    if options.json:
+        print(real.as_json(done))
+    return 0
 
 
 def _run_ablations(options: argparse.Namespace) -> int:

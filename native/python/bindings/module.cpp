@@ -16,6 +16,7 @@ void bind_contact(pybind11::module_& m);
 void bind_locate(pybind11::module_& m);
 void bind_landmarks(pybind11::module_& m);
 void bind_eigenspace(pybind11::module_& m);
+void bind_feature_networks(pybind11::module_& m);
 void bind_fit(pybind11::module_& m);
 void bind_flow(pybind11::module_& m);
 void bind_register(pybind11::module_& m);
@@ -46,6 +47,7 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_contact(m);
     bindings::bind_locate(m);
     bindings::bind_landmarks(m);
+    bindings::bind_feature_networks(m);
     bindings::bind_fit(m);
     bindings::bind_flow(m);
     bindings::bind_register(m);

@@ -18,7 +18,7 @@ PREFIX = "mimetic_"
 # Libraries without versioned symbols: of changing layout, or with tables that must not be shared.
 LIBRARIES = (
     *("amd", "camd", "ccolamd", "cholmod", "colamd", "cxsparse", "suitesparseconfig"),
-    *("gflags", "glog"),
+    *("gflags", "glog", "protobuf"),
 )
 
 

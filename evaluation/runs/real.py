@@ -1,0 +1,106 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`mimetic evaluate real`: eyes and lips of real faces beside points that were marked by hand."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import numpy as np
+from mimetic.locate.feature_networks import installed_networks
+from mimetic.performance.document import Performance
+from mimetic.score.json_text import json_text
+from mimetic.score.text_table import text_table
+from mimetic.solve import clip_capture
+from numpy.typing import NDArray
+
+from evaluation.runs.head_clips import face_mesh_python
+from evaluation.runs.real_labels import CLIPS, Labels, footage_of, read_labels
+from evaluation.runs.real_methods import by_capture, by_face_mesh, by_networks
+from evaluation.runs.real_score import FEATURES, RealScore, score_places
+
+OURS, FACE_MESH, NETWORKS = "capture", "MediaPipe, refined", "its networks, our crops"
+AGAIN = "marked again"
+CELL = 14
+Report = Callable[[str], None]
+
+
+def score_real(report: Report, out: Path | None = None) -> Iterator[list[RealScore]]:
+    """Clip by clip. out: a folder in which the captured performances are kept."""
+    clips = [footage_of(clip) for clip in CLIPS]  # told before the first of them takes minutes
+    python = face_mesh_python(report)
+    for clip, footage in zip(CLIPS, clips, strict=True):
+        labels = read_labels(clip)
+        report(f"{clip}: capture, {labels.frame[-1]} frames")
+        performance = clip_capture.capture(footage, (1, int(labels.frame[-1])))
+        if out is not None:
+            performance.save(out / f"{clip}.npz")
+        yield score_clip(labels, performance, python, report)
+
+
+def score_clip(
+    labels: Labels, performance: Performance, python: Path | None, report: Report
+) -> list[RealScore]:
+    """Every method on one clip. python: of scripts/face_mesh_env, where it is to be had."""
+    found = {OURS: by_capture(labels, performance)}
+    if python is not None:
+        report(f"{labels.clip}: {FACE_MESH}")
+        found[FACE_MESH] = by_face_mesh(labels, python)
+    if (networks := installed_networks()) is not None:
+        found[NETWORKS] = by_networks(labels, performance, networks)
+    else:
+        report("no networks on our own crops: run scripts/make_networks and build again")
+    scores = [score_places(labels, method, places) for method, places in found.items()]
+    again = read_labels(labels.clip, second=True)
+    if again is not None:
+        scores.append(_marked_again(labels, again))
+    return scores
+
+
+def _marked_again(labels: Labels, again: Labels) -> RealScore:
+    """How far a second marking is from the first, where there are both."""
+    both = np.isin(labels.frame, again.frame)
+    first, second = labels.rows(both), again.rows(np.isin(again.frame, labels.frame))
+    return score_places(first, AGAIN, _with_gaps(second.places, first.places))
+
+
+def _with_gaps(places: NDArray[np.float64], like: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.where(np.isfinite(like), places, np.nan)
+
+
+def clip_text(scores: list[RealScore]) -> str:
+    """Two tables of one clip: errors, and how much of them is this person's own bias."""
+    errors = {score.method: _row(score, "median", "p90") for score in scores}
+    for score in scores:
+        errors[score.method] |= {"told": score.lips_told, "seen": score.seen}
+    columns = _columns("median", "p90", "90 %") | {"told": ("told", ".2f"), "seen": ("seen", ".2f")}
+    parts = {score.method: _row(score, "bias", "left") for score in scores}
+    clip = f"{scores[0].clip}, % of IPD"
+    return "\n\n".join(
+        (
+            text_table(f"{clip}: medians", columns, errors, cell=CELL),
+            text_table(
+                f"{clip}: bias, what is left", _columns("bias", "left", "left"), parts, CELL
+            ),
+        )
+    )
+
+
+def _columns(first: str, second: str, head: str) -> dict[str, tuple[str, str]]:
+    columns = {}
+    for feature in FEATURES:
+        columns[f"{feature} {first}"] = (feature, ".1f")
+        columns[f"{feature} {second}"] = (head, ".1f")
+    return columns
+
+
+def _row(score: RealScore, *keys: str) -> dict[str, float]:
+    return {
+        f"{feature} {key}": figures.get(key, np.nan)
+        for feature, figures in score.figures.items()
+        for key in keys
+    }
+
+
+def as_json(scores: list[RealScore]) -> str:
+    return json_text([vars(score) for score in scores])

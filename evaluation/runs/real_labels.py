@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Points marked by hand on real footage: the tables in evaluation/real."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from mimetic import InvalidInput
+from numpy.typing import NDArray
+
+from evaluation.runs.rendered import CHECKOUT
+
+FOLDER = CHECKOUT / "evaluation" / "real"
+CLIPS = ("cap12_edit", "cap13_edit2", "single_face", "franck")
+EYE_POINTS = ("eye_outer", "eye_inner", "lid_upper", "lid_lower", "iris")
+LIP_POINTS = ("lip_outer_upper", "lip_inner_upper", "lip_inner_lower", "lip_outer_lower")
+POINTS = (
+    *(f"{point}.{side}" for side in "RL" for point in EYE_POINTS),
+    *("mouth_corner.R", "mouth_corner.L", *LIP_POINTS),
+)
+
+
+@dataclass(frozen=True)
+class Labels:
+    """Of one clip, N frames; what was not marked is nan."""
+
+    clip: str
+    frame: NDArray[np.int64]  # N, ascending
+    places: NDArray[np.float64]  # N x POINTS x 2, pixels
+    touch: NDArray[np.float64]  # N, 1 where the lips touch on the midline, 0 where they do not
+
+    def rows(self, kept: NDArray[np.bool_]) -> Labels:
+        return Labels(self.clip, self.frame[kept], self.places[kept], self.touch[kept])
+
+    def of(self, *names: str) -> NDArray[np.float64]:
+        """N x names x 2."""
+        return self.places[:, [POINTS.index(name) for name in names]]
+
+    @property
+    def ipd(self) -> NDArray[np.float64]:
+        """N, pixels between the middles of the eyes' corners."""
+        middles = [self.of(f"eye_outer.{s}", f"eye_inner.{s}").mean(axis=1) for s in "RL"]
+        return np.linalg.norm(middles[1] - middles[0], axis=1)
+
+
+def read_labels(clip: str, second: bool = False) -> Labels | None:
+    """The marking of a clip, or the second one, if there is one; raises InvalidInput."""
+    path = FOLDER / f"{clip}{'.second' if second else ''}.csv"
+    if second and not path.exists():
+        return None
+    with open(path, newline="", encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    try:
+        frame = np.array([int(row["frame"]) for row in rows])
+        places = [
+            [[_number(row[f"{name}.{axis}"]) for axis in "xy"] for name in POINTS] for row in rows
+        ]
+        touch = [_number(row["lips_touch"]) for row in rows]
+    except (KeyError, TypeError, ValueError) as error:
+        raise InvalidInput(f"{path}: {error}; evaluation/real/README.md has the columns") from None
+    if len(rows) == 0 or (np.diff(frame) <= 0).any():
+        raise InvalidInput(f"{path}: frames must rise from row to row")
+    return Labels(clip, frame, np.array(places), np.array(touch))
+
+
+def footage_of(clip: str) -> Path:
+    """The clip itself; raises InvalidInput if it was not fetched."""
+    path = CHECKOUT / "build" / "footage" / f"{clip}.mp4"
+    if not path.is_file():
+        raise InvalidInput(f"{path.name} is not there; run scripts/fetch_footage")
+    return path
+
+
+def _number(text: str) -> float:
+    return float(text) if text else np.nan

@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where the capture, MediaPipe and its networks on our crops see the points marked by hand."""
+
+from __future__ import annotations
+
+import subprocess
+import tempfile
+from pathlib import Path
+
+import numpy as np
+from mimetic import InvalidInput, _core
+from mimetic.locate.feature_networks import feature_anchors, feature_places
+from mimetic.media.footage import Footage
+from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.performance.places import RefinedSurface
+from mimetic.template.face_template import load_template
+from numpy.typing import NDArray
+
+from evaluation.runs.real_labels import POINTS, Labels, footage_of
+from evaluation.runs.rendered import CHECKOUT
+
+# Of the canonical head, by the labels' names
+LANDMARKS = {
+    **{
+        f"{n}.{s}": f"{n}.{s}"
+        for n in ("eye_outer", "eye_inner", "lid_upper", "lid_lower")
+        for s in "RL"
+    },
+    **{f"mouth_corner.{s}": f"mouth_corner.{s}" for s in "RL"},
+    "lip_outer_upper": "lip_upper",
+    "lip_inner_upper": "lip_upper_inner",
+    "lip_inner_lower": "lip_lower_inner",
+    "lip_outer_lower": "lip_lower",
+}
+# Of MediaPipe's mesh with refined landmarks
+MESH_POINTS = {
+    **{"eye_outer.R": 33, "eye_inner.R": 133, "lid_upper.R": 159, "lid_lower.R": 145},
+    **{"eye_outer.L": 263, "eye_inner.L": 362, "lid_upper.L": 386, "lid_lower.L": 374},
+    **{"iris.R": 468, "iris.L": 473, "mouth_corner.R": 61, "mouth_corner.L": 291},
+    **{"lip_outer_upper": 0, "lip_inner_upper": 13, "lip_inner_lower": 14, "lip_outer_lower": 17},
+}
+
+
+def by_capture(labels: Labels, performance: Performance) -> NDArray[np.float64]:
+    """N x POINTS x 2 on the limit surface; nan in frames that are held."""
+    template = load_template()
+    surface = RefinedSurface(performance)
+    vertices = [
+        template.landmark(LANDMARKS[name]) if name in LANDMARKS else _pupil(template, name[-1])
+        for name in POINTS
+    ]
+    refined = np.searchsorted(surface.used, vertices)  # limits of the control vertices come first
+    places = np.full((len(labels.frame), len(POINTS), 2), np.nan)
+    for row, frame in enumerate(labels.frame):
+        i = performance.index_of(int(frame))
+        if performance.quality[i] >= HELD_QUALITY:
+            places[row] = performance.project(surface.in_camera(i)[refined])
+    return places
+
+
+def _pupil(template, side: str) -> int:
+    """The vertex in the middle of an eye's front."""
+    vertices = template.part_vertices(f"eye.{side}")
+    return int(vertices[np.argmax(template.vertices[vertices, 2])])
+
+
+def by_face_mesh(labels: Labels, python: Path) -> NDArray[np.float64]:
+    """N x POINTS x 2 of MediaPipe, which is shown the clip as video; nan where it sees no face.
+
+    python: of scripts/face_mesh_env. Raises InvalidInput.
+    """
+    footage = Footage(footage_of(labels.clip))
+    script = CHECKOUT / "evaluation" / "real" / "face_mesh_landmarks.py"
+    with tempfile.TemporaryDirectory() as folder:
+        out = Path(folder) / "out.npy"
+        command = [str(word) for word in (python, script, *footage.size, out)]
+        run = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
+        )
+        with run, tempfile.TemporaryFile():
+            for _, image in footage.frames(1, int(labels.frame[-1])):
+                run.stdin.write(np.ascontiguousarray(image).tobytes())
+            run.stdin.close()
+            errors = run.stderr.read().decode(errors="replace")
+        if run.returncode != 0:
+            raise InvalidInput(f"the face mesh failed: {' '.join(errors.split()[-40:])}")
+        meshes = np.load(out, allow_pickle=False)
+    return meshes[labels.frame - 1][:, [MESH_POINTS[name] for name in POINTS]]
+
+
+def by_networks(
+    labels: Labels, performance: Performance, networks: _core.FeatureNetworks
+) -> NDArray[np.float64]:
+    """N x POINTS x 2 of the networks for mesh and iris on crops that the captured pose lays."""
+    template = load_template()
+    anchors = feature_anchors(performance.neutral_vertices, template)
+    camera = RefinedSurface(performance).camera
+    footage = Footage(footage_of(labels.clip))
+    places = np.full((len(labels.frame), len(POINTS), 2), np.nan)
+    for row, frame in enumerate(labels.frame):
+        i = performance.index_of(int(frame))
+        if performance.quality[i] < HELD_QUALITY:
+            continue
+        image = np.ascontiguousarray(footage.read(int(frame)))
+        crops = _core.feature_crops(camera, performance.head_pose[i], anchors)
+        seen = feature_places(networks, image, crops)
+        places[row] = [seen[name] for name in POINTS]
+    return places

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How far points are from those marked by hand, in % of the interpupillary distance."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from evaluation.runs.real_labels import POINTS, Labels
+
+# Along a margin nothing tells one place from the next: only how far off it lies is counted
+ACROSS_EYE = ("lids",)
+ACROSS_MOUTH = ("outer lips", "inner lips")
+FEATURES = {
+    "lids": tuple(f"lid_{part}.{side}" for side in "RL" for part in ("upper", "lower")),
+    "eye corners": tuple(f"eye_{part}.{side}" for side in "RL" for part in ("outer", "inner")),
+    "iris": ("iris.R", "iris.L"),
+    "mouth corners": ("mouth_corner.R", "mouth_corner.L"),
+    "outer lips": ("lip_outer_upper", "lip_outer_lower"),
+    "inner lips": ("lip_inner_upper", "lip_inner_lower"),
+}
+APART = 2.0  # % of the interpupillary distance between inner lips from which they count as parted
+
+
+@dataclass(frozen=True)
+class RealScore:
+    """Of one method on one clip: by feature median, p90, bias and what a known bias leaves."""
+
+    clip: str
+    method: str
+    figures: dict[str, dict[str, float]] = field(default_factory=dict)
+    lips_told: float = math.nan  # share of the frames in which lips are rightly apart or touching
+    seen: float = math.nan  # share of the marked points that the method has a place for
+
+
+def score_places(labels: Labels, method: str, places: NDArray[np.float64]) -> RealScore:
+    """places: N x POINTS x 2, pixels, nan where the method has none."""
+    off = in_face_frame(labels, places - labels.places)
+    figures = {}
+    for feature, names in FEATURES.items():
+        chosen = off[:, [POINTS.index(name) for name in names]]
+        if feature in ACROSS_EYE + ACROSS_MOUTH:
+            chosen = chosen[..., 1:]
+        figures[feature] = _figures(chosen)
+    wanted = np.isfinite(labels.places).all(axis=2)
+    has = np.isfinite(places).all(axis=2)
+    return RealScore(
+        labels.clip,
+        method,
+        figures,
+        _lips_told(labels, places),
+        float(has[wanted].mean()),
+    )
+
+
+def in_face_frame(labels: Labels, off: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Differences (N x POINTS x 2, pixels) along and across the marked line of each point's eye,
+    of the lips' the mouth's, in % of the interpupillary distance."""
+    turned = np.empty_like(off)
+    for i, name in enumerate(POINTS):
+        if name.startswith(("eye", "lid", "iris")):
+            side = name[-1]
+            ends = labels.of(*(f"eye_{part}.{side}" for part in ("outer", "inner")))
+            ends = ends if side == "R" else ends[:, ::-1]
+        else:
+            ends = labels.of("mouth_corner.R", "mouth_corner.L")
+        along = ends[:, 1] - ends[:, 0]
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        across = np.stack([-along[:, 1], along[:, 0]], axis=1)  # downwards in an upright face
+        turned[:, i, 0] = (off[:, i] * along).sum(axis=1)
+        turned[:, i, 1] = (off[:, i] * across).sum(axis=1)
+    return 100 * turned / labels.ipd[:, None, None]
+
+
+def _figures(off: NDArray[np.float64]) -> dict[str, float]:
+    """off: N x points x 1 or 2, %."""
+    sizes = np.linalg.norm(off, axis=2)
+    sizes = sizes[np.isfinite(sizes)]
+    if not len(sizes):
+        return {}
+    bias = np.nanmean(off, axis=0) if len(off) else np.nan
+    return {
+        "median": float(np.median(sizes)),
+        "p90": float(np.quantile(sizes, 0.9)),
+        "bias": float(np.sqrt((bias**2).sum(axis=-1).mean())),
+        "left": _left(off),
+    }
+
+
+def _left(off: NDArray[np.float64]) -> float:
+    """The median error once each point's mean error in the clip's other frames is taken away."""
+    known = np.isfinite(off)
+    total, number = np.where(known, off, 0).sum(axis=0), known.sum(axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        others = (total - np.where(known, off, 0)) / (number - known)
+    left = np.linalg.norm(off - others, axis=2)
+    left = left[np.isfinite(left)]
+    return float(np.median(left)) if len(left) else math.nan
+
+
+def _lips_told(labels: Labels, places: NDArray[np.float64]) -> float:
+    upper, lower = (POINTS.index(f"lip_inner_{part}") for part in ("upper", "lower"))
+    gap = 100 * np.linalg.norm(places[:, lower] - places[:, upper], axis=1) / labels.ipd
+    known = np.isfinite(labels.touch) & np.isfinite(gap)
+    if not known.any():
+        return math.nan
+    return float(((gap[known] < APART) == (labels.touch[known] > 0.5)).mean())

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <Eigen/Geometry>
+#include <array>
+#include <memory>
+#include <mimetic/shared/camera.hpp>
+#include <mimetic/shared/image.hpp>
+#include <mimetic/shared/types.hpp>
+#include <string>
+
+namespace mimetic {
+
+/// A square of the picture that a network is shown, turned so that the head stands upright in it.
+struct FeatureCrop {
+    Eigen::Vector2d center = Eigen::Vector2d::Zero();  ///< pixels
+    double side = 0;                                   ///< pixels
+    double roll = 0;                                   ///< radians, clockwise in the picture
+
+    void check() const;  ///< throws InvalidInput: field, value, limit
+};
+
+/// The square round a point of the head. It follows from the pose alone, so that what a network sees does
+/// not shake with what it said of the frame before.
+/// point_in_head, side: metres. Throws InvalidInput for a point that is not before the camera.
+FeatureCrop crop_round(const Camera& camera, const Eigen::Isometry3d& camera_from_head,
+                       const Eigen::Vector3d& point_in_head, double side);
+
+/// The squares for the whole face and for both eyes, the left first.
+struct FeatureCrops {
+    FeatureCrop face;
+    std::array<FeatureCrop, 2> eyes;
+};
+
+/// The crops of one frame, as large as MediaPipe's own, which the networks were trained on.
+/// anchors: 6 x 3, metres, head frame: of one person's neutral surface the hairline, the menton, the outer
+/// and the inner corner of the left eye, and those of the right eye. Throws InvalidInput.
+FeatureCrops feature_crops(const Camera& camera, const Eigen::Isometry3d& camera_from_head, PointsIn anchors);
+
+/// The points of MediaPipe's face mesh; the subject's right first, as in the image.
+struct MeshPoints {
+    static constexpr int kCount = 468;
+    Points2 places;         ///< 468 x 2, pixels of the picture
+    Eigen::VectorXd depth;  ///< 468, pixels, as the network guesses it: smaller is nearer
+    double presence = 0;    ///< 0 to 1: that there is a face in the crop
+};
+
+/// What MediaPipe's iris network sees of one eye.
+struct EyePoints {
+    static constexpr int kContour = 71;
+    static constexpr int kIris = 5;
+    Points2 contour;  ///< 71 x 2, pixels: of lids and brow, the first 16 round the eye
+    Points2 iris;     ///< 5 x 2, pixels: centre, then four points of its rim
+};
+
+/// Google's networks for face mesh and iris (Apache-2.0), as `scripts/make_networks` turns them into ONNX.
+/// They have seen real faces; they are evidence with an error of their own, never the head's pose.
+/// A call at a time: calls from several threads wait for each other.
+class FeatureNetworks {
+public:
+    /// Files of the two networks. Throws UnreadableMedia: missing, too large, or not such a network.
+    FeatureNetworks(const std::string& mesh_file, const std::string& iris_file);
+    ~FeatureNetworks();
+    FeatureNetworks(FeatureNetworks&&) noexcept;
+    FeatureNetworks& operator=(FeatureNetworks&&) noexcept;
+
+    /// The whole face. crop: as `feature_crops` lays it.
+    MeshPoints mesh(ColorView image, const FeatureCrop& crop) const;
+
+    /// One eye. left: the subject's left eye, which the network is shown mirrored.
+    EyePoints eye(ColorView image, const FeatureCrop& crop, bool left) const;
+
+private:
+    struct Nets;
+    std::unique_ptr<Nets> nets_;
+};
+
+}  // namespace mimetic

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/locate/feature_networks.hpp>
+
+#include "arrays.hpp"
+
+namespace mimetic::bindings {
+
+namespace py = pybind11;
+using namespace pybind11::literals;
+
+void bind_feature_networks(py::module_& m) {
+    py::class_<FeatureCrop>(m, "FeatureCrop", "A square of the picture, turned upright; pixels and radians.")
+        .def(py::init([](const Eigen::Vector2d& center, double side, double roll) {
+                 FeatureCrop crop{center, side, roll};
+                 crop.check();
+                 return crop;
+             }),
+             "center"_a, "side"_a, "roll"_a = 0.0, "Raises InvalidInput.")
+        .def_property_readonly("center", [](const FeatureCrop& c) { return c.center; })
+        .def_readonly("side", &FeatureCrop::side)
+        .def_readonly("roll", &FeatureCrop::roll);
+    m.def(
+        "crop_round",
+        [](const Camera& camera, const Eigen::Matrix4d& camera_from_head, const Eigen::Vector3d& point,
+           double side) { return crop_round(camera, to_isometry(camera_from_head), point, side); },
+        "camera"_a, "camera_from_head"_a, "point_in_head"_a, "side"_a,
+        "FeatureCrop round a point of the head; metres. Raises InvalidInput.");
+    py::class_<FeatureCrops>(m, "FeatureCrops", "The squares for the whole face and both eyes.")
+        .def_readonly("face", &FeatureCrops::face)
+        .def_property_readonly(
+            "eyes", [](const FeatureCrops& c) { return std::make_pair(c.eyes[0], c.eyes[1]); }, "left first");
+    m.def(
+        "feature_crops",
+        [](const Camera& camera, const Eigen::Matrix4d& camera_from_head, const Points& anchors) {
+            return feature_crops(camera, to_isometry(camera_from_head), anchors);
+        },
+        "camera"_a, "camera_from_head"_a, "anchors"_a,
+        "FeatureCrops of one frame.\n\nanchors: (6, 3) metres, head frame: hairline, menton, outer and inner "
+        "corner\nof the left eye, and of the right one. Raises InvalidInput.");
+    py::class_<MeshPoints>(m, "MeshPoints", "The 468 points of MediaPipe's face mesh.")
+        .def_property_readonly(
+            "places", [](const MeshPoints& p) { return p.places; }, "(468, 2) pixels")
+        .def_property_readonly(
+            "depth", [](const MeshPoints& p) { return p.depth; }, "(468,) pixels, smaller is nearer")
+        .def_readonly("presence", &MeshPoints::presence, "0 to 1");
+    py::class_<EyePoints>(m, "EyePoints", "What MediaPipe's iris network sees of one eye.")
+        .def_property_readonly(
+            "contour", [](const EyePoints& p) { return p.contour; }, "(71, 2) pixels, of lids and brow")
+        .def_property_readonly(
+            "iris", [](const EyePoints& p) { return p.iris; },
+            "(5, 2) pixels: centre, four points of the rim");
+    py::class_<FeatureNetworks>(m, "FeatureNetworks", "Google's networks for face mesh and iris.")
+        .def(py::init<const std::string&, const std::string&>(), "mesh_file"_a, "iris_file"_a,
+             "ONNX files of scripts/make_networks; raises UnreadableMedia.")
+        .def(
+            "mesh",
+            [](const FeatureNetworks& networks, const ImageArray& image, const FeatureCrop& crop) {
+                const ColorView view = view_image<3>(image, "image");
+                py::gil_scoped_release release;
+                return networks.mesh(view, crop);
+            },
+            py::arg("image").noconvert(), "crop"_a,
+            "The face in a crop about 1.5 times its size.\n\nimage: (H, W, 3) uint8 RGB\nreturns: MeshPoints")
+        .def(
+            "eye",
+            [](const FeatureNetworks& networks, const ImageArray& image, const FeatureCrop& crop, bool left) {
+                const ColorView view = view_image<3>(image, "image");
+                py::gil_scoped_release release;
+                return networks.eye(view, crop, left);
+            },
+            py::arg("image").noconvert(), "crop"_a, "left"_a,
+            "One eye in a crop 2.3 times as wide as it.\n\nimage: (H, W, 3) uint8 RGB\n"
+            "left: the subject's left eye\nreturns: EyePoints");
+}
+
+}  // namespace mimetic::bindings

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Points of eyes and mouth by networks that have seen real faces, on crops that the pose lays."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import UnreadableMedia, _core
+from mimetic.shared.installed_data import data_folder
+from mimetic.template.face_template import FaceTemplate
+
+MESH_FILE, IRIS_FILE = "face_landmark.onnx", "iris_landmark.onnx"
+ANCHORS = ("hairline", "menton", "eye_outer.L", "eye_inner.L", "eye_outer.R", "eye_inner.R")
+# Points of the mesh and of the eye's contour, by name
+MOUTH_POINTS = {
+    **{"mouth_corner.R": 61, "mouth_corner.L": 291},
+    **{"lip_outer_upper": 0, "lip_inner_upper": 13, "lip_inner_lower": 14, "lip_outer_lower": 17},
+}
+CONTOUR_POINTS = {"eye_outer": 0, "lid_lower": 4, "eye_inner": 8, "lid_upper": 12}
+
+
+def installed_networks() -> _core.FeatureNetworks | None:
+    """The networks, or None where they are not installed; raises UnreadableMedia if damaged."""
+    files = [data_folder() / name for name in (MESH_FILE, IRIS_FILE)]
+    if not all(file.is_file() for file in files):
+        return None
+    return _load(*(str(file) for file in files))
+
+
+def need_networks() -> _core.FeatureNetworks:
+    """The same; raises UnreadableMedia where they are not installed, saying what to do."""
+    networks = installed_networks()
+    if networks is None:
+        raise UnreadableMedia(
+            f"{data_folder()} has not the networks for eyes and mouth; "
+            "run scripts/make_networks, then build the package again"
+        )
+    return networks
+
+
+@lru_cache(maxsize=1)
+def _load(mesh_file: str, iris_file: str) -> _core.FeatureNetworks:
+    return _core.FeatureNetworks(mesh_file, iris_file)
+
+
+def feature_anchors(
+    neutral_vertices: NDArray[np.float64], template: FaceTemplate
+) -> NDArray[np.float64]:
+    """Where on one person's head the networks look: 6 x 3, metres, head frame."""
+    return neutral_vertices[[template.landmark(name) for name in ANCHORS]]
+
+
+def feature_places(
+    networks: _core.FeatureNetworks, image: NDArray[np.uint8], crops: _core.FeatureCrops
+) -> dict[str, NDArray[np.float64]]:
+    """Pixels by name: `iris`, `eye_outer`, ... with `.L` and `.R`, `mouth_corner`, lips' middles.
+
+    image: H x W x 3 uint8 RGB.
+    """
+    mesh = networks.mesh(image, crops.face).places
+    places = {name: mesh[i] for name, i in MOUTH_POINTS.items()}
+    for side, crop in zip("LR", crops.eyes, strict=True):
+        eye = networks.eye(image, crop, side == "L")
+        places[f"iris.{side}"] = eye.iris[0]
+        places |= {f"{name}.{side}": eye.contour[i] for name, i in CONTOUR_POINTS.items()}
+    return places

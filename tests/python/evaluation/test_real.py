@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Points marked by hand on real faces: the tables, and how distances from them are counted."""
+
+import csv
+
+import numpy as np
+import pytest
+from mimetic import InvalidInput
+
+from evaluation.runs import real_labels
+from evaluation.runs.real import AGAIN, clip_text
+from evaluation.runs.real_labels import CLIPS, POINTS, Labels, read_labels
+from evaluation.runs.real_score import FEATURES, RealScore, score_places
+
+
+@pytest.fixture
+def labels():
+    return read_labels("single_face")
+
+
+@pytest.mark.parametrize("clip", CLIPS)
+def test_marked_faces_are_faces(clip):
+    """A slip of the hand, as eyes exchanged or a digit, shows in the order of the points."""
+    labels = read_labels(clip)
+    assert len(labels.frame) >= 12
+    assert ((labels.ipd > 25) & (labels.ipd < 90)).all()
+    for side in "RL":
+        upper, lower, outer, inner = np.moveaxis(
+            labels.of(
+                *(f"{n}.{side}" for n in ("lid_upper", "lid_lower", "eye_outer", "eye_inner"))
+            ),
+            1,
+            0,
+        )
+        assert (lower[:, 1] >= upper[:, 1]).all()
+        toward = 1 if side == "L" else -1
+        assert (toward * (outer - inner)[:, 0] > 0.15 * labels.ipd).all()
+        middle = 0.5 * (outer + inner)
+        for lid in (upper, lower):
+            assert (np.linalg.norm(lid - middle, axis=1) < 0.2 * labels.ipd).all()
+    lips = labels.of(*real_labels.LIP_POINTS)[..., 1]
+    steps = np.diff(lips, axis=1)
+    assert (steps[np.isfinite(steps)] >= 0).all()
+    touching = labels.touch == 1
+    np.testing.assert_array_equal(lips[touching, 1], lips[touching, 2])
+
+
+@pytest.mark.parametrize("clip", CLIPS)
+def test_a_second_marking_agrees_with_the_first(clip):
+    first, second = read_labels(clip), read_labels(clip, second=True)
+    both = first.rows(np.isin(first.frame, second.frame))
+    assert len(both.frame) == len(second.frame) >= 2
+    scored = score_places(both, AGAIN, second.places)
+    for feature, figures in scored.figures.items():
+        assert figures["median"] < 2, feature
+
+
+def test_ranges_of_lips_and_blinks_rise_and_agree_with_the_marked_frames():
+    labels = read_labels("franck")
+    touch = dict(zip(labels.frame.tolist(), labels.touch.tolist(), strict=True))
+    irises = np.isfinite(labels.of("iris.R")[:, 0, 0])
+    seen = dict(zip(labels.frame.tolist(), irises.tolist(), strict=True))
+    last = 0
+    for row in rows_of("franck.lips.csv"):
+        first, end = int(row["first"]), int(row["last"])
+        assert last < first <= end
+        said = {touch[f] for f in range(first, end + 1) if f in touch and touch[f] == touch[f]}
+        assert said <= {float(row["lips"] == "touch")}, row
+        last = end
+    last = 0
+    for row in rows_of("franck.blinks.csv"):
+        start, end = int(row["start"]), int(row["end"])
+        assert last < start <= end
+        if row["closed_first"]:
+            closed = range(int(row["closed_first"]), int(row["closed_last"]) + 1)
+            assert start <= closed[0] <= closed[-1] <= end
+            assert not any(seen[f] for f in closed if f in seen), row
+        last = end
+    assert sum(row["kind"] == "blink" for row in rows_of("franck.blinks.csv")) == 27
+
+
+def rows_of(name):
+    with open(real_labels.FOLDER / name, newline="", encoding="utf-8") as stream:
+        return list(csv.DictReader(stream))
+
+
+def test_a_known_shift_is_counted_in_the_interpupillary_distance(labels):
+    shift = np.array([0.03 * labels.ipd, 0 * labels.ipd]).T  # to the image's right
+    scored = score_places(labels, "moved", labels.places + shift[:, None])
+    assert scored.figures["iris"]["median"] == pytest.approx(3, abs=1e-6)
+    assert scored.figures["mouth corners"]["p90"] == pytest.approx(3, abs=1e-6)
+    assert scored.figures["lids"]["median"] < 0.5  # along the margin: not counted
+    assert scored.figures["iris"]["bias"] == pytest.approx(3, abs=0.01)
+    assert scored.figures["iris"]["left"] == pytest.approx(0, abs=0.15)  # eyes are not all level
+    assert scored.seen == 1
+    assert scored.lips_told == 1
+
+
+def test_frames_without_a_face_count_as_not_seen(labels):
+    places = labels.places.copy()
+    places[::2] = np.nan
+    scored = score_places(labels, "half", places)
+    assert scored.seen == pytest.approx(0.5, abs=0.03)
+    assert scored.figures["iris"]["median"] == 0
+
+
+def test_the_table_has_every_method_and_feature(labels):
+    scores = [score_places(labels, name, labels.places) for name in ("one", "two")]
+    text = clip_text(scores)
+    assert all(word in text for word in ("one", "two", *FEATURES))
+    assert "-" in clip_text([RealScore("single_face", "none", {name: {} for name in FEATURES})])
+
+
+def test_a_table_with_a_missing_column_is_refused(tmp_path, monkeypatch):
+    monkeypatch.setattr(real_labels, "FOLDER", tmp_path)
+    (tmp_path / "franck.csv").write_text("frame,iris.R.x\n3,4\n")
+    with pytest.raises(InvalidInput, match=r"franck\.csv"):
+        read_labels("franck")
+
+
+def test_points_have_names_of_their_own(labels):
+    assert len(set(POINTS)) == len(POINTS) == labels.places.shape[1]
+    assert {name for names in FEATURES.values() for name in names} == set(POINTS)
+    assert isinstance(labels.rows(labels.frame > 20), Labels)
