@@ -11,7 +11,7 @@ CLIP = (
     *("load_clip", "scene_as_clip", None),
     *("find_face", "pick_face", "show_landmarks", "pin", "unpin", "follow_pins", None),
     *("calibrate", "capture", "track_head", "load_performance", "find_missing", None),
-    *("hold_head_still", "release_head", "calibrate_head", None),
+    *("hold_head_still", "release_head", "set_rest_frame", None),
     *("bake", "bake_head", "export_gltf"),
 )
 OBJECT = (

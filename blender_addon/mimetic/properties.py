@@ -48,7 +48,7 @@ HEAD_MODES = (
     (
         "RELATIVE",
         "From Rest",
-        "The target stays as it is at the calibration frame, and moves on from there",
+        "The target stays as it is in the rest frame, and moves on from there",
     ),
     (
         "ABSOLUTE",
@@ -91,8 +91,8 @@ class MimeticHead(bpy.types.PropertyGroup):
         description="Part of the turns that the neck takes; head and neck together turn as filmed",
     )
     mode: EnumProperty(name="Motion", items=HEAD_MODES)
-    calibration_frame: IntProperty(
-        name="Calibration Frame",
+    rest_frame: IntProperty(
+        name="Rest Frame",
         min=0,
         description="Footage frame in which the actor holds the head as the target does at rest; "
         "0 takes the frame in which it is seen best",

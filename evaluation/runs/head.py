@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`mimetic evaluate head`: ways to follow a head side by side on calibrated sequences."""
+"""`mimetic evaluate head`: ways to follow a head side by side on sequences with known poses."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The calibrated head sequences that a checkout renders, and what follows the heads in them."""
+"""Head sequences with known poses, rendered by a checkout, and what follows the heads in them."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ def _load(kind: str, name: str, footage: str, truth: str) -> HeadClip:
 def score_clip(clip: HeadClip, face_mesh: Path | None, report: Report) -> Iterator[HeadScore]:
     """Each model, and MediaPipe's face mesh where its interpreter is given."""
     known = (clip.head_pose, clip.fps)
-    fit = calibrated_fit(clip)
+    fit = fit_with_camera(clip)
     for method, (model, how) in METHODS.items():
         report(f"{clip.name}: {method}")
         found = track_head(clip.footage, model, fit=fit, **how)
@@ -87,7 +87,7 @@ def score_clip(clip: HeadClip, face_mesh: Path | None, report: Report) -> Iterat
         yield score_head(clip.name, clip.kind, FACE_MESH, poses, *known, [seconds])
 
 
-def calibrated_fit(clip: HeadClip) -> FaceFit:
+def fit_with_camera(clip: HeadClip) -> FaceFit:
     """The head found and fitted without help, but with the clip's own camera."""
     chosen = clip_capture.find_face(clip.footage).frame
     image = Footage(clip.footage).read(chosen)

@@ -177,7 +177,7 @@ def test_a_second_head_bake_starts_from_where_the_first_did(scene, hero, loaded)
     scene.mimetic.head.mode = "RELATIVE"
     scene.frame_set(12)
     stands = world_at(hero, 12)
-    scene.mimetic.head.calibration_frame = 12
+    scene.mimetic.head.rest_frame = 12
     bpy.ops.mimetic.bake_head()  # as filmed is where it stands now
     np.testing.assert_allclose(world_at(hero, 12), stands, atol=1e-5)
 

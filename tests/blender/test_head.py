@@ -74,7 +74,7 @@ def test_a_rigify_head_turns_as_the_actors(extension, performance, rig, follow):
         bone="head",
         neck="neck",
         neck_share=0.4,
-        calibration_frame=5,
+        rest_frame=5,
         translation_scale=0.0,
     )
     expected = turns(performance, 5)
@@ -93,7 +93,7 @@ def test_a_rigify_head_turns_as_the_actors(extension, performance, rig, follow):
 def test_every_rotation_mode_turns_alike(extension, performance, rig, mode):
     rig.pose.bones["head"].rotation_mode = mode
     rest = rotation(world_at(rig, 1, "head"))
-    bake(extension, performance, rig, bone="head", calibration_frame=1, translation_scale=0.0)
+    bake(extension, performance, rig, bone="head", rest_frame=1, translation_scale=0.0)
     assert rig.pose.bones["head"].rotation_mode == mode
     for frame in (9, 24, 24.5):
         turned = rotation(world_at(rig, frame, "head")) @ rest.T
@@ -109,14 +109,14 @@ def test_an_armature_that_stands_turned_and_scaled_turns_its_head_alike(
     rig.matrix_world = Matrix.Translation((1, 2, 3)) @ Euler((0, 0, 2.0)).to_matrix().to_4x4() * 2
     bpy.context.view_layer.update()
     rest, stands = rotation(world_at(rig, 1, "head")), rotation(np.array(rig.matrix_world))
-    bake(extension, performance, rig, bone="head", calibration_frame=3, translation_scale=0.0)
+    bake(extension, performance, rig, bone="head", rest_frame=3, translation_scale=0.0)
     turned = rotation(world_at(rig, 20, "head")) @ rest.T
     assert angle(turned, stands @ turns(performance, 3)[19] @ stands.T) < DEGREES
 
 
 def test_a_moving_head_bone_keeps_the_actors_way(extension, performance, rig):
     start = world_at(rig, 1, "head")
-    bake(extension, performance, rig, bone="head", calibration_frame=1, translation_scale=0.5)
+    bake(extension, performance, rig, bone="head", rest_frame=1, translation_scale=0.5)
     points = performance.head_pose[:, :3, 3]
     way = (points[30] - points[0]) @ performance.head_pose[0, :3, :3]
     moved = world_at(rig, 31, "head")[:3, 3] - start[:3, 3]
@@ -172,7 +172,7 @@ def test_an_empty_moves_on_from_where_it_is(extension, performance, empty, scene
     empty.location, empty.rotation_euler = (1, 2, 3), (0.1, 0.2, 0.3)
     bpy.context.view_layer.update()
     start = world_at(empty, 1)
-    bake(extension, performance, empty, calibration_frame=1)
+    bake(extension, performance, empty, rest_frame=1)
     np.testing.assert_allclose(world_at(empty, 1), start, atol=1e-5)
     axes = np.array([[1.0, 0, 0], [0, 0, -1], [0, 1, 0]])
     pose = np.linalg.inv(performance.head_pose[0]) @ performance.head_pose[25]
@@ -202,7 +202,7 @@ def test_a_frame_that_is_missing_changes_nothing(extension, performance, empty):
     from mimetic import InvalidInput
 
     with pytest.raises(InvalidInput, match="frame 999"):
-        bake(extension, performance, empty, calibration_frame=999)
+        bake(extension, performance, empty, rest_frame=999)
     assert empty.animation_data is None
     assert not bpy.data.actions
 

@@ -57,7 +57,7 @@ def settings_of(settings) -> dict:
     of_clip = settings.clip.mimetic.footage[:1] if settings.clip else []
     kept += [footage.performance_path for footage in of_clip]
     fit = [json.loads(footage.face_fit or "{}") for footage in of_clip]  # of few digits
-    return {"kept": kept, "names": names, "at": head.calibration_frame, "fit": fit}
+    return {"kept": kept, "names": names, "at": head.rest_frame, "fit": fit}
 
 
 def curves_of(extension, block) -> dict:
@@ -180,7 +180,7 @@ CASES = [
     Case("bake_head", with_moving_rig),
     Case("bake_head", with_empty),
     Case("find_head_bones", with_rig),
-    Case("calibrate_head", with_clip),
+    Case("set_rest_frame", with_clip),
     Case("hold_head_still", with_clip),
     Case("load_clip", lambda fixture: None, {"filepath": "footage"}),
     Case("load_performance", lambda fixture: None, {"filepath": "performance_file"}),

@@ -110,13 +110,9 @@ PACKAGE = ROOT / "native" / "python" / "mimetic"
 # Mathematics that has not yet moved to the core: this list may only shrink.
 NUMERIC = {
     "character/face_paint",
-    *("fit/canonical_image", "fit/face_model", "fit/face_shape"),
-    *("fit/fitting", "fit/lines", "fit/residual_shape", "fit/views"),
-    "locate/landmarks",
+    "fit/canonical_image",
     "performance/projection",
-    *("shared/picture", "solve/calibrate"),
-    *("solve/clip_capture", "solve/evidence", "solve/relief", "solve/relief_sightings"),
-    *("solve/sightings", "template/face_template"),
+    "shared/picture",
 }
 LONGEST_FILE, LONGEST_FUNCTION = 400, 60  # lines
 

@@ -61,11 +61,11 @@ class MIMETIC_OT_find_head_bones(Operator):
         return {"FINISHED"}
 
 
-class MIMETIC_OT_calibrate_head(Operator):
+class MIMETIC_OT_set_rest_frame(Operator):
     """Take the frame on show as the one in which actor and character hold their heads alike"""
 
-    bl_idname = "mimetic.calibrate_head"
-    bl_label = "Calibrate at Shown Frame"
+    bl_idname = "mimetic.set_rest_frame"
+    bl_label = "Rest at Shown Frame"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
@@ -76,7 +76,7 @@ class MIMETIC_OT_calibrate_head(Operator):
 
     def execute(self, context):
         frame = scene_in.shown_frame(context)
-        context.scene.mimetic.head.calibration_frame = frame
+        context.scene.mimetic.head.rest_frame = frame
         self.report({"INFO"}, f"Footage frame {frame} is the character's pose at rest")
         return {"FINISHED"}
 
@@ -124,7 +124,7 @@ def _target(settings) -> scene_out.head.Target:
         neck=settings.neck if is_armature else "",
         neck_share=settings.neck_share,
         is_absolute=settings.mode == "ABSOLUTE",
-        calibration_frame=settings.calibration_frame,
+        rest_frame=settings.rest_frame,
         facing=settings.facing,
         translation_scale=settings.translation_scale if settings.use_translation else 0.0,
         pivot=tuple(settings.pivot),
@@ -134,6 +134,6 @@ def _target(settings) -> scene_out.head.Target:
 CLASSES = (
     MIMETIC_OT_track_head,
     MIMETIC_OT_find_head_bones,
-    MIMETIC_OT_calibrate_head,
+    MIMETIC_OT_set_rest_frame,
     MIMETIC_OT_bake_head,
 )

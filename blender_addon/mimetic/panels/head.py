@@ -42,8 +42,8 @@ class Head:
         column.use_property_decorate = False
         column.prop(settings, "mode")
         row = column.row(align=True)
-        row.prop(settings, "calibration_frame", text="Calibrate at")
-        row.operator("mimetic.calibrate_head", text="", icon="TIME")
+        row.prop(settings, "rest_frame", text="At Rest in")
+        row.operator("mimetic.set_rest_frame", text="", icon="TIME")
         column.prop(settings, "facing")
         column.prop(settings, "use_translation")
         if settings.use_translation:

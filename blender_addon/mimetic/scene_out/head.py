@@ -22,7 +22,7 @@ class Target:
     neck: str = ""
     neck_share: float = 0.0
     is_absolute: bool = False
-    calibration_frame: int = 0  # of the footage; 0: where the head is best seen at rest
+    rest_frame: int = 0  # of the footage; 0: where the head is best seen at rest
     facing: str = "-Y"
     translation_scale: float = 1.0  # 0 leaves locations alone
     pivot: tuple[float, float, float] = (0.0, 0.0, 0.0)
@@ -69,13 +69,13 @@ def key_object(moved, performance, take: str, frames, channels, target: Target) 
         standing.forget(moved)
     else:
         rest_index = native.rig_motion().rest_index
-        standing.note(moved, frames[rest_index(performance, target.calibration_frame or None)])
+        standing.note(moved, frames[rest_index(performance, target.rest_frame or None)])
     return num_curves
 
 
 def _motion(performance, target: Target):
     return native.rig_motion().motion(
-        performance, target.is_absolute, target.calibration_frame or None, target.pivot
+        performance, target.is_absolute, target.rest_frame or None, target.pivot
     )
 
 

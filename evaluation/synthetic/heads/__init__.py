@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Heads that turn in a known way: the calibrated sequences of `mimetic evaluate head`."""
+"""Heads that turn in a known way: the sequences of `mimetic evaluate head`."""

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/shared/image.hpp>
+#include <mimetic/shared/types.hpp>
 #include <string>
 #include <vector>
 
@@ -56,6 +57,19 @@ DoubleArray array_of(const std::vector<Eigen::Matrix<double, Height, Width>>& ma
         Eigen::Map<InC>(array.mutable_data(static_cast<pybind11::ssize_t>(i), 0, 0)) = matrices[i];
     }
     return array;
+}
+
+using ModesArray = pybind11::array_t<double, pybind11::array::c_style>;
+
+/// Displacements (..., V, 3) as rows of x, y, z of each vertex in turn; the array must outlive the view.
+inline Eigen::Map<const MatrixRows> view_modes(const char* name, const ModesArray& modes,
+                                               Eigen::Index num_vertices) {
+    const auto ndim = modes.ndim();
+    if (ndim < 3 || modes.shape(ndim - 2) != num_vertices || modes.shape(ndim - 1) != 3) {
+        throw InvalidInput(std::string(name) + " must have the shape (number of them, " +
+                           std::to_string(num_vertices) + ", 3): one displacement a vertex of neutral");
+    }
+    return {modes.data(), num_vertices > 0 ? modes.size() / (3 * num_vertices) : 0, 3 * num_vertices};
 }
 
 inline Eigen::Isometry3d to_isometry(const Eigen::Matrix4d& matrix) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/locate/landmarks.hpp>
+#include <mimetic/locate/rest.hpp>
 
 #include "arrays.hpp"
 
@@ -40,6 +41,17 @@ void bind_landmarks(py::module_& m) {
             "pupil_right"_a, "pupil_left"_a, "yaw"_a,
             "Average places (L, 2) of a head turned by `yaw` degrees; pupils in pixels.")
         .def(
+            "settle",
+            [](const LandmarkCascade& cascade, const ImageArray& image, const Points2& start) {
+                const ColorView view = view_image<3>(image, "image");
+                const py::gil_scoped_release release;
+                return settle_landmarks(view, cascade, start);
+            },
+            py::arg("image").noconvert(), "start"_a,
+            "As find; where the face turns out of another size than its pupils said, it starts again from "
+            "what "
+            "it found.")
+        .def(
             "find",
             [](const LandmarkCascade& cascade, const ImageArray& image, const Points2& start) {
                 const ColorView view = view_image<3>(image, "image");
@@ -49,6 +61,41 @@ void bind_landmarks(py::module_& m) {
             py::arg("image").noconvert(), "start"_a,
             "The landmarks of a face.\n\nimage: (H, W, 3) uint8 RGB\nstart: (L, 2) pixels\n"
             "returns: FaceLandmarks");
+    m.def(
+        "rest_score",
+        [](const ImageArray& image, const FaceFeatures& face) {
+            const ColorView view = view_image<3>(image, "image");
+            const py::gil_scoped_release release;
+            return rest_score(view, face);
+        },
+        py::arg("image").noconvert(), "face"_a,
+        "How much a face in an image (H, W, 3) is at rest, 0 to 1: frontal, level, eyes open, mouth at "
+        "rest.");
+    m.def(
+        "face_detail",
+        [](const ImageArray& image, const FaceFeatures& face) {
+            const ColorView view = view_image<3>(image, "image");
+            const py::gil_scoped_release release;
+            return face_detail(view, face);
+        },
+        py::arg("image").noconvert(), "face"_a,
+        "What a face in an image (H, W, 3) shows beyond smooth shades, grey levels: blur and a stingy "
+        "encoder "
+        "take it away.");
+    m.def("expression_of", &expression_of, "face"_a,
+          "(6,) heights of brows and mouth corners below the pupils, the lips' height and the mouth's width, "
+          "pupil\n"
+          "distances; nan where a feature was not found.");
+    m.def("usual_expression", &usual_expression, "expressions"_a, "scores"_a,
+          "(F,) how usual each frame's expression (F, 6) is within its clip, 0 to 1. scores: (F,) of "
+          "rest_score; "
+          "where\nmost frames are plainly not at rest, the others alone say what is usual.");
+    m.def("shared_expression", &shared_expression, "expressions"_a, "weights"_a,
+          "(F,) how many frames share each frame's expression (F, 6), as a part of the most. weights: (F,).");
+    m.def("chances_of_rest", &chances_of_rest, "scores"_a, "details"_a, "expressions"_a,
+          "(F,) which frames of a clip serve best as its reference; the greatest is the best. details: (F,) "
+          "of\n"
+          "face_detail, beside what the clip's better frames have.");
     m.def(
         "landmark_descriptors",
         [](const ImageArray& image, const Points2& places, const Points2& reference, double cell) {

@@ -2,7 +2,9 @@
 #include <mimetic/shared/camera.hpp>
 #include <mimetic/shared/covariance.hpp>
 #include <mimetic/shared/rotations.hpp>
+#include <mimetic/shared/scale.hpp>
 #include <mimetic/shared/similarity.hpp>
+#include <mimetic/shared/spread.hpp>
 
 #include "arrays.hpp"
 
@@ -27,7 +29,19 @@ void bind_camera(py::module_& m) {
         .def_readonly("cx", &Camera::cx)
         .def_readonly("cy", &Camera::cy)
         .def_readonly("width", &Camera::width)
-        .def_readonly("height", &Camera::height);
+        .def_readonly("height", &Camera::height)
+        .def(
+            "pixels",
+            [](const Camera& camera, const Points& points_in_head, const Eigen::Matrix4d& camera_from_head) {
+                const Eigen::Isometry3d pose = to_isometry(camera_from_head);
+                Points2 pixels(points_in_head.rows(), 2);
+                for (Eigen::Index i = 0; i < pixels.rows(); ++i) {
+                    pixels.row(i) = camera.project(pose * Eigen::Vector3d(points_in_head.row(i)));
+                }
+                return pixels;
+            },
+            "points_in_head"_a, "camera_from_head"_a,
+            "(N, 2) of points (N, 3), metres, of a head at a pose (4, 4), in front of the camera.");
 }
 
 void bind_rotations(py::module_& m) {
@@ -51,6 +65,13 @@ void bind_rotations(py::module_& m) {
             return array_of<3, 3>(rotations);
         },
         "vectors"_a, "(N, 3, 3) rotations of (N, 3) axes times angles, radians.");
+    m.def(
+        "angles_from",
+        [](const DoubleArray& poses, const Eigen::Matrix4d& reference) {
+            return angles_from(poses_of(poses, "poses"), to_isometry(reference));
+        },
+        "poses"_a, "reference"_a,
+        "(N,) radians by which poses (N, 4, 4) are turned from a reference (4, 4).");
     m.def(
         "nearest_rotations",
         [](const DoubleArray& matrices) {
@@ -136,6 +157,13 @@ void bind_shared(py::module_& m) {
         },
         "poses"_a, "rounding"_a,
         "(N,) which of (N, 4, 4) turn and shift without scaling or mirroring; rounding: of R R' - 1.");
+    m.attr("PUPIL_DISTANCE") = kPupilDistance;
+    m.def(
+        "spread_rows", &spread_rows, "rows"_a, "first"_a, "allowed"_a, "count"_a, "least"_a = 0.0,
+        py::call_guard<py::gil_scoped_release>(),
+        "Rows of a table (N, D) that lie well apart: `first`, then again and again the allowed row farthest "
+        "from all\nthat are chosen, until there are `count`, or the farthest is nearer than `least`.\n\n"
+        "allowed: N booleans. Raises InvalidInput.");
     m.def(
         "nearest_covariances",
         [](const DoubleArray& covariances) {

@@ -10,16 +10,6 @@ using namespace pybind11::literals;
 
 namespace {
 
-using ModesArray = py::array_t<double, py::array::c_style>;
-
-MatrixRows to_rows(const char* name, const ModesArray& modes, Eigen::Index num_vertices) {
-    if (modes.ndim() != 3 || modes.shape(1) != num_vertices || modes.shape(2) != 3) {
-        throw InvalidInput(std::string(name) + " must have the shape (number of them, " +
-                           std::to_string(num_vertices) + ", 3): one displacement a vertex of neutral");
-    }
-    return Eigen::Map<const MatrixRows>(modes.data(), modes.shape(0), 3 * modes.shape(1));
-}
-
 FaceMotion make_motion(Points neutral, const ModesArray& modes, int num_muscles, Eigen::VectorXd lower,
                        Eigen::VectorXd upper, Eigen::VectorXd prior_std,
                        std::optional<Eigen::VectorXi> partner, const std::optional<ModesArray>& detail_modes,
@@ -34,9 +24,9 @@ FaceMotion make_motion(Points neutral, const ModesArray& modes, int num_muscles,
                       partner.value_or(Eigen::VectorXi()),
                       MatrixRows(0, 3 * num_vertices),
                       detail_std.value_or(Eigen::VectorXd())};
-    motion.modes = to_rows("modes", modes, num_vertices);
+    motion.modes = view_modes("modes", modes, num_vertices);
     if (detail_modes) {
-        motion.detail_modes = to_rows("detail_modes", *detail_modes, num_vertices);
+        motion.detail_modes = view_modes("detail_modes", *detail_modes, num_vertices);
     }
     return motion;
 }

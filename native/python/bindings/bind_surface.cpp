@@ -4,6 +4,7 @@
 #include <mimetic/surface/shown_places.hpp>
 #include <mimetic/surface/skin_places.hpp>
 #include <mimetic/surface/surface.hpp>
+#include <mimetic/surface/ways.hpp>
 
 #include "arrays.hpp"
 #include "compressed_rows.hpp"
@@ -101,6 +102,17 @@ void bind_surface(py::module_& m) {
         "triangles_of; weights (K, 3) of its corners; offset (K, 2), pixels from the place to the pixel, 0 "
         "but\nat "
         "outlines. Raises InvalidInput.");
+    m.def("shortest_way", &shortest_way, "quads"_a, "vertices"_a, "stops"_a, release_gil(),
+          "Vertices of the shortest way along the edges of quads (F, 4) through some vertices in turn, ends "
+          "included.\n\nvertices: (V, 3). Raises InvalidInput.");
+    m.def(
+        "nearest_sphere",
+        [](const Points& points) {
+            const Sphere sphere = nearest_sphere(points);
+            return std::pair(sphere.centre, sphere.radius);
+        },
+        "points"_a,
+        "(centre (3,), radius) of the sphere nearest to points (N, 3), metres. Raises InvalidInput.");
     m.def("triangles_of", &triangles_of, py::arg("quads").noconvert(),
           "(2 F, 3) int32: the halves (0, 1, 2) of all quads (F, 4), then the halves (0, 2, 3).");
     py::class_<LimitSurface>(

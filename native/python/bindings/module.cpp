@@ -18,11 +18,13 @@ void bind_landmarks(pybind11::module_& m);
 void bind_eigenspace(pybind11::module_& m);
 void bind_feature_networks(pybind11::module_& m);
 void bind_fit(pybind11::module_& m);
+void bind_face_shape(pybind11::module_& m);
 void bind_flow(pybind11::module_& m);
 void bind_register(pybind11::module_& m);
 void bind_head(pybind11::module_& m);
 void bind_rig_motion(pybind11::module_& m);
 void bind_solve(pybind11::module_& m);
+void bind_sightings(pybind11::module_& m);
 void bind_analyse(pybind11::module_& m);
 }  // namespace mimetic::bindings
 
@@ -49,10 +51,12 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_landmarks(m);
     bindings::bind_feature_networks(m);
     bindings::bind_fit(m);
+    bindings::bind_face_shape(m);
     bindings::bind_flow(m);
     bindings::bind_register(m);
     bindings::bind_head(m);
     bindings::bind_rig_motion(m);
     bindings::bind_solve(m);
+    bindings::bind_sightings(m);
     bindings::bind_analyse(m);
 }

@@ -90,4 +90,12 @@ FaceLandmarks find_landmarks(ColorView image, const LandmarkCascade& cascade, Po
     return found;
 }
 
+FaceLandmarks settle_landmarks(ColorView image, const LandmarkCascade& cascade, Points2In start) {
+    constexpr double kResized = .2;  // logarithm of the size, beyond what pupils well found leave to mend
+    const auto size_of = [](Points2In places) { return (places.rowwise() - places.colwise().mean()).norm(); };
+    const FaceLandmarks first = find_landmarks(image, cascade, start);
+    const bool is_resized = std::abs(std::log(size_of(first.places) / size_of(start))) > kResized;
+    return is_resized ? find_landmarks(image, cascade, first.places) : first;
+}
+
 }  // namespace mimetic

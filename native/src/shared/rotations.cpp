@@ -43,6 +43,14 @@ double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {
     return Eigen::AngleAxisd(a.linear().transpose() * b.linear()).angle();
 }
 
+Eigen::VectorXd angles_from(const std::vector<Eigen::Isometry3d>& poses, const Eigen::Isometry3d& reference) {
+    Eigen::VectorXd angles(static_cast<Eigen::Index>(poses.size()));
+    for (Eigen::Index i = 0; i < angles.size(); ++i) {
+        angles[i] = angle_between(reference, poses[static_cast<std::size_t>(i)]);
+    }
+    return angles;
+}
+
 Rows<double, 4> quaternions(const Rotations& rotations) {
     Rows<double, 4> result(rotations.size(), 4);
     for (Eigen::Index i = 0; i < result.rows(); ++i) {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "face_state.hpp"
 
-#include <mimetic/shared/rotations.hpp>
+#include "seen_point.hpp"
 
 namespace mimetic {
 
@@ -24,13 +24,11 @@ Eigen::VectorXd FaceState::difference_from(const FaceState& other) const {
 void skin_jacobian(const Camera& camera, const Eigen::Isometry3d& camera_from_head,
                    const Eigen::Vector3d& point_in_head, const Eigen::Matrix3Xf& modes,
                    Eigen::Matrix<float, 2, Eigen::Dynamic>& jacobian, Eigen::Matrix<double, 2, 3>& by_point) {
-    const Eigen::Vector3d turned = camera_from_head.linear() * point_in_head;
-    const Eigen::Matrix<double, 2, 3> projection =
-        camera.project_jacobian(turned + camera_from_head.translation());
-    by_point = projection * camera_from_head.linear();
+    const SeenPoint seen(camera, camera_from_head, point_in_head);
+    by_point = seen.by_point;
     jacobian.resize(2, 6 + modes.cols());
-    jacobian.leftCols<3>() = (-projection * cross_matrix(turned)).cast<float>();
-    jacobian.middleCols<3>(3) = projection.cast<float>();
+    jacobian.leftCols<3>() = seen.by_rotation.cast<float>();
+    jacobian.middleCols<3>(3) = seen.by_shift.cast<float>();
     jacobian.rightCols(modes.cols()).noalias() = by_point.cast<float>() * modes;
 }
 

@@ -38,34 +38,17 @@ void in_parts(std::size_t count, const Body& body) {
 
 }  // namespace
 
-JointSolver::JointSolver(const FaceMotion& motion, std::vector<Eigen::Vector3f> error_nodes)
+JointSolver::JointSolver(const FaceMotion& motion, ErrorField<float> field)
     : motion_(motion),
-      error_nodes_(std::move(error_nodes)),
-      field_(Eigen::VectorXf::Zero(static_cast<Eigen::Index>(2 * error_nodes_.size()))) {}
-
-std::vector<JointSolver::NearNode> JointSolver::find_near_nodes(const Eigen::Vector3f& point) const {
-    std::vector<NearNode> near;
-    const auto radius = static_cast<float>(noise_.correlation_length);
-    float energy = 1e-9f;
-    for (std::size_t node = 0; node < error_nodes_.size(); ++node) {
-        const float distance = (error_nodes_[node] - point).squaredNorm() / (2 * radius * radius);
-        if (distance < 3) {
-            near.push_back({static_cast<int>(node), std::exp(-distance)});
-            energy += near.back().height * near.back().height;
-        }
-    }
-    for (NearNode& entry : near) {
-        entry.height /= std::sqrt(energy);
-    }
-    return near;
-}
+      error_field_(std::move(field)),
+      field_(Eigen::VectorXf::Zero(static_cast<Eigen::Index>(2 * error_field_.num_nodes()))) {}
 
 void JointSolver::find_near_nodes() {
     near_.clear();
     for (const SampleMeasurement& measurement : *measurements_) {
         const auto [entry, is_new] = near_of_.try_emplace(measurement.sample);
         if (is_new) {
-            entry->second = find_near_nodes(measurement.sample->skin.neutral);
+            entry->second = error_field_.near(measurement.sample->skin.neutral);
         }
         near_.push_back(&entry->second);
     }
@@ -98,9 +81,7 @@ void JointSolver::linearise(const Camera& camera, const FaceState& state,
             projections_[k] = by_point.cast<float>();
             displacements_.segment<2>(row) =
                 measurement.displacement.cast<float>() + projections_[k] * measurement.sample->offset;
-            const double error =
-                std::hypot(noise.model_error, noise.shape_error * measurement.view_angle_sine,
-                           noise.motion_error * double(moved.norm()));
+            const double error = noise.model.std_of(measurement.view_angle_sine, double(moved.norm()));
             field_pixels_[k] = (error * by_point.leftCols<2>()).cast<float>();
             const double fine_px = noise.fine_error * std::sqrt(.5) * by_point.norm();
             whiteners_[k] =
@@ -146,7 +127,7 @@ void JointSolver::reweight(const Eigen::VectorXd& step, double robust_cut) {
 
 JointSolver::Sums JointSolver::sums_of(std::size_t begin, std::size_t end) const {
     const Eigen::Index size = jacobians_.cols();
-    const auto num_field = static_cast<Eigen::Index>(2 * error_nodes_.size());
+    const auto num_field = static_cast<Eigen::Index>(2 * error_field_.num_nodes());
     const auto first_row = static_cast<Eigen::Index>(2 * begin);
     const auto rows = rows_.middleCols(first_row, static_cast<Eigen::Index>(2 * end) - first_row);
     Sums sums{Eigen::MatrixXf::Zero(size, size), Eigen::MatrixXf::Zero(size, num_field),

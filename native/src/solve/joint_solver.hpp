@@ -2,6 +2,7 @@
 #pragma once
 #include <unordered_map>
 
+#include "error_field.hpp"
 #include "face_state.hpp"
 #include "texture_flow.hpp"
 
@@ -15,13 +16,10 @@ struct StepPrior {
 
 /// What keeps a right state from explaining a measurement.
 struct NoiseModel {
-    double model_error = 3.5e-4;       ///< metres; a smooth field over the skin; of TrackerOptions
-    double shape_error = 5e-4;         ///< metres of depth, seen as the view turns; of TrackerOptions
-    double motion_error = .05;         ///< of the displacement that the modes give
-    double fine_error = 4e-4;          ///< metres; of each flow window for itself
-    double correlation_length = .012;  ///< metres over the skin, of the smooth field
-    double robust_cut = 4.7;           ///< Tukey, in standard deviations
-    double samples_a_window = 10;      ///< neighbours share their flow's window and count as one
+    ModelError model;              ///< a smooth field over the skin; of TrackerOptions
+    double fine_error = 4e-4;      ///< metres; of each flow window for itself
+    double robust_cut = 4.7;       ///< Tukey, in standard deviations
+    double samples_a_window = 10;  ///< neighbours share their flow's window and count as one
 };
 
 /// Robust whitened normal equations of all samples for one joint step of pose and values. The modes' own
@@ -29,7 +27,7 @@ struct NoiseModel {
 /// say.
 class JointSolver {
 public:
-    JointSolver(const FaceMotion& motion, std::vector<Eigen::Vector3f> error_nodes);
+    JointSolver(const FaceMotion& motion, ErrorField<float> field);
 
     /// Linearises at `state`; the measurements must outlive the solver's next calls.
     void linearise(const Camera& camera, const FaceState& state,
@@ -51,10 +49,7 @@ public:
     std::vector<double>& distances_px() { return distances_px_; }
 
 private:
-    struct NearNode {
-        int node;
-        float height;
-    };
+    using NearNode = ErrorField<float>::NearNode;
 
     /// Of some samples, towards the normal equations of step and error field.
     struct Sums {
@@ -64,7 +59,6 @@ private:
         Eigen::VectorXf field_pull;
     };
 
-    std::vector<NearNode> find_near_nodes(const Eigen::Vector3f& point) const;
     void find_near_nodes();
     void reweight(const Eigen::VectorXd& step, double robust_cut);
     void sum_up(const std::vector<Sums>& parts);
@@ -72,7 +66,7 @@ private:
     Eigen::VectorXd bounded(const StepPrior& prior, const FaceState& state, Eigen::Index num_free) const;
 
     const FaceMotion& motion_;
-    std::vector<Eigen::Vector3f> error_nodes_;
+    ErrorField<float> error_field_;
     const std::vector<SampleMeasurement>* measurements_ = nullptr;
     NoiseModel noise_;
     Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> jacobians_;  // 2K x n

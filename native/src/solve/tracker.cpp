@@ -10,23 +10,17 @@ namespace mimetic {
 namespace {
 
 constexpr double kFlowWindow = 9.5;    // reference pixels on a side
-constexpr double kErrorSpacing = .02;  // metres between the nodes of the model error field
+constexpr float kErrorReach = 3;       // of the model error field's exponent
 constexpr double kFoundQuality = .45;  // a lost face counts as found again from here
 constexpr double kKeyViewAngle = .26;  // rad from the nearest texture
 constexpr double kKeyViewQuality = .6;
 
-/// Well spread points of the measured skin, no two closer than the spacing.
-std::vector<Eigen::Vector3f> spread_nodes(const ReferenceView& view) {
-    std::vector<Eigen::Vector3f> nodes;
+ErrorField<float> error_field(const ReferenceView& view) {
+    std::vector<Eigen::Vector3f> points;
     for (const ReferenceSample& sample : view.samples()) {
-        const bool apart = std::all_of(nodes.begin(), nodes.end(), [&](const Eigen::Vector3f& node) {
-            return (node - sample.skin.neutral).norm() > kErrorSpacing;
-        });
-        if (apart) {
-            nodes.push_back(sample.skin.neutral);
-        }
+        points.push_back(sample.skin.neutral);
     }
-    return nodes;
+    return ErrorField<float>(points, kErrorReach);
 }
 
 Eigen::MatrixXd first_covariance(const Eigen::MatrixXd& rest) {
@@ -50,8 +44,8 @@ FaceTracker::State::State(const Camera& camera_in, const TrackedSurface& surface
       detail_solver(motion),
       texture_flow(options_in.flow_method),
       likeness(options_in.crop_height) {
-    noise.model_error = options.model_error;
-    noise.shape_error = options.shape_error;
+    noise.model.anyway = options.model_error;
+    noise.model.shape = options.shape_error;
     noise.samples_a_window = std::max(1., std::pow(kFlowWindow / options.sample_spacing, 2));
     relative_dis = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_ULTRAFAST);
     velocity = Eigen::VectorXd::Zero(6 + num_values());
@@ -204,8 +198,8 @@ FaceTracker::FaceTracker(const Camera& camera, const TrackedSurface& surface, co
             " samples of the face are in sight of the reference image, 100 are needed: choose a frame "
             "in which the face is larger and turned to the camera");
     }
-    s.solver = std::make_unique<JointSolver>(s.motion, spread_nodes(*s.views.front()));
-    s.relative_solver = std::make_unique<JointSolver>(s.motion, spread_nodes(*s.views.front()));
+    s.solver = std::make_unique<JointSolver>(s.motion, error_field(*s.views.front()));
+    s.relative_solver = std::make_unique<JointSolver>(s.motion, error_field(*s.views.front()));
     for (LidMeter& lid : s.lids) {
         lid.take_reference(s.last_gray, s.project_control(s.last));
     }

@@ -11,7 +11,7 @@ from mimetic import _core
 from mimetic.locate.eigenspaces import train
 from numpy.lib.stride_tricks import sliding_window_view
 
-from .calibration import calibrated
+from .evidence_weights import with_weights
 from .natural import natural_images
 from .pictures import Pictures, drawn_pictures
 from .scenes import empty, jumbled, photographed, portrait
@@ -43,7 +43,7 @@ def face_spaces(
     natural = natural_images(cache)
     levels = _levels([*_drawn_negatives(pictures, rng), *natural])
     spaces = _trained(windows, levels, rng, report)
-    return calibrated(spaces, pictures, natural, report)
+    return with_weights(spaces, pictures, natural, report)
 
 
 def _drawn_negatives(pictures: Pictures, rng: np.random.Generator) -> list[np.ndarray]:

@@ -56,16 +56,16 @@ def test_channels_have_no_jumps_through_rest(mode):
     assert np.abs(np.diff(values, axis=0)).max() < 0.05
 
 
-def test_relative_motion_is_rest_at_its_calibration():
+def test_relative_motion_is_none_in_its_rest_frame():
     performance = make_performance()
-    moved = motion(performance, calibration_frame=4)
+    moved = motion(performance, rest_frame=4)
     np.testing.assert_allclose(moved.rotations[3], np.eye(3), atol=1e-12)
     np.testing.assert_allclose(moved.shifts[3], 0, atol=1e-12)
-    absolute = motion(performance, is_absolute=True, calibration_frame=4)
+    absolute = motion(performance, is_absolute=True, rest_frame=4)
     poses = world_from_object(performance)
     np.testing.assert_allclose(absolute.rotations, poses[:, :3, :3], atol=1e-12)
     with pytest.raises(InvalidInput, match="frame 99"):
-        motion(performance, calibration_frame=99)
+        motion(performance, rest_frame=99)
 
 
 def test_a_pivot_that_the_head_turns_about_stays():
@@ -75,9 +75,9 @@ def test_a_pivot_that_the_head_turns_about_stays():
     pose = performance.head_pose
     in_head = np.array([neck[0], neck[2], -neck[1]])
     pose[:, :3, 3] += pose[0, :3, :3] @ in_head - pose[:, :3, :3] @ in_head
-    moved = motion(performance, calibration_frame=1, pivot=neck)
+    moved = motion(performance, rest_frame=1, pivot=neck)
     np.testing.assert_allclose(moved.shifts, 0, atol=1e-12)
-    assert np.abs(motion(performance, calibration_frame=1).shifts).max() > 0.005
+    assert np.abs(motion(performance, rest_frame=1).shifts).max() > 0.005
 
 
 @pytest.mark.parametrize("followed_share", [0.0, 0.3, 1.0])

@@ -5,6 +5,7 @@ import re
 from types import SimpleNamespace
 
 import pytest
+from mimetic import _core
 from mimetic.commands import cli, console
 from mimetic.fit import fitting
 from mimetic.shared import progress
@@ -34,8 +35,9 @@ def clock(monkeypatch):
     takes(COSTS["fit"], fitting, "find_face")
     takes(COSTS["attach"], relief_sightings, "attach_skin")
     takes(COSTS["attach"], clip_capture, "attach_skin")
-    sighting = SimpleNamespace(of=relief_sightings.Sighting.of)
-    monkeypatch.setattr(relief_sightings, "Sighting", sighting)
+    sighting = SimpleNamespace(of=_core.Sighting.of)
+    core = SimpleNamespace(**{**vars(_core), "Sighting": sighting})
+    monkeypatch.setattr(relief_sightings, "_core", core)
     takes(COSTS["follow"], sighting, "of")
     takes(COSTS["follow"], clip_capture.ClipCapture, "advance")
     from mimetic.commands import capture

@@ -5,10 +5,10 @@ import numpy as np
 import pytest
 from drawn_face import draw
 from mimetic import InvalidInput
+from mimetic._core import mirror_correlation
 from mimetic.fit.canonical_image import canonical_image, canonical_map
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.fitting import find_face
-from mimetic.fit.symmetry import symmetry
 from mimetic.template.face_template import load_template
 from test_fit import CAMERA, angle_deg, pose
 
@@ -52,7 +52,9 @@ def test_map_has_each_pixel_once_and_the_nose_in_the_middle(template):
 def test_halves_agree_in_the_true_pose_only(template):
     image = draw(template, template.vertices, pose(20, 0, 0), CAMERA)
     found = [
-        symmetry(*canonical_image(true_fit(pose(yaw, 0, 0)), image, size=96, template=template))
+        mirror_correlation(
+            *canonical_image(true_fit(pose(yaw, 0, 0)), image, size=96, template=template)
+        )
         for yaw in (20, 0, -20)
     ]
     assert found[0] > found[1] + 0.1

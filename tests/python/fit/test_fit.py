@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 from drawn_face import draw
 from mimetic import InvalidInput, UnreadableMedia, _core
+from mimetic._core import chances_of_rest
 from mimetic.fit.fitting import (
     FaceFit,
     NoFace,
@@ -15,7 +16,6 @@ from mimetic.fit.fitting import (
     refit,
 )
 from mimetic.fit.further_frame import with_frame
-from mimetic.locate.rest import chances_of_rest
 from mimetic.template.face_template import load_template
 
 CAMERA = _core.Camera(600, 600, 239.5, 199.5, 480, 400)

@@ -3,7 +3,7 @@
 
 import numpy as np
 from clips import ffmpeg
-from mimetic.locate.rest import chances_of_rest, shared_expression, usual_expression
+from mimetic._core import chances_of_rest, shared_expression, usual_expression
 from mimetic.media.footage import Footage
 from mimetic.score.truth import Truth
 from mimetic.solve.clip_capture import find_face, rest_in

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 
-from scripts.build.eigenspaces.calibration import logistic
+from scripts.build.eigenspaces.evidence_weights import logistic
 from scripts.build.eigenspaces.pictures import BACKS, FRONTS, Pictures, pictures_of
 from scripts.build.eigenspaces.scenes import jumbled, mirrored, portrait
 from scripts.build.eigenspaces.windows import FACE_SIDE, MODULES, windows_of

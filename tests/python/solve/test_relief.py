@@ -18,7 +18,6 @@ from mimetic.shared import pinhole
 from mimetic.skin.mesh import SkinMesh
 from mimetic.solve.relief import find_relief
 from mimetic.solve.relief_sightings import _one_scene
-from mimetic.solve.sightings import Sighting, distinct_points
 from mimetic.template.face_template import load_template
 
 TURNS = np.radians([(0, 15, 0), (0, -14, 0), (9, 6, 0), (-8, -4, 3), (4, 10, 0)])
@@ -58,11 +57,8 @@ def surface_of(fit: FaceFit, pixels) -> tuple[np.ndarray, np.ndarray, np.ndarray
     return corners, weights, np.einsum("kc,kcx->kx", weights, mesh.vertices[corners])
 
 
-def sightings_of(fit: FaceFit, person: FaceFit, turns, slip: float = 0.0) -> list[Sighting]:
-    """A person who shows nothing but turns, seen where the fit believes the skin to be.
-
-    slip: pixels by which flow errs to the right about the middle of the face, in every frame
-    """
+def sightings_of(fit: FaceFit, person: FaceFit, turns) -> list[_core.Sighting]:
+    """A person who shows nothing but turns, seen where the fit believes the skin to be."""
     pixels = pixels_on_face(31)
     corners, weights, _ = surface_of(fit, pixels)
     _, _, places = surface_of(person, pixels)
@@ -73,14 +69,13 @@ def sightings_of(fit: FaceFit, person: FaceFit, turns, slip: float = 0.0) -> lis
         pose[:3, :3] = pose[:3, :3] @ from_rotation_vectors(turn[None])[0]
         shown = pinhole.show(places, pose, fit.intrinsics)[0]
         shown += rng.normal(0, NOISE_PX, shown.shape)
-        shown[:, 0] += slip * np.exp(-((pixels - [320, 240]) ** 2).sum(axis=1) / (2 * 35**2))
         information = np.tile(np.eye(2) / NOISE_PX**2, (len(shown), 1, 1))
         values = np.zeros(1)
-        seen.append(Sighting(number + 2, pose, values, corners, weights, shown, information))
+        seen.append(_core.Sighting(number + 2, pose, values, corners, weights, shown, information))
     return seen
 
 
-def relief_from(fit: FaceFit, seen: list[Sighting]) -> list[float]:
+def relief_from(fit: FaceFit, seen: list[_core.Sighting]) -> list[float]:
     template = load_template()
     idle = np.zeros((1, template.num_skin_vertices, 3))
     return find_relief(fit, template, seen, idle, np.ones(1))
@@ -111,23 +106,6 @@ def test_a_head_that_does_not_turn_keeps_its_shape(fit):
     assert np.linalg.norm(relief_from(fit, seen)) < 0.3
 
 
-def test_what_errs_alike_in_all_frames_is_hardly_depth(fit, monkeypatch):
-    turns = np.radians([(0, angle, 0) for angle in np.linspace(1, 15, 15)])
-    nose = load_template().landmark("nose_tip")
-
-    def slip_taken_for_depth() -> float:
-        depths = []
-        for slip in (0.0, 1.0):
-            found = relief_from(fit, sightings_of(fit, fit, turns, slip))
-            moved = replace(fit, relief=found).neutral_vertices(load_template())
-            depths.append(moved[nose, 2])
-        return abs(depths[1] - depths[0])
-
-    known = slip_taken_for_depth()
-    monkeypatch.setattr("mimetic.solve.relief.LASTING_ERROR", 1e-9)
-    assert known < 0.75 * slip_taken_for_depth()
-
-
 def test_the_same_view_again_tells_nothing_more(fit):
     person = replace(
         fit, relief=np.linspace(-0.3, 0.3, len(face_shape(load_template()).components)).tolist()
@@ -144,21 +122,6 @@ def test_following_ends_with_the_scene():
     dark, light = (np.full((64, 64, 3), level, np.uint8) for level in (60, 120))
     images = [(2, dark), (3, dark), (4, light), (5, dark)]
     assert [frame for frame, _ in _one_scene(dark, iter(images))] == [2, 3]
-
-
-def test_points_seen_again_are_kept_once(fit):
-    seen = sightings_of(fit, fit, TURNS[:3])
-    fewer = replace(
-        seen[1],
-        vertices=seen[1].vertices[::-2],
-        barycentric=seen[1].barycentric[::-2],
-        pixels=seen[1].pixels[::-2],
-    )
-    vertices, barycentric, places = distinct_points([seen[0], fewer])
-    assert len(vertices) == len(seen[0].pixels)
-    for one, at in zip([seen[0], fewer], places, strict=True):
-        np.testing.assert_array_equal(vertices[at], one.vertices)
-        np.testing.assert_array_equal(barycentric[at], one.barycentric)
 
 
 def test_pins_hold_the_head_with_its_relief(fit):

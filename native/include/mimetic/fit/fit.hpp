@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <mimetic/locate/locate.hpp>
 #include <mimetic/shared/camera.hpp>
+#include <mimetic/shared/scale.hpp>
 
 namespace mimetic {
 
@@ -24,16 +25,16 @@ struct FaceModel {
 };
 
 struct FitOptions {
-    bool focal_free = false;        ///< whether the focal length is estimated too
-    double focal_spread = 0.2;      ///< prior standard deviation of its logarithm
-    double pitch_spread = 0.12;     ///< prior standard deviation of the head's pitch to the camera, rad:
-                                    ///< features tell it badly from long or short proportions
-    double yaw_spread = 0.6;        ///< the same for yaw, which they tell well
-    double gaze_spread = 0.02;      ///< how far gaze may shift the pupils, interpupillary distances
-    double robust_scale = 1.5;      ///< residuals beyond this many standard deviations count for less
-    int max_rounds = 8;             ///< times that outlines are looked for anew
-    double pupil_distance = 0.063;  ///< metres: the scale
-    void check() const;             ///< throws InvalidInput: field, value, limit
+    bool focal_free = false;     ///< whether the focal length is estimated too
+    double focal_spread = 0.2;   ///< prior standard deviation of its logarithm
+    double pitch_spread = 0.12;  ///< prior standard deviation of the head's pitch to the camera, rad:
+                                 ///< features tell it badly from long or short proportions
+    double yaw_spread = 0.6;     ///< the same for yaw, which they tell well
+    double gaze_spread = 0.02;   ///< how far gaze may shift the pupils, interpupillary distances
+    double robust_scale = 1.5;   ///< residuals beyond this many standard deviations count for less
+    int max_rounds = 8;          ///< times that outlines are looked for anew
+    double pupil_distance = kPupilDistance;  ///< metres: the scale
+    void check() const;                      ///< throws InvalidInput: field, value, limit
 };
 
 /// How far a point of the model moved in the image from the first view to another.

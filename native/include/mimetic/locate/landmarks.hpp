@@ -52,6 +52,9 @@ MatrixRows landmark_descriptors(ColorView image, Points2In places, Points2In ref
 /// The cascade from a start (L x 2, pixels). Throws InvalidInput.
 FaceLandmarks find_landmarks(ColorView image, const LandmarkCascade& cascade, Points2In start);
 
+/// The same; where the face turns out of another size than the start, it starts again from what it found.
+FaceLandmarks settle_landmarks(ColorView image, const LandmarkCascade& cascade, Points2In start);
+
 /// The start from pupils (pixels) and the view nearest to a yaw (degrees).
 Points2 landmark_start(const LandmarkCascade& cascade, const Eigen::Vector2d& pupil_right,
                        const Eigen::Vector2d& pupil_left, double yaw);

@@ -21,6 +21,9 @@ Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d& vector);
 /// Radians by which the second pose is turned from the first.
 double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
 
+/// Radians by which each of N poses is turned from a reference.
+Eigen::VectorXd angles_from(const std::vector<Eigen::Isometry3d>& poses, const Eigen::Isometry3d& reference);
+
 /// N x 4 unit quaternions (w x y z), each nearest to the one before. [Bar-Itzhack 2000]: the eigenvector of
 /// the largest eigenvalue, which has no special cases.
 Rows<double, 4> quaternions(const Rotations& rotations);

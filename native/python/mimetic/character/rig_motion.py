@@ -55,27 +55,27 @@ class Bone:
 def motion(
     performance: Performance,
     is_absolute: bool = False,
-    calibration_frame: int | None = None,
+    rest_frame: int | None = None,
     pivot: ArrayLike = (0.0, 0.0, 0.0),
 ) -> Motion:
     """The head's motion against one of its frames, or against a head that faces the camera.
 
-    is_absolute: turns are 0 where the head faces the camera straight; otherwise at the calibration
+    is_absolute: turns are 0 where the head faces the camera straight; otherwise in the rest
     frame, in the axes that the head has there. Shifts are 0 there in both.
-    calibration_frame: a footage frame; None takes the one in which the head is best seen, straight
+    rest_frame: a footage frame; None takes the one in which the head is best seen, straight
     and at rest. pivot: the point whose shifts are given, in the character frame from midway between
     the ears. Raises InvalidInput for a frame that the performance lacks.
     """
-    rest = rest_index(performance, calibration_frame)
+    rest = rest_index(performance, rest_frame)
     poses = world_from_object(performance)
     return Motion(*_core.motion_from_rest(poses, rest, is_absolute, np.asarray(pivot)))
 
 
-def rest_index(performance: Performance, calibration_frame: int | None = None) -> int:
+def rest_index(performance: Performance, rest_frame: int | None = None) -> int:
     """Index of the frame in which a target is as it was: see `motion`."""
-    if calibration_frame is None:
+    if rest_frame is None:
         return reference_index(performance)
-    return performance.index_of(calibration_frame)
+    return performance.index_of(rest_frame)
 
 
 def facing(direction: str) -> Floats:

@@ -11,10 +11,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput
+from mimetic import InvalidInput, _core
 from mimetic.fit.face_fit import FaceFit
 from mimetic.shared.picture import sample_quads
-from mimetic.shared.sampling import sampled
 from mimetic.template.face_template import FaceTemplate, load_template
 
 SIZE = 256  # pixels a side
@@ -59,20 +58,15 @@ def canonical_image(
         raise InvalidInput(f"the fit does not rest on frame {frame}: add it, or fit again")
     pose = fit.head_pose if view is None else view.head_pose
     shown = canonical_map(template, size)
-    corners = (fit.neutral_vertices(template) @ pose[:3, :3].T + pose[:3, 3])[shown.corners]
-    points = np.einsum("kc,kcx->kx", shown.weights, corners)
-    normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    cosine = -(normals * points).sum(1)
-    cosine /= np.linalg.norm(normals, axis=1) * np.linalg.norm(points, axis=1) + 1e-30
-    in_image = points @ fit.intrinsics.T
-    pixels = in_image[:, :2] / in_image[:, 2:]
-    inside = ((pixels >= 0) & (pixels <= (width - 1, height - 1))).all(axis=1)
-    seen = inside & (cosine > LEAST_FACING)
+    vertices = fit.neutral_vertices(template) @ pose[:3, :3].T + pose[:3, 3]
+    colours, is_seen = _core.seen_colours(
+        *(np.ascontiguousarray(image), fit.camera, vertices),
+        *(shown.corners, shown.weights, LEAST_FACING),
+    )
     picture = np.zeros((size * size, 3), np.uint8)
-    colours = sampled(image.astype(np.float32), pixels[seen])
-    picture[shown.pixel[seen]] = np.clip(np.round(colours), 0, 255)
+    picture[shown.pixel] = colours
     mask = np.zeros(size * size, bool)
-    mask[shown.pixel[seen]] = True
+    mask[shown.pixel] = is_seen
     return picture.reshape(size, size, 3), mask.reshape(size, size)
 
 

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import heapq
-import itertools
 from functools import lru_cache
 
 import numpy as np
@@ -60,7 +58,10 @@ def face_model(
     )[:skin]
     underside = template.in_region("neck") & (normals[:, 1] < -0.3)
     on_outline[:skin] = template.in_region(*OUTLINE_REGIONS) | underside
-    chains = [_chain(template, points[0], stops) for stops in CURVES.values()]
+    chains = [
+        _core.shortest_way(faces, points[0], [template.landmark(name) for name in stops])
+        for stops in CURVES.values()
+    ]
     return _core.FaceModel(
         points[0],
         points[1:].reshape(len(components), -1),
@@ -79,13 +80,10 @@ def limit_positions(template: FaceTemplate):
     """A function from the skin's control vertices (S x 3) to their limits on the surface."""
     faces = np.ascontiguousarray(template.skin_faces, dtype=np.int32)
     num_vertices = template.num_skin_vertices
-    indptr, indices, weights = _core.SubdividedMesh(faces, num_vertices, 0).stencils()
-    indptr, count = indptr[: num_vertices + 1], indptr[num_vertices]
+    surface = _core.SubdividedMesh(faces, num_vertices, 0)
 
     def apply(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.add.reduceat(
-            weights[:count, None] * vertices[indices[:count]], indptr[:-1], axis=0
-        )
+        return surface.positions(np.ascontiguousarray(vertices, dtype=np.float64))[:num_vertices]
 
     return apply
 
@@ -102,38 +100,3 @@ def _landmark_weights(
     for name, row in zip(*landmark_points(template), strict=True):
         rows.setdefault(name, row)
     return list(rows), np.array(list(rows.values()))
-
-
-def _chain(
-    template: FaceTemplate, points: NDArray[np.float64], stops: tuple[str, ...]
-) -> list[int]:
-    """Vertices of the shortest way along the skin's edges through landmarks."""
-    vertices = [template.landmark(name) for name in stops]
-    edges: dict[int, set[int]] = {}
-    for quad in template.skin_faces:
-        for a, b in zip(quad, np.roll(quad, 1), strict=True):
-            edges.setdefault(int(a), set()).add(int(b))
-            edges.setdefault(int(b), set()).add(int(a))
-    chain = [vertices[0]]
-    for start, goal in itertools.pairwise(vertices):
-        chain += _shortest_way(edges, points, start, goal)[1:]
-    return chain
-
-
-def _shortest_way(edges: dict[int, set[int]], points, start: int, goal: int) -> list[int]:
-    reached: dict[int, int] = {}
-    queue = [(0.0, start, start)]
-    while queue:
-        length, vertex, before = heapq.heappop(queue)
-        if vertex in reached:
-            continue
-        reached[vertex] = before
-        if vertex == goal:
-            break
-        for other in edges[vertex] - reached.keys():
-            step = float(np.linalg.norm(points[other] - points[vertex]))
-            heapq.heappush(queue, (length + step, other, vertex))
-    way = [goal]
-    while way[-1] != start:
-        way.append(reached[way[-1]])
-    return way[::-1]

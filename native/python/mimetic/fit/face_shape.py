@@ -9,12 +9,13 @@ each set of components stands for the likeliest identity and residual coefficien
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput
+from mimetic import InvalidInput, _core
+from mimetic.fit.mode_signs import COMPONENTS_REVERSED, signs
 from mimetic.fit.residual_shape import residual_modes
 from mimetic.template.face_template import FaceTemplate
 from mimetic.template.regions import FACE
@@ -58,11 +59,7 @@ class FaceShape:
             raise InvalidInput(
                 f"the fit has {len(residual)} residual coefficients, this head {count}: fit again"
             )
-        return self._inverse @ given
-
-    @cached_property
-    def _inverse(self) -> NDArray[np.float64]:
-        return np.linalg.pinv(self.coefficients)
+        return _core.nearest_coefficients(self.coefficients, np.array(given, dtype=np.float64))
 
 
 def identity_names(template: FaceTemplate) -> list[str]:
@@ -84,11 +81,10 @@ def face_shape(
         np.full(len(residual), float(with_residual)),
     )
     likely = np.concatenate([identity, residual]) * spread[:, None, None]
-    face = np.flatnonzero(template.in_region(*FACE))
-    seen = likely[:, face].reshape(len(likely), -1)
-    values, vectors = np.linalg.eigh(seen @ seen.T)
-    kept = vectors[:, np.argsort(-values)[:MOST_COMPONENTS]]
-    return FaceShape(names, spread[:, None] * kept, np.tensordot(kept.T, likely, axes=1))
+    face = np.flatnonzero(template.in_region(*FACE)).tolist()
+    shares, components = _core.principal_shapes(likely, face, MOST_COMPONENTS)
+    turned = signs(COMPONENTS_REVERSED, len(components))
+    return FaceShape(names, spread[:, None] * shares * turned, turned[:, None, None] * components)
 
 
 def _identity_spread(template: FaceTemplate, names, modes) -> NDArray[np.float64]:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
@@ -17,11 +18,9 @@ from mimetic.fit.face_model import face_model
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitted_view import FittedView
 from mimetic.fit.relief_shift import picture_shifts
-from mimetic.fit.symmetry import symmetry
 from mimetic.fit.views import follow_points
 from mimetic.locate.eigenspaces import installed_spaces
 from mimetic.locate.landmarks import BETWEEN_PREFIX, installed_cascade, measured_landmarks
-from mimetic.locate.rest import detail, expression, rest_score
 from mimetic.shared.installed_data import data_folder
 from mimetic.template.face_template import FaceTemplate, load_template
 
@@ -72,7 +71,8 @@ def judge_frame(image: NDArray[np.uint8], near: tuple[float, float] | None = Non
     if not faces:
         return None
     face = faces[0 if near is None else _nearest(faces, near)]
-    return Judged(rest_score(image, face), detail(image, face), expression(face), face)
+    score, detail = _core.rest_score(image, face), _core.face_detail(image, face)
+    return Judged(score, detail, _core.expression_of(face), face)
 
 
 def find_face(
@@ -155,7 +155,7 @@ def _fitted(
         if fit is None:
             continue
         warped = canonical_image(fit, image, size=SYMMETRY_SIZE, template=template)
-        if symmetry(*warped) >= LEAST_SYMMETRY:
+        if _core.mirror_correlation(*warped) >= LEAST_SYMMETRY:
             return fit
     return None
 
@@ -362,7 +362,7 @@ def _expected(model, estimate, camera, features):
 
 def _nearest(faces: list[_core.FaceFeatures], near: tuple[float, float]) -> int:
     """Index of the face whose middle is nearest to a place, pixels."""
-    away = [np.linalg.norm(face.box[:2] + face.box[2:] / 2 - near) for face in faces]
+    away = [math.dist(face.box[:2] + face.box[2:] / 2, near) for face in faces]
     return int(np.argmin(away))
 
 

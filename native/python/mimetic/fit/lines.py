@@ -8,6 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from mimetic import _core
 from mimetic.fit.face_fit import FaceFit
 from mimetic.shared.picture import picture_coordinates
 from mimetic.template.face_template import load_template
@@ -28,23 +29,15 @@ def fit_lines(fit: FaceFit, frame: int | None = None) -> NDArray[np.float64]:
     if pose is None:
         return np.zeros((0, 2, 2))
     template = load_template()
-    faces = _skin()
     vertices = fit.neutral_vertices(template) @ pose[:3, :3].T + pose[:3, 3]
-    corners = vertices[faces]
-    normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-    middles = corners.mean(axis=1)
-    sizes = np.linalg.norm(normals, axis=1) * np.linalg.norm(middles, axis=1)
-    is_seen = -np.einsum("fi,fi->f", normals, middles) > FACING * np.maximum(sizes, 1e-12)
-    seen = faces[is_seen]
-    edges = np.stack([seen, np.roll(seen, -1, axis=1)], axis=2).reshape(-1, 2)
-    edges = np.unique(np.sort(edges, axis=1), axis=0)
+    edges = _core.facing_edges(vertices, _skin(), FACING)
     pixels = vertices @ fit.intrinsics.T
     places = picture_coordinates(pixels[:, :2] / pixels[:, 2:], fit.image_size)
     return places[edges]
 
 
 @lru_cache(maxsize=1)
-def _skin() -> NDArray[np.int64]:
+def _skin() -> NDArray[np.int32]:
     template = load_template()
     faces = np.asarray(template.skin_faces)
     return faces[~template.in_region(*LEFT_OUT)[faces].any(axis=1)]

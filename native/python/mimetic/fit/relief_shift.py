@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic.fit.face_fit import FaceFit
-from mimetic.shared import pinhole
 from mimetic.template.face_template import FaceTemplate
 
 Floats = NDArray[np.float64]
@@ -31,7 +30,7 @@ def picture_shifts(
     )
     shifts = []
     for pose in poses:
-        before, after = (pinhole.show(one, pose, fit.intrinsics)[0] for one in (plain, relieved))
+        before, after = (fit.camera.pixels(one, pose) for one in (plain, relieved))
         moved = (after - before).tolist()
         shifts.append({n: (x, y) for n, (x, y) in zip(template.landmark_names, moved, strict=True)})
     return shifts

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
+from mimetic.fit.mode_signs import RESIDUAL_REVERSED, signs
 from mimetic.skin.mesh import SkinMesh, keep_columns, split_quads
 from mimetic.template.face_template import FaceTemplate
 from mimetic.template.regions import FACE
@@ -33,63 +34,24 @@ ATTACHMENT = 1e5  # N/m^3, both along and across: deformations reach about 2 cm
 def residual_modes(template: FaceTemplate) -> NDArray[np.float64]:
     """M x V x 3 metres at one prior standard deviation; even modes under the mirror, then odd."""
     skin = _held_skin(template)
-    face = np.flatnonzero(template.in_region(*FACE))
-    modes = []
-    for sign, spread in ((1.0, SPREAD), (-1.0, ODD_SPREAD)):
-        pulls = _pulls(template, sign)
-        modes += _principal(pulls, skin(pulls), face, spread)
-    return _with_parts(template, np.array(modes))
-
-
-def _principal(pulls, responses, face, spread: float) -> list[NDArray[np.float64]]:
-    """Principal components over the face of the elastic prior, largest first, rms `spread`.
-
-    pulls, responses: N x S x 3, newtons and metres.
-    """
-    flat = responses.reshape(len(responses), -1)
-    compliance = pulls.reshape(len(pulls), -1) @ flat.T
-    root = np.linalg.cholesky((compliance + compliance.T) / 2)
-    likely = np.linalg.solve(root, flat).reshape(responses.shape)  # a unit of energy each
-    seen = likely[:, face].reshape(len(likely), -1)
-    values, vectors = np.linalg.eigh(seen @ seen.T)
-    kept = np.flatnonzero(values > LEAST_VARIANCE * values.max())[::-1]
-    modes = np.tensordot(vectors[:, kept].T, likely, axes=1)
-    variance = (modes[:, face] ** 2).sum(axis=(0, 2)).mean() / 3
-    return list(modes * (spread / np.sqrt(variance)))
-
-
-def _pulls(template: FaceTemplate, sign: float) -> NDArray[np.float64]:
-    """N x S x 3 newtons on both sides alike (sign 1) or opposed (-1), spread round each place."""
-    points = template.vertices[: template.num_skin_vertices]
+    points = np.ascontiguousarray(template.vertices[: template.num_skin_vertices])
     on_face = template.in_region(*FACE)
-    pulls = []
-    for place in _places(template):
-        shares = []
-        for middle in (points[place], points[place] * (-1, 1, 1)):
-            near = np.exp(-((points - middle) ** 2).sum(axis=1) / (2 * PULL_RADIUS**2)) * on_face
-            shares.append(near / near.sum())
-        for axis in range(3):
-            parity = sign * (-1.0 if axis == 0 else 1.0)
-            if parity < 0 and abs(points[place, 0]) < 1e-6:
-                continue  # a pull that is its own opposite
-            pull = np.zeros(points.shape)
-            pull[:, axis] = (shares[0] + parity * shares[1]) / 2
-            pulls.append(pull)
-    return np.array(pulls)
+    face, places = np.flatnonzero(on_face).tolist(), _places(template)
+    modes = []
+    for parity, spread in ((1, SPREAD), (-1, ODD_SPREAD)):
+        pulls = _core.paired_pulls(points, places, on_face, PULL_RADIUS, parity)
+        modes.append(_core.elastic_modes(pulls, skin(pulls), face, spread, LEAST_VARIANCE))
+    skin_modes = np.concatenate(modes)
+    turned = signs(RESIDUAL_REVERSED, len(skin_modes))[:, None, None]
+    return _with_parts(template, turned * skin_modes)
 
 
-def _places(template: FaceTemplate) -> NDArray[np.int64]:
+def _places(template: FaceTemplate) -> list[int]:
     """Vertices of the face's left half and midline, well apart, the landmarks first."""
-    skin = template.num_skin_vertices
-    points = template.vertices[:skin]
+    points = template.vertices[: template.num_skin_vertices]
     allowed = template.in_region(*FACE) & (points[:, 0] > -1e-6)
-    chosen = [int(v) for v in template.landmark_vertices if allowed[v]]
-    distance = np.min([np.linalg.norm(points - points[v], axis=1) for v in chosen], axis=0)
-    distance[~allowed] = -1
-    while len(chosen) < PLACES:
-        chosen.append(int(np.argmax(distance)))
-        distance = np.minimum(distance, np.linalg.norm(points - points[chosen[-1]], axis=1))
-    return np.array(chosen)
+    landmarks = [int(v) for v in template.landmark_vertices if allowed[v]]
+    return _core.spread_rows(points, landmarks, allowed.tolist(), PLACES)
 
 
 def _held_skin(template: FaceTemplate):

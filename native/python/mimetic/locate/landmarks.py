@@ -18,7 +18,6 @@ from mimetic.template.regions import FACE
 FILE_NAME = "face_landmarks.npz"  # in the folder of installed data
 BETWEEN_PREFIX = "skin."  # of points that have no name of their own
 NUM_PLACES = 44  # on the left half and the midline, named ones among them
-RESIZED = 0.2  # logarithm of the size, beyond what pupils well found leave to mend: start again
 ALIKE = 1.6  # what sigma is multiplied by: landmarks of a face err together
 # Nothing marks these points: they follow from the rest of the face as in drawn people; lines that
 # are measured say more of a real one
@@ -84,13 +83,8 @@ def _spread(template: FaceTemplate) -> list[int]:
     """Vertices of the face's left half and midline, well apart, the named ones first."""
     points = template.vertices[: template.num_skin_vertices]
     candidates = template.in_region(*FACE) & (points[:, 0] > -1e-6)
-    vertices = [int(v) for v in template.landmark_vertices if points[v, 0] > -1e-6]
-    distance = np.min([np.linalg.norm(points - points[v], axis=1) for v in vertices], axis=0)
-    distance[~candidates] = -1
-    while len(vertices) < NUM_PLACES:
-        vertices.append(int(np.argmax(distance)))
-        distance = np.minimum(distance, np.linalg.norm(points - points[vertices[-1]], axis=1))
-    return vertices
+    landmarks = [int(v) for v in template.landmark_vertices if points[v, 0] > -1e-6]
+    return _core.spread_rows(points, landmarks, candidates.tolist(), NUM_PLACES)
 
 
 def installed_cascade() -> _core.LandmarkCascade:
@@ -114,19 +108,13 @@ def measured_landmarks(
         if feature.name == name
     )
     start = cascade.start(right, left, face.yaw if yaw is None else yaw)
-    landmarks = cascade.find(image, start)
-    if abs(np.log(_size(landmarks.places) / _size(start))) > RESIZED:
-        landmarks = cascade.find(image, landmarks.places)
+    landmarks = cascade.settle(image, start)
     weight = [ALIKE * (BARE if name.startswith(ON_BARE_SKIN) else 1) for name in cascade.names]
     features = [
         _core.Feature(*one)
         for one in zip(cascade.names, landmarks.places, weight * landmarks.sigma_px, strict=True)
     ]
     return _core.FaceFeatures(features, [], face.box, face.likelihood)
-
-
-def _size(places: NDArray[np.float64]) -> float:
-    return float(np.linalg.norm(places - places.mean(axis=0)))
 
 
 def save(arrays: dict[str, NDArray], path: str | os.PathLike) -> None:

@@ -32,8 +32,9 @@ def check_span(apart: float, what: str) -> None:
     """Raise InvalidInput, naming the unit that it seems to be in, unless eyes are metres apart."""
     if EYES_APART[0] <= apart <= EYES_APART[1]:
         return
-    typical = 0.063
-    unit = min(UNITS, key=lambda name: abs(np.log(apart * UNITS[name] / typical + 1e-300)))
+    unit = min(
+        UNITS, key=lambda name: abs(np.log(apart * UNITS[name] / _core.PUPIL_DISTANCE + 1e-300))
+    )
     advice = "scale it to the size of a head"
     if EYES_APART[0] <= apart * UNITS[unit] <= EYES_APART[1]:
         advice = f"if it is in {unit}, multiply its vertices by {UNITS[unit]:g}"

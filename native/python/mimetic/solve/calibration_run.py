@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from mimetic import InvalidInput
+from mimetic import InvalidInput, _core
 from mimetic.fit.fitting import FaceFit
 from mimetic.media.footage import Footage
 from mimetic.muscles.calibration import Calibration
@@ -17,7 +17,6 @@ from mimetic.skin.mesh import SkinMesh
 from mimetic.solve import clip_capture
 from mimetic.solve.calibrate import Found, estimate
 from mimetic.solve.clip_capture import CaptureSummary, ClipCapture, FrameRange
-from mimetic.solve.sightings import Sighting
 
 LEAST_FRAMES = 15  # in which the face was followed
 MOST_FRAMES = 600  # of footage: 20 s show what there is, and all are kept in memory
@@ -27,12 +26,12 @@ WEIGHED = 0.7  # of what following costs, for the progress
 class _ObservedCapture(ClipCapture):
     """A capture that keeps where the skin was seen in every frame that was followed."""
 
-    sightings: list[Sighting]
+    sightings: list[_core.Sighting]
 
     def advance(self, tracker, frame, image, guess=None):
         found = super().advance(tracker, frame, image, guess)
         if not found.held and self.first <= frame <= self.last:
-            self.sightings.append(Sighting.of(frame, found, tracker.observations()))
+            self.sightings.append(_core.Sighting.of(frame, found, tracker.observations()))
         return found
 
 
@@ -77,7 +76,7 @@ def calibrate(
     found = estimate(
         mesh,
         capture.sightings,
-        fit.intrinsics,
+        fit.camera,
         fit.head_pose,
         lambda fraction: weighing(fraction, "weighing the evidence"),
     )

@@ -376,6 +376,5 @@ class ClipCapture:
 
 def _of_the_turn(poses: NDArray[np.float64], reference: NDArray[np.float64]) -> NDArray[np.float64]:
     """N x 3 x 3 rad^2, about every axis alike: what the fit's depth adds to the rotation's."""
-    cosines = (np.einsum("nij,ij->n", poses[:, :3, :3], reference[:3, :3]) - 1) / 2
-    std = TURN_ERROR * np.arccos(np.clip(cosines, -1, 1))
+    std = TURN_ERROR * _core.angles_from(poses, reference)
     return std[:, None, None] ** 2 * np.eye(3)

@@ -9,12 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimetic import _core
 from mimetic.fit import fitting
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitting import NoFace
 from mimetic.fit.views import Candidate, choose_views
-from mimetic.locate.rest import chances_of_rest, usual_expression
 from mimetic.media.footage import Footage
 from mimetic.shared.progress import FITTED, JUDGED, NUM_TRIED, Progress, stages
 from mimetic.solve.relief_sightings import with_relief
@@ -49,7 +49,7 @@ def find_rest(
     scores = np.array([one.score for one in judged.values()])
     expressions = np.array([one.expression for one in judged.values()])
     details = np.array([one.detail for one in judged.values()])
-    chances = chances_of_rest(scores, details, expressions)
+    chances = _core.chances_of_rest(scores, details, expressions)
     fits = []
     for number, i in enumerate(np.argsort(-chances)):
         if len(fits) == NUM_TRIED or (fits and chances[i] < LEAST_CHANCE * chances.max()):
@@ -62,7 +62,7 @@ def find_rest(
         return None
     # Pose or expression taken for shape asks for unusual proportions.
     best = min(fits, key=_unusualness)
-    usual = usual_expression(expressions, scores)
+    usual = _core.usual_expression(expressions, scores)
     candidates = [
         Candidate(frame, one.features, float(share))
         for (frame, one), share in zip(judged.items(), usual, strict=True)

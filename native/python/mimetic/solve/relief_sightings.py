@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
@@ -21,7 +22,6 @@ from mimetic.performance.document import HELD_QUALITY
 from mimetic.shared.progress import ATTACHED, MOST_FOLLOWED, Progress, stages
 from mimetic.solve import tracking
 from mimetic.solve.relief import LEAST_SIGHTINGS, find_relief
-from mimetic.solve.sightings import Sighting
 from mimetic.template.face_template import load_template
 
 Images = Iterator[tuple[int, NDArray[np.uint8]]]
@@ -42,9 +42,7 @@ def with_relief(
     """
     signs = {c.frame: turn_signs(c.features) for c in candidates}
     turned = [
-        frame
-        for frame, sign in signs.items()
-        if np.linalg.norm(sign - signs[fit.frame]) >= LEAST_TURN
+        frame for frame, sign in signs.items() if math.dist(sign, signs[fit.frame]) >= LEAST_TURN
     ]
     if len(turned) < LEAST_SIGHTINGS:
         return fit
@@ -63,20 +61,24 @@ def with_relief(
     at_reference = tracker.advance(reference)
     first, last = min(*turned, fit.frame), max(*turned, fit.frame)
     stride = 1 + (last - first) // MOST_FOLLOWED
-    sightings: list[Sighting] = []
+    sightings: list[_core.Sighting] = []
     for images in (
         footage.frames(fit.frame + 1, last) if last > fit.frame else iter(()),
         frames_backward(footage, fit.frame - 1, first),
     ):
         tracker.restart(reference, at_reference)
-        chosen = itertools.islice(images, stride - 1, None, stride)
-        for sighting in _follow(tracker, _one_scene(reference, chosen)):
-            told = f"looking for the face's relief: frame {sighting.frame}"
-            if not following(len(sightings) * stride / (1 + last - first), told):
+        strided = itertools.islice(images, stride - 1, None, stride)
+        for sighting in _follow(tracker, _one_scene(reference, strided)):
+            text = f"looking for the face's relief: frame {sighting.frame}"
+            if not following(len(sightings) * stride / (1 + last - first), text):
                 return fit
             sightings.append(sighting)
     modes, std = tracking.moving_modes(anatomy, template.num_skin_vertices)
-    return replace(fit, relief=find_relief(fit, template, sightings, modes, std))
+    relief = find_relief(
+        *(fit, template, sightings, modes, std),
+        lambda _fraction: following(1.0, "looking for the face's relief: depth"),
+    )
+    return replace(fit, relief=relief)
 
 
 def _one_scene(reference: NDArray[np.uint8], images: Images) -> Images:
@@ -88,12 +90,12 @@ def _one_scene(reference: NDArray[np.uint8], images: Images) -> Images:
         yield frame, image
 
 
-def _follow(tracker: _core.FaceTracker, images: Images) -> Iterator[Sighting]:
+def _follow(tracker: _core.FaceTracker, images: Images) -> Iterator[_core.Sighting]:
     num_lost = 0
     for frame, image in images:
         estimate = tracker.advance(image)
         if not estimate.held and estimate.quality >= HELD_QUALITY:
-            yield Sighting.of(frame, estimate, tracker.observations())
+            yield _core.Sighting.of(frame, estimate, tracker.observations())
         num_lost = num_lost + 1 if estimate.held else 0
         if num_lost == GIVEN_UP:
             return

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, UnreadableMedia
+from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.shared.array_file import ArrayArchive, open_arrays
 from mimetic.shared.installed_data import data_folder
 from mimetic.shared.shown_text import shortened
@@ -109,7 +109,9 @@ class FaceTemplate:
 
     def eye_spheres(self, vertices: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
         """Centres (2 x 3, left first) and mean radius of the eyeballs of a neutral (V x 3)."""
-        spheres = [_sphere(vertices[self.part_vertices(name)]) for name in ("eye.L", "eye.R")]
+        spheres = [
+            _core.nearest_sphere(vertices[self.part_vertices(name)]) for name in ("eye.L", "eye.R")
+        ]
         return np.array([s[0] for s in spheres]), float(np.mean([s[1] for s in spheres]))
 
 
@@ -207,10 +209,3 @@ def _index(name: str, names: list[str], what: str) -> int:
     if name not in names:
         raise InvalidInput(f"there is no {what} {name!r}; there are {shortened(', '.join(names))}")
     return names.index(name)
-
-
-def _sphere(points: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-    """Centre and radius of the sphere nearest to the points (N x 3), algebraic least squares."""
-    system = np.column_stack([2 * points, np.ones(len(points))])
-    solution = np.linalg.lstsq(system, (points**2).sum(1), rcond=None)[0]
-    return solution[:3], float(np.sqrt(solution[3] + solution[:3] @ solution[:3]))

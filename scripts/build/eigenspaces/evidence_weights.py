@@ -25,7 +25,7 @@ RATIO, FIRST_WEIGHT = 1, 0.02  # which evidence is the log likelihood ratio; log
 ROUNDS = 2
 
 
-def calibrated(
+def with_weights(
     spaces: _core.FaceSpaces,
     pictures: Pictures,
     natural: list[np.ndarray],

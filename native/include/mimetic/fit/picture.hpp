@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <Eigen/Geometry>
+#include <mimetic/fit/fit.hpp>
+#include <mimetic/shared/image.hpp>
+
+namespace mimetic {
+
+/// Where quads are seen: of edge lines, those that face the camera.
+using Edges = Rows<int, 2>;
+
+/// Edges of the quads that face the camera by more than the cosine `facing`, each once, sorted.
+/// vertices_in_camera: V x 3, metres.
+Edges facing_edges(PointsIn vertices_in_camera, QuadsIn quads, double facing);
+
+/// What of quads each pixel of a canonical picture shows.
+struct CanonicalPixels {
+    Quads corners;            ///< K x 4 vertices
+    Rows<double, 4> weights;  ///< K x 4, sum 1
+};
+
+/// Colours of a picture at K places of a surface, K x 3, and whether each is seen: inside the picture and
+/// facing the camera by more than the cosine `facing`. vertices_in_camera: V x 3, metres.
+struct SeenColours {
+    Rows<std::uint8_t, 3> colours;  ///< 0 where not seen
+    std::vector<bool> is_seen;
+};
+SeenColours seen_colours(const ColorView& image, const Camera& camera, PointsIn vertices_in_camera,
+                         const CanonicalPixels& pixels, double facing);
+
+/// Correlation of a canonical picture (S x S) with its mirror image, -1 to 1: of a head fitted turned wrongly
+/// the halves differ. Brightness and contrast are taken out region by region: light comes from one side.
+/// is_seen: S x S.
+double mirror_correlation(const ColorView& picture, const std::vector<bool>& is_seen);
+
+}  // namespace mimetic

@@ -1,0 +1,263 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <mimetic/locate/rest.hpp>
+#include <mimetic/shared/error.hpp>
+#include <numeric>
+
+namespace mimetic {
+
+namespace {
+
+/// What faces at rest stay under, and how fast the score falls beyond (real webcam clips): parts of the
+/// cheek's brightness.
+struct AtRest {
+    double usual;
+    double spread;
+};
+constexpr AtRest kMouthContrast{.13, .03};  // two lips and a line; teeth or an open mouth's dark add to it
+constexpr AtRest kMouthEdges{.09, .02};
+constexpr AtRest kCheekContrast{.09, .04};            // the smile's fold
+constexpr AtRest kPupilBrightness{.33, .08};          // closed lids are as bright as skin
+constexpr double kLevel = .25;                        // rad
+constexpr double kFrontal = .1, kMouthFrontal = .12;  // pupil distances off the middle
+constexpr double kSmooth =
+    .75;  // of the second differences in a face: borders of an encoder's blocks are above
+constexpr double kDetailed = .75;      // of a clip's frames have less detail than its detailed ones
+constexpr double kLeastSpread = .015;  // pupil distances by which a still face's features seem to move
+constexpr double kUsual = 1.5;         // spreads
+constexpr double kLeastRest = .1;      // of the best frame's score: below, a face is plainly not at rest
+
+using Window = Eigen::Array<double, 41, 41, Eigen::RowMajor>;
+
+/// Grey level of a pixel, ITU-R BT.601.
+double grey_at(ColorView image, int x, int y) {
+    const std::uint8_t* pixel = image.row(y) + 3 * x;
+    return .299 * pixel[0] + .587 * pixel[1] + .114 * pixel[2];
+}
+
+Eigen::Vector2d place_of(const FaceFeatures& face, const std::string& name) {
+    const Feature* feature = face.find(name);
+    if (feature == nullptr) {
+        throw InvalidInput("the face has no feature " + name);
+    }
+    return feature->position;
+}
+
+double median(std::vector<double> values) {
+    if (values.empty()) {
+        return std::numeric_limits<double>::quiet_NaN();
+    }
+    const std::size_t half = values.size() / 2;
+    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half), values.end());
+    if (values.size() % 2 == 1) {
+        return values[half];
+    }
+    const double below =
+        *std::max_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half));
+    return (below + values[half]) / 2;
+}
+
+/// Between the two nearest, as numpy's.
+double quantile(std::vector<double> values, double part) {
+    std::sort(values.begin(), values.end());
+    const double at = part * static_cast<double>(values.size() - 1);
+    const auto below = static_cast<std::size_t>(at);
+    const std::size_t above = std::min(below + 1, values.size() - 1);
+    return values[below] + (at - static_cast<double>(below)) * (values[above] - values[below]);
+}
+
+double deviation(const auto& values) { return std::sqrt((values - values.mean()).square().mean()); }
+
+/// The picture in pupil distances from the mid-eye point, x right, y down.
+class FaceFrame {
+public:
+    FaceFrame(ColorView image, const FaceFeatures& face)
+        : image_(image),
+          face_(face),
+          middle_((place_of(face, "pupil.R") + place_of(face, "pupil.L")) / 2),
+          across_(place_of(face, "pupil.L") - place_of(face, "pupil.R")),
+          down_(-across_.y(), across_.x()) {}
+
+    Eigen::Vector2d place(const std::string& name) const {
+        const Eigen::Vector2d away = place_of(face_, name) - middle_;
+        return Eigen::Vector2d(across_.dot(away), down_.dot(away)) / across_.squaredNorm();
+    }
+
+    double midway(const std::string& name) const {
+        return (place(name + ".L").x() + place(name + ".R").x()) / 2;
+    }
+
+    double roll() const { return std::atan2(across_.y(), across_.x()); }
+
+    /// Grey values round a point, held at the border.
+    Window window(double x, double y, double half_x, double half_y) const {
+        Window values;
+        for (int row = 0; row < values.rows(); ++row) {
+            for (int column = 0; column < values.cols(); ++column) {
+                const Eigen::Vector2d spot = middle_ + (x + half_x * (column - 20) / 20.) * across_ +
+                                             (y + half_y * (row - 20) / 20.) * down_;
+                const double right = std::clamp(std::nearbyint(spot.x()), 0., image_.cols - 1.);
+                const double down = std::clamp(std::nearbyint(spot.y()), 0., image_.rows - 1.);
+                values(row, column) = grey_at(image_, static_cast<int>(right), static_cast<int>(down));
+            }
+        }
+        return values;
+    }
+
+private:
+    ColorView image_;
+    const FaceFeatures& face_;
+    Eigen::Vector2d middle_, across_, down_;
+};
+
+double beyond(double value, const AtRest& rest) {
+    const double off = std::max(0., value - rest.usual) / rest.spread;
+    return std::exp(-.5 * off * off);
+}
+
+/// Which of a clip's frames say what is usual.
+std::vector<int> informative_frames(VectorIn scores) {
+    std::vector<int> frames;
+    for (int f = 0; f < scores.size(); ++f) {
+        if (scores[f] >= kLeastRest * scores.maxCoeff()) {
+            frames.push_back(f);
+        }
+    }
+    if (2 * frames.size() >= static_cast<std::size_t>(scores.size())) {
+        frames.resize(static_cast<std::size_t>(scores.size()));
+        std::iota(frames.begin(), frames.end(), 0);
+    }
+    return frames;
+}
+
+void check_sizes(const Expressions& expressions, VectorIn values) {
+    if (expressions.rows() != values.size() || values.size() == 0) {
+        throw InvalidInput("there must be an expression and a number for each of some frames");
+    }
+}
+
+}  // namespace
+
+double rest_score(ColorView image, const FaceFeatures& face) {
+    const FaceFrame frame(image, face);
+    const double off_nose = frame.midway("ala") / kFrontal,
+                 off_mouth = frame.midway("mouth_corner") / kMouthFrontal, off_level = frame.roll() / kLevel;
+    double score = face.likelihood *
+                   std::exp(-.5 * (off_nose * off_nose + off_mouth * off_mouth + off_level * off_level));
+    std::vector<double> cheeks;
+    for (const double x : {-.5, .5}) {
+        const Window cheek = frame.window(x, .65, .1, .1);
+        cheeks.insert(cheeks.end(), cheek.data(), cheek.data() + cheek.size());
+    }
+    const double skin = median(cheeks) + 1;
+    const double nose = frame.midway("ala");
+    const Window mouth = frame.window(nose, 1.15, .4, .3);
+    const double contrast = deviation(mouth.middleCols(3, 35).eval());
+    double edges = 0;
+    for (int row = 3; row < mouth.rows(); row += 3) {
+        edges += (mouth.row(row) - mouth.row(row - 3)).abs().sum();
+    }
+    edges /= 13. * 41;
+    const double fold = std::max(deviation(frame.window(nose - .5, .95, .12, .15)),
+                                 deviation(frame.window(nose + .5, .95, .12, .15)));
+    double pupils = 0;
+    for (const char* name : {"pupil.L", "pupil.R"}) {
+        const Eigen::Vector2d at = frame.place(name);
+        pupils += frame.window(at.x(), at.y(), .07, .07).mean() / 2;
+    }
+    score *= beyond(contrast / skin, kMouthContrast) * beyond(edges / skin, kMouthEdges) *
+             beyond(fold / skin, kCheekContrast) * beyond(pupils / skin, kPupilBrightness);
+    return score;
+}
+
+double face_detail(ColorView image, const FaceFeatures& face) {
+    std::array<int, 4> box;
+    for (int i = 0; i < 4; ++i) {
+        box[static_cast<std::size_t>(i)] = static_cast<int>(std::nearbyint(face.box[i]));
+    }
+    const auto [left, top, width, height] = box;
+    const int first_x = std::max(0, left), end_x = std::min(image.cols, left + width);
+    const int first_y = std::max(0, top), end_y = std::min(image.rows, top + height);
+    std::vector<double> bends;
+    for (int y = first_y; y < end_y; ++y) {
+        for (int x = first_x + 2; x < end_x; ++x) {
+            bends.push_back(
+                std::abs(grey_at(image, x, y) - 2 * grey_at(image, x - 1, y) + grey_at(image, x - 2, y)));
+        }
+    }
+    std::sort(bends.begin(), bends.end());
+    const auto count = static_cast<std::ptrdiff_t>(kSmooth * static_cast<double>(bends.size()));
+    return count > 0 ? std::accumulate(bends.begin(), bends.begin() + count, 0.) / static_cast<double>(count)
+                     : 0;
+}
+
+Expression expression_of(const FaceFeatures& face) {
+    const Eigen::Vector2d right_eye = place_of(face, "pupil.R"), left_eye = place_of(face, "pupil.L");
+    const Eigen::Vector2d middle = (right_eye + left_eye) / 2, across = left_eye - right_eye;
+    const Eigen::Vector2d down(-across.y(), across.x());
+    const auto height = [&](const std::string& name) {
+        std::vector<double> heights;
+        if (const FeatureCurve* curve = face.find_curve(name)) {
+            for (Eigen::Index i = 0; i < curve->points.rows(); ++i) {
+                heights.push_back((curve->points.row(i).transpose() - middle).dot(down));
+            }
+        }
+        return median(heights);
+    };
+    const Eigen::Vector2d left = place_of(face, "mouth_corner.L"), right = place_of(face, "mouth_corner.R");
+    Expression values;
+    values << height("brow.L"), height("brow.R"), (left - middle).dot(down), (right - middle).dot(down),
+        (place_of(face, "lip_lower") - place_of(face, "lip_upper")).dot(down), (left - right).dot(across);
+    return values / across.squaredNorm();
+}
+
+Eigen::VectorXd usual_expression(const Expressions& expressions, VectorIn scores) {
+    check_sizes(expressions, scores);
+    const std::vector<int> frames = informative_frames(scores);
+    Eigen::ArrayXd farthest = Eigen::ArrayXd::Zero(scores.size());
+    for (const auto values : expressions.colwise()) {
+        std::vector<double> known;
+        for (const int f : frames) {
+            if (!std::isnan(values[f])) {
+                known.push_back(values[f]);
+            }
+        }
+        const double rest = median(known);
+        Eigen::ArrayXd off = (values.array() - rest).abs();
+        off = off.isNaN().select(0, off);
+        std::vector<double> distances;
+        for (const int f : frames) {
+            distances.push_back(off[f]);
+        }
+        farthest = farthest.max(off / std::max(1.48 * median(distances), kLeastSpread));
+    }
+    return (-.5 * (farthest / kUsual).square()).exp();
+}
+
+Eigen::VectorXd shared_expression(const Expressions& expressions, VectorIn weights) {
+    check_sizes(expressions, weights);
+    Eigen::VectorXd number = Eigen::VectorXd::Zero(weights.size());
+    for (Eigen::Index a = 0; a < weights.size(); ++a) {
+        for (Eigen::Index b = 0; b < weights.size(); ++b) {
+            Eigen::Array<double, 1, 6> apart =
+                (expressions.row(a) - expressions.row(b)).array() / kLeastSpread;
+            apart = apart.isNaN().select(0, apart);
+            number[a] += std::exp(-apart.square().mean()) * weights[b];
+        }
+    }
+    return number / std::max(number.maxCoeff(), 1e-300);
+}
+
+Eigen::VectorXd chances_of_rest(VectorIn scores, VectorIn details, const Expressions& expressions) {
+    check_sizes(expressions, scores);
+    check_sizes(expressions, details);
+    const double full = std::max(quantile({details.begin(), details.end()}, kDetailed), 1e-6);
+    const Eigen::ArrayXd weights = scores.array() * (details.array() / full).min(1).square();
+    return weights * usual_expression(expressions, scores).array() *
+           shared_expression(expressions, weights.matrix()).array();
+}
+
+}  // namespace mimetic

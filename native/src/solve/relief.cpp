@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <mimetic/shared/error.hpp>
+#include <mimetic/shared/rotations.hpp>
+#include <mimetic/shared/scale.hpp>
+#include <mimetic/solve/relief.hpp>
+#include <opencv2/core/utility.hpp>
+
+#include "error_field.hpp"
+#include "seen_point.hpp"
+
+namespace mimetic {
+
+namespace {
+
+/// Normal equations in the shape and the lasting shifts.
+struct Normal {
+    Eigen::MatrixXd information;
+    Eigen::VectorXd pull;
+};
+
+/// Where the distinct points of all sightings are, and how they move: three rows a point, metres.
+struct Seen {
+    Eigen::VectorXd rest;  ///< 3P
+    MatrixRows by_mode;    ///< 3P x M
+    MatrixRows by_shape;   ///< 3P x (C + E): deeper by a component, or shifted in all frames alike
+};
+
+Points normals_at(const FittedSkin& skin, const DistinctPoints& points) {
+    Points normals(points.vertices.rows(), 3);
+    for (Eigen::Index k = 0; k < normals.rows(); ++k) {
+        Eigen::RowVector3d normal = Eigen::RowVector3d::Zero();
+        for (int corner = 0; corner < 3; ++corner) {
+            normal += points.barycentric(k, corner) * skin.normals.row(points.vertices(k, corner));
+        }
+        normals.row(k) = normal.normalized();
+    }
+    return normals;
+}
+
+Seen see(const FittedSkin& skin, const ReliefModel& model, const DistinctPoints& points,
+         const ReliefOptions& options) {
+    const auto at = [&](MatrixIn modes) {
+        return modes_at(skin.stencils, points.vertices, points.barycentric, modes);
+    };
+    const Eigen::Index count = points.vertices.rows(), num_components = model.components.rows();
+    Seen seen{at(Eigen::Map<const MatrixRows>(skin.neutral.data(), 1, skin.neutral.size())).col(0),
+              at(model.modes), at(model.components)};
+    std::vector<Eigen::Vector3d> places(static_cast<std::size_t>(count));
+    for (Eigen::Index k = 0; k < count; ++k) {
+        places[static_cast<std::size_t>(k)] = seen.rest.segment<3>(3 * k);
+    }
+    const ErrorField<double> field(places);
+    const auto num_nodes = static_cast<Eigen::Index>(field.num_nodes());
+    const Points normals = normals_at(skin, points);
+    const Eigen::Matrix3d rotation = skin.reference_pose.linear();
+    const Eigen::Vector3d camera_in_head = -rotation.transpose() * skin.reference_pose.translation();
+    seen.by_shape.conservativeResize(Eigen::NoChange, num_components + 2 * num_nodes);
+    seen.by_shape.rightCols(2 * num_nodes).setZero();
+    for (Eigen::Index k = 0; k < count; ++k) {
+        const Eigen::Vector3d& place = places[static_cast<std::size_t>(k)];
+        auto rows = seen.by_shape.middleRows<3>(3 * k);
+        // Along the reference frame's ray, by as much as the component moves the surface across itself
+        const Eigen::Vector3d ray = (place - camera_in_head).normalized();
+        const double facing = std::min(normals.row(k).dot(ray), -options.least_cosine);
+        const Eigen::RowVectorXd outwards = normals.row(k) * rows.leftCols(num_components);
+        rows.leftCols(num_components) = ray * (outwards / facing);
+        for (const auto& [node, height] : field.near(place)) {
+            const double shift = options.lasting_error * height;
+            rows.col(num_components + node) = shift * rotation.row(0).transpose();
+            rows.col(num_components + num_nodes + node) = shift * rotation.row(1).transpose();
+        }
+    }
+    return seen;
+}
+
+/// By how much each sighting counts: those in which the head is turned alike err alike.
+std::vector<double> shares(const std::vector<Sighting>& sightings, double alike) {
+    std::vector<double> counted;
+    for (const Sighting& one : sightings) {
+        double sum = 0;
+        for (const Sighting& other : sightings) {
+            const double angle = angle_between(one.camera_from_head, other.camera_from_head) / alike;
+            sum += std::exp(-.5 * angle * angle);
+        }
+        counted.push_back(1 / sum);
+    }
+    return counted;
+}
+
+/// C x C information: the reference frame shows the head as it was fitted, and as near.
+Eigen::MatrixXd held(const FittedSkin& skin, const ReliefModel& model, const ReliefOptions& options) {
+    const Eigen::Isometry3d& pose = skin.reference_pose;
+    const Eigen::Index count = model.components.rows();
+    const double pupils_px = kPupilDistance * skin.camera.fx / pose.translation().z();
+    Eigen::MatrixXd information = Eigen::MatrixXd::Zero(count, count);
+    const auto hold = [&](const std::vector<int>& vertices, double std_px) {
+        Eigen::MatrixXd rows(2 * static_cast<Eigen::Index>(vertices.size()), count);
+        for (std::size_t i = 0; i < vertices.size(); ++i) {
+            const Eigen::Vector3d place = skin.neutral.row(vertices[i]);
+            rows.middleRows<2>(static_cast<Eigen::Index>(2 * i)) =
+                SeenPoint(skin.camera, pose, place).by_point *
+                model.components.middleCols<3>(3 * vertices[i]).transpose() / std_px;
+        }
+        information.noalias() += rows.transpose() * rows;
+    };
+    hold(model.landmarks, options.landmark_held * pupils_px);
+    hold(model.spread, options.point_held * pupils_px);
+    Eigen::VectorXd deeper = Eigen::VectorXd::Zero(count);
+    for (const int vertex : model.spread) {
+        deeper += model.components.middleCols<3>(3 * vertex) * pose.linear().row(2).transpose();
+    }
+    deeper /= static_cast<double>(model.spread.size()) * options.depth_held;
+    return information + deeper * deeper.transpose();
+}
+
+/// What one frame tells, its own pose, values and model error eliminated.
+Normal seen_in(const FittedSkin& skin, const ReliefModel& model, const ReliefOptions& options,
+               const Sighting& sighting, const std::vector<int>& index, const Seen& seen) {
+    std::vector<int> rows;
+    for (const int point : index) {
+        rows.insert(rows.end(), {3 * point, 3 * point + 1, 3 * point + 2});
+    }
+    const MatrixRows by_mode = seen.by_mode(rows, Eigen::all);
+    const ModelError error{options.model_error, 0, kSightingError.motion};
+    const WeighedSighting weighed = weigh(sighting, seen.rest(rows), by_mode, skin, error);
+    const Eigen::MatrixXd shape = weighed.in_picture(seen.by_shape(rows, Eigen::all));
+    Eigen::MatrixXd own(shape.rows(), weighed.errors.cols() + by_mode.cols());
+    own << weighed.errors, weighed.in_picture(by_mode) * model.std.asDiagonal();
+    Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(own.cols(), own.cols());
+    matrix.selfadjointView<Eigen::Lower>().rankUpdate(own.transpose());
+    const Eigen::LLT<Eigen::MatrixXd> root(matrix);
+    const Eigen::MatrixXd half = root.matrixL().solve(own.transpose() * shape);
+    const Eigen::VectorXd half_pull = root.matrixL().solve(own.transpose() * weighed.displacement);
+    Normal normal{Eigen::MatrixXd::Zero(shape.cols(), shape.cols()),
+                  shape.transpose() * weighed.displacement - half.transpose() * half_pull};
+    normal.information.selfadjointView<Eigen::Lower>().rankUpdate(shape.transpose());
+    normal.information.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose(), -1);
+    return normal;
+}
+
+void check(const FittedSkin& skin, const ReliefModel& model, const std::vector<Sighting>& sightings) {
+    const Eigen::Index size = skin.neutral.size();
+    const auto names_vertices = [&](const std::vector<int>& vertices) {
+        return !vertices.empty() && std::all_of(vertices.begin(), vertices.end(), [&](int vertex) {
+            return vertex >= 0 && vertex < skin.neutral.rows();
+        });
+    };
+    if (model.components.cols() != size || model.modes.cols() != size ||
+        model.std.size() != model.modes.rows() || !names_vertices(model.landmarks) ||
+        !names_vertices(model.spread)) {
+        throw InvalidInput("relief needs components, modes, landmarks and points of the skin's " +
+                           std::to_string(skin.neutral.rows()) + " vertices, and one std a mode");
+    }
+    for (const Sighting& sighting : sightings) {
+        sighting.check();
+    }
+}
+
+}  // namespace
+
+Eigen::VectorXd find_relief(const FittedSkin& skin, const ReliefModel& model,
+                            const std::vector<Sighting>& sightings, const ReliefOptions& options,
+                            const Progress& progress) {
+    check(skin, model, sightings);
+    const DistinctPoints points = distinct_points(sightings);
+    const Seen seen = see(skin, model, points, options);
+    const std::vector<double> share = shares(sightings, options.alike);
+    const Eigen::Index size = seen.by_shape.cols(), num_components = model.components.rows();
+    Normal all{Eigen::MatrixXd::Identity(size, size), Eigen::VectorXd::Zero(size)};
+    all.information.topLeftCorner(num_components, num_components) += held(skin, model, options);
+    constexpr std::size_t kTogether = 8;
+    for (std::size_t first = 0; first < sightings.size(); first += kTogether) {
+        if (progress && !progress(static_cast<double>(first) / static_cast<double>(sightings.size()))) {
+            return {};
+        }
+        std::vector<Normal> parts(std::min(kTogether, sightings.size() - first));
+        cv::parallel_for_({0, static_cast<int>(parts.size())}, [&](const cv::Range& range) {
+            for (auto i = static_cast<std::size_t>(range.start); i < static_cast<std::size_t>(range.end);
+                 ++i) {
+                parts[i] = seen_in(skin, model, options, sightings[first + i], points.index[first + i], seen);
+            }
+        });
+        for (std::size_t i = 0; i < parts.size(); ++i) {
+            all.information.triangularView<Eigen::Lower>() += share[first + i] * parts[i].information;
+            all.pull += share[first + i] * parts[i].pull;
+        }
+    }
+    const Eigen::VectorXd found = all.information.selfadjointView<Eigen::Lower>().llt().solve(all.pull);
+    return found.head(num_components);
+}
+
+}  // namespace mimetic

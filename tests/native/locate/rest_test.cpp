@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <mimetic/locate/rest.hpp>
+#include <mimetic/shared/error.hpp>
+
+namespace mimetic {
+namespace {
+
+FaceFeatures some_face() {
+    FaceFeatures face;
+    face.likelihood = 1;
+    face.box << 40, 30, 120, 120;
+    for (const auto& [name, x, y] :
+         {std::tuple{"pupil.R", 70., 70.}, std::tuple{"pupil.L", 130., 70.}, std::tuple{"ala.R", 90., 105.},
+          std::tuple{"ala.L", 110., 105.}, std::tuple{"mouth_corner.R", 80., 135.},
+          std::tuple{"mouth_corner.L", 120., 135.}, std::tuple{"lip_upper", 100., 130.},
+          std::tuple{"lip_lower", 100., 142.}}) {
+        face.features.push_back({name, {x, y}});
+    }
+    face.curves.push_back({"brow.L", (Points2(2, 2) << 120, 50, 140, 52).finished(), {}, {}});
+    return face;
+}
+
+/// Grey everywhere but for dark pupils.
+std::vector<std::uint8_t> drawn(bool has_open_mouth) {
+    std::vector<std::uint8_t> image(3 * 200 * 200, 150);
+    const auto darken = [&](int left, int top, int right, int bottom) {
+        for (int y = top; y < bottom; ++y) {
+            for (int i = 3 * (200 * y + left); i < 3 * (200 * y + right); ++i) {
+                image[static_cast<std::size_t>(i)] = 20;
+            }
+        }
+    };
+    darken(62, 62, 78, 78);
+    darken(122, 62, 138, 78);
+    if (has_open_mouth) {
+        darken(85, 128, 115, 150);
+    }
+    return image;
+}
+
+TEST(Rest, AnOpenMouthIsNone) {
+    const FaceFeatures face = some_face();
+    const auto closed = drawn(false), open = drawn(true);
+    const double at_rest = rest_score({closed.data(), 200, 200, 600}, face);
+    EXPECT_GT(at_rest, .9);
+    EXPECT_LT(rest_score({open.data(), 200, 200, 600}, face), .2 * at_rest);
+    FaceFeatures less = face;
+    less.features.erase(less.features.begin() + 2);
+    EXPECT_THROW(rest_score({closed.data(), 200, 200, 600}, less), InvalidInput);
+}
+
+TEST(Rest, ExpressionIsMeasuredInPupilDistances) {
+    const Expression values = expression_of(some_face());
+    EXPECT_NEAR(values[0], -19. / 60, 1e-12);  // the left brow's median
+    EXPECT_TRUE(std::isnan(values[1]));        // no right one
+    EXPECT_NEAR(values[2], 65. / 60, 1e-12);
+    EXPECT_NEAR(values[4], 12. / 60, 1e-12);
+    EXPECT_NEAR(values[5], 40. / 60, 1e-12);
+}
+
+TEST(Rest, DetailIsWhatSmoothShadesLack) {
+    const FaceFeatures face = some_face();
+    std::vector<std::uint8_t> noisy, smooth;
+    for (int i = 0; i < 200 * 200; ++i) {
+        for (int channel = 0; channel < 3; ++channel) {
+            noisy.push_back(static_cast<std::uint8_t>(100 + 40 * (i % 200 % 2)));
+            smooth.push_back(static_cast<std::uint8_t>(i % 200));
+        }
+    }
+    EXPECT_NEAR(face_detail({noisy.data(), 200, 200, 600}, face), 80, 1e-9);
+    EXPECT_NEAR(face_detail({smooth.data(), 200, 200, 600}, face), 0, 1e-9);
+    FaceFeatures outside = face;
+    outside.box << 500, 500, 20, 20;
+    EXPECT_EQ(face_detail({noisy.data(), 200, 200, 600}, outside), 0);
+}
+
+TEST(Rest, ChancesNeedAnExpressionAFrame) {
+    EXPECT_THROW(chances_of_rest(Eigen::Vector3d::Ones(), Eigen::Vector3d::Ones(), Expressions::Zero(2, 6)),
+                 InvalidInput);
+}
+
+}  // namespace
+}  // namespace mimetic
