@@ -6,6 +6,7 @@
 #include <mimetic/muscles/attach.hpp>
 #include <mimetic/muscles/skin_modes.hpp>
 #include <mimetic/shared/error.hpp>
+#include <mimetic/skin/skin_check.hpp>
 
 namespace mimetic {
 namespace {
@@ -128,7 +129,8 @@ TEST(SkinMesh, FacesThatLieTurnedOverAreSmoothedAndNamed) {
     folded(at(0, 0), 0) += 3 * kStep;
     const SkinMesh mesh(make_template(), folded);
     EXPECT_FALSE(mesh.inverted_faces().empty());
-    EXPECT_GT(mesh.smoothed_by(), kStep / 2);
+    EXPECT_GT(mesh.smoothed_by(), 1e-3);
+    EXPECT_TRUE(inverted_faces(mesh.vertices(), mesh.triangles()).empty());
     EXPECT_TRUE(make_mesh().inverted_faces().empty());
 }
 
