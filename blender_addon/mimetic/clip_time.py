@@ -29,7 +29,7 @@ def of_clip(clip: bpy.types.MovieClip) -> SceneTime:
 
 
 def is_known(clip: bpy.types.MovieClip | None) -> bool:
-    """Whether the clip's own rate and length can be told: its file is there."""
+    """Whether the clip's own rate and length are known: its file is there."""
     return clip is not None and clip.fps > 0 and clip.frame_duration > 0
 
 
@@ -39,8 +39,8 @@ def has_rate(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> bool:
 
 
 def has_range(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> bool:
-    wanted = of_clip(clip)
-    return (scene.frame_start, scene.frame_end) == (wanted.first, wanted.last)
+    time = of_clip(clip)
+    return (scene.frame_start, scene.frame_end) == (time.first, time.last)
 
 
 def remark(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None) -> str:
@@ -55,8 +55,8 @@ def remark(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None) -> str:
 
 
 def apply(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> None:
-    wanted = of_clip(clip)
-    scene.render.fps, scene.render.fps_base = wanted.fps, wanted.fps_base
+    time = of_clip(clip)
+    scene.render.fps, scene.render.fps_base = time.fps, time.fps_base
     # Each end pushes the other along where it would pass it
-    scene.frame_start, scene.frame_end = wanted.first, wanted.last
-    scene.frame_start = wanted.first
+    scene.frame_start, scene.frame_end = time.first, time.last
+    scene.frame_start = time.first

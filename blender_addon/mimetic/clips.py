@@ -41,28 +41,28 @@ def fingerprint(clip: bpy.types.MovieClip) -> str:
     return _read[path][1]
 
 
-def known(clip: bpy.types.MovieClip):
+def find(clip: bpy.types.MovieClip):
     """The MimeticFootage of the clip's content, also if another clip of the .blend keeps it."""
     mark = fingerprint(clip)
     own = clip.mimetic.footage
     # What was kept before any file was seen, in a .blend of an earlier version, has no name
-    found = own.get(mark) or own.get("")
-    if found is None and mark:
-        kept = (other.mimetic.footage.get(mark) for other in bpy.data.movieclips)
-        found = next(filter(None, kept), None)
-    return found
+    record = own.get(mark) or own.get("")
+    if record is None and mark:
+        records = (other.mimetic.footage.get(mark) for other in bpy.data.movieclips)
+        record = next(filter(None, records), None)
+    return record
 
 
 def ensure(clip: bpy.types.MovieClip):
-    """As `known`, and there is one afterwards."""
+    """As `find`, and there is one afterwards."""
     settle(clip)
     clip.mimetic.fingerprint = fingerprint(clip)
-    found = known(clip)
-    if found is None:
-        found = clip.mimetic.footage.add()
-        found.name = clip.mimetic.fingerprint
+    record = find(clip)
+    if record is None:
+        record = clip.mimetic.footage.add()
+        record.name = clip.mimetic.fingerprint
         clip.use_fake_user = True  # Blender forgets on saving what nothing shows
-    return found
+    return record
 
 
 def settle(clip: bpy.types.MovieClip) -> None:
@@ -71,9 +71,9 @@ def settle(clip: bpy.types.MovieClip) -> None:
         return
     mark = fingerprint(clip)
     clip.mimetic.fingerprint = clip.mimetic.fingerprint or mark
-    unnamed = clip.mimetic.footage.get("")
-    if mark and unnamed and mark not in clip.mimetic.footage:
-        unnamed.name = mark
+    record = clip.mimetic.footage.get("")
+    if mark and record and mark not in clip.mimetic.footage:
+        record.name = mark
 
 
 def with_content(mark: str) -> bpy.types.MovieClip | None:
@@ -82,13 +82,13 @@ def with_content(mark: str) -> bpy.types.MovieClip | None:
     return min(clips, key=is_missing, default=None)
 
 
-def changed(clip: bpy.types.MovieClip) -> str:
-    """That the file is another one than when something was kept of it, or the empty string."""
+def change_of(clip: bpy.types.MovieClip) -> str:
+    """A warning that the file has another content than the one that data is kept for, or ""."""
     before = clip.mimetic.fingerprint
     if not before or before not in clip.mimetic.footage or fingerprint(clip) == before:
         return ""
     return (
-        f"{clip.name} is another film than before: face and take of the one before are kept, "
+        f"{clip.name} now has another content: face and take of the earlier one are kept, "
         "and come back with it"
     )
 
@@ -104,9 +104,9 @@ def migrate() -> None:
             continue
         if not settings.face_fit and (not settings.performance_path or clip.name not in earlier):
             continue
-        kept = ensure(clip)
-        if settings.face_fit and not kept.face_fit:
-            kept.face_fit, clip.mimetic.landmarks_of = settings.face_fit, kept.name
-        if not kept.performance_path:
-            kept.performance_path = settings.performance_path
+        record = ensure(clip)
+        if settings.face_fit and not record.face_fit:
+            record.face_fit, clip.mimetic.landmarks_of = settings.face_fit, record.name
+        if not record.performance_path:
+            record.performance_path = settings.performance_path
         settings.face_fit = settings.performance_path = ""

@@ -11,11 +11,11 @@ NODES_ARE_ALWAYS_USED = bpy.app.version >= (5, 0, 0)
 RELATIVE_PATH = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
 
 
-def use_nodes(shaded: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:
+def use_nodes(owner: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:
     """The node tree of a material or world, switched on where that is still a choice."""
     if not NODES_ARE_ALWAYS_USED:
-        shaded.use_nodes = True
-    return shaded.node_tree
+        owner.use_nodes = True
+    return owner.node_tree
 
 
 def new_action(name: str, id_block: bpy.types.ID) -> bpy.types.Action:

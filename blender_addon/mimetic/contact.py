@@ -60,25 +60,25 @@ class Known:
         return not self.thread.is_alive() and self.live is not None
 
 
-_known: dict[str, Known] = {}
+_states: dict[str, Known] = {}
 
 
 def problem_of(face: bpy.types.Object) -> str:
     """Why the lips of a face are not kept apart, or the empty string."""
-    return _known[face.name].problem if face.name in _known else ""
+    return _states[face.name].problem if face.name in _states else ""
 
 
 @persistent
 def forget_all(*_) -> None:
-    """Another file: what was known belongs to faces that are gone."""
-    _known.clear()
+    """Another file is open: the states are of faces that no longer exist."""
+    _states.clear()
 
 
 @persistent
 def look_again(*_) -> None:
-    """Undo may have put back any values and any key."""
-    for known in _known.values():
-        known.look_again()
+    """After undo, which may have restored any value and any key: read all again."""
+    for state in _states.values():
+        state.look_again()
 
 
 @persistent
@@ -89,8 +89,8 @@ def follow(scene, depsgraph) -> None:
             continue
         if _is_followed(face):
             _follow_face(scene, face, depsgraph)
-        elif face.name in _known:  # switched off, or its shapes are being sculpted
-            _known[face.name].look_again()
+        elif face.name in _states:  # switched off, or its shapes are being sculpted
+            _states[face.name].look_again()
 
 
 def _is_followed(face: bpy.types.Object) -> bool:
@@ -107,35 +107,35 @@ def _follow_face(scene, face: bpy.types.Object, depsgraph) -> None:
         return
     keys = face.data.shape_keys
     # Curves and drivers show in the evaluated keys only, where a picture is rendered
-    evaluated = keys.evaluated_get(depsgraph)
-    values = sliders.levels_of(evaluated)
+    evaluated_keys = keys.evaluated_get(depsgraph)
+    values = sliders.levels_of(evaluated_keys)
     values.pop(contact_key.KEY, None)
-    known = _known.get(face.name)
-    if known is None and not values:
+    state = _states.get(face.name)
+    if state is None and not values:
         return
     rest = contact_key.points_of(keys.reference_key)
-    if known is None or not np.array_equal(known.rest, rest):
-        known = _known[face.name] = Known(rest, _maker(scene, face, rest))
-        known.start()
+    if state is None or not np.array_equal(state.rest, rest):
+        state = _states[face.name] = Known(rest, _maker(scene, face, rest))
+        state.start()
     if face.name in contact_key.rested:
-        known.look_again()
-    if values == known.values:
+        state.look_again()
+    if values == state.values:
         return
-    if not known.is_ready(_waits(depsgraph)):
-        if not known.problem and not bpy.app.timers.is_registered(_poll):
+    if not state.is_ready(_waits(depsgraph)):
+        if not state.problem and not bpy.app.timers.is_registered(_poll):
             bpy.app.timers.register(_poll, first_interval=POLL_SECONDS)
         return
-    known.values = values
+    state.values = values
     contact_key.rested.discard(face.name)
-    correction = known.live.correction(sliders.moves(keys, values, rest))
-    if correction is not None or known.is_parted:
-        sliders.take_levels(keys, evaluated)
-        contact_key.place(face, known.live.moved, correction)
-    known.is_parted = correction is not None
+    correction = state.live.correction(sliders.moves(keys, values, rest))
+    if correction is not None or state.is_parted:
+        sliders.take_levels(keys, evaluated_keys)
+        contact_key.place(face, state.live.moved, correction)
+    state.is_parted = correction is not None
 
 
 def _waits(depsgraph) -> bool:
-    """Whether a face must be known at once: nobody looks on, or a picture is being made."""
+    """Whether contact is computed at once: in background mode, or while rendering."""
     return bpy.app.background or depsgraph.mode == "RENDER"
 
 
@@ -153,9 +153,9 @@ def _maker(scene, face: bpy.types.Object, rest: np.ndarray) -> Callable:
 
 def _poll() -> float | None:
     """Has faces looked at again once they are known."""
-    if any(known.thread.is_alive() for known in _known.values()):
+    if any(state.thread.is_alive() for state in _states.values()):
         return POLL_SECONDS
-    for name in _known:
+    for name in _states:
         if face := bpy.data.objects.get(name):
             face.data.shape_keys.update_tag()
     return None
@@ -180,4 +180,4 @@ def unregister() -> None:
         handlers.remove(handler)
     if bpy.app.timers.is_registered(_poll):
         bpy.app.timers.unregister(_poll)
-    _known.clear()
+    _states.clear()

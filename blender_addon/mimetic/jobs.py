@@ -43,7 +43,7 @@ class Run:
         return not self.stop.is_set()
 
     def is_done(self) -> bool:
-        """Takes in what the worker posted; true once it ended."""
+        """Reads what the worker posted; true once it ended."""
         while True:
             try:
                 kind, value = self.posts.get_nowait()
@@ -82,7 +82,7 @@ class Job:
 
     `read(context)` and `write(context, result)` run on the main thread; `work(inputs, progress)`
     anywhere, without bpy, and returns what it has when `progress` answers False. `write` returns
-    what to tell the user. No reference to Blender's data may pass from read to write.
+    the message for the user. No reference to Blender's data may pass from read to write.
     """
 
     keeps_part = False  # what a stopped job has done so far
@@ -127,14 +127,14 @@ class Job:
             running.stop.set()
         if event.type == "TIMER":
             try:
-                done = running.is_done()
+                is_done = running.is_done()
             except BaseException:
                 self._leave(context)
                 raise
             self._show(context)
-            if done:
+            if is_done:
                 return self._end(context)
-        # Everything else is held back: an undo in here would pull the scene from under the job
+        # Every other event is blocked: an undo now would replace the scene that the job writes to
         return {"RUNNING_MODAL"}
 
     def cancel(self, context):
@@ -156,12 +156,14 @@ class Job:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
 
-    def _write(self, context, result, stopped: bool):
+    def _write(self, context, result, is_stopped: bool):
         if result is None:
             self.report({"WARNING"}, "Stopped; nothing was changed")
             return {"CANCELLED"}
-        told = self.write(context, result)
-        self.report({"WARNING" if stopped else "INFO"}, f"Stopped. {told}" if stopped else told)
+        message = self.write(context, result)
+        self.report(
+            {"WARNING" if is_stopped else "INFO"}, f"Stopped. {message}" if is_stopped else message
+        )
         return {"FINISHED"}
 
     def _show(self, context) -> None:

@@ -16,7 +16,7 @@ from .scene_out import face_fit, landmarks
 
 WATCH_SECONDS, FOLLOW_SECONDS = 0.15, 0.02
 
-_followed: dict[str, bytes] = {}  # clip: its markers when they were last looked at
+_states: dict[str, bytes] = {}  # clip: its markers when they were last looked at
 last_ms = 0.0  # what the last following took
 
 
@@ -25,30 +25,30 @@ def follow(clip: bpy.types.MovieClip) -> list[str]:
 
     Raises InvalidInput, and changes nothing then.
     """
-    fit = face_fit.stored(clip)
-    moved = landmarks.moved(clip, fit) if fit else {}
-    for frame, places in moved.items():
+    fit = face_fit.of_clip(clip)
+    moves = landmarks.find_moves(clip, fit) if fit else {}
+    for frame, places in moves.items():
         fit = native.fitting().refit(fit, fit.pins.get(frame, {}) | places, frame)
-    if moved:
+    if moves:
         face_fit.update(clip, fit)
-    return sorted({name for places in moved.values() for name in places})
+    return sorted({name for places in moves.values() for name in places})
 
 
 def pin(clip, names: list[str], frame: int) -> None:
     """Pins landmarks where they are in a frame of the footage."""
-    fit = face_fit.stored(clip)
-    places = landmarks.expected(fit, frame)
+    fit = face_fit.of_clip(clip)
+    places = landmarks.expected_places(fit, frame)
     pins = fit.pins.get(frame, {}) | {name: places[name] for name in names if name in places}
     face_fit.update(clip, native.fitting().refit(fit, pins, frame))
 
 
 def unpin(clip, names: list[str]) -> None:
     """Lets go of landmarks in all frames."""
-    fit = face_fit.stored(clip)
+    fit = face_fit.of_clip(clip)
     for frame, pins in fit.pins.items():
-        kept = {name: place for name, place in pins.items() if name not in names}
-        if kept != pins:
-            fit = native.fitting().refit(fit, kept, frame)
+        others = {name: place for name, place in pins.items() if name not in names}
+        if others != pins:
+            fit = native.fitting().refit(fit, others, frame)
     face_fit.update(clip, fit)
 
 
@@ -56,30 +56,30 @@ def watch() -> float:
     """The timer: seconds until it wants to look again."""
     scene = bpy.context.scene
     if not scene or not scene.mimetic.use_live_pins or jobs.running or native.problem():
-        _followed.clear()
+        _states.clear()
         return WATCH_SECONDS
-    shown = _shown_clips(scene)
-    for name in _followed.keys() - {clip.name for clip in shown}:
-        del _followed[name]
+    clips = _shown_clips(scene)
+    for name in _states.keys() - {clip.name for clip in clips}:
+        del _states[name]
     # All of them, whatever comes of the first
-    return FOLLOW_SECONDS if any([_watch(clip) for clip in shown]) else WATCH_SECONDS
+    return FOLLOW_SECONDS if any([_watch(clip) for clip in clips]) else WATCH_SECONDS
 
 
 def _shown_clips(scene) -> list[bpy.types.MovieClip]:
     """The scene's clip and those in clip editors, if their landmarks are those of their faces."""
-    found = [scene.mimetic.clip]
+    clips = [scene.mimetic.clip]
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "CLIP_EDITOR":
-                found.append(area.spaces.active.clip)
-    return [clip for clip in dict.fromkeys(found) if clip and scene_in.shows_landmarks(clip)]
+                clips.append(area.spaces.active.clip)
+    return [clip for clip in dict.fromkeys(clips) if clip and scene_in.shows_landmarks(clip)]
 
 
 def _watch(clip) -> bool:
     """Follows a clip's landmarks; says whether they may move again at once."""
     global last_ms
     now = landmarks.state(clip)
-    if now == _followed.get(clip.name):
+    if now == _states.get(clip.name):
         return _is_dragging()
     start = time.perf_counter()
     try:
@@ -90,7 +90,7 @@ def _watch(clip) -> bool:
     if names:
         last_ms = 1000 * (time.perf_counter() - start)
         redraw()
-    _followed[clip.name] = landmarks.state(clip)
+    _states[clip.name] = landmarks.state(clip)
     return True
 
 
@@ -111,6 +111,6 @@ def register() -> None:
 
 
 def unregister() -> None:
-    _followed.clear()
+    _states.clear()
     if bpy.app.timers.is_registered(watch):
         bpy.app.timers.unregister(watch)

@@ -67,8 +67,8 @@ def _choose_bones(self, context) -> None:
     # A character's head bone turns, and an object goes where the head goes
     self.use_translation = self.target is not None and self.target.type != "ARMATURE"
     if self.target is not None and self.target.type == "ARMATURE":
-        found = rigs.head_bones(self.target)
-        self.bone, self.neck = found.head, found.neck
+        bones = rigs.head_bones(self.target)
+        self.bone, self.neck = bones.head, bones.neck
 
 
 class MimeticHead(bpy.types.PropertyGroup):
@@ -115,7 +115,7 @@ class MimeticHead(bpy.types.PropertyGroup):
         size=3,
         subtype="TRANSLATION",
         unit="LENGTH",
-        description="The point whose way is taken, from midway between the ears: to the person's "
+        description="The point whose path is keyed, from midway between the ears: to the person's "
         "left, back, up. A bone at the base of the skull is some 5 cm below",
     )
     smoothing: FloatProperty(
@@ -123,8 +123,8 @@ class MimeticHead(bpy.types.PropertyGroup):
         default=0.5,
         min=0.0,
         soft_max=3.0,
-        description="How far poses are doubted: 1 is their own standard deviation, 0 keeps them. "
-        "It looks ahead as far as back, so nothing comes late",
+        description="Strength of smoothing, in the poses' own standard deviations; 0 keeps poses "
+        "as they were measured. It looks ahead as far as back, so nothing is delayed",
     )
 
 

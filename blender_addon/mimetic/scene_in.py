@@ -22,7 +22,7 @@ class Footage:
 
 @dataclass(frozen=True)
 class Timing:
-    """How the scene's timeline and the clip hang together."""
+    """How the scene's timeline and the clip are related."""
 
     scene_rate: float  # frames a second
     frame_start: int  # scene frame of the clip's first frame
@@ -60,18 +60,18 @@ def no_footage(context) -> str:
 
 
 def no_fit(context) -> str:
-    """Why nothing can be learnt of the person."""
+    """Why the person cannot be calibrated."""
     if reason := no_footage(context):
         return reason
     if not has_fit(clip_of(context)):
-        return "Find the face first: what is learnt of the person is kept with its fit"
+        return "Find the face first: the calibration is kept with its fit"
     return ""
 
 
 def has_fit(clip: bpy.types.MovieClip | None) -> bool:
     """Whether the face was found in the clip."""
-    kept = clips.known(clip) if clip else None
-    return bool(kept and kept.face_fit)
+    record = clips.find(clip) if clip else None
+    return bool(record and record.face_fit)
 
 
 def no_take(context, first: str) -> str:
@@ -79,19 +79,19 @@ def no_take(context, first: str) -> str:
     if reason := no_start():
         return reason
     clip = clip_of(context)
-    kept = takes.kept(context.scene, clip)
-    if kept is None:
+    take = takes.of_clip(context.scene, clip)
+    if take is None:
         of_clip = f"{clip.name} has no performance: " if clip else ""
         return f"{of_clip}{first}, or load a performance, first"
-    if not takes.find(kept):
-        return f"{takes.name_of(kept)} is missing: look for it (Find Missing Files)"
+    if not takes.find(take):
+        return f"{takes.name_of(take)} is missing: look for it (Find Missing Files)"
     return ""
 
 
 def take(context) -> takes.Take:
     """The take that buttons mean: the clip's, or the scene's while it has no clip."""
     clip = clip_of(context)
-    path = takes.find(takes.kept(context.scene, clip))
+    path = takes.find(takes.of_clip(context.scene, clip))
     return takes.Take(path, clip.name, clips.fingerprint(clip)) if clip else takes.Take(path)
 
 
@@ -120,8 +120,8 @@ def no_landmarks(context, needs_selection: bool, needs_frame: bool = True) -> st
 
 def shows_landmarks(clip: bpy.types.MovieClip) -> bool:
     """Whether the clip's tracks are landmarks of the face found in what it shows now."""
-    kept = clips.known(clip)
-    is_theirs = kept is not None and clip.mimetic.landmarks_of == kept.name
+    record = clips.find(clip)
+    is_theirs = record is not None and clip.mimetic.landmarks_of == record.name
     return is_theirs and "Face" in clip.tracking.objects
 
 
@@ -225,18 +225,18 @@ def remembered_head(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHe
     """What a face's muscles were attached by; None for a face of our own mesh."""
     if not len(head.mimetic.landmarks):
         return None
-    found = foreign_head(scene, head)
+    head_landmarks = foreign_head(scene, head)
     marks = {
         mark.name: mark.vertex if mark.vertex >= 0 else np.array(mark.place)
         for mark in head.mimetic.landmarks
     }
     matrix = np.array(head.mimetic.metres_from_object, dtype=np.float64).reshape(4, 4)
-    return replace(found, landmarks=marks, matrix=matrix)
+    return replace(head_landmarks, landmarks=marks, matrix=matrix)
 
 
 def landmark_empties(scene: bpy.types.Scene, head: bpy.types.Object) -> dict:
     """Empties with landmarks' names: the head's children, or any if it has none."""
-    marks = [shown for shown in scene.objects if shown.type == "EMPTY" and _landmark_of(shown)]
+    marks = [obj for obj in scene.objects if obj.type == "EMPTY" and _landmark_of(obj)]
     own = [mark for mark in marks if mark.parent == head]
     free = [mark for mark in marks if mark.parent is None]
     return {_landmark_of(mark): mark for mark in own or free}
@@ -249,8 +249,8 @@ def _landmark_of(empty: bpy.types.Object) -> str:
 
 def _landmark_groups(head: bpy.types.Object) -> dict[str, int]:
     """Vertex groups with landmarks' names: the vertex with the largest weight."""
-    known = native.face_template().load_template().landmark_names
-    numbers = {group.index: group.name for group in head.vertex_groups if group.name in known}
+    names = native.face_template().load_template().landmark_names
+    numbers = {group.index: group.name for group in head.vertex_groups if group.name in names}
     best: dict[str, tuple[float, int]] = {}
     if numbers:
         for vertex in head.data.vertices:
@@ -312,8 +312,8 @@ def scene_frames(performance, clock: Timing):
 def shown_frame(context) -> int:
     """The footage frame on show. Blender shows one clip frame a scene frame, whatever the rates."""
     clip = clip_of(context)
-    shown = context.scene.frame_current - clip.frame_start + 1 + clip.frame_offset
-    return min(max(shown, 1), max(clip.frame_duration, 1))
+    frame = context.scene.frame_current - clip.frame_start + 1 + clip.frame_offset
+    return min(max(frame, 1), max(clip.frame_duration, 1))
 
 
 def no_picture(context) -> str:

@@ -19,7 +19,7 @@ from . import clips, native
 
 @dataclass(frozen=True)
 class Take:
-    """The take that buttons mean, for a worker: no reference to Blender's data."""
+    """The take that buttons act on, for a worker: no reference to Blender's data."""
 
     path: str  # of a file that is there
     clip_name: str = ""  # of the clip that it belongs to
@@ -33,8 +33,8 @@ def save(performance, path: str, spare_path: str) -> tuple[str, list[str]]:
         performance.save(path)
     except OSError as error:  # minutes of work: not lost for a folder that is read-only
         performance.save(spare_path)
-        told = f"{path} cannot be written ({error.strerror}): saved as {spare_path}"
-        return spare_path, [told, *notes]
+        message = f"{path} cannot be written ({error.strerror}): saved as {spare_path}"
+        return spare_path, [message, *notes]
     return path, [*notes]
 
 
@@ -53,12 +53,12 @@ def spare_path(clip_name: str) -> str:
 
 def _new_take(folder: Path, clip_name: str) -> str:
     stem = bpy.path.clean_name(Path(clip_name).stem)
-    taken = folder / f"{stem}.performance.npz"
+    path = folder / f"{stem}.performance.npz"
     take = 1
-    while taken.exists():  # a take never overwrites the one before
+    while path.exists():  # a take never overwrites the one before
         take += 1
-        taken = folder / f"{stem}.{take:03d}.performance.npz"
-    return str(taken)
+        path = folder / f"{stem}.{take:03d}.performance.npz"
+    return str(path)
 
 
 def load(take: Take):
@@ -85,9 +85,9 @@ def keep(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None, path: str) ->
     holder.performance_path = _relative(os.path.abspath(path), bpy.data.filepath)
 
 
-def kept(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None):
+def of_clip(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None):
     """What holds the take's path: of the clip, or of the scene while it has no clip; or None."""
-    holder = scene.mimetic if clip is None else clips.known(clip)
+    holder = scene.mimetic if clip is None else clips.find(clip)
     return holder if holder is not None and holder.performance_path else None
 
 
@@ -103,12 +103,12 @@ def find(holder) -> str:
 
 
 def missing() -> list:
-    """Whatever in the .blend names a take that is not found."""
+    """Everything in the .blend that names a take whose file is missing."""
     return [h for h in _holders() if h.performance_path and not find(h)]
 
 
 def place(holder, path: str) -> bool:
-    """Says where a take is now, if that is one of the holder's footage."""
+    """Sets where a take is now, if it is of the holder's footage; returns whether it is."""
     mark = "" if isinstance(holder.id_data, bpy.types.Scene) else holder.name
     try:
         load(Take(path, holder.id_data.name, mark))
@@ -120,8 +120,8 @@ def place(holder, path: str) -> bool:
 
 def adopt(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> None:
     """Gives a clip that has no take the one that was loaded before it, if it can be the clip's."""
-    loose = kept(scene, None)
-    path = find(loose) if loose and not kept(scene, clip) else ""
+    loose = of_clip(scene, None)
+    path = find(loose) if loose and not of_clip(scene, clip) else ""
     if not path:
         return
     try:
@@ -134,11 +134,11 @@ def adopt(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> None:
 
 def _holders() -> list:
     """Everything in the .blend itself that may name a take."""
-    found = [scene.mimetic for scene in bpy.data.scenes if not scene.library]
+    holders = [scene.mimetic for scene in bpy.data.scenes if not scene.library]
     for clip in bpy.data.movieclips:
         if not clip.library:
-            found += clip.mimetic.footage
-    return found
+            holders += clip.mimetic.footage
+    return holders
 
 
 def _absolute(holder) -> str:
@@ -158,7 +158,7 @@ def _relative(path: str, blend: str) -> str:
         return path
 
 
-_saved: list[tuple] = []  # while the .blend is saved: what named a take, and its file
+_references: list[tuple] = []  # while the .blend is saved: what named a take, and its file
 
 
 @persistent
@@ -166,22 +166,22 @@ def name_from_new_place(blend: str, *_) -> None:
     """Before saving: takes are named as seen from where the .blend will be."""
     for clip in bpy.data.movieclips:
         clips.settle(clip)
-    _saved[:] = [(h, find(h) or _absolute(h)) for h in _holders() if h.performance_path]
+    _references[:] = [(h, find(h) or _absolute(h)) for h in _holders() if h.performance_path]
     _name(blend)
 
 
 @persistent
 def name_from_own_place(*_) -> None:
-    """After saving a copy, or in vain: the .blend that is open stays where it was."""
+    """After saving a copy, or after saving failed: the open .blend is where it was."""
     _name(bpy.data.filepath)
-    _saved.clear()
+    _references.clear()
 
 
 def _name(blend: str) -> None:
-    for holder, path in _saved:
-        named = _relative(path, blend)
-        if holder.performance_path != named:
-            holder.performance_path = named
+    for holder, path in _references:
+        name = _relative(path, blend)
+        if holder.performance_path != name:
+            holder.performance_path = name
 
 
 @persistent

@@ -13,11 +13,11 @@ def no_bake(context) -> str:
     """Why the performance cannot be baked."""
     if reason := scene_in.no_performance(context):
         return reason
-    if (bound := bound_head(context)) is None:
+    if (head := bound_head(context)) is None:
         return no_update(context.scene)
-    if bound.mode == "EDIT":
-        return f"Leave {bound.name}'s edit mode first"
-    return writable.no_sliders(bound)
+    if head.mode == "EDIT":
+        return f"Leave {head.name}'s edit mode first"
+    return writable.no_sliders(head)
 
 
 def bound_head(context) -> bpy.types.Object | None:

@@ -11,11 +11,11 @@ import bpy
 from mathutils import Matrix
 
 
-def matrix(shown: bpy.types.Object) -> Matrix:
+def matrix(obj: bpy.types.Object) -> Matrix:
     """World from object, as of now; evaluates what is shown if need be."""
-    evaluated = shown.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    if evaluated.is_evaluated:
-        return evaluated.matrix_world.copy()
+    evaluated_object = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    if evaluated_object.is_evaluated:
+        return evaluated_object.matrix_world.copy()
     # Switched off in the view layer, where nothing is evaluated: as it stands by itself
-    in_parent = shown.matrix_parent_inverse @ shown.matrix_basis
-    return matrix(shown.parent) @ in_parent if shown.parent else in_parent
+    in_parent = obj.matrix_parent_inverse @ obj.matrix_basis
+    return matrix(obj.parent) @ in_parent if obj.parent else in_parent

@@ -17,14 +17,14 @@ LOCAL = "make it local (Object > Relations > Make Local > Selected Objects and D
 OVERRIDE = "make a library override of it (Object > Library Override > Make)"
 
 
-def no_motion(moved: bpy.types.Object) -> str:
+def no_motion(obj: bpy.types.Object) -> str:
     """Why curves of an object or of its bones would be lost."""
-    if moved.library:
-        return f"{_linked(moved)}: {OVERRIDE}, or {LOCAL}"
-    override = moved.override_library
+    if obj.library:
+        return f"{_linked(obj)}: {OVERRIDE}, or {LOCAL}"
+    override = obj.override_library
     if override and override.is_system_override:
         return (
-            f"{moved.name} is a library override that is not editable: make it editable "
+            f"{obj.name} is a library override that is not editable: make it editable "
             f"(Outliner, Library Overrides view), or {LOCAL}"
         )
     return ""

@@ -10,37 +10,37 @@ class Layout:
     """Stands for a UILayout; rows, columns and panels write into the same list. What a real one
     refuses fails here too: icons, operators and properties that do not exist."""
 
-    def __init__(self, told: list[str]):
-        self.told = told
+    def __init__(self, texts: list[str]):
+        self.texts = texts
 
     def operator(self, name, text="", icon="NONE"):
         assert icon in ICONS
         kind = getattr(bpy.ops.mimetic, name.removeprefix("mimetic.")).get_rna_type()
-        self.told += [name, text]
+        self.texts += [name, text]
         return type("Properties", (), dict.fromkeys(kind.properties.keys()))()
 
     def label(self, text="", icon="NONE"):
         assert icon in ICONS
-        self.told.append(text)
+        self.texts.append(text)
 
     def menu(self, name):
         assert hasattr(bpy.types, name)
-        self.told.append(name)
+        self.texts.append(name)
 
     def prop(self, owner, name, text=None, icon="NONE", slider=False):
         assert icon in ICONS
         assert name in owner.bl_rna.properties
-        self.told.append(text or name)
+        self.texts.append(text or name)
 
     def prop_search(self, owner, name, *_, **__):
         assert name in owner.bl_rna.properties
-        self.told.append(name)
+        self.texts.append(name)
 
     def panel(self, name, default_closed=False):
-        return Layout(self.told), Layout(self.told)
+        return Layout(self.texts), Layout(self.texts)
 
     def row(self, align=False):
-        return Layout(self.told)
+        return Layout(self.texts)
 
     column = row
 
@@ -48,16 +48,16 @@ class Layout:
         pass
 
     def progress(self, factor=0.0, text=""):
-        self.told.append(text)
+        self.texts.append(text)
 
 
 def drawn(name: str) -> str:
     """All that a panel or a menu of ours draws now, in one line."""
-    told: list[str] = []
+    texts: list[str] = []
     shown = _stand_in(getattr(bpy.types, name))()
-    shown.layout = Layout(told)
+    shown.layout = Layout(texts)
     shown.draw(bpy.context)
-    return " ".join(told)
+    return " ".join(texts)
 
 
 def _stand_in(kind: type) -> type:

@@ -34,9 +34,9 @@ def head(parts):
 def landmark_file(extension, folder) -> str:
     """The landmarks of the active head's empties."""
     scene, head = bpy.context.scene, bpy.context.active_object
-    found = extension("scene_in").foreign_head(scene, head).landmarks
+    result = extension("scene_in").foreign_head(scene, head).landmarks
     path = folder / "landmarks.json"
-    path.write_text(json.dumps({name: place.tolist() for name, place in found.items()}))
+    path.write_text(json.dumps({name: place.tolist() for name, place in result.items()}))
     return str(path)
 
 
@@ -83,8 +83,8 @@ def test_a_head_by_empties_gets_the_muscles_of_our_own(parts, head, extension, c
 
     put_landmarks(head, parts)
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
-    said = capfd.readouterr().out
-    beside = int(re.search(r"Warning: Bust: there is a hole .* beside face (\d+)", said).group(1))
+    output = capfd.readouterr().out
+    beside = int(re.search(r"Warning: Bust: there is a hole .* beside face (\d+)", output).group(1))
     assert len({*head.data.polygons[beside].vertices} & {*parts[1][HOLE].tolist()}) == 2
     ours = make_head()
     expected = {

@@ -99,11 +99,11 @@ def test_the_performance_goes_on_the_active_head(extension, scene, hero, loaded,
     for name, expected in values.items():
         np.testing.assert_array_equal(curves[slider(name)][:, 0], loaded.frame)
         np.testing.assert_allclose(curves[slider(name)][:, 1], expected, atol=1e-6)
-    said = capfd.readouterr().out
-    assert "47 curves from frame 1 to 40 on Hero" in said
+    output = capfd.readouterr().out
+    assert "47 curves from frame 1 to 40 on Hero" in output
     # What it has beyond the performance is named
     beyond = {shape.name for shape in hero.mimetic.shapes} - values.keys()
-    (named,) = [line for line in said.splitlines() if "leaves alone" in line]
+    (named,) = [line for line in output.splitlines() if "leaves alone" in line]
     assert len(beyond) == 19
     assert all(name in named for name in beyond)
 
@@ -214,10 +214,10 @@ def deltas(hero, scene):
 def test_a_head_that_a_rig_moves_stays_on_it(scene, hero, loaded, capfd, rigged):
     mover = rigged(hero, scene)
     assert bpy.ops.mimetic.bake() == {"FINISHED"}
-    said = capfd.readouterr().out
-    assert mover in said
-    assert "Bake Head" in said
-    assert "41 curves" in said
+    output = capfd.readouterr().out
+    assert mover in output
+    assert "Bake Head" in output
+    assert "41 curves" in output
     assert not (hero.animation_data and hero.animation_data.action)
 
 
@@ -233,10 +233,10 @@ def test_what_it_cannot_play_is_named(extension, hero, loaded, capfd):
     blocks["jaw_side"].slider_min = -0.25
     limits = {key.name: (key.slider_min, key.slider_max) for key in blocks}
     assert bpy.ops.mimetic.bake() == {"FINISHED"}
-    said = capfd.readouterr().out
-    assert "Warning: Hero has no slider jaw_open" in said
-    assert "drivers of Hero set mentalis.L" in said
-    assert "the limits of jaw_side" in said
+    output = capfd.readouterr().out
+    assert "Warning: Hero has no slider jaw_open" in output
+    assert "drivers of Hero set mentalis.L" in output
+    assert "the limits of jaw_side" in output
     curves = curves_of(extension, hero.data.shape_keys)
     assert len(curves) == 39
     assert slider("mentalis.L") not in curves

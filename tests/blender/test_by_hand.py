@@ -11,9 +11,9 @@ SCULPTED, RENAMED = "muscle_03.R", "jaw_open"
 
 
 def points(key) -> np.ndarray:
-    found = np.empty(3 * len(key.points), dtype=np.float32)
-    key.points.foreach_get("co", found)
-    return found.reshape(-1, 3)
+    result = np.empty(3 * len(key.points), dtype=np.float32)
+    key.points.foreach_get("co", result)
+    return result.reshape(-1, 3)
 
 
 def sculpt(key, vertex: int = 100) -> np.ndarray:

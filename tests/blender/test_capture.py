@@ -42,7 +42,7 @@ def test_a_found_face_is_kept_and_its_landmarks_marked(extension, scene, with_cl
     from mimetic.solve import clip_capture
 
     expected = clip_capture.find_face(bpy.path.abspath(with_clip.filepath), FIT_FRAME)
-    stored = extension("scene_out").face_fit.stored(with_clip)
+    stored = extension("scene_out").face_fit.of_clip(with_clip)
     assert (stored.frame, stored.features) == (FIT_FRAME, expected.features)
     np.testing.assert_array_equal(stored.head_pose, expected.head_pose)
     tracks = with_clip.tracking.objects["Face"].tracks
@@ -83,7 +83,7 @@ def test_of_several_faces_the_one_near_a_pixel_is_taken(extension, scene, clip_p
     eyes = []
     for choice in ({}, {"near": (570, 130)}, {}):
         assert bpy.ops.mimetic.find_face(frame=1, **choice) == {"FINISHED"}
-        fit = extension("scene_out").face_fit.stored(scene.mimetic.clip)
+        fit = extension("scene_out").face_fit.of_clip(scene.mimetic.clip)
         assert "2 faces" in fit.warnings[0]
         eyes.append(fit.features["pupil.L"][0])
     assert eyes[0] == eyes[2] < 400 < eyes[1]
@@ -109,7 +109,7 @@ def test_capture_by_operator_is_capture_by_function(extension, scene, with_clip,
     from mimetic.solve import clip_capture
 
     by_operator = Performance.load(path)
-    fit = extension("scene_out").face_fit.stored(with_clip)
+    fit = extension("scene_out").face_fit.of_clip(with_clip)
     by_function = clip_capture.capture(bpy.path.abspath(with_clip.filepath), FRAMES, fit)
     np.testing.assert_array_equal(by_operator.frame, np.arange(FRAMES[0], FRAMES[1] + 1))
     for key in ("head_pose", "activations", "articulator_values", "neutral_vertices", "quality"):
@@ -135,40 +135,40 @@ def test_a_person_is_calibrated_in_the_fit_in_one_undo_step(
     face_fit = extension("scene_out").face_fit
     assert not face_fit.is_calibrated(with_clip)
 
-    found = Calibration(stiffness={"cheeks": 1.5}, strength={"mentalis.L": 1.2}, frames=[2, 5])
-    asked = []
+    result = Calibration(stiffness={"cheeks": 1.5}, strength={"mentalis.L": 1.2}, frames=[2, 5])
+    request = []
 
     def calibrate(path, frames, fit, progress):
         """What takes the time is tested without Blender."""
-        asked.append((path, frames, fit.features))
+        request.append((path, frames, fit.features))
         if not progress(0.5, "following the face"):
             raise KeyboardInterrupt
-        return dataclasses.replace(fit, calibration=found), None
+        return dataclasses.replace(fit, calibration=result), None
 
     monkeypatch.setattr(calibration_run, "calibrate", calibrate)
     operator = extension("operators.calibrate").MIMETIC_OT_calibrate
     footage = extension("scene_in").footage(bpy.context)
-    inputs = (footage, FRAMES, face_fit.stored(with_clip))
+    inputs = (footage, FRAMES, face_fit.of_clip(with_clip))
     assert operator.work(operator, inputs, lambda *_: False) is None  # stopped as by Esc
     bpy.ops.ed.undo_push(message="before")
     assert bpy.ops.mimetic.calibrate("EXEC_DEFAULT", True) == {"FINISHED"}
-    assert asked == [(footage.path, FRAMES, inputs[2].features)] * 2
-    assert face_fit.stored(with_clip).calibration == found
+    assert request == [(footage.path, FRAMES, inputs[2].features)] * 2
+    assert face_fit.of_clip(with_clip).calibration == result
     assert face_fit.is_calibrated(with_clip)
     bpy.ops.ed.undo()
     assert not face_fit.is_calibrated(bpy.context.scene.mimetic.clip)
-    assert face_fit.stored(bpy.context.scene.mimetic.clip).features == inputs[2].features
+    assert face_fit.of_clip(bpy.context.scene.mimetic.clip).features == inputs[2].features
 
 
 def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, tmp_path):
     """The operator's own work, stopped as Esc stops it."""
     bpy.ops.mimetic.find_face(frame=1)
-    fit = extension("scene_out").face_fit.stored(with_clip)
-    told = []
+    fit = extension("scene_out").face_fit.of_clip(with_clip)
+    message = []
 
     def progress(fraction, what):
-        told.append(fraction)
-        return len(told) < 6
+        message.append(fraction)
+        return len(message) < 6
 
     operator = extension("operators.capture").MIMETIC_OT_capture
     path = str(tmp_path / "part.npz")
@@ -180,13 +180,13 @@ def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, t
     part = Performance.load(path)
     assert 1 < part.num_frames < 8
     assert any("stopped" in note for note in part.notes)
-    assert told == sorted(told)
+    assert message == sorted(message)
 
 
 @pytest.mark.parametrize("name", ["capture.MIMETIC_OT_capture", "head.MIMETIC_OT_track_head"])
 def test_esc_before_the_first_result_changes_nothing(extension, scene, with_clip, tmp_path, name):
     bpy.ops.mimetic.find_face(frame=FIT_FRAME)
-    fit = extension("scene_out").face_fit.stored(with_clip)
+    fit = extension("scene_out").face_fit.of_clip(with_clip)
     kept = extension("clips").ensure(with_clip)
     kept.performance_path = "before.npz"
     jobs = extension("jobs")
@@ -196,7 +196,7 @@ def test_esc_before_the_first_result_changes_nothing(extension, scene, with_clip
     footage = extension("scene_in").footage(bpy.context)
     inputs = (footage, (1, 40), fit, (path, path), None)
     inputs = (*inputs[:4], "surface") if "track_head" in operator else inputs
-    said = []
+    output = []
 
     class Pressed:
         """The operator as Blender makes it, which only Blender can."""
@@ -204,7 +204,7 @@ def test_esc_before_the_first_result_changes_nothing(extension, scene, with_clip
         write, _write, _end, _timer = pressed.write, jobs.Job._write, jobs.Job._end, None
 
         def report(self, kind, text):
-            said.append((kind, text))
+            output.append((kind, text))
 
         def _leave(self, context):
             jobs.running = None
@@ -215,7 +215,7 @@ def test_esc_before_the_first_result_changes_nothing(extension, scene, with_clip
     run.thread.join()
     assert run.is_done()
     assert Pressed()._end(bpy.context) == {"CANCELLED"}
-    assert said == [({"WARNING"}, "Stopped; nothing was changed")]
+    assert output == [({"WARNING"}, "Stopped; nothing was changed")]
     assert kept.performance_path == "before.npz"
     assert list(tmp_path.iterdir()) == []
 

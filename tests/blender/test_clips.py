@@ -98,13 +98,13 @@ def test_each_clip_has_its_own_person(extension, scene, load, films, a_fit, othe
     calibrated.calibration.frames.append(3)
     face_fit.store(anna, calibrated)
     assert scene.mimetic.clip == bert
-    assert face_fit.stored(bert) is None
+    assert face_fit.of_clip(bert) is None
     assert not face_fit.is_calibrated(bert)
     assert not bpy.ops.mimetic.calibrate.poll()
     assert "Find the face" in scene_in.no_landmarks(bpy.context, False)
     assert "bert.mp4: face not found yet" in drawn(PANEL)
     face_fit.store(bert, other_fit)
-    assert (face_fit.stored(anna).frame, face_fit.stored(bert).frame) == (1, 2)
+    assert (face_fit.of_clip(anna).frame, face_fit.of_clip(bert).frame) == (1, 2)
     scene.mimetic.clip = anna
     assert bpy.ops.mimetic.calibrate.poll()
     assert "anna.mp4: face of frame 1, calibrated" in drawn(PANEL)
@@ -210,16 +210,16 @@ def test_another_film_in_the_files_place_is_noticed(
     face_fit.store(clip, a_fit)
     take = take_of(performance, films[0], tmp_path / "take.npz")
     bpy.ops.mimetic.load_performance(filepath=str(take))
-    assert clips.changed(clip) == ""
+    assert clips.change_of(clip) == ""
     shutil.copy(films[1], path)
-    assert face_fit.stored(clip) is None
+    assert face_fit.of_clip(clip) is None
     assert not bpy.ops.mimetic.bake.poll()
-    assert "another film than before" in clips.changed(clip)
+    assert "now has another content" in clips.change_of(clip)
     assert not extension("scene_in").shows_landmarks(clip)
     face_fit.store(clip, other_fit)
-    assert clips.changed(clip) == ""
+    assert clips.change_of(clip) == ""
     shutil.copy(films[0], path)  # and what was known of the first is back with it
-    assert face_fit.stored(clip).frame == 1
+    assert face_fit.of_clip(clip).frame == 1
     assert bpy.ops.mimetic.bake.poll()
     # but the tracks are the second's: they must not be read as pins of the first
     reason = extension("scene_in").no_landmarks(bpy.context, False)
@@ -236,11 +236,11 @@ def test_a_moved_or_renamed_film_is_the_same_clip(extension, load, films, a_fit,
     os.rename(first, second)
     assert not bpy.ops.mimetic.find_face.poll()
     assert "is missing" in extension("scene_in").no_footage(bpy.context)
-    assert extension("scene_out").face_fit.stored(clip).frame == 1
+    assert extension("scene_out").face_fit.of_clip(clip).frame == 1
     assert load(second) == clip
     assert len(bpy.data.movieclips) == 1
     assert Path(bpy.path.abspath(clip.filepath)) == second
-    assert extension("scene_out").face_fit.stored(clip).frame == 1
+    assert extension("scene_out").face_fit.of_clip(clip).frame == 1
 
 
 def test_a_clip_opened_by_blender_itself_is_known_by_its_content(
@@ -250,7 +250,7 @@ def test_a_clip_opened_by_blender_itself_is_known_by_its_content(
     copy = tmp_path / "copy.mp4"
     shutil.copy(films[0], copy)
     scene.mimetic.clip = bpy.data.movieclips.load(str(copy))
-    assert extension("scene_out").face_fit.stored(scene.mimetic.clip).frame == 1
+    assert extension("scene_out").face_fit.of_clip(scene.mimetic.clip).frame == 1
     reason = extension("scene_in").no_landmarks(bpy.context, False)
     assert "Landmarks Here" in reason  # the tracks are in the other
 
@@ -263,7 +263,7 @@ def test_what_is_kept_of_a_clip_that_nothing_shows_is_saved(
     blend = str(tmp_path / "two.blend")
     bpy.ops.wm.save_as_mainfile(filepath=blend)
     bpy.ops.wm.open_mainfile(filepath=blend)
-    assert extension("scene_out").face_fit.stored(bpy.data.movieclips["anna.mp4"]).frame == 1
+    assert extension("scene_out").face_fit.of_clip(bpy.data.movieclips["anna.mp4"]).frame == 1
 
 
 def test_a_file_of_an_earlier_version_gives_its_fit_to_its_clip(
@@ -286,6 +286,6 @@ def test_a_file_of_an_earlier_version_gives_its_fit_to_its_clip(
     bpy.ops.wm.open_mainfile(filepath=blend)
     settings = bpy.context.scene.mimetic
     assert (settings.face_fit, settings.performance_path) == ("", "")
-    assert extension("scene_out").face_fit.stored(settings.clip).frame == 1
+    assert extension("scene_out").face_fit.of_clip(settings.clip).frame == 1
     assert extension("scene_in").shows_landmarks(settings.clip)
     assert bpy.ops.mimetic.bake.poll()

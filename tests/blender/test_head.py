@@ -159,8 +159,8 @@ def test_the_neck_is_tried_out_under_curves_of_its_own(extension, performance, r
 
 def test_bones_are_found_by_name_and_a_metarig_is_told_apart(extension, rig):
     rigs = extension("scene_out").rigs
-    found = rigs.head_bones(rig)
-    assert (found.head, found.neck, found.remark) == ("head", "neck", "")
+    result = rigs.head_bones(rig)
+    assert (result.head, result.neck, result.remark) == ("head", "neck", "")
     assert "Generate" in rigs.head_bones(bpy.data.objects["metarig"]).remark
 
 

@@ -239,8 +239,8 @@ def test_with_a_window_a_face_is_made_known_in_the_background(
     make, may_start = follower._maker, threading.Event()
 
     def slow(*arguments):
-        made = make(*arguments)
-        return lambda: may_start.wait() and made()
+        result = make(*arguments)
+        return lambda: may_start.wait() and result()
 
     monkeypatch.setattr(follower, "_waits", lambda depsgraph: False)
     monkeypatch.setattr(follower, "_maker", slow)

@@ -35,7 +35,7 @@ def test_blenders_own_menus_show_ours(place):
     for draw in getattr(bpy.types, place)._dyn_ui_initialize():
         if draw.__module__.startswith("bl_ext"):
             draw(menu, bpy.context)
-    assert menu.layout.told == [MENUS[place]]
+    assert menu.layout.texts == [MENUS[place]]
 
 
 def test_nothing_is_left_in_blenders_menus(extension):

@@ -104,8 +104,8 @@ def test_strain_of_a_grown_face_is_the_closed_form(live, extension, added):
     grown.value = 0.5
     seen = live.look(added)
     for measure, expected in (("area", 0.21), ("stretch", 0.1), ("compression", 0.1)):
-        found = seen.face.strain_range(seen.face.strain(seen.pose, measure))
-        assert found == pytest.approx((expected, expected), abs=1e-4)
+        result = seen.face.strain_range(seen.face.strain(seen.pose, measure))
+        assert result == pytest.approx((expected, expected), abs=1e-4)
 
 
 def test_a_face_of_another_mesh_says_so(live, added):
@@ -135,10 +135,10 @@ def test_overlays_are_settings_of_the_file(scene, added, tmp_path):
 
 def test_another_file_is_another_face(live, added, tmp_path):
     live.look(added)
-    assert live._seen
+    assert live._views
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "a.blend"))
-    assert not live._seen
+    assert not live._views
     assert live.look(bpy.data.objects["Face"]).pose is not None
 
 
@@ -173,10 +173,10 @@ def our_handlers() -> list:
 def test_handlers_come_and_go_with_the_extension(extension):
     overlay = extension("overlay")
     assert len(our_handlers()) == 4
-    assert len(overlay._drawn) == 3
+    assert len(overlay._handles) == 3
     bpy.ops.preferences.addon_disable(module=MODULE)
     assert our_handlers() == []
-    assert overlay._drawn == []
+    assert overlay._handles == []
     bpy.ops.preferences.addon_enable(module=MODULE)
     assert len(our_handlers()) == 4
 
@@ -185,4 +185,4 @@ def test_handlers_stay_when_a_file_is_opened(extension, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "a.blend"))
     assert len(our_handlers()) == 4
-    assert len(extension("overlay")._drawn) == 3
+    assert len(extension("overlay")._handles) == 3

@@ -54,7 +54,7 @@ def select(clip, *names: str) -> None:
 def test_a_dragged_landmark_is_pinned_and_the_face_follows(extension, found):
     from mimetic.fit import fitting
 
-    stored = extension("scene_out").face_fit.stored
+    stored = extension("scene_out").face_fit.of_clip
     before = stored(found)
     upper = place(found, "lip_upper")
     drag(found, NAME, 6, -3)
@@ -74,7 +74,7 @@ def test_a_dragged_landmark_is_pinned_and_the_face_follows(extension, found):
 
 
 def test_pins_hold_while_others_are_dragged_and_are_let_go_of(extension, found):
-    stored = extension("scene_out").face_fit.stored
+    stored = extension("scene_out").face_fit.of_clip
     free = place(found, NAME)
     drag(found, NAME, 6)
     bpy.ops.mimetic.follow_pins()
@@ -94,7 +94,7 @@ def test_a_landmark_is_pinned_where_it_is(extension, found):
     at = place(found, "chin")
     select(found, "chin")
     assert bpy.ops.mimetic.pin() == {"FINISHED"}
-    pins = extension("scene_out").face_fit.stored(found).pins
+    pins = extension("scene_out").face_fit.of_clip(found).pins
     np.testing.assert_allclose(pins[FRAME]["chin"], at, atol=1e-3)
 
 
@@ -107,7 +107,7 @@ def test_landmarks_of_another_frame_can_be_pinned_too(extension, found):
     assert bpy.ops.mimetic.show_landmarks() == {"FINISHED"}
     drag(found, "chin", 0, 4, OTHER)
     assert bpy.ops.mimetic.follow_pins() == {"FINISHED"}
-    fit = extension("scene_out").face_fit.stored(found)
+    fit = extension("scene_out").face_fit.of_clip(found)
     assert {frame: set(pins) for frame, pins in fit.pins.items()} == {
         FRAME: {NAME},
         OTHER: {"chin"},
@@ -125,7 +125,7 @@ def test_pins_live_in_the_file_and_capture_starts_from_them(extension, found, tm
     scene = bpy.context.scene
     clip = scene.mimetic.clip
     np.testing.assert_allclose(place(clip, NAME), at, atol=1e-3)
-    fit = extension("scene_out").face_fit.stored(clip)
+    fit = extension("scene_out").face_fit.of_clip(clip)
     np.testing.assert_allclose(fit.pins[FRAME][NAME], at, atol=1e-3)
     assert extension("pins").follow(clip) == []
     settings = scene.mimetic

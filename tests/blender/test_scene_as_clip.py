@@ -61,9 +61,9 @@ def test_the_panels_say_where_the_rates_part_and_only_there(scene, footage, perf
     assert "frames/s" not in drawn("MIMETIC_PT_capture_view")
     bpy.ops.mimetic.load_clip(filepath=str(footage))
     for panel in ("MIMETIC_PT_capture_view", "MIMETIC_PT_capture_clip"):
-        said = drawn(panel)
-        assert "The clip has 25 frames/s, the scene 24" in said
-        assert "mimetic.scene_as_clip" in said
+        output = drawn(panel)
+        assert "The clip has 25 frames/s, the scene 24" in output
+        assert "mimetic.scene_as_clip" in output
     scene.render.fps = 25
     assert "mimetic.scene_as_clip" not in drawn("MIMETIC_PT_capture_view")
 

@@ -30,7 +30,7 @@ def take(extension):
 
     def current() -> tuple[str, str]:
         takes, scene = extension("takes"), bpy.context.scene
-        kept = takes.kept(scene, scene.mimetic.clip)
+        kept = takes.of_clip(scene, scene.mimetic.clip)
         return kept.performance_path, takes.find(kept)
 
     return current

@@ -84,9 +84,9 @@ def test_a_face_that_is_linked_takes_no_bake(
 
     face = scene.mimetic.face = shown(kind(cast["Face"]))
     bpy.ops.mimetic.load_performance(filepath=str(performance_file))
-    told = refusal(bpy.ops.mimetic.bake)
-    assert "Make Local" in told
-    assert "cast.blend" in told or kind in (override, whole_override)
+    message = refusal(bpy.ops.mimetic.bake)
+    assert "Make Local" in message
+    assert "cast.blend" in message or kind in (override, whole_override)
     with pytest.raises(InvalidInput, match="Make Local"):
         extension("scene_out").bake(scene, performance, "take")
     assert actions_here() == []

@@ -18,10 +18,10 @@ def test_footage_becomes_an_animated_face(folder, screen, extension, clip, work,
         "frames": FRAMES,
         "scene_frame": FRAMES[1] - 10,
     }
-    found = folder.walk(screen, "walk_path.py", work, pictures, settings, seconds=900)
-    assert not found.failures()
+    result = folder.walk(screen, "walk_path.py", work, pictures, settings, seconds=900)
+    assert not result.failures()
     wanted = {"face-found", "landmark-dragged", "capturing", "head-held-still", "baked"}
-    assert wanted | {"baked-muscles"} <= set(found.pictures)
+    assert wanted | {"baked-muscles"} <= set(result.pictures)
     assert muscle_targets((work / "face.glb").read_bytes()) >= 36
     judged = subprocess.run(
         [VALIDATOR, work / "face.glb"], capture_output=True, text=True, check=False

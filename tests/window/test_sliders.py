@@ -7,15 +7,15 @@ VIEW = "700x640+50+80"  # between the toolbar and the sidebar
 
 def test_sliders_and_overlays_show_on_a_face(folder, screen, extension, work, pictures):
     shutil.copy(extension, work)
-    found = folder.walk(
+    result = folder.walk(
         screen, "walk_sliders.py", work, pictures, {"extension": extension.name}, seconds=400
     )
-    assert not found.failures()
-    plain = found.pictures["sliders"]
+    assert not result.failures()
+    plain = result.pictures["sliders"]
     for name in ("muscles", "strain", "muscles-and-strain", "muscles-reloaded"):
-        assert pixels_that_differ(plain, found.pictures[name]) > 5_000, name
+        assert pixels_that_differ(plain, result.pictures[name]) > 5_000, name
     # Switched off, nothing of them is left
-    assert pixels_that_differ(plain, found.pictures["sliders-again"]) < 500
+    assert pixels_that_differ(plain, result.pictures["sliders-again"]) < 500
 
 
 def pixels_that_differ(picture, other) -> int:

@@ -20,7 +20,7 @@ def is_idle() -> bool:
 
 
 def is_contact_followed() -> bool:
-    known = sys.modules[f"{PACKAGE}.contact"]._known
+    known = sys.modules[f"{PACKAGE}.contact"]._states
     return any(face.values is not None for face in known.values())
 
 

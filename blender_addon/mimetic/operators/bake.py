@@ -23,13 +23,13 @@ class MIMETIC_OT_bake(Job, Operator):
     use_contact: BoolProperty(
         name="Contact",
         default=True,
-        description="Let lips rest on each other and lids on each other, by shapes of their own",
+        description="Let lips rest on each other and lids on each other, by additional shapes",
     )
     use_detail: BoolProperty(
         name="Detail",
         default=False,
-        description="Shapes of their own for what the muscles leave unexplained: the surface as "
-        "closely as it was seen, and some eighty curves that no hand edits",
+        description="Additional shapes for what the muscles leave unexplained: the surface as "
+        "closely as it was measured, and some eighty curves that are not meant to be edited",
     )
     use_head_motion: BoolProperty(
         name="Head Motion",
@@ -57,15 +57,15 @@ class MIMETIC_OT_bake(Job, Operator):
 
     def read(self, context):
         clip = scene_in.clip_of(context)
-        bound = targets.bound_head(context)
+        head = targets.bound_head(context)
         footage = scene_in.footage(context).path if clip and self.use_texture else None
-        options = (footage, self.use_contact, self.use_detail) if bound is None else None
+        options = (footage, self.use_contact, self.use_detail) if head is None else None
         if options and footage and clips.is_missing(clip):
             raise native.invalid_input(
                 f"{clip.name} is missing: look for it (Find Missing Files), or untick "
                 "Footage as Skin"
             )
-        return scene_in.take(context), options, bound.name if bound else ""
+        return scene_in.take(context), options, head.name if head else ""
 
     def work(self, inputs, progress):
         take, options, bound_name = inputs
@@ -88,10 +88,10 @@ class MIMETIC_OT_bake(Job, Operator):
         performance, name, clip_name, dress, bound_name = result
         clip = bpy.data.movieclips.get(clip_name)
         if bound_name:
-            bound = writable.own_object(context.scene, bound_name)
-            return self.write_bound(context.scene, performance, name, bound, clip)
+            head = writable.own_object(context.scene, bound_name)
+            return self.write_bound(context.scene, performance, name, head, clip)
         appearance, contact = dress
-        baked = scene_out.bake(
+        summary = scene_out.bake(
             context.scene,
             performance,
             name,
@@ -102,30 +102,30 @@ class MIMETIC_OT_bake(Job, Operator):
             is_reset=self.reset_hand_changes,
         )
         face = context.scene.mimetic.face
-        told = (
-            f"{baked.num_curves} curves from frame {baked.first:.6g} to {baked.last:.6g} "
+        message = (
+            f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
             f"on {face.name}"
         )
-        if baked.kept:
-            told += f"; {baked.kept} (Reset Hand Changes undoes that)"
+        if summary.kept:
+            message += f"; {summary.kept} (Reset Hand Changes undoes that)"
         if clip and clips.is_missing(clip):
-            told += f"; {clip.name} is missing: the camera shows it once it is found"
+            message += f"; {clip.name} is missing: the camera shows it once it is found"
         if self.use_view and scene_out.camera.look_through(context, face):
-            told += "; other objects are out of view, View > Local View shows them again"
+            message += "; other objects are out of view, View > Local View shows them again"
         scene_out.canonical.select_only(context.view_layer, face)
-        return told
+        return message
 
-    def write_bound(self, scene, performance, take, bound, clip):
+    def write_bound(self, scene, performance, take, head, clip):
         """On a character's own head; says all that it does not play."""
-        baked = scene_out.bound.bake(scene, performance, take, bound, clip, self.use_head_motion)
-        for remark in baked.left_out:
+        summary = scene_out.bound.bake(scene, performance, take, head, clip, self.use_head_motion)
+        for remark in summary.left_out:
             self.report({"WARNING"}, remark)
-        if baked.untouched:
-            self.report({"INFO"}, f"The performance leaves alone: {', '.join(baked.untouched)}")
-        told = (
-            f"{baked.num_curves} curves from frame {baked.first:.6g} to {baked.last:.6g} "
-            f"on {bound.name}; its mesh, materials, contact and the scene's camera stay"
+        if summary.untouched:
+            self.report({"INFO"}, f"The performance leaves alone: {', '.join(summary.untouched)}")
+        message = (
+            f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
+            f"on {head.name}; its mesh, materials, contact and the scene's camera stay"
         )
         if performance.detail_modes is not None and self.use_detail:
-            told += "; detail is the performer's own skin's and was left out"
-        return told if baked.has_motion else f"{told}; the object was not moved"
+            message += "; detail is the performer's own skin's and was left out"
+        return message if summary.has_motion else f"{message}; the object was not moved"

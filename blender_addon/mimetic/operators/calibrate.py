@@ -26,19 +26,19 @@ skin is held and how strong the muscles are; the fit keeps it for every capture"
         most = native.calibration_run().MOST_FRAMES
         if frames is None and clip.frame_duration > most:
             raise native.invalid_input(
-                f"Calibration rests on {most} frames at most: tick Part of the Clip, and choose a "
+                f"Calibration uses {most} frames at most: tick Part of the Clip, and choose a "
                 "few seconds in which the face moves"
             )
-        return scene_in.footage(context), frames, scene_out.face_fit.stored(clip)
+        return scene_in.footage(context), frames, scene_out.face_fit.of_clip(clip)
 
     def work(self, inputs, progress):
         footage, frames, fit = inputs
         try:
             calibrate = native.calibration_run().calibrate
-            calibrated, _ = calibrate(footage.path, frames, fit, progress)
+            calibrated_fit, _ = calibrate(footage.path, frames, fit, progress)
         except KeyboardInterrupt:  # stopped: half a calibration is none
             return None
-        return footage.clip_name, calibrated
+        return footage.clip_name, calibrated_fit
 
     def write(self, context, result):
         clip_name, fit = result

@@ -10,7 +10,7 @@ class MIMETIC_OT_capture(Following, Operator):
 
     bl_idname = "mimetic.capture"
     bl_label = "Capture"
-    told = "Captured frames {first} to {last}"
+    message = "Captured frames {first} to {last}"
 
     @staticmethod
     def follow(option, footage_path, frames, fit, progress):

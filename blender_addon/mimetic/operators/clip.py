@@ -34,7 +34,7 @@ class MIMETIC_OT_load_clip(Operator, ImportHelper):
         scene_out.clip.show(context, clip)
         takes.adopt(context.scene, clip)
         width, height = footage.size
-        told = [f"{clip.name}: {width} x {height}, {float(footage.fps):.6g} frames/s"]
-        warnings = [*footage.warnings, *filter(None, [clips.changed(clip)])]
-        self.report({"WARNING" if warnings else "INFO"}, "; ".join(told + warnings))
+        messages = [f"{clip.name}: {width} x {height}, {float(footage.fps):.6g} frames/s"]
+        warnings = [*footage.warnings, *filter(None, [clips.change_of(clip)])]
+        self.report({"WARNING" if warnings else "INFO"}, "; ".join(messages + warnings))
         return {"FINISHED"}

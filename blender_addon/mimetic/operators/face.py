@@ -56,8 +56,10 @@ class MIMETIC_OT_find_face(Job, Operator):
         scene_out.face_fit.store(clip, fit)
         # What was found is on show at once; frame_set() would leave the clip editors behind
         context.scene.frame_current = clip.frame_start - 1 + fit.frame - clip.frame_offset
-        told = f"Face found in frame {fit.frame}; drag its landmarks in the clip editor to pin them"
-        return "; ".join([told, *fit.warnings])
+        message = (
+            f"Face found in frame {fit.frame}; drag its landmarks in the clip editor to pin them"
+        )
+        return "; ".join([message, *fit.warnings])
 
 
 class MIMETIC_OT_pick_face(Operator):

@@ -15,7 +15,7 @@ class Following(Job):
 
     bl_options = {"UNDO"}
     keeps_part = True
-    told = "{first} to {last}"
+    message = "{first} to {last}"
 
     filepath: StringProperty(
         name="Performance",
@@ -38,17 +38,17 @@ class Following(Job):
             self.filepath or takes.capture_path(footage.clip_name),
             takes.spare_path(footage.clip_name),
         )
-        fit = scene_out.face_fit.stored(scene_in.clip_of(context))
+        fit = scene_out.face_fit.of_clip(scene_in.clip_of(context))
         return footage, scene_in.frame_range(context.scene), fit, paths, self.option(context)
 
     def work(self, inputs, progress):
         footage, frames, fit, paths, option = inputs
         performance = self.follow(option, footage.path, frames, fit, progress)
         path, remarks = takes.save(performance, *paths)
-        told = self.told.format(first=performance.frame[0], last=performance.frame[-1])
-        return footage.clip_name, path, "; ".join([told, *remarks])
+        message = self.message.format(first=performance.frame[0], last=performance.frame[-1])
+        return footage.clip_name, path, "; ".join([message, *remarks])
 
     def write(self, context, result):
-        clip_name, path, told = result
+        clip_name, path, message = result
         takes.keep(context.scene, bpy.data.movieclips[clip_name], path)
-        return told
+        return message

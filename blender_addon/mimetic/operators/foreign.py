@@ -22,8 +22,8 @@ class MIMETIC_OT_add_landmarks(Operator):
 
     def execute(self, context):
         head = context.active_object
-        if found := scene_in.landmark_empties(context.scene, head):
-            self.report({"ERROR"}, f"There are landmarks for {head.name}: {', '.join(found)}")
+        if empties := scene_in.landmark_empties(context.scene, head):
+            self.report({"ERROR"}, f"There are landmarks for {head.name}: {', '.join(empties)}")
             return {"CANCELLED"}
         parts = native.foreign_face()
         try:
@@ -80,17 +80,17 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
 
     def write(self, context, result):
         head, landmarks, face = result
-        shown = bpy.data.objects.get(head.name)
-        if shown is None or len(shown.data.vertices) != len(head.points):
+        object_ = bpy.data.objects.get(head.name)
+        if object_ is None or len(object_.data.vertices) != len(head.points):
             raise native.foreign_face().InvalidInput(
                 f"{head.name} was changed meanwhile: attach its muscles again"
             )
-        kept = scene_out.foreign.attach(shown, head, landmarks, face)
+        hand_changes = scene_out.foreign.attach(object_, head, landmarks, face)
         for note in face.notes:
             self.report({"WARNING"}, f"{head.name}: {note}")
         num_sliders = len(face.shapes) + len(face.groups)
-        told = f"{head.name} has {num_sliders} sliders: sidebar, Mimetic, Muscles"
-        return "; ".join(filter(None, (told, kept)))
+        message = f"{head.name} has {num_sliders} sliders: sidebar, Mimetic, Muscles"
+        return "; ".join(filter(None, (message, hand_changes)))
 
 
 CLASSES = (MIMETIC_OT_add_landmarks, MIMETIC_OT_attach_muscles)

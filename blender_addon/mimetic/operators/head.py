@@ -21,9 +21,9 @@ class MIMETIC_OT_track_head(Following, Operator):
 
     bl_idname = "mimetic.track_head"
     bl_label = "Track Head"
-    told = "Followed the head from frame {first} to {last}"
+    message = "Followed the head from frame {first} to {last}"
 
-    model: EnumProperty(name="Model", items=MODELS, description="What stands for the head")
+    model: EnumProperty(name="Model", items=MODELS, description="Model of the head")
 
     def option(self, context):
         return self.model.lower()
@@ -52,12 +52,12 @@ class MIMETIC_OT_find_head_bones(Operator):
 
     def execute(self, context):
         settings = context.scene.mimetic.head
-        found = scene_out.rigs.head_bones(settings.target)
-        if not found.head:
-            self.report({"ERROR"}, found.remark)
+        bones = scene_out.rigs.head_bones(settings.target)
+        if not bones.head:
+            self.report({"ERROR"}, bones.remark)
             return {"CANCELLED"}
-        settings.bone, settings.neck = found.head, found.neck
-        self.report({"INFO"}, f"Head {found.head}, neck {found.neck or 'none'}")
+        settings.bone, settings.neck = bones.head, bones.neck
+        self.report({"INFO"}, f"Head {bones.head}, neck {bones.neck or 'none'}")
         return {"FINISHED"}
 
 
@@ -109,10 +109,10 @@ class MIMETIC_OT_bake_head(Job, Operator):
     def write(self, context, result):
         performance, target, name, clip_name = result
         clip = bpy.data.movieclips.get(clip_name)
-        baked = scene_out.head.bake(context.scene, performance, name, target, clip)
+        summary = scene_out.head.bake(context.scene, performance, name, target, clip)
         return (
-            f"{baked.num_curves} curves from frame {baked.first:.6g} to {baked.last:.6g} "
-            f"on {baked.where}"
+            f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
+            f"on {summary.where}"
         )
 
 

@@ -40,16 +40,16 @@ performances by name, footage by its content, whatever it is called now"""
         if not folder.is_dir():
             self.report({"ERROR"}, f"{folder}: there is no such folder; choose another")
             return {"CANCELLED"}
-        found = [*_find_clips(folder), *_find_takes(folder)]
+        lines = [*_find_clips(folder), *_find_takes(folder)]
         absent = [clip.name for clip in _missing_clips()] + list(
             map(takes.name_of, takes.missing())
         )
         if absent:
             names = ", ".join(dict.fromkeys(absent))
             self.report({"WARNING"}, f"{names}: not in {folder} nor in a folder in it")
-        if found:
-            self.report({"INFO"}, f"Found {', '.join(found)}")
-        return {"FINISHED"} if found else {"CANCELLED"}
+        if lines:
+            self.report({"INFO"}, f"Found {', '.join(lines)}")
+        return {"FINISHED"} if lines else {"CANCELLED"}
 
 
 def _missing_clips() -> list[bpy.types.MovieClip]:
@@ -60,13 +60,13 @@ def _missing_clips() -> list[bpy.types.MovieClip]:
 
 def _find_clips(folder: Path) -> list[str]:
     files = native.clip_fingerprint()
-    found = []
+    lines = []
     for clip in _missing_clips():
         path = files.find_content(clip.mimetic.fingerprint, files.files_in(folder, DEPTH))
         if path:
             scene_out.clip.place(clip, str(path))
-            found.append(path.name)
-    return found
+            lines.append(path.name)
+    return lines
 
 
 def _find_takes(folder: Path) -> list[str]:
@@ -77,10 +77,10 @@ def _find_takes(folder: Path) -> list[str]:
         for path in native.clip_fingerprint().files_in(folder, DEPTH):
             if path.name in names:
                 candidates.setdefault(path.name, []).append(path)
-    found = []
+    lines = []
     for holder in takes.missing():
         for path in candidates.get(takes.name_of(holder), ()):
             if takes.place(holder, str(path)):
-                found.append(path.name)
+                lines.append(path.name)
                 break
-    return found
+    return lines

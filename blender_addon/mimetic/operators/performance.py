@@ -34,15 +34,15 @@ class MIMETIC_OT_load_performance(Operator, ImportHelper):
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         first, last = performance.frame[0], performance.frame[-1]
-        told = [f"Frames {first} to {last} at {performance.fps:.6g} frames/s"]
+        messages = [f"Frames {first} to {last} at {performance.fps:.6g} frames/s"]
         if clip is not None and clip != scene_in.clip_of(context):
             scene_out.clip.show(context, clip)
-            told.append(f"it is of {clip.name}, which is shown now")
+            messages.append(f"it is of {clip.name}, which is shown now")
         elif clip is None and performance.footage:
-            told.append(f"{performance.footage[0]}, which it is of, is not found: no footage")
+            messages.append(f"{performance.footage[0]}, which it is of, is not found: no footage")
         takes.keep(context.scene, clip, path)
-        told += performance.notes or []
-        self.report({"WARNING" if performance.notes else "INFO"}, "; ".join(told))
+        messages += performance.notes or []
+        self.report({"WARNING" if performance.notes else "INFO"}, "; ".join(messages))
         return {"FINISHED"}
 
 
@@ -51,23 +51,23 @@ def _clip_of(context, performance, path: str) -> bpy.types.MovieClip | None:
 
     None without any; raises InvalidInput if only another person's clip is on show.
     """
-    shown = scene_in.clip_of(context)
+    current = scene_in.clip_of(context)
     if performance.footage is None:
-        return shown
+        return current
     name, mark = performance.footage
-    if shown and clips.fingerprint(shown) == mark:
-        return shown
+    if current and clips.fingerprint(current) == mark:
+        return current
     if clip := clips.with_content(mark):
         return clip
     files = native.clip_fingerprint()
     near = [Path(path).parent, *([Path(bpy.data.filepath).parent] if bpy.data.filepath else ())]
     near += [Path(clips.path_of(clip)).parent for clip in bpy.data.movieclips]
     for folder in dict.fromkeys(near):
-        if found := files.find_content(mark, files.files_in(folder)):
-            return scene_out.clip.load(context.scene, str(found))
-    if shown is None:
+        if file := files.find_content(mark, files.files_in(folder)):
+            return scene_out.clip.load(context.scene, str(file))
+    if current is None:
         return None
     raise native.invalid_input(
-        f"{Path(path).name} was captured from {name}, not from {shown.name}: load {name} first "
+        f"{Path(path).name} was captured from {name}, not from {current.name}: load {name} first "
         "(Load Clip), or take the footage away to bake without one"
     )

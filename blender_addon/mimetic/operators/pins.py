@@ -21,17 +21,17 @@ class Pinning:
 
     def execute(self, context):
         try:
-            told = self.change(context, scene_in.clip_of(context))
+            message = self.change(context, scene_in.clip_of(context))
         except native.known_errors() as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         pins.redraw()
-        self.report({"INFO"}, told)
+        self.report({"INFO"}, message)
         return {"FINISHED"}
 
 
 class MIMETIC_OT_pin(Pinning, Operator):
-    """Hold the selected landmarks where they are in the frame on show; dragging one pins it too"""
+    """Pin the selected landmarks where they are in the frame on show; dragging one pins it too"""
 
     bl_idname = "mimetic.pin"
     bl_label = "Pin"
@@ -43,7 +43,7 @@ class MIMETIC_OT_pin(Pinning, Operator):
 
 
 class MIMETIC_OT_unpin(Pinning, Operator):
-    """Let go of the selected landmarks: they go where the fit has them"""
+    """Release the selected landmarks: they return to where the fit has them"""
 
     bl_idname = "mimetic.unpin"
     bl_label = "Unpin"
@@ -51,7 +51,7 @@ class MIMETIC_OT_unpin(Pinning, Operator):
     def change(self, context, clip):
         names = landmarks.selected(clip)
         pins.unpin(clip, names)
-        return f"Let go of {', '.join(names)}"
+        return f"Unpinned {', '.join(names)}"
 
 
 class MIMETIC_OT_follow_pins(Pinning, Operator):
@@ -82,7 +82,7 @@ class MIMETIC_OT_show_landmarks(Job, Operator):
         return not reason
 
     def read(self, context):
-        fit = scene_out.face_fit.stored(scene_in.clip_of(context))
+        fit = scene_out.face_fit.of_clip(scene_in.clip_of(context))
         return scene_in.footage(context), fit, scene_in.shown_frame(context)
 
     def work(self, inputs, progress):
@@ -94,7 +94,7 @@ class MIMETIC_OT_show_landmarks(Job, Operator):
     def write(self, context, result):
         clip_name, fit, frame = result
         scene_out.face_fit.store(bpy.data.movieclips[clip_name], fit)
-        return f"The face rests on {len(fit.views)} frames now, frame {frame} among them"
+        return f"The face is fitted to {len(fit.views)} frames now, frame {frame} among them"
 
 
 CLASSES = (

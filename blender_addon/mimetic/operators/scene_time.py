@@ -30,8 +30,8 @@ class MIMETIC_OT_scene_as_clip(Operator):
         had_rate = clip_time.has_rate(scene, clip)
         clip_time.apply(scene, clip)
         rate = scene.render.fps / scene.render.fps_base
-        told = f"{rate:.6g} frames/s, frames {scene.frame_start} to {scene.frame_end}"
+        message = f"{rate:.6g} frames/s, frames {scene.frame_start} to {scene.frame_end}"
         if not had_rate:
-            told += "; what was baked keeps its frames: bake it again"
-        self.report({"INFO"}, told)
+            message += "; what was baked keeps its frames: bake it again"
+        self.report({"INFO"}, message)
         return {"FINISHED"}

@@ -9,12 +9,12 @@ from bpy.app.handlers import persistent
 
 from . import drawing, fitted, live
 
-_drawn = []  # handles of Blender's draw callbacks
+_handles = []  # handles of Blender's draw callbacks
 
 
 @persistent
 def forget_all(*_) -> None:
-    """Another file: what was known belongs to faces that are gone."""
+    """Another file is open: what is cached is of faces that no longer exist."""
     live.forget()
 
 
@@ -40,7 +40,7 @@ def register() -> None:
         (bpy.types.SpaceView3D, drawing.draw_legend, "POST_PIXEL"),
         (bpy.types.SpaceClipEditor, fitted.draw_fit, "POST_PIXEL"),
     ):
-        _drawn.append((space, space.draw_handler_add(draw, (), "WINDOW", kind)))
+        _handles.append((space, space.draw_handler_add(draw, (), "WINDOW", kind)))
     for handlers, handler in HANDLERS:
         handlers.append(handler)
 
@@ -48,8 +48,8 @@ def register() -> None:
 def unregister() -> None:
     for handlers, handler in HANDLERS:
         handlers.remove(handler)
-    while _drawn:
-        space, handle = _drawn.pop()
+    while _handles:
+        space, handle = _handles.pop()
         space.draw_handler_remove(handle, "WINDOW")
     live.forget()
     fitted.forget()

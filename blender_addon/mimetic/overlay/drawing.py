@@ -26,15 +26,15 @@ def draw_faces() -> None:
     gpu.state.depth_mask_set(False)
     try:
         for face in live.faces(context):
-            seen = live.look(face)
-            if seen.face is None:
+            view = live.look(face)
+            if view.face is None:
                 continue
             with gpu.matrix.push_pop():
                 gpu.matrix.multiply_matrix(face.matrix_world)
                 if settings.show_strain:
-                    _draw_strain(seen, settings)
+                    _draw_strain(view, settings)
                 if settings.show_muscles:
-                    _draw_muscles(seen)
+                    _draw_muscles(view)
     finally:  # the next one to draw finds what it expects
         gpu.state.depth_mask_set(True)
         gpu.state.depth_test_set("NONE")
@@ -48,9 +48,9 @@ def draw_legend() -> None:
     if not settings.show_strain or not _is_on(context):
         return
     ranges = [
-        _strain(seen, settings)[1]
-        for seen in map(live.look, live.faces(context))
-        if seen.face is not None
+        _strain(view, settings)[1]
+        for view in map(live.look, live.faces(context))
+        if view.face is not None
     ]
     if ranges:
         lowest, highest = min(r[0] for r in ranges), max(r[1] for r in ranges)
@@ -64,50 +64,50 @@ def _is_on(context) -> bool:
     )
 
 
-def _strain(seen, settings):
+def _strain(view, settings):
     """The strain at the skin's vertices, its range, and its scale's end."""
     key = ("strain", settings.strain_measure)
-    if key not in seen.made:
-        strain = seen.face.strain(seen.pose, settings.strain_measure.lower())
-        seen.made[key] = strain, seen.face.strain_range(strain)
-    return seen.made[key]
+    if key not in view.made:
+        strain = view.face.strain(view.pose, settings.strain_measure.lower())
+        view.made[key] = strain, view.face.strain_range(strain)
+    return view.made[key]
 
 
-def _draw_strain(seen, settings) -> None:
+def _draw_strain(view, settings) -> None:
     shader = gpu.shader.from_builtin("SMOOTH_COLOR")
     key = ("patch", settings.strain_measure, settings.strain_limit)
-    if key not in seen.made:
-        strain, _ = _strain(seen, settings)
-        patch = seen.face.strain_patch(seen.pose, strain, settings.strain_limit / 100)
-        seen.made[key] = _patch(shader, patch)
+    if key not in view.made:
+        strain, _ = _strain(view, settings)
+        patch = view.face.strain_patch(view.pose, strain, settings.strain_limit / 100)
+        view.made[key] = _patch(shader, patch)
     gpu.state.depth_test_set("LESS_EQUAL")
     gpu.state.face_culling_set("BACK")
-    seen.made[key].draw(shader)
+    view.made[key].draw(shader)
     gpu.state.face_culling_set("NONE")
 
 
-def _draw_muscles(seen) -> None:
+def _draw_muscles(view) -> None:
     lines = gpu.shader.from_builtin("POLYLINE_SMOOTH_COLOR")
-    if "lines" not in seen.made:
-        strokes = seen.face.strokes(seen.pose)
-        seen.made["lines"] = [
+    if "lines" not in view.made:
+        strokes = view.face.strokes(view.pose)
+        view.made["lines"] = [
             (stroke.width, _lines(lines, stroke, 1.0), _lines(lines, stroke, HIDDEN_OPACITY))
             for stroke in strokes
         ]
     solid = gpu.shader.from_builtin("SMOOTH_COLOR")
-    if "nodes" not in seen.made:
-        seen.made["nodes"] = _patch(solid, seen.face.nodes(seen.pose))
+    if "nodes" not in view.made:
+        view.made["nodes"] = _patch(solid, view.face.nodes(view.pose))
     scale = bpy.context.preferences.system.pixel_size
     lines.bind()
     lines.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
-    for width, seen_lines, hidden_lines in seen.made["lines"]:
+    for width, seen_lines, hidden_lines in view.made["lines"]:
         lines.uniform_float("lineWidth", width * scale)
         gpu.state.depth_test_set("NONE")
         hidden_lines.draw(lines)
         gpu.state.depth_test_set("LESS_EQUAL")
         seen_lines.draw(lines)
     gpu.state.depth_test_set("LESS_EQUAL")
-    seen.made["nodes"].draw(solid)
+    view.made["nodes"].draw(solid)
 
 
 def _lines(shader, stroke, opacity: float):

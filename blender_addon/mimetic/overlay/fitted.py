@@ -14,7 +14,7 @@ from ..scene_out import face_fit
 COLOUR = (0.1, 0.9, 1.0, 0.3)
 SPAN = 16.0  # pictures
 
-_drawn: tuple[object, int, object] | None = None  # fit, frame, batch
+_last: tuple[object, int, object] | None = None  # fit, frame, batch
 
 
 def draw_fit() -> None:
@@ -50,23 +50,23 @@ def _lay_over_picture(view) -> None:
 
 
 def _batch(context):
-    global _drawn
+    global _last
     try:
-        fit = face_fit.stored(context.edit_movieclip)
+        fit = face_fit.of_clip(context.edit_movieclip)
     except native.known_errors():  # it was edited into nonsense; the buttons say so
         return None
     if fit is None:
         return None
     frame = scene_in.shown_frame(context)
-    if _drawn is None or _drawn[0] is not fit or _drawn[1] != frame:
+    if _last is None or _last[0] is not fit or _last[1] != frame:
         lines = native.fitted_lines().fit_lines(fit, frame).reshape(-1, 2)
         places = np.column_stack([lines, np.zeros(len(lines))]).astype(np.float32)
         shader = gpu.shader.from_builtin("UNIFORM_COLOR")
-        made = batch_for_shader(shader, "LINES", {"pos": places}) if len(lines) else None
-        _drawn = (fit, frame, made)
-    return _drawn[2]
+        batch = batch_for_shader(shader, "LINES", {"pos": places}) if len(lines) else None
+        _last = (fit, frame, batch)
+    return _last[2]
 
 
 def forget() -> None:
-    global _drawn
-    _drawn = None
+    global _last
+    _last = None

@@ -24,31 +24,31 @@ class Seen:
     made: dict = field(default_factory=dict)  # what was drawn of this pose
 
 
-_seen: dict[str, Seen] = {}
+_views: dict[str, Seen] = {}
 
 
 def forget() -> None:
-    _seen.clear()
+    _views.clear()
 
 
 def mark_changed(name: str) -> None:
-    if name in _seen:
-        _seen[name].pose = None
+    if name in _views:
+        _views[name].pose = None
 
 
 def problem_of(face: bpy.types.Object) -> str:
     """Why nothing is drawn over a face that was looked at, or the empty string."""
-    return _seen[face.name].problem if face.name in _seen else ""
+    return _views[face.name].problem if face.name in _views else ""
 
 
 def faces(context) -> list[bpy.types.Object]:
     """Faces that the 3D view shows and that are not being edited."""
     return [
-        shown
-        for shown in context.view_layer.objects
-        if scene_in.is_face(shown)
-        and shown.mode != "EDIT"
-        and shown.visible_in_viewport_get(context.space_data)
+        obj
+        for obj in context.view_layer.objects
+        if scene_in.is_face(obj)
+        and obj.mode != "EDIT"
+        and obj.visible_in_viewport_get(context.space_data)
     ]
 
 
@@ -56,17 +56,17 @@ def look(face: bpy.types.Object) -> Seen:
     """What is known of a face now: its rest, its sliders, the pose they give."""
     keys = face.data.shape_keys
     rest = contact.points_of(keys.reference_key)
-    seen = _seen.get(face.name)
-    if seen is None or not np.array_equal(seen.rest, rest):
-        seen = _seen[face.name] = _new(rest)
-    if seen.face is None:
-        return seen
+    view = _views.get(face.name)
+    if view is None or not np.array_equal(view.rest, rest):
+        view = _views[face.name] = _new(rest)
+    if view.face is None:
+        return view
     values = _values(face)
-    if seen.pose is None or values != seen.values:
-        seen.values = values
-        seen.pose = seen.face.pose(sliders.moves(keys, values, rest), values)
-        seen.made.clear()
-    return seen
+    if view.pose is None or values != view.values:
+        view.values = values
+        view.pose = view.face.pose(sliders.moves(keys, values, rest), values)
+        view.made.clear()
+    return view
 
 
 def _new(rest: np.ndarray) -> Seen:

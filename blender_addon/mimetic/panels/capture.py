@@ -46,7 +46,7 @@ class Capture:
         if clips.is_missing(clip):
             layout.label(text=f"{clip.name} is missing", icon="ERROR")
             layout.operator("mimetic.find_missing")
-        for line in wrapped(clips.changed(clip), 44):
+        for line in wrapped(clips.change_of(clip), 44):
             layout.label(text=line)
         layout.label(text=f"{clip.name}: {scene_out.face_fit.summary(clip)}", icon="FILE_MOVIE")
 
@@ -84,14 +84,14 @@ class Capture:
 
     def draw_bake(self, layout, context):
         layout.operator("mimetic.load_performance", icon="FILE_FOLDER")
-        take = takes.kept(context.scene, scene_in.clip_of(context))
+        take = takes.of_clip(context.scene, scene_in.clip_of(context))
         if take and takes.find(take):
             layout.label(text=takes.name_of(take), icon="CHECKMARK")
         elif take:
             layout.label(text=f"{takes.name_of(take)} is missing", icon="ERROR")
             layout.operator("mimetic.find_missing")
-        bound = targets.bound_head(context)
-        text = f"Bake on {bound.name}" if bound else "Bake"
+        head = targets.bound_head(context)
+        text = f"Bake on {head.name}" if head else "Bake"
         layout.operator("mimetic.bake", text=text, icon="ACTION")
         layout.operator("mimetic.export_gltf", icon="EXPORT")
 

@@ -54,9 +54,9 @@ class MIMETIC_PT_muscles(Muscles, Panel):
 
     def draw_attaching(self, layout, context):
         active = context.active_object
-        named = active.name if active and active.type == "MESH" else "a head of your own"
+        name = active.name if active and active.type == "MESH" else "a head of your own"
         column = layout.column(align=True)
-        column.label(text=f"Muscles on {named}:")
+        column.label(text=f"Muscles on {name}:")
         column.operator("mimetic.add_landmarks", icon="EMPTY_DATA")
         column.operator("mimetic.attach_muscles", icon="SHAPEKEY_DATA")
 

@@ -27,7 +27,7 @@ from . import (
 )
 
 __all__ = [
-    "Baked",
+    "BakeSummary",
     "bake",
     "bound",
     "camera",
@@ -45,11 +45,11 @@ __all__ = [
 
 
 @dataclass(frozen=True)
-class Baked:
+class BakeSummary:
     first: float  # scene frames of the first and the last key
     last: float
     num_curves: int
-    kept: str = ""  # what was changed by hand and is as it was, to be told
+    kept: str = ""  # what was changed by hand and stays, a line for the user
 
 
 def bake(
@@ -62,7 +62,7 @@ def bake(
     with_groups: bool = True,
     contact_shapes: list | None = None,
     is_reset: bool = False,
-) -> Baked:
+) -> BakeSummary:
     """Puts the face, its curves, its camera and the footage behind it into the scene.
 
     performance: mimetic.performance.Performance; take: names the new actions; appearance: of
@@ -85,14 +85,14 @@ def bake(
     parts = native.shapes()
     shapes = [*parts.shapes_of(performance), *(contact_shapes or ())]
     groups = parts.groups_of(performance) if with_groups else []
-    shown, kept = face.ensure(scene, performance, shapes, groups, subdivision, is_reset)
-    shown.mimetic.use_contact = contact_shapes is not None
+    obj, hand_changes = face.ensure(scene, performance, shapes, groups, subdivision, is_reset)
+    obj.mimetic.use_contact = contact_shapes is not None
     if appearance is not None:
-        painted = materials.dress(shown, appearance, is_reset)
-        kept.things += [f"the picture of {name}" for name in painted]
+        has_paint = materials.dress(obj, appearance, is_reset)
+        hand_changes.things += [f"the picture of {name}" for name in has_paint]
     motion = placement.head_motion(performance, world_from_camera)
-    num_curves = actions.key_shapes(shown, take, frames, shapes, face.key_names(shown))
-    num_curves += actions.key_motion(shown, take, frames, motion)
+    num_curves = actions.key_shapes(obj, take, frames, shapes, face.key_names(obj))
+    num_curves += actions.key_motion(obj, take, frames, motion)
     lens = placement.lens(
         performance.intrinsics,
         performance.image_size,
@@ -102,4 +102,4 @@ def bake(
     seen_through = camera.ensure(scene, lens, world_from_camera)
     if footage is not None:
         camera.show_footage(seen_through, footage, timing, performance, take)
-    return Baked(float(frames[0]), float(frames[-1]), num_curves, kept.text())
+    return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, hand_changes.text())

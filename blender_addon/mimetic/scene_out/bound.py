@@ -17,7 +17,7 @@ from . import actions, by_hand, head, standing
 
 
 @dataclass(frozen=True)
-class Baked:
+class BakeSummary:
     first: float  # scene frames of the first and the last key
     last: float
     num_curves: int
@@ -30,10 +30,10 @@ def bake(
     scene: bpy.types.Scene,
     performance,
     take: str,
-    bound: bpy.types.Object,
+    head_object: bpy.types.Object,
     footage: bpy.types.MovieClip | None = None,
     use_head_motion: bool = True,
-) -> Baked:
+) -> BakeSummary:
     """Keys a `mimetic.performance.Performance` on the sliders of a head, by the names that muscles
     had when they were attached: a slider that was renamed by hand plays, too.
 
@@ -41,29 +41,30 @@ def bake(
     never does where a parent, an armature or a constraint moves it. The scene's rate and range
     stay. Raises InvalidInput, and changes nothing then, if nothing of it can be played.
     """
-    writable.check(writable.no_sliders(bound))
+    writable.check(writable.no_sliders(head_object))
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
     shapes = native.shapes().shapes_of(performance.without_detail())
-    keys = bound.data.shape_keys
-    sliders = _sliders(bound, shapes)
-    driven = _driven(keys)
+    keys = head_object.data.shape_keys
+    sliders = _sliders(head_object, shapes)
+    driven_keys = _driven(keys)
     playable = [
         (key, shape)
         for shape in shapes
-        if (key := sliders.get(shape.name)) and key.name not in driven
+        if (key := sliders.get(shape.name)) and key.name not in driven_keys
     ]
-    left_out = _left_out(bound, shapes, sliders, driven)
+    left_out = _left_out(head_object, shapes, sliders, driven_keys)
     if not playable:
         raise native.invalid_input("; ".join(left_out))
-    if use_head_motion and (mover := moved_by(bound)):
+    if use_head_motion and (mover := moved_by(head_object)):
         use_head_motion = False
         left_out.append(
-            f"{bound.name} is moved by {mover}: the head's motion is left to Bake Head (panel Head)"
+            f"{head_object.name} is moved by {mover}: the head's motion is left to Bake Head "
+            "(panel Head)"
         )
-    channels = _motion(scene, performance, bound) if use_head_motion else None
+    channels = _motion(scene, performance, head_object) if use_head_motion else None
     holder = actions.continued_take(keys, f"{take} muscles")
-    if stale := _silence(bound, holder):
-        left_out.append(f"an earlier take's {', '.join(stale)} on {bound.name} is at 0 now")
+    if stale := _silence(head_object, holder):
+        left_out.append(f"an earlier take's {', '.join(stale)} on {head_object.name} is at 0 now")
     for key, shape in playable:
         path = key.path_from_id("value")
         actions.clear(holder, path)
@@ -72,115 +73,117 @@ def bake(
     num_curves = len(playable)
     if channels is not None:
         num_curves += head.key_object(
-            bound, performance, take, frames, channels, head.Target(bound.name)
+            head_object, performance, take, frames, channels, head.Target(head_object.name)
         )
-    return Baked(
+    return BakeSummary(
         float(frames[0]),
         float(frames[-1]),
         num_curves,
         channels is not None,
         tuple(left_out),
-        tuple(_untouched(bound, {shape.name for shape in shapes})),
+        tuple(_untouched(head_object, {shape.name for shape in shapes})),
     )
 
 
-def moved_by(bound: bpy.types.Object) -> str:
+def moved_by(head: bpy.types.Object) -> str:
     """What moves an object beside its own curves, or the empty string."""
-    if bound.parent:
-        return bound.parent.name
-    for modifier in bound.modifiers:
+    if head.parent:
+        return head.parent.name
+    for modifier in head.modifiers:
         if modifier.type == "ARMATURE" and modifier.object:
             return modifier.object.name
-    if constraint := next((c for c in bound.constraints if not c.mute), None):
+    if constraint := next((c for c in head.constraints if not c.mute), None):
         return f"its constraint {constraint.name}"
-    if _has_deltas(bound):
+    if _has_deltas(head):
         return "its delta transforms"
-    if any(path.startswith(("location", "rotation")) for path in _driver_paths(bound)):
+    if any(path.startswith(("location", "rotation")) for path in _driver_paths(head)):
         return "its drivers"
     return ""
 
 
-def _has_deltas(moved: bpy.types.Object) -> bool:
-    return any((*moved.delta_location, *moved.delta_rotation_euler)) or (
-        tuple(moved.delta_rotation_quaternion) != (1, 0, 0, 0)
+def _has_deltas(obj: bpy.types.Object) -> bool:
+    return any((*obj.delta_location, *obj.delta_rotation_euler)) or (
+        tuple(obj.delta_rotation_quaternion) != (1, 0, 0, 0)
     )
 
 
-def _motion(scene: bpy.types.Scene, performance, bound: bpy.types.Object):
+def _motion(scene: bpy.types.Scene, performance, head: bpy.types.Object):
     """`mimetic.rig_motion.Channels` of the object."""
-    with standing.at_rest(scene, bound):
+    with standing.at_rest(scene, head):
         return native.bound_head().head_channels(
             performance,
-            native.array(world.matrix(bound)) @ _object_from_character(scene, bound),
-            native.array(bound.location),
-            native.array(_rotation(bound)),
-            bound.rotation_mode,
+            native.array(world.matrix(head)) @ _object_from_character(scene, head),
+            native.array(head.location),
+            native.array(_rotation(head)),
+            head.rotation_mode,
             1.0 / (scene.unit_settings.scale_length or 1.0),
         )
 
 
-def _object_from_character(scene: bpy.types.Scene, bound: bpy.types.Object):
+def _object_from_character(scene: bpy.types.Scene, head: bpy.types.Object):
     """4 x 4: a face of our own mesh lies in its object as the character frame does."""
-    known = scene_in.remembered_head(scene, bound)
-    if known is None:
+    head_landmarks = scene_in.remembered_head(scene, head)
+    if head_landmarks is None:
         return native.array(Matrix.Identity(4))
     parts = native.bound_head()
-    return parts.object_from_character(known.points, known.landmarks, known.matrix)
+    return parts.object_from_character(
+        head_landmarks.points, head_landmarks.landmarks, head_landmarks.matrix
+    )
 
 
-def _rotation(moved: bpy.types.Object) -> Matrix:
+def _rotation(obj: bpy.types.Object) -> Matrix:
     """The object's own rotation; a decomposed matrix gives another where the scale mirrors."""
-    if moved.rotation_mode == "QUATERNION":
-        return moved.rotation_quaternion.to_matrix()
-    if moved.rotation_mode == "AXIS_ANGLE":
-        angle, *axis = moved.rotation_axis_angle
+    if obj.rotation_mode == "QUATERNION":
+        return obj.rotation_quaternion.to_matrix()
+    if obj.rotation_mode == "AXIS_ANGLE":
+        angle, *axis = obj.rotation_axis_angle
         return Matrix.Rotation(angle, 3, axis)
-    return moved.rotation_euler.to_matrix()
+    return obj.rotation_euler.to_matrix()
 
 
-def _sliders(bound: bpy.types.Object, shapes: Sequence) -> dict[str, bpy.types.ShapeKey]:
+def _sliders(head: bpy.types.Object, shapes: Sequence) -> dict[str, bpy.types.ShapeKey]:
     """The head's key for each shape that it has one for."""
-    blocks = bound.data.shape_keys.key_blocks
-    names = {shape: found.key for shape, found in by_hand.look(bound).items()}
+    blocks = head.data.shape_keys.key_blocks
+    names = {shape: state.key for shape, state in by_hand.look(head).items()}
     own = {shape.name: blocks.get(names.get(shape.name, shape.name)) for shape in shapes}
     return {name: key for name, key in own.items() if key is not None}
 
 
-def _left_out(bound, shapes: Sequence, sliders: Mapping, driven: set[str]) -> list[str]:
-    told = []
+def _left_out(head, shapes: Sequence, sliders: Mapping, driven_keys: set[str]) -> list[str]:
+    notes = []
     if missing := [shape.name for shape in shapes if shape.name not in sliders]:
-        told.append(f"{bound.name} has no slider {', '.join(missing)}")
-    if kept := [key.name for key in sliders.values() if key.name in driven]:
-        told.append(f"drivers of {bound.name} set {', '.join(kept)}")
-    played = [(sliders[shape.name], shape) for shape in shapes if shape.name in sliders]
-    if cut := [key.name for key, shape in played if _is_cut(key, shape.values)]:
-        told.append(f"{bound.name} ends before the performance: the limits of {', '.join(cut)}")
-    return told
+        notes.append(f"{head.name} has no slider {', '.join(missing)}")
+    if driven_names := [key.name for key in sliders.values() if key.name in driven_keys]:
+        notes.append(f"drivers of {head.name} set {', '.join(driven_names)}")
+    pairs = [(sliders[shape.name], shape) for shape in shapes if shape.name in sliders]
+    if cut := [key.name for key, shape in pairs if _is_cut(key, shape.values)]:
+        notes.append(f"{head.name} ends before the performance: the limits of {', '.join(cut)}")
+    return notes
 
 
-def _untouched(bound: bpy.types.Object, named: set[str]) -> list[str]:
+def _untouched(head: bpy.types.Object, names: set[str]) -> list[str]:
     return [
-        listed.name
-        for listed in bound.mimetic.shapes
-        if (listed.shape or listed.name) not in named and not _is_of_a_take(listed)
+        entry.name
+        for entry in head.mimetic.shapes
+        if (entry.shape or entry.name) not in names and not _is_of_a_take(entry)
     ]
 
 
-def _is_of_a_take(listed) -> bool:
+def _is_of_a_take(entry) -> bool:
     """Whether a shape belongs to one take, and is no slider for the hand."""
     parts = native.shapes()
-    return listed.group in (parts.DETAIL, parts.CONTACT)
+    return entry.group in (parts.DETAIL, parts.CONTACT)
 
 
-def _silence(bound: bpy.types.Object, holder) -> list[str]:
+def _silence(head: bpy.types.Object, holder) -> list[str]:
     """Puts to 0 what a take before gave a face of ours beyond sliders; the groups of it."""
-    keys = bound.data.shape_keys.key_blocks
+    keys = head.data.shape_keys.key_blocks
     groups = []
-    for listed in bound.mimetic.shapes:
-        if _is_of_a_take(listed) and listed.name in keys:
-            actions.clear(holder, keys[listed.name].path_from_id("value"))
-            keys[listed.name].value = 0.0
-            groups.append(listed.group.lower())
+    for entry in head.mimetic.shapes:
+        if _is_of_a_take(entry) and entry.name in keys:
+            actions.clear(holder, keys[entry.name].path_from_id("value"))
+            keys[entry.name].value = 0.0
+            groups.append(entry.group.lower())
     return sorted(set(groups))
 
 

@@ -19,7 +19,7 @@ MOST_TOLD = 6  # things in one line
 
 
 @dataclass(frozen=True)
-class Found:
+class KeyState:
     """A shape key that the face was given before, as it is now."""
 
     key: str  # its name now
@@ -32,8 +32,8 @@ class Found:
 
 
 @dataclass
-class Kept:
-    """What a face keeps of the hand's, to be told."""
+class HandChanges:
+    """Changes made by hand that a face keeps, for a message."""
 
     things: list[str] = field(default_factory=list)
 
@@ -41,33 +41,33 @@ class Kept:
         if not self.things:
             return ""
         more = len(self.things) - MOST_TOLD
-        told = ", ".join(self.things[:MOST_TOLD]) + (f" and {more} more" if more > 0 else "")
-        return f"kept as changed by hand: {told}"
+        text = ", ".join(self.things[:MOST_TOLD]) + (f" and {more} more" if more > 0 else "")
+        return f"kept as changed by hand: {text}"
 
-    def add(self, shape: str, found: Found) -> None:
-        if found.is_renamed:
-            self.things.append(f"the name {found.key} of {shape}")
-        if found.is_sculpted:
+    def add(self, shape: str, state: KeyState) -> None:
+        if state.is_renamed:
+            self.things.append(f"the name {state.key} of {shape}")
+        if state.is_sculpted:
             self.things.append(f"the shape of {shape}")
-        if found.has_own_limits:
+        if state.has_own_limits:
             self.things.append(f"the limits of {shape}")
 
 
-def look(face) -> dict[str, Found]:
+def look(face) -> dict[str, KeyState]:
     """Shapes that the face has from before, by the name they were given."""
-    entries = listed(face)
+    entries = entries_of(face)
     keys = _keys_of(face, entries)
     return {shape: _compare(face, entries[shape], key) for shape, key in keys.items()}
 
 
-def listed(face) -> dict:
+def entries_of(face) -> dict:
     """What is remembered of each shape, by the name it was given; groups last."""
     own = (*face.mimetic.shapes, *face.mimetic.groups)
     return {entry.shape or entry.name: entry for entry in own}
 
 
 def remember(entry, key, basis, offsets: np.ndarray, lowest: float, highest: float) -> None:
-    """Keeps with an entry what its key was given; not what it has, if the hand's was kept."""
+    """Stores with an entry what we wrote to its key, even where the key keeps a change by hand."""
     fingerprint = native.fingerprint().fingerprint
     entry.name, entry.lowest, entry.highest = key.name, lowest, highest
     entry.offsets = fingerprint(offsets)
@@ -76,35 +76,35 @@ def remember(entry, key, basis, offsets: np.ndarray, lowest: float, highest: flo
 
 
 def remember_places(face) -> None:
-    """Keeps where each key is among the others."""
+    """Stores each key's position among the others."""
     blocks = face.data.shape_keys.key_blocks
     places = {key.name: i for i, key in enumerate(blocks)}
-    for entry in listed(face).values():
+    for entry in entries_of(face).values():
         entry.place = places.get(entry.name, -1)
     face.mimetic.num_keys = _count(blocks)
 
 
 def is_rest_sculpted(face) -> bool:
-    """Whether the basis is not as it was given."""
+    """Whether the basis is not as we wrote it."""
     entry, basis = face.mimetic.rest, points_of(face.data.shape_keys.reference_key)
     parts = native.fingerprint()
-    known = entry.place >= 0
-    return known and not parts.is_same(parts.fingerprint(basis), entry.points, _largest(basis))
+    is_noted = entry.place >= 0
+    return is_noted and not parts.is_same(parts.fingerprint(basis), entry.points, _largest(basis))
 
 
-def _compare(face, entry, name: str) -> Found:
+def _compare(face, entry, name: str) -> KeyState:
     keys = face.data.shape_keys
     key, basis = keys.key_blocks[name], points_of(keys.reference_key)
     is_renamed = name != (entry.shape or entry.name)
     if entry.place < 0:
-        return Found(name, is_renamed)
+        return KeyState(name, is_renamed)
     limits = np.subtract((key.slider_min, key.slider_max), (entry.lowest, entry.highest))
     has_own_limits = bool(np.abs(limits).max() > NEAR)
-    return Found(name, is_renamed, not _is_as_given(entry, key, basis), has_own_limits)
+    return KeyState(name, is_renamed, not _is_as_given(entry, key, basis), has_own_limits)
 
 
 def _is_as_given(entry, key, basis) -> bool:
-    """In place, or gone along with a basis that was sculpted."""
+    """Unchanged, or moved with a basis that was sculpted."""
     parts = native.fingerprint()
     points, largest = points_of(key), _largest(basis)
     return parts.is_same(parts.fingerprint(points), entry.points, largest) or parts.is_same(
@@ -124,19 +124,19 @@ def _keys_of(face, entries: dict) -> dict[str, str]:
     if not missing:
         return keys
     basis = points_of(face.data.shape_keys.reference_key)
-    taken = {face.data.shape_keys.reference_key.name, KEY, *keys.values()}
+    used_names = {face.data.shape_keys.reference_key.name, KEY, *keys.values()}
     places = {blocks.find(keys[s]): entries[s].place for s in keys if entries[s].place >= 0}
     for shape, entry in missing.items():
         if entry.place < 0:
             continue
-        free = [key for key in blocks if key.name not in taken]
+        free = [key for key in blocks if key.name not in used_names]
         key = next((key for key in free if _is_as_given(entry, key, basis)), None)
         if key is None:
             i = _place_now(entry.place, places, _count(blocks), face.mimetic.num_keys)
             key = blocks[i] if i is not None and blocks[i] in free else None
         if key is not None:
             keys[shape] = key.name
-            taken.add(key.name)
+            used_names.add(key.name)
     return keys
 
 

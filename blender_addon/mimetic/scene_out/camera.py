@@ -47,14 +47,14 @@ def show_footage(seen_through, footage, timing, performance, take: str) -> None:
     camera.show_background_images = True
     images = camera.background_images
     behind = images[0] if images else images.new()
-    keyed = native.timing().frame_steps(
+    steps = native.timing().frame_steps(
         performance.frame,
         performance.fps,
         timing.scene_rate,
         timing.frame_start,
         timing.frame_offset,
     )
-    if keyed is None:
+    if steps is None:
         behind.source = "MOVIE_CLIP"
         behind.clip = footage
     else:
@@ -66,8 +66,8 @@ def show_footage(seen_through, footage, timing, performance, take: str) -> None:
         holder = actions.new_take(camera, f"{take} footage")
         path = "background_images[0].image_user.frame_offset"
         curve = compat.new_curve(holder, path, 0, "Footage")
-        actions.fill(curve, keyed.scene_frames, keyed.offsets, actions.CONSTANT)
-    clip.show_pixels(footage if keyed is None else behind.image, performance.pixel_aspect)
+        actions.fill(curve, steps.scene_frames, steps.offsets, actions.CONSTANT)
+    clip.show_pixels(footage if steps is None else behind.image, performance.pixel_aspect)
     behind.frame_method = "FIT"
     behind.display_depth = "BACK"
     behind.alpha = 1.0
@@ -111,15 +111,15 @@ def look_through(context, face) -> bool:
 
 def _stands_with_others(context, space, face) -> bool:
     return any(
-        shown.type in SOLID_TYPES and shown != face and shown.visible_in_viewport_get(space)
-        for shown in context.view_layer.objects
+        obj.type in SOLID_TYPES and obj != face and obj.visible_in_viewport_get(space)
+        for obj in context.view_layer.objects
     )
 
 
 def _isolate(context, window, area, face) -> None:
     """Local view takes what is selected: the face and its camera, which also stay selected."""
-    for shown in context.view_layer.objects:
-        shown.select_set(shown in (face, context.scene.camera))
+    for obj in context.view_layer.objects:
+        obj.select_set(obj in (face, context.scene.camera))
     region = next(region for region in area.regions if region.type == "WINDOW")
     with context.temp_override(window=window, area=area, region=region):
         if area.spaces.active.local_view:

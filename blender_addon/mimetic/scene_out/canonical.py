@@ -10,19 +10,19 @@ from . import face, materials
 
 def add(collection: bpy.types.Collection, head, location, subdivision: int) -> bpy.types.Object:
     """Puts a `mimetic.canonical_head.Head` into a collection, at rest; location: in the world."""
-    added = face.new(head.vertices, head.faces)
-    collection.objects.link(added)
-    added.mimetic.use_contact = True
-    face.set_shapes(added, head.vertices, head.shapes, head.groups)
-    face.subdivide(added, subdivision)
-    materials.dress(added, head.appearance)
-    added.location = location
-    return added
+    obj = face.new(head.vertices, head.faces)
+    collection.objects.link(obj)
+    obj.mimetic.use_contact = True
+    face.set_shapes(obj, head.vertices, head.shapes, head.groups)
+    face.subdivide(obj, subdivision)
+    materials.dress(obj, head.appearance)
+    obj.location = location
+    return obj
 
 
-def select_only(view_layer: bpy.types.ViewLayer, chosen: bpy.types.Object) -> None:
+def select_only(view_layer: bpy.types.ViewLayer, target: bpy.types.Object) -> None:
     """Selects an object alone and makes it active, as Blender does with what was just added."""
     view_layer.update()  # what was linked just now is not among its objects yet
-    for shown in view_layer.objects:
-        shown.select_set(shown == chosen)
-    view_layer.objects.active = chosen
+    for obj in view_layer.objects:
+        obj.select_set(obj == target)
+    view_layer.objects.active = target

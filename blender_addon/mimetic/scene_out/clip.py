@@ -27,21 +27,21 @@ def load(scene: bpy.types.Scene, path: str) -> bpy.types.MovieClip:
             place(clip, path)
         elif clips.is_missing(clip):
             place(clip, path)
-    elif clips.changed(clip):
-        place(clip, path)  # what Blender has in memory is the film before
+    elif clips.change_of(clip):
+        place(clip, path)  # Blender still has the earlier file in memory
     clips.settle(clip)
     scene.mimetic.clip = clip
     scene.active_clip = clip
     return clip
 
 
-def show_pixels(shown: bpy.types.MovieClip | bpy.types.Image, aspect: float) -> None:
+def show_pixels(pixels: bpy.types.MovieClip | bpy.types.Image, aspect: float) -> None:
     """Shows pixels as wide for their height as the file says, which Blender does not read.
 
     An aspect that the user has set stays.
     """
-    if tuple(shown.display_aspect) == (1.0, 1.0):
-        shown.display_aspect = (aspect, 1.0)
+    if tuple(pixels.display_aspect) == (1.0, 1.0):
+        pixels.display_aspect = (aspect, 1.0)
 
 
 def place(clip: bpy.types.MovieClip, path: str) -> None:

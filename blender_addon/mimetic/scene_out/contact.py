@@ -37,12 +37,12 @@ def rest(face: bpy.types.Object) -> None:
     rested.add(face.name)
 
 
-def place(face: bpy.types.Object, moved, correction) -> None:
+def place(face: bpy.types.Object, new_points, correction) -> None:
     """Puts the key's points where the face rests, but for W moved vertices (W x 3 from there)."""
     keys = face.data.shape_keys
     points = points_of(keys.reference_key)
     if correction is not None:
-        points[moved] += correction
+        points[new_points] += correction
     key_of(face).points.foreach_set("co", points.ravel())
     keys.update_tag()
 

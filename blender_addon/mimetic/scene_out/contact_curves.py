@@ -14,7 +14,7 @@ from . import actions, contact
 
 
 @contextmanager
-def keyed(scene: bpy.types.Scene, face: bpy.types.Object) -> Iterator[bool]:
+def with_keys(scene: bpy.types.Scene, face: bpy.types.Object) -> Iterator[bool]:
     """While it lasts, what the key that follows did in every frame is in keys with values of their
     own. Says whether there are any; if not, that key is muted, as it does nothing."""
     key = contact.key_of(face)
@@ -30,18 +30,18 @@ def keyed(scene: bpy.types.Scene, face: bpy.types.Object) -> Iterator[bool]:
             key.mute = is_muted
         return
     contact.held.add(face.name)
-    added = _add(face, shapes, frames)
+    names = _add(face, shapes, frames)
     try:
         yield True
     finally:
-        _take_off(face, added)
+        _take_off(face, names)
         contact.held.discard(face.name)
         face.data.shape_keys.update_tag()
 
 
 def _shapes(scene: bpy.types.Scene, face: bpy.types.Object):
     """Shapes in the object's frame, with a value a frame."""
-    keys, shown = face.data.shape_keys, scene.frame_current_final
+    keys, current_frame = face.data.shape_keys, scene.frame_current_final
     holder = compat.curves(keys)
     frames = np.array([scene.frame_current])
     if holder is not None and len(holder.fcurves):
@@ -52,11 +52,11 @@ def _shapes(scene: bpy.types.Scene, face: bpy.types.Object):
     try:
         for i, frame in enumerate(frames):
             scene.frame_set(int(frame))
-            moved = contact.points_of(contact.key_of(face)) - basis
-            if moved.any():
-                corrections[i] = moved
+            offsets = contact.points_of(contact.key_of(face)) - basis
+            if offsets.any():
+                corrections[i] = offsets
     finally:
-        scene.frame_set(int(np.floor(shown)), subframe=shown % 1)
+        scene.frame_set(int(np.floor(current_frame)), subframe=current_frame % 1)
     everywhere = np.arange(len(basis))
     parts = native.contact_shapes()
     shapes = parts.shapes_of_corrections(corrections, len(frames), everywhere, len(basis))
@@ -67,9 +67,9 @@ def _add(face: bpy.types.Object, shapes, frames) -> list[str]:
     """The first shape takes the place of the key that follows: no other's number changes."""
     keys = face.data.shape_keys
     basis = contact.points_of(keys.reference_key)
-    added = [contact.KEY, *(f"{contact.KEY} {i + 2}" for i in range(len(shapes) - 1))]
+    names = [contact.KEY, *(f"{contact.KEY} {i + 2}" for i in range(len(shapes) - 1))]
     holder = compat.curves(keys)
-    for name, shape in zip(added, shapes, strict=True):
+    for name, shape in zip(names, shapes, strict=True):
         key = keys.key_blocks.get(name) or face.shape_key_add(name=name, from_mix=False)
         key.slider_min, key.slider_max = -1.0, 1.0
         key.value = shape.values[0]
@@ -78,13 +78,13 @@ def _add(face: bpy.types.Object, shapes, frames) -> list[str]:
             path = key.path_from_id("value")
             curve = compat.new_curve(holder, path, 0, shape.group)
             actions.fill(curve, frames, shape.values, actions.LINEAR)
-    return added
+    return names
 
 
-def _take_off(face: bpy.types.Object, added: list[str]) -> None:
+def _take_off(face: bpy.types.Object, names: list[str]) -> None:
     keys = face.data.shape_keys
     holder = compat.curves(keys)
-    for name in added:
+    for name in names:
         key = keys.key_blocks[name]
         if holder is not None and (curve := holder.fcurves.find(key.path_from_id("value"))):
             holder.fcurves.remove(curve)

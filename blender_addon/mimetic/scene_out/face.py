@@ -13,14 +13,14 @@ import numpy as np
 
 from .. import native, writable
 from . import by_hand, contact
-from .by_hand import Found, Kept
+from .by_hand import HandChanges, KeyState
 
 BASIS = "Basis"
 
 
 def ensure(
     scene, performance, shapes, groups, subdivision: int, is_reset: bool = False
-) -> tuple[bpy.types.Object, Kept]:
+) -> tuple[bpy.types.Object, HandChanges]:
     """The face of the performance's footage; a new one if there is none, or its topology differs.
 
     A performance that does not say what it is of has the scene's face. is_reset: changes made by
@@ -33,10 +33,10 @@ def ensure(
     if performance.footage:
         face.mimetic.footage = performance.footage[1]
     scene.mimetic.face = face
-    kept = set_shapes(face, performance.neutral_vertices, shapes, groups, is_reset)
+    hand_changes = set_shapes(face, performance.neutral_vertices, shapes, groups, is_reset)
     if subdivide(face, subdivision, is_reset):
-        kept.things.append("the subdivision")
-    return face, kept
+        hand_changes.things.append("the subdivision")
+    return face, hand_changes
 
 
 def _face_of(scene, mark: str) -> bpy.types.Object | None:
@@ -44,7 +44,7 @@ def _face_of(scene, mark: str) -> bpy.types.Object | None:
     current = scene.mimetic.face
     if not mark or (current is not None and current.mimetic.footage in ("", mark)):
         return current
-    others = (shown for shown in scene.objects if shown.mimetic.footage == mark)
+    others = (obj for obj in scene.objects if obj.mimetic.footage == mark)
     return next((o for o in others if o.mode != "EDIT" and not writable.no_shapes(o)), None)
 
 
@@ -68,7 +68,7 @@ def new(neutral_vertices, faces) -> bpy.types.Object:
     return face
 
 
-def set_shapes(face, neutral_vertices, shapes, groups, is_reset: bool = False) -> Kept:
+def set_shapes(face, neutral_vertices, shapes, groups, is_reset: bool = False) -> HandChanges:
     """Gives the face its shape keys, `mimetic.shapes.Shape`: shapes, then sliders of groups.
 
     Keys of before that are not among them go. What was changed by hand stays, and so do keys that
@@ -79,94 +79,96 @@ def set_shapes(face, neutral_vertices, shapes, groups, is_reset: bool = False) -
         face.shape_key_add(name=BASIS, from_mix=False)
         keys = face.data.shape_keys
         keys.name = "Face"
-    given = by_hand.look(face)
+    states = by_hand.look(face)
     if is_reset:
-        given = _take_names_back(face, given)
-    kept = Kept()
-    named = {shape.name for shape in (*shapes, *groups)}
-    left = _drop_others(face, given, named, kept)
-    moved = _set_rest(face, neutral_vertices, is_reset, kept)
-    _add_missing(face, given, shapes, groups)
+        states = _take_names_back(face, states)
+    hand_changes = HandChanges()
+    names = {shape.name for shape in (*shapes, *groups)}
+    left = _drop_others(face, states, names, hand_changes)
+    shift = _set_rest(face, neutral_vertices, is_reset, hand_changes)
+    _add_missing(face, states, shapes, groups)
     for name in left:  # only now: to add keys evaluates curves of before
         keys.key_blocks[name].value = 0.0
     entries = _list(face.mimetic.shapes, shapes), _list(face.mimetic.groups, groups)
-    written = set()
-    for listed, made in zip(entries, (shapes, groups), strict=True):
-        for entry, shape in zip(listed, made, strict=True):
-            written |= _write(face, entry, shape, given[shape.name], kept)
-    if moved.any():  # other keys go along with the rest, as when it is sculpted
+    new_keys = set()
+    for of_kind, new_shapes in zip(entries, (shapes, groups), strict=True):
+        for entry, shape in zip(of_kind, new_shapes, strict=True):
+            new_keys |= _write(face, entry, shape, states[shape.name], hand_changes)
+    if shift.any():  # other keys go along with the rest, as when it is sculpted
         for key in keys.key_blocks:
-            if key != keys.reference_key and key.name not in written:
-                _place(key, contact.points_of(key) + moved)
+            if key != keys.reference_key and key.name not in new_keys:
+                _place(key, contact.points_of(key) + shift)
     if face.mimetic.use_contact:
         contact.ensure_key(face)
         contact.rest(face)
     by_hand.remember_places(face)
     face.data.update()
-    return kept
+    return hand_changes
 
 
 def key_names(face) -> dict[str, str]:
     """The name that each shape's key has on the face."""
-    return {shape: entry.name for shape, entry in by_hand.listed(face).items()}
+    return {shape: entry.name for shape, entry in by_hand.entries_of(face).items()}
 
 
-def _take_names_back(face, given: dict[str, Found]) -> dict[str, Found]:
-    keys = {shape: face.data.shape_keys.key_blocks[found.key] for shape, found in given.items()}
+def _take_names_back(face, states: dict[str, KeyState]) -> dict[str, KeyState]:
+    keys = {shape: face.data.shape_keys.key_blocks[state.key] for shape, state in states.items()}
     for shape, key in keys.items():
         key.name = shape
-    return {shape: Found(key.name) for shape, key in keys.items()}
+    return {shape: KeyState(key.name) for shape, key in keys.items()}
 
 
-def _drop_others(face, given: dict[str, Found], named: set[str], kept: Kept) -> list[str]:
+def _drop_others(
+    face, states: dict[str, KeyState], names: set[str], hand_changes: HandChanges
+) -> list[str]:
     """Removes what an earlier take moved and this one does not; returns keys that must stay."""
     left = []
     keys = face.data.shape_keys
     animation = keys.animation_data
-    driven = {curve.data_path for curve in animation.drivers} if animation else ()
+    driven_paths = {curve.data_path for curve in animation.drivers} if animation else ()
     in_strips = animation is not None and len(animation.nla_tracks) > 0
-    for shape in [shape for shape in given if shape not in named]:
-        key = keys.key_blocks[given[shape].key]
-        if in_strips or given[shape].is_changed() or key.path_from_id("value") in driven:
+    for shape in [shape for shape in states if shape not in names]:
+        key = keys.key_blocks[states[shape].key]
+        if in_strips or states[shape].is_changed() or key.path_from_id("value") in driven_paths:
             left.append(key.name)
-            kept.add(shape, given[shape])
+            hand_changes.add(shape, states[shape])
         else:
             face.shape_key_remove(key)
     return left
 
 
-def _set_rest(face, neutral_vertices, is_reset: bool, kept: Kept) -> np.ndarray:
+def _set_rest(face, neutral_vertices, is_reset: bool, hand_changes: HandChanges) -> np.ndarray:
     """Puts the basis where the face rests unless it was sculpted; V x 3 by how much it moved."""
     neutral = native.placement().to_object(neutral_vertices).astype(np.float32)
     basis = face.data.shape_keys.reference_key
-    moved = neutral - contact.points_of(basis)
+    shift = neutral - contact.points_of(basis)
     is_sculpted = not is_reset and by_hand.is_rest_sculpted(face)
     zero = np.zeros_like(neutral)
     by_hand.remember(face.mimetic.rest, basis, neutral, zero, 0.0, 0.0)
-    if is_sculpted and moved.any():
-        kept.things.append("the face at rest")
+    if is_sculpted and shift.any():
+        hand_changes.things.append("the face at rest")
         return zero
     _place(basis, neutral)
     # The mesh's own vertices follow its first key; foreach_set on keys alone leaves them behind
     face.data.vertices.foreach_set("co", neutral.reshape(-1))
-    return moved
+    return shift
 
 
-def _add_missing(face, given: dict[str, Found], shapes, groups) -> None:
-    """Adds keys; those of groups and contact stay behind all others. Completes `given`."""
+def _add_missing(face, states: dict[str, KeyState], shapes, groups) -> None:
+    """Adds keys; those of groups and contact stay behind all others. Completes `states`."""
     blocks = face.data.shape_keys.key_blocks
     num_before = len(blocks)
     for shape in (*shapes, *groups):
-        if shape.name in given:
+        if shape.name in states:
             continue
         if shape.name in blocks:  # of the user's own making: as one that was sculpted
-            given[shape.name] = Found(shape.name, is_sculpted=True, has_own_limits=True)
+            states[shape.name] = KeyState(shape.name, is_sculpted=True, has_own_limits=True)
             continue
         key = face.shape_key_add(name=shape.name, from_mix=False)
         key.relative_key = face.data.shape_keys.reference_key
         key.value = 0.0  # Blender 5.2 starts at 1
-        given[shape.name] = Found(shape.name)
-    last = [given[group.name].key for group in groups] + [contact.KEY]
+        states[shape.name] = KeyState(shape.name)
+    last = [states[group.name].key for group in groups] + [contact.KEY]
     if len(blocks) > num_before:
         _move_to_end(face, [name for name in last if name in blocks])
 
@@ -175,47 +177,47 @@ def _move_to_end(face, names: list[str]) -> None:
     blocks = face.data.shape_keys.key_blocks
     if [key.name for key in blocks[len(blocks) - len(names) :]] == names:
         return
-    shown = face.active_shape_key.name if face.active_shape_key else ""
+    active = face.active_shape_key.name if face.active_shape_key else ""
     with bpy.context.temp_override(object=face, active_object=face):
         for name in names:
             face.active_shape_key_index = blocks.find(name)
             bpy.ops.object.shape_key_move(type="BOTTOM")
-    face.active_shape_key_index = max(blocks.find(shown), 0)
+    face.active_shape_key_index = max(blocks.find(active), 0)
 
 
-def _write(face, entry, shape, found: Found, kept: Kept) -> set[str]:
+def _write(face, entry, shape, state: KeyState, hand_changes: HandChanges) -> set[str]:
     """Gives a shape's key points and limits; returns the key's name if it has new points."""
     keys = face.data.shape_keys
-    key, basis = keys.key_blocks[found.key], contact.points_of(keys.reference_key)
+    key, basis = keys.key_blocks[state.key], contact.points_of(keys.reference_key)
     offsets = native.placement().to_object(shape.offsets)
     points = (basis + offsets).astype(np.float32)
     by_hand.remember(entry, key, basis, offsets, shape.lowest, shape.highest)
     limits = np.subtract((key.slider_min, key.slider_max), (shape.lowest, shape.highest))
-    found = Found(
-        found.key,
-        found.is_renamed,
-        found.is_sculpted and not np.allclose(contact.points_of(key), points, atol=1e-7),
-        found.has_own_limits and np.abs(limits).max() > by_hand.NEAR,
+    state = KeyState(
+        state.key,
+        state.is_renamed,
+        state.is_sculpted and not np.allclose(contact.points_of(key), points, atol=1e-7),
+        state.has_own_limits and np.abs(limits).max() > by_hand.NEAR,
     )
-    kept.add(shape.name, found)
-    if not found.has_own_limits:
+    hand_changes.add(shape.name, state)
+    if not state.has_own_limits:
         key.slider_min = min(key.slider_min, shape.lowest)  # limits may not cross on the way
         key.slider_max, key.slider_min = shape.highest, shape.lowest
         key.value = key.value  # within them
-    if found.is_sculpted:
+    if state.is_sculpted:
         return set()
     key.relative_key = keys.reference_key
     _place(key, points)
     return {key.name}
 
 
-def _list(listed, shapes):
-    listed.clear()
+def _list(entries, shapes):
+    entries.clear()
     for shape in shapes:
-        entry = listed.add()
+        entry = entries.add()
         entry.name = entry.shape = shape.name
         entry.group = shape.group
-    return listed
+    return entries
 
 
 def _place(key, points) -> None:
@@ -225,16 +227,16 @@ def _place(key, points) -> None:
 def subdivide(face, levels: int, is_reset: bool = False) -> bool:
     """Subdivides the surface as it is shown; says whether levels chosen by hand were kept."""
     modifier = next((m for m in face.modifiers if m.type == "SUBSURF"), None)
-    wanted = (levels, max(levels, min(levels + 1, 2))) if levels or modifier else (0, 0)
-    shown = (modifier.levels, modifier.render_levels) if modifier else (0, 0)
-    given = tuple(face.mimetic.subdivision)
-    face.mimetic.subdivision = wanted
-    if shown == wanted:
+    target = (levels, max(levels, min(levels + 1, 2))) if levels or modifier else (0, 0)
+    current = (modifier.levels, modifier.render_levels) if modifier else (0, 0)
+    levels_before = tuple(face.mimetic.subdivision)
+    face.mimetic.subdivision = target
+    if current == target:
         return False
-    if not is_reset and given not in ((-1, -1), shown):
+    if not is_reset and levels_before not in ((-1, -1), current):
         return True
     if modifier is None:
         modifier = face.modifiers.new("Subdivision", "SUBSURF")
         modifier.boundary_smooth = "PRESERVE_CORNERS"
-    modifier.levels, modifier.render_levels = wanted
+    modifier.levels, modifier.render_levels = target
     return False

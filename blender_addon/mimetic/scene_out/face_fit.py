@@ -15,7 +15,7 @@ from .. import clips, native
 from . import landmarks
 
 MOST_PARSED = 8
-_parsed: dict[str, object] = {}  # JSON that was read, and its fit
+_fits: dict[str, object] = {}  # JSON that was read, and its fit
 
 
 def store(clip: bpy.types.MovieClip, fit) -> None:
@@ -33,7 +33,7 @@ def update(clip: bpy.types.MovieClip, fit) -> None:
 
 
 def _landmarks_are_here(clip) -> None:
-    mark = clips.known(clip).name
+    mark = clips.find(clip).name
     for other in bpy.data.movieclips:  # of the same content: theirs are of the fit before
         if other != clip and other.mimetic.landmarks_of == mark:
             other.mimetic.landmarks_of = ""
@@ -42,18 +42,18 @@ def _landmarks_are_here(clip) -> None:
 
 def keep(clip: bpy.types.MovieClip, fit) -> None:
     """Keeps a fit with the clip whose landmarks are where they were."""
-    kept = clips.ensure(clip)
+    record = clips.ensure(clip)
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder, "face.json")
         fit.save(path)
         # What is worked with is what the file holds, rounded, as it is after an undo
-        kept.face_fit = path.read_text(encoding="utf-8")
+        record.face_fit = path.read_text(encoding="utf-8")
 
 
 def is_calibrated(clip: bpy.types.MovieClip | None) -> bool:
     """Whether the clip's fit knows this person's skin and muscles."""
     try:
-        fit = stored(clip)
+        fit = of_clip(clip)
     except native.known_errors():
         return False
     return bool(fit and fit.calibration.frames)
@@ -62,33 +62,33 @@ def is_calibrated(clip: bpy.types.MovieClip | None) -> bool:
 def summary(clip: bpy.types.MovieClip) -> str:
     """What is known of the person in the clip, in a few words."""
     try:
-        fit = stored(clip)
+        fit = of_clip(clip)
     except native.known_errors() as error:
         return str(error)
     if fit is None:
         return "face not found yet"
     num_pins = sum(map(len, fit.pins.values()))
-    told = [f"face of frame {fit.frame}"]
-    told += [f"{num_pins} pins" if num_pins > 1 else "1 pin"] if num_pins else []
-    told += ["calibrated"] if fit.calibration.frames else []
-    return ", ".join(told)
+    parts = [f"face of frame {fit.frame}"]
+    parts += [f"{num_pins} pins" if num_pins > 1 else "1 pin"] if num_pins else []
+    parts += ["calibrated"] if fit.calibration.frames else []
+    return ", ".join(parts)
 
 
-def stored(clip: bpy.types.MovieClip | None):
+def of_clip(clip: bpy.types.MovieClip | None):
     """The clip's FaceFit, or None; raises InvalidInput if it was edited into nonsense."""
-    kept = clips.known(clip) if clip else None
-    content = kept.face_fit if kept else ""
+    record = clips.find(clip) if clip else None
+    content = record.face_fit if record else ""
     if not content:
         return None
-    if content not in _parsed:
+    if content not in _fits:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "face.json")
             path.write_text(content, encoding="utf-8")
             _remember(content, native.fitting().FaceFit.load(path))
-    return _parsed[content]
+    return _fits[content]
 
 
 def _remember(content: str, fit) -> None:
-    while len(_parsed) >= MOST_PARSED:
-        _parsed.pop(next(iter(_parsed)))
-    _parsed[content] = fit
+    while len(_fits) >= MOST_PARSED:
+        _fits.pop(next(iter(_fits)))
+    _fits[content] = fit

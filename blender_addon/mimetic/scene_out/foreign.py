@@ -29,25 +29,25 @@ def add(collection: bpy.types.Collection, head: bpy.types.Object, places: Mappin
         collection.objects.link(mark)
 
 
-def attach(shown: bpy.types.Object, head, landmarks: Mapping, attached) -> str:
+def attach(obj: bpy.types.Object, head, landmarks: Mapping, muscles) -> str:
     """Shape keys of a `mimetic.foreign_face.ForeignFace`; remembers what it was made from.
 
     head: scene_in.ForeignHead. Returns what to tell of keys that were changed by hand and stay.
     """
-    writable.check(writable.no_shapes(shown))
+    writable.check(writable.no_shapes(obj))
     to_head = native.placement().to_head
-    shown.mimetic.use_contact = True
-    told = face.set_shapes(shown, to_head(head.points), attached.shapes, attached.groups).text()
-    shown.mimetic.metres_from_object = np.asarray(head.matrix, dtype=np.float64).ravel().tolist()
-    kept = shown.mimetic.landmarks
-    kept.clear()
+    obj.mimetic.use_contact = True
+    hand_changes = face.set_shapes(obj, to_head(head.points), muscles.shapes, muscles.groups).text()
+    obj.mimetic.metres_from_object = np.asarray(head.matrix, dtype=np.float64).ravel().tolist()
+    stored_landmarks = obj.mimetic.landmarks
+    stored_landmarks.clear()
     for name, place in landmarks.items():
-        mark = kept.add()
+        mark = stored_landmarks.add()
         mark.name = name
         mark.vertex = int(place) if np.ndim(place) == 0 else -1
         if mark.vertex < 0:
             mark.place = [float(x) for x in place]
-    return told
+    return hand_changes
 
 
 def _vector(place):

@@ -24,7 +24,7 @@ def export(
         aside = Path(folder, "face.glb")
         with (
             _only_selected(face),
-            contact_curves.keyed(scene, face) as has_contact,
+            contact_curves.with_keys(scene, face) as has_contact,
             # Contact's keys come behind the groups', whose number must not change then
             nullcontext() if has_contact else _without_idle_groups(face),
         ):
@@ -62,17 +62,17 @@ def _without_idle_groups(face: bpy.types.Object):
     The exporter leaves muted keys out. They come last, so that no other key's number changes.
     """
     keys = face.data.shape_keys
-    moved = {curve.data_path for curve in getattr(compat.curves(keys), "fcurves", ())}
+    moving_paths = {curve.data_path for curve in getattr(compat.curves(keys), "fcurves", ())}
     animation = keys.animation_data
     is_free = animation is None or not (animation.drivers or animation.nla_tracks)
     idle = [
         key
-        for key in (keys.key_blocks.get(listed.name) for listed in face.mimetic.groups)
+        for key in (keys.key_blocks.get(entry.name) for entry in face.mimetic.groups)
         if key
         and is_free
         and key.value == 0
         and not key.mute
-        and key.path_from_id("value") not in moved
+        and key.path_from_id("value") not in moving_paths
     ]
     for key in idle:
         key.mute = True
@@ -86,14 +86,14 @@ def _without_idle_groups(face: bpy.types.Object):
 @contextmanager
 def _only_selected(face: bpy.types.Object):
     view_layer = bpy.context.view_layer
-    selected = [shown.name for shown in view_layer.objects if shown.select_get()]
+    names = [obj.name for obj in view_layer.objects if obj.select_get()]
     active = view_layer.objects.active
-    for shown in view_layer.objects:
-        shown.select_set(shown == face)
+    for obj in view_layer.objects:
+        obj.select_set(obj == face)
     view_layer.objects.active = face
     try:
         yield
     finally:
-        for shown in view_layer.objects:
-            shown.select_set(shown.name in selected)
+        for obj in view_layer.objects:
+            obj.select_set(obj.name in names)
         view_layer.objects.active = active

@@ -29,47 +29,49 @@ class Target:
 
 
 @dataclass(frozen=True)
-class Baked:
+class BakeSummary:
     first: float  # scene frames of the first and the last key
     last: float
     num_curves: int
     where: str
 
 
-def bake(scene: bpy.types.Scene, performance, take: str, target: Target, footage=None) -> Baked:
+def bake(
+    scene: bpy.types.Scene, performance, take: str, target: Target, footage=None
+) -> BakeSummary:
     """Keys the motion of a `mimetic.performance.Performance`; smooth it before if it shall be.
 
     What else moves the target goes on: its action is copied, and the copy gets the head's curves.
     The scene's rate and range stay as they are. Raises InvalidInput, and changes nothing then.
     """
-    moved = writable.own_object(scene, target.name)
-    writable.check(writable.no_motion(moved))
-    if moved.type == "ARMATURE" and not target.bone:
-        writable.check(rigs.no_whole_motion(moved))
+    obj = writable.own_object(scene, target.name)
+    writable.check(writable.no_motion(obj))
+    if obj.type == "ARMATURE" and not target.bone:
+        writable.check(rigs.no_whole_motion(obj))
     timing = scene_in.timing(scene, footage)
     frames = scene_in.scene_frames(performance, timing)
     if not target.bone:
-        channels = _object_channels(scene, moved, performance, target)
-        num_curves = key_object(moved, performance, take, frames, channels, target)
-        return Baked(float(frames[0]), float(frames[-1]), num_curves, moved.name)
-    keyed = _bone_channels(moved, performance, target)
-    holder = actions.continued_take(moved, f"{take} head")
+        channels = _object_channels(scene, obj, performance, target)
+        num_curves = key_object(obj, performance, take, frames, channels, target)
+        return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, obj.name)
+    new_channels = _bone_channels(obj, performance, target)
+    holder = actions.continued_take(obj, f"{take} head")
     num_curves = 0
-    for bone, channels in keyed.items():
+    for bone, channels in new_channels.items():
         prefix = f'pose.bones["{bpy.utils.escape_identifier(bone)}"].'
         num_curves += _key(holder, prefix, bone, frames, channels)
-    where = ", ".join(keyed) + f" of {moved.name}"
-    return Baked(float(frames[0]), float(frames[-1]), num_curves, where)
+    where = ", ".join(new_channels) + f" of {obj.name}"
+    return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, where)
 
 
-def key_object(moved, performance, take: str, frames, channels, target: Target) -> int:
+def key_object(obj, performance, take: str, frames, channels, target: Target) -> int:
     """Keys an object's own `mimetic.rig_motion.Channels`; returns the number of curves."""
-    num_curves = _key(actions.continued_take(moved, f"{take} head"), "", "Head", frames, channels)
+    num_curves = _key(actions.continued_take(obj, f"{take} head"), "", "Head", frames, channels)
     if target.is_absolute:
-        standing.forget(moved)
+        standing.forget(obj)
     else:
         rest_index = native.rig_motion().rest_index
-        standing.note(moved, frames[rest_index(performance, target.rest_frame or None)])
+        standing.note(obj, frames[rest_index(performance, target.rest_frame or None)])
     return num_curves
 
 
@@ -80,49 +82,49 @@ def _motion(performance, target: Target):
 
 
 def _bone_channels(armature, performance, target: Target) -> dict:
-    share, followed = 0.0, 1.0
+    share, inherited_share = 0.0, 1.0
     neck = None
     if target.neck and target.neck_share > 0:
         share, neck = target.neck_share, rigs.as_bone(armature, target.neck)
-        followed = rigs.followed_share(armature, target.bone, target.neck)
+        inherited_share = rigs.followed_share(armature, target.bone, target.neck)
     head, of_neck = native.rig_motion().bone_channels(
         _motion(performance, target),
         rigs.as_bone(armature, target.bone),
         neck,
         share,
-        followed,
+        inherited_share,
         target.facing,
         target.translation_scale / world.matrix(armature).median_scale,
     )
-    keyed = {target.bone: head if target.translation_scale else _without_location(head)}
-    return keyed | ({target.neck: of_neck} if of_neck else {})
+    channels = {target.bone: head if target.translation_scale else _without_location(head)}
+    return channels | ({target.neck: of_neck} if of_neck else {})
 
 
-def _object_channels(scene, moved, performance, target: Target):
+def _object_channels(scene, obj, performance, target: Target):
     if target.is_absolute:
         channels = native.rig_motion().placed_channels(
             performance,
-            _world_from_parent(moved),
-            moved.rotation_mode,
+            _world_from_parent(obj),
+            obj.rotation_mode,
             scene_in.camera_matrix(scene),
             target.facing,
             target.translation_scale,
         )
     else:
-        with standing.at_rest(scene, moved):
+        with standing.at_rest(scene, obj):
             channels = native.rig_motion().object_channels(
                 _motion(performance, target),
-                native.array(moved.matrix_basis),
-                _world_from_parent(moved),
-                moved.rotation_mode,
+                native.array(obj.matrix_basis),
+                _world_from_parent(obj),
+                obj.rotation_mode,
                 target.facing,
                 target.translation_scale,
             )
     return channels if target.translation_scale else _without_location(channels)
 
 
-def _world_from_parent(moved):
-    return native.array(world.matrix(moved) @ moved.matrix_basis.inverted())
+def _world_from_parent(obj):
+    return native.array(world.matrix(obj) @ obj.matrix_basis.inverted())
 
 
 def _without_location(channels):

@@ -21,8 +21,8 @@ MOVED_PIXELS = 0.02  # markers are single precision
 
 def tracks_of(clip: bpy.types.MovieClip):
     """The landmarks' tracks, or nothing if the clip has none."""
-    marked = clip.tracking.objects.get(TRACKING_OBJECT)
-    return marked.tracks if marked else ()
+    tracking_object = clip.tracking.objects.get(TRACKING_OBJECT)
+    return tracking_object.tracks if tracking_object else ()
 
 
 def show(clip: bpy.types.MovieClip, fit) -> None:
@@ -30,63 +30,63 @@ def show(clip: bpy.types.MovieClip, fit) -> None:
     objects = clip.tracking.objects
     if TRACKING_OBJECT in objects:
         objects.remove(objects[TRACKING_OBJECT])
-    marked = objects.new(TRACKING_OBJECT)
+    tracking_object = objects.new(TRACKING_OBJECT)
     frames = [frame - clip.frame_offset for frame in _frames(fit)]
     around = {frame + step for frame in frames for step in (-1, 1)}.difference(frames)
     settings = clip.tracking.settings
     usual = settings.default_pattern_size, settings.default_search_size
     settings.default_pattern_size, settings.default_search_size = PATTERN_PIXELS
     for name in native.fitting().landmark_places(fit):
-        track = marked.tracks.new(name=name, frame=frames[0])
+        track = tracking_object.tracks.new(name=name, frame=frames[0])
         for frame in frames:
             track.markers.insert_frame(frame)
         for silent in around:  # nothing is known of other frames
             track.markers.insert_frame(silent, co=OUT_OF_SIGHT).mute = True
     settings.default_pattern_size, settings.default_search_size = usual
-    objects.active = marked
+    objects.active = tracking_object
     place(clip, fit)
 
 
 def place(clip: bpy.types.MovieClip, fit) -> None:
     """Puts the markers where the fit has their landmarks, but for pins, which are the user's."""
-    pinned = {name for pins in fit.pins.values() for name in pins}
+    pinned_names = {name for pins in fit.pins.values() for name in pins}
     tracks = {track.name: track for track in tracks_of(clip)}
     for frame in _frames(fit):
-        places = expected(fit, frame)
+        places = expected_places(fit, frame)
         coordinates = native.picture().picture_coordinates(list(places.values()), fit.image_size)
         for name, coordinate in zip(places, coordinates, strict=True):
             marker = _marker(tracks.get(name), frame - clip.frame_offset)
             if marker is not None and np.abs(np.subtract(marker.co, coordinate)).max() > 1e-7:
                 marker.co = coordinate
     for name, track in tracks.items():
-        track.use_custom_color = name in pinned
-        if name in pinned:
+        track.use_custom_color = name in pinned_names
+        if name in pinned_names:
             track.color = PIN_COLOUR
 
 
-def expected(fit, frame: int) -> dict[str, tuple[float, float]]:
+def expected_places(fit, frame: int) -> dict[str, tuple[float, float]]:
     """Where a frame's markers belong, pixels: pins at their own place, the rest as fitted."""
     places = native.fitting().landmark_places(fit, frame)
     return places | fit.pins.get(frame, {})
 
 
-def moved(clip: bpy.types.MovieClip, fit) -> dict[int, dict[str, tuple[float, float]]]:
+def find_moves(clip: bpy.types.MovieClip, fit) -> dict[int, dict[str, tuple[float, float]]]:
     """Footage frame: landmark: pixel, of the markers that are not where the fit has them."""
     tracks = {track.name: track for track in tracks_of(clip)}
-    found = {}
+    moves = {}
     for frame in _frames(fit):
-        places = {n: at for n, at in expected(fit, frame).items() if n in tracks}
+        places = {n: at for n, at in expected_places(fit, frame).items() if n in tracks}
         markers = {n: _marker(tracks[n], frame - clip.frame_offset) for n in places}
-        seen = {n: marker.co for n, marker in markers.items() if marker is not None}
-        pixels = native.picture().picture_pixels(list(seen.values()), fit.image_size)
+        marker_places = {n: marker.co for n, marker in markers.items() if marker is not None}
+        pixels = native.picture().picture_pixels(list(marker_places.values()), fit.image_size)
         away = {
             name: tuple(pixel.tolist())
-            for name, pixel in zip(seen, pixels, strict=True)
+            for name, pixel in zip(marker_places, pixels, strict=True)
             if np.abs(pixel - places[name]).max() > MOVED_PIXELS
         }
         if away:
-            found[frame] = away
-    return found
+            moves[frame] = away
+    return moves
 
 
 def state(clip: bpy.types.MovieClip) -> bytes:

@@ -33,7 +33,7 @@ def dress(face, appearance, is_reset: bool = False) -> list[str]:
 
 
 def _repaint(materials, surfaces, is_reset: bool) -> list[str]:
-    kept = []
+    others = []
     for surface in surfaces:
         material = next((m for m in materials if m and m.name.startswith(_name(surface))), None)
         if surface.texture is None or material is None or material.node_tree is None:
@@ -41,10 +41,10 @@ def _repaint(materials, surfaces, is_reset: bool) -> list[str]:
         nodes = [node for node in material.node_tree.nodes if node.type == "TEX_IMAGE"]
         old = [node for node in nodes if _is_as_made(node.image, is_reset)]
         if nodes and not old:
-            kept.append(material.name)
+            others.append(material.name)
         for node in old:
             node.image = _image(_name(surface), surface.texture)
-    return kept
+    return others
 
 
 def _is_as_made(image: bpy.types.Image | None, even_if_painted: bool) -> bool:

@@ -32,7 +32,7 @@ def write(
     take = actions.take_name(footage_path or performance_path)
     is_blend = Path(out).suffix != ".glb"
     contact = native.contact_shapes().contact_shapes(performance)
-    baked = bake(
+    summary = bake(
         scene,
         performance,
         take,
@@ -48,7 +48,7 @@ def write(
         save(out, footage)
     else:
         gltf.export(scene, out)
-    return f"{baked.num_curves} curves, frames {baked.first:.6g} to {baked.last:.6g}"
+    return f"{summary.num_curves} curves, frames {summary.first:.6g} to {summary.last:.6g}"
 
 
 def set_up(scene: bpy.types.Scene, performance) -> None:
@@ -75,8 +75,8 @@ def light(scene: bpy.types.Scene) -> None:
 def save(out: str, footage: bpy.types.MovieClip | None) -> None:
     path = Path(out).absolute()
     if footage is not None:  # so that the two can move together
-        for known in (footage, *(i for i in bpy.data.images if i.source == "MOVIE")):
-            known.filepath = bpy.path.relpath(known.filepath, start=str(path.parent))
+        for media in (footage, *(i for i in bpy.data.images if i.source == "MOVIE")):
+            media.filepath = bpy.path.relpath(media.filepath, start=str(path.parent))
     # Beside `out`, so that relative paths hold once it has its name
     aside = path.with_name(f".{path.stem}.{os.getpid()}.blend")
     try:

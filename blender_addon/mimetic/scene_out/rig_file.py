@@ -35,7 +35,7 @@ def write(
     target = _target(scene, rig_path, name, settings)
     footage = clip.load(scene, footage_path) if footage_path else None
     take = actions.take_name(footage_path or performance_path)
-    baked = head.bake(scene, performance, take, target, footage)
+    summary = head.bake(scene, performance, take, target, footage)
     path = Path(out).absolute()
     # Beside `out`, so that relative paths hold once it has its name
     aside = path.with_name(f".{path.stem}.{os.getpid()}.blend")
@@ -46,35 +46,34 @@ def write(
         os.replace(aside, path)
     finally:
         aside.unlink(missing_ok=True)
-    return (
-        f"{baked.num_curves} curves on {baked.where}, frames {baked.first:.6g} to {baked.last:.6g}"
-    )
+    frames = f"{summary.first:.6g} to {summary.last:.6g}"
+    return f"{summary.num_curves} curves on {summary.where}, frames {frames}"
 
 
 def _target(scene: bpy.types.Scene, rig_path: str, name: str, settings: dict) -> head.Target:
     where = f"--target {Path(rig_path).name}"
     if name not in scene.objects:
-        known = ", ".join(sorted(shown.name for shown in scene.objects)[:12])
-        raise native.invalid_input(f"{where} has no object {name}; it has {known or 'none'}")
-    found = scene.objects[name]
-    if found.type != "ARMATURE":
+        names = ", ".join(sorted(other.name for other in scene.objects)[:12])
+        raise native.invalid_input(f"{where} has no object {name}; it has {names or 'none'}")
+    obj = scene.objects[name]
+    if obj.type != "ARMATURE":
         if settings["bone"] or settings["neck"]:
             raise native.invalid_input(
                 f"{where}:{name} is no armature; leave --bone and --neck out"
             )
         return head.Target(name)
-    if found.mode == "EDIT":
+    if obj.mode == "EDIT":
         raise native.invalid_input(
             f"{where}:{name} was saved in edit mode; leave it and save again"
         )
-    by_name = rigs.head_bones(found)
+    by_name = rigs.head_bones(obj)
     bone = settings["bone"] or by_name.head
     neck = by_name.neck if settings["neck"] is None else settings["neck"]
     if not bone:
         raise native.invalid_input(f"{where}: {by_name.remark} by --bone")
-    for chosen in filter(None, (bone, neck)):
-        if chosen not in found.pose.bones:
-            raise native.invalid_input(f"{where}:{name} has no bone {chosen}")
+    for bone_name in filter(None, (bone, neck)):
+        if bone_name not in obj.pose.bones:
+            raise native.invalid_input(f"{where}:{name} has no bone {bone_name}")
     if bone == neck:
         raise native.invalid_input(f"--neck {neck} is the head's own bone; choose another")
     return head.Target(name, bone, neck, settings["neck_share"], translation_scale=0.0)

@@ -28,9 +28,9 @@ class HeadBones:
 def head_bones(armature: bpy.types.Object) -> HeadBones:
     """The bones that animators turn for head and neck; empty names where none is known."""
     bones = armature.data.bones
-    known = {bone.name.lower(): bone.name for bone in bones}
-    head = next((known[name] for name in HEADS if name in known), "")
-    neck = next((known[name] for name in NECKS if name in known), "")
+    names = {bone.name.lower(): bone.name for bone in bones}
+    head = next((names[name] for name in HEADS if name in names), "")
+    neck = next((names[name] for name in NECKS if name in names), "")
     if not head and METARIG in bones:
         return HeadBones(
             "", "", f"{armature.name} is Rigify's meta-rig: Generate, then choose the generated rig"
@@ -42,8 +42,8 @@ def head_bones(armature: bpy.types.Object) -> HeadBones:
 
 def no_whole_motion(armature: bpy.types.Object) -> str:
     """Why an armature may not be moved as a whole: a meta-rig moves nothing."""
-    found = head_bones(armature)
-    return found.remark if not found.head and METARIG in armature.data.bones else ""
+    names = head_bones(armature)
+    return names.remark if not names.head and METARIG in armature.data.bones else ""
 
 
 def _is_above(bone: bpy.types.Bone, name: str) -> bool:
@@ -55,32 +55,32 @@ def followed_share(armature: bpy.types.Object, head: str, neck: str) -> float:
 
     Found by turning the neck a little and looking; the pose is put back.
     """
-    turned = armature.pose.bones[neck]
-    before = turned.matrix_basis.copy()
+    neck_bone = armature.pose.bones[neck]
+    before = neck_bone.matrix_basis.copy()
     at_rest = _orientation(armature, head)
     # About an axis oblique to all of the bone's own, any of which may be locked by a constraint
     axis = (1 / sqrt(3),) * 3
-    turned.matrix_basis = before @ Quaternion(axis, TRIAL_TURN).to_matrix().to_4x4()
+    neck_bone.matrix_basis = before @ Quaternion(axis, TRIAL_TURN).to_matrix().to_4x4()
     try:
-        posed = _orientation(armature, head)
+        orientation = _orientation(armature, head)
     finally:
-        turned.matrix_basis = before
+        neck_bone.matrix_basis = before
         bpy.context.view_layer.update()
-    return native.rig_motion().followed(at_rest, posed, TRIAL_TURN)
+    return native.rig_motion().followed(at_rest, orientation, TRIAL_TURN)
 
 
 def _orientation(armature: bpy.types.Object, name: str):
     bpy.context.view_layer.update()
-    evaluated = armature.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    return evaluated.pose.bones[name].matrix.to_3x3()
+    evaluated_rig = armature.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return evaluated_rig.pose.bones[name].matrix.to_3x3()
 
 
 def as_bone(armature: bpy.types.Object, name: str):
     """A `mimetic.rig_motion.Bone` of a bone."""
-    posed = armature.pose.bones[name]
+    pose_bone = armature.pose.bones[name]
     return native.rig_motion().Bone(
-        rest=native.array(posed.bone.matrix_local.to_3x3()),
-        rotation_mode=posed.rotation_mode,
-        can_move=not (posed.bone.use_connect and posed.bone.parent),
-        is_local=posed.bone.use_local_location,
+        rest=native.array(pose_bone.bone.matrix_local.to_3x3()),
+        rotation_mode=pose_bone.rotation_mode,
+        can_move=not (pose_bone.bone.use_connect and pose_bone.bone.parent),
+        is_local=pose_bone.bone.use_local_location,
     )

@@ -25,25 +25,25 @@ def levels_of(keys: bpy.types.Key) -> dict[str, float]:
     """The values of the shape keys that are not at 0, nor muted, but for the basis."""
     blocks = keys.key_blocks
     levels = np.empty(len(blocks), dtype=np.float32)
-    muted = np.empty(len(blocks), dtype=bool)
+    is_muted = np.empty(len(blocks), dtype=bool)
     blocks.foreach_get("value", levels)
-    blocks.foreach_get("mute", muted)
-    levels[muted] = 0
+    blocks.foreach_get("mute", is_muted)
+    levels[is_muted] = 0
     levels[0] = 0  # the basis
     return {blocks[int(i)].name: float(levels[i]) for i in np.flatnonzero(levels)}
 
 
-def take_levels(keys: bpy.types.Key, evaluated: bpy.types.Key) -> None:
+def take_levels(keys: bpy.types.Key, evaluated_face: bpy.types.Key) -> None:
     """Gives the keys the values that their curves have where a picture is rendered.
 
     Keys that are changed there are copied anew, and their curves are not read again.
     """
-    shown = np.empty(len(keys.key_blocks), dtype=np.float32)
-    own = np.empty_like(shown)
-    evaluated.key_blocks.foreach_get("value", shown)
+    levels = np.empty(len(keys.key_blocks), dtype=np.float32)
+    own = np.empty_like(levels)
+    evaluated_face.key_blocks.foreach_get("value", levels)
     keys.key_blocks.foreach_get("value", own)
-    if not np.array_equal(shown, own):
-        keys.key_blocks.foreach_set("value", shown)
+    if not np.array_equal(levels, own):
+        keys.key_blocks.foreach_set("value", levels)
 
 
 def moves(

@@ -73,7 +73,7 @@ def _call(clip, operator, names) -> None:
     tracking = clip.tracking
     camera = tracking.objects[0]
     before = tracking.objects.active
-    selected = {track.name: track.select for track in camera.tracks}
+    selection = {track.name: track.select for track in camera.tracks}
     tracking.objects.active = camera
     for track in camera.tracks:
         track.select = track.name in names
@@ -85,7 +85,7 @@ def _call(clip, operator, names) -> None:
             operator()
     finally:
         for track in camera.tracks:
-            track.select = selected.get(track.name, False)
+            track.select = selection.get(track.name, False)
         tracking.objects.active = before
 
 
@@ -98,7 +98,7 @@ def _clip_editor(clip):
     kind = area.ui_type
     area.ui_type = "CLIP_EDITOR"
     space = area.spaces.active
-    shown, mode = space.clip, space.mode
+    clip_before, mode = space.clip, space.mode
     space.clip, space.mode = clip, "TRACKING"
     region = next(region for region in area.regions if region.type == "WINDOW")
     try:
@@ -111,6 +111,6 @@ def _clip_editor(clip):
         }
     finally:
         space.mode = mode
-        if shown is not None:
-            space.clip = shown
+        if clip_before is not None:
+            space.clip = clip_before
         area.ui_type = kind

@@ -16,29 +16,29 @@ import numpy as np
 KEPT = "mimetic_rest_frame"
 
 
-def note(moved: bpy.types.Object, frame: float) -> None:
+def note(obj: bpy.types.Object, frame: float) -> None:
     """Remembers the frame in which the object is as it was before its action."""
-    moved.animation_data.action[KEPT] = float(frame)
+    obj.animation_data.action[KEPT] = float(frame)
 
 
-def forget(moved: bpy.types.Object) -> None:
-    moved.animation_data.action.pop(KEPT, None)
+def forget(obj: bpy.types.Object) -> None:
+    obj.animation_data.action.pop(KEPT, None)
 
 
 @contextmanager
-def at_rest(scene: bpy.types.Scene, moved: bpy.types.Object) -> Iterator[None]:
+def at_rest(scene: bpy.types.Scene, obj: bpy.types.Object) -> Iterator[None]:
     """While it lasts, an object that such an action moves is as it was."""
-    action = moved.animation_data.action if moved.animation_data else None
+    action = obj.animation_data.action if obj.animation_data else None
     frame = action.get(KEPT) if action else None
     if frame is None:
         yield
         return
-    shown = scene.frame_current_final
+    current_frame = scene.frame_current_final
     _show(scene, frame)
     try:
         yield
     finally:
-        _show(scene, shown)
+        _show(scene, current_frame)
 
 
 def _show(scene: bpy.types.Scene, frame: float) -> None:

@@ -76,14 +76,22 @@ def painted(template: FaceTemplate) -> Appearance:
     return _appearance(template, uv, texture, 255 * face_paint.SKIN)
 
 
-def _appearance(template: FaceTemplate, uv, texture, colour) -> Appearance:
+def _appearance(
+    template: FaceTemplate, uv: NDArray, texture: NDArray[np.uint8], colour: NDArray
+) -> Appearance:
     surfaces = _surfaces(texture, _linear(colour / 255))
     names = [surface.name for surface in surfaces]
     of_part = [names.index(SURFACE_OF_PART[str(part)]) for part in template.part_names]
     return Appearance(uv, surfaces, np.array(of_part)[template.part])
 
 
-def _from_footage(performance, footage, frame, template: FaceTemplate, uv):
+def _from_footage(
+    performance: Performance,
+    footage: str | os.PathLike[str],
+    frame: int | None,
+    template: FaceTemplate,
+    uv: NDArray,
+) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
     if frame is None:
         frame = int(performance.frame[projection.reference_index(performance)])
     i = performance.index_of(frame)
@@ -125,7 +133,8 @@ def _bytes(picture: NDArray) -> NDArray[np.uint8]:
 
 
 def _triple(colour: NDArray) -> tuple[float, float, float]:
-    return tuple(float(part) for part in colour)
+    red, green, blue = (float(part) for part in colour)
+    return red, green, blue
 
 
 def _linear(colour: NDArray) -> NDArray:

@@ -132,7 +132,9 @@ def _brows(template: FaceTemplate) -> NDArray[np.float64]:
     return np.where(in_front, np.clip(1.25 - np.abs(over), -5, 1) + np.minimum(ends - 1, 0), -5)
 
 
-def _unwrap(template, uv, masks: NDArray[np.float64], size: int) -> NDArray[np.float64]:
+def _unwrap(
+    template: FaceTemplate, uv: NDArray, masks: NDArray[np.float64], size: int
+) -> NDArray[np.float64]:
     """Vertex values as a picture (size x size x K): every quad is sampled bilinearly."""
     total = np.zeros((size * size, masks.shape[1]))
     count = np.zeros(size * size)
@@ -162,11 +164,13 @@ def _noise(random: np.random.Generator, size: int, grain: int) -> NDArray[np.flo
 def _hair(random: np.random.Generator, size: int) -> NDArray[np.float64]:
     """Noise drawn out along the brows (the texture's rows run across the face), about -1 to 1."""
     noise = random.normal(size=(size, size))
-    strands = sum(np.roll(noise, (k, k // 3), axis=(0, 1)) for k in range(8))
+    strands = np.zeros_like(noise)
+    for k in range(8):
+        strands += np.roll(noise, (k, k // 3), axis=(0, 1))
     return strands[..., None] / 5
 
 
-def _step(above: float, below: float, value: NDArray[np.float64]) -> NDArray[np.float64]:
+def _step(above: float, below: float, value: NDArray) -> NDArray[np.float64]:
     """1 under `below`, 0 over `above`, smooth between."""
     t = np.clip((above - value) / (above - below), 0, 1)
     return t * t * (3 - 2 * t)

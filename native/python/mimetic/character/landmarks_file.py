@@ -22,10 +22,10 @@ def read_landmarks(path: Path) -> dict[str, int | list[float]]:
     for name, value in found.items():
         is_point = isinstance(value, list) and len(value) == 3 and all(map(_is_number, value))
         if not is_point and not (isinstance(value, int) and not isinstance(value, bool)):
-            told = shortened(f"landmark {name} is {value!r}")
-            raise InvalidInput(f"{path}: {told}, needed is a vertex's index or [x, y, z]")
+            what = shortened(f"landmark {name} is {value!r}")
+            raise InvalidInput(f"{path}: {what}, needed is a vertex's index or [x, y, z]")
     return found
 
 
-def _is_number(value) -> bool:
+def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < 1e9

@@ -167,7 +167,9 @@ class LiveFace:
             (first + OCTAHEDRON_FACES).reshape(-1, 3).astype(np.int32),
         )
 
-    def _colours(self, muscle: NDArray[np.int64], level: NDArray[np.float64]):
+    def _colours(
+        self, muscle: NDArray[np.int64], level: NDArray[np.float64]
+    ) -> NDArray[np.float32]:
         groups = np.array([GROUP_COLOURS[int(group)] for group in self._lines.groups])
         light = QUIET_LIGHT + (1 - QUIET_LIGHT) * level[:, None]
         opacity = QUIET_OPACITY + (1 - QUIET_OPACITY) * level[:, None]

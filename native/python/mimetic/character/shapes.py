@@ -87,9 +87,7 @@ def groups_of(performance: Performance) -> list[Shape]:
     return group_shapes(performance.muscles, performance.groups, performance.muscle_modes)
 
 
-def group_shapes(
-    names: Sequence[str], groups: ArrayLike, modes: NDArray[np.float64]
-) -> list[Shape]:
+def group_shapes(names: Sequence[str], groups: ArrayLike, modes: NDArray) -> list[Shape]:
     """Sliders of groups of muscles, left, right and both: sums of their muscles' shapes.
 
     names: M muscles; groups: M, 1 to 7; modes: M x V x 3. They have no values: what they do comes
@@ -127,13 +125,20 @@ def shapes_of_extras(extras: Extras) -> list[Shape]:
     return [_slider(name, group, modes, *limits) for name, group, modes, limits in entries]
 
 
-def _slider(name: str, group: str, offsets, lowest: float, highest: float) -> Shape:
+def _slider(name: str, group: str, offsets: NDArray, lowest: float, highest: float) -> Shape:
     """A shape that no take moves yet."""
     offsets = np.asarray(offsets, dtype=np.float64)
     return Shape(name, group, offsets, np.empty(0), float(lowest), float(highest))
 
 
-def _shape(name: str, group: str, offsets, values, lowest: float, highest: float = 1.0) -> Shape:
+def _shape(
+    name: str,
+    group: str,
+    offsets: NDArray,
+    values: NDArray[np.float64],
+    lowest: float,
+    highest: float = 1.0,
+) -> Shape:
     return Shape(
         name,
         group,
@@ -144,7 +149,7 @@ def _shape(name: str, group: str, offsets, values, lowest: float, highest: float
     )
 
 
-def _detail(i: int, offsets, values) -> Shape:
+def _detail(i: int, offsets: NDArray, values: NDArray[np.float64]) -> Shape:
     # Coefficients have any size; a slider wants -1 to 1
     scale = float(np.abs(values).max()) or 1.0
     return _shape(f"detail.{i:03d}", DETAIL, offsets * scale, values / scale, -1.0)

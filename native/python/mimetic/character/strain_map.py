@@ -58,7 +58,9 @@ def strain_colours(strain: NDArray[np.float64], limit: float) -> NDArray[np.floa
     return colours
 
 
-def scale_strip(left: float, bottom: float, width: float, height: float, num_steps: int = 32):
+def scale_strip(
+    left: float, bottom: float, width: float, height: float, num_steps: int = 32
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """The colours' scale as a strip of triangles: points 2K x 2 of a picture, colours 2K x 4."""
     along = np.linspace(0, 1, num_steps + 1)
     points = np.empty((num_steps + 1, 2, 2), dtype=np.float32)

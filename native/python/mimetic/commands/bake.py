@@ -55,8 +55,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--smoothing",
         type=float,
         default=USUAL_STRENGTH,
-        help="of the head's motion on a target: how far poses are doubted, in their own standard "
-        "deviations (default: %(default)s; 0 keeps them)",
+        help="strength of the smoothing of the head's motion on a target: what the standard "
+        "deviations of poses are multiplied by (default: %(default)s; 0 leaves frames as measured)",
     )
     parser.add_argument(
         "--blender-python",

@@ -43,8 +43,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=float,
         default=SMOOTHING,
         metavar="STRENGTH",
-        help="of the head's motion, without lag: how far poses are doubted, in their own standard "
-        "deviations (default: %(default)s; 0 leaves each frame as it was measured)",
+        help="strength of the smoothing of the head's motion, which has no lag: what the standard "
+        "deviations of poses are multiplied by (default: %(default)s; 0 leaves each frame as "
+        "measured)",
     )
 
 

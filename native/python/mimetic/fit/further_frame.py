@@ -33,7 +33,7 @@ def with_frame(fit: FaceFit, image: NDArray[np.uint8], frame: int) -> FaceFit:
         view.pins, view.motion = dict(known.pins), known.motion
         views = [view if v.frame == frame else v for v in fit.views]
     elif len(fit.views) == MOST_VIEWS:
-        raise InvalidInput(f"the face fit rests on {MOST_VIEWS} frames already")
+        raise InvalidInput(f"the face is fitted to {MOST_VIEWS} frames already")
     else:
         views = [*fit.views, view]
     whole = replace(fit, views=views, head_pose=views[0].head_pose)
