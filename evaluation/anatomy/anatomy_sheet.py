@@ -106,12 +106,12 @@ def main(arguments: list[str] | None = None) -> int:
     if unknown:
         print(f"no picture {unknown[0]!r}; there are {', '.join(tiles)}", file=sys.stderr)
         return 2
-    chosen = {name: tiles[name] for name in options.only or tiles}
+    tiles_drawn = {name: tiles[name] for name in options.only or tiles}
     painters = [Painter(template, options.size, yaw, options.focus) for yaw in options.yaw]
     contact, rest, pictures = attach_contact(skin), np.asarray(template.vertices), {}
-    for title, tile in chosen.items():
-        shown = contact.relieve(tile.displacement)
-        pictures[title] = np.hstack([p.paint(rest, shown, tile.tint) for p in painters])
+    for title, tile in tiles_drawn.items():
+        displacement = contact.relieve(tile.displacement)
+        pictures[title] = np.hstack([p.paint(rest, displacement, tile.tint) for p in painters])
     write_sheet(pictures, options.out, options.columns)
     return 0
 

@@ -74,10 +74,11 @@ def main(arguments: list[str] | None = None) -> int:
     shapes["all lids closed"] = lids["lid_upper"] + lids["lid_lower"]
     print(f"{'mm':40s} before   after   teeth")
     for title, shape in shapes.items():
-        relieved = contact.relieve(shape)
-        before, after = (1e3 * contact.depth(s) + 0.0 for s in (shape, relieved))
+        displacement = contact.relieve(shape)
+        before, after = (1e3 * contact.depth(s) + 0.0 for s in (shape, displacement))
         print(
-            f"{title:40s} {before:6.2f} {after:7.3f} {1e3 * before_teeth(skin.mesh, relieved):7.1f}"
+            f"{title:40s} {before:6.2f} {after:7.3f} "
+            f"{1e3 * before_teeth(skin.mesh, displacement):7.1f}"
         )
     return 0
 

@@ -59,27 +59,29 @@ class Excursion:
 def excursions(mesh: SkinMesh, anatomy: Anatomy) -> list[Excursion]:
     """Pairs of muscles one side at a time, then several together; mesh: the canonical head's."""
     modes = dict(zip(anatomy.muscle_names, anatomy.muscle_modes, strict=True))
-    found = []
+    rows = []
     for row in muscle_table():
         sides = [modes[f"{row['name']}.{side}"] for side in SIDES]
-        known = tuple(row["published_mm"]) if "published_mm" in row else None
-        found.append(_measure(mesh, row["name"], sides, row["measured_at"], known, row["source"]))
-    for title, names, place, known, source in TOGETHER:
+        published_range = tuple(row["published_mm"]) if "published_mm" in row else None
+        rows.append(
+            _measure(mesh, row["name"], sides, row["measured_at"], published_range, row["source"])
+        )
+    for title, names, place, published_range, source in TOGETHER:
         whole = sum(modes[f"{name}.{side}"] for name in names for side in SIDES)
-        found.append(_measure(mesh, title, [whole, whole], place, known, source))
-    return found
+        rows.append(_measure(mesh, title, [whole, whole], place, published_range, source))
+    return rows
 
 
 def _measure(mesh, name, sides, place, published, source) -> Excursion:
     count = int(mesh.template.num_skin_vertices)
     anchor, x, y = place
-    moved = [multiply(mesh.stencils, mode[:count]) for mode in sides]
+    displacements = [multiply(mesh.stencils, mode[:count]) for mode in sides]
     left, right = (
         1e3 * motion[find_place(mesh, anchor, x, y, 0, side).vertex]
-        for motion, side in zip(moved, SIDES, strict=True)
+        for motion, side in zip(displacements, SIDES, strict=True)
     )
     difference = float(np.linalg.norm(right * [-1, 1, 1] - left))
-    largest = float(1e3 * np.linalg.norm(moved[0], axis=1).max())
+    largest = float(1e3 * np.linalg.norm(displacements[0], axis=1).max())
     return Excursion(name, left, difference, largest, published, source)
 
 
@@ -92,12 +94,12 @@ def main(arguments: list[str] | None = None) -> int:
     rows = excursions(mesh, attach(template.vertices, template))
     print(f"{'mm':38s}  moves   out    up   fwd   L/R  largest  published")
     for row in rows:
-        known = "{:g}-{:g}".format(*row.published) if row.published else "-"
+        range_text = "{:g}-{:g}".format(*row.published) if row.published else "-"
         mark = "" if row.inside else "  OUTSIDE"
         motion = " ".join(f"{value:5.1f}" for value in row.motion)
         print(
             f"{row.name:38s}  {row.length:5.1f} {motion} {row.difference:5.2f} {row.largest:8.1f}"
-            f"  {known:6s} {row.source}{mark}"
+            f"  {range_text:6s} {row.source}{mark}"
         )
     return 0 if all(row.inside for row in rows) else 1
 

@@ -50,16 +50,16 @@ class Gauge:
 
     def __init__(self, skin: AttachedSkin, weights: str = "area"):
         mesh = self.mesh = skin.mesh
-        seen = visible_area(mesh)
-        self.weight = seen if weights == "area" else (seen > 0).astype(np.float64)
+        area = visible_area(mesh)
+        self.weight = area if weights == "area" else (area > 0).astype(np.float64)
         self.kept = np.flatnonzero(self.weight)
 
     def field(self, mode, axes: int = 3) -> NDArray[np.float64]:
         """Values whose sum of squares is the mean square displacement; mode: V x 3."""
         count = int(self.mesh.template.num_skin_vertices)
-        moved = multiply(self.mesh.stencils, np.asarray(mode, np.float64)[:count])[self.kept]
+        displacement = multiply(self.mesh.stencils, np.asarray(mode, np.float64)[:count])[self.kept]
         share = self.weight[self.kept] / self.weight.sum()
-        return (np.sqrt(share)[:, None] * moved[:, :axes]).ravel()
+        return (np.sqrt(share)[:, None] * displacement[:, :axes]).ravel()
 
 
 def head_columns(
@@ -71,14 +71,14 @@ def head_columns(
     """
     anatomy, extras = modes_of(skin), attach_extras(skin)
     own = [name for name in extras.names if not name.startswith("look_")]
-    chosen = [extras.names.index(name) for name in own]
+    indices = [extras.names.index(name) for name in own]
     free = np.tile(FREE, (num_modes, 1))
     count = len(anatomy.muscle_names)
     limits = np.tile([0.0, 1.0], (count, 1))
     rows = [
         (f"{count} muscles", anatomy.muscle_names, anatomy.muscle_modes, limits),
         ("+ jaw and lids", *_articulators(anatomy)),
-        (f"+ {len(own)} extras", tuple(own), extras.modes[chosen], extras.limits[chosen]),
+        (f"+ {len(own)} extras", tuple(own), extras.modes[indices], extras.limits[indices]),
         (f"+ {num_modes} skin modes", (), _skin_modes(skin, num_modes, gauge, axes), free),
     ]
     none = np.empty((0, *anatomy.muscle_modes.shape[1:]))
@@ -145,14 +145,14 @@ def both(units: dict, name: str) -> list:
 def explained(columns: Columns, gauge: Gauge, truth: list, axes: int) -> NDArray[np.float64]:
     """R2 of every truth (V x 3 each), from its own fit on the first `axes` axes."""
     system = np.stack([gauge.field(mode, axes) for mode in columns.modes], axis=1)
-    wanted = np.stack([gauge.field(mode, axes) for mode in truth], axis=1)
-    values = bounded_fit(system, wanted, columns.limits[:, 0], columns.limits[:, 1])
-    return 1 - ((system @ values - wanted) ** 2).sum(axis=0) / (wanted**2).sum(axis=0)
+    target = np.stack([gauge.field(mode, axes) for mode in truth], axis=1)
+    values = bounded_fit(system, target, columns.limits[:, 0], columns.limits[:, 1])
+    return 1 - ((system @ values - target) ** 2).sum(axis=0) / (target**2).sum(axis=0)
 
 
 def likeness(columns: Columns, gauge: Gauge, units: dict) -> list[tuple[str, str, float, float]]:
     """Unit, its muscles, correlation (uncentred) of the fields, size of ours over that of it."""
-    found = []
+    rows = []
     for unit, mix in UNIT_MUSCLES.items():
         ours = sum(
             value * columns.modes[columns.names.index(name)]
@@ -163,10 +163,10 @@ def likeness(columns: Columns, gauge: Gauge, units: dict) -> list[tuple[str, str
         truth, field = gauge.field(sum(both(units, unit))), gauge.field(ours)
         lengths = np.linalg.norm(truth), np.linalg.norm(field)
         text = [f"{value:g} {part}" if value != 1 else part for part, value in mix.items()]
-        found.append(
+        rows.append(
             (unit, " + ".join(text), truth @ field / np.prod(lengths), lengths[1] / lengths[0])
         )
-    return found
+    return rows
 
 
 def main(arguments: list[str] | None = None) -> int:

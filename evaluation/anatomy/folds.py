@@ -33,8 +33,8 @@ class Folds:
         edges = np.sort(np.vstack([faces[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1)
         owner = np.tile(np.arange(len(faces)), 3)
         order = np.lexsort(edges.T)
-        shared = np.flatnonzero((np.diff(edges[order], axis=0) == 0).all(axis=1))
-        pairs = np.column_stack([owner[order][shared], owner[order][shared + 1]])
+        repeats = np.flatnonzero((np.diff(edges[order], axis=0) == 0).all(axis=1))
+        pairs = np.column_stack([owner[order][repeats], owner[order][repeats + 1]])
         return pairs[self._normals(self.mesh.vertices)[pairs].mean(axis=1)[:, 2] > FACES_FRONT]
 
     def angles(self, displacement: NDArray[np.float64] | None = None) -> NDArray[np.float64]:

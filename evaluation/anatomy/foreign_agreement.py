@@ -116,10 +116,10 @@ def collapse_edges(vertices, triangles, kept: float, random, held: set[int]) -> 
                 return False
         return True
 
-    wanted = int((1 - kept) * len(around))
+    num_collapses = int((1 - kept) * len(around))
     for _ in range(3):
         for gone in random.permutation(list(around)).tolist():
-            if wanted <= 0:
+            if num_collapses <= 0:
                 break
             neighbours = ring(gone)
             if gone in held or len(neighbours) != len(around[gone]):  # a landmark, the rim
@@ -138,7 +138,7 @@ def collapse_edges(vertices, triangles, kept: float, random, held: set[int]) -> 
                 else:
                     faces[index] = face
                     around[stays].add(index)
-            wanted -= 1
+            num_collapses -= 1
     return np.array(list(faces.values()), dtype=np.int64)
 
 
@@ -154,10 +154,10 @@ class Agreement:
 def compare(head: Disguised, direct: Anatomy, foreign: ForeignHead) -> list[Agreement]:
     rows = []
     for kind in ("muscle", "articulator"):
-        expected = head.expected(getattr(direct, f"{kind}_modes"))
+        expected_modes = head.expected(getattr(direct, f"{kind}_modes"))
         names = getattr(direct, f"{kind}_names")
-        found = getattr(foreign.anatomy, f"{kind}_modes")
-        for name, own, other in zip(names, expected, found, strict=True):
+        modes = getattr(foreign.anatomy, f"{kind}_modes")
+        for name, own, other in zip(names, expected_modes, modes, strict=True):
             lengths = np.linalg.norm(own), np.linalg.norm(other)
             cosine = float((own * other).sum() / (lengths[0] * lengths[1]))
             rows.append(Agreement(name, cosine, float(lengths[1] / lengths[0])))

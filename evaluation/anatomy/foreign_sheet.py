@@ -100,10 +100,12 @@ def _draw(options: argparse.Namespace) -> int:
     if unknown := sorted(set(options.only or ()) - set(tiles)):
         raise InvalidInput(f"no picture {unknown[0]!r}; there are {', '.join(tiles)}")
     to_template = head.mesh_from_template.inverse()
-    chosen = {name: to_template.turn(tiles[name]) for name in options.only or tiles}
+    tiles_drawn = {name: to_template.turn(tiles[name]) for name in options.only or tiles}
     painter = PlainPainter(len(vertices), faces, options.size, options.yaw)
     rest = to_template.apply(vertices)
-    pictures = {title: painter.paint(rest, moved) for title, moved in chosen.items()}
+    pictures = {
+        title: painter.paint(rest, displacement) for title, displacement in tiles_drawn.items()
+    }
     write_sheet(pictures, options.out)
     return 0
 

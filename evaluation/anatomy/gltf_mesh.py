@@ -108,29 +108,29 @@ class _Reader:
         roots = (
             scenes[self.document.get("scene", 0)].get("nodes", []) if scenes else range(len(nodes))
         )
-        found, seen = [], set()
+        meshes, visited = [], set()
         waiting = [(root, np.eye(4), 0) for root in roots]
         while waiting:
             number, parent, depth = waiting.pop()
-            if number in seen or depth > DEEPEST:
+            if number in visited or depth > DEEPEST:
                 raise InvalidInput("its nodes contain each other in a circle")
-            seen.add(number)
+            visited.add(number)
             matrix = parent @ _matrix(nodes[number])
             if "mesh" in nodes[number]:
-                found.append((nodes[number]["mesh"], matrix))
+                meshes.append((nodes[number]["mesh"], matrix))
             waiting += [(child, matrix, depth + 1) for child in nodes[number].get("children", [])]
-        return found
+        return meshes
 
     def _accessor(self, index: int, kind: str, sort: str) -> NDArray[np.float64]:
-        described = self.document["accessors"][index]
-        dtype = np.dtype(TYPES[described["componentType"]])
-        if described["type"] != kind or dtype.kind != sort or "sparse" in described:
+        entry = self.document["accessors"][index]
+        dtype = np.dtype(TYPES[entry["componentType"]])
+        if entry["type"] != kind or dtype.kind != sort or "sparse" in entry:
             raise InvalidInput(f"accessor {index} is of a kind that is not read")
-        view = self.document["bufferViews"][described["bufferView"]]
+        view = self.document["bufferViews"][entry["bufferView"]]
         content = self._buffer(view["buffer"])
-        width, count = WIDTHS[kind] * dtype.itemsize, described["count"]
+        width, count = WIDTHS[kind] * dtype.itemsize, entry["count"]
         stride = view.get("byteStride", width)
-        start, within = view.get("byteOffset", 0), described.get("byteOffset", 0)
+        start, within = view.get("byteOffset", 0), entry.get("byteOffset", 0)
         whole = all(isinstance(n, int) and n >= 0 for n in (count, stride, start, within))
         if not whole or count > 6 * MAX_VERTICES or stride < width:
             raise InvalidInput(f"accessor {index} has a length that cannot be")
@@ -144,8 +144,8 @@ class _Reader:
 
     def _buffer(self, index: int) -> bytes:
         if index not in self.buffers:
-            described = self.document["buffers"][index]
-            uri = described.get("uri")
+            entry = self.document["buffers"][index]
+            uri = entry.get("uri")
             if uri is None:
                 if self.binary is None or index != 0:
                     raise InvalidInput("a buffer has no content")

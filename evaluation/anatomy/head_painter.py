@@ -101,12 +101,12 @@ class Painter:
         count = np.clip(np.exp2(np.ceil(np.log2(1.6 * sides + 1))), 2, 64).astype(int)
         toward = corners[:, :, 5].max(axis=1) > -0.2
         for n in np.unique(count):
-            chosen = (count == n) & toward & self.drawn
+            is_chosen = (count == n) & toward & self.drawn
             t = (np.arange(n) + 0.5) / n
             s, t = (a.ravel() for a in np.meshgrid(t, t))
             weights = np.stack([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t])
-            fragments = np.einsum("kp,fkc->fpc", weights, corners[chosen])
-            color = np.repeat(self.color[chosen], n * n, axis=0)
+            fragments = np.einsum("kp,fkc->fpc", weights, corners[is_chosen])
+            color = np.repeat(self.color[is_chosen], n * n, axis=0)
             yield fragments.reshape(-1, 8), color
 
     def _shade(self, values: np.ndarray, color: np.ndarray) -> np.ndarray:

@@ -11,22 +11,22 @@ MOST_SWEEPS = 20_000
 SMALL_CHANGE = 1e-9  # of the unknowns' size, between checks
 
 
-def bounded_fit(system, wanted, lowest, highest) -> NDArray[np.float64]:
+def bounded_fit(system, target, lowest, highest) -> NDArray[np.float64]:
     """K x T values between `lowest` and `highest` (K) that bring system @ values nearest to wanted.
 
-    system: P x K; wanted: P x T, each column its own problem; bounds may be infinite. Accelerated
+    system: P x K; target: P x T, each column its own problem; bounds may be infinite. Accelerated
     projected gradients with restarts (Beck and Teboulle 2009; O'Donoghue and Candes 2015). Raises
     InvalidInput if shapes disagree or a lower bound lies above the upper one.
     """
-    system, wanted = (np.asarray(a, dtype=np.float64) for a in (system, wanted))
+    system, target = (np.asarray(a, dtype=np.float64) for a in (system, target))
     lowest, highest = (np.asarray(a, dtype=np.float64)[:, None] for a in (lowest, highest))
-    if system.ndim != 2 or wanted.ndim != 2 or len(system) != len(wanted):
-        raise _core.InvalidInput(f"system {system.shape} and wanted {wanted.shape} do not fit")
+    if system.ndim != 2 or target.ndim != 2 or len(system) != len(target):
+        raise _core.InvalidInput(f"system {system.shape} and wanted {target.shape} do not fit")
     if len(lowest) != system.shape[1] or len(highest) != len(lowest) or (lowest > highest).any():
         raise _core.InvalidInput("every unknown needs a lower bound below its upper one")
     scale = np.maximum(np.linalg.norm(system, axis=0), 1e-300)[:, None]
     gram = (system / scale.T).T @ (system / scale.T)
-    right = (system / scale.T).T @ wanted
+    right = (system / scale.T).T @ target
     step = 1 / np.linalg.eigvalsh(gram)[-1]
     values = np.clip(np.zeros_like(right), lowest * scale, highest * scale)
     ahead, inertia = values, np.ones(right.shape[1])

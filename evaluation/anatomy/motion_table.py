@@ -63,9 +63,9 @@ def clip_values(clip: str, names: tuple[str, ...], seconds: float) -> np.ndarray
     return values
 
 
-def visible_motion(loaded: LoadedSkin, advance, values: np.ndarray) -> np.ndarray:
+def visible_motion(skin: LoadedSkin, advance, values: np.ndarray) -> np.ndarray:
     """Displacements of the visible vertices, frames x K x 3; advance: L values -> 3C unknowns."""
-    stencils = loaded.visible_stencils()
+    stencils = skin.visible_stencils()
     frames = []
     for i, now in enumerate(substeps(values)[1:], 1):
         unknowns = advance(now)
@@ -92,19 +92,19 @@ def difference(motion: np.ndarray, truth: np.ndarray) -> Difference:
     )
 
 
-def compare(loaded: LoadedSkin, values: np.ndarray, mode_counts: list[int]) -> list[Difference]:
+def compare(skin: LoadedSkin, values: np.ndarray, mode_counts: list[int]) -> list[Difference]:
     """Of the static response and of the reduced skin with each count of modes."""
     options = dynamics_options()
-    whole = loaded.dynamics(options)
-    truth = visible_motion(loaded, lambda now: whole.advance(loaded.loads @ now), values)
-    responses = loaded.skin.model.solve(loaded.forces.reshape(len(loaded.forces), -1).T)
-    found = [difference(visible_motion(loaded, lambda now: responses @ now, values), truth)]
+    whole = skin.dynamics(options)
+    truth = visible_motion(skin, lambda now: whole.advance(skin.loads @ now), values)
+    responses = skin.skin.model.solve(skin.forces.reshape(len(skin.forces), -1).T)
+    errors = [difference(visible_motion(skin, lambda now: responses @ now, values), truth)]
     for count in mode_counts:
-        reduced = loaded.reduced(options, count)
+        reduced = skin.reduced(options, count)
         shapes = reduced.shapes
-        motion = visible_motion(loaded, lambda now, r=reduced, s=shapes: s @ r.advance(now), values)
-        found.append(difference(motion, truth))
-    return found
+        motion = visible_motion(skin, lambda now, r=reduced, s=shapes: s @ r.advance(now), values)
+        errors.append(difference(motion, truth))
+    return errors
 
 
 def main(arguments: list[str] | None = None) -> int:
@@ -118,13 +118,13 @@ def main(arguments: list[str] | None = None) -> int:
     from mimetic.template.face_template import load_template
 
     template = load_template()
-    loaded = load_skin(template.vertices, template)
+    skin = load_skin(template.vertices, template)
     heads = ["static", *(f"{n} modes" for n in options.modes)]
     print(f"{'clip':12}" + "".join(f"{head:>20}" for head in heads))
     for clip in CLIPS:
         start = time.perf_counter()
-        found = compare(loaded, clip_values(clip, loaded.names, options.seconds), options.modes)
-        cells = (f"{100 * d.share:8.3f} % {d.largest_mm:6.3f} mm" for d in found)
+        errors = compare(skin, clip_values(clip, skin.names, options.seconds), options.modes)
+        cells = (f"{100 * d.share:8.3f} % {d.largest_mm:6.3f} mm" for d in errors)
         print(f"{clip:12}" + "".join(f"{cell:>20}" for cell in cells), flush=True)
         print(f"  {time.perf_counter() - start:.1f} s", file=sys.stderr)
     return 0

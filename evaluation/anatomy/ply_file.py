@@ -100,8 +100,8 @@ def _header(content: bytes, where: str) -> tuple[str, list[Element], int]:
             elif words[0] == "element":
                 elements.append(Element(words[1], int(words[2]), []))
             elif words[:2] == ["property", "list"]:
-                listed = Property(words[4], TYPES[words[3]], TYPES[words[2]])
-                elements[-1].properties.append(listed)
+                list_property = Property(words[4], TYPES[words[3]], TYPES[words[2]])
+                elements[-1].properties.append(list_property)
             elif words[0] == "property":
                 elements[-1].properties.append(Property(words[2], TYPES[words[1]]))
             else:

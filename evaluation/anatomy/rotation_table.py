@@ -34,20 +34,20 @@ class LinearError:
     residual: float
 
 
-def linear_error(loaded: LoadedSkin, corotational, name: str, value: float) -> LinearError:
+def linear_error(skin: LoadedSkin, corotational, name: str, value: float) -> LinearError:
     """Of one actuator at a value; corotational: `loaded.corotational()`."""
-    force = value * loaded.forces[loaded.names.index(name)].reshape(-1)
+    force = value * skin.forces[skin.names.index(name)].reshape(-1)
     solution = corotational.solve(force)
-    stencils = loaded.visible_stencils()
-    linear = multiply(stencils, loaded.skin.model.solve(force[:, None]).reshape(-1, 3))
+    stencils = skin.visible_stencils()
+    linear = multiply(stencils, skin.skin.model.solve(force[:, None]).reshape(-1, 3))
     truth = multiply(stencils, solution.unknowns.reshape(-1, 3))
     apart = np.linalg.norm(linear - truth, axis=1)
-    moved = np.linalg.norm(truth, axis=1)
+    distance = np.linalg.norm(truth, axis=1)
     return LinearError(
-        1e3 * moved.max(),
+        1e3 * distance.max(),
         1e3 * apart.max(),
         1e3 * np.sqrt((apart**2).mean()),
-        1 - (apart**2).sum() / (moved**2).sum(),
+        1 - (apart**2).sum() / (distance**2).sum(),
         solution.iterations,
         solution.residual,
     )
@@ -57,22 +57,22 @@ def main(arguments: list[str] | None = None) -> int:
     from mimetic.template.face_template import load_template
 
     template = load_template()
-    loaded = load_skin(template.vertices, template)
-    known = [name for name in loaded.names if not name.endswith(".R")]
+    skin = load_skin(template.vertices, template)
+    names = [name for name in skin.names if not name.endswith(".R")]
     parser = argparse.ArgumentParser(prog="python -m evaluation.anatomy.rotation_table")
-    parser.add_argument("--only", nargs="+", default=known, choices=loaded.names, metavar="NAME")
+    parser.add_argument("--only", nargs="+", default=names, choices=skin.names, metavar="NAME")
     parser.add_argument("--values", type=float, nargs="+", default=[0.5, 1.0])
     options = parser.parse_args(arguments)
     if not all(-1 <= value <= 2 for value in options.values):
         print("rotation_table: --values are -1 to 2 each", file=sys.stderr)
         return 2
-    corotational = loaded.corotational()
+    corotational = skin.corotational()
     columns = (("value", 6), ("moves", 10), ("max", 10), ("RMS", 10), ("R2", 9))
     columns += (("iterations", 12), ("out by", 9))
     print(f"{'actuator':40}" + "".join(f"{name:>{width}}" for name, width in columns))
     for name in options.only:
         for value in options.values:
-            e = linear_error(loaded, corotational, name, value)
+            e = linear_error(skin, corotational, name, value)
             print(
                 f"{name:40}{value:6.2f}{e.motion_mm:7.2f} mm{e.largest_mm:7.3f} mm"
                 f"{e.rms_mm:7.3f} mm{e.r2:9.4f}{e.iterations:12d}{e.residual:9.0e}",

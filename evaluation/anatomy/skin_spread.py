@@ -75,8 +75,8 @@ class Patch:
         self.flat = flat * (self.distance / flat_distance)[:, None]
         # The pull's direction at every vertex, turned with the skin
         sum_normal = mesh.normals + normal
-        turned = (mesh.normals @ ahead) / np.maximum(1 + mesh.normals @ normal, 1e-9)
-        self.direction = ahead - turned[:, None] * sum_normal
+        axis = (mesh.normals @ ahead) / np.maximum(1 + mesh.normals @ normal, 1e-9)
+        self.direction = ahead - axis[:, None] * sum_normal
         self.areas = vertex_areas(mesh.vertices, mesh.triangles)
 
     def pull(self) -> NDArray[np.float64]:
@@ -120,20 +120,20 @@ def spread_length(skin: EvenSkin, place: int, direction: NDArray[np.float64]) ->
     """
     patch = Patch(skin.mesh, place, direction)
     response = multiply(skin.mesh.stencils, skin.respond(patch.pull()[None])[0])
-    moved = (response * patch.direction).sum(1)
-    chosen = patch.near & (patch.distance < REACH * skin.length)
-    moved, weights = moved[chosen], patch.areas[chosen]
-    flat = patch.flat[chosen]
+    along_pull = (response * patch.direction).sum(1)
+    is_near = patch.near & (patch.distance < REACH * skin.length)
+    along_pull, weights = along_pull[is_near], patch.areas[is_near]
+    flat = patch.flat[is_near]
 
     def misfit(log_length):
         theory = flat_theory(flat, np.exp(log_length))
-        alike = (theory * moved * weights).sum() ** 2 / (theory**2 * weights).sum()
-        return (moved**2 * weights).sum() - alike
+        alike = (theory * along_pull * weights).sum() ** 2 / (theory**2 * weights).sum()
+        return (along_pull**2 * weights).sum() - alike
 
-    tried = np.log(skin.length) + np.linspace(-0.7, 0.7, 29)
-    misfits = [misfit(one) for one in tried]
-    best = int(np.clip(np.argmin(misfits), 1, len(tried) - 2))
-    a, b, _ = np.polyfit(tried[best - 1 : best + 2], misfits[best - 1 : best + 2], 2)
+    log_lengths = np.log(skin.length) + np.linspace(-0.7, 0.7, 29)
+    misfits = [misfit(one) for one in log_lengths]
+    best = int(np.clip(np.argmin(misfits), 1, len(log_lengths) - 2))
+    a, b, _ = np.polyfit(log_lengths[best - 1 : best + 2], misfits[best - 1 : best + 2], 2)
     return float(np.exp(-b / (2 * a)))
 
 
@@ -159,8 +159,8 @@ def main() -> None:
     print(
         "| place | pulled | spread length, mm | theory | error |\n| --- | --- | --- | --- | --- |"
     )
-    for name, found in measure(length).items():
-        for axis, value in zip(("sideways", "up"), found, strict=True):
+    for name, spread in measure(length).items():
+        for axis, value in zip(("sideways", "up"), spread, strict=True):
             error = 100 * (value / length - 1)
             print(f"| {name} | {axis} | {1e3 * value:.2f} | {1e3 * length:g} | {error:+.1f} % |")
 

@@ -75,8 +75,8 @@ class _VariedCapture(clip_capture.ClipCapture):
         options = _core.TrackerOptions()
         for name, value in self.variant.tracker.items():
             setattr(options, name, value)
-        known = (self.fit, self.template, self.anatomy, self.motion)
-        return tracking.make_tracker(reference, *known, options)
+        inputs = (self.fit, self.template, self.anatomy, self.motion)
+        return tracking.make_tracker(reference, *inputs, options)
 
     def smooth(self, estimates, before):
         if self.variant.smoothed:
@@ -100,7 +100,7 @@ def score_ablations(
     which: str, people: int | None, report: Callable[[str], None]
 ) -> dict[str, dict[str, float]]:
     """Figures by clip and variant; every variant of a clip starts from the same fit."""
-    made = {}
+    scores = {}
     for clip in clips_of(which, people, report):
         truth = Truth.load(clip.truth)
         if truth.units is None and truth.muscles is None:
@@ -108,31 +108,31 @@ def score_ablations(
         fit = clip_capture.find_face(clip.footage)
         for name, variant in VARIANTS.items():
             report(f"{clip.name}: {name}")
-            made[f"{clip.name}: {name}"] = _figures(
+            scores[f"{clip.name}: {name}"] = _figures(
                 truth, capture_varied(clip.footage, fit, variant)
             )
-    return made
+    return scores
 
 
 def _figures(truth: Truth, performance: Performance) -> dict[str, float]:
-    found = score(truth, performance)
-    groups = [curve["correlation"] for curve in found.groups.values()]
-    image = {name: figures["nonrigid_r2"] for name, figures in found.image.items()}
+    result = score(truth, performance)
+    groups = [curve["correlation"] for curve in result.groups.values()]
+    image = {name: figures["nonrigid_r2"] for name, figures in result.image.items()}
     return {
         "image": image["mimetic"],
         "muscles": image.get("its muscles alone", math.nan),
-        "surface": found.surface["r2"],
+        "surface": result.surface["r2"],
         "groups": statistics.median(groups) if groups else math.nan,
-        "turn": float(np.mean([found.head[f"{axis}_deg"] for axis in ("pitch", "yaw", "roll")])),
-        "held": found.overall.get("coverage_90", math.nan),
-        "false": found.overall.get("largest_false", math.nan),
+        "turn": float(np.mean([result.head[f"{axis}_deg"] for axis in ("pitch", "yaw", "roll")])),
+        "held": result.overall.get("coverage_90", math.nan),
+        "false": result.overall.get("largest_false", math.nan),
     }
 
 
-def as_text(made: dict[str, dict[str, float]]) -> str:
-    return text_table("one part less", COLUMNS, made)
+def as_text(scores: dict[str, dict[str, float]]) -> str:
+    return text_table("one part less", COLUMNS, scores)
 
 
-def as_json(made: dict[str, dict[str, float]]) -> str:
+def as_json(scores: dict[str, dict[str, float]]) -> str:
     variants = {name: str(asdict(variant)) for name, variant in VARIANTS.items()}
-    return json_text({"variants": variants, "figures": made})
+    return json_text({"variants": variants, "figures": scores})

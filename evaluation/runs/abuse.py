@@ -75,7 +75,7 @@ def score_set(which: str, report: Report) -> Iterator[list[AbuseScore]]:
 
 def _score_source(clips: list[AbuseClip], report: Report) -> Iterator[AbuseScore]:
     fits: dict[bool, FaceFit] = {}
-    known: dict[tuple[str, bool], Performance] = {}
+    performances: dict[tuple[str, bool], Performance] = {}
     for clip in clips:
         with np.load(clip.truth, allow_pickle=False) as truth:
             clean, gone, shift = truth["clean"], truth["gone"], truth["shift"]
@@ -84,12 +84,12 @@ def _score_source(clips: list[AbuseClip], report: Report) -> Iterator[AbuseScore
         fit = fits[clip.later]
         for method, follow in METHODS.items():
             report(f"{clip.source}, {clip.name}: {method}")
-            if (method, clip.later) not in known:
-                known[method, clip.later] = follow(clip.clean_footage, fit)
-            right = known[method, clip.later]
-            found = follow(clip.footage, fit)
-            about = AbuseTruth(right.head_pose, clean, gone, shift, found.fps, clip.later)
-            figures = score_abuse(about, found.head_pose, found.quality, fit.intrinsics)
+            if (method, clip.later) not in performances:
+                performances[method, clip.later] = follow(clip.clean_footage, fit)
+            right = performances[method, clip.later]
+            performance = follow(clip.footage, fit)
+            about = AbuseTruth(right.head_pose, clean, gone, shift, performance.fps, clip.later)
+            figures = score_abuse(about, performance.head_pose, performance.quality, fit.intrinsics)
             figures["lost"] -= float(np.sum(clean & (right.quality < HELD_QUALITY)))
             yield AbuseScore(clip.name, clip.source, method, figures)
 
@@ -113,15 +113,17 @@ def as_text(scores: list[AbuseScore]) -> str:
 
 def total(rows: list[dict[str, float]]) -> dict[str, float]:
     """Frames are added up; of degrees and seconds the worst."""
-    summed = {name: sum(row[name] for row in rows) for name in ("touched", "wrong", "lost")}
-    return summed | {
+    sums = {name: sum(row[name] for row in rows) for name in ("touched", "wrong", "lost")}
+    return sums | {
         name: float(np.nanmax([row[name] for row in rows])) for name in ("worst", "back")
     }
 
 
 def as_json(scores: list[AbuseScore]) -> str:
     """Figures by method, source and kind; what never came is null."""
-    made: dict[str, dict] = {}
+    document: dict[str, dict] = {}
     for score in scores:
-        made.setdefault(score.method, {}).setdefault(score.source, {})[score.clip] = score.figures
-    return json_text(made)
+        document.setdefault(score.method, {}).setdefault(score.source, {})[score.clip] = (
+            score.figures
+        )
+    return json_text(document)

@@ -39,17 +39,17 @@ def score_abuse(
     far off. worst: degrees, of frames above it that show the face. lost: clean frames that are held
     though the face was not just away. back: seconds until it is followed again.
     """
-    followed = quality >= HELD_QUALITY
+    is_followed = quality >= HELD_QUALITY
     degrees, metres = apart(head_pose, slid(truth.head_pose, truth.shift, intrinsics))
     far = (degrees > FAR_DEGREES) | (metres > FAR_METRES)
-    right = followed & ~far
+    right = is_followed & ~far
     back, returning = _back(truth, right)
-    shown = followed & ~truth.gone
+    in_view = is_followed & ~truth.gone
     return {
         "touched": float(np.sum(~truth.clean)),
-        "wrong": float(np.sum(followed & (truth.gone | far))),
-        "worst": float(degrees[shown].max()) if shown.any() else math.nan,
-        "lost": float(np.sum(truth.clean & ~followed & ~returning)),
+        "wrong": float(np.sum(is_followed & (truth.gone | far))),
+        "worst": float(degrees[in_view].max()) if in_view.any() else math.nan,
+        "lost": float(np.sum(truth.clean & ~is_followed & ~returning)),
         "back": back,
     }
 
@@ -57,30 +57,30 @@ def score_abuse(
 def _back(truth: AbuseTruth, right: NDArray[np.bool_]) -> tuple[float, NDArray[np.bool_]]:
     """Seconds from the first clean frame after the abuse to the first right one; frames between."""
     order = np.arange(len(right))[:: -1 if truth.later else 1]
-    touched = np.flatnonzero(~truth.clean[order])
+    touched_frames = np.flatnonzero(~truth.clean[order])
     returning = np.zeros(len(right), bool)
-    if not len(touched):
+    if not len(touched_frames):
         return 0.0, returning
-    after = order[touched[-1] + 1 :]
-    found = np.flatnonzero(right[after])
-    num_away = int(found[0]) if len(found) else len(after)
+    after = order[touched_frames[-1] + 1 :]
+    right_frames = np.flatnonzero(right[after])
+    num_away = int(right_frames[0]) if len(right_frames) else len(after)
     returning[after[:num_away]] = True
-    return (num_away / truth.fps if len(found) else math.inf), returning
+    return (num_away / truth.fps if len(right_frames) else math.inf), returning
 
 
 def slid(
     head_pose: NDArray[np.float64], shift: NDArray[np.float64], intrinsics: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Poses of a head (N x 4 x 4) whose picture slid: turned about the camera with its sight."""
-    moved = head_pose.copy()
-    for pose, step in zip(moved, shift, strict=True):
+    shifted_pose = head_pose.copy()
+    for pose, step in zip(shifted_pose, shift, strict=True):
         if not step.any():
             continue
         sight = intrinsics @ pose[:3, 3]
         pixel = np.array([*(sight[:2] / sight[2] + step), 1])
         turn = _turn_between(pose[:3, 3], np.linalg.solve(intrinsics, pixel))
         pose[:3] = turn @ pose[:3]
-    return moved
+    return shifted_pose
 
 
 def _turn_between(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:

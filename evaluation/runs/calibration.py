@@ -68,36 +68,36 @@ def score_calibration(
     which: str, people: int | None, report: Callable[[str], None]
 ) -> list[Person]:
     """Every person of a set who is moved by muscles."""
-    made = []
+    people_scores = []
     for clip in expressions.clips_of(which, people, report):
         truth = Truth.load(clip.truth)
         if truth.muscles is not None:
             report(f"{clip.name}: calibrating")
-            made.append(score_person(clip, truth))
-    if not made:
+            people_scores.append(score_person(clip, truth))
+    if not people_scores:
         raise InvalidInput(f"--set {which}: nobody of it is moved by muscles; take more people")
-    return made
+    return people_scores
 
 
 def score_person(clip: Clip, truth: Truth) -> Person:
     fit = clip_capture.find_face(clip.footage)
     split = num_first(truth)
     try:
-        calibrated, found = calibrate(clip.footage, (1, split), fit)
-        figures = figures_of(found)
+        calibrated_fit, result = calibrate(clip.footage, (1, split), fit)
+        figures = figures_of(result)
     except NothingSeen:
-        calibrated, figures = fit, {}
-    known = {
+        calibrated_fit, figures = fit, {}
+    calibrations = {
         WITHOUT: Calibration(),
-        WITH: calibrated.calibration,
+        WITH: calibrated_fit.calibration,
         TRUE: Calibration(dict.fromkeys(REGIONS, TRUE_STIFFNESS)),
     }
-    scored = {}
-    for name, calibration in known.items():
-        made = clip_capture.capture(clip.footage, fit=replace(fit, calibration=calibration))
-        for part, score in zip(PARTS, score_parts(truth, made, split), strict=True):
-            scored[name, part] = score
-    return Person(clip.name, figures, scored)
+    scores_by_case = {}
+    for name, calibration in calibrations.items():
+        performance = clip_capture.capture(clip.footage, fit=replace(fit, calibration=calibration))
+        for part, score in zip(PARTS, score_parts(truth, performance, split), strict=True):
+            scores_by_case[name, part] = score
+    return Person(clip.name, figures, scores_by_case)
 
 
 def num_first(truth: Truth) -> int:
@@ -120,23 +120,23 @@ def score_parts(truth: Truth, performance: Performance, split: int) -> tuple[Sco
     )
 
 
-def figures_of(found: Found) -> dict[str, float]:
+def figures_of(result: Found) -> dict[str, float]:
     """Factors by region, their geometric mean, and what evidence gained."""
-    factors = {name: found.calibration.stiffness.get(name, 1.0) for name in REGIONS}
+    factors = {name: result.calibration.stiffness.get(name, 1.0) for name in REGIONS}
     mean = math.exp(np.mean(np.log(list(factors.values()))))
-    return factors | {"mean": mean, "gain": found.gain}
+    return factors | {"mean": mean, "gain": result.gain}
 
 
-def pooled(made: list[Person]) -> dict[str, dict[str, float]]:
+def pooled(people: list[Person]) -> dict[str, dict[str, float]]:
     """Figures by part and by what was known, over all people."""
     rows = {}
     for part in PARTS:
-        for known in (WITHOUT, WITH, TRUE):
-            own = [person.scored[known, part] for person in made]
+        for case in (WITHOUT, WITH, TRUE):
+            own = [person.scored[case, part] for person in people]
             image = Explained.all_of(one.image for one in own)
             space = Explained.all_of(one.space for one in own)
             error = np.concatenate([one.activations.ravel() for one in own])
-            rows[f"{part}: {known}"] = {
+            rows[f"{part}: {case}"] = {
                 "image": image.r2,
                 "image_median": image.median,
                 "space": space.r2,
@@ -146,15 +146,17 @@ def pooled(made: list[Person]) -> dict[str, dict[str, float]]:
     return rows
 
 
-def as_text(made: list[Person]) -> str:
-    found = {person.name: person.found for person in made}
-    tables = [text_table(f"attachment found (truth: {TRUE_STIFFNESS:g})", FOUND, found)]
-    tables += [text_table(person.name, COLUMNS, pooled([person])) for person in made]
-    if len(made) > 1:
-        tables.append(text_table(f"all {len(made)}", COLUMNS, pooled(made)))
+def as_text(people: list[Person]) -> str:
+    factors = {person.name: person.found for person in people}
+    tables = [text_table(f"attachment found (truth: {TRUE_STIFFNESS:g})", FOUND, factors)]
+    tables += [text_table(person.name, COLUMNS, pooled([person])) for person in people]
+    if len(people) > 1:
+        tables.append(text_table(f"all {len(people)}", COLUMNS, pooled(people)))
     return "\n\n".join(tables)
 
 
-def as_json(made: list[Person]) -> str:
-    people = {person.name: {"found": person.found, "scores": pooled([person])} for person in made}
-    return json_text({"people": people, "all": pooled(made)})
+def as_json(all_people: list[Person]) -> str:
+    people = {
+        person.name: {"found": person.found, "scores": pooled([person])} for person in all_people
+    }
+    return json_text({"people": people, "all": pooled(all_people)})

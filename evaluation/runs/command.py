@@ -120,55 +120,55 @@ def run_tables(options: argparse.Namespace) -> int:
         return _run_expressions(options)
     if options.out:
         raise InvalidInput("--out goes with --set full, `fit`, `head`, `locate` and `real`")
-    made = []
+    tables = []
     for one in scored(options.set, _to_stderr):
-        made.append(one)
+        tables.append(one)
         if not options.json:
             print(as_text(one), end="\n\n", flush=True)
-    return _show(options, made, as_json, summary)
+    return _show(options, tables, as_json, summary)
 
 
 def _run_expressions(options: argparse.Namespace) -> int:
     if options.jobs < 1 or (options.people is not None and options.people < 1):
         raise InvalidInput("--jobs and --people must be 1 or more")
     _prepare_out(options)
-    chosen, long = expressions.takes(options.set, options.people, _to_stderr)
+    clips, long = expressions.takes(options.set, options.people, _to_stderr)
     python = face_mesh_python(_to_stderr)
-    shown, drifts = expressions.score_set(chosen, long, python, _to_stderr, options.jobs)
+    scores, drifts = expressions.score_set(clips, long, python, _to_stderr, options.jobs)
     if options.out is not None:
         with whole_file(options.out / "expressions.json") as stream:
-            stream.write(f"{expression_tables.as_json(shown, drifts)}\n".encode())
+            stream.write(f"{expression_tables.as_json(scores, drifts)}\n".encode())
     if options.json:
-        print(expression_tables.as_json(shown, drifts))
+        print(expression_tables.as_json(scores, drifts))
     else:
-        print(expression_tables.as_text(shown), expression_tables.drift_text(drifts), sep="\n\n")
+        print(expression_tables.as_text(scores), expression_tables.drift_text(drifts), sep="\n\n")
     return 0
 
 
 def _run_head(options: argparse.Namespace) -> int:
     _prepare_out(options)
-    done = []
+    all_scores = []
     for scores in head.score_heads(options.set, _to_stderr):
-        done += scores
+        all_scores += scores
         if not options.json:
             print(head.clip_text(scores), end="\n\n", flush=True)
     if options.out is not None:
-        head.write(done, options.out)
-    return _show(options, done, head.as_json, head.summary_text)
+        head.write(all_scores, options.out)
+    return _show(options, all_scores, head.as_json, head.summary_text)
 
 
 def _run_abuse(options: argparse.Namespace) -> int:
     _refuse(options, "out")
-    done = []
+    all_scores = []
     for scores in abuse.score_set(options.set, _to_stderr):
-        done += scores
-    return _show(options, done, abuse.as_json, abuse.as_text)
+        all_scores += scores
+    return _show(options, all_scores, abuse.as_json, abuse.as_text)
 
 
 def _run_flow(options: argparse.Namespace) -> int:
     _refuse(options, "out")
-    found = flow.score_flow(options.set, _to_stderr)
-    return _show(options, found, flow.as_json, flow.as_text)
+    errors = flow.score_flow(options.set, _to_stderr)
+    return _show(options, errors, flow.as_json, flow.as_text)
 
 
 def _run_rest(options: argparse.Namespace) -> int:
@@ -193,14 +193,14 @@ def _run_real(options: argparse.Namespace) -> int:
 
 def _run_ablations(options: argparse.Namespace) -> int:
     _refuse(options, "out")
-    made = ablations.score_ablations(options.set, options.people, _to_stderr)
-    return _show(options, made, ablations.as_json, ablations.as_text)
+    scores = ablations.score_ablations(options.set, options.people, _to_stderr)
+    return _show(options, scores, ablations.as_json, ablations.as_text)
 
 
 def _run_calibration(options: argparse.Namespace) -> int:
     _refuse(options, "out")
-    made = calibration.score_calibration(options.set, options.people, _to_stderr)
-    return _show(options, made, calibration.as_json, calibration.as_text)
+    scores = calibration.score_calibration(options.set, options.people, _to_stderr)
+    return _show(options, scores, calibration.as_json, calibration.as_text)
 
 
 def _prepare_out(options: argparse.Namespace) -> None:
@@ -212,18 +212,18 @@ def _prepare_out(options: argparse.Namespace) -> None:
 def _refuse(options: argparse.Namespace, *names: str) -> None:
     """Raises InvalidInput if a path is given for which what is scored has no use."""
     if any(getattr(options, name) for name in names):
-        listed = " and ".join(f"--{name}" for name in names)
-        raise InvalidInput(f"{listed} do not go with `{options.what}`")
+        options_text = " and ".join(f"--{name}" for name in names)
+        raise InvalidInput(f"{options_text} do not go with `{options.what}`")
 
 
 def _show(
     options: argparse.Namespace,
-    made: Any,
+    scores: Any,
     as_json: Callable[[Any], str],
     as_text: Callable[[Any], str],
 ) -> int:
     """Prints what was scored in the form that is asked for; the exit status."""
-    print(as_json(made) if options.json else as_text(made))
+    print(as_json(scores) if options.json else as_text(scores))
     return 0
 
 

@@ -26,11 +26,11 @@ def group_curves(
         true = by_group(truth.unit_values, unit_groups(truth.units))
     elif truth.muscles is not None and truth.groups is not None:
         true = by_group(truth.activations, truth.groups)
-    found = by_group(performance.activations, performance.groups)
+    estimates = by_group(performance.activations, performance.groups)
     return {
-        GROUP_NAMES[group]: (values, found[group])
+        GROUP_NAMES[group]: (values, estimates[group])
         for group, values in true.items()
-        if values.max() > scores.ACTIVE and group in found
+        if values.max() > scores.ACTIVE and group in estimates
     }
 
 
@@ -69,17 +69,17 @@ def timing_errors(
 
     rows: the frames of one expression. Groups that truth leaves silent there do not count.
     """
-    made: dict[str, list[float]] = {"onset": [], "peak": [], "delay": []}
+    errors: dict[str, list[float]] = {"onset": [], "peak": [], "delay": []}
     off = []
-    for true, found in curves.values():
+    for true, estimate in curves.values():
         if np.ptp(true[rows]) < scores.ACTIVE:
             continue
-        right, told = onset_and_peak(true[rows]), onset_and_peak(found[rows])
-        off.append(told[0] - right[0])
-        made["onset"].append(abs(told[0] - right[0]))
-        made["peak"].append(abs(told[1] - right[1]))
-    made["delay"] = [abs(a - b) for a, b in combinations(off, 2)]
-    return made
+        true_times, estimated_times = onset_and_peak(true[rows]), onset_and_peak(estimate[rows])
+        off.append(estimated_times[0] - true_times[0])
+        errors["onset"].append(abs(estimated_times[0] - true_times[0]))
+        errors["peak"].append(abs(estimated_times[1] - true_times[1]))
+    errors["delay"] = [abs(a - b) for a, b in combinations(off, 2)]
+    return errors
 
 
 def correlations(
@@ -87,7 +87,7 @@ def correlations(
 ) -> list[float]:
     """Pearson's over the frames of one expression, for each group that truth moves there."""
     return [
-        scores.correlation(true[rows], found[rows])
-        for true, found in curves.values()
+        scores.correlation(true[rows], estimate[rows])
+        for true, estimate in curves.values()
         if np.ptp(true[rows]) > scores.ACTIVE
     ]

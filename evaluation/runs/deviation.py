@@ -38,11 +38,11 @@ class Explained:
     @classmethod
     def of(cls, deviation: Deviation, rows: slice) -> Explained:
         """Of some frames."""
-        counted = deviation.counted[rows]
+        counts = deviation.counted[rows]
         return cls(
-            float((deviation.error[rows][counted] ** 2).sum()),
-            float((deviation.motion[rows][counted] ** 2).sum()),
-            int(counted.sum()),
+            float((deviation.error[rows][counts] ** 2).sum()),
+            float((deviation.motion[rows][counts] ** 2).sum()),
+            int(counts.sum()),
             [deviation.error[rows][deviation.moving[rows]]],
         )
 
@@ -67,8 +67,8 @@ class Explained:
     @property
     def median(self) -> float:
         """Median error of the points that move."""
-        found = np.concatenate(self.distances) if self.distances else np.zeros(0)
-        return float(np.median(found)) if len(found) else math.nan
+        distances = np.concatenate(self.distances) if self.distances else np.zeros(0)
+        return float(np.median(distances)) if len(distances) else math.nan
 
 
 def in_image(truth: Truth, motion: Motion) -> Deviation:
@@ -76,24 +76,24 @@ def in_image(truth: Truth, motion: Motion) -> Deviation:
     rigid = scores.project(truth.points[:1], truth.head_pose, truth.intrinsics)
     apart = np.linalg.norm(truth.tracks - rigid, axis=2)
     error = np.linalg.norm(motion.tracks - truth.tracks, axis=2)
-    counted = _after_first(truth.visible)
-    return Deviation(error, apart, counted, counted & (apart > scores.MOVING_PX))
+    counts = _after_first(truth.visible)
+    return Deviation(error, apart, counts, counts & (apart > scores.MOVING_PX))
 
 
 def in_space(truth: Truth, motion: Motion) -> Deviation:
     """Motion in the head frame, each method's own laid on the true one by its first points."""
-    known = np.isfinite(motion.points).all((0, 2))
-    points, predicted = truth.points[:, known], motion.points[:, known]
+    is_finite = np.isfinite(motion.points).all((0, 2))
+    points, predicted = truth.points[:, is_finite], motion.points[:, is_finite]
     rotation = _core.fit_similarity(predicted[0], points[0]).rotation
-    moved = points - points[:1]
-    off = (predicted - predicted[:1]) @ rotation.T - moved
-    size = 1000 * np.linalg.norm(moved, axis=2)
-    counted = _after_first(truth.visible[:, known])
-    moving = counted & (size > 1000 * scores.MOVING_M)
-    return Deviation(1000 * np.linalg.norm(off, axis=2), size, counted, moving)
+    motion_of_points = points - points[:1]
+    off = (predicted - predicted[:1]) @ rotation.T - motion_of_points
+    size = 1000 * np.linalg.norm(motion_of_points, axis=2)
+    counts = _after_first(truth.visible[:, is_finite])
+    moving = counts & (size > 1000 * scores.MOVING_M)
+    return Deviation(1000 * np.linalg.norm(off, axis=2), size, counts, moving)
 
 
 def _after_first(visible: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    counted = visible.copy()
-    counted[0] = False
-    return counted
+    counts = visible.copy()
+    counts[0] = False
+    return counts

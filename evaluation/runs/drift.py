@@ -24,16 +24,16 @@ class Drift:
 
 
 def drift_of(truth: Truth, performance: Performance) -> Drift:
-    shared = np.intersect1d(truth.frame, performance.frame)
-    true_rows = np.searchsorted(truth.frame, shared)
-    rows = np.searchsorted(performance.frame, shared)
+    common = np.intersect1d(truth.frame, performance.frame)
+    true_rows = np.searchsorted(truth.frame, common)
+    rows = np.searchsorted(performance.frame, common)
     controls = [v for v in (truth.unit_values, truth.activations) if v is not None]
     rest = np.concatenate(controls, axis=1)[true_rows].max(1) < AT_REST
     activations = performance.activations[rows][rest]
     error = scores.head_errors(truth.head_pose[true_rows], performance.head_pose[rows])[rest]
     return Drift(
-        float(np.abs(_slopes(shared[rest], activations)).max()),
-        float(np.linalg.norm(_slopes(shared[rest], error))),
+        float(np.abs(_slopes(common[rest], activations)).max()),
+        float(np.linalg.norm(_slopes(common[rest], error))),
         float(np.sqrt((activations**2).mean())),
     )
 

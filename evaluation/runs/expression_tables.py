@@ -35,12 +35,12 @@ OWN_COLUMNS = {
 Rows = dict[str, list[ShownExpression]]
 
 
-def as_text(shown: list[ShownExpression]) -> str:
-    rows = grouped(shown)
+def as_text(expressions: list[ShownExpression]) -> str:
+    rows = grouped(expressions)
     people = {name: len({one.take for one in ones}) for name, ones in rows.items()}
-    listed = ", ".join(f"{name} {count}" for name, count in people.items())
+    people_text = ", ".join(f"{name} {count}" for name, count in people.items())
     tables = [
-        f"people: {listed}",
+        f"people: {people_text}",
         _true_motion(rows),
         _table("image motion, R2 beyond the true head's", rows, IMAGE, _image_r2, ".3f"),
         _table("the same of the median person", rows, IMAGE, _median_person, ".3f"),
@@ -66,18 +66,18 @@ def _true_motion(rows: Rows) -> str:
     return text_table("motion beyond the true head's", columns, values, CELL)
 
 
-def grouped(shown: list[ShownExpression]) -> Rows:
+def grouped(expressions: list[ShownExpression]) -> Rows:
     """By expression, by what moves the face, by how the head moves, and all."""
     rows: Rows = {}
-    for one in shown:
+    for one in expressions:
         rows.setdefault(one.expression, []).append(one)
-    for one in shown:
+    for one in expressions:
         rows.setdefault({"units": "by face units", "muscles": "by muscles"}[one.kind], []).append(
             one
         )
-    for one in shown:
+    for one in expressions:
         rows.setdefault(f"head {one.head}", []).append(one)
-    rows["all"] = shown
+    rows["all"] = expressions
     return rows
 
 
@@ -91,13 +91,13 @@ def drift_text(drifts: dict[str, Drift]) -> str:
     return text_table("drift in 1000 frames, returning to rest", columns, rows)
 
 
-def as_json(shown: list[ShownExpression], drifts: dict[str, Drift]) -> str:
+def as_json(expressions: list[ShownExpression], drifts: dict[str, Drift]) -> str:
     """Pooled figures by row and method; what is undefined is null."""
-    made: dict[str, dict] = {}
-    for name, ones in grouped(shown).items():
-        made[name] = {"people": len({one.take for one in ones})}
+    tables: dict[str, dict] = {}
+    for name, ones in grouped(expressions).items():
+        tables[name] = {"people": len({one.take for one in ones})}
         for method in dict.fromkeys((*IMAGE, *SPACE)):
-            made[name][method] = {
+            tables[name][method] = {
                 "image_r2": _image_r2(ones, method),
                 "image_r2_median_person": _median_person(ones, method),
                 "image_median_px": _image_median(ones, method),
@@ -107,11 +107,11 @@ def as_json(shown: list[ShownExpression], drifts: dict[str, Drift]) -> str:
             }
     takes = {
         f"{one.take}, {one.expression}": {
-            method: {"image_r2": found.r2} for method, found in one.image.items()
+            method: {"image_r2": share.r2} for method, share in one.image.items()
         }
-        for one in shown
+        for one in expressions
     }
-    document = {"pooled": made, "takes": takes, "drift": {k: vars(v) for k, v in drifts.items()}}
+    document = {"pooled": tables, "takes": takes, "drift": {k: vars(v) for k, v in drifts.items()}}
     return json_text(document)
 
 
@@ -134,8 +134,8 @@ def _image_r2(ones: list[ShownExpression], method: str) -> float:
 
 
 def _median_person(ones: list[ShownExpression], method: str) -> float:
-    found = [one.image[method].r2 for one in ones if method in one.image]
-    return float(np.median(found)) if found else math.nan
+    shares = [one.image[method].r2 for one in ones if method in one.image]
+    return float(np.median(shares)) if shares else math.nan
 
 
 def _image_median(ones: list[ShownExpression], method: str) -> float:
@@ -154,17 +154,17 @@ def _own(ones: list[ShownExpression], method: str) -> dict[str, float]:
     """Medians of what varies by group, means of shares and of pose errors, the largest false."""
 
     def values(name: str) -> np.ndarray:
-        found = [one.figures.get(f"{method}: {name}", []) for one in ones]
-        return np.array([value for row in found for value in row], float)
+        lists = [one.figures.get(f"{method}: {name}", []) for one in ones]
+        return np.array([value for row in lists for value in row], float)
 
     def known(name: str, of: Callable) -> float:
-        found = values(name)
-        found = found[np.isfinite(found)]
-        return float(of(found)) if len(found) else math.nan
+        numbers = values(name)
+        numbers = numbers[np.isfinite(numbers)]
+        return float(of(numbers)) if len(numbers) else math.nan
 
-    made = {name: known(name, np.median) for name in ("correlation", "onset", "peak", "delay")}
-    made |= {name: known(name, np.mean) for name in ("pose", "held", "held, active", "pose held")}
+    cells = {name: known(name, np.median) for name in ("correlation", "onset", "peak", "delay")}
+    cells |= {name: known(name, np.mean) for name in ("pose", "held", "held, active", "pose held")}
     onsets = values("onset")
-    made["missed"] = 100 * float(np.isnan(onsets).mean()) if len(onsets) else math.nan
-    made["false"] = known("false", np.max)
-    return made
+    cells["missed"] = 100 * float(np.isnan(onsets).mean()) if len(onsets) else math.nan
+    cells["false"] = known("false", np.max)
+    return cells

@@ -55,11 +55,11 @@ class ShownExpression:
 
 def takes(which: str, people: int | None, report: Report) -> tuple[list[Take], Take]:
     """The clips of a set, or of so many of its people, and its long one; rendered if missing."""
-    asked = ["--expressions", which, *([] if people is None else ["--people", str(people)])]
-    output = render(asked, "the clips could not be rendered", report)
+    arguments = ["--expressions", which, *([] if people is None else ["--people", str(people)])]
+    output = render(arguments, "the clips could not be rendered", report)
     rows = [line.split("\t") for line in output.splitlines()]
-    made = [Take(Clip(r[2], Path(r[3]), Path(r[4])), r[0], r[1]) for r in rows]
-    return [take for take in made if take.kind != "long"], made[-1]
+    clips = [Take(Clip(r[2], Path(r[3]), Path(r[4])), r[0], r[1]) for r in rows]
+    return [take for take in clips if take.kind != "long"], clips[-1]
 
 
 def clips_of(which: str, people: int | None, report: Report) -> list[Clip]:
@@ -96,45 +96,45 @@ def shown_expressions(
         for name, motion in motions.items()
         if motion.points is not None
     }
-    made = []
+    expressions = []
     for name, (first, last) in zip(truth.expressions, truth.expression_frames, strict=True):
         rows = slice(*np.searchsorted(truth.frame, (first, last + 1)))
-        shown = ShownExpression(
+        expression = ShownExpression(
             *(name, take.clip.name, take.kind, take.head),
             {method: Explained.of(one, rows) for method, one in image.items()},
             {method: Explained.of(one, rows) for method, one in space.items()},
         )
         for method, motion in motions.items():
             if motion.performance is not None:
-                _figures(shown, truth, motion.performance, method, rows)
-        made.append(shown)
-    return made
+                _figures(expression, truth, motion.performance, method, rows)
+        expressions.append(expression)
+    return expressions
 
 
 def _figures(
-    shown: ShownExpression, truth: Truth, performance: Performance, method: str, rows: slice
+    expression: ShownExpression, truth: Truth, performance: Performance, method: str, rows: slice
 ) -> None:
     """What a performance says beyond the surface, under "method: figure"."""
 
     def put(name: str, values: list[float]) -> None:
-        shown.figures[f"{method}: {name}"] = values
+        expression.figures[f"{method}: {name}"] = values
 
     curves = group_curves(truth, performance)
     put("correlation", correlations(curves, rows))
     for name, values in timing_errors(curves, rows).items():
         put(name, values)
-    turned = scores.head_errors(truth.head_pose, performance.head_pose)
-    put("pose", np.abs(turned[rows]).ravel().tolist())
+    head_turns = scores.head_errors(truth.head_pose, performance.head_pose)
+    put("pose", np.abs(head_turns[rows]).ravel().tolist())
     std = np.sqrt(np.diagonal(performance.head_pose_cov, axis1=1, axis2=2)[:, :3])
     both = np.degrees(np.hypot(std, std[0]))
-    put("pose held", _held(turned[rows], both[rows]))
+    put("pose held", _held(head_turns[rows], both[rows]))
     if truth.activations is not None:
         order = [truth.muscles.index(name) for name in performance.muscles]
         error = performance.activations - truth.activations[:, order]
         put("held", _held(error[rows], performance.activations_std[rows]))
-        moved = truth.activations[rows][:, order].max(0) > scores.ACTIVE
+        is_moving = truth.activations[rows][:, order].max(0) > scores.ACTIVE
         std = performance.activations_std[rows]
-        put("held, active", _held(error[rows][:, moved], std[:, moved]))
+        put("held, active", _held(error[rows][:, is_moving], std[:, is_moving]))
         silent = truth.activations[:, order].max(0) < scores.SILENT
         put("false", performance.activations[rows][:, silent].max(0).tolist())
 
@@ -146,12 +146,12 @@ def _held(error: NDArray, std: NDArray) -> list[float]:
 
 def seen_at_start(truth: Truth) -> Truth:
     """The truth's points that are visible in the first frame, where a method is shown them."""
-    seen = truth.visible[0]
+    is_visible = truth.visible[0]
     return replace(
         truth,
-        points=truth.points[:, seen],
-        tracks=truth.tracks[:, seen],
-        visible=truth.visible[:, seen],
+        points=truth.points[:, is_visible],
+        tracks=truth.tracks[:, is_visible],
+        visible=truth.visible[:, is_visible],
         neutral_points=None,
         points_face=None,
         points_bary=None,
@@ -159,20 +159,20 @@ def seen_at_start(truth: Truth) -> Truth:
 
 
 def score_set(
-    chosen: list[Take], long: Take, mesh_python: Path | None, report: Report, jobs: int
+    clips: list[Take], long: Take, mesh_python: Path | None, report: Report, jobs: int
 ) -> tuple[list[ShownExpression], dict[str, Drift]]:
     """Every expression of the takes and the long one's drift, `jobs` of them at once."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     # Spawned, not forked: OpenCV's threads do not survive a fork.
     context = multiprocessing.get_context("spawn")
-    shown: list[ShownExpression] = []
+    expressions: list[ShownExpression] = []
     with ProcessPoolExecutor(jobs, mp_context=context) as pool:
         drifts = pool.submit(long_drift, long)  # the longest first
-        waiting = [pool.submit(score_take, take, mesh_python) for take in chosen]
-        for number, (take, result) in enumerate(zip(chosen, waiting, strict=True)):
-            shown += result.result()
-            report(f"{take.clip.name}: {number + 1} of {len(chosen)}")
-        return shown, drifts.result()
+        waiting = [pool.submit(score_take, take, mesh_python) for take in clips]
+        for number, (take, result) in enumerate(zip(clips, waiting, strict=True)):
+            expressions += result.result()
+            report(f"{take.clip.name}: {number + 1} of {len(clips)}")
+        return expressions, drifts.result()
 
 
 def long_drift(take: Take) -> dict[str, Drift]:

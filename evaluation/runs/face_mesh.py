@@ -28,10 +28,10 @@ def mesh_tracks(
         np.save(pixels, start)
         script = CHECKOUT / "evaluation" / "synthetic" / "expressions" / "face_mesh_points.py"
         command = [str(word) for word in (python, script, frames, pixels, out)]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise InvalidInput(f"the face mesh failed: {' '.join(done.stderr.split()[-40:])}")
+        process = subprocess.run(command, capture_output=True, text=True, check=False)
+        if process.returncode != 0:
+            raise InvalidInput(f"the face mesh failed: {' '.join(process.stderr.split()[-40:])}")
         if not out.exists():
             return None
-        with np.load(out, allow_pickle=False) as found:
-            return found["tracks"], found["points"]
+        with np.load(out, allow_pickle=False) as arrays:
+            return arrays["tracks"], arrays["points"]

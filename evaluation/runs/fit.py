@@ -71,11 +71,11 @@ def score_fits(portraits: Portraits, template: FaceTemplate) -> FitScores:
             for one in [_refitted([fit], template, kinds)[0]]
         }
     scores[TOGETHER] = _together(fits, portraits, template)
-    rows = {name: figures(list(found.values())) for name, found in scores.items()}
+    rows = {name: figures(list(by_shot.values())) for name, by_shot in scores.items()}
     for low, high in YAW_BINS:
-        chosen = [s for i, s in scores["as shipped"].items() if low <= abs(portraits.yaw[i]) < high]
-        if chosen:
-            rows[f"as shipped, yaw {low} to {high}"] = figures(chosen)
+        of_yaw = [s for i, s in scores["as shipped"].items() if low <= abs(portraits.yaw[i]) < high]
+        if of_yaw:
+            rows[f"as shipped, yaw {low} to {high}"] = figures(of_yaw)
     return FitScores(len(portraits.images), len(fits), rows, _average(fits, portraits, template))
 
 
@@ -86,8 +86,8 @@ def _refitted(
     views = [fit.views[0].observed() for fit in fits]
     guess = fits[0].camera
     estimate = _core.fit_face(face_model(template, *kinds), views, guess)
-    moved = np.tensordot(estimate.identity, face_shape(template, *kinds).components, axes=1)
-    neutral = template.vertices + moved
+    displacement = np.tensordot(estimate.identity, face_shape(template, *kinds).components, axes=1)
+    neutral = template.vertices + displacement
     return [Fitted(neutral, np.array(pose), estimate.focal) for pose in estimate.camera_from_head]
 
 
@@ -96,11 +96,11 @@ def _together(
 ) -> dict[int, ShotScore]:
     scores = {}
     for person in np.unique(portraits.person):
-        shown = [i for i in fits if portraits.person[i] == person]
-        if len(shown) < 2:
+        shots = [i for i in fits if portraits.person[i] == person]
+        if len(shots) < 2:
             continue
-        together = _refitted([fits[i] for i in shown], template, (True, True))
-        for i, one in zip(shown, together, strict=True):
+        together = _refitted([fits[i] for i in shots], template, (True, True))
+        for i, one in zip(shots, together, strict=True):
             scores[i] = score_shot(one, portraits, i, template)
     return scores
 
@@ -112,13 +112,13 @@ def _average(
     total: NDArray[np.float64] | float = 0.0
     count: NDArray[np.float64] | float = 0.0
     for person in np.unique(portraits.person):
-        shown = [i for i in fits if portraits.person[i] == person]
-        if not shown:
+        shots = [i for i in fits if portraits.person[i] == person]
+        if not shots:
             continue
-        i = min(shown, key=lambda i: abs(portraits.yaw[i]))
-        picture, seen = canonical_image(fits[i], portraits.images[i], template=template)
+        i = min(shots, key=lambda i: abs(portraits.yaw[i]))
+        picture, is_seen = canonical_image(fits[i], portraits.images[i], template=template)
         total = total + picture.astype(float)
-        count = count + seen
+        count = count + is_seen
     return np.round(total / np.maximum(count, 1)[..., None]).astype(np.uint8)
 
 

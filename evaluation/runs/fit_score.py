@@ -43,11 +43,11 @@ def score_shot(fitted: Fitted, portraits: Portraits, i: int, template: FaceTempl
     true = portraits.neutral_vertices[portraits.person[i]]
     pose, camera = portraits.head_pose[i], portraits.intrinsics[i]
     face = np.flatnonzero(template.in_region(*FACE))
-    seen = face[_facing(true, template, pose)[face]]
+    visible = face[_facing(true, template, pose)[face]]
     found_camera = camera * [[fitted.focal / camera[0, 0]], [fitted.focal / camera[1, 1]], [1]]
     found_camera[:2, 2] = camera[:2, 2]
-    shown = pinhole.show(fitted.neutral[seen], fitted.head_pose, found_camera)[0]
-    off = np.linalg.norm(shown - pinhole.show(true[seen], pose, camera)[0], axis=1)
+    pixels = pinhole.show(fitted.neutral[visible], fitted.head_pose, found_camera)[0]
+    off = np.linalg.norm(pixels - pinhole.show(true[visible], pose, camera)[0], axis=1)
     eyes = template.eye_spheres(true)[0].mean(axis=0) @ pose[:3, :3].T + pose[:3, 3]
     pupils = camera[0, 0] * PUPIL_DISTANCE / eyes[2]
     turn = _rotation_vector(fitted.head_pose[:3, :3] @ pose[:3, :3].T)

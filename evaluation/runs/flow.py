@@ -48,7 +48,7 @@ class FlowErrors:
 
 def score_flow(which: str, report: Callable[[str], None]) -> dict[str, FlowErrors]:
     """By method and step, over all clips of a set."""
-    found: dict[str, list[FlowErrors]] = {}
+    errors_by_method: dict[str, list[FlowErrors]] = {}
     for clip in clips(which, report):
         report(f"{clip.name}: flow")
         truth = Truth.load(clip.truth)
@@ -56,12 +56,14 @@ def score_flow(which: str, report: Callable[[str], None]) -> dict[str, FlowError
         for method in METHODS:
             for step in STEPS:
                 name = f"{method}, {step} frame{'s' if step > 1 else ''}"
-                found.setdefault(name, []).extend(flow_errors(truth, greys, method, step))
+                errors_by_method.setdefault(name, []).extend(
+                    flow_errors(truth, greys, method, step)
+                )
     return {
         name: FlowErrors(
             *(np.concatenate([getattr(e, k) for e in errors]) for k in vars(errors[0]))
         )
-        for name, errors in found.items()
+        for name, errors in errors_by_method.items()
     }
 
 
@@ -72,10 +74,10 @@ def flow_errors(
     options = FlowOptions()
     options.method = getattr(FlowMethod, method)
     for i in range(0, len(greys) - step, step):
-        seen = truth.visible[i] & truth.visible[i + step]
-        at = truth.tracks[i, seen]
+        is_visible = truth.visible[i] & truth.visible[i + step]
+        at = truth.tracks[i, is_visible]
         field = compute_flow(greys[i], greys[i + step], options)
-        off = sampled(np.asarray(field.flow), at) - (truth.tracks[i + step, seen] - at)
+        off = sampled(np.asarray(field.flow), at) - (truth.tracks[i + step, is_visible] - at)
         xx, xy, yy = sampled(np.asarray(field.covariance), at).astype(np.float64).T
         determinant = xx * yy - xy**2
         normalised = yy * off[:, 0] ** 2 - 2 * xy * off[:, 0] * off[:, 1] + xx * off[:, 1] ** 2
@@ -100,10 +102,10 @@ def by_decile(errors: FlowErrors) -> dict[str, dict[str, float]]:
     }
 
 
-def as_text(found: dict[str, FlowErrors]) -> str:
+def as_text(errors: dict[str, FlowErrors]) -> str:
     """rms: an axis, as the s.d. is. from median: what the mean would be without outliers."""
-    return "\n\n".join(text_table(name, COLUMNS, by_decile(e), 17) for name, e in found.items())
+    return "\n\n".join(text_table(name, COLUMNS, by_decile(e), 17) for name, e in errors.items())
 
 
-def as_json(found: dict[str, FlowErrors]) -> str:
-    return json_text({name: by_decile(errors) for name, errors in found.items()})
+def as_json(errors_by_method: dict[str, FlowErrors]) -> str:
+    return json_text({name: by_decile(errors) for name, errors in errors_by_method.items()})

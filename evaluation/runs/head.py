@@ -67,12 +67,12 @@ def clip_text(scores: list[HeadScore]) -> str:
 
 def summary(scores: list[HeadScore]) -> dict[str, dict[str, float]]:
     """By method, over all clips: each clip counts alike, frames lost are added up."""
-    made = {}
+    summaries = {}
     for method in dict.fromkeys(score.method for score in scores):
         rows = [score for score in scores if score.method == method]
         full = [row for row in rows if row.kind in FULL_RATE]
         moving = [row for row in rows if row.kind != "still"]
-        made[method] = {
+        summaries[method] = {
             "mean": _mean(moving, "mean"),
             "mean_to_45": _mean(full, "mean_to_45"),
             "sweep": _mean([row for row in rows if row.kind == "sweep"], "mean"),
@@ -85,7 +85,7 @@ def summary(scores: list[HeadScore]) -> dict[str, dict[str, float]]:
             "ms": float(np.median([row.figures["ms"] for row in rows])),
             "first_pass_ms": float(np.median([row.figures["first_pass_ms"] for row in rows])),
         }
-    return made
+    return summaries
 
 
 def summary_text(scores: list[HeadScore]) -> str:
@@ -122,9 +122,9 @@ def _plot_errors(scores: list[HeadScore], stream: BinaryIO) -> None:
     axes = figure.subplots()
     width = 0.8 / len(methods)
     for k, method in enumerate(methods):
-        found = {s.clip: s.figures["mean"] for s in scores if s.method == method}
+        errors = {s.clip: s.figures["mean"] for s in scores if s.method == method}
         at = np.arange(len(clips)) + (k - (len(methods) - 1) / 2) * width
-        axes.bar(at, [found.get(clip, math.nan) for clip in clips], width, label=method)
+        axes.bar(at, [errors.get(clip, math.nan) for clip in clips], width, label=method)
     axes.set_xticks(np.arange(len(clips)), clips, rotation=30, ha="right", fontsize=8)
     axes.set_yscale("log")
     axes.axhline(1, color="0.5", linewidth=0.8)
@@ -138,21 +138,21 @@ def _plot_angles(scores: list[HeadScore], stream: BinaryIO) -> None:
     from matplotlib.figure import Figure
 
     swept = next((s.clip for s in scores if s.kind == "sweep"), scores[0].clip)
-    chosen = [score for score in scores if score.clip == swept]
+    of_sweep = [score for score in scores if score.clip == swept]
     figure = Figure(figsize=(9, 7), layout="constrained")
     panels = figure.subplots(3, 1, sharex=True)
     for axis, (name, panel) in enumerate(zip(AXES, panels, strict=True)):
-        panel.plot(chosen[0].true_angles[:, axis], color="black", linewidth=2.5, label="truth")
-        for score in chosen:
+        panel.plot(of_sweep[0].true_angles[:, axis], color="black", linewidth=2.5, label="truth")
+        for score in of_sweep:
             panel.plot(score.angles[:, axis], linewidth=1, label=score.method)
         panel.set_ylabel(f"{name}, degrees")
         panel.grid(alpha=0.3)
-    panels[0].legend(fontsize=8, ncols=len(chosen) + 1)
+    panels[0].legend(fontsize=8, ncols=len(of_sweep) + 1)
     panels[0].set_title(swept, fontsize=10)
     panels[-1].set_xlabel("frame")
     figure.savefig(stream, format="png", dpi=120)
 
 
 def _mean(scores: list[HeadScore], name: str) -> float:
-    known = [s.figures[name] for s in scores if math.isfinite(s.figures.get(name, math.nan))]
-    return float(np.mean(known)) if known else math.nan
+    numbers = [s.figures[name] for s in scores if math.isfinite(s.figures.get(name, math.nan))]
+    return float(np.mean(numbers)) if numbers else math.nan

@@ -62,36 +62,36 @@ def head_clips(which: str, report: Report) -> list[HeadClip]:
 
 
 def _load(kind: str, name: str, footage: str, truth: str) -> HeadClip:
-    with np.load(truth, allow_pickle=False) as known:
-        size = tuple(int(n) for n in known["image_size"])
+    with np.load(truth, allow_pickle=False) as arrays:
+        size = tuple(int(n) for n in arrays["image_size"])
         return HeadClip(
-            *(kind, name, Path(footage), known["head_pose"], known["intrinsics"], size),
-            fps=float(known["fps"][0]),
+            *(kind, name, Path(footage), arrays["head_pose"], arrays["intrinsics"], size),
+            fps=float(arrays["fps"][0]),
         )
 
 
 def score_clip(clip: HeadClip, face_mesh: Path | None, report: Report) -> Iterator[HeadScore]:
     """Each model, and MediaPipe's face mesh where its interpreter is given."""
-    known = (clip.head_pose, clip.fps)
+    truth = (clip.head_pose, clip.fps)
     fit = fit_with_camera(clip)
     for method, (model, how) in METHODS.items():
         report(f"{clip.name}: {method}")
-        found = track_head(clip.footage, model, fit=fit, **how)
-        poses = found.head_pose.copy()
-        poses[found.quality < HELD_QUALITY] = np.nan
+        performance = track_head(clip.footage, model, fit=fit, **how)
+        poses = performance.head_pose.copy()
+        poses[performance.quality < HELD_QUALITY] = np.nan
         seconds = _seconds_a_frame(clip, fit, model, how)
-        yield score_head(clip.name, clip.kind, method, poses, *known, seconds)
+        yield score_head(clip.name, clip.kind, method, poses, *truth, seconds)
     if face_mesh is not None:
         report(f"{clip.name}: {FACE_MESH}")
         poses, seconds = _run_face_mesh(clip, face_mesh)
-        yield score_head(clip.name, clip.kind, FACE_MESH, poses, *known, [seconds])
+        yield score_head(clip.name, clip.kind, FACE_MESH, poses, *truth, [seconds])
 
 
 def fit_with_camera(clip: HeadClip) -> FaceFit:
     """The head found and fitted without help, but with the clip's own camera."""
-    chosen = clip_capture.find_face(clip.footage).frame
-    image = Footage(clip.footage).read(chosen)
-    return fitting.find_face(image, chosen, camera=clip.camera)
+    frame_at_rest = clip_capture.find_face(clip.footage).frame
+    image = Footage(clip.footage).read(frame_at_rest)
+    return fitting.find_face(image, frame_at_rest, camera=clip.camera)
 
 
 def _seconds_a_frame(clip: HeadClip, fit: FaceFit, model: str, how: dict) -> list[float]:
@@ -125,11 +125,11 @@ def _median_seconds(
 def face_mesh_python(report: Report) -> Path | None:
     """The interpreter of scripts/face_mesh_env, which is made now; nothing if it cannot be."""
     script = CHECKOUT / "scripts" / "face_mesh_env"
-    done = subprocess.run([str(script)], capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        report(f"no face mesh beside ours: {' '.join(done.stderr.split()[-40:])}")
+    process = subprocess.run([str(script)], capture_output=True, text=True, check=False)
+    if process.returncode != 0:
+        report(f"no face mesh beside ours: {' '.join(process.stderr.split()[-40:])}")
         return None
-    return Path(done.stdout.splitlines()[-1])
+    return Path(process.stdout.splitlines()[-1])
 
 
 def _run_face_mesh(clip: HeadClip, python: Path) -> tuple[NDArray[np.float64], float]:
@@ -144,8 +144,8 @@ def _run_face_mesh(clip: HeadClip, python: Path) -> tuple[NDArray[np.float64], f
             str(CHECKOUT / "evaluation" / "synthetic" / "heads" / "face_mesh.py"),
         ]
         command += [str(frames), str(intrinsics), str(rest), str(out)]
-        done = subprocess.run(command, capture_output=True, text=True, check=False)
-        if done.returncode != 0:
-            raise InvalidInput(f"the face mesh failed: {' '.join(done.stderr.split()[-40:])}")
-        with np.load(out, allow_pickle=False) as found:
-            return found["head_pose"], float(np.median(found["seconds"]))
+        process = subprocess.run(command, capture_output=True, text=True, check=False)
+        if process.returncode != 0:
+            raise InvalidInput(f"the face mesh failed: {' '.join(process.stderr.split()[-40:])}")
+        with np.load(out, allow_pickle=False) as arrays:
+            return arrays["head_pose"], float(np.median(arrays["seconds"]))

@@ -44,26 +44,30 @@ def score_head(
 
     seconds_a_frame: of each pass over the clip.
     """
-    seen = np.isfinite(poses).all((1, 2))
-    rest = seen & (np.arange(len(poses)) < max(3, round(REST_SECONDS * fps)))
+    has_pose = np.isfinite(poses).all((1, 2))
+    rest = has_pose & (np.arange(len(poses)) < max(3, round(REST_SECONDS * fps)))
     figures = {"frames": float(len(poses)), "ms": 1e3 * sum(seconds_a_frame)}
     figures |= {"passes": float(len(seconds_a_frame)), "first_pass_ms": 1e3 * seconds_a_frame[0]}
     true_angles = angles_of(truth[:, :3, :3])
     angles = np.full_like(true_angles, np.nan)
     if rest.any():
-        aligned = poses[:, :3, :3] @ _mean_turn(truth[rest, :3, :3], poses[rest, :3, :3]).T
-        angles[seen] = angles_of(aligned[seen])
-        figures |= _translation(poses[seen], aligned[seen], truth[seen])
-        seen[seen] &= _degrees_between(aligned[seen], truth[seen, :3, :3]) < LOST_DEGREES
+        aligned_rotations = (
+            poses[:, :3, :3] @ _mean_turn(truth[rest, :3, :3], poses[rest, :3, :3]).T
+        )
+        angles[has_pose] = angles_of(aligned_rotations[has_pose])
+        figures |= _translation(poses[has_pose], aligned_rotations[has_pose], truth[has_pose])
+        has_pose[has_pose] &= (
+            _degrees_between(aligned_rotations[has_pose], truth[has_pose, :3, :3]) < LOST_DEGREES
+        )
     errors = angles - true_angles
     figures |= _of_errors(errors, true_angles[:, AXES.index("yaw")], kind)
-    figures["lost"] = float(np.sum(~seen))
+    figures["lost"] = float(np.sum(~has_pose))
     return HeadScore(clip, kind, method, figures, angles, true_angles)
 
 
 def _of_errors(errors: NDArray, yaw: NDArray, kind: str) -> dict[str, float]:
-    known = np.isfinite(errors).all(1)
-    size = np.abs(errors[known])
+    is_finite = np.isfinite(errors).all(1)
+    size = np.abs(errors[is_finite])
     figures = {}
     for axis, one in zip(AXES, size.T, strict=True):
         figures[f"{axis}_mean"] = float(one.mean()) if len(one) else math.nan
@@ -71,15 +75,15 @@ def _of_errors(errors: NDArray, yaw: NDArray, kind: str) -> dict[str, float]:
         figures[f"{axis}_p95"] = float(np.percentile(one, 95)) if len(one) else math.nan
     figures["mean"] = float(size.mean()) if len(size) else math.nan
     figures["median"] = float(np.median(size)) if len(size) else math.nan
-    near = size[np.abs(yaw[known]) <= 45]
+    near = size[np.abs(yaw[is_finite]) <= 45]
     figures["mean_to_45"] = float(near.mean()) if len(near) else math.nan
     figures["drift"] = figures["jitter"] = math.nan
     if kind == "long":
-        frame = np.flatnonzero(known)
-        slopes = np.polyfit(frame, errors[known], 1)[0] * 1000 if len(frame) > 2 else [math.nan]
+        frame = np.flatnonzero(is_finite)
+        slopes = np.polyfit(frame, errors[is_finite], 1)[0] * 1000 if len(frame) > 2 else [math.nan]
         figures["drift"] = float(np.linalg.norm(slopes))
     if kind == "still":
-        figures["jitter"] = float(errors[known].std(0).mean()) if known.any() else math.nan
+        figures["jitter"] = float(errors[is_finite].std(0).mean()) if is_finite.any() else math.nan
     return figures
 
 
@@ -90,8 +94,8 @@ def _translation(poses: NDArray, aligned: NDArray, truth: NDArray) -> dict[str, 
     point of its own for a head's origin.
     """
     system = np.concatenate([poses[:, :3, 3:], aligned], axis=2).reshape(-1, 4)
-    found = np.linalg.lstsq(system, truth[:, :3, 3].ravel(), rcond=1e-6)[0]
-    off = np.linalg.norm((system @ found).reshape(-1, 3) - truth[:, :3, 3], axis=1)
+    solution = np.linalg.lstsq(system, truth[:, :3, 3].ravel(), rcond=1e-6)[0]
+    off = np.linalg.norm((system @ solution).reshape(-1, 3) - truth[:, :3, 3], axis=1)
     return {"translation": float(100 * np.mean(off / np.linalg.norm(truth[:, :3, 3], axis=1)))}
 
 
@@ -104,9 +108,9 @@ def angles_of(camera_from_head: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.degrees(np.stack([pitch, yaw, roll], axis=1))
 
 
-def _mean_turn(truth: NDArray, found: NDArray) -> NDArray:
+def _mean_turn(truth: NDArray, estimate: NDArray) -> NDArray:
     """The rotation (3,3) of true = found @ rotation.T, mean over frames."""
-    u, _, vt = np.linalg.svd(np.einsum("nji,njk->ik", truth, found))
+    u, _, vt = np.linalg.svd(np.einsum("nji,njk->ik", truth, estimate))
     return u @ np.diag((1, 1, np.linalg.det(u @ vt))) @ vt
 
 

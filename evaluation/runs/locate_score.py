@@ -35,9 +35,9 @@ def score_run(run: Run, stills: Stills) -> LocateScore:
     best = np.full(len(stills.images), -np.inf)
     errors = np.full((len(stills.images), len(PARTS)), np.nan)
     false = []
-    for i, found in enumerate(run.found):
-        hit = _hit(found, stills, i)
-        false += [f.score for f in found if f is not hit]
+    for i, answers in enumerate(run.found):
+        hit = _hit(answers, stills, i)
+        false += [f.score for f in answers if f is not hit]
         if hit is not None:
             best[i] = hit.score
             off = np.linalg.norm(hit.places - stills.places[i], axis=1)
@@ -47,13 +47,13 @@ def score_run(run: Run, stills: Stills) -> LocateScore:
     false_per_image = (np.array(false)[None] >= threshold[:, None]).sum(1) / len(stills.images)
     found_rate = (hits[None] >= threshold[:, None]).mean(1)
     yaw = np.abs(stills.yaw[stills.has_face])  # nan where it is not known
-    frontal, turned = yaw < TURNED, yaw >= TURNED
-    allowed = threshold[false_per_image <= FALSE_PER_IMAGE]
-    found_there = hits >= (allowed.min() if len(allowed) else np.inf)
+    is_frontal, is_turned = yaw < TURNED, yaw >= TURNED
+    thresholds = threshold[false_per_image <= FALSE_PER_IMAGE]
+    found_there = hits >= (thresholds.min() if len(thresholds) else np.inf)
     figures = {
         "found": _mean(found_there),
-        "found_frontal": _mean(found_there[frontal]),
-        "found_turned": _mean(found_there[turned]),
+        "found_frontal": _mean(found_there[is_frontal]),
+        "found_turned": _mean(found_there[is_turned]),
         "found_at_all": _mean(np.isfinite(hits)),
         "false_at_all": len(false) / len(stills.images),
         "ms": 1000 * float(np.median(run.seconds)),
@@ -73,14 +73,14 @@ def score_run(run: Run, stills: Stills) -> LocateScore:
     )
 
 
-def _hit(found: list[Found], stills: Stills, i: int) -> Found | None:
+def _hit(answer: list[Found], stills: Stills, i: int) -> Found | None:
     """The surest of an image's answers that is on its face; any other is a false alarm."""
     if not stills.has_face[i]:
         return None
     reach = EYE_TOLERANCE * stills.ipd[i]
     on_face = [
         f
-        for f in found
+        for f in answer
         if np.linalg.norm(f.places[:2] - stills.places[i, :2], axis=1).max() <= reach
     ]
     return max(on_face, key=lambda f: f.score, default=None)

@@ -31,8 +31,8 @@ class Motion:
 
 
 def of_performance(performance: Performance, start: NDArray[np.float64]) -> Motion:
-    followed = follow(performance, start)
-    return Motion(followed.tracks, followed.points, performance)
+    prediction = follow(performance, start)
+    return Motion(prediction.tracks, prediction.points, performance)
 
 
 def peers(
@@ -44,13 +44,15 @@ def peers(
     """Methods without muscles by name. performance: lends its fitted neutral surface alone."""
     vertices = SeenVertices.under(performance, start)
     flow = dis_tracks(images, np.concatenate([start, vertices.pixels]))
-    made = {
+    motions = {
         CHAINED: Motion(flow["chained"][:, : len(start)]),
         DIRECT: Motion(flow["direct"][:, : len(start)]),
     }
-    made[VERTICES] = Motion(made[DIRECT].tracks, vertices.points(flow["direct"][:, len(start) :]))
+    motions[VERTICES] = Motion(
+        motions[DIRECT].tracks, vertices.points(flow["direct"][:, len(start) :])
+    )
     if mesh_python is not None:
-        found = mesh_tracks(images, start, mesh_python)
-        if found is not None:
-            made[MESH] = Motion(*found)
-    return made
+        mesh = mesh_tracks(images, start, mesh_python)
+        if mesh is not None:
+            motions[MESH] = Motion(*mesh)
+    return motions

@@ -30,15 +30,15 @@ def render(options: list[str], failure: str, report=None) -> str:
     Raises InvalidInput, `failure` and the last words of the script.
     """
     command = [sys.executable, str(CHECKOUT / "scripts" / "render_truth"), *options]
-    done = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    said = []
-    for line in done.stderr:
-        said.append(line.rstrip())
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    lines = []
+    for line in process.stderr:
+        lines.append(line.rstrip())
         if report:
-            report(said[-1])
-    output = done.stdout.read()
-    if done.wait() != 0:
-        raise InvalidInput(f"{failure}: {' '.join(said[-3:])}")
+            report(lines[-1])
+    output = process.stdout.read()
+    if process.wait() != 0:
+        raise InvalidInput(f"{failure}: {' '.join(lines[-3:])}")
     return output
 
 

@@ -47,28 +47,28 @@ def score_rest(which: str, report=None) -> list[RestScore]:
 def _score(kind: str, name: str, footage: str, truth: str) -> RestScore:
     shapes = {"unit_values": ("N", "U")}
     units = read_archive(Path(truth), shapes, {}, {"N": 10_000, "U": 1000})["unit_values"]
-    moved = units.max(axis=1)
-    share = float((moved < AT_REST).mean())
+    movement = units.max(axis=1)
+    share = float((movement < AT_REST).mean())
     try:
-        frame = rest_in(Footage(footage), (1, len(moved))).fit.frame
+        frame = rest_in(Footage(footage), (1, len(movement))).fit.frame
     except NoFace:
         return RestScore(kind, name, 0, 1.0, share)
-    return RestScore(kind, name, frame, float(moved[frame - 1]), share)
+    return RestScore(kind, name, frame, float(movement[frame - 1]), share)
 
 
 def figures(scores: list[RestScore]) -> dict[str, dict[str, float]]:
     """By kind of clip, and of all: columns of COLUMNS."""
     rows = {}
     for kind in [*dict.fromkeys(score.kind for score in scores), "all"]:
-        chosen = [score for score in scores if kind in ("all", score.kind)]
-        moved = np.array([score.moved for score in chosen])
+        of_kind = [score for score in scores if kind in ("all", score.kind)]
+        movement = np.array([score.moved for score in of_kind])
         rows[kind] = {
-            "clips": len(chosen),
-            "at_rest": float((moved < AT_REST).mean()),
-            "median": float(np.median(moved)),
-            "p90": float(np.quantile(moved, 0.9)),
-            "worst": float(moved.max()),
-            "chance": float(np.mean([score.share for score in chosen])),
+            "clips": len(of_kind),
+            "at_rest": float((movement < AT_REST).mean()),
+            "median": float(np.median(movement)),
+            "p90": float(np.quantile(movement, 0.9)),
+            "worst": float(movement.max()),
+            "chance": float(np.mean([score.share for score in of_kind])),
         }
     return rows
 

@@ -44,8 +44,8 @@ class Stills:
         arrays = read_archive(path, SHAPES, KINDS, LARGEST)
         if tuple(arrays.pop("parts").tolist()) != PARTS:
             raise InvalidInput(f"{path}: parts must be {', '.join(PARTS)}")
-        known = np.isfinite(arrays["places"]).all((1, 2)) & (arrays["ipd"] > 0)
-        if not known[arrays["has_face"]].all():
+        has_places = np.isfinite(arrays["places"]).all((1, 2)) & (arrays["ipd"] > 0)
+        if not has_places[arrays["has_face"]].all():
             raise InvalidInput(f"{path}: a face lacks its places or its ipd")
         return cls(**arrays | {"kinds": arrays["kinds"].tolist()})
 

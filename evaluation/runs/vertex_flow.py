@@ -61,13 +61,13 @@ class SeenVertices:
         points = np.full((len(tracks), len(self.on_face), 3), np.nan)
         back = np.linalg.inv(self.intrinsics).T
         pose = self.camera_from_head
-        for i, seen in enumerate(tracks):
-            pose = _rigid_pose(self.neutral, seen, self.intrinsics, pose)
+        for i, track in enumerate(tracks):
+            pose = _rigid_pose(self.neutral, track, self.intrinsics, pose)
             depth = (self.neutral @ pose[:3, :3].T + pose[:3, 3])[:, 2:]
-            rays = np.column_stack([seen, np.ones(len(seen))]) @ back
-            moved = (depth * rays - pose[:3, 3]) @ pose[:3, :3]
-            shown = moved[self.corners]
-            points[i, self.on_face] = np.einsum("kc,kcx->kx", self.weights, shown)
+            rays = np.column_stack([track, np.ones(len(track))]) @ back
+            vertices = (depth * rays - pose[:3, 3]) @ pose[:3, :3]
+            corners = vertices[self.corners]
+            points[i, self.on_face] = np.einsum("kc,kcx->kx", self.weights, corners)
         return points
 
 
@@ -77,8 +77,8 @@ def _rigid_pose(
     """The pose (4,4) that takes points (P,3) nearest to pixels (P,2), robustly."""
     pose = start.copy()
     for _ in range(ITERATIONS):
-        shown, _, slopes = pinhole.show(neutral, pose, intrinsics)
-        off = pixels - shown
+        projected, _, slopes = pinhole.show(neutral, pose, intrinsics)
+        off = pixels - projected
         weight = 1 / (1 + (off**2).sum(1) / ROBUST_PX**2)
         normal = np.einsum("pij,p,pik->jk", slopes, weight, slopes)
         step = np.linalg.solve(normal, np.einsum("pij,p,pi->j", slopes, weight, off))

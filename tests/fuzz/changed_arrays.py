@@ -84,8 +84,8 @@ def change_arrays(content: bytes, random: Random) -> bytes:
         random.choice(changes)(members, at, random)
         if not members:
             break
-    made = _packed(members, random)
-    return change_bytes(made, random) if random.random() < 0.1 else made
+    result = _packed(members, random)
+    return change_bytes(result, random) if random.random() < 0.1 else result
 
 
 def _packed(members: Members, random: Random) -> bytes:
@@ -99,12 +99,12 @@ def _packed(members: Members, random: Random) -> bytes:
                 entry = zipfile.ZipInfo(name)  # of no time, so that a seed makes the same file
                 entry.compress_type = how
                 archive.writestr(entry, content, compresslevel=1)
-    made = bytearray(stream.getvalue())
+    result = bytearray(stream.getvalue())
     if random.random() < 0.1:  # flags, compression or sizes of one entry of the list
-        entries = [match.start() for match in re.finditer(b"PK\x01\x02", made)]
+        entries = [match.start() for match in re.finditer(b"PK\x01\x02", result)]
         at = random.choice(entries or [0]) + random.choice((8, 10, 16, 20, 24, 28, 30, 42))
-        made[at : at + 2] = random.randbytes(2)
-    return bytes(made)
+        result[at : at + 2] = random.randbytes(2)
+    return bytes(result)
 
 
 def _parted(content: bytes) -> tuple[str, bytes]:
@@ -125,9 +125,9 @@ def _change_header(members: Members, at: int, random: Random) -> None:
     name, content = members[at]
     header, numbers = _parted(content)
     kind = random.randrange(6)
-    found = list(re.finditer(r"(?<=[(, ])\d+", header))
-    if kind < 2 and found:
-        match = random.choice(found)
+    result = list(re.finditer(r"(?<=[(, ])\d+", header))
+    if kind < 2 and result:
+        match = random.choice(result)
         header = header[: match.start()] + random.choice(NUMBERS) + header[match.end() :]
     elif kind == 2:
         header = re.sub(r"'[<>|=][^']*'", repr(random.choice(TYPES)), header, count=1)

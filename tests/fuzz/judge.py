@@ -47,12 +47,12 @@ def run(reader: str, seed: int, first: int, last: int, kept: Path) -> Iterator[E
 
     kept: folder for the inputs that end in bugs.
     """
-    made = list(READERS[reader].samples())
+    result = list(READERS[reader].samples())
     index = first
     while index < last:
         with tempfile.TemporaryDirectory(prefix="mimetic-fuzz-") as folder:
             until = min(last, index + BATCH)
-            for end in _batch(reader, made, seed, range(index, until), Path(folder)):
+            for end in _batch(reader, result, seed, range(index, until), Path(folder)):
                 index += 1
                 yield end if end.kind != BUG else _kept(end, Path(folder, str(end.index)), kept)
 
@@ -79,8 +79,8 @@ def _batch(reader: str, made: list, seed: int, cases: range, folder: Path) -> It
                 break
             *lines, text = (text + content).split(b"\0")
             for line in lines:
-                kind, _, told = line.decode(errors="replace").partition(":")
-                yield End(reader, seed, index, kind, told)
+                kind, _, message = line.decode(errors="replace").partition(":")
+                yield End(reader, seed, index, kind, message)
                 index += 1
     if waited:
         os.kill(child, signal.SIGKILL)

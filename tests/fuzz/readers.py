@@ -79,10 +79,10 @@ class Reader:
 
 def _read_performance(path: Path) -> None:
     """By the command line, and on to what `points`, `bake` and the report make of it."""
-    said = io.StringIO()
-    with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+    output = io.StringIO()
+    with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
         status = cli.main(["info", str(path)])
-    text = said.getvalue()
+    text = output.getvalue()
     if status == cli.BAD_INPUT and text.count("\n") == 1 and text.startswith("mimetic: "):
         raise InvalidInput(text)
     if status != 0 or any(shown(line) != line for line in text.split("\n")):
@@ -115,8 +115,8 @@ def _read_truth(path: Path) -> None:
     truth = Truth.load(path)
 
     def scored() -> None:
-        made = score(truth, samples.performance())
-        as_text(made), as_json([made])
+        result = score(truth, samples.performance())
+        as_text(result), as_json([result])
 
     _either(scored)
 

@@ -88,9 +88,9 @@ def points() -> list[Sample]:
 
 
 def meshes() -> list[Sample]:
-    made, binary = document()
+    result, binary = document()
     inside = "data:application/octet-stream;base64," + base64.b64encode(binary).decode()
-    text = dict(made, buffers=[{"uri": inside, "byteLength": len(binary)}])
+    text = dict(result, buffers=[{"uri": inside, "byteLength": len(binary)}])
     obj = b"# a head\nv 0 0 0\nv 1 0 0 0.5\nv 1 1 0\nv 0 1e0 0\nvn 0 0 1\n"
     obj += b"f 1/1 2/2 3/3 4/4\nf -4 -3 -2\n"
     return [
@@ -98,7 +98,7 @@ def meshes() -> list[Sample]:
         Sample(".ply", ply("ascii"), TEXT),
         Sample(".ply", ply("binary_little_endian"), (change_text, change_bytes)),
         Sample(".ply", ply("binary_big_endian"), (change_text, change_bytes)),
-        Sample(".glb", write_chunks(made, binary), MESHES),
+        Sample(".glb", write_chunks(result, binary), MESHES),
         Sample(".gltf", json.dumps(text).encode(), JSON),
     ]
 
@@ -128,7 +128,7 @@ def stills() -> list[Sample]:
 
 @cache
 def clips() -> tuple[Sample, ...]:
-    made = []
+    result = []
     with TemporaryDirectory() as folder:
         for suffix, options in (
             (".mp4", ("-c:v", "libx264", "-pix_fmt", "yuv420p")),
@@ -138,8 +138,8 @@ def clips() -> tuple[Sample, ...]:
             (".y4m", ("-pix_fmt", "yuv420p")),
         ):
             path = make_clip(Path(folder, f"clip{suffix}"), *options, size="32x32", frames=3)
-            made.append(Sample(suffix, path.read_bytes(), (change_bytes,)))
-    return tuple(made)
+            result.append(Sample(suffix, path.read_bytes(), (change_bytes,)))
+    return tuple(result)
 
 
 def _saved(made, suffix: str, changes: tuple[Change, ...]) -> Sample:

@@ -45,34 +45,34 @@ def flow_ms(path: Path, method: FlowMethod) -> float:
     frames = [np.round(image @ GREY).astype(np.uint8) for _, image in images]
     options = FlowOptions()
     options.method = method
-    taken = []
+    times = []
     for before, after in itertools.pairwise(frames):
         start = time.perf_counter()
         compute_flow(before, after, options)
-        taken.append(1e3 * (time.perf_counter() - start))
-    return float(np.median(taken))
+        times.append(1e3 * (time.perf_counter() - start))
+    return float(np.median(times))
 
 
 def run(path: Path, num_frames: int) -> tuple[dict[str, float], dict[str, float], float]:
     """Milliseconds a frame by stage, of the tracker's own stages, and of all processors."""
     summary = clip_capture.CaptureSummary()
     fit = clip_capture.find_face(path, frames=(1, num_frames))
-    computed: list[float] = []
+    processor_seconds: list[float] = []
 
     def note(*_) -> bool:
-        computed.append(time.process_time())
+        processor_seconds.append(time.process_time())
         return True
 
     clip_capture.capture(path, (1, num_frames), fit, note, summary)
-    computed.append(time.process_time())
+    processor_seconds.append(time.process_time())
     stages = {stage: 1e3 * summary.seconds[stage] / num_frames for stage in STAGES}
     tracker = {name: 1e3 * s / num_frames for name, s in summary.tracker_seconds.items()}
-    return stages, tracker, 1e3 * (computed[-1] - computed[0]) / num_frames
+    return stages, tracker, 1e3 * (processor_seconds[-1] - processor_seconds[0]) / num_frames
 
 
 def time_capture(num_frames: int) -> None:
     path = clip_of(num_frames)
-    stages, tracker, computed = run(path, num_frames)
+    stages, tracker, processor_seconds = run(path, num_frames)
     total = sum(stages.values())
     print(f"640 x 480 pixels, {num_frames} frames, ms a frame by the clock")
     for name, ms in stages.items():
@@ -81,7 +81,7 @@ def time_capture(num_frames: int) -> None:
             for part, part_ms in tracker.items():
                 print(f"    {part:40} {part_ms:7.1f}  {part_ms / total:4.0%}")
     print(f"the whole analysis {total:.1f} ms: {1e3 / total:.1f} frames a second (target: 30)")
-    print(f"computed by all processors: {computed:.1f} ms a frame")
+    print(f"computed by all processors: {processor_seconds:.1f} ms a frame")
     for name, method in (("DIS", FlowMethod.dis), ("probabilistic", FlowMethod.probabilistic)):
         alone = flow_ms(path, method)
         print(f"{name} flow alone {alone:.1f} ms: the analysis is {total / alone:.2f} of it")
@@ -98,15 +98,15 @@ def main() -> int:
     parser.add_argument("--frames", type=int, default=300, metavar="N")
     parser.add_argument("--memory", type=int, nargs="+", metavar="N")
     parser.add_argument("--print-peak", action="store_true", help=argparse.SUPPRESS)
-    given = parser.parse_args()
-    if given.print_peak:
-        clip_capture.capture(clip_of(given.frames), (1, given.frames))
+    options = parser.parse_args()
+    if options.print_peak:
+        clip_capture.capture(clip_of(options.frames), (1, options.frames))
         print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
-    elif given.memory:
-        for num_frames in given.memory:
+    elif options.memory:
+        for num_frames in options.memory:
             print(f"{num_frames} frames: {peak_mb(num_frames):.0f} MB at most", flush=True)
     else:
-        time_capture(given.frames)
+        time_capture(options.frames)
     return 0
 
 

@@ -35,13 +35,13 @@ def pictures() -> tuple[np.ndarray, np.ndarray]:
 def time_of(run: Callable[[], object]) -> tuple[float, float]:
     """Medians in milliseconds, by the clock and of all processors."""
     run()
-    taken = []
+    times = []
     for _ in range(ROUNDS):
-        start, computed = time.perf_counter(), time.process_time()
+        start, processor_start = time.perf_counter(), time.process_time()
         run()
-        taken.append((time.perf_counter() - start, time.process_time() - computed))
-    by_clock, computed = 1000 * np.median(taken, axis=0)
-    return by_clock, computed
+        times.append((time.perf_counter() - start, time.process_time() - processor_start))
+    by_clock, processor_start = 1000 * np.median(times, axis=0)
+    return by_clock, processor_start
 
 
 def main() -> int:
@@ -50,22 +50,22 @@ def main() -> int:
     spaces = installed_spaces()
     locator = _core.FaceLocator(str(data_folder()), spaces=spaces)
     finder = _core.FaceFinder(spaces)
-    known = finder.find(grey)[0]
+    face_before = finder.find(grey)[0]
     haar = _core.CascadeDetector(str(data_folder() / CASCADES["Haar cascade"]))
     fit = find_face(face)
     pin = {"mouth_corner.L": landmark_places(fit)["mouth_corner.L"]}
     runs = {
         "find a face (target: under 150)": lambda: locator.locate(face),
         "find that there is none (under 150)": lambda: locator.locate(nobody),
-        "find it near its last place (under 15)": lambda: finder.find_near(grey, known),
+        "find it near its last place (under 15)": lambda: finder.find_near(grey, face_before),
         "Haar cascade alone": lambda: haar.detect(face),
         "find and fit": lambda: find_face(face),
         "fit again with a pin (under 50)": lambda: refit(fit, pin),
     }
     print(f"640 x 480 pixels, medians of {ROUNDS} in ms: by the clock, of all processors")
     for name, run in runs.items():
-        by_clock, computed = time_of(run)
-        print(f"{name:40} {by_clock:8.1f} {computed:8.1f}")
+        by_clock, by_processor = time_of(run)
+        print(f"{name:40} {by_clock:8.1f} {by_processor:8.1f}")
     return 0
 
 

@@ -56,8 +56,8 @@ def main() -> None:
     def set_and_evaluate(i: int) -> None:
         sliders.set_values(face, rounds[i])
         view_layer.update()
-        shown = face.evaluated_get(bpy.context.evaluated_depsgraph_get())
-        assert len(shown.data.vertices)  # asked for: subdivision waits until then
+        evaluated_face = face.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        assert len(evaluated_face.data.vertices)  # asked for: subdivision waits until then
 
     def each_by_property(i: int) -> None:
         blocks = face.data.shape_keys.key_blocks
@@ -66,15 +66,15 @@ def main() -> None:
 
     def draw(i: int) -> None:
         sliders.set_values(face, rounds[i])
-        seen = live.look(face)
-        seen.face.strokes(seen.pose)
-        seen.face.nodes(seen.pose)
-        seen.face.strain_patch(seen.pose, seen.face.strain(seen.pose, "area"), 0.2)
+        view = live.look(face)
+        view.face.strokes(view.pose)
+        view.face.nodes(view.pose)
+        view.face.strain_patch(view.pose, view.face.strain(view.pose, "area"), 0.2)
 
     def follow_contact(pressed: float) -> None:
         values = {"oris_close_upper": pressed, "oris_close_lower": pressed, "jaw_open": 1 - pressed}
-        correction = followed.correction(sliders.moves(face.data.shape_keys, values, rest))
-        contact.place(face, followed.moved, correction)
+        correction = live_contact.correction(sliders.moves(face.data.shape_keys, values, rest))
+        contact.place(face, live_contact.moved, correction)
 
     face.mimetic.use_contact = False
     floor = median_ms(lambda i: attribute.foreach_set("vector", positions))
@@ -85,7 +85,7 @@ def main() -> None:
     modifier.show_viewport = False
     rows.append(("sliders set, face evaluated", median_ms(set_and_evaluate)))
     contact.ensure_key(face)
-    followed = native.live_contact().live_contact(rest)
+    live_contact = native.live_contact().live_contact(rest)
     rows.append(("contact looked for, lips apart", median_ms(lambda i: follow_contact(0.01))))
     rows.append(("contact solved, lips pressed", median_ms(lambda i: follow_contact(0.9))))
     contact.place(face, None, None)

@@ -22,11 +22,11 @@ def main() -> int:
     with tempfile.TemporaryDirectory() as user_files:
         # Read by bpy as it is imported: no settings or add-ons of the user's
         os.environ["BLENDER_USER_RESOURCES"] = user_files
-        elapsed, computed = np.array(measure()).T
-    low, middle, high = np.percentile(elapsed, [10, 50, 90])
+        by_clock, by_processor = np.array(measure()).T
+    low, middle, high = np.percentile(by_clock, [10, 50, 90])
     print(f"{STEPS} steps of {STEP_PIXELS} px of {NAME}, in ms (target: under 50)")
     print(f"median {middle:.1f}, 10 % under {low:.1f}, 90 % under {high:.1f}")
-    print(f"median of the processor's own time {np.median(computed):.1f}")
+    print(f"median of the processor's own time {np.median(by_processor):.1f}")
     return 0
 
 
@@ -52,10 +52,10 @@ def measure() -> list[tuple[float, float]]:
     for step in range(STEPS + 3):
         right = STEP_PIXELS if step < STEPS // 2 else -STEP_PIXELS
         marker.co[0] += right / clip.size[0]
-        start, computed = time.perf_counter(), time.process_time()
+        start, processor_start = time.perf_counter(), time.process_time()
         pins.follow(clip)
-        computed = time.process_time() - computed
-        times.append((1000 * (time.perf_counter() - start), 1000 * computed))
+        processor_start = time.process_time() - processor_start
+        times.append((1000 * (time.perf_counter() - start), 1000 * processor_start))
     return times[3:]  # the first ones load what stays in memory
 
 

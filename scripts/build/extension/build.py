@@ -20,22 +20,22 @@ SHIPPED = ("3.11", "3.13")  # Blender 4.2 to 5.0, and 5.1 on; the first is .venv
 
 def blender_tool() -> Path:
     """Blender's blender_ext.py; the bpy module brings it though not the blender program."""
-    found = importlib.util.find_spec("bpy")
-    if found is None or found.origin is None:
+    spec = importlib.util.find_spec("bpy")
+    if spec is None or spec.origin is None:
         raise SystemExit("extension: bpy is not in .venv; run scripts/setup")
-    return next(Path(found.origin).parent.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"))
+    return next(Path(spec.origin).parent.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py"))
 
 
 def ffmpeg_wheel() -> Path:
     """The wheel of imageio-ffmpeg, the only other part that Blender does not have."""
     lines = tomllib.loads((wheels.ROOT / "pyproject.toml").read_text())["project"]["dependencies"]
-    pinned = next(line for line in lines if line.startswith("imageio-ffmpeg=="))
-    version = pinned.split("==")[1]
+    requirement = next(line for line in lines if line.startswith("imageio-ffmpeg=="))
+    version = requirement.split("==")[1]
     pattern = f"imageio_ffmpeg-{version}-*.whl"
     if not list(wheels.WHEELS.glob(pattern)):
         wheels.WHEELS.mkdir(parents=True, exist_ok=True)
         pip = [sys.executable, "-m", "pip", "download", "--no-deps", "--only-binary", ":all:"]
-        wheels.run([*pip, "--dest", wheels.WHEELS, pinned])
+        wheels.run([*pip, "--dest", wheels.WHEELS, requirement])
     return next(wheels.WHEELS.glob(pattern))
 
 
@@ -44,13 +44,13 @@ def write_manifest(folder: Path, version: str, bundled: list[Path]) -> None:
     path = folder / "blender_manifest.toml"
     text = re.sub(r"(?ms)^wheels\s*=\s*\[.*?\]\s*$", "", path.read_text())
     text = re.sub(r"(?m)^version\s*=.*$", f'version = "{version}"', text)
-    listed = "".join(f'  "./wheels/{wheel.name}",\n' for wheel in bundled)
+    wheel_lines = "".join(f'  "./wheels/{wheel.name}",\n' for wheel in bundled)
     head, table, tail = text.partition("\n[")
     # The wheels are of one platform, so the zip is.
     platform = 'platforms = ["linux-x64"]'
-    path.write_text(f"{head}\n{platform}\nwheels = [\n{listed}]\n{table}{tail}")
-    written = tomllib.loads(path.read_text())
-    if written["version"] != version or len(written["wheels"]) != len(bundled):
+    path.write_text(f"{head}\n{platform}\nwheels = [\n{wheel_lines}]\n{table}{tail}")
+    manifest = tomllib.loads(path.read_text())
+    if manifest["version"] != version or len(manifest["wheels"]) != len(bundled):
         raise SystemExit(f"extension: {path} could not be given its version and wheels")
 
 
@@ -92,9 +92,9 @@ def pack(target: Path, version: str, bundled: list[Path]) -> None:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    chosen = parser.add_mutually_exclusive_group()
-    chosen.add_argument("--window", action="store_true", help="add the window tests' Python")
-    chosen.add_argument("--wheels", action="store_true", help="build the wheels only")
+    choice = parser.add_mutually_exclusive_group()
+    choice.add_argument("--window", action="store_true", help="add the window tests' Python")
+    choice.add_argument("--wheels", action="store_true", help="build the wheels only")
     options = parser.parse_args()
 
     others = {}
@@ -112,18 +112,18 @@ def main() -> int:
     if wheels.window_folder() or options.window:
         python = wheels.window_python()
         others.setdefault(python.tag, python)
-    built = wheels.build(list(others.values()))
+    all_wheels = wheels.build(list(others.values()))
     if options.wheels:
         print(wheels.WHEELS)
         return 0
-    shipped = [wheel for wheel in built if wheel.name.split("-")[2] in shipped_tags]
+    wheels_in_zip = [wheel for wheel in all_wheels if wheel.name.split("-")[2] in shipped_tags]
     version = tomllib.loads((wheels.ROOT / "pyproject.toml").read_text())["project"]["version"]
     if options.window:
         target = wheels.ROOT / "build" / "extension" / f"mimetic-{version}-window.zip"
-        pack(target, version, [*built, ffmpeg_wheel()])
+        pack(target, version, [*all_wheels, ffmpeg_wheel()])
     else:
         target = wheels.ROOT / "dist" / f"mimetic-{version}-linux_x64.zip"
-        pack(target, version, [*shipped, ffmpeg_wheel()])
+        pack(target, version, [*wheels_in_zip, ffmpeg_wheel()])
     print(target)
     return 0
 

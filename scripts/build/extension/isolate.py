@@ -24,8 +24,8 @@ LIBRARIES = (
 
 def defined_symbols(library: Path) -> set[str]:
     command = ["nm", "--dynamic", "--defined-only", "--format=posix", str(library)]
-    listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
-    return {line.split()[0] for line in listed.splitlines()}
+    symbols = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    return {line.split()[0] for line in symbols.splitlines()}
 
 
 def is_isolated(library: Path) -> bool:
@@ -39,8 +39,8 @@ def isolate(wheel: Path) -> None:
         tool = [sys.executable, "-m", "wheel"]
         quiet = {"check": True, "stdout": subprocess.DEVNULL}
         subprocess.run([*tool, "unpack", "--dest", scratch, wheel], **quiet)
-        unpacked = next(Path(scratch).iterdir())
-        objects = [path for path in unpacked.rglob("*.so*") if path.is_file()]
+        folder = next(Path(scratch).iterdir())
+        objects = [path for path in folder.rglob("*.so*") if path.is_file()]
         names = {
             name for library in objects if is_isolated(library) for name in defined_symbols(library)
         }
@@ -50,4 +50,4 @@ def isolate(wheel: Path) -> None:
         table.write_text("".join(f"{name} {PREFIX}{name}\n" for name in sorted(names)))
         for path in objects:
             subprocess.run(["patchelf", "--rename-dynamic-symbols", table, path], check=True)
-        subprocess.run([*tool, "pack", "--dest-dir", wheel.parent, unpacked], **quiet)
+        subprocess.run([*tool, "pack", "--dest-dir", wheel.parent, folder], **quiet)

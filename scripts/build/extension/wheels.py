@@ -45,8 +45,8 @@ class OtherPython:
 
 
 def cache_folder() -> Path:
-    if named := os.environ.get("MIMETIC_CACHE"):
-        return Path(named)
+    if folder := os.environ.get("MIMETIC_CACHE"):
+        return Path(folder)
     return Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "mimetic"
 
 
@@ -70,15 +70,15 @@ def window_python() -> OtherPython:
 def find_other_python(version: str) -> OtherPython | None:
     """An installed Python with headers, or headers that the window tests' folder brought."""
     script = "import sysconfig; print(sysconfig.get_path('include'))"
-    found = subprocess.run(
+    python = subprocess.run(
         [ROOT / "scripts" / "find_python", version], capture_output=True, text=True, check=False
     )
     places = []
-    if found.returncode == 0:
-        asked = subprocess.run(
-            [found.stdout.strip(), "-c", script], capture_output=True, text=True, check=True
+    if python.returncode == 0:
+        answer = subprocess.run(
+            [python.stdout.strip(), "-c", script], capture_output=True, text=True, check=True
         )
-        places.append(Path(asked.stdout.strip()))
+        places.append(Path(answer.stdout.strip()))
     if folder := window_folder():
         places.append(folder / "opt" / "python-headers" / f"python{version}")
     return next(
@@ -89,11 +89,11 @@ def find_other_python(version: str) -> OtherPython | None:
 def run(command: list[object]) -> None:
     """Run a command; its output is shown only if it fails."""
     words = [str(word) for word in command]
-    done = subprocess.run(
+    process = subprocess.run(
         words, cwd=ROOT, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False
     )
-    if done.returncode:
-        print(done.stdout[-6000:], file=sys.stderr)
+    if process.returncode:
+        print(process.stdout[-6000:], file=sys.stderr)
         raise SystemExit(f"extension: failed: {' '.join(words)}")
 
 
@@ -121,8 +121,8 @@ def build_tree() -> Path:
 
 def compile_bindings(pythons: list[OtherPython]) -> None:
     tree = build_tree()
-    named = ";".join(f"{python.tag}={python.headers}" for python in pythons)
-    run(["cmake", "-S", ROOT, "-B", tree, f"-DMIMETIC_OTHER_PYTHONS={named}"])
+    python_list = ";".join(f"{python.tag}={python.headers}" for python in pythons)
+    run(["cmake", "-S", ROOT, "-B", tree, f"-DMIMETIC_OTHER_PYTHONS={python_list}"])
     targets = [f"_core_{python.tag}" for python in pythons]
     run(["cmake", "--build", tree, "-j", "2", "--target", *targets])
 
@@ -132,17 +132,17 @@ def build_for_other(own: Path, python: OtherPython, folder: Path) -> Path:
     module = next((build_tree() / "other_pythons" / python.tag).glob("_core.*.so"))
     with tempfile.TemporaryDirectory() as scratch:
         run([sys.executable, "-m", "wheel", "unpack", "--dest", scratch, own])
-        unpacked = next(Path(scratch).iterdir())
-        for old in (unpacked / "mimetic").glob("_core.*.so"):
+        wheel_folder = next(Path(scratch).iterdir())
+        for old in (wheel_folder / "mimetic").glob("_core.*.so"):
             old.unlink()
-        shutil.copy(module, unpacked / "mimetic")
-        facts = next(unpacked.glob("*.dist-info")) / "WHEEL"
+        shutil.copy(module, wheel_folder / "mimetic")
+        facts = next(wheel_folder.glob("*.dist-info")) / "WHEEL"
         lines = facts.read_text().splitlines()
         tags = [f"Tag: {python.tag}-{python.tag}-linux_x86_64"]
-        kept = [line for line in lines if line and not line.startswith("Tag:")]
-        facts.write_text("\n".join(kept + tags) + "\n")
+        other_lines = [line for line in lines if line and not line.startswith("Tag:")]
+        facts.write_text("\n".join(other_lines + tags) + "\n")
         before = set(folder.glob("*.whl"))
-        run([sys.executable, "-m", "wheel", "pack", "--dest-dir", folder, unpacked])
+        run([sys.executable, "-m", "wheel", "pack", "--dest-dir", folder, wheel_folder])
     return next(iter(set(folder.glob("*.whl")) - before))
 
 

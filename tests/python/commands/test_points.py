@@ -21,16 +21,16 @@ def test_in_its_own_frame_a_point_stays_where_it_is():
     performance = make_performance()
     points = np.array([[150.0, 100.0], [170.25, 130.5], [140.0, 140.75]])
     for frame in (1, 7, 12):
-        found = track_points(performance, points, frame)
-        assert found.on_face.all()
-        np.testing.assert_allclose(found.tracks[frame - 1], points, atol=1e-6)
-        assert found.visible[frame - 1].all()
+        result = track_points(performance, points, frame)
+        assert result.on_face.all()
+        np.testing.assert_allclose(result.tracks[frame - 1], points, atol=1e-6)
+        assert result.visible[frame - 1].all()
 
 
 def test_points_follow_the_heads_motion():
     performance = still_performance()
     points = np.array([[150.0, 100.0], [165.0, 125.0]])
-    found = track_points(performance, points, 1)
+    result = track_points(performance, points, 1)
     rays = np.column_stack([points, np.ones(2)]) @ np.linalg.inv(performance.intrinsics).T
     pose = performance.head_pose
     # The sample's neutral is z = 0.08 - 4 x^2 - 3 y^2, seen from 0.7 m.
@@ -43,22 +43,22 @@ def test_points_follow_the_heads_motion():
         for i in range(performance.num_frames):
             seen = performance.project((pose[i] @ place)[None, :3])[0]
             # the limit surface lies inside of the control mesh by some tenths of a millimetre
-            np.testing.assert_allclose(found.tracks[i, k], seen, atol=0.6)
+            np.testing.assert_allclose(result.tracks[i, k], seen, atol=0.6)
 
 
 def test_pixels_beside_the_face_are_not_on_it():
-    found = track_points(make_performance(), np.array([[5.0, 5.0], [159.5, 119.5], [1e6, -1e6]]))
-    assert found.on_face.tolist() == [False, True, False]
-    assert np.isnan(found.tracks[:, [0, 2]]).all() and not found.visible[:, [0, 2]].any()
-    assert np.isfinite(found.tracks[:, 1]).all()
+    result = track_points(make_performance(), np.array([[5.0, 5.0], [159.5, 119.5], [1e6, -1e6]]))
+    assert result.on_face.tolist() == [False, True, False]
+    assert np.isnan(result.tracks[:, [0, 2]]).all() and not result.visible[:, [0, 2]].any()
+    assert np.isfinite(result.tracks[:, 1]).all()
 
 
 def test_a_point_that_turns_away_is_not_visible():
     turned = make_performance().head_pose.copy()
     turned[6] = turned[6] @ np.diag([-1.0, 1, -1, 1])  # the back of the head
-    found = track_points(still_performance(head_pose=turned), np.array([[159.5, 119.5]]), 1)
-    assert found.visible[:6, 0].all() and found.visible[7:, 0].all()
-    assert not found.visible[6, 0]
+    result = track_points(still_performance(head_pose=turned), np.array([[159.5, 119.5]]), 1)
+    assert result.visible[:6, 0].all() and result.visible[7:, 0].all()
+    assert not result.visible[6, 0]
     # Nor is anything under a pixel where all of the sample's skin faces away
     away = track_points(still_performance(head_pose=turned), np.array([[159.5, 119.5]]), 7)
     assert not away.on_face.any()
@@ -154,5 +154,5 @@ def test_the_command_tells_how_far_it_is(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr("mimetic.commands.console.PLAIN_EVERY", 0.0)
     words = ("points", tmp_path / "p.npz", "--at", tmp_path / "at.csv", "--out", tmp_path / "t.npz")
     assert main([str(word) for word in words]) == 0
-    told = capsys.readouterr().err
-    assert "looking for the skin" in told and "following: frame 12" in told
+    message = capsys.readouterr().err
+    assert "looking for the skin" in message and "following: frame 12" in message

@@ -51,21 +51,21 @@ def clock(monkeypatch):
 
 
 def test_the_time_left_is_honest_from_the_search_on(rendered_clip, tmp_path, clock, capsys):
-    told = []
+    message = []
 
     class Watched(console.Console):
         def show(self, fraction, text):
             super().show(fraction, text)
-            told.append((clock[0], fraction, capsys.readouterr().err))
+            message.append((clock[0], fraction, capsys.readouterr().err))
 
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("mimetic.commands.on_clip.Console", Watched)
         command = ["capture", rendered_clip.footage, "--frames", f"1:{FRAMES}", "--out", tmp_path]
         assert cli.main([str(word) for word in command]) == 0
-    fractions = [fraction for _, fraction, _ in told]
+    fractions = [fraction for _, fraction, _ in message]
     assert fractions == sorted(fractions) and fractions[-1] == 1
     whole = clock[0]
-    lines = [(now, re.search(r", (\d+):(\d+) left", text)) for now, _, text in told]
+    lines = [(now, re.search(r", (\d+):(\d+) left", text)) for now, _, text in message]
     estimates = [(now, 60 * int(m[1]) + int(m[2])) for now, m in lines if m]
     assert len(estimates) > FRAMES
     for now, left in estimates:
@@ -75,11 +75,11 @@ def test_the_time_left_is_honest_from_the_search_on(rendered_clip, tmp_path, clo
 
 
 def test_stages_tell_the_whole_by_their_costs():
-    told = []
-    first, free, last = progress.stages(lambda *given: told.append(given) or True, 30, 0, 10)
+    message = []
+    first, free, last = progress.stages(lambda *given: message.append(given) or True, 30, 0, 10)
     for stage, fraction in ((first, 0), (first, 0.5), (first, 3), (free, 0.5), (last, 0.5)):
         assert stage(fraction, "at work")
-    assert told == [(part, "at work") for part in (0, 0.375, 0.75, 0.75, 0.875)]
+    assert message == [(part, "at work") for part in (0, 0.375, 0.75, 0.75, 0.875)]
     (only,) = progress.stages(None, 0)
     assert only(1, "nobody listens")
     (stopped,) = progress.stages(lambda *_: False, 1)

@@ -46,8 +46,8 @@ def first_fit(rendered_clip):
 def _degrees_off(performance, rendered_clip):
     """Of the turn since the reference frame."""
     truth = Truth.load(rendered_clip.truth).head_pose[:, :3, :3]
-    found = performance.head_pose[:, :3, :3]
-    left_over = np.einsum("nij,kj->nik", found, found[5]) @ truth[5] @ truth.transpose(0, 2, 1)
+    result = performance.head_pose[:, :3, :3]
+    left_over = np.einsum("nij,kj->nik", result, result[5]) @ truth[5] @ truth.transpose(0, 2, 1)
     return np.degrees(np.arccos(np.clip((np.trace(left_over, axis1=1, axis2=2) - 1) / 2, -1, 1)))
 
 
@@ -58,9 +58,9 @@ def test_a_bar_that_crosses_the_face_leaves_frames_held_or_right(
     for i in range(10, 40):
         left = round(-BAR + (i - 10) / 29 * (320 + BAR))
         frames[i, :, max(0, left) : max(0, left + BAR)] = (46, 60, 52)
-    made = _captured(frames, tmp_path / "bar.mp4", first_fit)
-    followed = made.quality >= HELD_QUALITY
-    assert _degrees_off(made, rendered_clip)[followed].max() < 10
+    result = _captured(frames, tmp_path / "bar.mp4", first_fit)
+    followed = result.quality >= HELD_QUALITY
+    assert _degrees_off(result, rendered_clip)[followed].max() < 10
     assert not followed.all()
     assert followed[:10].all()
     assert followed[40:].all()
@@ -80,10 +80,10 @@ def test_grass_is_not_followed_and_the_face_is_found_again(
         frames[i] = lawn[:, i : i + 320]
         if away < 320:
             frames[i, :, away:] = clip_frames[i, :, : 320 - away]
-    made = _captured(frames, tmp_path / "lawn.mp4", first_fit)
-    assert (made.quality[16:34] < HELD_QUALITY).all()
-    assert (made.quality[40:] >= HELD_QUALITY).all()
-    assert _degrees_off(made, rendered_clip)[40:].max() < 10
+    result = _captured(frames, tmp_path / "lawn.mp4", first_fit)
+    assert (result.quality[16:34] < HELD_QUALITY).all()
+    assert (result.quality[40:] >= HELD_QUALITY).all()
+    assert _degrees_off(result, rendered_clip)[40:].max() < 10
 
 
 @pytest.fixture(scope="module")
@@ -94,8 +94,8 @@ def cut_to_another():
         if subprocess.run([sys.executable, fetch], check=False).returncode == UNREACHABLE:
             pytest.skip("the footage cannot be fetched: no registry can be reached")
     cut = AbuseClip("cut", CAP12, SINGLE)
-    made = films.abused_clip(cut, load_template(), lambda _: None)
-    parts = [Footage(made.footage).frames(*run) for run in ((40, 50), (51, 62), (101, 108))]
+    result = films.abused_clip(cut, load_template(), lambda _: None)
+    parts = [Footage(result.footage).frames(*run) for run in ((40, 50), (51, 62), (101, 108))]
     return np.stack([image for part in parts for _, image in part])
 
 
@@ -103,10 +103,10 @@ def cut_to_another():
 def test_a_cut_to_another_person_is_held_and_noted(cut_to_another, method, tmp_path):
     path = tmp_path / "cut.mp4"
     encode(cut_to_another, path, replace(TEST, fps=CAP12.fps, crf=17))
-    made = METHODS[method](path, clip_capture.find_face(path, frame=4))
-    is_followed = made.quality >= HELD_QUALITY
+    result = METHODS[method](path, clip_capture.find_face(path, frame=4))
+    is_followed = result.quality >= HELD_QUALITY
     assert is_followed.tolist() == 11 * [True] + 12 * [False] + 8 * [True]
-    (note,) = [note for note in made.notes if "does not look like the fitted one" in note]
+    (note,) = [note for note in result.notes if "does not look like the fitted one" in note]
     assert note.startswith("frames 12 to ")
 
 
@@ -126,19 +126,25 @@ class _Estimate:
 def test_a_face_that_was_lost_must_be_found_in_three_frames_on_end():
     seen, lost = _Estimate(False), _Estimate(True)
     given = [seen, lost, seen, lost, None, seen, seen, seen, seen, lost, seen]
-    made = list(proved(enumerate(given, start=1)))
-    assert [frame for frame, _ in made] == list(range(1, 12))
-    kept = [frame for frame, estimate in made if estimate is seen]
+    result = list(proved(enumerate(given, start=1)))
+    assert [frame for frame, _ in result] == list(range(1, 12))
+    kept = [frame for frame, estimate in result if estimate is seen]
     assert kept == [1, 6, 7, 8, 9]
-    assert [estimate for _, estimate in made][2] is None
+    assert [estimate for _, estimate in result][2] is None
 
 
 def test_a_face_that_was_found_in_the_frame_of_its_loss_must_be_found_in_three_frames_on_end():
     seen, lost, again = _Estimate(False), _Estimate(True), _Estimate(False, found_again=True)
     given = [seen, again, lost, again, seen, seen, seen, again, seen]
-    made = list(proved(enumerate(given, start=1)))
-    assert [frame for frame, _ in made] == list(range(1, 10))
-    assert [frame for frame, estimate in made if estimate and not estimate.held] == [1, 4, 5, 6, 7]
+    result = list(proved(enumerate(given, start=1)))
+    assert [frame for frame, _ in result] == list(range(1, 10))
+    assert [frame for frame, estimate in result if estimate and not estimate.held] == [
+        1,
+        4,
+        5,
+        6,
+        7,
+    ]
 
 
 def _truth(count=12, later=False):

@@ -28,21 +28,21 @@ def clip(monkeypatch):
     right = make_performance(num_frames=20)
     wrong = replace(right, activations=0 * right.activations)
     truth = make_truth(right)
-    found = Calibration({"lips": 2.0}, frames=[3])
+    result = Calibration({"lips": 2.0}, frames=[3])
     shown = {"one": truth, "still": replace(truth, muscles=None, groups=None, activations=None)}
     clips = [Namespace(name=name, footage=name, truth=name) for name in shown]
 
     def calibrate(footage, frames, fit):
         assert frames == (1, 12)
         known = dict.fromkeys(REGIONS, 0.3)
-        return replace(fit, calibration=found), Found(found, known, {}, 2.5)
+        return replace(fit, calibration=result), Found(result, known, {}, 2.5)
 
     monkeypatch.setattr(calibration.expressions, "clips", lambda which, report: clips)
     monkeypatch.setattr(calibration, "calibrate", calibrate)
     monkeypatch.setattr(calibration.Truth, "load", lambda name: shown[name])
     monkeypatch.setattr(clip_capture, "find_face", lambda footage: Fit())
     monkeypatch.setattr(
-        clip_capture, "capture", lambda _, fit: right if fit.calibration == found else wrong
+        clip_capture, "capture", lambda _, fit: right if fit.calibration == result else wrong
     )
     return clips[0]
 

@@ -20,12 +20,12 @@ def turned(pitch, yaw, roll):
 
 
 def about(axis, degrees):
-    made = np.eye(4)
+    result = np.eye(4)
     c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     i, j = [k for k in range(3) if k != axis]
-    made[i, i] = made[j, j] = c
-    made[i, j], made[j, i] = -s, s
-    return made
+    result[i, i] = result[j, j] = c
+    result[i, j], result[j, i] = -s, s
+    return result
 
 
 def test_a_sweep_reaches_its_angles_one_axis_after_the_other():
@@ -92,11 +92,11 @@ def test_ways_to_follow_are_scored_on_one_rendered_head(tmp_path, monkeypatch, c
     monkeypatch.setattr(head_clips, "METHODS", {m: head_clips.METHODS[m] for m in methods})
     arguments = ["evaluate", "head", "--set", "small", "--out", str(tmp_path), "--json"]
     assert main(arguments) == 0
-    found = json.loads(capsys.readouterr().out)
-    scores = found["clips"]["small"]
+    result = json.loads(capsys.readouterr().out)
+    scores = result["clips"]["small"]
     assert tuple(scores) == methods
-    assert found["summary"]["ellipsoid"]["mean"] < 3
-    assert found["summary"]["ellipsoid"]["lost"] == 0
+    assert result["summary"]["ellipsoid"]["mean"] < 3
+    assert result["summary"]["ellipsoid"]["lost"] == 0
     # Times are of all passes over the clip; the paper's form makes one
     assert scores["ellipsoid"]["passes"] == 2
     assert scores["ellipsoid"]["ms"] > scores["ellipsoid"]["first_pass_ms"] > 0

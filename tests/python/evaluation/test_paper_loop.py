@@ -55,11 +55,11 @@ def test_a_held_force_moves_the_skin_as_small_steps_of_the_equation_do():
     squared, damping = np.array([900.0, 40000.0]), np.array([20.0, 500.0])
     transition, held = paper_loop._discrete(squared, damping, STEP)
     place, rate, force = np.array([1.0, -0.5]), np.array([3.0, 2.0]), np.array([700.0, 900.0])
-    found = transition @ np.concatenate([place, rate]) + held @ force
+    result = transition @ np.concatenate([place, rate]) + held @ force
     for _ in range(20000):
         rate = rate + STEP / 20000 * (force - damping * rate - squared * place)
         place = place + STEP / 20000 * rate
-    np.testing.assert_allclose(found, np.concatenate([place, rate]), rtol=2e-3, atol=1e-3)
+    np.testing.assert_allclose(result, np.concatenate([place, rate]), rtol=2e-3, atol=1e-3)
 
 
 def test_a_muscle_that_pulls_is_read_from_the_flow():
@@ -83,7 +83,7 @@ def test_a_head_that_slides_moves_the_pose_and_no_muscle():
 def test_a_clip_is_captured_until_the_user_stops(rendered_clip):
     fit = find_face(rendered_clip.footage, frame=4)
     summary = CaptureSummary()
-    made = capture_by_loop(
+    result = capture_by_loop(
         rendered_clip.footage,
         (2, 50),
         fit,
@@ -91,8 +91,8 @@ def test_a_clip_is_captured_until_the_user_stops(rendered_clip):
         summary,
     )
     assert summary.stopped
-    assert made.frame.tolist() == [2, 3, 4, 5, 6, 7]
-    np.testing.assert_allclose(made.head_pose[2], fit.head_pose)
-    np.testing.assert_allclose(made.surface(2), made.neutral_vertices, atol=1e-9)
-    assert np.abs(made.surface(5) - made.neutral_vertices).max() > 1e-6
-    assert made.activations_std[5].min() > 0
+    assert result.frame.tolist() == [2, 3, 4, 5, 6, 7]
+    np.testing.assert_allclose(result.head_pose[2], fit.head_pose)
+    np.testing.assert_allclose(result.surface(2), result.neutral_vertices, atol=1e-9)
+    assert np.abs(result.surface(5) - result.neutral_vertices).max() > 1e-6
+    assert result.activations_std[5].min() > 0

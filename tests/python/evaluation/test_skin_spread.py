@@ -19,8 +19,8 @@ def test_a_softer_attachment_is_measured_as_a_longer_spread():
     mesh = SkinMesh(template, np.ascontiguousarray(template.vertices))
     skin = skin_spread.EvenSkin(mesh, 1.2 * LENGTH)
     place = find_place(mesh, *skin_spread.PLACES["cheek"], 0, "L").vertex
-    found = skin_spread.spread_length(skin, place, np.array([1.0, 0, 0]))
-    assert found == pytest.approx(1.2 * LENGTH, rel=0.05)
+    result = skin_spread.spread_length(skin, place, np.array([1.0, 0, 0]))
+    assert result == pytest.approx(1.2 * LENGTH, rel=0.05)
 
 
 def test_theory_holds_the_pull_in_balance_and_is_even_in_both_directions():

@@ -28,14 +28,14 @@ def turned_since(poses, i):
 
 @pytest.mark.parametrize("model", ["ellipsoid", "surface"])
 def test_the_head_turns_as_it_did(rendered_clip, fit, model):
-    found = track_head(rendered_clip.footage, model, (1, 20), fit)
+    result = track_head(rendered_clip.footage, model, (1, 20), fit)
     truth = Truth.load(rendered_clip.truth).head_pose[:20]
-    assert found.frame.tolist() == list(range(1, 21))
-    assert np.median(found.quality) > 0.5
+    assert result.frame.tolist() == list(range(1, 21))
+    assert np.median(result.quality) > 0.5
     start = fit.frame - 1
-    apart = degrees_between(turned_since(found.head_pose, start), turned_since(truth, start))
+    apart = degrees_between(turned_since(result.head_pose, start), turned_since(truth, start))
     assert np.median(apart) < 1.5
-    assert np.all(found.activations == 0) and np.all(found.activations_std >= 0.2)
+    assert np.all(result.activations == 0) and np.all(result.activations_std >= 0.2)
 
 
 def test_models_stand_where_the_head_is(fit):
@@ -56,14 +56,14 @@ def test_models_stand_where_the_head_is(fit):
 
 
 def test_the_drawing_marks_the_head_and_leaves_the_wall(rendered_clip, fit):
-    found = track_head(rendered_clip.footage, "ellipsoid", (1, 2), fit)
-    shape = head_shape("ellipsoid", found.neutral_vertices, load_template())
+    result = track_head(rendered_clip.footage, "ellipsoid", (1, 2), fit)
+    shape = head_shape("ellipsoid", result.neutral_vertices, load_template())
     image = Footage(rendered_clip.footage).read(1)
-    painted = HeadDrawing(found, shape).paint(image, 0)
+    painted = HeadDrawing(result, shape).paint(image, 0)
     scale = painted.shape[0] // image.shape[0]
     changed = np.any(painted[::scale, ::scale].astype(int) != image, axis=2)
-    pixel = found.project(
-        (found.head_pose[0, :3, :3] @ shape.centre + found.head_pose[0, :3, 3])[None]
+    pixel = result.project(
+        (result.head_pose[0, :3, :3] @ shape.centre + result.head_pose[0, :3, 3])[None]
     )
     x, y = np.rint(pixel[0]).astype(int)
     near = changed[y - 20 : y + 20, x - 20 : x + 20]
@@ -88,11 +88,11 @@ def test_a_stopped_run_keeps_and_marks_what_is_done(rendered_clip, fit):
         return len(calls) < 6
 
     summary = CaptureSummary()
-    found = track_head(
+    result = track_head(
         rendered_clip.footage, "ellipsoid", (fit.frame, None), fit, progress, summary
     )
-    assert summary.stopped and found.num_frames == 6
-    assert any("stopped by the user" in note for note in found.notes)
+    assert summary.stopped and result.num_frames == 6
+    assert any("stopped by the user" in note for note in result.notes)
 
 
 def test_bad_input_is_told_in_one_line(rendered_clip, tmp_path, capsys):

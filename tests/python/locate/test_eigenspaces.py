@@ -20,9 +20,9 @@ def spaces():
 
 def test_installed_model_is_the_one_that_was_trained():
     folder = CHECKOUT / "native" / "data"
-    said = (folder / "face_spaces.sha256").read_text("ascii").split()[0]
+    output = (folder / "face_spaces.sha256").read_text("ascii").split()[0]
     for path in (folder / FILE_NAME, data_folder() / FILE_NAME):
-        assert hashlib.sha256(path.read_bytes()).hexdigest() == said
+        assert hashlib.sha256(path.read_bytes()).hexdigest() == output
     assert (folder / FILE_NAME).stat().st_size < 1.5e6
 
 

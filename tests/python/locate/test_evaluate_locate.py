@@ -142,9 +142,9 @@ def test_drawn_faces_are_where_the_file_says(drawn):
 
         eyes = [tone(place) for place in places[:2]]
         assert max(eyes) < tone(places[:2].mean(0))
-    found = score_run(run_locator(stills, installed_spaces()), stills).figures
-    assert found["found_at_all"] == 1
-    assert found["eye_median"] < 5
+    result = score_run(run_locator(stills, installed_spaces()), stills).figures
+    assert result["found_at_all"] == 1
+    assert result["eye_median"] < 5
 
 
 def test_command_scores_and_writes(drawn, tmp_path, capsys):

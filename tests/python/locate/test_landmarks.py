@@ -29,9 +29,9 @@ def stranger():
 
 def test_installed_cascade_is_the_one_that_was_trained():
     folder = CHECKOUT / "native" / "data"
-    said = (folder / "face_landmarks.sha256").read_text("ascii").split()[0]
+    output = (folder / "face_landmarks.sha256").read_text("ascii").split()[0]
     for path in (folder / FILE_NAME, data_folder() / FILE_NAME):
-        assert hashlib.sha256(path.read_bytes()).hexdigest() == said
+        assert hashlib.sha256(path.read_bytes()).hexdigest() == output
     assert (folder / FILE_NAME).stat().st_size < 3e6
 
 
@@ -63,9 +63,9 @@ def test_landmarks_of_a_stranger_are_found(stranger):
     for i in range(len(stranger.grey)):
         shown = sample(stranger, i, order, i % 2)
         start = cascade.start(shown.pupils[1], shown.pupils[0], shown.seen_yaw)
-        found = cascade.find(shown.image, start).places
+        result = cascade.find(shown.image, start).places
         distance = np.linalg.norm(np.subtract(*shown.pupils)) / np.cos(np.radians(shown.yaw))
-        errors.append(np.linalg.norm(found - shown.places, axis=1) / distance)
+        errors.append(np.linalg.norm(result - shown.places, axis=1) / distance)
     assert np.median(errors) < 0.06
     assert np.percentile(errors, 90) < 0.2
 

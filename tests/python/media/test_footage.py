@@ -190,8 +190,8 @@ def test_a_lack_of_memory_is_called_that(tmp_path, monkeypatch):
     clip = make_clip(tmp_path / "a.mp4")
     footage = Footage(clip)
     # What it says, and how it ends, under `ulimit -v 300000` with a clip of 1280 x 720
-    said = "[vf#0:0] Error sending frames to consumers: Resource temporarily unavailable"
-    limited(tmp_path, monkeypatch, f"echo '{said}' >&2; exit 245")
+    output = "[vf#0:0] Error sending frames to consumers: Resource temporarily unavailable"
+    limited(tmp_path, monkeypatch, f"echo '{output}' >&2; exit 245")
     for use in (lambda: list(footage), lambda: footage.read(3), lambda: Footage(clip)):
         with pytest.raises(OSError, match="out of memory") as failure:
             use()

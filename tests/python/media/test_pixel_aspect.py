@@ -73,10 +73,10 @@ def test_points_are_pixels_of_the_file(tmp_path):
     stored = make_performance(stored_size=np.array([240, 240]))
     points = np.array([[150.0, 100.0], [170.25, 130.5]])
     expected = track_points(square, points, 3)
-    found = track_points(stored, rescaled(points, (320, 240), (240, 240)), 3)
-    tracks = rescaled(expected.tracks, (320, 240), (240, 240)).reshape(found.tracks.shape)
-    np.testing.assert_allclose(found.tracks, tracks, atol=1e-9)
-    np.testing.assert_array_equal(found.visible, expected.visible)
+    result = track_points(stored, rescaled(points, (320, 240), (240, 240)), 3)
+    tracks = rescaled(expected.tracks, (320, 240), (240, 240)).reshape(result.tracks.shape)
+    np.testing.assert_allclose(result.tracks, tracks, atol=1e-9)
+    np.testing.assert_array_equal(result.visible, expected.visible)
     # The left edge of the picture is an edge at any size
     np.testing.assert_allclose(rescaled((-0.5, 119.5), (320, 240), (240, 480)), [[-0.5, 239.5]])
 

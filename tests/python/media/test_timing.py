@@ -63,9 +63,9 @@ def test_steps_show_the_last_frame_that_has_begun(clip, scene):
 
 @pytest.mark.parametrize("rate", [24, NTSC_FILM, 25, NTSC, 12.5, 59.94005994, 15.238])
 def test_a_scene_of_its_own_plays_at_the_clips_rate(rate):
-    made = scene_rate(rate)
-    assert isinstance(made.fps, int)
-    assert made.fps / made.fps_base == pytest.approx(rate, rel=1e-6)
+    result = scene_rate(rate)
+    assert isinstance(result.fps, int)
+    assert result.fps / result.fps_base == pytest.approx(rate, rel=1e-6)
 
 
 @pytest.mark.parametrize("rate", [0, -25, np.nan, np.inf])

@@ -33,11 +33,11 @@ def test_on_skin_that_faces_the_camera_the_ray_decides():
     performance = make_performance()
     pixels = performance.image_size / 2 + np.random.default_rng(5).uniform(-25, 25, (60, 2))
     surface = RefinedSurface(performance)
-    asked = cast_rays(surface.camera, surface.in_camera(0), surface.triangles, pixels)
+    request = cast_rays(surface.camera, surface.in_camera(0), surface.triangles, pixels)
     under = places_under(surface, pixels)
     assert under.on_face.all() and (under.offset == 0).all()
-    np.testing.assert_array_equal(under.triangle, asked[0])
-    np.testing.assert_allclose(under.weights, asked[1])
+    np.testing.assert_array_equal(under.triangle, request[0])
+    np.testing.assert_allclose(under.weights, request[1])
 
 
 def test_a_slit_shows_its_rim_and_not_what_lies_behind():
@@ -50,11 +50,11 @@ def test_a_slit_shows_its_rim_and_not_what_lies_behind():
     in_slit, on_lip = performance.project(
         np.array([[0.0, 0, 0.08, 1], [0, 0.004, 0.08, 1]]) @ performance.head_pose[0][:3].T
     )
-    found = track_points(performance, np.array([in_slit, on_lip]))
-    assert found.on_face.all()
-    np.testing.assert_allclose(found.tracks[0], [in_slit, on_lip], atol=1e-9)
+    result = track_points(performance, np.array([in_slit, on_lip]))
+    assert result.on_face.all()
+    np.testing.assert_allclose(result.tracks[0], [in_slit, on_lip], atol=1e-9)
     # The head turns by 17 degrees: the throat would go 12 pixels another way
-    moved = found.tracks - found.tracks[:1]
+    moved = result.tracks - result.tracks[:1]
     assert np.abs(moved[:, 0] - moved[:, 1]).max() < 0.5
 
 
@@ -64,11 +64,11 @@ def test_a_wide_gap_shows_what_lies_behind():
         (-0.06, 0.06, -0.06, 0.06, -0.01),
     )
     at = np.array([[0.0, 0.0, -0.01, 1]]) @ performance.head_pose[0][:3].T
-    found = track_points(performance, performance.project(at))
+    result = track_points(performance, performance.project(at))
     expected = [
         performance.project((pose[:3] @ [0, 0, -0.01, 1])[None]) for pose in performance.head_pose
     ]
-    np.testing.assert_allclose(found.tracks, expected, atol=1e-6)
+    np.testing.assert_allclose(result.tracks, expected, atol=1e-6)
 
 
 def test_a_pixel_beside_the_face_is_off_it_and_still_followed_for_scores():
@@ -98,8 +98,8 @@ def test_lashes_do_not_stand_for_the_skin_that_shows_between_them():
     surface = RefinedSurface(head)
     under = places_under(surface, pixels)
     corners = surface.in_camera(0)[surface.triangles[under.triangle]]
-    found = np.einsum("kc,kcx->kx", under.weights, corners)
-    nearer = found[:, 2] - (lashes @ pose[2, :3] + pose[2, 3])
+    result = np.einsum("kc,kcx->kx", under.weights, corners)
+    nearer = result[:, 2] - (lashes @ pose[2, :3] + pose[2, 3])
     assert under.on_face.all()
     assert nearer.min() > -0.004  # roots lie below the skin
     assert nearer.max() > 0.004  # tips do not

@@ -20,19 +20,19 @@ from evaluation.runs.methods import Motion
 
 
 def test_a_performance_that_is_the_truth_scores_one(performance, truth):
-    made = score(truth, performance)
-    assert made.on_face == 1
-    assert made.image["mimetic"]["nonrigid_r2"] == pytest.approx(1, abs=1e-6)
-    assert made.surface["r2"] == pytest.approx(1, abs=1e-6)
-    assert made.head["largest_deg"] < 1e-6
-    assert made.overall["rmse"] == 0
-    assert min(curve["correlation"] for curve in made.controls.values()) == pytest.approx(1)
+    result = score(truth, performance)
+    assert result.on_face == 1
+    assert result.image["mimetic"]["nonrigid_r2"] == pytest.approx(1, abs=1e-6)
+    assert result.surface["r2"] == pytest.approx(1, abs=1e-6)
+    assert result.head["largest_deg"] < 1e-6
+    assert result.overall["rmse"] == 0
+    assert min(curve["correlation"] for curve in result.controls.values()) == pytest.approx(1)
 
 
 def test_head_motion_alone_explains_none_of_the_non_rigid_motion(performance, truth):
-    made = score(truth, performance).image["its head motion alone"]
-    assert abs(made["nonrigid_r2"]) < 0.35  # frame 1 of the sample is not at rest
-    assert made["r2"] > made["nonrigid_r2"]
+    result = score(truth, performance).image["its head motion alone"]
+    assert abs(result["nonrigid_r2"]) < 0.35  # frame 1 of the sample is not at rest
+    assert result["r2"] > result["nonrigid_r2"]
 
 
 def test_files_of_different_frames_are_scored_on_those_they_share(performance, truth):
@@ -66,10 +66,10 @@ def test_expressions_are_scored_on_their_own_frames_and_pooled(performance, trut
 
 
 def test_reports_hold_the_figures(performance, truth):
-    made = score(truth, performance, "clip")
-    assert "R2 non-rigid" in as_text(made)
-    assert "1.000" in summary([made])
-    (read,) = json.loads(as_json([made]))
+    result = score(truth, performance, "clip")
+    assert "R2 non-rigid" in as_text(result)
+    assert "1.000" in summary([result])
+    (read,) = json.loads(as_json([result]))
     assert read["name"] == "clip"
     assert read["image"]["mimetic"]["nonrigid_r2"] == pytest.approx(1, abs=1e-6)
 

@@ -11,8 +11,8 @@ from evaluation.runs.curves import onset_and_peak, timing_errors
 def test_r2_is_that_of_a_known_error(truth):
     rigid = scores.project(truth.points[:1], truth.head_pose, truth.intrinsics)
     halfway = (truth.tracks + rigid) / 2
-    made = scores.image_motion(truth.tracks, rigid, truth.visible, halfway)
-    assert made["nonrigid_r2"] == pytest.approx(0.75)
+    result = scores.image_motion(truth.tracks, rigid, truth.visible, halfway)
+    assert result["nonrigid_r2"] == pytest.approx(0.75)
     unmoved = np.repeat(truth.tracks[:1], len(truth.frame), axis=0)
     still = scores.image_motion(truth.tracks, rigid, truth.visible, unmoved)
     assert still["r2"] == pytest.approx(0)
@@ -21,8 +21,8 @@ def test_r2_is_that_of_a_known_error(truth):
 def test_a_still_face_has_no_r2(truth):
     still = np.repeat(truth.points[:1], len(truth.frame), axis=0)
     rigid = scores.project(still, truth.head_pose, truth.intrinsics)
-    made = scores.image_motion(rigid + 1e-6, rigid, truth.visible, rigid)
-    assert np.isnan(made["nonrigid_r2"])
+    result = scores.image_motion(rigid + 1e-6, rigid, truth.visible, rigid)
+    assert np.isnan(result["nonrigid_r2"])
     assert np.isnan(scores.surface_motion(still, truth.visible, still)["r2"])
 
 
@@ -41,9 +41,9 @@ def test_surface_score_does_not_depend_on_where_the_head_frame_lies(truth):
         [[np.cos(angle), 0, np.sin(angle)], [0, 1, 0], [-np.sin(angle), 0, np.cos(angle)]]
     )
     moved = truth.points @ turn.T + (0.01, 0.02, -0.01)
-    made = scores.surface_motion(truth.points, truth.visible, moved)
-    assert made["r2"] == pytest.approx(1, abs=1e-9)
-    assert made["neutral_shape_median_mm"] < 1e-6
+    result = scores.surface_motion(truth.points, truth.visible, moved)
+    assert result["r2"] == pytest.approx(1, abs=1e-9)
+    assert result["neutral_shape_median_mm"] < 1e-6
 
 
 @pytest.mark.parametrize(("axis", "name"), [(0, "pitch_deg"), (1, "yaw_deg"), (2, "roll_deg")])
@@ -54,11 +54,11 @@ def test_a_turn_too_far_shows_on_its_axis(axis, name):
         a, b = [k for k in range(3) if k != axis]
         pose[i, a, a] = pose[i, b, b] = np.cos(angle)
         pose[i, a, b], pose[i, b, a] = -np.sin(angle), np.sin(angle)
-    made = scores.head_motion(np.tile(np.eye(4), (31, 1, 1)), pose)
-    assert made[name] == pytest.approx(np.abs(degrees[1:]).mean())
-    assert made["largest_deg"] == pytest.approx(3)
-    assert sum(made[key] for key in ("pitch_deg", "yaw_deg", "roll_deg")) == pytest.approx(
-        made[name]
+    result = scores.head_motion(np.tile(np.eye(4), (31, 1, 1)), pose)
+    assert result[name] == pytest.approx(np.abs(degrees[1:]).mean())
+    assert result["largest_deg"] == pytest.approx(3)
+    assert sum(result[key] for key in ("pitch_deg", "yaw_deg", "roll_deg")) == pytest.approx(
+        result[name]
     )
 
 
@@ -84,13 +84,13 @@ def test_silent_muscles_do_not_make_intervals_look_honest():
     true = np.zeros((100, 20))
     true[50:, 0] = 0.5  # one of twenty muscles, half of the time
     estimated = np.zeros_like(true)
-    made = scores.activations(true, estimated, np.full(true.shape, 0.1))
-    assert made["coverage_90"] == 0
-    assert made["coverage_90_silent"] == 1
+    result = scores.activations(true, estimated, np.full(true.shape, 0.1))
+    assert result["coverage_90"] == 0
+    assert result["coverage_90_silent"] == 1
     estimated[:, 0] = 0.5
-    made = scores.activations(true, estimated, np.full(true.shape, 0.1))
-    assert made["coverage_90"] == 1
-    assert made["coverage_90_silent"] == pytest.approx(1 - 50 / 1950)
+    result = scores.activations(true, estimated, np.full(true.shape, 0.1))
+    assert result["coverage_90"] == 1
+    assert result["coverage_90_silent"] == pytest.approx(1 - 50 / 1950)
     still = scores.activations(np.zeros((5, 2)), np.zeros((5, 2)), np.ones((5, 2)))
     assert np.isnan(still["coverage_90"]) and still["coverage_90_silent"] == 1
 
@@ -100,9 +100,9 @@ def test_a_silent_muscle_that_moves_is_a_false_activation():
     true[:, 0] = np.linspace(0, 1, 20)
     estimated = true.copy()
     estimated[7, 1] = 0.3
-    made = scores.activations(true, estimated, np.ones(true.shape))
-    assert made["largest_false"] == pytest.approx(0.3)
-    assert made["rmse_active"] == 0
+    result = scores.activations(true, estimated, np.ones(true.shape))
+    assert result["largest_false"] == pytest.approx(0.3)
+    assert result["rmse_active"] == 0
 
 
 def test_onset_and_peak_are_read_between_frames():

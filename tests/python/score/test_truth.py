@@ -103,14 +103,14 @@ def _likeness(a, b, at_a, at_b, reach=4):
 def test_the_true_surface_scores_well_on_the_rendered_clip(rendered_clip):
     """The clip's own person and motion as a performance: what a perfect capture would score."""
     truth = Truth.load(rendered_clip.truth)
-    made = score(
+    result = score(
         truth, true_performance(truth), images=(i for _, i in Footage(rendered_clip.footage))
     )
-    assert made.image["mimetic"]["nonrigid_r2"] > 0.97
-    assert abs(made.image["its head motion alone"]["nonrigid_r2"]) < 0.05
-    assert made.surface["r2"] > 0.97
+    assert result.image["mimetic"]["nonrigid_r2"] > 0.97
+    assert abs(result.image["its head motion alone"]["nonrigid_r2"]) < 0.05
+    assert result.surface["r2"] > 0.97
     for peer in ("chained", "direct"):
-        assert made.image[f"DIS flow, {peer}"]["r2"] > 0.8
+        assert result.image[f"DIS flow, {peer}"]["r2"] > 0.8
 
 
 def true_performance(truth):

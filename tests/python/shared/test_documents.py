@@ -48,8 +48,8 @@ FOLDERS = "blender_addon|docs|evaluation|native|sample_scenes|scripts|tests"
 
 
 def pages() -> list[Path]:
-    found = [path for name in PAGES for path in [ROOT / name, *(ROOT / name).rglob("*.md")]]
-    return [path for path in found if path.suffix == ".md"]
+    result = [path for name in PAGES for path in [ROOT / name, *(ROOT / name).rglob("*.md")]]
+    return [path for path in result if path.suffix == ".md"]
 
 
 def texts() -> list[Path]:

@@ -49,12 +49,12 @@ def test_sound_files_are_right(name, tmp_path):
 
 def test_the_same_seed_makes_the_same_files(tmp_path):
     for name, reader in READERS.items():
-        made = list(reader.samples())
+        result = list(reader.samples())
         contents = []
         for again in ("a", "b"):
             folder = tmp_path / f"{name}-{again}"
             folder.mkdir()
-            path = make_case(reader, made, folder, Random(f"{name}/5/7"))
+            path = make_case(reader, result, folder, Random(f"{name}/5/7"))
             contents.append(path.read_bytes() if path.exists() else path.name)
         assert contents[0] == contents[1], name
 

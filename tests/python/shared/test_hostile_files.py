@@ -31,9 +31,9 @@ def saved(tmp_path):
 
 def test_rates_at_the_ends_can_be_a_scenes():
     for rate in (1e-5, 1 / 3600, 240.0, 1e6):
-        made = scene_rate(rate)
-        assert 1 <= made.fps <= 32767 and 1e-5 <= made.fps_base <= 1e6
-        assert made.fps / made.fps_base == pytest.approx(rate, rel=1e-4)
+        result = scene_rate(rate)
+        assert 1 <= result.fps <= 32767 and 1e-5 <= result.fps_base <= 1e6
+        assert result.fps / result.fps_base == pytest.approx(rate, rel=1e-4)
     for rate in (1e-9, 1e300, np.inf, np.nan, 0.0):
         with pytest.raises(InvalidInput, match="frames a second"):
             scene_rate(rate)

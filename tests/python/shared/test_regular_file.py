@@ -60,9 +60,9 @@ def make(kind, path):
     elif kind == "link to a device":
         path.symlink_to("/dev/zero")
     elif kind == "socket":
-        with socket.socket(socket.AF_UNIX) as made:
+        with socket.socket(socket.AF_UNIX) as result:
             here = os.open(path.parent, os.O_RDONLY)  # a socket's whole path has 107 bytes at most
-            made.bind(f"/proc/self/fd/{here}/{path.name}")
+            result.bind(f"/proc/self/fd/{here}/{path.name}")
             os.close(here)
     elif kind == "folder":
         path.mkdir()

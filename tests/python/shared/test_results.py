@@ -98,8 +98,8 @@ def test_a_stopped_run_keeps_its_part_and_replaces_nothing(tmp_path, clip, capfd
         assert run(clip, out, num_frames=3, meanwhile=send(number)) == status
         assert Performance.load(out / name / "performance.npz").num_frames == 3
         assert names(out / name) == ["fit.json", "performance.npz", "report.html"]
-        told = capfd.readouterr().err
-        assert str(out / name) in told and "results that were there before" in told
+        message = capfd.readouterr().err
+        assert str(out / name) in message and "results that were there before" in message
     assert {name: (out / name).read_bytes() for name in FOUR} == before
     assert names(out) == [*FOUR, "unfinished", "unfinished-2"]
 
