@@ -114,6 +114,19 @@ void bind_skin_contact(py::module_& m) {
           "Few shapes whose sums are a take's corrections: values (N, S), offsets (S, 3W).\n\n"
           "parts: values (N, M) and modes at the contact's vertices (M, 3K), metres; progress: called with "
           "the\nfraction done, false ends the work with the frames so far. Raises InvalidInput.");
+    m.def(
+        "shapes_of_corrections",
+        [](const MatrixRows& corrections, const std::vector<Eigen::Index>& frames, Eigen::Index num_frames) {
+            ContactShapes shapes;
+            {
+                const py::gil_scoped_release release;
+                shapes = shapes_of_corrections(corrections, frames, num_frames);
+            }
+            return py::make_tuple(std::move(shapes.values), std::move(shapes.offsets));
+        },
+        "corrections"_a, "frames"_a, "num_frames"_a,
+        "Few shapes whose sums are corrections (C, 3W), metres: values (N, S), offsets (S, 3W).\n\n"
+        "frames: C, from 0, that the corrections are of; the values of others are 0. Raises InvalidInput.");
 }
 
 }  // namespace

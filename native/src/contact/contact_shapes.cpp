@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cmath>
 #include <mimetic/contact/skin_contact.hpp>
 #include <mimetic/shared/error.hpp>
+#include <string>
 
 namespace mimetic {
 namespace {
@@ -11,10 +13,18 @@ constexpr double kTolerance = 5e-5;  // m, of the shapes' sum against the correc
 constexpr Eigen::Index kMaxShapes = 12;
 constexpr Eigen::Index kReported = 50;  // frames between two calls of the progress
 
-/// Principal shapes of corrections (rows), by the eigenvectors of their products [Sirovich 1987].
-/// frames: of each row, of num_frames.
-ContactShapes shapes_of(const MatrixRows& corrections, const std::vector<Eigen::Index>& frames,
-                        Eigen::Index num_frames) {
+}  // namespace
+
+// By the eigenvectors of the corrections' products [Sirovich 1987]
+ContactShapes shapes_of_corrections(const MatrixRows& corrections, const std::vector<Eigen::Index>& frames,
+                                    Eigen::Index num_frames) {
+    if (frames.size() != static_cast<std::size_t>(corrections.rows()) ||
+        std::any_of(frames.begin(), frames.end(), [&](auto i) { return i < 0 || i >= num_frames; })) {
+        throw InvalidInput("each correction must be of one of " + std::to_string(num_frames) + " frames");
+    }
+    if (corrections.rows() == 0) {
+        return {MatrixRows(num_frames, 0), MatrixRows(0, corrections.cols())};
+    }
     const Eigen::MatrixXd products = corrections * corrections.transpose();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(products);
     MatrixRows rest = corrections;
@@ -36,8 +46,6 @@ ContactShapes shapes_of(const MatrixRows& corrections, const std::vector<Eigen::
     shapes.offsets.conservativeResize(count, corrections.cols());
     return shapes;
 }
-
-}  // namespace
 
 ContactShapes contact_shapes(const SkinContact& contact, const std::vector<MotionPart>& parts,
                              const Progress& progress) {
@@ -71,8 +79,7 @@ ContactShapes contact_shapes(const SkinContact& contact, const std::vector<Motio
     for (std::size_t i = 0; i < corrections.size(); ++i) {
         rows.row(static_cast<Eigen::Index>(i)) = corrections[i].cast<double>();
     }
-    return corrections.empty() ? ContactShapes{MatrixRows(num_frames, 0), MatrixRows(0, 3 * num_moved)}
-                               : shapes_of(rows, frames, num_frames);
+    return shapes_of_corrections(rows, frames, num_frames);
 }
 
 }  // namespace mimetic

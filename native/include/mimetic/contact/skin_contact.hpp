@@ -94,6 +94,11 @@ struct ContactShapes {
     MatrixRows offsets;  ///< S x 3W, metres, of the vertices that contact moves
 };
 
+/// Principal shapes of C corrections (a row each, 3W metres), which are those of `frames` (C, from 0) of
+/// num_frames; all other frames have the value 0. Raises InvalidInput.
+ContactShapes shapes_of_corrections(const MatrixRows& corrections, const std::vector<Eigen::Index>& frames,
+                                    Eigen::Index num_frames);
+
 /// Corrections over time lie close to a few shapes; frames in which nothing touches have the value 0. Stopped
 /// by `progress`, they cover the frames so far.
 ContactShapes contact_shapes(const SkinContact& contact, const std::vector<MotionPart>& parts,

@@ -7,7 +7,7 @@ few shapes; frames in which nothing touches have the value 0.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,10 +39,26 @@ def contact_shapes(performance: Performance, progress: Progress | None = None) -
         _motion(performance, contact.vertices),
         None if progress is None else lambda fraction: progress(fraction, "contact"),
     )
+    return _shapes(values, offsets, contact.moved, len(performance.neutral_vertices))
+
+
+def shapes_of_corrections(
+    corrections: Mapping[int, NDArray], num_frames: int, moved: NDArray, num_vertices: int
+) -> list[Shape]:
+    """Few shapes whose sums are the corrections (frame index -> W x 3 metres of moved vertices)."""
+    rows = np.array(list(corrections.values()), dtype=np.float64).reshape(-1, 3 * len(moved))
+    values, offsets = _core.shapes_of_corrections(rows, list(corrections), num_frames)
+    return _shapes(values, offsets, moved, num_vertices)
+
+
+def _shapes(
+    values: NDArray[np.float64], offsets: NDArray[np.float64], moved: NDArray, num_vertices: int
+) -> list[Shape]:
+    """values: N x S; offsets: S x 3W, of the moved vertices (W) among all."""
     shapes = []
     for k, over_time in enumerate(values.T):
-        whole = np.zeros_like(performance.neutral_vertices)
-        whole[contact.moved] = offsets[k].reshape(-1, 3)
+        whole = np.zeros((num_vertices, 3))
+        whole[moved] = offsets[k].reshape(-1, 3)
         shapes.append(Shape(f"{NAME}{k:03d}", CONTACT, whole, over_time.copy(), -1.0, 1.0))
     return shapes
 
