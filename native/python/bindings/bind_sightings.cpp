@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/solve/evidence.hpp>
 #include <mimetic/solve/relief.hpp>
+#include <optional>
 
 #include "arrays.hpp"
 
@@ -63,16 +64,16 @@ void bind_relief(py::module_& m) {
         "find_relief",
         [](const FittedSkin& skin, const ModesArray& components, const ModesArray& modes,
            const Eigen::VectorXd& std, std::vector<int> landmarks, std::vector<int> spread,
-           const std::vector<Sighting>& sightings, const Progress& progress) {
+           const std::vector<Sighting>& sightings, const std::optional<Progress>& progress) {
             const Eigen::Index count = skin.neutral.rows();
             const auto components_in = view_modes("components", components, count);
             const auto modes_in = view_modes("modes", modes, count);
             const py::gil_scoped_release release;
             const ReliefModel model{components_in, modes_in, std, std::move(landmarks), std::move(spread)};
-            return find_relief(skin, model, sightings, {}, progress);
+            return find_relief(skin, model, sightings, {}, progress.value_or(Progress{}));
         },
         "skin"_a, py::arg("components").noconvert(), py::arg("modes").noconvert(), "std"_a, "landmarks"_a,
-        "spread"_a, "sightings"_a, "progress"_a = Progress{},
+        "spread"_a, "sightings"_a, "progress"_a = py::none(),
         "Coefficients (C,) of the components by which the fitted head should differ in depth; empty when "
         "progress says\nto stop.\n\n"
         "components: (C, S, 3) float64, metres at a standard deviation; modes: (M, S, 3) and std: (M,), "
@@ -130,12 +131,12 @@ void bind_evidence(py::module_& m) {
     m.def(
         "most_probable",
         [](std::vector<LinearFrame> frames, const SkinFactors& factors, const Eigen::VectorXd& base,
-           double bound, const Progress& progress) {
+           double bound, const std::optional<Progress>& progress) {
             const SkinEvidence evidence(std::move(frames), factors, base);
             const auto height = [&](const Eigen::VectorXd& place) { return evidence.log_probability(place); };
-            return std::pair(maximise(height, base, bound, progress), height(base));
+            return std::pair(maximise(height, base, bound, progress.value_or(Progress{})), height(base));
         },
-        "frames"_a, "factors"_a, "base"_a, "bound"_a, "progress"_a = Progress{}, release_gil(),
+        "frames"_a, "factors"_a, "base"_a, "bound"_a, "progress"_a = py::none(), release_gil(),
         "(Peak, height of base): the factors within `bound` of base that make what was seen most probable, "
         "priors\nincluded. base: (P,), about which the modes were made linear. Raises InvalidInput.");
 }

@@ -47,7 +47,7 @@ def find_relief(
         np.ascontiguousarray(face_shape(template).components[:, : template.num_skin_vertices]),
         np.ascontiguousarray(modes),
         std,
-        template.landmark_vertices,
+        template.landmark_vertices.tolist(),
         spread_points(template),
         list(sightings),
         progress,
