@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mimetic/contact/skin_contact.hpp>
+#include <mimetic/muscles/articulators.hpp>
 #include <mimetic/shared/error.hpp>
 #include <numeric>
 #include <utility>
@@ -132,9 +133,8 @@ EyeRest rest_on_eye(const MuscleSurface& surface, PointsIn margin, PointsIn rest
     std::vector<double> shares;
     for (Eigen::Index v = 0; v < rest.rows(); ++v) {
         if (way[v] < reach) {
-            const double nearness = std::clamp(2 - 2 * way[v] / reach, 0., 1.);
             eye.vertices.push_back(static_cast<int>(v));
-            shares.push_back(nearness * nearness * (3 - 2 * nearness));
+            shares.push_back(smooth_step(2 - 2 * way[v] / reach));
         }
     }
     eye.rest = rest(eye.vertices, Eigen::all);

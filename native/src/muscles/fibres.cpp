@@ -5,22 +5,13 @@
 #include <mimetic/shared/error.hpp>
 #include <numbers>
 
+#include "interpolate.hpp"
+
 namespace mimetic {
 namespace {
 
 constexpr double kFibreSpacing = .006;      // m, of a sheet
 constexpr double kRingRadii[] = {.6, 1.6};  // of a sphincter's fibres, in its widths
-
-/// A point of a broken line by the way along it; ways: of its corners, rising.
-Eigen::RowVector3d along_line(const Points& corners, const Eigen::VectorXd& ways, double way) {
-    Eigen::Index k = 1;
-    while (k + 1 < ways.size() && ways[k] < way) {
-        ++k;
-    }
-    const double step = std::max(ways[k] - ways[k - 1], 1e-12);
-    const double part = std::clamp((way - ways[k - 1]) / step, 0., 1.);
-    return corners.row(k - 1) + part * (corners.row(k) - corners.row(k - 1));
-}
 
 /// Ellipses about the foci, the half on the muscle's own side.
 std::vector<Points> half_rings(const Muscle& muscle, int num_steps) {
@@ -57,7 +48,9 @@ Points insertion_nodes(const Muscle& muscle) {
     Points nodes(count, 3);
     for (Eigen::Index i = 0; i < count; ++i) {
         const double way = whole * static_cast<double>(i) / static_cast<double>(count - 1);
-        nodes.row(i) = along_line(muscle.insertion, ways, way);
+        for (Eigen::Index axis = 0; axis < 3; ++axis) {
+            nodes(i, axis) = interpolate(way, ways, muscle.insertion.col(axis));
+        }
     }
     return nodes;
 }

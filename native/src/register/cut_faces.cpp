@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <mimetic/muscles/skin_mesh.hpp>
 #include <mimetic/register/foreign_skin.hpp>
 #include <mimetic/shared/error.hpp>
 #include <string>
@@ -43,10 +44,10 @@ int best_corner(PointsIn points, const std::int64_t* corners, int count) {
 }  // namespace
 
 CutFaces cut_faces(PointsIn points, const Eigen::Ref<const LongQuads>& faces) {
-    Eigen::Index num_quads = 0;
+    std::vector<Eigen::Index> triangles, quads;
     for (Eigen::Index f = 0; f < faces.rows(); ++f) {
         const bool is_quad = faces(f, 3) >= 0;
-        num_quads += is_quad;
+        (is_quad ? quads : triangles).push_back(f);
         for (int k = 0; k < (is_quad ? 4 : 3); ++k) {
             if (faces(f, k) < 0 || faces(f, k) >= points.rows()) {
                 throw InvalidInput("face " + std::to_string(f) +
@@ -54,26 +55,15 @@ CutFaces cut_faces(PointsIn points, const Eigen::Ref<const LongQuads>& faces) {
             }
         }
     }
-    CutFaces cut{Triangles(faces.rows() + num_quads, 3), Eigen::VectorXi(faces.rows() + num_quads)};
-    Eigen::Index row = 0;
-    const auto add = [&](Eigen::Index f, int a, int b, int c) {
-        cut.triangles.row(row) << static_cast<int>(faces(f, a)), static_cast<int>(faces(f, b)),
-            static_cast<int>(faces(f, c));
-        cut.face[row++] = static_cast<int>(f);
-    };
-    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-        if (faces(f, 3) < 0) {
-            add(f, 0, 1, 2);
-        }
-    }
-    for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-        if (faces(f, 3) < 0) {
-            continue;
-        }
-        const double along_ac = (points.row(faces(f, 0)) - points.row(faces(f, 2))).norm();
-        const bool by_ac = along_ac <= (points.row(faces(f, 1)) - points.row(faces(f, 3))).norm();
-        add(f, 0, 1, by_ac ? 2 : 3);
-        add(f, by_ac ? 0 : 1, 2, 3);
+    const Quads corners = faces(quads, Eigen::all).cast<int>();
+    const auto num_triangles = static_cast<Eigen::Index>(triangles.size());
+    CutFaces cut{Triangles(num_triangles + 2 * corners.rows(), 3), {}};
+    cut.triangles.topRows(num_triangles) = faces(triangles, Eigen::seqN(0, 3)).cast<int>();
+    cut.triangles.bottomRows(2 * corners.rows()) = split_quads(points, corners);
+    cut.face.resize(cut.triangles.rows());
+    for (Eigen::Index t = 0; t < cut.face.size(); ++t) {
+        const auto row = static_cast<std::size_t>(t < num_triangles ? t : (t - num_triangles) / 2);
+        cut.face[t] = static_cast<int>(t < num_triangles ? triangles[row] : quads[row]);
     }
     return cut;
 }

@@ -136,6 +136,19 @@ TEST_F(SkinContactTest, AnEyeHoldsWhatLiesOnIt) {
     EXPECT_TRUE(eye.push(sunk).isZero(0));
 }
 
+TEST_F(SkinContactTest, LidsLieOnTheEyeUpToTheirEnd) {
+    const MuscleSurface surface(vertices, triangles,
+                                std::vector<bool>(static_cast<std::size_t>(triangles.rows()), true));
+    const Points margin = vertices.row(0);
+    const EyeRest eye = rest_on_eye(surface, margin, vertices.topRows(13), {.01, 0, -.01}, .009, 2);
+    EXPECT_EQ(eye.vertices, std::vector<int>({0, 1, 2, 3, 4}));
+    EXPECT_DOUBLE_EQ(eye.share[0], 1);
+    EXPECT_DOUBLE_EQ(eye.share[2], 1);  // up to half the reach
+    EXPECT_GT(eye.share[3], eye.share[4]);
+    EXPECT_GT(eye.share[4], 0);
+    EXPECT_DOUBLE_EQ(eye.sink, .0012);
+}
+
 TEST(Slits, LidsArePartedByTheLineBetweenTheCorners) {
     Points points(5, 3), corners(2, 3);
     corners << .02, 0, 0, .04, .004, 0;
