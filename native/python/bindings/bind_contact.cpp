@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/contact/skin_contact.hpp>
 #include <mimetic/contact/slits.hpp>
+#include <optional>
 
 #include "arrays.hpp"
 #include "compressed_rows.hpp"
@@ -28,7 +29,7 @@ SkinContact make_contact(PointsIn rest, const CompressedRows& stencils, const st
 
 py::tuple shapes_of_contact(const SkinContact& contact,
                             const std::vector<std::pair<MatrixRows, MatrixRows>>& parts,
-                            const Progress& progress) {
+                            const std::optional<Progress>& progress) {
     ContactShapes shapes;
     {
         const py::gil_scoped_release release;
@@ -36,7 +37,7 @@ py::tuple shapes_of_contact(const SkinContact& contact,
         for (const auto& [values, modes] : parts) {
             motion.push_back({values, modes});
         }
-        shapes = contact_shapes(contact, motion, progress);
+        shapes = contact_shapes(contact, motion, progress.value_or(Progress{}));
     }
     return py::make_tuple(std::move(shapes.values), std::move(shapes.offsets));
 }
@@ -110,7 +111,7 @@ void bind_skin_contact(py::module_& m) {
             "displacement"_a, release_gil(), "How deep lips or lids lie in each other, metres.")
         .def("turned", &SkinContact::turned, "linear"_a,
              "The same contact for displacements in another frame: linear (3, 3) @ those of this.");
-    m.def("contact_shapes", &shapes_of_contact, "contact"_a, "parts"_a, "progress"_a = nullptr,
+    m.def("contact_shapes", &shapes_of_contact, "contact"_a, "parts"_a, "progress"_a = py::none(),
           "Few shapes whose sums are a take's corrections: values (N, S), offsets (S, 3W).\n\n"
           "parts: values (N, M) and modes at the contact's vertices (M, 3K), metres; progress: called with "
           "the\nfraction done, false ends the work with the frames so far. Raises InvalidInput.");

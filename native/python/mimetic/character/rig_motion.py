@@ -152,10 +152,10 @@ def carried_channels(
     location: 3, rotation: 3 x 3, its own channels now; world_from_parent: 4 x 4; axes: 3 x 3, world
     from the character frame; scale: of shifts.
     """
-    carried = _core.carry_object(
+    rotations, locations = _core.carry_object(
         moved.rotations, moved.shifts, location, rotation, world_from_parent, axes, scale
     )
-    return _channels(*carried, rotation_mode)
+    return _channels(rotations, locations, rotation_mode)
 
 
 def placed_channels(
@@ -174,9 +174,8 @@ def placed_channels(
     poses = world_from_object(performance, world)
     camera = np.asarray(world, dtype=np.float64)[:3, 3]
     axes = facing(direction)
-    return _channels(
-        *_core.place_object(poses, camera, world_from_parent, axes, scale), rotation_mode
-    )
+    rotations, locations = _core.place_object(poses, camera, world_from_parent, axes, scale)
+    return _channels(rotations, locations, rotation_mode)
 
 
 def followed(before: ArrayLike, after: ArrayLike, turned: float) -> float:

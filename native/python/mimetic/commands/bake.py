@@ -102,7 +102,7 @@ def check_footage(performance: os.PathLike[str], footage: os.PathLike[str]) -> N
     """Raises InvalidInput for footage that the performance was not captured from, if it says."""
     check_input(footage, "a video file")
     captured = Performance.load(performance)
-    if not captured.is_of(fingerprint(footage)):
+    if captured.footage and not captured.is_of(fingerprint(footage)):
         raise InvalidInput(
             f"--footage {shown(footage)} is not the clip that {shown(performance)} was captured "
             f"from ({shown(captured.footage[0])}): give that one, or leave --footage out"

@@ -199,7 +199,8 @@ class _HeadMotion:
         """Rows of the frames that were asked for; a held frame has the last good one's pose."""
         for frame, estimate in estimates:
             is_held = estimate is None or estimate.held
-            good = good if is_held else estimate
+            if estimate is not None and not estimate.held:
+                good = estimate
             if self.first <= frame <= self.last:
                 rows.frame.append(frame)
                 rows.pose.append(np.asarray(good.camera_from_head))

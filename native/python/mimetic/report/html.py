@@ -168,7 +168,7 @@ def _distinct(performance: Performance) -> NDArray[np.int64]:
     usable = performance.quality >= min(0.5, float(np.median(performance.quality)))
     best = int(np.argmax(performance.quality))
     count = min(NUM_PICTURES, int(usable.sum()))
-    return np.array(_core.distinct_rows(state, usable, best, count))
+    return np.array(_core.distinct_rows(state, usable.tolist(), best, count), dtype=np.int64)
 
 
 def _figure(rows: int, cols: int, height: float) -> tuple[Figure, np.ndarray]:
