@@ -23,9 +23,9 @@ public:
 
 private:
     struct Face {
-        int number;
+        int number = 0;
         std::array<Eigen::Vector2d, 3> corners;  // x, z
-        double doubled;                          // area, signed
+        double doubled = 0;                      // area, signed
     };
 
     std::size_t bin_of(double x) const;

@@ -17,9 +17,9 @@ struct EdgePoint {
 std::vector<EdgePoint> outline(const FaceModel& model, const Points& points,
                                const Eigen::Isometry3d& camera_from_head, const Camera& camera);
 
-/// The outer points of an outline in order from the subject's left ear round the chin to the right ear:
+/// The outermost of some points in order from the subject's left ear round the chin to the right ear:
 /// one a sector, as seen from `center`.
-Points2 jaw_line(const std::vector<EdgePoint>& outline, const Eigen::Vector2d& center, double from_angle,
+Points2 jaw_line(const std::vector<EdgePoint>& points, const Eigen::Vector2d& center, double from_angle,
                  double to_angle, int count);
 
 }  // namespace mimetic::fit

@@ -78,7 +78,7 @@ void update_band(const Level& level, const Belief& prior, const cv::Mat& at_x, c
         if (y < band.start + kReach) {
             continue;
         }
-        std::array<const float*, kNumRows> window;
+        std::array<const float*, kNumRows> window{};
         for (int i = 0; i < kNumRows; ++i) {
             window[static_cast<std::size_t>(i)] = slot(y - kNumRows + 1 + i);
         }

@@ -68,6 +68,7 @@ bool compare(const Camera& camera, const Eigen::Isometry3d& pose,
 
 double scale_of(const std::vector<Row>& rows) {
     std::vector<double> distances;
+    distances.reserve(rows.size());
     for (const Row& row : rows) {
         distances.push_back(row.distance);
     }

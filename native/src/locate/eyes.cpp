@@ -114,6 +114,7 @@ EyePair find_eyes(const cv::Mat1f& face, const std::vector<Eigen::Vector2d>& eye
     const double width = face.cols;
     const double radius = kIrisRadius * width;
     std::vector<Eigen::Vector2d> hits;
+    hits.reserve(eye_hits.size());
     for (const auto& hit : eye_hits) hits.push_back(hit / width);
     const auto candidates = [&](double center_x) {
         const cv::Rect window(static_cast<int>((center_x - 0.13) * width), static_cast<int>(0.25 * width),

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/objdetect.hpp>
+#include <utility>
 
 #include "locate/eyes.hpp"
 #include "locate/measure.hpp"
@@ -54,7 +55,7 @@ struct Upright {
         cv::invertAffineTransform(turn, image_from_gray);
         cv::Mat turned;
         cv::warpAffine(image, turned, turn, image.size(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
-        gray = turned;
+        gray = std::move(turned);
     }
 
     Eigen::Vector2d in_image(const Eigen::Vector2d& p) const {
@@ -200,6 +201,7 @@ locate::EyePair FaceLocator::Cascades::eyes(const cv::Mat& gray, const cv::Rect2
     eye->detectMultiScale(crop(upper), hits, 1.1, 2, 0, {side / 7, side / 7},
                           {side * 45 / 100, side * 45 / 100});
     std::vector<Eigen::Vector2d> centers;
+    centers.reserve(hits.size());
     for (const auto& hit : hits) {
         centers.emplace_back(hit.x + 0.5 * hit.width, hit.y + 0.54 * hit.height + upper.y);
     }

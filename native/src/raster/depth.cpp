@@ -77,7 +77,7 @@ DepthMap render_depth(const Camera& camera, PointsIn vertices_in_camera, QuadsIn
     map.depth.assign(static_cast<std::size_t>(map.rows) * static_cast<std::size_t>(map.cols),
                      std::numeric_limits<float>::infinity());
     for (Eigen::Index f = 0; f < faces.rows(); ++f) {
-        std::array<Corner, 4> quad;
+        std::array<Corner, 4> quad{};
         for (Eigen::Index k = 0; k < 4; ++k) {
             quad[static_cast<std::size_t>(k)] = corners[static_cast<std::size_t>(faces(f, k))];
         }

@@ -20,7 +20,7 @@ constexpr Eigen::Index kSide =
 /// A triangle seen from the camera. The ray s r meets its plane where the corners' weights solve s r = u a +
 /// v b + w c; each is a triple product with the ray, and before scaling they sum to 1 / s.
 struct Facet {
-    int triangle;
+    int triangle = 0;
     Eigen::Matrix3d planes;  ///< a row a corner
     Eigen::Vector2d low, high;
 };

@@ -34,6 +34,7 @@ std::vector<std::vector<Edge>> loops_of(TrianglesIn triangles, Eigen::Index num_
         loops[smallest[components.root(edge.from)]].push_back(edge);
     }
     std::vector<std::vector<Edge>> result;
+    result.reserve(loops.size());
     for (auto& [vertex, loop] : loops) {
         result.push_back(std::move(loop));
     }

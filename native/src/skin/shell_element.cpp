@@ -9,7 +9,7 @@ namespace {
 
 /// Of the side from corner j to corner i: terms of the rotations along it (Batoz, Bathe and Ho 1980).
 struct Side {
-    double p, t, q, r;
+    double p = 0, t = 0, q = 0, r = 0;
 };
 
 struct Plane {

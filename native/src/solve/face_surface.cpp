@@ -88,7 +88,7 @@ namespace {
 
 struct Corner {
     Eigen::Vector2f pixel;
-    float depth;
+    float depth = 0;
 };
 
 void fill_triangle(SurfaceRaster& raster, const Corner corners[3], int triangle) {

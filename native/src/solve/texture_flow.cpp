@@ -19,8 +19,8 @@ bool map_jacobian(const cv::Mat2f& map, int x, int y, Eigen::Matrix2d& jacobian)
     if (x < kReach || y < kReach || x >= map.cols - kReach || y >= map.rows - kReach) {
         return false;
     }
-    const cv::Vec2f left = map(y, x - kReach), right = map(y, x + kReach);
-    const cv::Vec2f up = map(y - kReach, x), down = map(y + kReach, x);
+    const cv::Vec2f &left = map(y, x - kReach), &right = map(y, x + kReach);
+    const cv::Vec2f &up = map(y - kReach, x), &down = map(y + kReach, x);
     if (std::min({left[0], right[0], up[0], down[0]}) < -1e5f) {
         return false;
     }

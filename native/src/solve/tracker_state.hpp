@@ -60,7 +60,7 @@ struct FaceTracker::State {
     void measure(bool is_first, bool is_last, FrameScore& score);
     void raster_surface();
     std::vector<std::size_t> choose_views() const;
-    void find_visible(const ReferenceView& view, std::vector<float>& visible) const;
+    void find_visible(const ReferenceView& view, std::vector<float>& out) const;
     StepPrior at_state(const StepPrior& prior) const;
     Eigen::Index num_values() const { return motion.lower.size(); }
     double view_angle(const ReferenceView& view) const;

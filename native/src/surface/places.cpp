@@ -171,6 +171,7 @@ void settle_outline(const View& view, Points2In pixels, SurfacePlaces& places) {
         return;
     }
     std::vector<double> depths;  // of the face, not of the pixels: what others are asked for changes nothing
+    depths.reserve(view.facing.size());
     for (const int vertex : view.facing) {
         depths.push_back(view.vertices(vertex, 2));
     }
