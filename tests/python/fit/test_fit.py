@@ -245,7 +245,7 @@ def test_pins_outlive_the_file(tmp_path, template, fitted):
 def test_pins_of_no_landmark_and_on_no_view_are_refused(fitted):
     with pytest.raises(InvalidInput, match="no landmark ear_ring; there are hairline"):
         refit(fitted, {"ear_ring": (1.0, 2.0)})
-    with pytest.raises(InvalidInput, match="does not rest on frame 8"):
+    with pytest.raises(InvalidInput, match="is not of frame 8"):
         refit(fitted, {}, 8)
     with pytest.raises(InvalidInput, match="pin chin"):
         refit(fitted, {"chin": (np.nan, 2.0)})

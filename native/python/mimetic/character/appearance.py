@@ -119,12 +119,12 @@ def _vertex_weights(template: FaceTemplate) -> NDArray[np.float64]:
     weights = np.zeros(len(template.vertices))
     weights[: template.num_skin_vertices] = ~np.isin(template.region, unseen)
     faces = template.faces[: template.num_skin_faces]
-    wanted = weights.copy()
+    uncovered = weights.copy()
     counts = np.bincount(faces.reshape(-1), minlength=len(weights))
     for _ in range(2):  # the border becomes a ramp of two quads, inwards
         around = weights[faces].mean(axis=1)
         sums = np.bincount(faces.reshape(-1), np.repeat(around, 4), len(weights))
-        weights = np.minimum(wanted, sums / np.maximum(counts, 1))
+        weights = np.minimum(uncovered, sums / np.maximum(counts, 1))
     return weights
 
 

@@ -110,9 +110,9 @@ def read_skin(
     """Check a mesh and its landmarks; arguments and errors as for `foreign_head.attach_foreign`."""
     points = _check_vertices(vertices)
     triangles, face = _core.cut_faces(points, _check_faces(faces))
-    given = _check_landmarks(landmarks, points, template)
-    names = list(given)
-    targets = np.array(list(given.values()))
+    landmark_places = _check_landmarks(landmarks, points, template)
+    names = list(landmark_places)
+    targets = np.array(list(landmark_places.values()))
     core = [names.index(name) for name in REQUIRED]
     canonical = template.vertices[[template.landmark(name) for name in REQUIRED]]
     user_from_skin = fit_similarity(canonical, targets[core])
@@ -175,7 +175,7 @@ def _check_landmarks(landmarks, points, template) -> dict[str, NDArray[np.float6
         raise InvalidInput(
             f"there is no landmark {unknown[0]!r}; there are {', '.join(template.landmark_names)}"
         )
-    found = {}
+    checked_places = {}
     for name, value in landmarks.items():
         place = np.asarray(value)
         if place.shape == () and place.dtype.kind in "iu":
@@ -183,11 +183,11 @@ def _check_landmarks(landmarks, points, template) -> dict[str, NDArray[np.float6
                 raise InvalidInput(
                     f"landmark {name} is vertex {int(place)}, the mesh has {len(points)}"
                 )
-            found[name] = points[int(place)]
+            checked_places[name] = points[int(place)]
         elif place.shape == (3,) and place.dtype.kind in "iuf" and np.isfinite(place).all():
-            found[name] = place.astype(np.float64)
+            checked_places[name] = place.astype(np.float64)
         else:
             raise InvalidInput(
                 f"landmark {name} is {value!r}: needed is a vertex's index or x, y, z in metres"
             )
-    return found
+    return checked_places

@@ -16,15 +16,15 @@ LONGEST_LINE = 65_536  # characters, of an .obj
 
 def read_landmarks(path: Path) -> dict[str, int | list[float]]:
     """JSON object: name -> index of a vertex (from 0) or [x, y, z] in the mesh's unit."""
-    found = read_json(path, "a file of landmarks", MAX_LANDMARK_BYTES)
-    if not isinstance(found, dict):
+    document = read_json(path, "a file of landmarks", MAX_LANDMARK_BYTES)
+    if not isinstance(document, dict):
         raise InvalidInput(f'{path}: needed is {{"nose_tip": 123, "chin": [x, y, z], ...}}')
-    for name, value in found.items():
+    for name, value in document.items():
         is_point = isinstance(value, list) and len(value) == 3 and all(map(_is_number, value))
         if not is_point and not (isinstance(value, int) and not isinstance(value, bool)):
             what = shortened(f"landmark {name} is {value!r}")
             raise InvalidInput(f"{path}: {what}, needed is a vertex's index or [x, y, z]")
-    return found
+    return document
 
 
 def _is_number(value: object) -> bool:

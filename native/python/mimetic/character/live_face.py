@@ -130,12 +130,12 @@ class LiveFace:
         )
 
     def _activations(self, values: Mapping[str, float]) -> NDArray[np.float64]:
-        found = []
+        values_by_muscle = []
         for name, group in zip(self._lines.names, self._lines.groups, strict=True):
             side = name[name.rfind(".") :]
             own = (name, group_name(int(group), side), group_name(int(group)))
-            found.append(sum(values.get(slider, 0.0) for slider in own))
-        return np.array(found)
+            values_by_muscle.append(sum(values.get(slider, 0.0) for slider in own))
+        return np.array(values_by_muscle)
 
     def strokes(self, pose: Pose) -> list[Strokes]:
         """Lines of all muscles, coloured by group, the wider and brighter the more active."""

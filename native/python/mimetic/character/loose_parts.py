@@ -32,12 +32,12 @@ class LooseParts:
         part = np.full(len(template.vertices), int(_core.TemplatePart.other), np.int32)
         for name, like in PARTS.items():
             part[template.part_vertices(name)] = int(like)
-        found = _core.sort_loose_parts(skin.mesh, laid_vertices, part)
-        self.on_jaw = found.on_jaw
-        self.eyes = {side: found.on_eye(number) for number, side in enumerate(SIDES)}
-        self.following, self.roots = found.following, found.roots
+        parts_by_kind = _core.sort_loose_parts(skin.mesh, laid_vertices, part)
+        self.on_jaw = parts_by_kind.on_jaw
+        self.eyes = {side: parts_by_kind.on_eye(number) for number, side in enumerate(SIDES)}
+        self.following, self.roots = parts_by_kind.following, parts_by_kind.roots
         self.notes: tuple[str, ...] = ()
-        if found.num_left:
+        if parts_by_kind.num_left:
             self.notes = (
-                f"{found.num_left} loose vertices near to the skin are too many: they stay",
+                f"{parts_by_kind.num_left} loose vertices near to the skin are too many: they stay",
             )

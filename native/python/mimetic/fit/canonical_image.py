@@ -57,16 +57,16 @@ def canonical_image(
     if view is None and frame != fit.frame:
         raise InvalidInput(f"the fit does not rest on frame {frame}: add it, or fit again")
     pose = fit.head_pose if view is None else view.head_pose
-    shown = canonical_map(template, size)
+    canonical = canonical_map(template, size)
     vertices = fit.neutral_vertices(template) @ pose[:3, :3].T + pose[:3, 3]
     colours, is_seen = _core.seen_colours(
         *(np.ascontiguousarray(image), fit.camera, vertices),
-        *(shown.corners, shown.weights, LEAST_FACING),
+        *(canonical.corners, canonical.weights, LEAST_FACING),
     )
     picture = np.zeros((size * size, 3), np.uint8)
-    picture[shown.pixel] = colours
+    picture[canonical.pixel] = colours
     mask = np.zeros(size * size, bool)
-    mask[shown.pixel] = is_seen
+    mask[canonical.pixel] = is_seen
     return picture.reshape(size, size, 3), mask.reshape(size, size)
 
 

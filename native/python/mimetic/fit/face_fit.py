@@ -133,10 +133,10 @@ def _fields(document: object) -> dict:
             f"face fit has schema {schema!r}, this version reads {SCHEMA}: "
             "update Mimetic or fit again"
         )
-    known = {*REQUIRED, *(key for key, number in OPTIONAL.items() if schema >= number)}
+    known_keys = {*REQUIRED, *(key for key, number in OPTIONAL.items() if schema >= number)}
     if missing := sorted(set(REQUIRED) - document.keys()):
         raise InvalidInput(f"face fit lacks {', '.join(missing)}")
-    if unknown := sorted(document.keys() - known):
+    if unknown := sorted(document.keys() - known_keys):
         raise InvalidInput(f"face fit has unknown keys: {', '.join(unknown)}")
     fields = {key: value for key, value in document.items() if key != "schema"}
     views = fields.get("views", [])
@@ -177,10 +177,10 @@ def _check(fit: FaceFit) -> None:
         raise InvalidInput("face fit's warnings must be a list of texts")
     fit.warnings = [shown(text) for text in fit.warnings]
     for name in ("residual", "relief"):
-        given = getattr(fit, name)
-        if not isinstance(given, list | tuple | np.ndarray):
+        coefficients = getattr(fit, name)
+        if not isinstance(coefficients, list | tuple | np.ndarray):
             raise InvalidInput(f"face fit's {name} must be a list of numbers")
-        setattr(fit, name, numbers(name, given, (len(given),)).tolist())
+        setattr(fit, name, numbers(name, coefficients, (len(coefficients),)).tolist())
     frames = [view.frame for view in fit.views]
     if frames and (frames[0] != fit.frame or len(set(frames)) != len(frames)):
         raise InvalidInput("face fit's views must start with its frame and show each frame once")

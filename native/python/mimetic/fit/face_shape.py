@@ -53,13 +53,15 @@ class FaceShape:
         if unknown := sorted(identity.keys() - set(self.identity_names)):
             raise InvalidInput(f"a fit has no identity mode {', '.join(unknown)}: fit again")
         count = len(self.coefficients) - len(self.identity_names)
-        given = [identity.get(name, 0.0) for name in self.identity_names]
-        given += list(residual) or [0.0] * count
-        if len(given) != len(self.coefficients):
+        coefficients = [identity.get(name, 0.0) for name in self.identity_names]
+        coefficients += list(residual) or [0.0] * count
+        if len(coefficients) != len(self.coefficients):
             raise InvalidInput(
                 f"the fit has {len(residual)} residual coefficients, this head {count}: fit again"
             )
-        return _core.nearest_coefficients(self.coefficients, np.array(given, dtype=np.float64))
+        return _core.nearest_coefficients(
+            self.coefficients, np.array(coefficients, dtype=np.float64)
+        )
 
 
 def identity_names(template: FaceTemplate) -> list[str]:

@@ -194,15 +194,15 @@ def refit(
     """The fit solved again with other pins, from the features it keeps; no image is needed.
 
     pins: landmark -> pixel (x, y), (0, 0) the middle of the first; all that are to hold in `frame`,
-    so that an empty mapping lets go. `landmark_places` gives the names. frame: one of the fit's
+    so an empty mapping removes them. `landmark_places` gives the names. frame: one of the fit's
     views, by default the reference. Other frames keep theirs. Raises InvalidInput.
     """
     template = template or load_template()
     frame = fit.frame if frame is None else frame
     if fit.view(frame) is None:
-        shown = ", ".join(str(view.frame) for view in fit.views) or "none"
+        frames = ", ".join(str(view.frame) for view in fit.views) or "none"
         raise InvalidInput(
-            f"the fit does not rest on frame {frame} (its frames: {shown}): add it, or fit again"
+            f"the fit is not of frame {frame} (its frames: {frames}): add it, or fit again"
         )
     model = face_model(template)
     names = [name for name in model.landmark_names if not name.startswith(BETWEEN_PREFIX)]
@@ -283,7 +283,7 @@ def landmark_places(
     frame = fit.frame if frame is None else frame
     frames = [view.frame for view in fit.views] or [fit.frame]
     if frame not in frames:
-        raise InvalidInput(f"the fit does not rest on frame {frame}")
+        raise InvalidInput(f"the fit is not of frame {frame}")
     number = frames.index(frame)
     estimate = _estimate_of(fit, template)
     projected = _core.project_features(face_model(template), estimate, fit.camera, number)
@@ -305,8 +305,8 @@ def _solved_again(
     fit: FaceFit, template: FaceTemplate, estimate: _core.FaceEstimate, views: list[FittedView]
 ) -> FaceFit:
     """What is known of the person and was said of the footage stays."""
-    found = _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
-    return replace(found, relief=fit.relief, calibration=fit.calibration)
+    solved_fit = _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
+    return replace(solved_fit, relief=fit.relief, calibration=fit.calibration)
 
 
 def _as_fit(

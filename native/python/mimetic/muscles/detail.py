@@ -34,9 +34,9 @@ def detail_of(skin: AttachedSkin, unmeasured: tuple[str, ...], count: int = NUM_
     """The modes of a person's skin but for the regions named."""
     mesh = skin.mesh
     count_skin = int(mesh.template.num_skin_vertices)
-    kept = (~mesh.template.in_region(*unmeasured))[:count_skin].astype(np.float64)
-    found = low_energy_modes(
-        skin, count, visible_area(mesh) * multiply(mesh.stencils, kept), FRONTAL
+    weights = (~mesh.template.in_region(*unmeasured))[:count_skin].astype(np.float64)
+    modes = low_energy_modes(
+        skin, count, visible_area(mesh) * multiply(mesh.stencils, weights), FRONTAL
     )
-    share = found.compliance / found.compliance.sum()
-    return Detail(found.modes, TYPICAL * np.sqrt(share))
+    share = modes.compliance / modes.compliance.sum()
+    return Detail(modes.modes, TYPICAL * np.sqrt(share))

@@ -30,9 +30,9 @@ class SkinModes:
 
 def visible_area(mesh: SkinMesh) -> NDArray[np.float64]:
     """N: square metres of each refined vertex that can be seen from the front, else 0."""
-    seen = np.zeros(len(mesh.vertices))
-    seen[mesh.seen_from_front] = 1
-    return mesh.surface.areas * seen
+    area = np.zeros(len(mesh.vertices))
+    area[mesh.seen_from_front] = 1
+    return mesh.surface.areas * area
 
 
 def low_energy_modes(

@@ -71,5 +71,5 @@ def warn_of_smoothed(faces: Sequence[int], farthest: float) -> None:
 
 
 def _listed(faces: Sequence[int]) -> str:
-    shown = ", ".join(str(face) for face in faces[:8])
-    return shown if len(faces) <= 8 else f"{shown} and {len(faces) - 8} more"
+    text = ", ".join(str(face) for face in faces[:8])
+    return text if len(faces) <= 8 else f"{text} and {len(faces) - 8} more"
