@@ -20,7 +20,7 @@ from mimetic.score.json_text import json_text
 from mimetic.score.text_table import text_table
 from mimetic.score.truth import Truth
 from mimetic.solve import clip_capture
-from mimetic.solve.calibrate import Found, NothingSeen
+from mimetic.solve.calibrate import CalibrationResult, NothingSeen
 from mimetic.solve.calibration_run import calibrate
 
 from evaluation.runs import deviation, expressions
@@ -120,7 +120,7 @@ def score_parts(truth: Truth, performance: Performance, split: int) -> tuple[Sco
     )
 
 
-def figures_of(result: Found) -> dict[str, float]:
+def figures_of(result: CalibrationResult) -> dict[str, float]:
     """Factors by region, their geometric mean, and what evidence gained."""
     factors = {name: result.calibration.stiffness.get(name, 1.0) for name in REGIONS}
     mean = math.exp(np.mean(np.log(list(factors.values()))))

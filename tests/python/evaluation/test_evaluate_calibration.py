@@ -10,7 +10,7 @@ import pytest
 from mimetic import InvalidInput
 from mimetic.muscles.calibration import REGIONS, Calibration
 from mimetic.solve import clip_capture
-from mimetic.solve.calibrate import Found, NothingSeen
+from mimetic.solve.calibrate import CalibrationResult, NothingSeen
 from sample_performance import make_performance
 from sample_truth import make_truth
 
@@ -35,7 +35,7 @@ def clip(monkeypatch):
     def calibrate(footage, frames, fit):
         assert frames == (1, 12)
         known = dict.fromkeys(REGIONS, 0.3)
-        return replace(fit, calibration=result), Found(result, known, {}, 2.5)
+        return replace(fit, calibration=result), CalibrationResult(result, known, {}, 2.5)
 
     monkeypatch.setattr(calibration.expressions, "clips", lambda which, report: clips)
     monkeypatch.setattr(calibration, "calibrate", calibrate)

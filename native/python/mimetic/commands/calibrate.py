@@ -14,7 +14,7 @@ from mimetic.fit.fitting import FaceFit
 from mimetic.muscles.calibration import REGIONS
 from mimetic.shared.interrupts import listen_for_interrupt
 from mimetic.shared.regular_file import check_target
-from mimetic.solve.calibrate import Found
+from mimetic.solve.calibrate import CalibrationResult
 from mimetic.solve.calibration_run import calibrate
 
 
@@ -63,7 +63,7 @@ def run_calibrate(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def described(result: Found) -> str:
+def described(result: CalibrationResult) -> str:
     """What was result: a line for each factor with the range of one standard deviation."""
     calibration = result.calibration
     lines = ["attachment of the skin to the bone, times what is assumed"]

@@ -38,7 +38,7 @@ UNINFORMED = 0.9
 
 
 @dataclass(frozen=True)
-class Found:
+class CalibrationResult:
     """A calibration with what supports it.
 
     stiffness_std, strength_std: of the logarithms, by name, of every factor that was asked for;
@@ -82,7 +82,7 @@ def estimate(
     camera: _core.Camera,
     reference: Floats,
     progress: Callable[[float], bool] | None = None,
-) -> Found:
+) -> CalibrationResult:
     """The most probable calibration.
 
     mesh: of the fitted head; sightings: of a capture without a calibration; reference: 4 x 4, pose
@@ -121,7 +121,7 @@ def estimate(
         place = peak.place
         if settled:
             break
-    return _found(peak, factors, chosen, first)
+    return _result(peak, factors, chosen, first)
 
 
 def _prior_std(response: SkinResponse) -> Floats:
@@ -184,13 +184,15 @@ class Factors:
         )
 
 
-def _found(peak: _core.Peak, factors: Factors, chosen: list[_core.Sighting], first: float) -> Found:
+def _result(
+    peak: _core.Peak, factors: Factors, chosen: list[_core.Sighting], first: float
+) -> CalibrationResult:
     informed = peak.std < UNINFORMED * factors.prior
     place = np.where(informed, peak.place, 0.0)
     calibration = factors.calibration(place, [one.frame for one in chosen], informed)
     stiffness, strength, _ = factors.split(peak.std)
     muscles = [factors.names[i] for i in factors.core.strong]
-    return Found(
+    return CalibrationResult(
         calibration,
         dict(zip(REGIONS, stiffness.tolist(), strict=True)),
         dict(zip(muscles, strength.tolist(), strict=True)),

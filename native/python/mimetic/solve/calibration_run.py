@@ -15,7 +15,7 @@ from mimetic.muscles.calibration import Calibration
 from mimetic.shared.progress import ATTACHED, SEARCHED, Progress, stages
 from mimetic.skin.mesh import SkinMesh
 from mimetic.solve import clip_capture
-from mimetic.solve.calibrate import Found, estimate
+from mimetic.solve.calibrate import CalibrationResult, estimate
 from mimetic.solve.clip_capture import CaptureSummary, ClipCapture, FrameRange
 
 LEAST_FRAMES = 15  # in which the face was followed
@@ -29,10 +29,10 @@ class _ObservedCapture(ClipCapture):
     sightings: list[_core.Sighting]
 
     def advance(self, tracker, frame, image, guess=None):
-        found = super().advance(tracker, frame, image, guess)
-        if not found.held and self.first <= frame <= self.last:
-            self.sightings.append(_core.Sighting.of(frame, found, tracker.observations()))
-        return found
+        state = super().advance(tracker, frame, image, guess)
+        if not state.held and self.first <= frame <= self.last:
+            self.sightings.append(_core.Sighting.of(frame, state, tracker.observations()))
+        return state
 
 
 def calibrate(
@@ -40,7 +40,7 @@ def calibrate(
     frames: FrameRange | None = None,
     fit: FaceFit | None = None,
     progress: Progress | None = None,
-) -> tuple[FaceFit, Found]:
+) -> tuple[FaceFit, CalibrationResult]:
     """The fit with the calibration that `frames` of the footage make most probable.
 
     fit: of this footage, found if there is none; what it was calibrated to before is replaced.
@@ -49,14 +49,14 @@ def calibrate(
     """
     footage = Footage(path)
     first, last = clip_capture.check_range(frames, footage)
-    num_asked = last - first + 1
-    if not LEAST_FRAMES <= num_asked <= MOST_FRAMES:
+    num_frames = last - first + 1
+    if not LEAST_FRAMES <= num_frames <= MOST_FRAMES:
         raise InvalidInput(
             f"calibration rests on {LEAST_FRAMES} to {MOST_FRAMES} frames, {first}:{last} are "
-            f"{num_asked}: choose a few seconds in which the face moves (--frames A:B)"
+            f"{num_frames}: choose a few seconds in which the face moves (--frames A:B)"
         )
     summary = CaptureSummary()
-    followed = ATTACHED + num_asked
+    followed = ATTACHED + num_frames
     finding, following, weighing = stages(
         progress, 0.0 if fit else SEARCHED, followed, WEIGHED * followed
     )
@@ -73,11 +73,11 @@ def calibrate(
             f"{first} to {last}, calibration needs {LEAST_FRAMES}: choose others (--frames A:B)"
         )
     mesh = SkinMesh(capture.template, np.ascontiguousarray(capture.neutral))
-    found = estimate(
+    result = estimate(
         mesh,
         capture.sightings,
         fit.camera,
         fit.head_pose,
         lambda fraction: weighing(fraction, "weighing the evidence"),
     )
-    return replace(fit, calibration=found.calibration), found
+    return replace(fit, calibration=result.calibration), result
