@@ -2,11 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <mimetic/contact/contact.hpp>
+#include <mimetic/raster/rays.hpp>
 #include <mimetic/shared/error.hpp>
 #include <string>
 #include <utility>
-
-#include "faces_below.hpp"
 
 namespace mimetic {
 namespace {
@@ -62,18 +61,21 @@ ContactSolver::ContactSolver(PointsIn rest, std::vector<Slit> slits,
             lines_.push_back(std::move(slit));
             continue;
         }
-        Surface surface{slit.upper, slit.lower, {}, {}};
+        check_points({slit.triangles.data(), slit.triangles.data() + slit.triangles.size()});
         std::vector<bool> is_upper(static_cast<std::size_t>(count));
         for (const int point : slit.upper) {
             is_upper[static_cast<std::size_t>(point)] = true;
         }
-        for (Eigen::Index t = 0; t < slit.triangles.rows(); ++t) {
-            const std::array<int, 3> corners{slit.triangles(t, 0), slit.triangles(t, 1),
-                                             slit.triangles(t, 2)};
-            check_points({corners.begin(), corners.end()});
-            const bool on_upper = is_upper[static_cast<std::size_t>(corners[0])];
-            (on_upper ? surface.bottom : surface.top).push_back(corners);
-        }
+        const auto of_rim = [&](bool upper) {
+            std::vector<Eigen::Index> rows;
+            for (Eigen::Index t = 0; t < slit.triangles.rows(); ++t) {
+                if (is_upper[static_cast<std::size_t>(slit.triangles(t, 0))] == upper) {
+                    rows.push_back(t);
+                }
+            }
+            return Triangles(slit.triangles(rows, Eigen::all));
+        };
+        Surface surface{slit.upper, slit.lower, of_rim(false), of_rim(true)};
         surfaces_.push_back(std::move(surface));
     }
     Eigen::VectorXd slack = slack_;
@@ -135,14 +137,14 @@ ContactSolver::Overlaps ContactSolver::find(const Points& shape) const {
 }
 
 void ContactSolver::find_on_surface(const Surface& surface, const Points& shape, Overlaps& found) const {
-    const auto find_over = [&](const std::vector<int>& own, const auto& triangles, double sign) {
-        const FacesBelow faces(shape, triangles, sign);
+    const auto find_over = [&](const std::vector<int>& own, const Triangles& triangles, double sign) {
+        const RayCaster caster(shape, triangles, sign > 0 ? RayCaster::Facing::up : RayCaster::Facing::down);
         for (const int point : own) {
-            const FacesBelow::Hit hit = faces.at(shape(point, 0), shape(point, 2));
-            if (hit.face < 0) {
+            const RayHit hit = caster.at({shape(point, 0), shape(point, 2)});
+            if (hit.triangle < 0) {
                 continue;
             }
-            const std::array<int, 3>& corners = triangles[static_cast<std::size_t>(hit.face)];
+            const auto corners = triangles.row(hit.triangle);
             Overlap overlap{{point, corners[0], corners[1], corners[2]},
                             {sign, -sign * hit.weights[0], -sign * hit.weights[1], -sign * hit.weights[2]},
                             0};

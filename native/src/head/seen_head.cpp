@@ -50,8 +50,7 @@ void see_surface(const HeadShape& shape, const Camera& camera, const Eigen::Isom
                    camera_from_head.translation().transpose();
     const DepthMap map = render_depth(camera, moved, shape.faces);
     const auto at = [&](int x, int y) -> Eigen::Vector3d {
-        const double z = map.depth[static_cast<std::size_t>(y * map.cols + x)];
-        return {(x - camera.cx) / camera.fx * z, (y - camera.cy) / camera.fy * z, z};
+        return camera.ray(x, y) * double{map.depth[map.index(x, y)]};
     };
     constexpr double kStep = 0.03;  // metres between neighbours of one skin
     const Eigen::Isometry3d head_from_camera = camera_from_head.inverse();
@@ -86,9 +85,7 @@ SeenHead see_head(const HeadShape& shape, const Camera& camera, const Eigen::Iso
     const auto meet = shape.model == HeadModel::plane ? meet_plane : meet_ellipsoid;
     for (int y = 0; y < camera.height; ++y) {
         for (int x = 0; x < camera.width; ++x) {
-            const Eigen::Vector3d ray =
-                turn *
-                Eigen::Vector3d((x - camera.cx) / camera.fx, (y - camera.cy) / camera.fy, 1).normalized();
+            const Eigen::Vector3d ray = turn * camera.ray(x, y).normalized();
             Eigen::Vector3d normal;
             const double distance = meet(shape, origin, ray, normal);
             if (distance > 0) {

@@ -2,34 +2,40 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <mimetic/raster/raster.hpp>
 #include <mimetic/raster/rays.hpp>
 #include <mimetic/shared/error.hpp>
 #include <string>
-#include <vector>
 
 namespace mimetic {
 namespace {
 
-constexpr double kNearest = 1e-3;  // metres
-constexpr double kTile = 16;       // pixels
-constexpr double kOnEdge = 1e-9;   // of a triangle's weights
-constexpr Eigen::Index kSide =
-    512;  // tiles at most along a side: a triangle beside the picture may be far away
+constexpr double kNearest = 1e-3;   // metres
+constexpr double kOnEdge = 1e-9;    // of a triangle's weights, so that no ray passes between two triangles
+constexpr double kEdgeOn = 1e-15;   // m^2, twice the area of a triangle that is seen on edge
+constexpr double kTile = 16;        // pixels
+constexpr int kTiles = 511;         // along a side: a triangle beside the picture may be far away
+constexpr int kParallelCells = 24;  // along a side
 
-/// A triangle seen from the camera. The ray s r meets its plane where the corners' weights solve s r = u a +
-/// v b + w c; each is a triple product with the ray, and before scaling they sum to 1 / s.
-struct Facet {
-    int triangle = 0;
-    Eigen::Matrix3d planes;  ///< a row a corner
-    Eigen::Vector2d low, high;
-};
+void check_triangles(PointsIn vertices, TrianglesIn triangles) {
+    if (triangles.size() > 0 && (triangles.minCoeff() < 0 || triangles.maxCoeff() >= vertices.rows())) {
+        throw InvalidInput("a triangle names a vertex outside 0 to " + std::to_string(vertices.rows() - 1));
+    }
+}
 
-std::vector<Facet> facets_of(const Camera& camera, PointsIn vertices, TrianglesIn triangles) {
-    std::vector<Facet> facets;
+}  // namespace
+
+RayCaster::RayCaster(const Camera& camera, PointsIn vertices_in_camera, TrianglesIn triangles,
+                     Points2In pixels)
+    : camera_(camera) {
+    check_triangles(vertices_in_camera, triangles);
+    if (!pixels.allFinite()) {
+        throw InvalidInput("a pixel whose ray is asked for is not finite");
+    }
     for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-        const Eigen::Vector3d a = vertices.row(triangles(t, 0)), b = vertices.row(triangles(t, 1)),
-                              c = vertices.row(triangles(t, 2));
+        const Eigen::Vector3d a = vertices_in_camera.row(triangles(t, 0)),
+                              b = vertices_in_camera.row(triangles(t, 1)),
+                              c = vertices_in_camera.row(triangles(t, 2));
         if (!(std::min({a.z(), b.z(), c.z()}) > kNearest) || !((b - a).cross(c - a).dot(a) < 0)) {
             continue;
         }
@@ -40,83 +46,104 @@ std::vector<Facet> facets_of(const Camera& camera, PointsIn vertices, TrianglesI
         const Eigen::Vector2d shown[] = {camera.project(a), camera.project(b), camera.project(c)};
         facet.low = shown[0].cwiseMin(shown[1]).cwiseMin(shown[2]);
         facet.high = shown[0].cwiseMax(shown[1]).cwiseMax(shown[2]);
-        facets.push_back(facet);
+        facets_.push_back(facet);
     }
-    return facets;
+    if (pixels.rows() > 0) {
+        lay_out(pixels.colwise().minCoeff(), pixels.colwise().maxCoeff(), kTile, kTiles);
+    }
 }
 
-/// Facets by the tiles of the picture that they touch, about the pixels that are asked for.
-class Tiles {
-public:
-    Tiles(const std::vector<Facet>& facets, Points2In pixels) {
-        origin_ = pixels.colwise().minCoeff().transpose();
-        const Eigen::Vector2d size = pixels.colwise().maxCoeff().transpose() - origin_;
-        side_ = std::max(kTile, size.maxCoeff() / static_cast<double>(kSide - 1));
-        columns_ = 1 + static_cast<Eigen::Index>(size.x() / side_);
-        rows_ = 1 + static_cast<Eigen::Index>(size.y() / side_);
-        tiles_.resize(static_cast<std::size_t>(columns_ * rows_));
-        for (std::size_t f = 0; f < facets.size(); ++f) {
-            const Eigen::Vector2d low = (facets[f].low - origin_) / side_,
-                                  high = (facets[f].high - origin_) / side_;
-            if (high.minCoeff() < 0 || !(low.x() < double(columns_)) || !(low.y() < double(rows_))) {
-                continue;
-            }
-            for (Eigen::Index y = place(low.y(), rows_); y <= place(high.y(), rows_); ++y) {
-                for (Eigen::Index x = place(low.x(), columns_); x <= place(high.x(), columns_); ++x) {
-                    tiles_[static_cast<std::size_t>(y * columns_ + x)].push_back(static_cast<int>(f));
-                }
+RayCaster::RayCaster(PointsIn vertices, TrianglesIn triangles, Facing facing) : is_parallel_(true) {
+    check_triangles(vertices, triangles);
+    const double sign = facing == Facing::up ? 1 : -1;
+    Eigen::Vector2d low = Eigen::Vector2d::Zero(), high = low;
+    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+        TriangleCorners<double> seen;
+        for (Eigen::Index k = 0; k < 3; ++k) {
+            seen[static_cast<std::size_t>(k)] = {vertices(triangles(t, k), 0), vertices(triangles(t, k), 2)};
+        }
+        const double area = doubled_area(seen);
+        // y is up, so what is counter-clockwise in (x, z) faces down
+        if (!(sign * area < -kEdgeOn)) {
+            continue;
+        }
+        Facet facet;
+        facet.triangle = static_cast<int>(t);
+        for (Eigen::Index k = 0; k < 3; ++k) {
+            const Eigen::Vector2d &b = seen[static_cast<std::size_t>((k + 1) % 3)],
+                                  &c = seen[static_cast<std::size_t>((k + 2) % 3)];
+            facet.planes.row(k) << b.y() - c.y(), c.x() - b.x(), b.x() * c.y() - b.y() * c.x();
+        }
+        facet.planes /= area;
+        facet.low = seen[0].cwiseMin(seen[1]).cwiseMin(seen[2]);
+        facet.high = seen[0].cwiseMax(seen[1]).cwiseMax(seen[2]);
+        low = facets_.empty() ? facet.low : low.cwiseMin(facet.low).eval();
+        high = facets_.empty() ? facet.high : high.cwiseMax(facet.high).eval();
+        facets_.push_back(facet);
+    }
+    lay_out(low, high, 1e-9, kParallelCells);
+}
+
+void RayCaster::lay_out(const Eigen::Vector2d& low, const Eigen::Vector2d& high, double least_side,
+                        int most_cells) {
+    origin_ = low;
+    const Eigen::Vector2d size = high - low;
+    side_ = std::max(least_side, size.maxCoeff() / most_cells);
+    columns_ = 1 + static_cast<Eigen::Index>(size.x() / side_);
+    rows_ = 1 + static_cast<Eigen::Index>(size.y() / side_);
+    cells_.resize(static_cast<std::size_t>(columns_ * rows_));
+    for (std::size_t f = 0; f < facets_.size(); ++f) {
+        const Eigen::Vector2d first = (facets_[f].low - origin_) / side_,
+                              last = (facets_[f].high - origin_) / side_;
+        if (last.minCoeff() < 0 || !(first.x() < double(columns_)) || !(first.y() < double(rows_))) {
+            continue;
+        }
+        const std::size_t corner = cell_of(facets_[f].low), end = cell_of(facets_[f].high);
+        const auto columns = static_cast<std::size_t>(columns_);
+        for (std::size_t row = corner / columns; row <= end / columns; ++row) {
+            for (std::size_t column = corner % columns; column <= end % columns; ++column) {
+                cells_[row * columns + column].push_back(static_cast<int>(f));
             }
         }
     }
+}
 
-    const std::vector<int>& under(const Eigen::Vector2d& pixel) const {
-        const Eigen::Vector2d at = (pixel - origin_) / side_;
-        return tiles_[static_cast<std::size_t>(place(at.y(), rows_) * columns_ + place(at.x(), columns_))];
-    }
-
-private:
-    static Eigen::Index place(double at, Eigen::Index count) {
+std::size_t RayCaster::cell_of(const Eigen::Vector2d& place) const {
+    const auto clamped = [](double at, Eigen::Index count) {
         return static_cast<Eigen::Index>(std::clamp(at, 0., static_cast<double>(count - 1)));
+    };
+    const Eigen::Vector2d at = (place - origin_) / side_;
+    return static_cast<std::size_t>(clamped(at.y(), rows_) * columns_ + clamped(at.x(), columns_));
+}
+
+RayHit RayCaster::at(const Eigen::Vector2d& place) const {
+    const Eigen::Vector3d ray =
+        is_parallel_ ? Eigen::Vector3d(place.x(), place.y(), 1) : camera_.ray(place.x(), place.y());
+    RayHit hit;
+    double nearest = 0;  // 1 / s
+    if (cells_.empty()) {
+        return hit;
     }
-
-    Eigen::Vector2d origin_;
-    double side_ = kTile;
-    Eigen::Index columns_ = 1, rows_ = 1;
-    std::vector<std::vector<int>> tiles_;
-};
-
-}  // namespace
+    for (const int f : cells_[cell_of(place)]) {
+        const Facet& facet = facets_[static_cast<std::size_t>(f)];
+        const Eigen::Vector3d parts = facet.planes * ray;
+        const double total = is_parallel_ ? 1 : parts.sum();
+        if (std::isfinite(total) && total > nearest && parts.minCoeff() >= -kOnEdge * total) {
+            nearest = total;
+            hit = {facet.triangle, parts / total};
+        }
+    }
+    return hit;
+}
 
 RayHits cast_rays(const Camera& camera, PointsIn vertices_in_camera, TrianglesIn triangles,
                   Points2In pixels) {
-    if (triangles.size() > 0 &&
-        (triangles.minCoeff() < 0 || triangles.maxCoeff() >= vertices_in_camera.rows())) {
-        throw InvalidInput("a triangle names a vertex outside 0 to " +
-                           std::to_string(vertices_in_camera.rows() - 1));
-    }
-    RayHits hits{Eigen::VectorXi::Constant(pixels.rows(), -1), Points::Zero(pixels.rows(), 3)};
-    if (pixels.rows() == 0) {
-        return hits;
-    }
-    if (!pixels.allFinite()) {
-        throw InvalidInput("a pixel whose ray is asked for is not finite");
-    }
-    const std::vector<Facet> facets = facets_of(camera, vertices_in_camera, triangles);
-    const Tiles tiles(facets, pixels);
+    const RayCaster caster(camera, vertices_in_camera, triangles, pixels);
+    RayHits hits{Eigen::VectorXi(pixels.rows()), Points(pixels.rows(), 3)};
     for (Eigen::Index k = 0; k < pixels.rows(); ++k) {
-        const Eigen::Vector3d ray((pixels(k, 0) - camera.cx) / camera.fx,
-                                  (pixels(k, 1) - camera.cy) / camera.fy, 1);
-        double nearest = 0;  // 1 / s
-        for (const int f : tiles.under(pixels.row(k).transpose())) {
-            const Facet& facet = facets[static_cast<std::size_t>(f)];
-            const Eigen::Vector3d parts = facet.planes * ray;
-            const double total = parts.sum();
-            if (std::isfinite(total) && total > nearest && parts.minCoeff() >= -kOnEdge * total) {
-                nearest = total;
-                hits.triangle[k] = facet.triangle;
-                hits.weights.row(k) = parts.transpose() / total;
-            }
-        }
+        const RayHit hit = caster.at(pixels.row(k).transpose());
+        hits.triangle[k] = hit.triangle;
+        hits.weights.row(k) = hit.weights.transpose();
     }
     return hits;
 }

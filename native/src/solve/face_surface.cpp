@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "face_surface.hpp"
 
-#include <limits>
 #include <mimetic/surface/surface.hpp>
 
 namespace mimetic {
@@ -17,8 +16,10 @@ FaceSurface::FaceSurface(const TrackedSurface& surface, const FaceMotion& motion
     const Eigen::Index num_refined = surface.stencils.rows();
     for (Eigen::Index face = 0; face < surface.quads.rows(); ++face) {
         const auto quad = surface.quads.row(face);
-        triangles_.row(2 * face) << quad[0], quad[1], quad[2];
-        triangles_.row(2 * face + 1) << quad[0], quad[2], quad[3];
+        for (Eigen::Index half = 0; half < 2; ++half) {
+            const auto& [a, b, c] = kQuadHalves[static_cast<std::size_t>(half)];
+            triangles_.row(2 * face + half) << quad[a], quad[b], quad[c];
+        }
     }
     Points refined = surface.stencils * motion.neutral;
     neutral_ = Eigen::Map<const Eigen::VectorXd>(refined.data(), 3 * num_refined).cast<float>();
@@ -84,78 +85,28 @@ void ProjectedSurface::update(const FaceSurface& surface, const Camera& camera,
     }
 }
 
-namespace {
-
-struct Corner {
-    Eigen::Vector2f pixel;
-    float depth = 0;
-};
-
-void fill_triangle(SurfaceRaster& raster, const Corner corners[3], int triangle) {
-    const Eigen::Vector2f low = corners[0].pixel.cwiseMin(corners[1].pixel).cwiseMin(corners[2].pixel);
-    const Eigen::Vector2f high = corners[0].pixel.cwiseMax(corners[1].pixel).cwiseMax(corners[2].pixel);
-    const auto clamped = [](float value, int limit) {
-        return static_cast<int>(std::clamp(value, 0.f, static_cast<float>(limit)));
-    };
-    const int x_end = clamped(std::floor(high.x()) + 1, raster.cols);
-    const int y_end = clamped(std::floor(high.y()) + 1, raster.rows);
-    const Eigen::Vector2f pixels[3] = {corners[0].pixel, corners[1].pixel, corners[2].pixel};
-    Eigen::Vector3f weights;
-    for (int y = clamped(std::ceil(low.y()), raster.rows); y < y_end; ++y) {
-        for (int x = clamped(std::ceil(low.x()), raster.cols); x < x_end; ++x) {
-            if (!barycentric_of(Eigen::Vector2f(x, y), pixels, weights) || weights.minCoeff() < 0) {
-                continue;
-            }
-            const float depth =
-                weights[0] * corners[0].depth + weights[1] * corners[1].depth + weights[2] * corners[2].depth;
-            const auto index = static_cast<std::size_t>(y) * raster.cols + x;
-            if (depth < raster.depth[index]) {
-                raster.depth[index] = depth;
-                raster.triangle[index] = triangle;
-            }
-        }
-    }
-}
-
-}  // namespace
-
-bool barycentric_of(const Eigen::Vector2f& pixel, const Eigen::Vector2f corners[3],
-                    Eigen::Vector3f& weights) {
-    const Eigen::Vector2f first = corners[1] - corners[0];
-    const Eigen::Vector2f second = corners[2] - corners[0];
-    const float area = first.x() * second.y() - first.y() * second.x();
-    if (std::abs(area) < 1e-12f) {
-        return false;
-    }
-    const Eigen::Vector2f offset = pixel - corners[0];
-    weights[1] = (offset.x() * second.y() - offset.y() * second.x()) / area;
-    weights[2] = (first.x() * offset.y() - first.y() * offset.x()) / area;
-    weights[0] = 1 - weights[1] - weights[2];
-    return true;
-}
-
-void SurfaceRaster::update(const ProjectedSurface& projected, const Triangles& triangles,
-                           const Eigen::Vector2d& origin, double scale, int num_rows, int num_cols) {
-    rows = num_rows;
-    cols = num_cols;
-    triangle.assign(static_cast<std::size_t>(rows) * cols, -1);
-    depth.assign(triangle.size(), std::numeric_limits<float>::infinity());
-    const Eigen::Vector2f offset = origin.cast<float>();
-    const auto factor = static_cast<float>(scale);
+void raster_surface(const ProjectedSurface& projected, const Triangles& triangles, const RasterGrid& grid,
+                    Raster& raster) {
+    raster.clear(grid.rows, grid.cols);
+    const Eigen::Vector2f offset = grid.origin.cast<float>();
+    const auto factor = static_cast<float>(grid.scale);
     for (int index = 0; index < triangles.rows(); ++index) {
-        Corner corners[3];
-        bool in_front = true;
+        TriangleCorners<float> corners;
+        Eigen::Vector3f depths;
         for (int k = 0; k < 3; ++k) {
             const int vertex = triangles(index, k);
-            corners[k].pixel = (projected.pixels.row(vertex).transpose() - offset) * factor;
-            corners[k].depth = projected.depths[vertex];
-            in_front = in_front && corners[k].depth > 0;
+            corners[static_cast<std::size_t>(k)] =
+                (projected.pixels.row(vertex).transpose() - offset) * factor;
+            depths[k] = projected.depths[vertex];
         }
-        const Eigen::Vector2f first = corners[1].pixel - corners[0].pixel;
-        const Eigen::Vector2f second = corners[2].pixel - corners[0].pixel;
         // Counter-clockwise from outside turns clockwise as y points down.
-        if (in_front && first.x() * second.y() - first.y() * second.x() < 0) {
-            fill_triangle(*this, corners, index);
+        if (depths.minCoeff() > 0 && doubled_area(corners) < 0) {
+            fill_triangle(corners, raster.rows, raster.cols,
+                          [&](int x, int y, const Eigen::Vector3f& weights) {
+                              const float depth =
+                                  weights[0] * depths[0] + weights[1] * depths[1] + weights[2] * depths[2];
+                              raster.keep_nearer(x, y, index, depth);
+                          });
         }
     }
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <mimetic/raster/raster.hpp>
 #include <mimetic/shared/camera.hpp>
 #include <mimetic/solve/solve.hpp>
 #include <string>
@@ -52,19 +53,16 @@ struct ProjectedSurface {
                 const Eigen::VectorXd& values);
 };
 
-/// Which triangle each pixel of a small image sees.
-struct SurfaceRaster {
+/// A small picture of an image: its pixel (x, y) is the image's (x, y) / scale + origin.
+struct RasterGrid {
+    Eigen::Vector2d origin = Eigen::Vector2d::Zero();
+    double scale = 1;
     int rows = 0;
     int cols = 0;
-    std::vector<int> triangle;  ///< -1: none
-    std::vector<float> depth;   ///< of the triangle; infinity: none
-
-    /// Pixel (x, y) of the raster is image pixel (x, y) / scale + origin.
-    void update(const ProjectedSurface& projected, const Triangles& triangles, const Eigen::Vector2d& origin,
-                double scale, int num_rows, int num_cols);
 };
 
-/// Barycentric coordinates of a pixel in a projected triangle; false when the triangle has no area.
-bool barycentric_of(const Eigen::Vector2f& pixel, const Eigen::Vector2f corners[3], Eigen::Vector3f& weights);
+/// Which triangle each pixel of a small picture sees.
+void raster_surface(const ProjectedSurface& projected, const Triangles& triangles, const RasterGrid& grid,
+                    Raster& raster);
 
 }  // namespace mimetic

@@ -90,8 +90,8 @@ ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera, c
     origin_ = box.low - Eigen::Vector2d::Constant(kMargin / scale_);
     const int rows = crop_height + 2 * kMargin;
     const int cols = std::min(4 * crop_height, static_cast<int>(size.x() * scale_) + 2 * kMargin);
-    SurfaceRaster raster;
-    raster.update(projected, surface.triangles(), origin_, scale_, rows, cols);
+    Raster raster;
+    raster_surface(projected, surface.triangles(), {origin_, scale_, rows, cols}, raster);
 
     triangle_ = cv::Mat1i(rows, cols, -1);
     barycentric_ = cv::Mat3f::zeros(rows, cols);
@@ -100,15 +100,15 @@ ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera, c
     const auto inverse_scale = static_cast<float>(1 / scale_);
     for (int y = 0; y < rows; ++y) {
         for (int x = 0; x < cols; ++x) {
-            const int index = raster.triangle[static_cast<std::size_t>(y) * cols + x];
+            const int index = raster.face[raster.index(x, y)];
             if (index < 0) {
                 continue;
             }
-            Eigen::Vector2f corners[3];
+            TriangleCorners<float> corners;
             Eigen::Vector3f skin;
             for (int k = 0; k < 3; ++k) {
                 const int vertex = surface.triangles()(index, k);
-                corners[k] = projected.pixels.row(vertex);
+                corners[static_cast<std::size_t>(k)] = projected.pixels.row(vertex);
                 skin[k] = surface.weights()[vertex];
             }
             const Eigen::Vector2f pixel = Eigen::Vector2f(x, y) * inverse_scale + origin;

@@ -58,7 +58,7 @@ struct FaceTracker::State {
     double look();
     bool is_vague(const StepPrior& prior) const;
     void measure(bool is_first, bool is_last, FrameScore& score);
-    void raster_surface();
+    void raster_hypothesis();
     std::vector<std::size_t> choose_views() const;
     void find_visible(const ReferenceView& view, std::vector<float>& out) const;
     StepPrior at_state(const StepPrior& prior) const;
@@ -95,9 +95,8 @@ struct FaceTracker::State {
     cv::Mat1b gray, last_gray;
     PreparedFrame frame;
     ProjectedSurface projected;
-    SurfaceRaster raster;
-    double raster_scale = 1;
-    Eigen::Vector2d raster_origin = Eigen::Vector2d::Zero();
+    Raster raster;
+    RasterGrid grid;
     cv::Mat2f map;
     cv::Mat1f stabilised;
     std::vector<float> visible;

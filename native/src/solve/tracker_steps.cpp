@@ -157,26 +157,25 @@ void FaceTracker::State::find_visible(const ReferenceView& view, std::vector<flo
             out[k] = 0;
             continue;
         }
-        const Eigen::Vector2d cell = (pixel.cast<double>() - raster_origin) * raster_scale;
+        const Eigen::Vector2d cell = (pixel.cast<double>() - grid.origin) * grid.scale;
         const int x = static_cast<int>(std::lround(cell.x())), y = static_cast<int>(std::lround(cell.y()));
         if (x >= 0 && y >= 0 && x < raster.cols && y < raster.rows) {
             constexpr float kBehind = .012f;  // metres: thicker than a raster cell's slope
-            if (projected.depths[corners[0]] >
-                raster.depth[static_cast<std::size_t>(y) * raster.cols + x] + kBehind) {
+            if (projected.depths[corners[0]] > raster.depth[raster.index(x, y)] + kBehind) {
                 out[k] = 0;
             }
         }
     }
 }
 
-void FaceTracker::State::raster_surface() {
+void FaceTracker::State::raster_hypothesis() {
     constexpr int kRasterHeight = 80;
     const double face_height = face_pixels_per_crop_pixel() * options.crop_height;
-    raster_scale = std::min(1., kRasterHeight / face_height);
     const Eigen::Vector2d head = camera.project(state.camera_from_head.translation());
-    raster_origin = head - Eigen::Vector2d::Constant(1.2 * face_height);
-    const int side = static_cast<int>(2.4 * face_height * raster_scale);
-    raster.update(projected, surface.triangles(), raster_origin, raster_scale, side, side);
+    grid.scale = std::min(1., kRasterHeight / face_height);
+    grid.origin = head - Eigen::Vector2d::Constant(1.2 * face_height);
+    grid.rows = grid.cols = static_cast<int>(2.4 * face_height * grid.scale);
+    raster_surface(projected, surface.triangles(), grid, raster);
 }
 
 void FaceTracker::State::measure(bool is_first, bool is_last, FrameScore& score) {
@@ -185,7 +184,7 @@ void FaceTracker::State::measure(bool is_first, bool is_last, FrameScore& score)
         const StageClock clock(times.warp_ms);
         projected.update(surface, camera, state.camera_from_head, state.values);
         if (is_first) {
-            raster_surface();  // what hides what hardly changes with the steps that follow
+            raster_hypothesis();  // what hides what hardly changes with the steps that follow
         }
     }
     const std::vector<std::size_t> chosen = choose_views();

@@ -52,9 +52,8 @@ private:
     using Overlaps = std::vector<Overlap>;
 
     struct Surface {
-        std::vector<int> upper, lower;        // points
-        std::vector<std::array<int, 3>> top;  // triangles of the lower rim, bottom: of the upper one
-        std::vector<std::array<int, 3>> bottom;
+        std::vector<int> upper, lower;  // points
+        Triangles top, bottom;          // of the lower rim, of the upper one
     };
 
     void check_points(const std::vector<int>& points) const;

@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <mimetic/raster/raster.hpp>
 #include <mimetic/shared/camera.hpp>
-#include <mimetic/shared/types.hpp>
-#include <vector>
 
 namespace mimetic {
 
-/// How far the nearest surface is behind each pixel.
-struct DepthMap {
-    int rows = 0;
-    int cols = 0;
-    std::vector<float> depth;  ///< rows x cols, metres along the camera's z; infinity where nothing is
+/// How far the nearest surface is behind each pixel: depth in metres along the camera's z.
+struct DepthMap : Raster {
+    using Raster::Raster;
 
     /// Whether a point (metres, camera frame) is in the image and at most `tolerance` metres behind the
     /// surface.

@@ -21,6 +21,9 @@ struct Camera {
         return {fx * point_in_camera.x() * inverse_z + cx, fy * point_in_camera.y() * inverse_z + cy};
     }
 
+    /// The point that a pixel shows at z = 1; times z, that at another depth.
+    Eigen::Vector3d ray(double x, double y) const { return {(x - cx) / fx, (y - cy) / fy, 1}; }
+
     /// d pixel / d point, pixels a metre.
     Eigen::Matrix<double, 2, 3> project_jacobian(const Eigen::Vector3d& point_in_camera) const {
         const double inverse_z = 1.0 / point_in_camera.z();

@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <array>
 
 namespace mimetic {
 
@@ -17,6 +18,9 @@ using MatrixRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
+
+/// The corners of the two triangles that a quad is, wherever one is needed that is flat.
+inline constexpr std::array<std::array<int, 3>, 2> kQuadHalves{{{0, 1, 2}, {0, 2, 3}}};
 
 using PointsIn = const Eigen::Ref<const Points>&;
 using Points2In = const Eigen::Ref<const Points2>&;

@@ -13,13 +13,14 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.fit.face_fit import FaceFit
-from mimetic.shared.picture import sample_quads
 from mimetic.template.face_template import FaceTemplate, load_template
 
 SIZE = 256  # pixels a side
 MARGIN = 1.04  # of the face's height or width, whichever is larger
 LEAST_FACING = 0.1  # cosine to the viewer below which a surface shows nothing
 SHOWN = ("skin", "eye.L", "eye.R")
+PARTS = 3  # of a pixel, along a side
+MIDDLE_FIRST = (4, 1, 3, 5, 7, 0, 2, 6, 8)
 UNSHOWN_REGIONS = ("scalp", "ear", "neck", "mouth_cavity", "eye_socket")
 
 
@@ -86,18 +87,17 @@ def canonical_map(template: FaceTemplate, size: int) -> CanonicalMap:
     low, high = used[:, :2].min(axis=0), used[:, :2].max(axis=0)
     scale = size / (MARGIN * (high - low).max())
     texels = (vertices[:, :2] - (low + high) / 2) * (scale, -scale) + (size - 1) / 2
-    samples = sample_quads(texels[faces], np.arange(len(faces)))
-    at = np.round(samples.of(texels[faces])).astype(int)
-    inside = ((at >= 0) & (at < size)).all(axis=1)
-    index = at[:, 1] * size + at[:, 0]
-    depth = samples.of(vertices[faces][..., 2:])[:, 0]
-    order = np.lexsort((-depth, index))
-    order = order[inside[order]]
-    first = np.unique(index[order], return_index=True)[1]
-    front = order[first]
-    return CanonicalMap(
-        size,
-        index[front],
-        faces[samples.face[front]],
-        samples.corner_weights[front].astype(np.float64),
-    )
+    # A pixel shows what is at its middle or else next to it: a slit between lips is no hole
+    fine = (texels + 0.5) * PARTS - 0.5
+    side = size * PARTS
+    face, weights = _core.raster_quads(fine, vertices[:, 2], faces, side, side)
+    face, weights = _parts_of_pixels(face, size), _parts_of_pixels(weights, size)
+    pixel = np.flatnonzero((face >= 0).any(axis=1))
+    shown = pixel, (face[pixel] >= 0).argmax(axis=1)
+    return CanonicalMap(size, pixel, faces[face[shown]], weights[shown].astype(np.float64))
+
+
+def _parts_of_pixels(picture: NDArray, size: int) -> NDArray:
+    """The parts of each pixel of a picture drawn PARTS times as large, the middle one first."""
+    split = picture.reshape(size, PARTS, size, PARTS, *picture.shape[2:]).swapaxes(1, 2)
+    return split.reshape(size * size, PARTS * PARTS, *picture.shape[2:])[:, MIDDLE_FIRST]

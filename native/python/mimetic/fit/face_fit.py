@@ -17,6 +17,7 @@ from mimetic.fit.residual_shape import residual_modes
 from mimetic.muscles.calibration import Calibration
 from mimetic.shared.documents import checked_places, checked_pose, named, numbers
 from mimetic.shared.json_file import read_json
+from mimetic.shared.pinhole import camera_of
 from mimetic.shared.shown_text import shortened, shown
 from mimetic.shared.whole_file import whole_file
 from mimetic.template.face_template import FaceTemplate
@@ -57,8 +58,7 @@ class FaceFit:
 
     @property
     def camera(self) -> _core.Camera:
-        k = self.intrinsics
-        return _core.Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], *self.image_size)
+        return camera_of(self.intrinsics, self.image_size)
 
     @property
     def pins(self) -> dict[int, dict[str, tuple[float, float]]]:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mimetic import _core
 from mimetic.performance.document import Performance
+from mimetic.shared.pinhole import camera_of
 from mimetic.template.face_template import load_template
 
 LEVELS = 2  # of refinement: facets of a millimetre or two
@@ -35,9 +36,7 @@ class RefinedSurface:
         self.mesh = _core.SubdividedMesh(faces, len(self.used), LEVELS)
         self.faces = np.ascontiguousarray(self.mesh.faces, dtype=np.int32)
         self.triangles = np.ascontiguousarray(_core.triangles_of(self.faces))
-        k = performance.intrinsics
-        width, height = (int(side) for side in performance.image_size)
-        self.camera = _core.Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], width, height)
+        self.camera = camera_of(performance.intrinsics, performance.image_size)
 
     def in_camera(self, i: int) -> NDArray[np.float64]:
         control = np.ascontiguousarray(self.performance.surface_in_camera(i)[self.used])

@@ -6,9 +6,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mimetic import InvalidInput
+from mimetic import InvalidInput, _core
 from mimetic.performance.document import Performance
-from mimetic.shared.picture import Samples, picture_coordinates, picture_pixels, sample_quads
+from mimetic.shared.picture import picture_coordinates, picture_pixels
+from mimetic.shared.pinhole import camera_of
+from mimetic.shared.sampling import sampled
 from mimetic.skin.mesh import quad_normals
 
 BEHIND_METRES = 0.006  # deeper than this under the nearest surface is hidden
@@ -59,70 +61,53 @@ def project_texture(
             f"the footage has frames of {image.shape[1]} x {image.shape[0]} pixels, the "
             f"performance was captured from {width} x {height}: it is another clip"
         )
-    points = performance.surface_in_camera(i)
-    faces = performance.faces
-    chosen_faces = np.flatnonzero(vertex_weights[faces].max(axis=1) > 0)
-    samples = sample_quads(uv[chosen_faces] * size, chosen_faces)
-    at = samples.of(points[faces])
+    points = np.ascontiguousarray(performance.surface_in_camera(i))
+    chosen_faces = np.flatnonzero(vertex_weights[performance.faces].max(axis=1) > 0)
+    face, texel, shares = _lay_out(uv[chosen_faces], chosen_faces, size)
+    vertices = performance.faces[face]
+
+    def at_texels(values: NDArray) -> NDArray:
+        return np.einsum("kc,kcx->kx", shares, values[vertices])
+
+    at = at_texels(points)
+    normals = at_texels(quad_normals(points, performance.faces))
     pixels = performance.project(at)
-    weights = samples.of(vertex_weights[faces][..., None])[:, 0]
-    weights = weights * _facing(points, faces, samples, at)
-    weights = weights * _visible(performance, points, at, pixels)
-    texels = np.clip((samples.of(uv) * (size, -size) + (0, size)).astype(int), 0, size - 1)
-    colours = _bilinear(image, pixels)
-    index = texels[:, 1] * size + texels[:, 0]
-    sums = np.empty((size * size, 4))
-    sums[:, 3] = np.bincount(index, weights, size * size)
-    for channel in range(3):
-        sums[:, channel] = np.bincount(index, weights * colours[:, channel], size * size)
-    hits = np.maximum(np.bincount(index, minlength=size * size), 1)
+    weights = at_texels(vertex_weights[:, None])[:, 0] * _facing(normals, at)
+    weights[~_visible(performance, points, at)] = 0
     is_seen = weights > 0.5
     if not is_seen.any():
         raise InvalidInput("the face is outside the picture in the frame chosen for its texture")
-    texture = _spread((sums / hits[:, None]).reshape(size, size, 4))
+    colours = sampled(image.astype(np.float64), pixels)
+    sums = np.zeros((size * size, 4))
+    sums[texel, :3] = weights[:, None] * colours
+    sums[texel, 3] = weights
+    texture = _spread(sums.reshape(size, size, 4))
     return np.clip(texture + 0.5, 0, 255).astype(np.uint8), np.median(colours[is_seen], axis=0)
 
 
-def _facing(points: NDArray, faces: NDArray, samples: Samples, at: NDArray) -> NDArray:
-    normals = samples.of(quad_normals(points, faces)[faces])
-    cosines = -np.einsum("kd,kd->k", normals, at) / np.linalg.norm(at, axis=1)
+def _lay_out(uv: NDArray, faces: NDArray, size: int) -> tuple[NDArray, NDArray, NDArray]:
+    """What of the mesh each texel shows: its face, its place (row-major) and its corners' shares.
+
+    uv: W x 4 x 2 of W faces; returns K, K and K x 4.
+    """
+    texels = uv.reshape(-1, 2) * (size, -size) + (-0.5, size - 0.5)
+    quads = np.arange(len(texels), dtype=np.int32).reshape(-1, 4)
+    face, shares = _core.raster_quads(texels, np.zeros(len(texels)), quads, size, size)
+    texel = np.flatnonzero(face.ravel() >= 0)
+    return faces[face.ravel()[texel]], texel, shares.reshape(-1, 4)[texel].astype(np.float64)
+
+
+def _facing(normals: NDArray, at: NDArray) -> NDArray:
+    cosines = -(normals * at).sum(axis=1) / np.linalg.norm(at, axis=1)
     ramp = np.clip((cosines - GRAZING) / (FACING - GRAZING), 0, 1)
     return ramp * ramp * (3 - 2 * ramp)
 
 
-def _visible(
-    performance: Performance, points: NDArray, at: NDArray, pixels: NDArray
-) -> NDArray[np.bool_]:
-    """Whether the points are inside the picture and nearest to the camera: a depth buffer."""
-    width, height = (int(side) for side in performance.image_size)
-    faces = performance.faces
-    everything = sample_quads(performance.project(points)[faces], np.arange(len(faces)))
-    surface = everything.of(points[faces])
-    depth = np.full((height, width), np.inf)
-    cells, inside = _cells(performance.project(surface), width, height)
-    np.minimum.at(depth.reshape(-1), cells[inside], surface[inside, 2])
-    cells, inside = _cells(pixels, width, height)
-    return inside & (at[:, 2] > 0) & (at[:, 2] < depth.reshape(-1)[cells] + BEHIND_METRES)
-
-
-def _cells(
-    pixels: NDArray[np.float64], width: int, height: int
-) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-    nearest = np.rint(np.clip(pixels, -1, max(width, height) + 1)).astype(int)
-    inside = ((nearest >= 0) & (nearest < (width, height))).all(axis=1)
-    nearest = np.clip(nearest, 0, (width - 1, height - 1))
-    return nearest[:, 1] * width + nearest[:, 0], inside
-
-
-def _bilinear(image: NDArray, pixels: NDArray[np.float64]) -> NDArray[np.float64]:
-    height, width = image.shape[:2]
-    inside = np.clip(pixels, 0, (width - 1, height - 1))
-    low = np.minimum(inside.astype(int), (width - 2, height - 2)).clip(min=0)
-    s, t = (inside - low).T[..., None]
-    x, y = low.T
-    right, below = np.minimum(x + 1, width - 1), np.minimum(y + 1, height - 1)
-    above = image[y, x] * (1 - s) + image[y, right] * s
-    return above * (1 - t) + (image[below, x] * (1 - s) + image[below, right] * s) * t
+def _visible(performance: Performance, points: NDArray, at: NDArray) -> NDArray[np.bool_]:
+    """Whether points (K x 3) are inside the picture and nearest to the camera."""
+    faces = np.ascontiguousarray(performance.faces, dtype=np.int32)
+    camera = camera_of(performance.intrinsics, performance.image_size)
+    return _core.show_points(camera, points, faces, at, BEHIND_METRES)
 
 
 def _spread(texture: NDArray) -> NDArray[np.float64]:

@@ -22,6 +22,7 @@ from mimetic import _core
 from mimetic.media.ffmpeg import ffmpeg_program
 from mimetic.media.footage import Footage
 from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.shared.pinhole import camera_of
 from mimetic.shared.progress import Progress
 from mimetic.shared.whole_file import file_beside
 from mimetic.template.face_template import FaceTemplate, load_template
@@ -35,12 +36,10 @@ def make_painter(
     performance: Performance, num_vertices: int, faces: NDArray[np.int32], landmarks: list[int]
 ) -> _core.OverlayPainter:
     """For meshes of so many vertices and these quads (F x 4), over the performance's footage."""
-    width, height = (int(side) for side in performance.image_size)
     options = _core.OverlayOptions()
-    options.scale = int(np.clip(np.ceil(CLEAR_WIDTH / width), 1, 4))
+    options.scale = int(np.clip(np.ceil(CLEAR_WIDTH / performance.image_size[0]), 1, 4))
     options.held_quality = HELD_QUALITY
-    k = performance.intrinsics
-    camera = _core.Camera(k[0, 0], k[1, 1], k[0, 2], k[1, 2], width, height)
+    camera = camera_of(performance.intrinsics, performance.image_size)
     faces = np.ascontiguousarray(faces)
     return _core.OverlayPainter(camera, num_vertices, faces, landmarks, options)
 
