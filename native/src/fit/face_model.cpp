@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/fit/fit.hpp>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 
 #include "fit/blend.hpp"
@@ -14,10 +15,6 @@ using fit::with_focal;
 
 constexpr int kJawStations = 33;
 constexpr double kLobe = 0.2;  // rad below the horizontal
-
-void require(bool holds, const std::string& text) {
-    if (!holds) throw InvalidInput(text);
-}
 
 }  // namespace
 

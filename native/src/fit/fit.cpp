@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/shared/rotations.hpp>
 
@@ -54,9 +55,8 @@ Eigen::Isometry3d as_transform(const Pose& pose) {
 }
 
 Pose as_parameters(const Eigen::Isometry3d& camera_from_head) {
-    const Eigen::AngleAxisd turn(camera_from_head.linear());
     Pose pose;
-    pose << turn.angle() * turn.axis(), camera_from_head.translation();
+    pose << rotation_vector(camera_from_head.linear()), camera_from_head.translation();
     return pose;
 }
 
@@ -315,10 +315,6 @@ private:
     double robust_scale_ = 1;
     std::vector<Measured> measured_;
 };
-
-void require(bool holds, const std::string& text) {
-    if (!holds) throw InvalidInput(text);
-}
 
 void check_view(const FaceModel& model, const FaceView& view) {
     const Feature* right = view.features.find("pupil.R");

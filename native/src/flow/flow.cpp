@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cmath>
 #include <mimetic/flow/flow.hpp>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <string>
 
@@ -8,13 +9,6 @@
 
 namespace mimetic {
 namespace {
-
-void check_range(const char* name, double value, double lowest, double highest) {
-    if (!(value >= lowest && value <= highest)) {
-        throw InvalidInput(std::string("flow option ") + name + " is " + std::to_string(value) +
-                           "; it must lie in " + std::to_string(lowest) + " to " + std::to_string(highest));
-    }
-}
 
 cv::Mat wrap(const GrayView& view) {
     // OpenCV has no read-only matrix; nothing here writes to it.
@@ -41,13 +35,13 @@ void check_initial(const FlowField& initial, const GrayView& from) {
 double flow_blur_px(FlowMethod method) { return method == FlowMethod::dis ? 7.1 : 3.4; }
 
 void FlowOptions::check() const {
-    check_range("num_levels", num_levels, 0, 12);
-    check_range("finest_level", finest_level, 0, 4);
-    check_range("iterations", iterations, 1, 20);
-    check_range("gradient_noise", gradient_noise, 0, 100);
-    check_range("temporal_noise", temporal_noise, 1e-3, 1e4);
-    check_range("prior_variance", prior_variance, 1e-3, 1e4);
-    check_range("process_variance", process_variance, 1e-6, 1e3);
+    check_range("flow option num_levels", num_levels, 0, 12);
+    check_range("flow option finest_level", finest_level, 0, 4);
+    check_range("flow option iterations", iterations, 1, 20);
+    check_range("flow option gradient_noise", gradient_noise, 0, 100);
+    check_range("flow option temporal_noise", temporal_noise, 1e-3, 1e4);
+    check_range("flow option prior_variance", prior_variance, 1e-3, 1e4);
+    check_range("flow option process_variance", process_variance, 1e-6, 1e3);
 }
 
 FlowField compute_flow(const GrayView& from, const GrayView& to, const FlowOptions& options,

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "flow/rows.hpp"
+#include "shared/robust.hpp"
 
 namespace mimetic::flow {
 namespace {
@@ -110,12 +111,7 @@ float color_of(const cv::Mat& skin, const cv::Mat& pixel) {
             }
         }
     }
-    if (colors.empty()) {
-        return 0;
-    }
-    const auto middle = colors.begin() + static_cast<std::ptrdiff_t>(colors.size() / 2);
-    std::nth_element(colors.begin(), middle, colors.end());
-    return *middle;
+    return upper_median(colors);
 }
 
 }  // namespace

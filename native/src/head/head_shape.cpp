@@ -2,19 +2,13 @@
 #include <Eigen/QR>
 #include <cmath>
 #include <mimetic/head/head.hpp>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <set>
 #include <string>
 
 namespace mimetic {
 namespace {
-
-void check_range(const std::string& name, double value, double lowest, double highest) {
-    if (!(value >= lowest && value <= highest)) {
-        throw InvalidInput("head " + name + " is " + std::to_string(value) + "; it must lie in " +
-                           std::to_string(lowest) + " to " + std::to_string(highest));
-    }
-}
 
 Points used_points(PointsIn vertices, QuadsIn faces) {
     if (!vertices.allFinite()) {
@@ -73,17 +67,17 @@ void HeadShape::check() const {
     if (!centre.allFinite()) {
         throw InvalidInput("the head's centre is not finite");
     }
-    check_range("depth_error", depth_error, 0, .1);
+    check_range("head depth_error", depth_error, 0, .1);
     if (model == HeadModel::surface) {
         used_points(vertices, faces);
     } else {
         for (int axis = 0; axis < (model == HeadModel::plane ? 2 : 3); ++axis) {
-            check_range("half_axes " + std::to_string(axis), half_axes[axis], .01, 1);
+            check_range("head half_axes " + std::to_string(axis), half_axes[axis], .01, 1);
         }
     }
     for (const MovingPart& part : moving_parts) {
-        check_range("moving part's radius", part.radius, 1e-4, 1);
-        check_range("moving part's share", part.share, 0, 1);
+        check_range("head moving part's radius", part.radius, 1e-4, 1);
+        check_range("head moving part's share", part.share, 0, 1);
     }
 }
 
@@ -108,13 +102,13 @@ HeadShape make_head_shape(HeadModel model, PointsIn vertices, QuadsIn faces) {
 }
 
 void HeadOptions::check() const {
-    check_range("option crop_height", crop_height, 48, 512);
-    check_range("option sample_spacing", sample_spacing, 1, 16);
-    check_range("option max_iterations", max_iterations, 1, 20);
-    check_range("option max_key_views", max_key_views, 0, 200);
-    check_range("option key_view_angle", key_view_angle, .02, 1.5);
-    check_range("option least_facing", least_facing, .05, .9);
-    check_range("option held_quality", held_quality, 0, 1);
+    check_range("head option crop_height", crop_height, 48, 512);
+    check_range("head option sample_spacing", sample_spacing, 1, 16);
+    check_range("head option max_iterations", max_iterations, 1, 20);
+    check_range("head option max_key_views", max_key_views, 0, 200);
+    check_range("head option key_view_angle", key_view_angle, .02, 1.5);
+    check_range("head option least_facing", least_facing, .05, .9);
+    check_range("head option held_quality", held_quality, 0, 1);
 }
 
 }  // namespace mimetic

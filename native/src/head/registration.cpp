@@ -4,12 +4,15 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <mimetic/shared/rotations.hpp>
 #include <opencv2/imgproc.hpp>
+
+#include "shared/bilinear.hpp"
+#include "shared/robust.hpp"
 
 namespace mimetic::head {
 namespace {
 
-constexpr float kTukey = 4.7F;    // scales: 95 % efficient under Gaussian noise
 constexpr float kBare = .06F;     // of a value's square, that noise alone reaches
 constexpr float kLeastPatch = 5;  // samples of a patch that can tell whether it is covered
 constexpr float kAlike = .5F;     // correlation of a patch that is what it was
@@ -39,13 +42,6 @@ struct Compared {
     Eigen::VectorXf weights;   // of them what is not covered nor far off
     Eigen::VectorXf alike;     // correlation by patch
 };
-
-float bilinear(const cv::Mat1f& image, float u, float v) {
-    const int x = static_cast<int>(u), y = static_cast<int>(v);
-    const float a = u - static_cast<float>(x), b = v - static_cast<float>(y);
-    const float *up = image[y] + x, *down = image[y + 1] + x;
-    return (1 - b) * ((1 - a) * up[0] + a * up[1]) + b * ((1 - a) * down[0] + a * down[1]);
-}
 
 /// Pixels of samples; x below 0: not in sight.
 struct Pixels {
@@ -139,26 +135,21 @@ float scale_of(const std::vector<Compared>& views) {
             }
         }
     }
-    if (distances.empty()) {
-        return 1;
-    }
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::nth_element(distances.begin(), middle, distances.end());
-    return std::max(.3F, 1.48F * *middle);
+    return distances.empty() ? 1 : std::max(.3F, 1.48F * upper_median(distances));
 }
 
 void weigh_residuals(float scale, Compared& view) {
     const Eigen::ArrayXf spread = scale * view.samples->spread.array();
-    const Eigen::ArrayXf x = (view.values - view.samples->values).array() / (kTukey * spread);
+    const Eigen::ArrayXf x =
+        (view.values - view.samples->values).array() / (static_cast<float>(kTukeyCut) * spread);
     view.weights.array() *= (1 - x.square()).max(0).square() / spread.square();
 }
 
 /// The motion in the head's own frame from one pose to another: rotation vector, shift.
 Vector6 motion_between(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
     const Eigen::Isometry3d motion = from.inverse() * to;
-    const Eigen::AngleAxisd turn(motion.linear());
     Vector6 step;
-    step << turn.angle() * turn.axis(), motion.translation();
+    step << rotation_vector(motion.linear()), motion.translation();
     return step;
 }
 
@@ -185,11 +176,7 @@ Normal normal_equations(const std::vector<Compared>& views, const Vector6& off, 
 
 Eigen::Isometry3d motion_of(const Vector6& step) {
     Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
-    const double angle = step.head<3>().norm();
-    if (angle > 1e-12) {
-        motion.linear() =
-            Eigen::AngleAxisd(std::min(angle, kMaxTurn), step.head<3>() / angle).toRotationMatrix();
-    }
+    motion.linear() = rotation_from_vector(step.head<3>(), kMaxTurn);
     motion.translation() = step.tail<3>();
     return motion;
 }

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <mimetic/shared/rotations.hpp>
+
+#include "shared/robust.hpp"
 
 namespace mimetic::head {
 namespace {
 
 constexpr int kMaxSteps = 12;
-constexpr double kTukey = 4.7;          // scales: 95 % efficient under Gaussian noise
 constexpr double kPatch = 0.025;        // metres over which a model's error is one
 constexpr double kLeastDepth = 0.05;    // metres
 constexpr double kMaxTurn = 0.7;        // rad a step
@@ -36,20 +38,6 @@ Jacobian jacobian_of(const Camera& camera, const Eigen::Isometry3d& pose, const 
     return jacobian;
 }
 
-double median_of(std::vector<double>& values) {
-    if (values.empty()) {
-        return 0;
-    }
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
-
-double tukey(double distance, double scale) {
-    const double x = distance / (kTukey * scale);
-    return x < 1 ? (1 - x * x) * (1 - x * x) : 0;
-}
-
 /// Distances of the measurements from a pose; false if it is behind the camera.
 bool compare(const Camera& camera, const Eigen::Isometry3d& pose,
              const std::vector<PointMeasurement>& measurements, std::vector<Row>& rows) {
@@ -73,15 +61,12 @@ double scale_of(const std::vector<Row>& rows) {
         distances.push_back(row.distance);
     }
     constexpr double kMedianOfTwo = 1.18;  // of a distance in two dimensions, s.d. 1
-    return std::max(.5, median_of(distances) / kMedianOfTwo);
+    return std::max(.5, upper_median(distances) / kMedianOfTwo);
 }
 
 Eigen::Isometry3d moved(const Eigen::Isometry3d& pose, const Vector6& step) {
     Eigen::Isometry3d next = pose;
-    const double angle = step.head<3>().norm();
-    if (angle > 1e-12) {
-        next.linear() = Eigen::AngleAxisd(std::min(angle, kMaxTurn), step.head<3>() / angle) * pose.linear();
-    }
+    next.linear() = rotation_from_vector(step.head<3>(), kMaxTurn) * pose.linear();
     next.translation() += step.tail<3>();
     return next;
 }
@@ -101,7 +86,7 @@ Matrix6 covariance_of(const Camera& camera, const Eigen::Isometry3d& pose,
     std::map<std::pair<int, int>, Vector6> pulls;
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const PointMeasurement& m = measurements[k];
-        const double weight = tukey(rows[k].distance, scale) * m.weight;
+        const double weight = tukey_weight(rows[k].distance / (kTukeyCut * scale)) * m.weight;
         const Jacobian jacobian = jacobian_of(camera, pose, m.point);
         const Eigen::Matrix<double, 6, 2> gain = weight * jacobian.transpose() * m.information;
         information += gain * jacobian;
@@ -136,7 +121,8 @@ RigidMotion explain_motion(const Camera& camera, const Eigen::Isometry3d& start,
         Matrix6 information = prior_information();
         Vector6 gradient = Vector6::Zero();
         for (std::size_t k = 0; k < rows.size(); ++k) {
-            const double weight = tukey(rows[k].distance, scale) * measurements[k].weight;
+            const double weight =
+                tukey_weight(rows[k].distance / (kTukeyCut * scale)) * measurements[k].weight;
             if (weight > 0) {
                 const Jacobian jacobian = jacobian_of(camera, motion.camera_from_head, measurements[k].point);
                 const Eigen::Matrix<double, 6, 2> gain =
@@ -165,7 +151,7 @@ RigidMotion explain_motion(const Camera& camera, const Eigen::Isometry3d& start,
         sum += distances.back() < kNear;
     }
     motion.explained = sum / static_cast<double>(rows.size());
-    motion.residual_px = median_of(distances);
+    motion.residual_px = upper_median(distances);
     motion.covariance = covariance_of(camera, motion.camera_from_head, measurements, rows, scale);
     return motion;
 }

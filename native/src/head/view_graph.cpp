@@ -10,13 +10,14 @@
 #include <string>
 #include <utility>
 
+#include "shared/robust.hpp"
+
 namespace mimetic::head {
 namespace {
 
 constexpr double kLargestAngle = .75;  // rad between views that show enough of the same skin
 constexpr std::size_t kMostPairs = 6;  // of one view with earlier ones
 constexpr int kThinning = 2;           // of a registration's measurements
-constexpr double kTukey = 4.7;         // scales: 95 % efficient under Gaussian noise
 constexpr double kLeastScale = .7;
 constexpr double kLeastCorrelation = .4;  // of views of one head
 constexpr double kGrowth = .1;            // s.d. of what the first fit leaves open: logarithm,
@@ -137,12 +138,7 @@ double ViewGraph::scale_of(const Body& body, const Pair& pair) const {
             distances.push_back(std::sqrt(residual.dot(m.information * residual)));
         }
     }
-    if (distances.empty()) {
-        return kLeastScale;
-    }
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::nth_element(distances.begin(), middle, distances.end());
-    return std::max(kLeastScale, *middle / 1.18);
+    return std::max(kLeastScale, upper_median(distances) / 1.18);
 }
 
 void ViewGraph::add_pair(const Body& body, const Pair& pair, Normal& normal) const {
@@ -163,11 +159,11 @@ void ViewGraph::add_pair(const Body& body, const Pair& pair, Normal& normal) con
             continue;
         }
         const Eigen::Vector2d residual = m.pixel - second.crop().camera.project(place);
-        const double x = std::sqrt(residual.dot(m.information * residual)) / (kTukey * scale);
+        const double x = std::sqrt(residual.dot(m.information * residual)) / (kTukeyCut * scale);
         if (x >= 1) {
             continue;
         }
-        const double weight = kTrust * std::pow(1 - x * x, 2);
+        const double weight = kTrust * tukey_weight(x);
         // A pixel of the first view keeps its ray; where the model moves, its point slides along that.
         const Eigen::Vector3d ray = (point - eye).normalized();
         const Eigen::RowVector3d slide = normal_there.transpose() / normal_there.dot(ray);
@@ -217,13 +213,13 @@ double ViewGraph::depth_error(const Body& body) const {
             const Eigen::Vector3d point = first.point(m.x, m.y);
             const Eigen::Vector3d place = second.camera_from_head() * point;
             const Eigen::Vector2d residual = m.pixel - second.crop().camera.project(place);
-            const double x = std::sqrt(residual.dot(m.information * residual)) / (kTukey * scale);
+            const double x = std::sqrt(residual.dot(m.information * residual)) / (kTukeyCut * scale);
             if (x >= 1) {
                 continue;
             }
             const Eigen::Vector2d shift = second.crop().camera.project_jacobian(place) *
                                           second.camera_from_head().linear() * (point - eye).normalized();
-            const Eigen::Vector2d pull = std::pow(1 - x * x, 2) * m.information * shift;
+            const Eigen::Vector2d pull = tukey_weight(x) * m.information * shift;
             patches
                 .try_emplace({static_cast<int>(std::floor(point.x() / kPatch)),
                               static_cast<int>(std::floor(point.y() / kPatch))},

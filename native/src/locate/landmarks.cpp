@@ -3,16 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <mimetic/locate/landmarks.hpp>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 
 namespace mimetic {
 namespace {
 
 constexpr double kLeastSize = 4;  // pixels an IPD
-
-void require(bool holds, const std::string& text) {
-    if (!holds) throw InvalidInput("landmarks: " + text);
-}
 
 /// Components of the descriptors of all landmarks, and a 1.
 Eigen::VectorXd evidence(const LandmarkStage& stage, const MatrixRows& descriptors) {
@@ -37,22 +34,23 @@ const LandmarkView& likest_view(const LandmarkCascade& cascade, Points2In places
 
 void LandmarkCascade::check() const {
     const auto count = static_cast<Eigen::Index>(names.size());
-    require(count >= 3, "at least three names are needed");
-    require(reference.rows() == count && reference.allFinite(), "reference must have a place for every name");
-    require(!views.empty() && !stages.empty(), "at least one view and one stage are needed");
+    require(count >= 3, "landmarks: at least three names are needed");
+    require(reference.rows() == count && reference.allFinite(),
+            "landmarks: reference must have a place for every name");
+    require(!views.empty() && !stages.empty(), "landmarks: at least one view and one stage are needed");
     for (const auto& view : views) {
         require(view.start.rows() == count && view.start.allFinite() && view.sigma.size() == count &&
                     view.sigma.minCoeff() > 0 && view.sigma.allFinite(),
-                "a view must have a start and a sigma above 0 for every name");
+                "landmarks: a view must have a start and a sigma above 0 for every name");
     }
     for (const auto& stage : stages) {
-        require(stage.cell > 0 && stage.cell <= 1, "cell must be above 0 and at most 1");
+        require(stage.cell > 0 && stage.cell <= 1, "landmarks: cell must be above 0 and at most 1");
         require(stage.mean.size() == kDescriptor && stage.basis.cols() == kDescriptor &&
                     stage.mean.allFinite() && stage.basis.allFinite(),
-                "mean and basis must be of descriptors");
+                "landmarks: mean and basis must be of descriptors");
         require(stage.regression.rows() == 2 * count &&
                     stage.regression.cols() == count * stage.basis.rows() + 1 && stage.regression.allFinite(),
-                "regression must map a stage's components to two values a name");
+                "landmarks: regression must map a stage's components to two values a name");
     }
 }
 
@@ -70,14 +68,14 @@ Points2 landmark_start(const LandmarkCascade& cascade, const Eigen::Vector2d& pu
 FaceLandmarks find_landmarks(ColorView image, const LandmarkCascade& cascade, Points2In start) {
     check_image_size(image.rows, image.cols, "image");
     require(start.rows() == cascade.reference.rows() && start.allFinite(),
-            "start must have a finite place for every name");
+            "landmarks: start must have a finite place for every name");
     FaceLandmarks found;
     found.places = start;
     for (const auto& stage : cascade.stages) {
         const auto image_from_reference = similarity(cascade.reference, found.places);
         const Eigen::Matrix2d turn = image_from_reference.leftCols<2>();
         require(turn.allFinite() && turn.col(0).norm() >= kLeastSize,
-                "the face is too small, or the cascade lost it");
+                "landmarks: the face is too small, or the cascade lost it");
         const Eigen::VectorXd seen =
             evidence(stage, landmark_descriptors(image, found.places, cascade.reference, stage.cell));
         const Eigen::VectorXd shift = stage.regression * seen;

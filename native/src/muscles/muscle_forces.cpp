@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <mimetic/muscles/muscles.hpp>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <string>
 
@@ -11,13 +12,6 @@ namespace mimetic {
 namespace {
 
 constexpr double kFootprintLimit = 3;  // standard deviations; the rest is 1 % of the peak
-
-void check_range(const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high)) {
-        throw InvalidInput(std::string(name) + " is " + std::to_string(value) + ", allowed are " +
-                           std::to_string(low) + " to " + std::to_string(high));
-    }
-}
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <map>
 #include <mimetic/raster/depth.hpp>
 #include <mimetic/raster/overlay.hpp>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -76,15 +77,10 @@ void draw_gauge(cv::Mat& image, double quality, int frame, bool held, const cv::
 }  // namespace
 
 void OverlayOptions::check() const {
-    const auto demand = [](bool fits, const char* rule) {
-        if (!fits) {
-            throw InvalidInput(std::string("overlay option ") + rule);
-        }
-    };
-    demand(scale >= 1 && scale <= 8, "scale must be 1 to 8");
-    demand(opacity >= 0 && opacity <= 1, "opacity must be 0 to 1");
-    demand(depth_tolerance >= 0 && depth_tolerance <= 1, "depth_tolerance must be 0 to 1 m");
-    demand(held_quality >= 0 && held_quality <= 1, "held_quality must be 0 to 1");
+    check_range("overlay option scale", scale, 1, 8);
+    check_range("overlay option opacity", opacity, 0, 1);
+    check_range("overlay option depth_tolerance (metres)", depth_tolerance, 0, 1);
+    check_range("overlay option held_quality", held_quality, 0, 1);
 }
 
 OverlayPainter::OverlayPainter(const Camera& camera, int num_vertices, QuadsIn faces,

@@ -33,10 +33,15 @@ Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v) {
     return matrix;
 }
 
-Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d& vector) {
+Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d& vector, double most) {
     const double angle = vector.norm();
     return angle < 1e-12 ? Eigen::Matrix3d(Eigen::Matrix3d::Identity() + cross_matrix(vector))
-                         : Eigen::AngleAxisd(angle, vector / angle).toRotationMatrix();
+                         : Eigen::AngleAxisd(std::min(angle, most), vector / angle).toRotationMatrix();
+}
+
+Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation) {
+    const Eigen::AngleAxisd turn(rotation);
+    return turn.angle() * turn.axis();
 }
 
 double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b) {

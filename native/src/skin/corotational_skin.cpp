@@ -3,6 +3,7 @@
 #include <cmath>
 #include <deque>
 #include <limits>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/skin/corotational_skin.hpp>
 #include <string>
@@ -85,13 +86,8 @@ private:
 }  // namespace
 
 void CorotationalOptions::check() const {
-    if (max_iterations < 1 || max_iterations > 100000) {
-        throw InvalidInput("max_iterations is " + std::to_string(max_iterations) +
-                           ", allowed are 1 to 100000");
-    }
-    if (!(tolerance >= 1e-12 && tolerance <= 1)) {
-        throw InvalidInput("tolerance is " + std::to_string(tolerance) + ", allowed are 1e-12 to 1");
-    }
+    check_range("max_iterations", max_iterations, 1, 100000);
+    check_range("tolerance", tolerance, 1e-12, 1);
 }
 
 struct CorotationalSkin::Parts {

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/skin/skin_dynamics.hpp>
 #include <string>
@@ -45,16 +46,10 @@ Columns free_unknowns(const std::vector<bool>& held) {
 }  // namespace
 
 void ShellMaterial::check() const {
-    const auto check_range = [](double value, const char* name, double low, double high) {
-        if (!(value >= low && value <= high)) {
-            throw InvalidInput(std::string(name) + " is " + std::to_string(value) + ", allowed are " +
-                               std::to_string(low) + " to " + std::to_string(high));
-        }
-    };
-    check_range(young, "young", 1e-3, 1e12);
-    check_range(poisson, "poisson", 0, 0.999);
-    check_range(thickness, "thickness", 1e-6, 1e3);
-    check_range(density, "density", 0, 1e6);
+    check_range("young", young, 1e-3, 1e12);
+    check_range("poisson", poisson, 0, 0.999);
+    check_range("thickness", thickness, 1e-6, 1e3);
+    check_range("density", density, 0, 1e6);
 }
 
 struct ShellModel::Parts {

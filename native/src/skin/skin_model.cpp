@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/skin/skin.hpp>
 #include <string>
@@ -17,11 +18,7 @@ void SkinMaterials::check(Eigen::Index num_vertices) const {
                                std::to_string(num_vertices) + " vertices");
         }
         for (Eigen::Index v = 0; v < values.size(); ++v) {
-            if (!(values[v] >= low && values[v] <= high)) {
-                throw InvalidInput(std::string(name) + " at vertex " + std::to_string(v) + " is " +
-                                   std::to_string(values[v]) + ", allowed are " + std::to_string(low) +
-                                   " to " + std::to_string(high));
-            }
+            check_range_at(name, v, values[v], low, high);
         }
     };
     check_range(young, "young", 1e-3, 1e12);

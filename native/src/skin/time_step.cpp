@@ -2,23 +2,18 @@
 #include "time_step.hpp"
 
 #include <cmath>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <string>
 
 namespace mimetic {
 
 void DynamicsOptions::check() const {
-    const auto check_range = [](double value, const char* name, double low, double high) {
-        if (!(value >= low && value <= high)) {
-            throw InvalidInput(std::string(name) + " is " + std::to_string(value) + ", allowed are " +
-                               std::to_string(low) + " to " + std::to_string(high));
-        }
-    };
-    check_range(step, "step", 1e-6, 10);
-    check_range(mass_damping, "mass_damping", 0, 1e6);
-    check_range(stiffness_damping, "stiffness_damping", 0, 1e3);
-    check_range(relaxation_share, "relaxation_share", 0, 1e3);
-    check_range(relaxation_time, "relaxation_time", 1e-6, 1e6);
+    check_range("step", step, 1e-6, 10);
+    check_range("mass_damping", mass_damping, 0, 1e6);
+    check_range("stiffness_damping", stiffness_damping, 0, 1e3);
+    check_range("relaxation_share", relaxation_share, 0, 1e3);
+    check_range("relaxation_time", relaxation_time, 1e-6, 1e6);
 }
 
 TimeStep::TimeStep(const DynamicsOptions& options) {

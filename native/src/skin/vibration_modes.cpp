@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/skin/skin_dynamics.hpp>
 #include <numbers>
@@ -41,10 +42,7 @@ VibrationModes vibration_modes(const Eigen::SparseMatrix<double>& stiffness,
         throw InvalidInput("stiffness has " + std::to_string(size) + " rows, mass has " +
                            std::to_string(mass.rows()));
     }
-    if (num_modes < 1 || num_modes >= size) {
-        throw InvalidInput("num_modes is " + std::to_string(num_modes) + ", allowed are 1 to " +
-                           std::to_string(size - 1));
-    }
+    check_range("num_modes", num_modes, 1, static_cast<double>(size - 1));
     Cholesky factor;
     factor.compute(stiffness);
     if (factor.info() != Eigen::Success) {

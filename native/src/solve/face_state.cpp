@@ -14,8 +14,7 @@ void FaceState::apply(const Eigen::VectorXd& step) {
 
 Eigen::VectorXd FaceState::difference_from(const FaceState& other) const {
     Eigen::VectorXd step(6 + values.size());
-    const Eigen::AngleAxisd turn(camera_from_head.linear() * other.camera_from_head.linear().transpose());
-    step.head<3>() = turn.angle() * turn.axis();
+    step.head<3>() = rotation_vector(camera_from_head.linear() * other.camera_from_head.linear().transpose());
     step.segment<3>(3) = camera_from_head.translation() - other.camera_from_head.translation();
     step.tail(values.size()) = values - other.values;
     return step;

@@ -7,6 +7,8 @@
 
 #include "bounded_step.hpp"
 
+#include "shared/robust.hpp"
+
 namespace mimetic {
 
 namespace {
@@ -111,8 +113,7 @@ void JointSolver::reweight(const Eigen::VectorXd& step, double robust_cut) {
                 displacements_.segment<2>(row) - jacobians_.middleRows<2>(row) * flat;
             distances_px_[k] = left.norm();
             const double distance = (whiteners_[k] * (left - field_pixels_[k] * field)).norm() / robust_cut;
-            const double kept = distance < 1 ? 1 - distance * distance : 0;
-            robust_weights_[k] = static_cast<float>(kept * kept);
+            robust_weights_[k] = static_cast<float>(tukey_weight(distance));
             weights_[k] = robust_weights_[k] * measurement.weight * gate(measurement.correlation) /
                           static_cast<float>(noise_.samples_a_window);
             const Eigen::Matrix2f whitener = std::sqrt(weights_[k]) * whiteners_[k];

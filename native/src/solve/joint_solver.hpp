@@ -4,6 +4,7 @@
 
 #include "error_field.hpp"
 #include "face_state.hpp"
+#include "shared/robust.hpp"
 #include "texture_flow.hpp"
 
 namespace mimetic {
@@ -16,10 +17,10 @@ struct StepPrior {
 
 /// What keeps a right state from explaining a measurement.
 struct NoiseModel {
-    ModelError model;              ///< a smooth field over the skin; of TrackerOptions
-    double fine_error = 4e-4;      ///< metres; of each flow window for itself
-    double robust_cut = 4.7;       ///< Tukey, in standard deviations
-    double samples_a_window = 10;  ///< neighbours share their flow's window and count as one
+    ModelError model;               ///< a smooth field over the skin; of TrackerOptions
+    double fine_error = 4e-4;       ///< metres; of each flow window for itself
+    double robust_cut = kTukeyCut;  ///< standard deviations
+    double samples_a_window = 10;   ///< neighbours share their flow's window and count as one
 };
 
 /// Robust whitened normal equations of all samples for one joint step of pose and values. The modes' own

@@ -3,6 +3,8 @@
 
 #include <limits>
 
+#include "shared/bilinear.hpp"
+
 namespace mimetic {
 
 namespace {
@@ -14,13 +16,6 @@ constexpr double kLidSeen = -.45;  // the lid's own texture reaches this far abo
 constexpr double kLash = .12;      // its dark margin and shadow this far below
 
 double row_of(double height, int num_rows) { return (height - kFirst) / (kLast - kFirst) * (num_rows - 1); }
-
-double bilinear(const cv::Mat1b& gray, const Eigen::Vector2d& at) {
-    const int x = static_cast<int>(at.x()), y = static_cast<int>(at.y());
-    const double fx = at.x() - x, fy = at.y() - y;
-    return (1 - fy) * ((1 - fx) * gray(y, x) + fx * gray(y, x + 1)) +
-           fy * ((1 - fx) * gray(y + 1, x) + fx * gray(y + 1, x + 1));
-}
 
 }  // namespace
 
@@ -47,7 +42,7 @@ bool LidMeter::fetch(const cv::Mat1b& gray, const FloatPixels& pixels, Profile& 
                   pixel.y() < gray.rows - 1)) {
                 return false;
             }
-            profile(row, column) = bilinear(gray, pixel);
+            profile(row, column) = bilinear(gray, pixel.x(), pixel.y());
         }
     }
     return true;

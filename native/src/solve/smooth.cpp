@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/LU>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 
 #include "block_banded.hpp"
@@ -185,10 +186,7 @@ void SmootherOptions::check() const {
                                "; it must be above 0 and finite");
         }
     }
-    if (max_iterations < 1 || max_iterations > 100000) {
-        throw InvalidInput("SmootherOptions.max_iterations is " + std::to_string(max_iterations) +
-                           "; it must be 1 to 100000");
-    }
+    check_range("SmootherOptions.max_iterations", max_iterations, 1, 100000);
 }
 
 std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, const FaceMotion& motion,

@@ -87,10 +87,7 @@ FrameEstimate FaceTracker::State::report(const FrameScore& score, const StepPrio
         (solver->information() + prior.information).llt().solve(Eigen::MatrixXd::Identity(size, size));
     estimate.information = solver->information();
     estimate.gradient = solver->pull() - solver->information() * last_step;
-    std::vector<double>& distances = solver->distances_px();
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::nth_element(distances.begin(), middle, distances.end());
-    estimate.residual_px = *middle;
+    estimate.residual_px = upper_median(solver->distances_px());
     return estimate;
 }
 

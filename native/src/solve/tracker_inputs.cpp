@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 
 #include "tracker_state.hpp"
@@ -6,13 +7,6 @@
 namespace mimetic {
 
 namespace {
-
-void check_range(const char* name, double value, double low, double high) {
-    if (!(value >= low && value <= high)) {
-        throw InvalidInput(std::string("TrackerOptions.") + name + " is " + std::to_string(value) +
-                           "; it must be " + std::to_string(low) + " to " + std::to_string(high));
-    }
-}
 
 [[noreturn]] void fail(const std::string& what) { throw InvalidInput("face tracker: " + what); }
 
@@ -35,14 +29,14 @@ void check_surface(const TrackedSurface& surface, Eigen::Index num_vertices) {
 }  // namespace
 
 void TrackerOptions::check() const {
-    check_range("crop_height", crop_height, 48, 1024);
-    check_range("sample_spacing", sample_spacing, 1, 16);
-    check_range("max_iterations", max_iterations, 1, 20);
-    check_range("max_key_views", max_key_views, 0, 32);
-    check_range("model_error", model_error, 1e-5, .05);
-    check_range("shape_error", shape_error, 0, .05);
-    check_range("correlation_time", correlation_time, 1, 1e6);
-    check_range("held_quality", held_quality, 0, 1);
+    check_range("TrackerOptions.crop_height", crop_height, 48, 1024);
+    check_range("TrackerOptions.sample_spacing", sample_spacing, 1, 16);
+    check_range("TrackerOptions.max_iterations", max_iterations, 1, 20);
+    check_range("TrackerOptions.max_key_views", max_key_views, 0, 32);
+    check_range("TrackerOptions.model_error", model_error, 1e-5, .05);
+    check_range("TrackerOptions.shape_error", shape_error, 0, .05);
+    check_range("TrackerOptions.correlation_time", correlation_time, 1, 1e6);
+    check_range("TrackerOptions.held_quality", held_quality, 0, 1);
 }
 
 void check_inputs(const Camera& camera, const TrackedSurface& surface, const FaceMotion& motion,

@@ -3,6 +3,7 @@
 #include <array>
 #include <limits>
 #include <map>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/surface/surface.hpp>
 #include <string>
@@ -71,10 +72,7 @@ private:
 };
 
 void check_levels(QuadsIn faces, int levels) {
-    if (levels < 0 || levels > SubdividedMesh::kMaxLevels) {
-        throw InvalidInput("levels is " + std::to_string(levels) + ", allowed are 0 to " +
-                           std::to_string(SubdividedMesh::kMaxLevels));
-    }
+    check_range("levels", levels, 0, SubdividedMesh::kMaxLevels);
     const Eigen::Index children = Eigen::Index{1} << (2 * levels);
     if (faces.rows() > std::numeric_limits<int>::max() / (4 * children)) {
         throw InvalidInput(std::to_string(faces.rows()) + " faces are too many for " +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <Eigen/Geometry>
+#include <limits>
 #include <mimetic/shared/types.hpp>
 #include <optional>
 #include <string>
@@ -15,8 +16,12 @@ using Rotations = std::vector<Eigen::Matrix3d>;
 /// What takes the cross product with v: cross_matrix(v) w = v x w.
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
 
-/// The rotation about a vector by its length, radians (Rodrigues).
-Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d& vector);
+/// The rotation about a vector by its length, radians (Rodrigues), or by `most` if that is less.
+Eigen::Matrix3d rotation_from_vector(const Eigen::Vector3d& vector,
+                                     double most = std::numeric_limits<double>::infinity());
+
+/// Axis times angle, radians, 0 to pi: the inverse of rotation_from_vector.
+Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& rotation);
 
 /// Radians by which the second pose is turned from the first.
 double angle_between(const Eigen::Isometry3d& a, const Eigen::Isometry3d& b);
