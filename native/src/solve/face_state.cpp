@@ -5,18 +5,23 @@
 
 namespace mimetic {
 
-void FaceState::apply(const Eigen::VectorXd& step) {
-    const Eigen::Matrix3d rotation = rotation_from_vector(step.head<3>()) * camera_from_head.linear();
+void FaceState::apply(const FaceStep& step) {
+    const Eigen::Matrix3d rotation = rotation_from_vector(step.rotation()) * camera_from_head.linear();
     camera_from_head.linear() = Eigen::Quaterniond(rotation).normalized().toRotationMatrix();
-    camera_from_head.translation() += step.segment<3>(3);
-    values += step.tail(values.size());
+    camera_from_head.translation() += step.translation();
+    values += step.values();
 }
 
-Eigen::VectorXd FaceState::difference_from(const FaceState& other) const {
-    Eigen::VectorXd step(6 + values.size());
-    step.head<3>() = rotation_vector(camera_from_head.linear() * other.camera_from_head.linear().transpose());
-    step.segment<3>(3) = camera_from_head.translation() - other.camera_from_head.translation();
-    step.tail(values.size()) = values - other.values;
+void FaceState::keep_within(const FaceMotion& motion) {
+    values = values.cwiseMax(motion.lower).cwiseMin(motion.upper);
+}
+
+FaceStep FaceState::difference_from(const FaceState& other) const {
+    FaceStep step = FaceStep::none(values.size());
+    step.rotation() =
+        rotation_vector(camera_from_head.linear() * other.camera_from_head.linear().transpose());
+    step.translation() = camera_from_head.translation() - other.camera_from_head.translation();
+    step.values() = values - other.values;
     return step;
 }
 

@@ -47,7 +47,7 @@ public:
     const Eigen::Matrix<float, 2, 3>& projection(std::size_t k) const { return projections_[k]; }
     const Eigen::MatrixXf& rows() const { return rows_; }
     const Eigen::VectorXf& targets() const { return targets_; }
-    std::vector<double>& distances_px() { return distances_px_; }
+    const std::vector<double>& distances_px() const { return distances_px_; }
 
 private:
     using NearNode = ErrorField<float>::NearNode;

@@ -5,24 +5,25 @@ namespace mimetic {
 
 SkinObservations FaceTracker::observations() const {
     const State& s = *state_;
-    const std::size_t count = s.lost ? 0 : std::min(s.measurements.size(), s.solver->robust_weights().size());
+    const auto& [samples, projected] = s.last_measured;
+    const JointSolver& solver = s.registrar.solver();
+    const std::size_t count = s.memory.is_lost ? 0 : std::min(samples.size(), solver.robust_weights().size());
     const auto rows = static_cast<Eigen::Index>(count);
     SkinObservations seen{Triangles(rows, 3), Points(rows, 3), Rows<double, 2>(rows, 2),
                           Rows<double, 4>(rows, 4)};
     for (std::size_t k = 0; k < count; ++k) {
         const auto row = static_cast<Eigen::Index>(k);
-        const SampleMeasurement& measurement = s.measurements[k];
+        const SampleMeasurement& measurement = samples[k];
         const ReferenceSample& sample = *measurement.sample;
-        seen.vertices.row(row) = s.surface.triangles().row(sample.triangle);
+        seen.vertices.row(row) = s.face.surface.triangles().row(sample.triangle);
         seen.barycentric.row(row) = sample.barycentric.cast<double>();
-        // The solver's hypothesis, from which displacements count, is what was projected last.
         Eigen::Vector2d hypothesis = Eigen::Vector2d::Zero();
         for (int corner = 0; corner < 3; ++corner) {
             hypothesis += sample.barycentric[corner] *
-                          s.projected.pixels.row(seen.vertices(row, corner)).transpose().cast<double>();
+                          projected.pixels.row(seen.vertices(row, corner)).transpose().cast<double>();
         }
         seen.pixels.row(row) = hypothesis + measurement.displacement;
-        const Eigen::Matrix2d whitener = s.solver->whitener(k).cast<double>();
+        const Eigen::Matrix2d whitener = solver.whitener(k).cast<double>();
         const Eigen::Matrix2d information = whitener.transpose() * whitener;
         seen.information.row(row) << information(0, 0), information(0, 1), information(1, 0),
             information(1, 1);

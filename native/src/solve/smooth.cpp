@@ -30,7 +30,7 @@ void add_acceleration(const std::vector<FrameEstimate>& estimates, const Eigen::
         const FaceState before = state_of(estimates[t - 1]), here = state_of(estimates[t]),
                         after = state_of(estimates[t + 1]);
         const Eigen::VectorXd bend =
-            weights.cwiseProduct(after.difference_from(here) - here.difference_from(before));
+            weights.cwiseProduct(after.difference_from(here).flat - here.difference_from(before).flat);
         problem.pull[t - 1] -= bend;
         problem.pull[t] += 2 * bend;
         problem.pull[t + 1] -= bend;
@@ -220,7 +220,7 @@ std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, c
         smooth_detail(estimates, steps, motion, options.value_acceleration / .3);
     for (std::size_t t = 0; t < estimates.size(); ++t) {
         FaceState state = state_of(estimates[t]);
-        state.apply(steps[t]);
+        state.apply(FaceStep(steps[t]));
         smoothed[t].camera_from_head = state.camera_from_head;
         smoothed[t].values = state.values.cwiseMax(motion.lower).cwiseMin(motion.upper);
         // Model error stays the same from frame to frame: neighbours average noise only, so a measured

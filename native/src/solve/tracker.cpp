@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/shared/error.hpp>
 
-#include "motion_prior.hpp"
 #include "shared/gray.hpp"
 #include "tracker_state.hpp"
 
@@ -9,11 +8,10 @@ namespace mimetic {
 
 namespace {
 
-constexpr double kFlowWindow = 9.5;    // reference pixels on a side
 constexpr float kErrorReach = 3;       // of the model error field's exponent
 constexpr double kFoundQuality = .45;  // a lost face counts as found again from here
-constexpr double kKeyViewAngle = .26;  // rad from the nearest texture
 constexpr double kKeyViewQuality = .6;
+constexpr std::size_t kFewestSamples = 100;
 
 ErrorField<float> error_field(const ReferenceView& view) {
     std::vector<Eigen::Vector3f> points;
@@ -23,45 +21,18 @@ ErrorField<float> error_field(const ReferenceView& view) {
     return ErrorField<float>(points, kErrorReach);
 }
 
-Eigen::MatrixXd first_covariance(const Eigen::MatrixXd& rest) {
-    Eigen::MatrixXd covariance = Eigen::MatrixXd::Zero(6 + rest.rows(), 6 + rest.rows());
-    covariance.diagonal().head<3>().setConstant(1e-4);
-    covariance.diagonal().segment<3>(3).setConstant(1e-5);
-    covariance.bottomRightCorner(rest.rows(), rest.rows()) = rest;
-    return covariance;
-}
-
-}  // namespace
-
-FaceTracker::State::State(const Camera& camera_in, const TrackedSurface& surface_in,
-                          const FaceMotion& motion_in, const std::vector<EyeSlit>& eyes_in,
-                          const TrackerOptions& options_in)
-    : camera(camera_in),
-      motion(motion_in),
-      to_rest(motion),
-      surface(surface_in, motion_in),
-      options(options_in),
-      detail_solver(motion),
-      texture_flow(options_in.flow_method),
-      likeness(options_in.crop_height) {
-    noise.model.anyway = options.model_error;
-    noise.model.shape = options.shape_error;
-    noise.samples_a_window = std::max(1., std::pow(kFlowWindow / options.sample_spacing, 2));
-    relative_dis = cv::DISOpticalFlow::create(cv::DISOpticalFlow::PRESET_ULTRAFAST);
-    velocity = Eigen::VectorXd::Zero(6 + num_values());
-    rest = rest_covariance(motion);
-    // The prediction already tends to rest; more would delay onsets.
-    constexpr double kFramesPerState = 12;
-    rest_pull = rest.inverse() / kFramesPerState;
-    last_std = motion.prior_std;
-    covariance = first_covariance(rest);
-    for (const EyeSlit& eye : eyes_in) {
-        lids.emplace_back(eye);
+ReferenceViews first_views(const TrackedFace& face, const FaceState& state, const cv::Mat1b& gray) {
+    ReferenceViews views(face, state, gray);
+    if (views.first().samples().size() < kFewestSamples) {
+        throw InvalidInput(
+            "only " + std::to_string(views.first().samples().size()) +
+            " samples of the face are in sight of the reference image, 100 are needed: choose a frame "
+            "in which the face is larger and turned to the camera");
     }
+    return views;
 }
 
-FrameEstimate FaceTracker::State::report(const FrameScore& score, const StepPrior& prior) {
-    const Eigen::Index size = 6 + num_values();
+FrameEstimate to_estimate(const FaceState& state, const FrameScore& score) {
     FrameEstimate estimate;
     estimate.camera_from_head = state.camera_from_head;
     estimate.values = state.values;
@@ -70,99 +41,144 @@ FrameEstimate FaceTracker::State::report(const FrameScore& score, const StepPrio
     estimate.num_explained = score.num_explained;
     estimate.correlation = score.correlation;
     estimate.num_views = score.num_views;
-    estimate.information = Eigen::MatrixXd::Zero(size, size);
-    estimate.gradient = Eigen::VectorXd::Zero(size);
-    estimate.held = lost;
-    if (lost) {
-        estimate.covariance = covariance;
-        estimate.detail.coefficients = Eigen::VectorXd::Zero(motion.detail_std.size());
-        estimate.detail.std = motion.detail_std;
-        return estimate;
-    }
-    if (motion.detail_std.size() > 0) {
-        // Not put back into the next frame's warp: flow that falls short would let its errors grow.
-        estimate.detail = detail_solver.solve(*solver, measurements, last_step);
-    }
-    estimate.covariance =
-        (solver->information() + prior.information).llt().solve(Eigen::MatrixXd::Identity(size, size));
-    estimate.information = solver->information();
-    estimate.gradient = solver->pull() - solver->information() * last_step;
-    estimate.residual_px = upper_median(solver->distances_px());
     return estimate;
 }
 
-FloatPixels FaceTracker::State::project_control(const FaceState& at) const {
-    Points moved = motion.neutral;
-    Eigen::Map<Eigen::VectorXd> flat(moved.data(), moved.size());
-    flat += motion.modes.transpose() * at.values;
-    FloatPixels pixels(moved.rows(), 2);
-    for (Eigen::Index i = 0; i < moved.rows(); ++i) {
-        const Eigen::Vector3d point = at.camera_from_head * Eigen::Vector3d(moved.row(i));
-        pixels.row(i) = camera.project(point).transpose().cast<float>();
+}  // namespace
+
+FaceTracker::State::State(const Camera& camera, const TrackedSurface& surface, const FaceMotion& motion,
+                          const std::vector<EyeSlit>& eyes, const TrackerOptions& options,
+                          const cv::Mat1b& gray, const Eigen::Isometry3d& camera_from_head)
+    : face(camera, surface, motion, options),
+      memory(first_memory(face, gray, {camera_from_head, Eigen::VectorXd::Zero(face.num_values())})),
+      views(first_views(face, memory.state, gray)),
+      follower(face, error_field(views.first())),
+      registrar(face, views, error_field(views.first())),
+      search(gray, views.first()),
+      lids(face, eyes, gray, memory.state),
+      detail_solver(face.motion) {}
+
+/// Predict, follow the flow, register, judge, search if the face is lost, report, remember.
+FrameEstimate FaceTracker::State::follow(FrameAtHand& frame, const std::optional<Eigen::Isometry3d>& guess) {
+    const double held_quality = face.options.held_quality;
+    const Expectation expected = predict(face, memory);
+    const FaceState start = start_of(expected, frame);
+    // Who gives a guess is in doubt: after a cut another face may be where this one was.
+    Trial trial = memory.trial;
+    trial.next_frame();
+    if (memory.is_lost || guess) {
+        trial.start();
     }
-    return pixels;
+    Registration found = registrar.register_face(expected, start, frame, trial.least_likeness());
+    bool is_lost = false;
+    if (memory.is_lost || found.score.quality < held_quality) {
+        trial.start();  // lost and found in one frame is doubtful too
+        found = search_again(expected, found, frame, guess);
+        is_lost = found.score.quality < std::max(kFoundQuality, held_quality);
+    }
+    FrameEstimate estimate;
+    {
+        const StageClock clock(frame.times.solve_ms);
+        estimate = is_lost ? held_estimate(expected, found.score) : measured_estimate(expected, found);
+    }
+    TrackMemory now = memory;
+    now.gray = frame.gray;
+    now.covariance = expected.covariance;
+    now.velocity = FaceStep::none(face.num_values());
+    now.is_lost = is_lost;
+    now.trial = trial;
+    if (!is_lost) {
+        estimate = lids.read(std::move(estimate), frame.gray, memory.state);
+        estimate.found_again = trial.has_just_started();
+        now.state = {estimate.camera_from_head, estimate.values};
+        now.covariance = estimate.covariance;
+        now.values_std = estimate.values_std();
+        if (!memory.is_lost) {
+            now.velocity = now.state.difference_from(memory.state);
+        }
+        const bool is_sure = found.score.quality >= kKeyViewQuality && found.score.likeness >= kSurelyAlike;
+        views.offer(face, now.state, frame.gray, is_sure, estimate.detail.coefficients);
+    }
+    memory = std::move(now);
+    last_measured = std::move(found.measured);
+    return estimate;
 }
 
-void FaceTracker::State::measure_lids(FrameEstimate& estimate) {
-    if (lids.empty()) {
-        return;
+/// Where the frame is compared with the textures first.
+FaceState FaceTracker::State::start_of(const Expectation& expected, FrameAtHand& frame) {
+    FaceState start = expected.mean;
+    if (face.options.relative_flow && !memory.is_lost) {
+        const StageClock clock(frame.times.predict_ms);
+        start = follower.follow(expected, memory, frame.gray, views.first());
     }
-    FaceState open = state;
-    for (const LidMeter& lid : lids) {
-        for (const int value : {lid.slit().lid_upper, lid.slit().lid_lower}) {
-            if (value >= 0) {
-                open.values[value] = 0;
-            }
-        }
-    }
-    const FloatPixels pixels = project_control(open);
-    for (const LidMeter& lid : lids) {
-        const LidMeasurement measured = lid.measure(gray, pixels);
-        if (!measured.seen) {
-            continue;
-        }
-        const int value = lid.slit().lid_upper;
-        const Eigen::Index row = 6 + value;
-        // A blink takes three frames: what was says little.
-        constexpr double kJump = .4;
-        const double variance = measured.std * measured.std;
-        const double share = kJump * kJump / (kJump * kJump + variance);
-        const double before = last.values[value];
-        const double wanted = std::clamp(before + share * (measured.closure - before), motion.lower[value],
-                                         motion.upper[value]);
-        state.values[value] = estimate.values[value] = wanted;
-        estimate.covariance.row(row).setZero();
-        estimate.covariance.col(row).setZero();
-        estimate.covariance(row, row) = share * variance;
-        estimate.information.row(row).setZero();
-        estimate.information.col(row).setZero();
-        estimate.information(row, row) = 1 / variance;
-        estimate.gradient[row] = (measured.closure - wanted) / variance;
-    }
+    frame.prepared.update(frame.gray, 1 / views.pixels_per_crop_pixel(start.camera_from_head));
+    return start;
 }
 
-void FaceTracker::State::add_key_view(const FrameScore& score, const DetailEstimate& detail) {
-    ++frames_since_key_view;
-    if (static_cast<int>(views.size()) > options.max_key_views || score.quality < kKeyViewQuality ||
-        score.likeness < kSurelyAlike || frames_since_key_view < 10) {
-        return;
+/// From where the face was last seen, or anywhere: whichever explains more.
+Registration FaceTracker::State::search_again(const Expectation& expected, const Registration& near,
+                                              FrameAtHand& frame,
+                                              const std::optional<Eigen::Isometry3d>& guess) {
+    const auto scale_at = [this](const FaceState& state) {
+        return views.pixels_per_crop_pixel(state.camera_from_head);
+    };
+    std::vector<Eigen::Isometry3d> poses;
+    {
+        const StageClock clock(frame.times.predict_ms);
+        poses = search.find(face.camera, frame.gray, scale_at(near.state) * views.first().scale());
     }
-    for (const auto& view : views) {
-        if (view_angle(*view) < kKeyViewAngle) {
-            return;
+    if (guess) {
+        poses.push_back(*guess);
+    }
+    poses.push_back(
+        memory.state.camera_from_head);  // without the flow, which may have followed what covers it
+    FaceState best = near.state;
+    double best_quality = near.score.quality;
+    for (const Eigen::Isometry3d& pose : poses) {
+        // Where the face was says nothing about where it is now.
+        const FaceState there{pose, Eigen::VectorXd::Zero(face.num_values())};
+        frame.prepared.update(frame.gray, 1 / scale_at(there));
+        const FaceState start = registrar.register_pose(expected.about(there), there, frame);
+        const FaceState mean{start.camera_from_head, there.values};
+        const Registration found = registrar.register_face(expected.about(mean), start, frame, kSurelyAlike);
+        if (found.score.quality > best_quality) {
+            best_quality = found.score.quality;
+            best = found.state;
         }
     }
-    try {
-        views.push_back(std::make_unique<ReferenceView>(surface, camera, state, gray, options.crop_height,
-                                                        options.sample_spacing,
-                                                        flow_blur_px(options.flow_method)));
-        frames_since_key_view = 0;
-        // Of detail, about half is motion; the rest is shape that looks otherwise from elsewhere.
-        constexpr double kMoved = .5;
-        views.back()->keep_detail(kMoved * detail.coefficients);
-    } catch (const InvalidInput&) {
-        return;  // too little of the face is in sight for a texture
+    // Once more where it fits best: the solver must not be left with another candidate's equations.
+    frame.prepared.update(frame.gray, 1 / scale_at(best));
+    return registrar.register_face(expected.about(best), best, frame, kSurelyAlike);
+}
+
+FrameEstimate FaceTracker::State::measured_estimate(const Expectation& expected, const Registration& found) {
+    const Eigen::Index size = face.num_unknowns();
+    const JointSolver& solver = registrar.solver();
+    FrameEstimate estimate = to_estimate(found.state, found.score);
+    if (face.motion.detail_std.size() > 0) {
+        // Not put back into the next frame's warp: flow that falls short would let its errors grow.
+        estimate.detail = detail_solver.solve(solver, found.measured.samples, found.last_step.flat);
     }
+    estimate.covariance =
+        (solver.information() + expected.information).llt().solve(Eigen::MatrixXd::Identity(size, size));
+    estimate.information = solver.information();
+    estimate.gradient = solver.pull() - solver.information() * found.last_step.flat;
+    std::vector<double> distances = solver.distances_px();
+    estimate.residual_px = upper_median(distances);
+    return estimate;
+}
+
+FrameEstimate FaceTracker::State::held_estimate(const Expectation& expected, const FrameScore& score) const {
+    const Eigen::Index size = face.num_unknowns();
+    FrameEstimate estimate = to_estimate(memory.state, score);
+    estimate.held = true;
+    estimate.quality = std::min(score.quality, .999 * face.options.held_quality);
+    estimate.covariance = expected.covariance;
+    estimate.information = Eigen::MatrixXd::Zero(size, size);
+    estimate.gradient = Eigen::VectorXd::Zero(size);
+    estimate.detail.coefficients = Eigen::VectorXd::Zero(face.motion.detail_std.size());
+    estimate.detail.std = face.motion.detail_std;
+    return estimate;
 }
 
 FaceTracker::FaceTracker(const Camera& camera, const TrackedSurface& surface, const FaceMotion& motion,
@@ -180,27 +196,8 @@ FaceTracker::FaceTracker(const Camera& camera, const TrackedSurface& surface, co
                 .norm() > 1e-3) {
         throw InvalidInput("camera_from_head must be a rotation and a translation, finite");
     }
-    state_ = std::make_unique<State>(camera, surface, motion, eyes, options);
-    State& s = *state_;
-    s.last_gray = to_gray(image);
-    s.last.camera_from_head = camera_from_head;
-    s.last.values = Eigen::VectorXd::Zero(s.num_values());
-    s.state = s.predicted = s.last;
-    s.views.push_back(std::make_unique<ReferenceView>(s.surface, camera, s.last, s.last_gray,
-                                                      options.crop_height, options.sample_spacing,
-                                                      flow_blur_px(options.flow_method)));
-    if (s.views.front()->samples().size() < 100) {
-        throw InvalidInput(
-            "only " + std::to_string(s.views.front()->samples().size()) +
-            " samples of the face are in sight of the reference image, 100 are needed: choose a frame "
-            "in which the face is larger and turned to the camera");
-    }
-    s.solver = std::make_unique<JointSolver>(s.motion, error_field(*s.views.front()));
-    s.relative_solver = std::make_unique<JointSolver>(s.motion, error_field(*s.views.front()));
-    for (LidMeter& lid : s.lids) {
-        lid.take_reference(s.last_gray, s.project_control(s.last));
-    }
-    s.search = std::make_unique<FaceSearch>(s.last_gray, *s.views.front());
+    state_ =
+        std::make_unique<State>(camera, surface, motion, eyes, options, to_gray(image), camera_from_head);
 }
 
 FaceTracker::~FaceTracker() = default;
@@ -208,81 +205,30 @@ FaceTracker::FaceTracker(FaceTracker&&) noexcept = default;
 FaceTracker& FaceTracker::operator=(FaceTracker&&) noexcept = default;
 
 FrameEstimate FaceTracker::advance(const ColorView& image, const std::optional<Eigen::Isometry3d>& guess) {
-    State& s = *state_;
-    if (image.rows != s.camera.height || image.cols != s.camera.width) {
+    const Camera& camera = state_->face.camera;
+    if (image.rows != camera.height || image.cols != camera.width) {
         throw InvalidInput("a frame is " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
-                           " pixels, the reference image was " + std::to_string(s.camera.width) + " x " +
-                           std::to_string(s.camera.height));
+                           " pixels, the reference image was " + std::to_string(camera.width) + " x " +
+                           std::to_string(camera.height));
     }
-    s.times = {};
+    FrameAtHand frame;
     FrameEstimate estimate;
     {
-        const StageClock whole(s.times.total_ms);
-        s.gray = to_gray(image);
-        const bool was_lost = s.lost;
-        StepPrior prior = s.predict();
-        if (s.options.relative_flow && !was_lost) {
-            const StageClock clock(s.times.predict_ms);
-            s.follow_flow(prior);
-        }
-        s.frame.update(s.gray, 1 / s.face_pixels_per_crop_pixel());
-        // Who gives a guess is in doubt: after a cut another face may be where this one was.
-        s.trial.next_frame();
-        if (was_lost || guess) {
-            s.trial.start();
-        }
-        FrameScore score = s.register_face(prior, s.trial.least_likeness());
-        const double found = std::max(kFoundQuality, s.options.held_quality);
-        if (was_lost || score.quality < s.options.held_quality) {
-            s.trial.start();  // lost and found in one frame is doubtful too
-            // From where the face was last seen, or anywhere: whichever explains more
-            const FaceState held = s.last;
-            score = s.search_again(prior, score.quality, guess);
-            s.lost = score.quality < found;
-            if (s.lost) {
-                s.state = held;
-            }
-        }
-        {
-            const StageClock clock(s.times.solve_ms);
-            estimate = s.report(score, prior);
-        }
-        if (s.lost) {
-            s.velocity.setZero();
-            estimate.quality = std::min(estimate.quality, .999 * s.options.held_quality);
-        } else {
-            s.measure_lids(estimate);
-            s.covariance = estimate.covariance;
-            s.last_std = estimate.values_std();
-            s.velocity = s.state.difference_from(s.last);
-            if (was_lost) {
-                s.velocity.setZero();
-            }
-            s.add_key_view(score, estimate.detail);
-            estimate.found_again = s.trial.has_just_started();
-        }
-        s.last = s.state;
-        std::swap(s.gray, s.last_gray);
+        const StageClock whole(frame.times.total_ms);
+        frame.gray = to_gray(image);
+        estimate = state_->follow(frame, guess);
     }
-    estimate.times = s.times;
+    estimate.times = frame.times;
     return estimate;
 }
 
 void FaceTracker::restart(const ColorView& image, const FrameEstimate& estimate) {
     State& s = *state_;
-    if (image.rows != s.camera.height || image.cols != s.camera.width ||
-        estimate.values.size() != s.num_values()) {
+    if (image.rows != s.face.camera.height || image.cols != s.face.camera.width ||
+        estimate.values.size() != s.face.num_values()) {
         throw InvalidInput("restart needs an image of the reference's size and an estimate of this tracker");
     }
-    s.last_gray = to_gray(image);
-    s.last.camera_from_head = estimate.camera_from_head;
-    s.last.values = estimate.values;
-    s.state = s.predicted = s.last;
-    s.velocity.setZero();
-    s.covariance = first_covariance(s.rest);
-    s.last_std = s.motion.prior_std;
-    s.lost = false;
-    s.trial.end();
+    s.memory = first_memory(s.face, to_gray(image), {estimate.camera_from_head, estimate.values});
 }
 
 }  // namespace mimetic

@@ -2,7 +2,7 @@
 #include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 
-#include "tracker_state.hpp"
+#include "tracked_face.hpp"
 
 namespace mimetic {
 

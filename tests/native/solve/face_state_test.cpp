@@ -28,7 +28,7 @@ TEST(FaceState, SkinJacobianMeetsFiniteDifferences) {
                   by_point);
     const auto project = [&](const Eigen::VectorXd& step) {
         FaceState moved = state;
-        moved.apply(step);
+        moved.apply(FaceStep(step));
         const Eigen::Vector3d point = skin.neutral.cast<double>() + skin.modes.cast<double>() * moved.values;
         return camera.project(moved.camera_from_head * point);
     };
@@ -43,10 +43,14 @@ TEST(FaceState, SkinJacobianMeetsFiniteDifferences) {
 TEST(FaceState, DifferenceUndoesApply) {
     const FaceState state = turned_state();
     FaceState moved = state;
-    Eigen::VectorXd step(9);
-    step << .1, -.2, .05, .01, .02, -.03, .1, -.2, .3;
+    FaceStep step = FaceStep::none(3);
+    step.rotation() << .1, -.2, .05;
+    step.translation() << .01, .02, -.03;
+    step.values() << .1, -.2, .3;
     moved.apply(step);
-    EXPECT_LT((moved.difference_from(state) - step).norm(), 1e-9);
+    EXPECT_LT((moved.difference_from(state).flat - step.flat).norm(), 1e-9);
+    EXPECT_DOUBLE_EQ(step.flat[4], .02);
+    EXPECT_DOUBLE_EQ(step.flat[6], .1);
 }
 
 }  // namespace

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <opencv2/core.hpp>
+
+#include "locate/likeness.hpp"
+#include "tracked_face.hpp"
+
+namespace mimetic {
+
+/// What is remembered of the frames before.
+struct TrackMemory {
+    cv::Mat1b gray;              ///< the last frame
+    FaceState state;             ///< in the last frame that showed the face
+    FaceStep velocity;           ///< a frame
+    Eigen::MatrixXd covariance;  ///< of the state; it grows while the face is lost
+    Eigen::VectorXd values_std;  ///< when the values were last measured
+    bool is_lost = false;
+    Trial trial;
+};
+
+/// Before anything was measured: the face stands still, as little known as the prior says.
+TrackMemory first_memory(const TrackedFace& face, cv::Mat1b gray, FaceState state);
+
+/// What is expected of a frame before it is looked at.
+struct Expectation {
+    FaceState mean;
+    Eigen::MatrixXd covariance;   ///< (6 + M) squared, of a step from the mean
+    Eigen::MatrixXd information;  ///< its inverse
+    Eigen::VectorXd values_std;   ///< how well the values were known
+
+    /// The same belief about another state.
+    Expectation about(const FaceState& state) const;
+
+    /// As a prior of steps from a state, with the pull to rest there.
+    StepPrior from(const FaceState& state, const TrackedFace& face) const;
+};
+
+Expectation predict(const TrackedFace& face, const TrackMemory& memory);
+
+}  // namespace mimetic

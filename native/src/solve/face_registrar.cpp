@@ -1,0 +1,173 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "face_registrar.hpp"
+
+namespace mimetic {
+
+namespace {
+
+constexpr std::size_t kFewest = 30;  // samples that a state can be told from
+constexpr double kFarthest = .008;   // metres from the model at which skin is still explained
+constexpr double kExplained = .5;    // correlation of a patch that is the same skin
+constexpr double kStill = 5e-3;      // of values; rad of turn are alike in pixels
+
+constexpr double kPlain = .6;   // likeness below which something covers the face
+constexpr double kVague = .07;  // rad: s.d. of a pose about some axis that is not measured
+
+double ratio_or_zero(double part, double whole) { return whole > 0 ? part / whole : 0; }
+
+}  // namespace
+
+FaceRegistrar::FaceRegistrar(const TrackedFace& face, const ReferenceViews& views,
+                             ErrorField<float> error_field)
+    : face_(face),
+      views_(views),
+      solver_(face.motion, std::move(error_field)),
+      texture_flow_(face.options.flow_method),
+      sight_(face),
+      likeness_(face.options.crop_height) {}
+
+Registration FaceRegistrar::register_face(const Expectation& expected, const FaceState& start,
+                                          FrameAtHand& frame, double least) {
+    const double held_quality = face_.options.held_quality;
+    Registration found =
+        register_textures(expected, start, frame, {}, {face_.options.max_iterations, face_.num_unknowns()});
+    if (found.score.quality < held_quality) {
+        return found;
+    }
+    Look seen = look(found.state, frame);
+    if (seen.likeness >= least && seen.likeness < kPlain) {
+        // What covers the face moves on its own: once more by what is known to be the face.
+        const FrameScore score = found.score;
+        found = register_textures(expected, found.state, frame, seen.covered, {2, face_.num_unknowns()});
+        const bool is_registered = found.score.quality >= held_quality && !is_vague(expected);
+        seen = is_registered ? look(found.state, frame) : Look{};
+        found.score = score;
+    }
+    found.score.likeness = seen.likeness;
+    if (seen.likeness < least) {
+        found.score.quality = std::min(found.score.quality, .99 * held_quality);
+    }
+    return found;
+}
+
+FaceState FaceRegistrar::register_pose(const Expectation& expected, const FaceState& start,
+                                       FrameAtHand& frame) {
+    constexpr int kIterations = 4;
+    return register_textures(expected, start, frame, {}, {kIterations, FaceStep::kPose}).state;
+}
+
+Registration FaceRegistrar::register_textures(const Expectation& expected, const FaceState& start,
+                                              FrameAtHand& frame, const Covered& covered, Effort effort) {
+    Registration registration;
+    FaceState& state = registration.state = start;
+    std::vector<SampleMeasurement>& samples = registration.measured.samples;
+    for (int iteration = 0; iteration < effort.num_iterations; ++iteration) {
+        if (!(state.camera_from_head.translation().z() > .02)) {
+            registration.score = {};
+            return registration;
+        }
+        measure(state, frame, iteration == 0, iteration + 1 == effort.num_iterations, registration);
+        if (samples.size() < kFewest) {
+            registration.score = {};
+            return registration;
+        }
+        const auto num_views = static_cast<float>(registration.score.num_views);
+        for (SampleMeasurement& sample : samples) {
+            // Textures of the same skin share the model's error: two of them know no more than one.
+            sample.weight = covered.contains(sample.sample) ? 0 : sample.weight / num_views;
+        }
+        const StageClock clock(frame.times.solve_ms);
+        NoiseModel present = face_.noise;
+        present.robust_cut *= iteration == 0 ? 2.5 : 1;  // far off at first
+        solver_.linearise(face_.camera, state, samples, present);
+        FaceStep& step = registration.last_step = FaceStep(
+            solver_.solve(expected.from(state, face_), state, effort.num_free, iteration == 0 ? 3 : 2));
+        state.apply(step);
+        state.keep_within(face_.motion);
+        if (iteration > 0 && step.rotation().norm() < kStill &&
+            step.values().cwiseAbs().maxCoeff() < 3 * kStill) {
+            break;
+        }
+    }
+    score_samples(state, registration);
+    return registration;
+}
+
+void FaceRegistrar::measure(const FaceState& state, FrameAtHand& frame, bool is_first, bool is_last,
+                            Registration& registration) {
+    auto& [samples, projected] = registration.measured;
+    samples.clear();
+    {
+        const StageClock clock(frame.times.warp_ms);
+        projected.update(face_.surface, face_.camera, state.camera_from_head, state.values);
+        if (is_first) {
+            sight_.draw(projected, state,
+                        views_.pixels_per_crop_pixel(state.camera_from_head) * face_.options.crop_height);
+        }
+    }
+    const std::vector<ReferenceView*> near = views_.near(state.camera_from_head);
+    for (ReferenceView* view : near) {
+        std::vector<float> visible;
+        {
+            const StageClock clock(frame.times.warp_ms);
+            visible = sight_.visible(*view, projected, state);
+            view->stabilise(face_.surface.triangles(), projected, frame.prepared, map_, stabilised_);
+        }
+        const StageClock clock(frame.times.flow_ms);
+        const double angle = view_angle(view->camera_from_head(), state.camera_from_head);
+        texture_flow_.measure(*view, map_, stabilised_, visible, std::sin(std::min(1.5, angle)),
+                              is_first && !is_last, samples);
+    }
+    registration.score.num_views = static_cast<int>(near.size());
+    registration.score.num_samples = static_cast<int>(samples.size());
+}
+
+void FaceRegistrar::score_samples(const FaceState& state, Registration& registration) const {
+    const std::vector<SampleMeasurement>& samples = registration.measured.samples;
+    FrameScore& score = registration.score;
+    const double farthest_px = kFarthest * face_.camera.fx / state.camera_from_head.translation().z();
+    double in_sight = 0, explained = 0, correlation = 0;
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        const double share = samples[k].weight * samples[k].texture;
+        in_sight += share;
+        correlation += share * samples[k].correlation;
+        if (samples[k].correlation > kExplained && solver_.robust_weights()[k] > .2 &&
+            solver_.distances_px()[k] < farthest_px) {
+            explained += share;
+            ++score.num_explained;
+        }
+    }
+    score.correlation = ratio_or_zero(correlation, in_sight);
+    const double seen =
+        static_cast<double>(score.num_samples) / static_cast<double>(views_.first().samples().size());
+    score.quality = ratio_or_zero(explained, in_sight) * std::min(1., seen / .25);
+}
+
+FaceRegistrar::Look FaceRegistrar::look(const FaceState& state, FrameAtHand& frame) {
+    const StageClock clock(frame.times.warp_ms);
+    ProjectedSurface projected;
+    projected.update(face_.surface, face_.camera, state.camera_from_head, state.values);
+    Look seen;
+    for (ReferenceView* view : views_.near(state.camera_from_head)) {
+        const std::vector<float> visible = sight_.visible(*view, projected, state);
+        view->stabilise(face_.surface.triangles(), projected, frame.prepared, map_, stabilised_);
+        const cv::Mat1f weights = view->sample_weights(visible);
+        seen.likeness = std::max(seen.likeness, likeness_.compare(view->texture(), stabilised_, weights));
+        for (const ReferenceSample& sample : view->samples()) {
+            if (weights(sample.y, sample.x) == 0 ||
+                likeness_.correlations()(sample.y, sample.x) < Likeness::kAlike) {
+                seen.covered.insert(&sample);
+            }
+        }
+    }
+    return seen;
+}
+
+bool FaceRegistrar::is_vague(const Expectation& expected) const {
+    const Eigen::Index size = face_.num_unknowns();
+    const Eigen::MatrixXd spread =
+        (solver_.information() + expected.information).llt().solve(Eigen::MatrixXd::Identity(size, size));
+    return !(spread.diagonal().head<3>().maxCoeff() < kVague * kVague);
+}
+
+}  // namespace mimetic

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <chrono>
+#include <unordered_set>
+
+#include "expectation.hpp"
+#include "sight.hpp"
+
+namespace mimetic {
+
+/// Wall clock of one stage, added to a total when it goes out of scope.
+class StageClock {
+public:
+    explicit StageClock(double& total_ms) : total_ms_(total_ms), start_(std::chrono::steady_clock::now()) {}
+    ~StageClock() {
+        total_ms_ +=
+            std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_).count();
+    }
+    StageClock(const StageClock&) = delete;
+    StageClock& operator=(const StageClock&) = delete;
+
+private:
+    double& total_ms_;
+    std::chrono::steady_clock::time_point start_;
+};
+
+/// The frame at hand.
+struct FrameAtHand {
+    cv::Mat1b gray;
+    PreparedFrame prepared;  ///< for the textures' resolution
+    StageTimes times;        ///< spent on it
+};
+
+/// How well a state explains a frame.
+struct FrameScore {
+    double quality = 0;
+    double correlation = 0;
+    double likeness = 0;  ///< share of the texture in sight that looks as a reference texture has it
+    int num_samples = 0;
+    int num_explained = 0;
+    int num_views = 0;
+};
+
+/// What the textures say of a frame, from a hypothesis.
+struct Measured {
+    std::vector<SampleMeasurement> samples;
+    ProjectedSurface projected;  ///< the hypothesis, from which displacements count
+};
+
+/// A frame explained: where the face is in it, from what, and how well.
+struct Registration {
+    FaceState state;
+    FaceStep last_step;  ///< of the solver's last linearisation
+    Measured measured;
+    FrameScore score;
+};
+
+/// Finds the state that explains a frame by the reference textures, and whether it is this face at all.
+class FaceRegistrar {
+public:
+    FaceRegistrar(const TrackedFace& face, const ReferenceViews& views, ErrorField<float> error_field);
+
+    /// From a state on; least: likeness that the face must have to be there. A quality under the held one: it
+    /// is not.
+    Registration register_face(const Expectation& expected, const FaceState& start, FrameAtHand& frame,
+                               double least);
+
+    /// The same for the pose alone, without asking whether it is this face.
+    FaceState register_pose(const Expectation& expected, const FaceState& start, FrameAtHand& frame);
+
+    /// The equations of the last registration.
+    const JointSolver& solver() const { return solver_; }
+
+private:
+    using Covered = std::unordered_set<const ReferenceSample*>;  // they say nothing of the face
+
+    struct Effort {
+        int num_iterations;
+        Eigen::Index num_free;  // unknowns, the first ones
+    };
+
+    /// How much of the texture in sight looks as it should, and which samples do not.
+    struct Look {
+        double likeness = 0;
+        Covered covered;
+    };
+
+    Registration register_textures(const Expectation& expected, const FaceState& start, FrameAtHand& frame,
+                                   const Covered& covered, Effort effort);
+    void measure(const FaceState& state, FrameAtHand& frame, bool is_first, bool is_last,
+                 Registration& registration);
+    void score_samples(const FaceState& state, Registration& registration) const;
+    Look look(const FaceState& state, FrameAtHand& frame);
+    bool is_vague(const Expectation& expected) const;
+
+    const TrackedFace& face_;
+    const ReferenceViews& views_;
+    JointSolver solver_;
+    TextureFlow texture_flow_;
+    Sight sight_;
+    Likeness likeness_;
+    cv::Mat2f map_;  // of each pixel of the stabilised texture
+    cv::Mat1f stabilised_;
+};
+
+}  // namespace mimetic
