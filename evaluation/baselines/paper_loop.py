@@ -14,27 +14,27 @@ from __future__ import annotations
 
 import os
 import time
-from collections.abc import Iterable
 from dataclasses import dataclass, field
-from itertools import compress
 
 import numpy as np
 from mimetic import _core
 from mimetic._core import from_rotation_vectors
 from mimetic.fit.fitting import FaceFit
-from mimetic.media.backward import frames_backward
 from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import Anatomy, modes_of
 from mimetic.muscles.articulators import ARTICULATORS, JAW
 from mimetic.muscles.motion import LoadedSkin, dynamics_options, load_skin
 from mimetic.performance.document import Performance
+from mimetic.performance.rows import Rows
 from mimetic.shared import luminance
 from mimetic.shared.progress import ATTACHED, SEARCHED, Progress, stages
 from mimetic.shared.sampling import sampled
 from mimetic.skin.mesh import multiply
-from mimetic.solve.clip_capture import CaptureSummary, FrameRange, check_range, fit_for
+from mimetic.solve.capture_summary import CaptureSummary
+from mimetic.solve.clip_capture import FrameRange, check_range, fit_for
+from mimetic.solve.clip_performance import clip_performance
 from mimetic.solve.tracking import UNMEASURED
-from mimetic.solve.walk import check_any_done
+from mimetic.solve.walk import ClipWalk
 from mimetic.template.face_template import FaceTemplate, load_template
 from numpy.typing import NDArray
 
@@ -245,10 +245,7 @@ def _discrete(squared: Floats, damping: Floats, step: float) -> tuple[Floats, Fl
 
 
 @dataclass
-class _Followed:
-    frame: list[int] = field(default_factory=list)
-    pose: list[Floats] = field(default_factory=list)
-    pose_cov: list[Floats] = field(default_factory=list)
+class _Followed(Rows):
     place: list[Floats] = field(default_factory=list)
     control: list[Floats] = field(default_factory=list)
     control_std: list[Floats] = field(default_factory=list)
@@ -257,14 +254,10 @@ class _Followed:
         self.frame.append(frame)
         self.pose.append(observer.pose.copy())
         self.pose_cov.append(observer.pose_cov)
+        self.quality.append(1.0)
         self.place.append(observer.state[: len(observer.face.squared)])
         self.control.append(observer.control)
         self.control_std.append(observer.control_std)
-
-    def within(self, first: int, last: int) -> _Followed:
-        """Only the frames from first to last, both included."""
-        kept = [first <= frame <= last for frame in self.frame]
-        return _Followed(*(list(compress(column, kept)) for column in vars(self).values()))
 
 
 def capture_by_loop(
@@ -295,54 +288,34 @@ def capture_by_loop(
     face = ReducedFace.of(skin)
     summary.add("attach the muscles", time.perf_counter() - begun)
     begun = time.perf_counter()
-    walk = _Walk(face, fit, footage, following, summary, max(1, last - first))
-    start = _Followed()
-    start.add(fit.frame, walk.observer())
-    back = walk.along(frames_backward(footage, fit.frame - 1, first))
-    forward = walk.along(footage.frames(fit.frame + 1, last) if last > fit.frame else ())
-    rows = _Followed()
-    for name in vars(rows):
-        joined = [*getattr(back, name)[::-1], *getattr(start, name), *getattr(forward, name)]
-        setattr(rows, name, joined)
-    rows = rows.within(first, last)
-    check_any_done(rows, footage, (first, last), summary.stopped)
+    walk = ClipWalk(footage, fit, (first, last), following, summary, "face")
+    previous = _grey(footage.read(fit.frame))
+
+    def observer() -> Observer:
+        pose = np.asarray(fit.head_pose, np.float64)
+        return Observer(face, pose, 1 / float(footage.fps))
+
+    start, back, forward = _Followed(), _Followed(), _Followed()
+    start.add(fit.frame, observer())
+    if fit.frame > first:
+        back = _along(walk, first, observer(), previous)
+    if fit.frame < last:
+        forward = _along(walk, last, observer(), previous)
+    rows = (back.reversed() + start + forward).within(first, last)
+    walk.check_any_done(rows)
     summary.add("follow the face", time.perf_counter() - begun)
     return _performance(rows, face, modes_of(skin.skin), fit, footage, template)
 
 
-@dataclass
-class _Walk:
-    """Through the footage, away from the fit's frame."""
-
-    face: ReducedFace
-    fit: FaceFit
-    footage: Footage
-    progress: Progress | None
-    summary: CaptureSummary
-    num_needed: int
-    num_done: int = 0
-
-    def observer(self) -> Observer:
-        pose = np.asarray(self.fit.head_pose, np.float64)
-        return Observer(self.face, pose, 1 / float(self.footage.fps))
-
-    def along(self, images: Iterable[tuple[int, NDArray[np.uint8]]]) -> _Followed:
-        """The images, or fewer when the user stops."""
-        rows = _Followed()
-        observer = self.observer()
-        previous = _grey(self.footage.read(self.fit.frame))
-        for frame, image in images:
-            fraction = min(1.0, self.num_done / self.num_needed)
-            told = f"following the face: frame {frame}"
-            if self.summary.stopped or (self.progress and not self.progress(fraction, told)):
-                self.summary.stopped = True
-                break
-            grey = _grey(image)
-            observer.advance(previous, grey, np.asarray(self.fit.intrinsics))
-            rows.add(frame, observer)
-            previous = grey
-            self.num_done += 1
-        return rows
+def _along(walk: ClipWalk, end: int, observer: Observer, previous: NDArray[np.uint8]) -> _Followed:
+    """Away from the fit's frame (`previous`, grey) to `end`, or less when the user stops."""
+    rows = _Followed()
+    for frame, image in walk.images(end):
+        grey = _grey(image)
+        observer.advance(previous, grey, np.asarray(walk.fit.intrinsics))
+        rows.add(frame, observer)
+        previous = grey
+    return rows
 
 
 def _grey(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
@@ -364,26 +337,11 @@ def _performance(
     muscles = len(anatomy.muscle_names)
     values[:, jaw] = controls[:, muscles:]
     static = controls @ (face.loads / face.squared[:, None]).T
-    return Performance(
-        frame=np.array(rows.frame),
-        fps=float(footage.fps),
-        image_size=np.array(footage.size),
-        stored_size=np.array(footage.stored_size),
-        intrinsics=fit.intrinsics,
-        head_pose=np.array(rows.pose),
-        head_pose_cov=np.array([(c + c.T) / 2 for c in rows.pose_cov]),
-        muscles=list(anatomy.muscle_names),
-        muscle_modes=anatomy.muscle_modes,
-        groups=anatomy.groups,
+    return clip_performance(
+        *(rows, footage, fit, template, anatomy),
         activations=controls[:, :muscles],
         activations_std=np.array(rows.control_std)[:, :muscles],
-        articulators=names,
         articulator_values=values,
-        articulator_modes=anatomy.articulator_modes,
         detail_modes=face.shapes,
         detail_coefficients=np.array(rows.place) - static,
-        neutral_vertices=fit.neutral_vertices(template),
-        faces=template.faces,
-        quality=np.ones(len(rows.frame)),
-        footage=footage.identity,
     )

@@ -20,6 +20,7 @@ from mimetic.score.score import score
 from mimetic.score.text_table import text_table
 from mimetic.score.truth import Truth
 from mimetic.solve import clip_capture, smoothing, tracking
+from mimetic.solve.capture_summary import CaptureSummary
 
 from evaluation.runs.expressions import clips_of
 
@@ -61,7 +62,7 @@ VARIANTS = {
 class _VariedCapture(clip_capture.ClipCapture):
     def __init__(self, footage: Footage, fit: FaceFit, variant: Variant) -> None:
         fit = fit if variant.relief else replace(fit, relief=[])
-        summary = clip_capture.CaptureSummary(fit=fit)
+        summary = CaptureSummary(fit=fit)
         super().__init__(footage, fit, (1, footage.num_frames), None, summary)
         self.variant = variant
         if variant.stiffness != 1:

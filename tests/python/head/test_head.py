@@ -8,7 +8,8 @@ from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
 from mimetic.report.head_drawing import HeadDrawing
 from mimetic.score.truth import Truth
-from mimetic.solve.clip_capture import CaptureSummary, find_face
+from mimetic.solve.capture_summary import CaptureSummary
+from mimetic.solve.clip_capture import find_face
 from mimetic.template.face_template import load_template
 
 

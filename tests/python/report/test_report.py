@@ -12,7 +12,7 @@ from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
 from mimetic.report.html import GROUPS, head_angles, write_report
 from mimetic.report.overlay import FaceDrawing, write_overlay
-from mimetic.solve.clip_capture import CaptureSummary
+from mimetic.solve.capture_summary import CaptureSummary
 from sample_performance import make_performance
 
 

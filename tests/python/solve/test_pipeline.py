@@ -17,7 +17,8 @@ from mimetic.media.backward import frames_backward
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
 from mimetic.solve import clip_capture, smoothing
-from mimetic.solve.clip_capture import CaptureSummary, capture, find_face
+from mimetic.solve.capture_summary import CaptureSummary
+from mimetic.solve.clip_capture import capture, find_face
 
 
 @pytest.fixture(scope="module")

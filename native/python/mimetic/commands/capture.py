@@ -15,7 +15,8 @@ from mimetic.performance.document import Performance
 from mimetic.report.html import write_report
 from mimetic.report.overlay import write_overlay
 from mimetic.shared.progress import ATTACHED, Costs, Progress
-from mimetic.solve.clip_capture import CaptureSummary, capture
+from mimetic.solve.capture_summary import CaptureSummary
+from mimetic.solve.clip_capture import capture
 
 COSTS = Costs(followed_once=ATTACHED, followed_each=1.0, drawn_each=0.5, written=60.0)
 

@@ -17,7 +17,7 @@ from mimetic.performance.document import Performance
 from mimetic.report.head_drawing import HeadDrawing, write_motion_plot
 from mimetic.report.overlay import FaceDrawing, write_overlay
 from mimetic.shared.progress import ATTACHED, Costs, Progress
-from mimetic.solve.clip_capture import CaptureSummary
+from mimetic.solve.capture_summary import CaptureSummary
 
 COSTS = Costs(
     followed_once=ATTACHED, followed_each=NUM_PASSES * PASS_COST, drawn_each=0.5, written=0.0

@@ -19,7 +19,8 @@ from mimetic.report.html import check_report_packages
 from mimetic.shared.interrupts import listen_for_interrupt
 from mimetic.shared.progress import SEARCHED, Costs, Progress, stages
 from mimetic.shared.results import OF_A_CLIP, PERFORMANCE, prepare_folder, publish, staging
-from mimetic.solve.clip_capture import CaptureSummary, check_range, find_face
+from mimetic.solve.capture_summary import CaptureSummary
+from mimetic.solve.clip_capture import check_range, find_face
 
 Follow = Callable[[FaceFit | None, Progress, CaptureSummary], Performance]
 # (performance, footage, folder, summary, progress, interrupted): writes pictures in the folder

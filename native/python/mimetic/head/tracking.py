@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import itertools
 import os
-import time
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
@@ -15,23 +14,16 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core
 from mimetic.fit.fitting import FaceFit
 from mimetic.head.smoothing import check_strength, smoothed_scenes
-from mimetic.media.backward import frames_backward
-from mimetic.media.cuts import CutWatch
 from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import attach
 from mimetic.performance.document import Performance
 from mimetic.performance.rows import Rows
 from mimetic.shared.progress import ATTACHED, SEARCHED, Progress, stages
-from mimetic.solve.clip_capture import CaptureSummary, FrameRange, check_range, fit_for
+from mimetic.solve.capture_summary import CaptureSummary
+from mimetic.solve.clip_capture import FrameRange, check_range, fit_for
+from mimetic.solve.clip_performance import clip_performance
 from mimetic.solve.tracking import ACTIVATION_STD
-from mimetic.solve.walk import (
-    SEARCH_AGAIN,
-    check_any_done,
-    find_again,
-    notes_on,
-    notes_on_strangers,
-    proved,
-)
+from mimetic.solve.walk import ClipWalk, Image, Pose, proved
 from mimetic.template.face_template import FaceTemplate, load_template
 
 Seen = tuple[int, _core.HeadEstimate | None]  # None: a head was seen, but is not surely this one
@@ -118,7 +110,7 @@ def track_head(
     fit = fit_for(footage, (first, last), fit, finding, summary)
     options = follow_options(fast, flow_alone)
     motion = _HeadMotion(footage, fit, model, (first, last), following, summary, options)
-    return smoothed_scenes(motion.run(), motion.scene_starts, smoothing)
+    return smoothed_scenes(motion.run(), motion.walk.scene_starts, smoothing)
 
 
 def follow_options(fast: bool = False, flow_alone: bool = False) -> _core.HeadOptions:
@@ -144,14 +136,10 @@ class _HeadMotion:
         options: _core.HeadOptions,
     ) -> None:
         self.options = options
-        self.footage, self.fit, self.model = footage, fit, model
-        self.progress, self.summary = progress, summary
+        self.footage, self.fit, self.model, self.summary = footage, fit, model, summary
         self.first, self.last = frames
-        self.num_done = 0
-        self.scene_starts: set[int] = set()
-        self.strangers: list[int] = []  # frames in which a face was seen that is not this one
         num_passes = NUM_PASSES if options.max_key_views else 1
-        self.num_needed = num_passes * (1 + max(fit.frame, self.last) - min(fit.frame, self.first))
+        self.walk = ClipWalk(footage, fit, frames, progress, summary, "head", num_passes)
         self.template = load_template()
         self.neutral = fit.neutral_vertices(self.template)
 
@@ -184,94 +172,52 @@ class _HeadMotion:
         at_reference = tracker.advance(reference, self.fit.head_pose)
         backward, forward = Rows(), Rows()
         if self.fit.frame > self.first:
-            images = frames_backward(self.footage, self.fit.frame - 1, self.first)
-            self._append(backward, proved(self._follow(tracker, images)), at_reference)
+            _append(backward, proved(self._follow(tracker, self.first)), at_reference)
             tracker.restart(reference, at_reference)
         ahead: Iterable[Seen] = ()
-        if self.last > self.fit.frame and not self.summary.stopped:
-            images = self.footage.frames(self.fit.frame + 1, self.last)
-            ahead = proved(self._follow(tracker, images))
-        estimates = itertools.chain([(self.fit.frame, at_reference)], ahead)
-        self._append(forward, estimates, at_reference)
-        return backward.reversed() + forward
+        if self.last > self.fit.frame:
+            ahead = proved(self._follow(tracker, self.last))
+        _append(forward, itertools.chain([(self.fit.frame, at_reference)], ahead), at_reference)
+        return (backward.reversed() + forward).within(self.first, self.last)
 
-    def _append(self, rows: Rows, estimates: Iterable[Seen], good: _core.HeadEstimate) -> None:
-        """Rows of the frames that were asked for; a held frame has the last good one's pose."""
-        for frame, estimate in estimates:
-            is_held = estimate is None or estimate.held
-            if estimate is not None and not estimate.held:
-                good = estimate
-            if self.first <= frame <= self.last:
-                rows.frame.append(frame)
-                rows.pose.append(np.asarray(good.camera_from_head))
-                unseen = np.asarray(good.covariance) + UNSEEN_COV
-                rows.pose_cov.append(
-                    unseen if estimate is None else np.asarray(estimate.covariance)
-                )
-                rows.quality.append(0.0 if is_held else good.quality)
-
-    def _follow(
-        self, tracker: _core.HeadTracker, images: Iterator[tuple[int, NDArray[np.uint8]]]
-    ) -> Iterator[Seen]:
+    def _follow(self, tracker: _core.HeadTracker, end: int) -> Iterator[Seen]:
         """Frame by frame, until the images end or the user stops."""
-        num_lost = 0
-        last = 0
-        cuts = CutWatch()
-        for frame, image in images:
-            fraction = self.num_done / self.num_needed
-            text = f"following the head: frame {frame}"
-            if self.summary.stopped or (self.progress and not self.progress(fraction, text)):
-                self.summary.stopped = True
-                return
-            start = time.perf_counter()
-            guess = None
-            cut = cuts.starts_scene(image)
-            if cut:
-                self.scene_starts.add(max(frame, last))
-            if cut or (num_lost and num_lost % SEARCH_AGAIN == 0):
-                guess = find_again(image, frame, self.fit)
-            last = frame
-            estimate = tracker.advance(np.ascontiguousarray(image), guess)
-            num_lost = num_lost + 1 if estimate.held else 0
-            if guess is not None and estimate.held:
-                self.strangers.append(frame)
-            self.num_done += 1
-            self.summary.add("follow the head", time.perf_counter() - start)
-            yield frame, estimate
+
+        def advance(_frame: int, image: Image, guess: Pose | None) -> _core.HeadEstimate:
+            return tracker.advance(image, guess)
+
+        return self.walk.follow(end, advance, across_scenes=True)
 
     def _performance(self, rows: Rows) -> Performance:
-        check_any_done(rows, self.footage, (self.first, self.last), self.summary.stopped)
+        self.walk.check_any_done(rows)
         anatomy = attach(self.neutral, self.template)
         shape = (len(rows.frame), len(anatomy.muscle_names))
-        return Performance(
-            frame=np.array(rows.frame),
-            fps=float(self.footage.fps),
-            image_size=np.array(self.footage.size),
-            stored_size=np.array(self.footage.stored_size),
-            intrinsics=self.fit.intrinsics,
-            head_pose=rows.rigid_poses(),
-            head_pose_cov=rows.pose_covariances(),
-            muscles=list(anatomy.muscle_names),
-            muscle_modes=anatomy.muscle_modes,
-            groups=anatomy.groups,
+        return clip_performance(
+            *(rows, self.footage, self.fit, self.template, anatomy),
             activations=np.zeros(shape),
             activations_std=np.full(shape, ACTIVATION_STD),
-            articulators=list(anatomy.articulator_names),
             articulator_values=np.zeros((shape[0], len(anatomy.articulator_names))),
-            articulator_modes=anatomy.articulator_modes,
-            neutral_vertices=self.neutral,
-            faces=self.template.faces.astype(np.int64),
-            quality=np.clip(rows.quality, 0, 1),
             notes=self._notes(rows),
-            footage=self.footage.identity,
         )
 
     def _notes(self, rows: Rows) -> list[str]:
         notes = [
             *(*self.footage.warnings, *self.fit.warnings),
             f"head motion alone, by the {self.model}: muscles were not measured",
-            *notes_on(rows, (self.first, self.last), self.summary.stopped, "head"),
-            *notes_on_strangers(self.strangers),
+            *self.walk.notes(rows),
         ]
         self.summary.warnings = notes
         return notes
+
+
+def _append(rows: Rows, estimates: Iterable[Seen], good: _core.HeadEstimate) -> None:
+    """Rows of the frames; a held frame has the last good one's pose."""
+    for frame, estimate in estimates:
+        is_held = estimate is None or estimate.held
+        if estimate is not None and not estimate.held:
+            good = estimate
+        rows.frame.append(frame)
+        rows.pose.append(np.asarray(good.camera_from_head))
+        unseen = np.asarray(good.covariance) + UNSEEN_COV
+        rows.pose_cov.append(unseen if estimate is None else np.asarray(estimate.covariance))
+        rows.quality.append(0.0 if is_held else good.quality)

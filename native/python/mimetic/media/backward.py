@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A clip walked backwards in bounded memory."""
+"""A clip walked forwards or backwards in bounded memory."""
 
 from __future__ import annotations
 
@@ -23,3 +23,11 @@ def frames_backward(
         start = max(last, first - num_held + 1)
         yield from reversed(list(footage.frames(start, first)))
         first = start - 1
+
+
+def frames_away(footage: Footage, start: int, end: int) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+    """Frames from the one beside `start` to `end`, whichever way that is; none if it is `start`."""
+    if end > start:
+        yield from footage.frames(start + 1, end)
+    else:
+        yield from frames_backward(footage, start - 1, end)

@@ -4,6 +4,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
+from itertools import compress
+from typing import Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,12 +45,18 @@ class Rows:
         self.detail_std.append(np.array(estimate.detail_std))
         self.quality.append(0.0 if state.held else estimate.quality)
 
-    def reversed(self) -> Rows:
-        return Rows(*(getattr(self, column.name)[::-1] for column in fields(self)))
+    def reversed(self) -> Self:
+        return type(self)(*(getattr(self, column.name)[::-1] for column in fields(self)))
 
-    def __add__(self, after: Rows) -> Rows:
+    def __add__(self, after: Self) -> Self:
         names = [column.name for column in fields(self)]
-        return Rows(*(getattr(self, name) + getattr(after, name) for name in names))
+        return type(self)(*(getattr(self, name) + getattr(after, name) for name in names))
+
+    def within(self, first: int, last: int) -> Self:
+        """Only the frames from first to last, both included."""
+        kept = [first <= frame <= last for frame in self.frame]
+        columns = (getattr(self, column.name) for column in fields(self))
+        return type(self)(*(list(compress(column, kept)) for column in columns))
 
     def rigid_poses(self) -> NDArray[np.float64]:
         """N x 4 x 4, rotations orthonormal to the last digit."""

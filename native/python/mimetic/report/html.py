@@ -22,7 +22,7 @@ from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.report.overlay import FaceDrawing
 from mimetic.shared.shown_text import shown
 from mimetic.shared.whole_file import whole_file
-from mimetic.solve.clip_capture import CaptureSummary
+from mimetic.solve.capture_summary import CaptureSummary
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -16,7 +16,8 @@ from mimetic.shared.progress import ATTACHED, SEARCHED, Progress, stages
 from mimetic.skin.mesh import SkinMesh
 from mimetic.solve import clip_capture
 from mimetic.solve.calibrate import CalibrationResult, estimate
-from mimetic.solve.clip_capture import CaptureSummary, ClipCapture, FrameRange
+from mimetic.solve.capture_summary import CaptureSummary
+from mimetic.solve.clip_capture import ClipCapture, FrameRange
 
 LEAST_FRAMES = 15  # in which the face was followed
 MOST_FRAMES = 600  # of footage: 20 s show what there is, and all are kept in memory

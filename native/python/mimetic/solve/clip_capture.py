@@ -12,7 +12,6 @@ import itertools
 import os
 import time
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,8 +20,6 @@ from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.fit import fitting
 from mimetic.fit.fitting import FaceFit, NoFace
 from mimetic.fit.upright import check_upright
-from mimetic.media.backward import frames_backward
-from mimetic.media.cuts import CutWatch
 from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import attach_skin, modes_of
 from mimetic.muscles.detail import detail_of
@@ -41,15 +38,10 @@ from mimetic.shared.progress import (
     stages,
 )
 from mimetic.solve import smoothing, tracking
+from mimetic.solve.capture_summary import CaptureSummary
+from mimetic.solve.clip_performance import clip_performance
 from mimetic.solve.find_face import Rest, find_rest, joined_with_others
-from mimetic.solve.walk import (
-    SEARCH_AGAIN,
-    check_any_done,
-    find_again,
-    notes_on,
-    notes_on_strangers,
-    proved,
-)
+from mimetic.solve.walk import ClipWalk, Image, Pose, proved
 from mimetic.template.face_template import load_template
 
 FrameRange = tuple[int | None, int | None]
@@ -60,28 +52,6 @@ SEARCHED_SECONDS = 8.0  # of the clip, for the frame that shows the face best
 # [Belhumeur et al. 1999, the bas-relief ambiguity]; `mimetic evaluate --set full-tuning` tells.
 TURN_ERROR = 0.02
 NUM_TURNED = 3  # frames in which a face that lies on its side is looked for, if none was found
-
-
-@dataclass
-class CaptureSummary:
-    """How a capture went: for the report."""
-
-    seconds: dict[str, float] = field(default_factory=dict)  # by stage
-    tracker_seconds: dict[str, float] = field(default_factory=dict)  # of following, by its stages
-    settings: dict[str, str] = field(default_factory=dict)
-    warnings: list[str] = field(default_factory=list)
-    fit: FaceFit | None = None
-    head_shape: _core.HeadShape | None = None  # as head tracking left it
-    footage: Footage | None = None  # as it was read: warnings, failure
-    stopped: bool = False
-
-    def add(self, stage: str, seconds: float) -> None:
-        self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
-
-    def add_tracker(self, times: _core.StageTimes) -> None:
-        for stage in ("predict", "warp", "flow", "solve"):
-            seconds = getattr(times, f"{stage}_ms") / 1e3
-            self.tracker_seconds[stage] = self.tracker_seconds.get(stage, 0.0) + seconds
 
 
 def find_face(
@@ -230,11 +200,9 @@ class ClipCapture:
         progress: Progress | None,
         summary: CaptureSummary,
     ) -> None:
-        self.footage, self.fit, self.summary, self.progress = footage, fit, summary, progress
+        self.footage, self.fit, self.summary = footage, fit, summary
         self.first, self.last = frames
-        self.num_done = 0
-        self.strangers: list[int] = []  # frames in which a face was seen that is not this one
-        self.num_needed = 1 + max(fit.frame, self.last) - min(fit.frame, self.first)
+        self.walk = ClipWalk(footage, fit, frames, progress, summary, "face")
         start = time.perf_counter()
         self.template = load_template()
         self.neutral = fit.neutral_vertices(self.template)
@@ -247,12 +215,16 @@ class ClipCapture:
     def run(self) -> Performance:
         reference = self.footage.read(self.fit.frame)
         tracker = self.make_tracker(reference)
-        at_reference = self.advance(tracker, self.fit.frame, reference)
+
+        def step(frame: int, image: Image, guess: Pose | None = None) -> _core.FrameEstimate:
+            return self.advance(tracker, frame, image, guess)
+
+        at_reference = step(self.fit.frame, reference)
         backward, forward = Rows(), Rows()
         near_reference: list[_core.FrameEstimate] = []
         if self.fit.frame > self.first:
-            images = frames_backward(self.footage, self.fit.frame - 1, self.first)
-            for state in self.smooth(proved(self._follow(tracker, images)), [at_reference]):
+            behind = proved(self.walk.follow(self.first, step))
+            for state in self.smooth(behind, [at_reference]):
                 if (
                     len(near_reference) == len(backward.frame) < smoothing.OVERLAP
                     and not state.held
@@ -263,8 +235,7 @@ class ClipCapture:
             tracker.restart(reference, at_reference)
         ahead = iter(())
         if self.last > self.fit.frame:
-            images = self.footage.frames(self.fit.frame + 1, self.last)
-            ahead = proved(self._follow(tracker, images))
+            ahead = proved(self.walk.follow(self.last, step))
         estimates = itertools.chain([(self.fit.frame, at_reference)], ahead)
         for state in self.smooth(estimates, near_reference[::-1]):
             if self.first <= state.frame <= self.last:
@@ -283,92 +254,36 @@ class ClipCapture:
     def advance(
         self, tracker: _core.FaceTracker, frame: int, image: NDArray[np.uint8], guess=None
     ) -> _core.FrameEstimate:
-        start = time.perf_counter()
         estimate = tracker.advance(image, guess)
-        self.summary.add("follow the face", time.perf_counter() - start)
         self.summary.add_tracker(estimate.times)
-        self.num_done += 1
         return estimate
 
-    def _follow(
-        self, tracker: _core.FaceTracker, images: Iterator[tuple[int, NDArray[np.uint8]]]
-    ) -> Iterator[tuple[int, _core.FrameEstimate | None]]:
-        """Estimates frame by frame, until the images end or the user stops; None after a cut."""
-        num_lost = num_away = 0
-        cuts = CutWatch()
-        start = time.perf_counter()
-        for frame, image in images:
-            self.summary.add("decode", time.perf_counter() - start)
-            fraction = self.num_done / self.num_needed
-            told = f"following the face: frame {frame}"
-            if self.summary.stopped or (self.progress and not self.progress(fraction, told)):
-                self.summary.stopped = True
-                return
-            if cuts.starts_scene(image):
-                num_away = 1
-            guess = None
-            if num_away % SEARCH_AGAIN == 1 or (num_lost and num_lost % SEARCH_AGAIN == 0):
-                guess = self._look_again(image, frame)
-                num_away = 0 if guess is not None else num_away
-            if num_away:  # another scene: nothing may be read into it
-                num_away += 1
-                self.num_done += 1
-                yield frame, None
-                start = time.perf_counter()
-                continue
-            estimate = self.advance(tracker, frame, image, guess)
-            num_lost = num_lost + 1 if estimate.held else 0
-            if guess is not None and estimate.held:
-                self.strangers.append(frame)
-            yield frame, estimate
-            start = time.perf_counter()
-
-    def _look_again(self, image: NDArray[np.uint8], frame: int) -> NDArray[np.float64] | None:
-        start = time.perf_counter()
-        guess = find_again(image, frame, self.fit)
-        self.summary.add("look for the face again", time.perf_counter() - start)
-        return guess
-
     def _performance(self, rows: Rows) -> Performance:
-        check_any_done(rows, self.footage, (self.first, self.last), self.summary.stopped)
+        self.walk.check_any_done(rows)
         num_muscles = len(self.anatomy.muscle_names)
         values, std = np.array(rows.values), np.array(rows.values_std)
         poses = rows.rigid_poses()
         pose_cov = rows.pose_covariances()
         pose_cov[:, :3, :3] += _of_the_turn(poses, self.fit.head_pose)
-        return Performance(
-            frame=np.array(rows.frame),
-            fps=float(self.footage.fps),
-            image_size=np.array(self.footage.size),
-            stored_size=np.array(self.footage.stored_size),
-            intrinsics=self.fit.intrinsics,
+        return clip_performance(
+            *(rows, self.footage, self.fit, self.template, self.anatomy),
             head_pose=poses,
             head_pose_cov=pose_cov,
-            muscles=list(self.anatomy.muscle_names),
-            muscle_modes=self.anatomy.muscle_modes,
-            groups=self.anatomy.groups,
             activations=np.clip(values[:, :num_muscles], 0, 1),
             activations_std=std[:, :num_muscles],
-            articulators=list(self.anatomy.articulator_names),
             articulator_values=values[:, num_muscles:],
             articulator_values_std=std[:, num_muscles:],
-            articulator_modes=self.anatomy.articulator_modes,
             detail_modes=self.detail.modes,
             detail_coefficients=np.array(rows.detail),
             detail_coefficients_std=np.array(rows.detail_std),
-            neutral_vertices=self.neutral,
-            faces=self.template.faces,
-            quality=np.clip(rows.quality, 0, 1),
             notes=self._notes(rows),
-            footage=self.footage.identity,
         )
 
     def _notes(self, rows: Rows) -> list[str] | None:
         notes = [
             *(*self.footage.warnings, *self.fit.warnings),
             *self.fit.calibration.notes(),
-            *notes_on(rows, (self.first, self.last), self.summary.stopped, "face"),
-            *notes_on_strangers(self.strangers),
+            *self.walk.notes(rows),
         ]
         self.summary.warnings = notes
         return notes or None

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mimetic import _core
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.views import LEAST_TURN, Candidate, turn_signs
-from mimetic.media.backward import frames_backward
+from mimetic.media.backward import frames_away
 from mimetic.media.cuts import CutWatch
 from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import attach_skin, modes_of
@@ -63,8 +63,8 @@ def with_relief(
     stride = 1 + (last - first) // MOST_FOLLOWED
     sightings: list[_core.Sighting] = []
     for images in (
-        footage.frames(fit.frame + 1, last) if last > fit.frame else iter(()),
-        frames_backward(footage, fit.frame - 1, first),
+        frames_away(footage, fit.frame, last),
+        frames_away(footage, fit.frame, first),
     ):
         tracker.restart(reference, at_reference)
         strided = itertools.islice(images, stride - 1, None, stride)

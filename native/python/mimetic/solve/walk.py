@@ -3,22 +3,155 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from typing import TypeVar
+import contextlib
+import time
+from collections.abc import Callable, Iterable, Iterator
+from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import UnreadableMedia, _core
+from mimetic import UnreadableMedia
 from mimetic.fit import fitting
 from mimetic.fit.fitting import FaceFit, NoFace
+from mimetic.media.backward import frames_away
+from mimetic.media.cuts import CutWatch
 from mimetic.media.footage import Footage
 from mimetic.performance.document import HELD_QUALITY
 from mimetic.performance.rows import Rows
+from mimetic.shared.progress import Progress
+from mimetic.solve.capture_summary import CaptureSummary
 
-Estimate = TypeVar("Estimate", _core.FrameEstimate, _core.HeadEstimate)
+Image = NDArray[np.uint8]
+Pose = NDArray[np.float64]
 SEARCH_AGAIN = 6  # frames between looks for a face that was lost: twice in half a second
 PROOF = 3  # frames on end in which a face that was lost must be found, to be this one
+
+
+class Followed(Protocol):
+    """What a tracker says of a frame."""
+
+    @property
+    def held(self) -> bool: ...  # nothing was seen there
+
+    @property
+    def found_again(self) -> bool: ...  # it was searched for: it may be another face
+
+
+Estimate = TypeVar("Estimate", bound=Followed)
+# Takes a tracker to the next frame; the last: where the detector sees the head, if it was asked
+Advance = Callable[[int, Image, Pose | None], Estimate]
+
+
+class ClipWalk:
+    """The frames of a clip, away from the fit's, past cuts and losses, until the user stops.
+
+    followed: the face, the head; num_passes: how often all frames are gone through.
+    """
+
+    def __init__(
+        self,
+        footage: Footage,
+        fit: FaceFit,
+        frames: tuple[int, int],
+        progress: Progress | None,
+        summary: CaptureSummary,
+        followed: str,
+        num_passes: int = 1,
+    ) -> None:
+        self.footage, self.fit, self.frames = footage, fit, frames
+        self.progress, self.summary, self.followed = progress, summary, followed
+        self.scene_starts: set[int] = set()
+        self.strangers: list[int] = []  # frames in which a face was seen that is not this one
+        first, last = frames
+        self.num_needed = num_passes * (1 + max(fit.frame, last) - min(fit.frame, first))
+        self.num_done = 0
+
+    def images(self, end: int) -> Iterator[tuple[int, Image]]:
+        """From the fit's frame, which is left out, to `end`; fewer when the user stops."""
+        start = time.perf_counter()
+        for frame, image in frames_away(self.footage, self.fit.frame, end):
+            self.summary.add("decode", time.perf_counter() - start)
+            fraction = min(1.0, self.num_done / self.num_needed)
+            text = f"following the {self.followed}: frame {frame}"
+            if self.summary.stopped or (self.progress and not self.progress(fraction, text)):
+                self.summary.stopped = True
+                return
+            yield frame, np.ascontiguousarray(image)
+            self.num_done += 1
+            start = time.perf_counter()
+
+    def follow(
+        self, end: int, advance: Advance[Estimate], across_scenes: bool = False
+    ) -> Iterator[tuple[int, Estimate | None]]:
+        """Estimates frame by frame to `end`; advance: of a frame, and where a lost head may be.
+
+        After a cut nothing is read into another scene, and its frames are None, until the detector
+        sees a head; across_scenes: whoever advances tells by itself what it sees there.
+        """
+        num_lost = num_away = last = 0
+        cuts = CutWatch()
+        for frame, image in self.images(end):
+            if cuts.starts_scene(image):
+                self.scene_starts.add(max(frame, last))
+                num_away = 1
+            last = frame
+            guess = None
+            if num_away % SEARCH_AGAIN == 1 or (num_lost and num_lost % SEARCH_AGAIN == 0):
+                with self._timed("look for the face again"):
+                    guess = find_again(image, frame, self.fit)
+                num_away = 0 if guess is not None or across_scenes else num_away
+            if num_away:
+                num_away += 1
+                yield frame, None
+                continue
+            with self._timed(f"follow the {self.followed}"):
+                estimate = advance(frame, image, guess)
+            num_lost = num_lost + 1 if estimate.held else 0
+            if guess is not None and estimate.held:
+                self.strangers.append(frame)
+            yield frame, estimate
+
+    @contextlib.contextmanager
+    def _timed(self, stage: str) -> Iterator[None]:
+        start = time.perf_counter()
+        yield
+        self.summary.add(stage, time.perf_counter() - start)
+
+    def check_any_done(self, rows: Rows) -> None:
+        """Raises UnreadableMedia, or what ffmpeg failed by, if no frame was done, or one of many.
+
+        One of many is the reference frame alone, which is the fit and no result.
+        """
+        footage, stopped, (first, last) = self.footage, self.summary.stopped, self.frames
+        is_fit_alone = len(rows.frame) == 1 and first != last
+        if footage.failure and (not rows.frame or is_fit_alone):
+            raise footage.failure
+        if not rows.frame or (is_fit_alone and stopped):
+            why = "stopped too early" if stopped else "the file ends before"
+            raise UnreadableMedia(
+                f"{footage.path.name}: {why}, no frame of {first} to {last} is done"
+            )
+        if is_fit_alone:
+            raise UnreadableMedia(
+                f"{footage.path.name} is damaged: of frames {first} to {last} only "
+                f"{rows.frame[0]} can be read, which shows no motion; copy or record it again"
+            )
+
+    def notes(self, rows: Rows) -> list[str]:
+        """An early stop, held frames, and where another face was seen."""
+        notes = []
+        if self.summary.stopped:
+            notes.append(
+                f"stopped by the user: frames {rows.frame[0]} to {rows.frame[-1]} "
+                f"of {self.frames[0]} to {self.frames[1]}"
+            )
+        held = int(np.sum(np.array(rows.quality) < HELD_QUALITY))
+        if held:
+            notes.append(
+                f"the {self.followed} was lost in {held} frames, which are held (quality under 0.2)"
+            )
+        return [*notes, *notes_on_strangers(self.strangers)]
 
 
 def find_again(image: NDArray[np.uint8], frame: int, fit: FaceFit) -> NDArray[np.float64] | None:
@@ -57,42 +190,6 @@ def proved(
         else:
             yield frame, estimate
     yield from ((earlier, None) for earlier, _ in waiting)
-
-
-def check_any_done(rows: Rows, footage: Footage, frames: tuple[int, int], stopped: bool) -> None:
-    """Raises UnreadableMedia, or what ffmpeg failed by, if no frame was done, or one of many.
-
-    One of many is the reference frame alone, which is the fit and no result.
-    """
-    is_fit_alone = len(rows.frame) == 1 and frames[0] != frames[1]
-    if footage.failure and (not rows.frame or is_fit_alone):
-        raise footage.failure
-    if not rows.frame or (is_fit_alone and stopped):
-        why = "stopped too early" if stopped else "the file ends before"
-        raise UnreadableMedia(
-            f"{footage.path.name}: {why}, no frame of {frames[0]} to {frames[1]} is done"
-        )
-    if is_fit_alone:
-        raise UnreadableMedia(
-            f"{footage.path.name} is damaged: of frames {frames[0]} to {frames[1]} only "
-            f"{rows.frame[0]} can be read, which shows no motion; copy or record it again"
-        )
-
-
-def notes_on(rows: Rows, frames: tuple[int, int], stopped: bool, followed: str) -> list[str]:
-    """An early stop and held frames; `followed`: the face, the head."""
-    notes = []
-    if stopped:
-        notes.append(
-            f"stopped by the user: frames {rows.frame[0]} to {rows.frame[-1]} "
-            f"of {frames[0]} to {frames[1]}"
-        )
-    held = int(np.sum(np.array(rows.quality) < HELD_QUALITY))
-    if held:
-        notes.append(
-            f"the {followed} was lost in {held} frames, which are held (quality under 0.2)"
-        )
-    return notes
 
 
 def notes_on_strangers(frames: list[int]) -> list[str]:
