@@ -6,8 +6,6 @@ void bind_shared(pybind11::module_& m);
 void bind_raster(pybind11::module_& m);
 void bind_surface(pybind11::module_& m);
 void bind_skin(pybind11::module_& m);
-void bind_strain(pybind11::module_& m);
-void bind_skin_dynamics(pybind11::module_& m);
 void bind_muscles(pybind11::module_& m);
 void bind_skin_mesh(pybind11::module_& m);
 void bind_attach(pybind11::module_& m);
@@ -39,8 +37,6 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_raster(m);
     bindings::bind_surface(m);
     bindings::bind_skin(m);
-    bindings::bind_strain(m);
-    bindings::bind_skin_dynamics(m);
     bindings::bind_muscles(m);
     bindings::bind_eigenspace(m);
     bindings::bind_skin_mesh(m);
