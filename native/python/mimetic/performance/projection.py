@@ -70,7 +70,7 @@ def project_texture(
         return np.einsum("kc,kcx->kx", shares, values[vertices])
 
     at = at_texels(points)
-    normals = at_texels(quad_normals(points, performance.faces))
+    normals = at_texels(quad_normals(points, performance.faces.astype(np.int32)))
     pixels = performance.project(at)
     weights = at_texels(vertex_weights[:, None])[:, 0] * _facing(normals, at)
     weights[~_visible(performance, points, at)] = 0
