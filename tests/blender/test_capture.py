@@ -104,7 +104,7 @@ def test_capture_by_operator_is_capture_by_function(extension, scene, with_clip,
     scene.mimetic.use_frame_range = True
     scene.mimetic.frame_first, scene.mimetic.frame_last = FRAMES
     assert bpy.ops.mimetic.capture(filepath=str(path)) == {"FINISHED"}
-    assert extension("clips").known(with_clip).performance_path == str(path)
+    assert extension("clips").find(with_clip).performance_path == str(path)
     from mimetic.performance.document import Performance
     from mimetic.solve import clip_capture
 
@@ -233,6 +233,6 @@ def test_a_capture_is_not_lost_for_a_folder_that_cannot_be_written(
     assert bpy.ops.mimetic.capture(filepath=str(refused)) == {"FINISHED"}
     from mimetic.performance.document import Performance
 
-    kept = Path(extension("clips").known(with_clip).performance_path)
+    kept = Path(extension("clips").find(with_clip).performance_path)
     assert kept != refused
     assert Performance.load(kept).num_frames == 2

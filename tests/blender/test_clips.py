@@ -167,14 +167,14 @@ def test_a_take_of_a_clip_that_is_not_here_is_refused(
     take = take_of(performance, films[0], folder / "take.npz")
     with pytest.raises(RuntimeError, match=r"captured from anna\.mp4, not from bert\.mp4: load"):
         bpy.ops.mimetic.load_performance(filepath=str(take))
-    assert extension("takes").kept(scene, clip) is None
+    assert extension("takes").of_clip(scene, clip) is None
     scene.mimetic.clip = None
     assert bpy.ops.mimetic.load_performance(filepath=str(take)) == {"FINISHED"}
     assert bpy.ops.mimetic.bake() == {"FINISHED"}
     assert "anna muscles" in bpy.data.actions
     # The clip found later takes over what was loaded for it
     clip = load(tmp_path / "elsewhere.mp4")
-    assert extension("takes").kept(scene, clip) is not None
+    assert extension("takes").of_clip(scene, clip) is not None
     assert scene.mimetic.performance_path == ""
 
 

@@ -140,7 +140,7 @@ def test_pins_live_in_the_file_and_capture_starts_from_them(extension, found, tm
 
 def test_the_buttons_say_why_they_are_grey(extension, found):
     scene = bpy.context.scene
-    entry = extension("clips").known(found)
+    entry = extension("clips").find(found)
     kept, entry.face_fit = entry.face_fit, ""
     why = extension("scene_in").no_landmarks
     assert "Find the face" in why(bpy.context, True)
