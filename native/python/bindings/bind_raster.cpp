@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cstring>
-#include <mimetic/raster/depth.hpp>
 #include <mimetic/raster/overlay.hpp>
 #include <mimetic/raster/raster.hpp>
 #include <mimetic/raster/rays.hpp>
@@ -14,18 +13,6 @@ namespace py = pybind11;
 using namespace pybind11::literals;
 
 namespace {
-
-py::array_t<bool> show_points(const Camera& camera, PointsIn vertices, QuadsIn faces, PointsIn points,
-                              double tolerance) {
-    py::array_t<bool> shown(points.rows());
-    bool* out = shown.mutable_data();
-    const py::gil_scoped_release release;
-    const DepthMap depth = render_depth(camera, vertices, faces);
-    for (Eigen::Index i = 0; i < points.rows(); ++i) {
-        out[i] = depth.shows(camera, points.row(i), tolerance);
-    }
-    return shown;
-}
 
 ImageArray paint(const OverlayPainter& painter, const ImageArray& image, PointsIn vertices, double quality,
                  int frame) {
@@ -56,11 +43,6 @@ py::tuple show_quads(Points2In pixels, VectorIn heights, QuadsIn quads, int rows
 }  // namespace
 
 void bind_raster(py::module_& m) {
-    m.def("show_points", &show_points, "camera"_a, py::arg("vertices_in_camera").noconvert(),
-          py::arg("faces").noconvert(), py::arg("points_in_camera").noconvert(), "tolerance"_a = 4e-3,
-          "Which points (K x 3, metres, camera frame) are in the image and not covered by the mesh.\n\n"
-          "vertices_in_camera: (V, 3) float64; faces: (F, 4) int32; tolerance: metres\n"
-          "returns: (K,) bool; raises InvalidInput");
     m.def(
         "cast_rays",
         [](const Camera& camera, PointsIn vertices, TrianglesIn triangles, Points2In pixels) {

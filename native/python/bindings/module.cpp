@@ -4,6 +4,7 @@
 namespace mimetic::bindings {
 void bind_shared(pybind11::module_& m);
 void bind_raster(pybind11::module_& m);
+void bind_texture(pybind11::module_& m);
 void bind_surface(pybind11::module_& m);
 void bind_skin(pybind11::module_& m);
 void bind_muscles(pybind11::module_& m);
@@ -35,6 +36,7 @@ PYBIND11_MODULE(_core, m) {
     // In the order of the stages; a class before the signatures that name it, which the stubs repeat
     bindings::bind_shared(m);
     bindings::bind_raster(m);
+    bindings::bind_texture(m);
     bindings::bind_surface(m);
     bindings::bind_skin(m);
     bindings::bind_muscles(m);

@@ -8,6 +8,8 @@
 #include <opencv2/imgproc.hpp>
 #include <set>
 
+#include "shared/colour_at.hpp"
+
 namespace mimetic {
 
 namespace {
@@ -34,20 +36,14 @@ void check_indices(QuadsIn quads, Eigen::Index num_vertices) {
     }
 }
 
-/// Bilinear, inside the picture; to the nearest even where half-way.
-Eigen::Matrix<std::uint8_t, 1, 3> colour_at(const ColorView& image, const Eigen::Vector2d& pixel) {
-    const int left = std::min(static_cast<int>(pixel.x()), image.cols - 2);
-    const int top = std::min(static_cast<int>(pixel.y()), image.rows - 2);
-    const double u = pixel.x() - left, v = pixel.y() - top;
-    Eigen::Matrix<std::uint8_t, 1, 3> colour;
+/// To the nearest even where half-way.
+Eigen::Matrix<std::uint8_t, 1, 3> rounded(const Eigen::Vector3d& colour) {
+    Eigen::Matrix<std::uint8_t, 1, 3> levels;
     for (int channel = 0; channel < 3; ++channel) {
-        const std::uint8_t* upper = image.row(top) + 3 * left + channel;
-        const std::uint8_t* lower = image.row(top + 1) + 3 * left + channel;
-        const auto value = static_cast<float>((1 - v) * ((1 - u) * upper[0] + u * upper[3]) +
-                                              v * ((1 - u) * lower[0] + u * lower[3]));
-        colour[channel] = static_cast<std::uint8_t>(std::clamp(std::nearbyint(value), 0.f, 255.f));
+        const float value = std::nearbyint(static_cast<float>(colour[channel]));
+        levels[channel] = static_cast<std::uint8_t>(std::clamp(value, 0.f, 255.f));
     }
-    return colour;
+    return levels;
 }
 
 /// Mean over squares of 2 reach + 1 pixels; the border counts on.
@@ -96,7 +92,7 @@ SeenColours seen_colours(const ColorView& image, const Camera& camera, PointsIn 
         const Eigen::Vector2d pixel = camera.project(place);
         if (cosine > facing && pixel.x() >= 0 && pixel.y() >= 0 && pixel.x() <= image.cols - 1 &&
             pixel.y() <= image.rows - 1) {
-            seen.colours.row(k) = colour_at(image, pixel);
+            seen.colours.row(k) = rounded(colour_at(image, pixel));
             seen.is_seen[static_cast<std::size_t>(k)] = true;
         }
     }

@@ -6,6 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mimetic import _core
 from mimetic.template.face_template import FaceTemplate
 
 SKIN = np.array([0.80, 0.595, 0.50])  # sRGB, as all colours here
@@ -133,21 +134,12 @@ def _brows(template: FaceTemplate) -> NDArray[np.float64]:
 
 
 def _unwrap(
-    template: FaceTemplate, uv: NDArray, masks: NDArray[np.float64], size: int
+    template: FaceTemplate, uv: NDArray[np.float64], masks: NDArray[np.float64], size: int
 ) -> NDArray[np.float64]:
-    """Vertex values as a picture (size x size x K): every quad is sampled bilinearly."""
-    total = np.zeros((size * size, masks.shape[1]))
-    count = np.zeros(size * size)
-    for face in template.part_faces("skin"):
-        corner, value = uv[face], masks[template.faces[face]]
-        steps = int(np.ptp(corner, axis=0).max() * size * 1.5) + 2
-        s, t = (g.ravel()[:, None] for g in np.meshgrid(*[np.linspace(0, 1, steps)] * 2))
-        weights = np.concatenate([(1 - s) * (1 - t), s * (1 - t), s * t, (1 - s) * t], axis=1)
-        place = np.clip(weights @ corner, 0, 1 - 1e-9) * size
-        texel = (size - 1 - place[:, 1].astype(int)) * size + place[:, 0].astype(int)
-        np.add.at(total, texel, weights @ value)
-        np.add.at(count, texel, 1)
-    picture = total / np.maximum(count, 1)[:, None]
+    """Vertex values as a picture (size x size x K), 0 where no skin is."""
+    skin = template.part_faces("skin")
+    corners = np.asarray(uv[skin], np.float64).reshape(-1, 2)
+    picture = _core.unwrap_values(masks, template.faces[skin], corners, size)
     return np.clip(picture.reshape(size, size, -1), 0, 1)
 
 
