@@ -87,7 +87,7 @@ def kept_of_clip():
 
 
 def stored_fit():
-    return importlib.import_module(f"{PACKAGE}.scene_out.face_fit").stored(
+    return importlib.import_module(f"{PACKAGE}.scene_out.face_fit").of_clip(
         bpy.context.scene.mimetic.clip
     )
 
