@@ -78,7 +78,7 @@ bool HeadTracker::State::wants_view(const HeadEstimate& estimate) const {
     // A head that looks up or down is explained less well; samples alone need a sure start.
     const double good = options.fast ? .9 : .7;
     if (options.max_key_views == 0 || static_cast<int>(views().size()) >= options.max_key_views ||
-        estimate.held || estimate.likeness < kSurelyAlike || estimate.quality < good ||
+        estimate.held || (look && !recognition.may_be_reference(*look)) || estimate.quality < good ||
         rotation_std(estimate.covariance) > kTooVague) {
         return false;
     }
@@ -120,12 +120,11 @@ HeadEstimate HeadTracker::advance(const ColorView& image, const std::optional<Ei
     State& state = *state_;
     const cv::Mat1b gray = state.gray_frame(image);
     ++state.num_frames;
-    state.trial.next_frame();
-    if (state.last.held || guess) {  // who gives a guess is in doubt: after a cut another face may be here
-        state.trial.start();
-    }
+    // Who gives a guess is in doubt: after a cut another head may be where this one was.
+    state.recognition.begin_frame(state.last.held || guess);
+    state.look.reset();
     HeadEstimate found = state.estimate(gray, guess);
-    found.found_again = !found.held && state.trial.has_just_started();
+    found.found_again = !found.held && state.recognition.has_trial_begun();
     const bool may_ask = !state.options.fast || state.num_frames - state.refused >= kFlowEvery;
     if (may_ask && state.wants_view(found)) {
         if (state.options.fast) {
@@ -164,7 +163,7 @@ void HeadTracker::restart(const ColorView& image, const HeadEstimate& estimate) 
     state_->before = state_->gray_frame(image);
     state_->last = estimate;
     state_->step.setIdentity();
-    state_->trial.end();
+    state_->recognition.end_doubt();
 }
 
 }  // namespace mimetic

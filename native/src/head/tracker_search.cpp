@@ -137,7 +137,7 @@ std::optional<HeadEstimate> HeadTracker::State::register_samples(const cv::Mat1b
     found.num_samples = registered.num_samples;
     found.residual_px = registered.residual_px / (part->fy / camera.fy);
     found.quality = std::sqrt(found.explained);
-    found.likeness = found.explained;  // correlates as no other head does
+    found.likeness = found.explained;
     return found;
 }
 
@@ -195,18 +195,17 @@ std::optional<HeadEstimate> HeadTracker::State::search(const cv::Mat1b& gray,
     return start ? register_frame(gray, *start) : std::nullopt;
 }
 
-/// Share of the texture in sight that looks as it should, by the reference texture that shows it best.
-double HeadTracker::State::look(const cv::Mat1b& gray, const Eigen::Isometry3d& pose) {
-    const auto part = crop_at(pose);
-    if (!part) {
-        return 0;
-    }
-    const HeadCrop now = head::cut(gray, camera, *part);
-    double best = 0;
-    for (const auto& [share, view] : views_for(pose)) {
-        const auto stabilised = view->stabilise(now, pose);
-        const cv::Mat1f weights = view->weights(shape(), options, stabilised);
-        best = std::max(best, likeness.compare(view->texture(), stabilised.texture, weights));
+/// By the reference texture that shows it best.
+Look HeadTracker::State::look_at(const cv::Mat1b& gray, const Eigen::Isometry3d& pose) {
+    Look best;
+    if (const auto part = crop_at(pose)) {
+        const HeadCrop now = head::cut(gray, camera, *part);
+        for (const auto& [share, view] : views_for(pose)) {
+            const auto stabilised = view->stabilise(now, pose);
+            const cv::Mat1f weights = view->weights(shape(), options, stabilised);
+            const Look one = likeness.compare(view->texture(), stabilised.texture, weights);
+            best = {std::max(best.alike, one.alike), std::max(best.detail, one.detail)};
+        }
     }
     return best;
 }
@@ -220,10 +219,12 @@ bool HeadTracker::State::is_this_head(const cv::Mat1b& gray, std::optional<HeadE
     if (views().empty()) {
         return true;  // flow alone cannot tell
     }
-    if (found->likeness == 0) {
-        found->likeness = look(gray, found->camera_from_head);
+    if (found->likeness > 0) {
+        return true;  // as samples say, which correlate as no other head's do
     }
-    return found->likeness >= trial.least_likeness();
+    look = look_at(gray, found->camera_from_head);
+    found->likeness = look->alike;
+    return recognition.accepts(*look);
 }
 
 HeadEstimate HeadTracker::State::estimate(const cv::Mat1b& gray,
@@ -238,11 +239,14 @@ HeadEstimate HeadTracker::State::estimate(const cv::Mat1b& gray,
         is_found = is_this_head(gray, found, options.held_quality);
     }
     if (!is_found && !views().empty()) {
-        trial.start();  // lost and found in one frame is doubtful too
+        recognition.begin_trial();  // lost and found in one frame is doubtful too
         found = search(gray, guess);
         is_found = is_this_head(gray, found, std::max(kFoundQuality, options.held_quality));
     }
     if (is_found) {
+        if (look) {
+            recognition.learn(*look);
+        }
         return *found;
     }
     HeadEstimate held = last;

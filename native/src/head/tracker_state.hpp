@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include "locate/likeness.hpp"
+#include "locate/recognition.hpp"
 #include "registration.hpp"
 #include "view_graph.hpp"
 
@@ -16,8 +16,10 @@ struct HeadTracker::State {
     head::ViewGraph graph;
     cv::Mat1b before;  // the last frame
     HeadEstimate last;
-    Trial trial;
     Likeness likeness;
+    // Beside a texture that was just taken detail is twice that of a pose between textures
+    Recognition recognition{.66, .72};
+    std::optional<Look> look;                                // of the frame at hand, where it was looked at
     Eigen::Isometry3d step = Eigen::Isometry3d::Identity();  // of the head in its own frame, frame to frame
     // Of each view, on the fast path, once it is wanted: relaxing moves all of them
     mutable std::vector<std::optional<head::SampleView>> sampled;
@@ -50,7 +52,7 @@ struct HeadTracker::State {
     std::optional<HeadEstimate> follow(const cv::Mat1b& gray) const;
     std::optional<HeadEstimate> search(const cv::Mat1b& gray,
                                        const std::optional<Eigen::Isometry3d>& guess) const;
-    double look(const cv::Mat1b& gray, const Eigen::Isometry3d& pose);
+    Look look_at(const cv::Mat1b& gray, const Eigen::Isometry3d& pose);
     bool is_this_head(const cv::Mat1b& gray, std::optional<HeadEstimate>& found, double least_quality);
     HeadEstimate estimate(const cv::Mat1b& gray, const std::optional<Eigen::Isometry3d>& guess);
     bool wants_view(const HeadEstimate& estimate) const;

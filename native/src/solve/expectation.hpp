@@ -2,7 +2,7 @@
 #pragma once
 #include <opencv2/core.hpp>
 
-#include "locate/likeness.hpp"
+#include "locate/recognition.hpp"
 #include "tracked_face.hpp"
 
 namespace mimetic {
@@ -15,7 +15,7 @@ struct TrackMemory {
     Eigen::MatrixXd covariance;  ///< of the state; it grows while the face is lost
     Eigen::VectorXd values_std;  ///< when the values were last measured
     bool is_lost = false;
-    Trial trial;
+    Recognition recognition;
 };
 
 /// Before anything was measured: the face stands still, as little known as the prior says.

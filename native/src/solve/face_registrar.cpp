@@ -10,7 +10,6 @@ constexpr double kFarthest = .008;   // metres from the model at which skin is s
 constexpr double kExplained = .5;    // correlation of a patch that is the same skin
 constexpr double kStill = 5e-3;      // of values; rad of turn are alike in pixels
 
-constexpr double kPlain = .6;   // likeness below which something covers the face
 constexpr double kVague = .07;  // rad: s.d. of a pose about some axis that is not measured
 
 double ratio_or_zero(double part, double whole) { return whole > 0 ? part / whole : 0; }
@@ -27,24 +26,24 @@ FaceRegistrar::FaceRegistrar(const TrackedFace& face, const ReferenceViews& view
       likeness_(face.options.crop_height) {}
 
 Registration FaceRegistrar::register_face(const Expectation& expected, const FaceState& start,
-                                          FrameAtHand& frame, double least) {
+                                          FrameAtHand& frame, const Recognition& recognition) {
     const double held_quality = face_.options.held_quality;
     Registration found =
         register_textures(expected, start, frame, {}, {face_.options.max_iterations, face_.num_unknowns()});
     if (found.score.quality < held_quality) {
         return found;
     }
-    Look seen = look(found.state, frame);
-    if (seen.likeness >= least && seen.likeness < kPlain) {
+    Appearance seen = look_at(found.state, frame);
+    if (recognition.accepts(seen.look) && seen.look.alike < Recognition::kPlain) {
         // What covers the face moves on its own: once more by what is known to be the face.
         const FrameScore score = found.score;
         found = register_textures(expected, found.state, frame, seen.covered, {2, face_.num_unknowns()});
         const bool is_registered = found.score.quality >= held_quality && !is_vague(expected);
-        seen = is_registered ? look(found.state, frame) : Look{};
+        seen = is_registered ? look_at(found.state, frame) : Appearance{};
         found.score = score;
     }
-    found.score.likeness = seen.likeness;
-    if (seen.likeness < least) {
+    found.score.look = seen.look;
+    if (!recognition.accepts(seen.look)) {
         found.score.quality = std::min(found.score.quality, .99 * held_quality);
     }
     return found;
@@ -143,16 +142,17 @@ void FaceRegistrar::score_samples(const FaceState& state, Registration& registra
     score.quality = ratio_or_zero(explained, in_sight) * std::min(1., seen / .25);
 }
 
-FaceRegistrar::Look FaceRegistrar::look(const FaceState& state, FrameAtHand& frame) {
+FaceRegistrar::Appearance FaceRegistrar::look_at(const FaceState& state, FrameAtHand& frame) {
     const StageClock clock(frame.times.warp_ms);
     ProjectedSurface projected;
     projected.update(face_.surface, face_.camera, state.camera_from_head, state.values);
-    Look seen;
+    Appearance seen;
     for (ReferenceView* view : views_.near(state.camera_from_head)) {
         const std::vector<float> visible = sight_.visible(*view, projected, state);
         view->stabilise(face_.surface.triangles(), projected, frame.prepared, map_, stabilised_);
         const cv::Mat1f weights = view->sample_weights(visible);
-        seen.likeness = std::max(seen.likeness, likeness_.compare(view->texture(), stabilised_, weights));
+        const Look one = likeness_.compare(view->texture(), stabilised_, weights);
+        seen.look = {std::max(seen.look.alike, one.alike), std::max(seen.look.detail, one.detail)};
         for (const ReferenceSample& sample : view->samples()) {
             if (weights(sample.y, sample.x) == 0 ||
                 likeness_.correlations()(sample.y, sample.x) < Likeness::kAlike) {

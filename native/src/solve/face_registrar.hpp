@@ -35,7 +35,7 @@ struct FrameAtHand {
 struct FrameScore {
     double quality = 0;
     double correlation = 0;
-    double likeness = 0;  ///< share of the texture in sight that looks as a reference texture has it
+    Look look;  ///< beside the reference texture that shows it best
     int num_samples = 0;
     int num_explained = 0;
     int num_views = 0;
@@ -60,10 +60,9 @@ class FaceRegistrar {
 public:
     FaceRegistrar(const TrackedFace& face, const ReferenceViews& views, ErrorField<float> error_field);
 
-    /// From a state on; least: likeness that the face must have to be there. A quality under the held one: it
-    /// is not.
+    /// From a state on. A quality under the held one: it is not the face that recognition knows.
     Registration register_face(const Expectation& expected, const FaceState& start, FrameAtHand& frame,
-                               double least);
+                               const Recognition& recognition);
 
     /// The same for the pose alone, without asking whether it is this face.
     FaceState register_pose(const Expectation& expected, const FaceState& start, FrameAtHand& frame);
@@ -79,9 +78,8 @@ private:
         Eigen::Index num_free;  // unknowns, the first ones
     };
 
-    /// How much of the texture in sight looks as it should, and which samples do not.
-    struct Look {
-        double likeness = 0;
+    struct Appearance {
+        Look look;  // beside the reference texture that shows it best
         Covered covered;
     };
 
@@ -90,7 +88,7 @@ private:
     void measure(const FaceState& state, FrameAtHand& frame, bool is_first, bool is_last,
                  Registration& registration);
     void score_samples(const FaceState& state, Registration& registration) const;
-    Look look(const FaceState& state, FrameAtHand& frame);
+    Appearance look_at(const FaceState& state, FrameAtHand& frame);
     bool is_vague(const Expectation& expected) const;
 
     const TrackedFace& face_;

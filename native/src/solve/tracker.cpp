@@ -64,16 +64,13 @@ FrameEstimate FaceTracker::State::follow(FrameAtHand& frame, const std::optional
     const Expectation expected = predict(face, memory);
     const FaceState start = start_of(expected, frame);
     // Who gives a guess is in doubt: after a cut another face may be where this one was.
-    Trial trial = memory.trial;
-    trial.next_frame();
-    if (memory.is_lost || guess) {
-        trial.start();
-    }
-    Registration found = registrar.register_face(expected, start, frame, trial.least_likeness());
+    Recognition recognition = memory.recognition;
+    recognition.begin_frame(memory.is_lost || guess);
+    Registration found = registrar.register_face(expected, start, frame, recognition);
     bool is_lost = false;
     if (memory.is_lost || found.score.quality < held_quality) {
-        trial.start();  // lost and found in one frame is doubtful too
-        found = search_again(expected, found, frame, guess);
+        recognition.begin_trial();  // lost and found in one frame is doubtful too
+        found = search_again(expected, found, frame, guess, recognition);
         is_lost = found.score.quality < std::max(kFoundQuality, held_quality);
     }
     FrameEstimate estimate;
@@ -86,19 +83,21 @@ FrameEstimate FaceTracker::State::follow(FrameAtHand& frame, const std::optional
     now.covariance = expected.covariance;
     now.velocity = FaceStep::none(face.num_values());
     now.is_lost = is_lost;
-    now.trial = trial;
     if (!is_lost) {
         estimate = lids.read(std::move(estimate), frame.gray, memory.state);
-        estimate.found_again = trial.has_just_started();
+        estimate.found_again = recognition.has_trial_begun();
         now.state = {estimate.camera_from_head, estimate.values};
         now.covariance = estimate.covariance;
         now.values_std = estimate.values_std();
         if (!memory.is_lost) {
             now.velocity = now.state.difference_from(memory.state);
         }
-        const bool is_sure = found.score.quality >= kKeyViewQuality && found.score.likeness >= kSurelyAlike;
-        views.offer(face, now.state, frame.gray, is_sure, estimate.detail.coefficients);
+        recognition.learn(found.score.look);
+        const bool may_be_view =
+            found.score.quality >= kKeyViewQuality && recognition.may_be_reference(found.score.look);
+        views.offer(face, now.state, frame.gray, may_be_view, estimate.detail.coefficients);
     }
+    now.recognition = std::move(recognition);
     memory = std::move(now);
     last_measured = std::move(found.measured);
     return estimate;
@@ -118,7 +117,8 @@ FaceState FaceTracker::State::start_of(const Expectation& expected, FrameAtHand&
 /// From where the face was last seen, or anywhere: whichever explains more.
 Registration FaceTracker::State::search_again(const Expectation& expected, const Registration& near,
                                               FrameAtHand& frame,
-                                              const std::optional<Eigen::Isometry3d>& guess) {
+                                              const std::optional<Eigen::Isometry3d>& guess,
+                                              const Recognition& recognition) {
     const auto scale_at = [this](const FaceState& state) {
         return views.pixels_per_crop_pixel(state.camera_from_head);
     };
@@ -140,7 +140,7 @@ Registration FaceTracker::State::search_again(const Expectation& expected, const
         frame.prepared.update(frame.gray, 1 / scale_at(there));
         const FaceState start = registrar.register_pose(expected.about(there), there, frame);
         const FaceState mean{start.camera_from_head, there.values};
-        const Registration found = registrar.register_face(expected.about(mean), start, frame, kSurelyAlike);
+        const Registration found = registrar.register_face(expected.about(mean), start, frame, recognition);
         if (found.score.quality > best_quality) {
             best_quality = found.score.quality;
             best = found.state;
@@ -148,7 +148,7 @@ Registration FaceTracker::State::search_again(const Expectation& expected, const
     }
     // Once more where it fits best: the solver must not be left with another candidate's equations.
     frame.prepared.update(frame.gray, 1 / scale_at(best));
-    return registrar.register_face(expected.about(best), best, frame, kSurelyAlike);
+    return registrar.register_face(expected.about(best), best, frame, recognition);
 }
 
 FrameEstimate FaceTracker::State::measured_estimate(const Expectation& expected, const Registration& found) {
@@ -228,7 +228,10 @@ void FaceTracker::restart(const ColorView& image, const FrameEstimate& estimate)
         estimate.values.size() != s.face.num_values()) {
         throw InvalidInput("restart needs an image of the reference's size and an estimate of this tracker");
     }
+    Recognition recognition = std::move(s.memory.recognition);
+    recognition.end_doubt();
     s.memory = first_memory(s.face, to_gray(image), {estimate.camera_from_head, estimate.values});
+    s.memory.recognition = std::move(recognition);  // it is the same face
 }
 
 }  // namespace mimetic

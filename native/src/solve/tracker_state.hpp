@@ -18,7 +18,7 @@ struct FaceTracker::State {
 
     FaceState start_of(const Expectation& expected, FrameAtHand& frame);
     Registration search_again(const Expectation& expected, const Registration& near, FrameAtHand& frame,
-                              const std::optional<Eigen::Isometry3d>& guess);
+                              const std::optional<Eigen::Isometry3d>& guess, const Recognition& recognition);
     FrameEstimate measured_estimate(const Expectation& expected, const Registration& found);
     FrameEstimate held_estimate(const Expectation& expected, const FrameScore& score) const;
 

@@ -19,6 +19,7 @@ public:
     const Eigen::Vector3d half_axes{.075, .11, .095};
     Points vertices;
     Quads faces;
+    double alike = 1;  ///< correlation of this head's skin with the usual one's
 
     explicit HeadScene(bool is_ellipsoid) {
         vertices.resize(kAround * (kUp + 1), 3);
@@ -119,13 +120,18 @@ private:
 
     /// Solid, so that it needs no unfolding.
     float albedo(const Eigen::Vector3d& p) const {
+        const double own = waves(p), other = waves({p.y() + .3, -p.x(), p.z()});
+        return static_cast<float>(130 + 16 * (alike * own + std::sqrt(1 - alike * alike) * other));
+    }
+
+    static double waves(const Eigen::Vector3d& p) {
         double sum = 0;
         for (int k = 1; k <= 9; ++k) {
             const double wave = 6.28 / (.009 + .004 * k);
             const Eigen::Vector3d direction(std::cos(2.4 * k), std::sin(2.4 * k), std::cos(1.1 * k));
             sum += std::sin(wave * direction.dot(p) + 1.7 * k * k);
         }
-        return static_cast<float>(130 + 16 * sum);
+        return sum;
     }
 
     void draw(const std::array<int, 3>& corner, const std::vector<Eigen::Vector3f>& corners,

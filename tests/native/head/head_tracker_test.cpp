@@ -144,6 +144,33 @@ TEST(HeadTracker, IsNotLedAstrayByAHandOverHalfTheFace) {
     EXPECT_LT(degrees_between(estimate.camera_from_head, HeadScene::pose(8, 0, 4)), 2.5);
 }
 
+/// A head that is dissolved into another in the same place, and back; true where it was held.
+std::vector<bool> held_through_dissolve(double alike) {
+    const HeadScene scene(false);
+    HeadScene other(false);
+    other.alike = alike;
+    const Eigen::Isometry3d pose = HeadScene::pose(0, 0, 0);
+    HeadTracker tracker(scene.camera, shape_of(scene, HeadModel::surface), scene.view(scene.render(pose)),
+                        pose);
+    std::vector<bool> held;
+    for (const double share : {0., .25, .5, .75, 1., 1., 1., .75, .5, .25, 0., 0.}) {
+        const auto own = scene.render(pose, static_cast<unsigned>(held.size()));
+        auto image = other.render(pose, static_cast<unsigned>(held.size()));
+        for (std::size_t k = 0; k < image.size(); ++k) {
+            image[k] = static_cast<std::uint8_t>(std::lround((1 - share) * own[k] + share * image[k]));
+        }
+        held.push_back(tracker.advance(scene.view(image)).held);
+    }
+    return held;
+}
+
+TEST(HeadTracker, HoldsAHeadThatOnlyResemblesTheOneItReplaced) {
+    const std::vector<bool> held = held_through_dissolve(.4);
+    EXPECT_FALSE(held[0] || held[1]);
+    EXPECT_TRUE(held[4] && held[5] && held[6]);
+    EXPECT_FALSE(held[10] || held[11]);
+}
+
 TEST(HeadTracker, GoesBackToAFrame) {
     const HeadScene scene(true);
     const auto reference = scene.render(HeadScene::motion(0));

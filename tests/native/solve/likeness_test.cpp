@@ -39,7 +39,7 @@ protected:
         cv::Mat2f map;
         cv::Mat1f texture;
         view.stabilise(surface.triangles(), projected, frame, map, texture);
-        return likeness.compare(view.texture(), texture, view.sample_weights(visible));
+        return likeness.compare(view.texture(), texture, view.sample_weights(visible)).alike;
     }
 
     FaceScene scene;

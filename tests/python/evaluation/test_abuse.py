@@ -15,6 +15,7 @@ from mimetic.score.truth import Truth
 from mimetic.solve import clip_capture
 from mimetic.solve.walk import notes_on_strangers, proved
 from mimetic.template.face_template import load_template
+from PIL import Image, ImageFilter
 
 from evaluation.runs.abuse import METHODS, as_text, total
 from evaluation.runs.abuse_score import AbuseTruth, score_abuse, slid
@@ -84,6 +85,26 @@ def test_grass_is_not_followed_and_the_face_is_found_again(
     assert (result.quality[16:34] < HELD_QUALITY).all()
     assert (result.quality[40:] >= HELD_QUALITY).all()
     assert _degrees_off(result, rendered_clip)[40:].max() < 10
+
+
+def test_a_dissolve_to_a_face_with_the_same_features_and_other_skin_is_held(
+    clip_frames, first_fit, tmp_path
+):
+    share = np.clip((np.arange(len(clip_frames)) - 12) / 8, 0, 1)
+    share[30:] = 0
+    x, y = np.meshgrid(np.arange(320) / 240, np.arange(240) / 240)
+    at = np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])
+    pores = 24 * ValueNoise(5).octaves(at, (0.02, 0.01)).reshape(x.shape)[..., None]
+    frames = []
+    for frame, part in zip(clip_frames, share, strict=True):
+        smooth = np.asarray(Image.fromarray(frame).filter(ImageFilter.GaussianBlur(2)))
+        other = smooth + pores
+        frames.append(np.clip((1 - part) * frame + part * other, 0, 255).astype(np.uint8))
+    made = _captured(np.stack(frames), tmp_path / "dissolve.mp4", first_fit)
+    is_followed = made.quality >= HELD_QUALITY
+    assert is_followed[:12].all()
+    assert not is_followed[20:30].any()
+    assert is_followed[30:].all()
 
 
 @pytest.fixture(scope="module")

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "recognition.hpp"
+
+#include <algorithm>
+
+namespace mimetic {
+
+namespace {
+
+constexpr double kStillAlike = .3;   // share to be followed on
+constexpr double kSurelyAlike = .5;  // share to be taken for the face after a loss or a cut
+constexpr int kPatience = 3;         // frames on end without detail that are more than a blur
+constexpr double kUsual = .2;        // share of the frames with less than the usual detail: those that lie
+                                     // next to a reference texture have more of it
+constexpr std::size_t kLeastLearnt = 6;   // frames until the usual detail is known
+constexpr std::size_t kMostLearnt = 250;  // frames, ten seconds, from which it is known
+
+}  // namespace
+
+void Recognition::begin_frame(bool is_in_doubt) { trial_ = is_in_doubt ? kTrial : std::max(0, trial_ - 1); }
+
+void Recognition::end_doubt() {
+    trial_ = 0;
+    num_strange_ = 0;
+}
+
+bool Recognition::lacks_detail(const Look& look, double least_share) const {
+    return details_.size() >= kLeastLearnt && look.detail < least_share * usual_detail_;
+}
+
+bool Recognition::accepts(const Look& look) const {
+    if (look.alike < (is_on_trial() ? kSurelyAlike : kStillAlike)) {
+        return false;
+    }
+    const bool has_been_strange = is_on_trial() || num_strange_ + 1 >= kPatience;
+    return !(has_been_strange && lacks_detail(look, same_detail_));
+}
+
+bool Recognition::may_be_reference(const Look& look) const {
+    return look.alike >= kSurelyAlike && !lacks_detail(look, good_detail_);
+}
+
+void Recognition::learn(const Look& look) {
+    num_strange_ = lacks_detail(look, same_detail_) ? num_strange_ + 1 : 0;
+    if (num_strange_ > 0 || is_on_trial() || look.alike < kPlain) {
+        return;
+    }
+    if (details_.size() < kMostLearnt) {
+        details_.push_back(look.detail);
+    } else {
+        details_[next_++ % kMostLearnt] = look.detail;
+    }
+    std::vector<double> ordered = details_;
+    const auto usual = ordered.begin() + static_cast<std::ptrdiff_t>(kUsual * double(ordered.size()));
+    std::nth_element(ordered.begin(), usual, ordered.end());
+    usual_detail_ = *usual;
+}
+
+}  // namespace mimetic

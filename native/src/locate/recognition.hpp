@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <vector>
+
+#include "likeness.hpp"
+
+namespace mimetic {
+
+/// Whether what a tracker sees is the face that it has followed so far.
+///
+/// A share of its texture must be alike: of a followed face .7 to .9 is, under a hand that hides half of it
+/// .5; of walls, grass and bars .0 to .15, of a stranger's features laid on this face's mostly below .3. And
+/// its detail must be as this clip has usually shown it, by which strangers whose features fit are told: how
+/// much detail comes back depends on camera and encoder, but hardly changes within a clip. In what is blurred
+/// for a frame or two it is missing, so that is not enough to doubt. Figures: `mimetic evaluate abuse`,
+/// docs/measured/evaluation.md.
+class Recognition {
+public:
+    static constexpr double kPlain = .6;  ///< share below which something covers the face
+
+    /// Shares of the usual detail: what this face has at least, and what a reference texture must have.
+    explicit Recognition(double same_detail = .76, double good_detail = .8)
+        : same_detail_(same_detail), good_detail_(good_detail) {}
+
+    /// Begins a frame. is_in_doubt: the face was lost, or who follows is not sure that it is still there.
+    void begin_frame(bool is_in_doubt);
+    /// For half a second it must be surely this face: after a loss or a cut another one may be in its place.
+    void begin_trial() { trial_ = kTrial; }
+    /// The face is known to be there.
+    void end_doubt();
+
+    bool accepts(const Look& look) const;
+    /// Whether the frame shows this face so well that it may be a reference texture, which confirms what
+    /// looks like itself.
+    bool may_be_reference(const Look& look) const;
+    /// The look of a frame that was accepted.
+    void learn(const Look& look);
+
+    bool is_on_trial() const { return trial_ > 0; }
+    /// The trial began in this frame.
+    bool has_trial_begun() const { return trial_ == kTrial; }
+
+private:
+    static constexpr int kTrial = 12;  // frames: half a second
+    bool lacks_detail(const Look& look, double least_share) const;
+
+    double same_detail_, good_detail_;
+    int trial_ = 0;
+    int num_strange_ = 0;          // frames on end that lacked detail
+    std::vector<double> details_;  // of the last frames that were plainly this face, in a ring
+    std::size_t next_ = 0;
+    double usual_detail_ = 0;
+};
+
+}  // namespace mimetic
