@@ -26,9 +26,9 @@ from mimetic.muscles.articulators import ARTICULATORS, JAW
 from mimetic.muscles.motion import LoadedSkin, dynamics_options, load_skin
 from mimetic.performance.document import Performance
 from mimetic.performance.rows import Rows
-from mimetic.shared import luminance
+from mimetic.score import luminance
+from mimetic.score.sampling import sampled
 from mimetic.shared.progress import ATTACHED, SEARCHED, Progress, stages
-from mimetic.shared.sampling import sampled
 from mimetic.skin.mesh import multiply
 from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_capture import FrameRange, check_range, fit_for

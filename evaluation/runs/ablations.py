@@ -76,7 +76,7 @@ class _VariedCapture(clip_capture.ClipCapture):
         options = _core.TrackerOptions()
         for name, value in self.variant.tracker.items():
             setattr(options, name, value)
-        inputs = (self.fit, self.template, self.anatomy, self.motion)
+        inputs = (self.walk.fit, self.template, self.anatomy, self.motion)
         return tracking.make_tracker(reference, *inputs, options)
 
     def smooth(self, estimates, before):

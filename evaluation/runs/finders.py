@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from mimetic import _core
+from mimetic.score.luminance import GREY
 from mimetic.shared.installed_data import data_folder
-from mimetic.shared.luminance import GREY
 from numpy.typing import NDArray
 
 from evaluation.runs.stills import PARTS, Stills

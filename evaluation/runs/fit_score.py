@@ -6,13 +6,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from mimetic.shared import pinhole
 from mimetic.skin.mesh import quad_normals
 from mimetic.template.face_template import FaceTemplate
 from mimetic.template.regions import FACE
 from numpy.typing import NDArray
 
 from evaluation.runs.portraits import Portraits
+from evaluation.runs.projection import project_points
 
 AXES = ("pitch", "yaw", "roll")
 YAW_BINS = ((0, 10), (10, 20), (20, 30))  # degrees
@@ -46,8 +46,8 @@ def score_shot(fitted: Fitted, portraits: Portraits, i: int, template: FaceTempl
     visible = face[_facing(true, template, pose)[face]]
     found_camera = camera * [[fitted.focal / camera[0, 0]], [fitted.focal / camera[1, 1]], [1]]
     found_camera[:2, 2] = camera[:2, 2]
-    pixels = pinhole.show(fitted.neutral[visible], fitted.head_pose, found_camera)[0]
-    off = np.linalg.norm(pixels - pinhole.show(true[visible], pose, camera)[0], axis=1)
+    pixels = project_points(fitted.neutral[visible], fitted.head_pose, found_camera)[0]
+    off = np.linalg.norm(pixels - project_points(true[visible], pose, camera)[0], axis=1)
     eyes = template.eye_spheres(true)[0].mean(axis=0) @ pose[:3, :3].T + pose[:3, 3]
     pupils = camera[0, 0] * PUPIL_DISTANCE / eyes[2]
     turn = _rotation_vector(fitted.head_pose[:3, :3] @ pose[:3, :3].T)

@@ -16,10 +16,10 @@ import numpy as np
 from mimetic._core import FlowMethod, FlowOptions, compute_flow
 from mimetic.media.footage import Footage
 from mimetic.score.json_text import json_text
+from mimetic.score.luminance import GREY
+from mimetic.score.sampling import sampled
 from mimetic.score.text_table import text_table
 from mimetic.score.truth import Truth
-from mimetic.shared.luminance import GREY
-from mimetic.shared.sampling import sampled
 from numpy.typing import NDArray
 
 from evaluation.runs.rendered import clips

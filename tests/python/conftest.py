@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 
-sys.path[:0] = [str(Path(__file__).resolve().parents[n]) for n in (1, 2)]  # fuzz; evaluation
+# fuzz and fetched_footage; evaluation
+sys.path[:0] = [str(Path(__file__).resolve().parents[n]) for n in (1, 2)]
 # A shell starts what runs in its background with Ctrl-C ignored, and so would the commands that
 # tests send one to
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -24,6 +25,14 @@ def rendered_clip():
     from evaluation.synthetic.recipes import TEST
 
     return clip(TEST, load_template())
+
+
+@pytest.fixture(scope="session")
+def fetched_clip():
+    """Path of a clip of scripts/fetch_footage by its name, fetched if missing."""
+    from fetched_footage import fetched_clip
+
+    return fetched_clip
 
 
 @pytest.fixture

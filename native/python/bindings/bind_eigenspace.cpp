@@ -28,15 +28,10 @@ void bind_space(py::module_& m) {
         .def_readonly("basis", &Eigenspace::basis)
         .def_readonly("eigenvalues", &Eigenspace::eigenvalues)
         .def_readonly("rho", &Eigenspace::rho);
-    py::class_<SpaceDistance>(m, "SpaceDistance", "Where a patch lies from an eigenspace.")
-        .def_readonly("within", &SpaceDistance::within, "distance in feature space")
-        .def_readonly("from_space", &SpaceDistance::from, "distance from feature space, squared")
-        .def_readonly("log_likelihood", &SpaceDistance::log_likelihood);
     m.def("train_eigenspace", &train_eigenspace, py::arg("patches").noconvert(), "width"_a, "height"_a,
           "num_modes"_a, "shrinkage"_a = 0.01, py::call_guard<py::gil_scoped_release>(),
           "Principal components of patches (K x N, grey values, row by row).\n\n"
           "shrinkage: share of every eigenvalue that their mean replaces, 0 to 1");
-    m.def("eigenspace_distance", &distance, "space"_a, "patch"_a, "patch: N grey values, row by row");
 }
 
 void bind_face_spaces(py::module_& m) {

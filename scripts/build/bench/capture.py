@@ -15,7 +15,7 @@ import numpy as np
 from mimetic._core import FlowMethod, FlowOptions, compute_flow
 from mimetic.media.ffmpeg import ffmpeg_program
 from mimetic.media.footage import Footage
-from mimetic.shared.luminance import GREY
+from mimetic.score.luminance import GREY
 from mimetic.solve import clip_capture
 from mimetic.solve.capture_summary import CaptureSummary
 

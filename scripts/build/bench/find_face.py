@@ -13,8 +13,8 @@ from mimetic import _core
 from mimetic.fit.fitting import find_face, landmark_places, refit
 from mimetic.locate.eigenspaces import installed_spaces
 from mimetic.media.footage import Footage
+from mimetic.score.luminance import GREY
 from mimetic.shared.installed_data import data_folder
-from mimetic.shared.luminance import GREY
 
 from evaluation.runs.finders import CASCADES
 

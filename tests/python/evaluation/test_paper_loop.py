@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from mimetic.shared.sampling import sampled
+from mimetic.score.sampling import sampled
 from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_capture import find_face
 

@@ -11,29 +11,27 @@ from mimetic.locate.feature_networks import (
     feature_anchors,
     feature_places,
     installed_networks,
-    need_networks,
 )
 from mimetic.media.footage import Footage
-from mimetic.shared.installed_data import data_folder
 from mimetic.template.face_template import load_template
 
-from evaluation.runs.real_labels import footage_of, read_labels
+from evaluation.runs.real_labels import read_labels
 
 FRAME = 13  # of single_face.mp4, marked by hand
 
-needs_networks = pytest.mark.skipif(
-    not (data_folder() / MESH_FILE).exists(), reason="scripts/make_networks was not run"
-)
+
+@pytest.fixture(scope="module")
+def networks():
+    networks = installed_networks()
+    if networks is None:
+        pytest.skip("scripts/make_networks was not run")
+    return networks
 
 
 @pytest.fixture(scope="module")
-def shot():
+def shot(fetched_clip):
     """A frame of a real person, the crops that its fit lays, and the marked points."""
-    try:
-        footage = Footage(footage_of("single_face"))
-    except InvalidInput:
-        pytest.skip("scripts/fetch_footage was not run")
-    image = np.ascontiguousarray(footage.read(FRAME))
+    image = np.ascontiguousarray(Footage(fetched_clip("single_face.mp4")).read(FRAME))
     fit = find_face(image, FRAME)
     anchors = feature_anchors(fit.neutral_vertices(load_template()), load_template())
     crops = _core.feature_crops(fit.camera, np.array(fit.head_pose), anchors)
@@ -41,53 +39,47 @@ def shot():
     return image, crops, labels.rows(labels.frame == FRAME)
 
 
-@needs_networks
-def test_irises_and_lids_are_where_they_were_marked(shot):
+def test_irises_and_lids_are_where_they_were_marked(networks, shot):
     image, crops, labels = shot
-    places = feature_places(need_networks(), image, crops)
+    places = feature_places(networks, image, crops)
     for name in ("iris.L", "iris.R", "lid_upper.L", "lid_lower.R"):
         off = np.linalg.norm(places[name] - labels.of(name)[0, 0])
         assert off < 0.03 * labels.ipd[0], name
-    assert need_networks().mesh(image, crops.face).presence > 0.9
+    assert networks.mesh(image, crops.face).presence > 0.9
 
 
-@needs_networks
-def test_a_mirrored_picture_shows_the_mirrored_eye(shot):
+def test_a_mirrored_picture_shows_the_mirrored_eye(networks, shot):
     image, crops, _ = shot
     left = crops.eyes[0]
     width = image.shape[1]
     mirrored = np.ascontiguousarray(image[:, ::-1])
     crop = _core.FeatureCrop([width - 1 - left.center[0], left.center[1]], left.side, -left.roll)
-    seen = need_networks().eye(image, left, True)
-    again = need_networks().eye(mirrored, crop, False)
+    seen = networks.eye(image, left, True)
+    again = networks.eye(mirrored, crop, False)
     np.testing.assert_allclose(again.iris[:, 0], width - 1 - seen.iris[:, 0], atol=0.1)
     np.testing.assert_allclose(again.contour[:, 1], seen.contour[:, 1], atol=0.1)
 
 
-@needs_networks
-def test_points_stay_when_the_crop_moves_a_little(shot):
+def test_points_stay_when_the_crop_moves_a_little(networks, shot):
     image, crops, _ = shot
     crop = crops.eyes[1]
     moved = _core.FeatureCrop(crop.center + np.array([1.5, -1]), crop.side * 1.03, crop.roll + 0.03)
-    first = need_networks().eye(image, crop, False).iris[0]
-    second = need_networks().eye(image, moved, False).iris[0]
+    first = networks.eye(image, crop, False).iris[0]
+    second = networks.eye(image, moved, False).iris[0]
     assert np.linalg.norm(first - second) < 0.6
 
 
-@needs_networks
-def test_where_no_face_is_none_is_seen():
+def test_where_no_face_is_none_is_seen(networks):
     meadow = np.random.default_rng(3).integers(60, 120, (240, 320, 3), dtype=np.uint8)
     crop = _core.FeatureCrop([160, 120], 180)
-    assert need_networks().mesh(meadow, crop).presence < 0.1
+    assert networks.mesh(meadow, crop).presence < 0.1
     with pytest.raises(InvalidInput, match="beside the picture"):
-        need_networks().mesh(meadow, _core.FeatureCrop([5000, 120], 180))
+        networks.mesh(meadow, _core.FeatureCrop([5000, 120], 180))
 
 
 def test_without_files_there_are_no_networks(tmp_path, monkeypatch):
     monkeypatch.setenv("MIMETIC_DATA", str(tmp_path))
     assert installed_networks() is None
-    with pytest.raises(UnreadableMedia, match="make_networks"):
-        need_networks()
 
 
 def test_damaged_files_are_refused_in_one_line(tmp_path, monkeypatch):

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from mimetic import InvalidInput
-from mimetic.performance.projection import project_texture, project_uv, reference_index
+from mimetic.performance.projection import project_texture, reference_index
 from mimetic.shared.picture import picture_coordinates
 from sample_performance import make_performance
 
@@ -82,7 +82,8 @@ def test_coordinates_are_the_pictures_edges():
     corners = picture_coordinates([[-0.5, -0.5], [319.5, 239.5]], (320, 240))
     np.testing.assert_allclose(corners, [[0, 1], [1, 0]])
     performance, _ = square()
-    middle = project_uv(performance, 0).mean(axis=0)
+    pixels = performance.project(performance.surface_in_camera(0))
+    middle = picture_coordinates(pixels, performance.image_size).mean(axis=0)
     np.testing.assert_allclose(middle, [0.5, 0.5], atol=1e-9)
 
 

@@ -14,11 +14,12 @@ from mimetic.fit.face_model import face_model
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitted_view import FittedView
 from mimetic.fit.fitting import landmark_places, refit
-from mimetic.shared import pinhole
 from mimetic.skin.mesh import SkinMesh
 from mimetic.solve.relief import find_relief
 from mimetic.solve.relief_sightings import _one_scene
 from mimetic.template.face_template import load_template
+
+from evaluation.runs.projection import project_points
 
 TURNS = np.radians([(0, 15, 0), (0, -14, 0), (9, 6, 0), (-8, -4, 3), (4, 10, 0)])
 STILL = np.zeros((3, 3))
@@ -39,7 +40,7 @@ def pixels_on_face(count: int) -> np.ndarray:
     pixels = np.column_stack([320 + 55 * x[inside], 240 + 70 * y[inside]])
     template = load_template()
     holes = np.flatnonzero(template.in_region("eyelid", "eye_socket", "mouth_cavity"))
-    in_picture = pinhole.show(template.vertices[holes], FRONTAL, INTRINSICS)[0]
+    in_picture = project_points(template.vertices[holes], FRONTAL, INTRINSICS)[0]
     away = np.linalg.norm(pixels[:, None] - in_picture, axis=2).min(axis=1)
     return pixels[away > 6]
 
@@ -67,7 +68,7 @@ def sightings_of(fit: FaceFit, person: FaceFit, turns) -> list[_core.Sighting]:
     for number, turn in enumerate(turns):
         pose = fit.head_pose.copy()
         pose[:3, :3] = pose[:3, :3] @ from_rotation_vectors(turn[None])[0]
-        shown = pinhole.show(places, pose, fit.intrinsics)[0]
+        shown = project_points(places, pose, fit.intrinsics)[0]
         shown += rng.normal(0, NOISE_PX, shown.shape)
         information = np.tile(np.eye(2) / NOISE_PX**2, (len(shown), 1, 1))
         values = np.zeros(1)
@@ -95,7 +96,7 @@ def test_turned_frames_tell_how_deep_the_face_is(fit):
     assert left < 0.5 * error
     landmarks = np.asarray(load_template().landmark_vertices)
     shown = [
-        pinhole.show(one.neutral_vertices(load_template())[landmarks], FRONTAL, INTRINSICS)[0]
+        project_points(one.neutral_vertices(load_template())[landmarks], FRONTAL, INTRINSICS)[0]
         for one in (fit, found)
     ]
     assert np.abs(shown[1] - shown[0]).max() < 1.5  # pixels; a pupil distance is 72
@@ -141,7 +142,7 @@ def test_pins_hold_the_head_with_its_relief(fit):
     x, y = landmark_places(seen)["mouth_corner.L"]
     pinned = refit(seen, {"mouth_corner.L": (x + 3, y - 2)})
     corner = pinned.neutral_vertices(template)[[template.landmark("mouth_corner.L")]]
-    shown = pinhole.show(corner, pinned.head_pose, pinned.intrinsics)[0][0]
+    shown = project_points(corner, pinned.head_pose, pinned.intrinsics)[0][0]
     np.testing.assert_allclose(shown, (x + 3, y - 2), atol=0.3)
 
 

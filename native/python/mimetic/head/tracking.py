@@ -135,31 +135,30 @@ class _HeadMotion:
         summary: CaptureSummary,
         options: _core.HeadOptions,
     ) -> None:
-        self.options = options
-        self.footage, self.fit, self.model, self.summary = footage, fit, model, summary
-        self.first, self.last = frames
+        self.options, self.model = options, model
         num_passes = NUM_PASSES if options.max_key_views else 1
         self.walk = ClipWalk(footage, fit, frames, progress, summary, "head", num_passes)
         self.template = load_template()
         self.neutral = fit.neutral_vertices(self.template)
 
     def run(self) -> Performance:
-        reference = np.ascontiguousarray(self.footage.read(self.fit.frame))
+        fit, summary = self.walk.fit, self.walk.summary
+        reference = np.ascontiguousarray(self.walk.footage.read(fit.frame))
         shape = head_shape(self.model, self.neutral, self.template)
-        pose = np.asarray(self.fit.head_pose, dtype=np.float64)
-        tracker = _core.HeadTracker(self.fit.camera, shape, reference, pose, self.options)
+        pose = np.asarray(fit.head_pose, dtype=np.float64)
+        tracker = _core.HeadTracker(fit.camera, shape, reference, pose, self.options)
         rows = self._both_ways(tracker, reference)
         # What later frames say about the head's shape and the reference poses serves earlier ones.
-        if not self.summary.stopped and tracker.relax():
+        if not summary.stopped and tracker.relax():
             again = self._both_ways(tracker, reference)
-            rows = rows if self.summary.stopped else again
+            rows = rows if summary.stopped else again
             rows = self._placed(tracker, rows)
-        self.summary.head_shape = tracker.shape
+        summary.head_shape = tracker.shape
         return self._performance(rows)
 
     def _placed(self, tracker: _core.HeadTracker, rows: Rows) -> Rows:
         """The ellipsoid's motion as the person's skin has it."""
-        if self.model != "ellipsoid" or self.summary.stopped:
+        if self.model != "ellipsoid" or self.walk.summary.stopped:
             return rows
         views = tracker.place_on(head_shape("surface", self.neutral, self.template))
         if not views:
@@ -169,16 +168,17 @@ class _HeadMotion:
 
     def _both_ways(self, tracker: _core.HeadTracker, reference: NDArray[np.uint8]) -> Rows:
         """All frames, backward and forward from the reference frame."""
-        at_reference = tracker.advance(reference, self.fit.head_pose)
+        fit, (first, last) = self.walk.fit, self.walk.frames
+        at_reference = tracker.advance(reference, fit.head_pose)
         backward, forward = Rows(), Rows()
-        if self.fit.frame > self.first:
-            _append(backward, proved(self._follow(tracker, self.first)), at_reference)
+        if fit.frame > first:
+            _append(backward, proved(self._follow(tracker, first)), at_reference)
             tracker.restart(reference, at_reference)
         ahead: Iterable[Seen] = ()
-        if self.last > self.fit.frame:
-            ahead = proved(self._follow(tracker, self.last))
-        _append(forward, itertools.chain([(self.fit.frame, at_reference)], ahead), at_reference)
-        return (backward.reversed() + forward).within(self.first, self.last)
+        if last > fit.frame:
+            ahead = proved(self._follow(tracker, last))
+        _append(forward, itertools.chain([(fit.frame, at_reference)], ahead), at_reference)
+        return (backward.reversed() + forward).within(first, last)
 
     def _follow(self, tracker: _core.HeadTracker, end: int) -> Iterator[Seen]:
         """Frame by frame, until the images end or the user stops."""
@@ -193,21 +193,14 @@ class _HeadMotion:
         anatomy = attach(self.neutral, self.template)
         shape = (len(rows.frame), len(anatomy.muscle_names))
         return clip_performance(
-            *(rows, self.footage, self.fit, self.template, anatomy),
+            *(rows, self.walk.footage, self.walk.fit, self.template, anatomy),
             activations=np.zeros(shape),
             activations_std=np.full(shape, ACTIVATION_STD),
             articulator_values=np.zeros((shape[0], len(anatomy.articulator_names))),
-            notes=self._notes(rows),
+            notes=self.walk.notes(
+                rows, [f"head motion alone, by the {self.model}: muscles were not measured"]
+            ),
         )
-
-    def _notes(self, rows: Rows) -> list[str]:
-        notes = [
-            *(*self.footage.warnings, *self.fit.warnings),
-            f"head motion alone, by the {self.model}: muscles were not measured",
-            *self.walk.notes(rows),
-        ]
-        self.summary.warnings = notes
-        return notes
 
 
 def _append(rows: Rows, estimates: Iterable[Seen], good: _core.HeadEstimate) -> None:

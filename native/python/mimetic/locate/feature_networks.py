@@ -8,7 +8,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import UnreadableMedia, _core
+from mimetic import _core
 from mimetic.shared.installed_data import data_folder
 from mimetic.template.face_template import FaceTemplate
 
@@ -28,17 +28,6 @@ def installed_networks() -> _core.FeatureNetworks | None:
     if not all(file.is_file() for file in files):
         return None
     return _load(*(str(file) for file in files))
-
-
-def need_networks() -> _core.FeatureNetworks:
-    """The same; raises UnreadableMedia where they are not installed, saying what to do."""
-    networks = installed_networks()
-    if networks is None:
-        raise UnreadableMedia(
-            f"{data_folder()} has not the networks for eyes and mouth; "
-            "run scripts/make_networks, then build the package again"
-        )
-    return networks
 
 
 @lru_cache(maxsize=1)

@@ -27,15 +27,6 @@ def rescaled(pixels: ArrayLike, from_size: ArrayLike, to_size: ArrayLike) -> NDA
     return picture_pixels(picture_coordinates(np.reshape(pixels, (-1, 2)), from_size), to_size)
 
 
-def project_uv(performance: Performance, i: int) -> NDArray[np.float64]:
-    """Texture coordinates (V x 2, 0 to 1, origin bottom left) of the vertices in frame index `i`.
-
-    The picture's edges are 0 and 1; points outside the picture lie outside that range.
-    """
-    pixels = performance.project(performance.surface_in_camera(i))
-    return picture_coordinates(pixels, performance.image_size)
-
-
 def project_texture(
     performance: Performance,
     i: int,

@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic._core import FlowMethod, FlowOptions, compute_flow
-from mimetic.shared import luminance
-from mimetic.shared.sampling import sampled
+from mimetic.score import luminance
+from mimetic.score.sampling import sampled
 
 GREY = luminance.GREY.astype(np.float32)
 

@@ -31,7 +31,8 @@ class _ObservedCapture(ClipCapture):
 
     def advance(self, tracker, frame, image, guess=None):
         state = super().advance(tracker, frame, image, guess)
-        if not state.held and self.first <= frame <= self.last:
+        first, last = self.walk.frames
+        if not state.held and first <= frame <= last:
             self.sightings.append(_core.Sighting.of(frame, state, tracker.observations()))
         return state
 

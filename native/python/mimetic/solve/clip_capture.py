@@ -200,8 +200,6 @@ class ClipCapture:
         progress: Progress | None,
         summary: CaptureSummary,
     ) -> None:
-        self.footage, self.fit, self.summary = footage, fit, summary
-        self.first, self.last = frames
         self.walk = ClipWalk(footage, fit, frames, progress, summary, "face")
         start = time.perf_counter()
         self.template = load_template()
@@ -213,60 +211,63 @@ class ClipCapture:
         summary.add("attach the muscles", time.perf_counter() - start)
 
     def run(self) -> Performance:
-        reference = self.footage.read(self.fit.frame)
+        reference_frame, (first, last) = self.walk.fit.frame, self.walk.frames
+        reference = self.walk.footage.read(reference_frame)
         tracker = self.make_tracker(reference)
 
         def step(frame: int, image: Image, guess: Pose | None = None) -> _core.FrameEstimate:
             return self.advance(tracker, frame, image, guess)
 
-        at_reference = step(self.fit.frame, reference)
+        at_reference = step(reference_frame, reference)
         backward, forward = Rows(), Rows()
         near_reference: list[_core.FrameEstimate] = []
-        if self.fit.frame > self.first:
-            behind = proved(self.walk.follow(self.first, step))
+        if reference_frame > first:
+            behind = proved(self.walk.follow(first, step))
             for state in self.smooth(behind, [at_reference]):
                 if (
                     len(near_reference) == len(backward.frame) < smoothing.OVERLAP
                     and not state.held
                 ):
                     near_reference.append(state.estimate)
-                if state.frame <= self.last:
+                if state.frame <= last:
                     backward.append(state)
             tracker.restart(reference, at_reference)
         ahead = iter(())
-        if self.last > self.fit.frame:
-            ahead = proved(self.walk.follow(self.last, step))
-        estimates = itertools.chain([(self.fit.frame, at_reference)], ahead)
+        if last > reference_frame:
+            ahead = proved(self.walk.follow(last, step))
+        estimates = itertools.chain([(reference_frame, at_reference)], ahead)
         for state in self.smooth(estimates, near_reference[::-1]):
-            if self.first <= state.frame <= self.last:
+            if first <= state.frame <= last:
                 forward.append(state)
         return self._performance(backward.reversed() + forward)
 
     def smooth(self, estimates, before: list[_core.FrameEstimate]) -> Iterator[State]:
         def count(seconds: float) -> None:
-            self.summary.add("smooth", seconds)
+            self.walk.summary.add("smooth", seconds)
 
         return smoothing.smooth_in_windows(estimates, before, self.motion, count)
 
     def make_tracker(self, reference: NDArray[np.uint8]) -> _core.FaceTracker:
-        return tracking.make_tracker(reference, self.fit, self.template, self.anatomy, self.motion)
+        inputs = (self.walk.fit, self.template, self.anatomy, self.motion)
+        return tracking.make_tracker(reference, *inputs)
 
     def advance(
         self, tracker: _core.FaceTracker, frame: int, image: NDArray[np.uint8], guess=None
     ) -> _core.FrameEstimate:
         estimate = tracker.advance(image, guess)
-        self.summary.add_tracker(estimate.times)
+        self.walk.summary.add_tracker(estimate.times)
         return estimate
 
     def _performance(self, rows: Rows) -> Performance:
         self.walk.check_any_done(rows)
+        fit = self.walk.fit
         num_muscles = len(self.anatomy.muscle_names)
         values, std = np.array(rows.values), np.array(rows.values_std)
         poses = rows.rigid_poses()
         pose_cov = rows.pose_covariances()
-        pose_cov[:, :3, :3] += _of_the_turn(poses, self.fit.head_pose)
+        pose_cov[:, :3, :3] += _of_the_turn(poses, fit.head_pose)
         return clip_performance(
-            *(rows, self.footage, self.fit, self.template, self.anatomy),
+            *(rows, self.walk.footage, fit, self.template, self.anatomy),
             head_pose=poses,
             head_pose_cov=pose_cov,
             activations=np.clip(values[:, :num_muscles], 0, 1),
@@ -276,17 +277,8 @@ class ClipCapture:
             detail_modes=self.detail.modes,
             detail_coefficients=np.array(rows.detail),
             detail_coefficients_std=np.array(rows.detail_std),
-            notes=self._notes(rows),
+            notes=self.walk.notes(rows, fit.calibration.notes()) or None,
         )
-
-    def _notes(self, rows: Rows) -> list[str] | None:
-        notes = [
-            *(*self.footage.warnings, *self.fit.warnings),
-            *self.fit.calibration.notes(),
-            *self.walk.notes(rows),
-        ]
-        self.summary.warnings = notes
-        return notes or None
 
 
 def _of_the_turn(poses: NDArray[np.float64], reference: NDArray[np.float64]) -> NDArray[np.float64]:

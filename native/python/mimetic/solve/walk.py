@@ -138,9 +138,13 @@ class ClipWalk:
                 f"{rows.frame[0]} can be read, which shows no motion; copy or record it again"
             )
 
-    def notes(self, rows: Rows) -> list[str]:
-        """An early stop, held frames, and where another face was seen."""
-        notes = []
+    def notes(self, rows: Rows, about: Iterable[str] = ()) -> list[str]:
+        """What there is to say of the clip, the fit, `about` the capture, and how it went.
+
+        The last: an early stop, held frames, where another face was seen. The summary has all of
+        it too.
+        """
+        notes = [*self.footage.warnings, *self.fit.warnings, *about]
         if self.summary.stopped:
             notes.append(
                 f"stopped by the user: frames {rows.frame[0]} to {rows.frame[-1]} "
@@ -151,7 +155,9 @@ class ClipWalk:
             notes.append(
                 f"the {self.followed} was lost in {held} frames, which are held (quality under 0.2)"
             )
-        return [*notes, *notes_on_strangers(self.strangers)]
+        notes += notes_on_strangers(self.strangers)
+        self.summary.warnings = notes
+        return notes
 
 
 def find_again(image: NDArray[np.uint8], frame: int, fit: FaceFit) -> NDArray[np.float64] | None:

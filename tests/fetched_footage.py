@@ -1,0 +1,23 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Real footage for tests, fetched where it is missing."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[1]
+FETCH = ROOT / "scripts" / "fetch_footage"
+UNREACHABLE = 3  # its exit status without a network
+
+
+def fetched_clip(name: str, folder: Path = ROOT / "build" / "footage") -> Path:
+    """One of the clips that scripts/fetch_footage names; skips the test without a network."""
+    path = folder / name
+    if not path.is_file():
+        ran = subprocess.run([sys.executable, FETCH], capture_output=True, text=True, check=False)
+        if ran.returncode == UNREACHABLE and not path.is_file():
+            pytest.skip("the footage cannot be fetched: no registry can be reached")
+        assert path.is_file(), f"{name} was not fetched: {ran.stdout}{ran.stderr}"
+    return path
