@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.fit import fitting
 from mimetic.fit.fitting import FaceFit, NoFace
+from mimetic.fit.same_footage import check_same_footage
 from mimetic.fit.upright import check_upright
 from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import attach_skin, modes_of
@@ -156,6 +157,8 @@ def fit_for(
             f"the face fit is for pictures of {fit.image_size[0]} x {fit.image_size[1]}, "
             f"{footage.path.name} has {footage.size[0]} x {footage.size[1]}"
         )
+    else:
+        check_same_footage(fit, footage.read(fit.frame), footage.path.name)
     summary.fit, summary.footage = fit, footage
     summary.add("find the face", time.perf_counter() - start)
     return fit
