@@ -36,6 +36,7 @@ int run_all(const std::string& csv_path) {
                                    plate_benchmarks, shell_benchmarks}) {
         for (const Benchmark& benchmark : benchmarks()) {
             std::vector<double> values;
+            values.reserve(benchmark.meshes.size());
             for (int mesh : benchmark.meshes) {
                 values.push_back(benchmark.value(mesh));
             }

@@ -82,25 +82,33 @@ void bind_pictures(py::module_& m) {
         "facing_edges", &facing_edges, "vertices_in_camera"_a, "quads"_a, "facing"_a, release_gil(),
         "(E, 2) int32: edges of the quads (F, 4) that face the camera by more than the cosine `facing`, each "
         "once.\n\nvertices_in_camera: (V, 3), metres");
+    py::class_<CanonicalPixels>(
+        m, "CanonicalPixels", "What of the head each pixel of a canonical picture shows, of K that show any.")
+        .def_readonly("pixel", &CanonicalPixels::pixel, "(K,) int32, row by row of the picture")
+        .def_readonly("corners", &CanonicalPixels::corners, "(K, 4) int32 vertices")
+        .def_readonly("weights", &CanonicalPixels::weights, "(K, 4), sum 1");
+    m.def("canonical_pixels", &canonical_pixels, "vertices"_a, "quads"_a, "is_hidden"_a, "size"_a, "facing"_a,
+          release_gil(),
+          "The head from the front, orthographic, as large as fits a picture of size x size pixels.\n\n"
+          "vertices: (V, 3), y up, z to the viewer; quads: (F, 4), left out where all corners are hidden "
+          "(V,\nbool), or facing the viewer by less than the cosine `facing`. Raises InvalidInput.");
     m.def(
         "seen_colours",
         [](const ImageArray& image, const Camera& camera, const Points& vertices_in_camera,
-           const Quads& corners, const Rows<double, 4>& weights, double facing) {
+           const CanonicalPixels& pixels, double facing) {
             const ColorView view = view_image<3>(image, "the picture");
             SeenColours seen;
             {
                 const py::gil_scoped_release release;
-                seen = seen_colours(view, camera, vertices_in_camera, {corners, weights}, facing);
+                seen = seen_colours(view, camera, vertices_in_camera, pixels, facing);
             }
             py::array_t<bool> is_seen(static_cast<py::ssize_t>(seen.is_seen.size()));
             std::copy(seen.is_seen.begin(), seen.is_seen.end(), is_seen.mutable_data());
             return py::make_tuple(seen.colours, is_seen);
         },
-        py::arg("image").noconvert(), "camera"_a, "vertices_in_camera"_a, "corners"_a, "weights"_a,
-        "facing"_a,
-        "(colours (K, 3) uint8, is_seen (K,) bool) of a picture at places of quads: corners (K, 4), weights "
-        "(K, "
-        "4).\n\nfacing: cosine to the camera below which a surface shows nothing. Raises InvalidInput.");
+        py::arg("image").noconvert(), "camera"_a, "vertices_in_camera"_a, "pixels"_a, "facing"_a,
+        "(colours (K, 3) uint8, is_seen (K,) bool) of a picture at what CanonicalPixels show.\n\nfacing: "
+        "cosine to the camera below which a surface shows nothing. Raises InvalidInput.");
     m.def(
         "mirror_correlation",
         [](const ImageArray& picture, const py::array_t<bool, py::array::c_style>& is_seen) {

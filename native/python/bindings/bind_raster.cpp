@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <algorithm>
 #include <cstring>
 #include <mimetic/raster/overlay.hpp>
-#include <mimetic/raster/raster.hpp>
 #include <mimetic/raster/rays.hpp>
 
 #include "arrays.hpp"
@@ -27,19 +25,6 @@ ImageArray paint(const OverlayPainter& painter, const ImageArray& image, PointsI
     return array;
 }
 
-py::tuple show_quads(Points2In pixels, VectorIn heights, QuadsIn quads, int rows, int cols) {
-    QuadRaster seen;
-    {
-        const py::gil_scoped_release release;
-        seen = raster_quads(pixels, heights, quads, rows, cols);
-    }
-    py::array_t<int> face({rows, cols});
-    std::copy(seen.raster.face.begin(), seen.raster.face.end(), face.mutable_data());
-    py::array_t<float> weights({rows, cols, 4});
-    std::copy_n(seen.weights.data(), seen.weights.size(), weights.mutable_data());
-    return py::make_tuple(std::move(face), std::move(weights));
-}
-
 }  // namespace
 
 void bind_raster(py::module_& m) {
@@ -59,12 +44,6 @@ void bind_raster(py::module_& m) {
         "place\nin "
         "it, (K, 3) weights of its corners.\n\nvertices_in_camera: (V, 3) float64, metres; triangles: (T, 3) "
         "int32;\npixels: (K, 2) float64. Raises InvalidInput.");
-    m.def(
-        "raster_quads", &show_quads, py::arg("pixels").noconvert(), "heights"_a, py::arg("quads").noconvert(),
-        "rows"_a, "cols"_a,
-        "Which quad each pixel of a picture shows, the highest where several do: (rows, cols) int32, -1 for "
-        "none,\nand the shares of its corners there, (rows, cols, 4) float32.\n\npixels: (C, 2) float64 and "
-        "heights: (C,) of corners; quads: (Q, 4) int32. Raises InvalidInput.");
     py::class_<OverlayOptions>(m, "OverlayOptions", "How the overlay is drawn; see overlay.hpp for units.")
         .def(py::init<>())
         .def_readwrite("scale", &OverlayOptions::scale)

@@ -107,7 +107,7 @@ struct SkinContact::Parts {
     bool by_vertex = false;             // loads are on the base vertices, not on the points
     FloatRows response;                 // loads x 3W; while it is solved, x 3B
     int num_slits = 0;
-    std::optional<ContactSolver> solver;
+    std::unique_ptr<const ContactSolver> solver;
 
     void solve(const TouchPoints& touch, const YieldingSkin& skin, const std::vector<int>& used);
     void keep_moved(const YieldingSkin& skin, const std::vector<int>& lids);
@@ -168,7 +168,7 @@ void SkinContact::Parts::solve(const TouchPoints& touch, const YieldingSkin& ski
         const Eigen::SparseMatrix<float, Eigen::RowMajor> weights = narrow.cast<float>();
         points = FloatRows(weights * points);
     }
-    solver.emplace(touch.rest, touch.slits, points);
+    solver = std::make_unique<const ContactSolver>(touch.rest, touch.slits, points);
 }
 
 void SkinContact::Parts::keep_moved(const YieldingSkin& skin, const std::vector<int>& lids) {

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <mimetic/fit/picture.hpp>
+#include <mimetic/raster/raster.hpp>
 #include <mimetic/shared/error.hpp>
 #include <opencv2/imgproc.hpp>
 #include <set>
@@ -53,7 +55,81 @@ cv::Mat1d box_mean(const cv::Mat1d& values, int reach) {
     return mean;
 }
 
+constexpr double kMargin = 1.04;  // of the face's height or width, whichever is larger
+constexpr int kParts = 3;         // of a pixel of a canonical picture, along a side
+// A pixel shows what is at its middle or else next to it: a slit between lips is no hole
+constexpr std::array<int, kParts * kParts> kMiddleFirst = {4, 1, 3, 5, 7, 0, 2, 6, 8};
+
+/// The quads that a canonical picture shows.
+Quads shown_quads(PointsIn vertices, QuadsIn quads, const std::vector<bool>& is_hidden, double facing) {
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index f = 0; f < quads.rows(); ++f) {
+        bool is_shown = false;
+        for (int k = 0; k < 4; ++k) {
+            is_shown = is_shown || !is_hidden[static_cast<std::size_t>(quads(f, k))];
+        }
+        const Eigen::Vector3d normal = Quad(vertices, quads.row(f)).normal();
+        if (is_shown && normal.z() > facing * (normal.norm() + 1e-30)) {
+            rows.push_back(f);
+        }
+    }
+    return quads(rows, Eigen::all);
+}
+
+/// Places in a picture of size x size that the quads' corners fill but for the margin; V x 2, pixels.
+Points2 places_in_picture(PointsIn vertices, const Quads& quads, int size) {
+    Eigen::RowVector2d low = Eigen::RowVector2d::Constant(std::numeric_limits<double>::infinity());
+    Eigen::RowVector2d high = -low;
+    for (const int vertex : quads.reshaped()) {
+        low = low.cwiseMin(vertices.row(vertex).head<2>());
+        high = high.cwiseMax(vertices.row(vertex).head<2>());
+    }
+    const double scale = size / (kMargin * (high - low).maxCoeff());
+    const Eigen::RowVector2d middle = (low + high) / 2;
+    return ((vertices.leftCols<2>().rowwise() - middle) * Eigen::Vector2d(scale, -scale).asDiagonal())
+               .array() +
+           (size - 1) / 2.;
+}
+
 }  // namespace
+
+CanonicalPixels canonical_pixels(PointsIn vertices, QuadsIn quads, const std::vector<bool>& is_hidden,
+                                 int size, double facing) {
+    check_indices(quads, vertices.rows());
+    if (static_cast<Eigen::Index>(is_hidden.size()) != vertices.rows()) {
+        throw InvalidInput("a canonical picture needs to know of every vertex whether it is hidden");
+    }
+    check_image_size(size, size, "canonical picture");
+    const Quads shown = shown_quads(vertices, quads, is_hidden, facing);
+    if (shown.rows() == 0) {
+        throw InvalidInput("no quad of the head faces the viewer of a canonical picture");
+    }
+    const Points2 parts = ((places_in_picture(vertices, shown, size).array() + .5) * kParts - .5).matrix();
+    const QuadRaster fine = raster_quads(parts, vertices.col(2), shown, size * kParts, size * kParts);
+    std::vector<int> pixels, part_seen;
+    for (int pixel = 0; pixel < size * size; ++pixel) {
+        for (const int part : kMiddleFirst) {
+            const std::size_t at = fine.raster.index(pixel % size * kParts + part % kParts,
+                                                     pixel / size * kParts + part / kParts);
+            if (fine.raster.face[at] >= 0) {
+                pixels.push_back(pixel);
+                part_seen.push_back(static_cast<int>(at));
+                break;
+            }
+        }
+    }
+    CanonicalPixels result;
+    const auto count = static_cast<Eigen::Index>(pixels.size());
+    result.pixel = Eigen::Map<const Eigen::VectorXi>(pixels.data(), count);
+    result.corners.resize(count, 4);
+    result.weights.resize(count, 4);
+    for (Eigen::Index k = 0; k < count; ++k) {
+        const int at = part_seen[static_cast<std::size_t>(k)];
+        result.corners.row(k) = shown.row(fine.raster.face[static_cast<std::size_t>(at)]);
+        result.weights.row(k) = fine.weights.row(at).cast<double>();
+    }
+    return result;
+}
 
 Edges facing_edges(PointsIn vertices_in_camera, QuadsIn quads, double facing) {
     check_indices(quads, vertices_in_camera.rows());

@@ -109,8 +109,10 @@ void KeyView::move(const HeadShape& shape, const Eigen::Isometry3d& camera_from_
     seen_ = see_head(shape, crop_.camera, camera_from_head);
     const cv::Mat faces_camera = seen_.facing >= least_facing_;
     faces_camera.convertTo(mask_, CV_32F, 1. / 255);
-    crop_.gray.convertTo(texture_, CV_32F);
-    normalise(texture_, mask_);
+    cv::Mat1f texture;
+    crop_.gray.convertTo(texture, CV_32F);
+    normalise(texture, mask_);
+    texture_ = ReferenceTexture(texture);
 }
 
 void KeyView::normalise(cv::Mat1f& image, const cv::Mat1f& mask) const {
@@ -160,7 +162,7 @@ Stabilised KeyView::stabilise(const HeadCrop& now, const Eigen::Isometry3d& hypo
     cv::remap(now.gray, gray, result.map, cv::noArray(), cv::INTER_LINEAR, cv::BORDER_REPLICATE);
     gray.convertTo(result.texture, CV_32F);
     normalise(result.texture, seen);
-    const cv::Mat1f reference = texture_.mul(seen);
+    const cv::Mat1f reference = texture_.values().mul(seen);
     const double both = std::sqrt(reference.dot(reference) * result.texture.dot(result.texture));
     result.correlation = both > 0 ? reference.dot(result.texture) / both : 0;
     result.in_sight = cv::sum(seen)[0] / std::max(1., cv::sum(mask_)[0]);
@@ -184,10 +186,10 @@ cv::Mat1f KeyView::weights(const HeadShape& shape, const HeadOptions& options,
 void KeyView::measure(const HeadShape& shape, const HeadOptions& options, const Stabilised& stabilised,
                       double share, std::vector<PointMeasurement>& measurements) const {
     cv::Mat1b from, to;
-    texture_.convertTo(from, CV_8U, 1, 128);
+    texture_.values().convertTo(from, CV_8U, 1, 128);
     stabilised.texture.convertTo(to, CV_8U, 1, 128);
     const FlowField flow = compute_flow(view_of(from), view_of(to), flow_options(options));
-    const cv::Mat1f correlation = patch_correlation(texture_, stabilised.texture, flow);
+    const cv::Mat1f correlation = patch_correlation(texture_.values(), stabilised.texture, flow);
     const Eigen::Vector3d eye = camera_from_head_.inverse().translation();
     constexpr int kReach = 2;
     const cv::Mat2f& map = stabilised.map;

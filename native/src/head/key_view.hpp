@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "locate/likeness.hpp"
 #include "rigid_motion.hpp"
 #include "seen_head.hpp"
 
@@ -39,7 +40,7 @@ public:
     /// To where later views say that it was, of a head that is as they say.
     void move(const HeadShape& shape, const Eigen::Isometry3d& camera_from_head, const Matrix6& covariance);
 
-    const cv::Mat1f& texture() const { return texture_; }  ///< light and contrast taken out
+    const ReferenceTexture& texture() const { return texture_; }
     const HeadCrop& crop() const { return crop_; }
     bool shows(int x, int y) const { return mask_(y, x) != 0; }
     Eigen::Vector3d point(int x, int y) const { return to_eigen(seen_.points(y, x)); }
@@ -56,7 +57,7 @@ private:
     HeadCrop crop_;
     SeenHead seen_;
     cv::Mat1f mask_;
-    cv::Mat1f texture_;
+    ReferenceTexture texture_;
     double least_facing_;
 };
 

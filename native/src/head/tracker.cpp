@@ -8,7 +8,6 @@
 
 namespace mimetic {
 
-using head::HeadCrop;
 using head::KeyView;
 using head::SampleView;
 

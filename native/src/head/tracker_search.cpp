@@ -168,25 +168,26 @@ std::optional<Eigen::Isometry3d> HeadTracker::State::recall(const cv::Mat1b& gra
 /// From the frame before on.
 std::optional<HeadEstimate> HeadTracker::State::follow(const cv::Mat1b& gray) const {
     if (options.fast) {
-        const auto sampled_pose = register_samples(gray);
+        auto sampled_pose = register_samples(gray);
         if (sampled_pose && num_frames % kFlowEvery != 0) {
             return sampled_pose;
         }
-        const auto found = sampled_pose ? register_frame(gray, sampled_pose->camera_from_head) : std::nullopt;
-        if (found) {
-            return found;
+        if (sampled_pose) {
+            if (auto registered = register_frame(gray, sampled_pose->camera_from_head)) {
+                return registered;
+            }
         }
     }
     const auto predicted = follow_flow(gray);
-    const auto found = register_frame(gray, predicted ? predicted->camera_from_head : last.camera_from_head);
+    auto near = register_frame(gray, predicted ? predicted->camera_from_head : last.camera_from_head);
     constexpr double kDoubtful = .6;
-    if (found && found->quality >= kDoubtful) {
-        return found;
+    if (near && near->quality >= kDoubtful) {
+        return near;
     }
     // Large steps: flow may have gone elsewhere
     const auto start = recall(gray, last.camera_from_head * step, kNearViews);
-    const auto other = start ? register_frame(gray, *start) : std::nullopt;
-    return other && (!found || other->quality > found->quality) ? other : found;
+    auto other = start ? register_frame(gray, *start) : std::nullopt;
+    return other && (!near || other->quality > near->quality) ? other : near;
 }
 
 std::optional<HeadEstimate> HeadTracker::State::search(const cv::Mat1b& gray,
@@ -243,7 +244,7 @@ HeadEstimate HeadTracker::State::estimate(const cv::Mat1b& gray,
         found = search(gray, guess);
         is_found = is_this_head(gray, found, std::max(kFoundQuality, options.held_quality));
     }
-    if (is_found) {
+    if (found && is_found) {
         if (look) {
             recognition.learn(*look);
         }

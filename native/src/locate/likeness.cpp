@@ -20,50 +20,59 @@ constexpr double kFinest = .7;
 constexpr double kBroadest = 2.5;
 constexpr float kBareDetail = 30;
 
-}  // namespace
-
-void Likeness::Patches::compare(const cv::Mat1f& reference, const cv::Mat1f& present, int size, float bare) {
-    const auto mean_product = [&](const cv::Mat1f& a, const cv::Mat1f& b, cv::Mat1f& out) {
-        cv::multiply(a, b, product);
-        cv::boxFilter(product, out, CV_32F, {size, size}, {-1, -1}, true, cv::BORDER_CONSTANT);
-    };
-    mean_product(reference, present, correlations);
-    mean_product(reference, reference, own);
-    mean_product(present, present, other);
-    for (int y = 0; y < own.rows; ++y) {
-        for (int x = 0; x < own.cols; ++x) {
-            correlations(y, x) /= std::sqrt((own(y, x) + bare) * (other(y, x) + bare));
+/// Mean products to correlations, given the mean squares of both. bare: mean square that noise alone reaches.
+void normalise(cv::Mat1f& products, const cv::Mat1f& squares, const cv::Mat1f& other_squares, float bare) {
+    for (int y = 0; y < products.rows; ++y) {
+        for (int x = 0; x < products.cols; ++x) {
+            products(y, x) /= std::sqrt((squares(y, x) + bare) * (other_squares(y, x) + bare));
         }
     }
 }
 
+}  // namespace
+
 Likeness::Likeness(double face_height)
-    : patch_(2 * static_cast<int>(std::lround(kPatch * face_height / 2 - .5)) + 1),
+    : face_height_(face_height),
+      patch_(2 * static_cast<int>(std::lround(kPatch * face_height / 2 - .5)) + 1),
       blur_(kBlur * face_height) {}
 
-Look Likeness::compare(const cv::Mat1f& reference, const cv::Mat1f& present, const cv::Mat1f& weights) {
-    cv::GaussianBlur(reference, reference_, {0, 0}, blur_);
-    cv::GaussianBlur(present, present_, {0, 0}, blur_);
-    patches_.compare(reference_, present_, patch_, kBare);
-    const auto take_detail = [this](const cv::Mat1f& texture, cv::Mat1f& detail) {
-        cv::GaussianBlur(texture, detail, {0, 0}, kFinest);
-        cv::GaussianBlur(detail, broad_, {0, 0}, kBroadest);
-        cv::subtract(detail, broad_, detail);
-    };
-    take_detail(reference, reference_);
-    take_detail(present, present_);
-    details_.compare(reference_, present_, kDetailPatch, kBareDetail);
+void Likeness::mean_products(const cv::Mat1f& a, const cv::Mat1f& b, int patch, cv::Mat1f& means) {
+    cv::multiply(a, b, product_);
+    cv::boxFilter(product_, means, CV_32F, {patch, patch}, {-1, -1}, true, cv::BORDER_CONSTANT);
+}
+
+void Likeness::filter(const cv::Mat1f& texture, FilteredTexture& filtered) {
+    filtered.face_height = face_height_;
+    cv::GaussianBlur(texture, filtered.coarse, {0, 0}, blur_);
+    mean_products(filtered.coarse, filtered.coarse, patch_, filtered.coarse_squares);
+    cv::GaussianBlur(texture, filtered.detail, {0, 0}, kFinest);
+    cv::GaussianBlur(filtered.detail, broad_, {0, 0}, kBroadest);
+    cv::subtract(filtered.detail, broad_, filtered.detail);
+    mean_products(filtered.detail, filtered.detail, kDetailPatch, filtered.detail_squares);
+}
+
+Look Likeness::compare(const ReferenceTexture& reference, const cv::Mat1f& present,
+                       const cv::Mat1f& weights) {
+    if (!reference.filtered_ || reference.filtered_->face_height != face_height_) {
+        filter(reference.values(), reference.filtered_.emplace());
+    }
+    const FilteredTexture& own = *reference.filtered_;
+    filter(present, present_);
+    mean_products(own.coarse, present_.coarse, patch_, correlations_);
+    normalise(correlations_, own.coarse_squares, present_.coarse_squares, kBare);
+    mean_products(own.detail, present_.detail, kDetailPatch, detail_correlations_);
+    normalise(detail_correlations_, own.detail_squares, present_.detail_squares, kBareDetail);
     double in_sight = 0, alike = 0, detailed = 0, same = 0;
     for (int y = 0; y < weights.rows; ++y) {
         for (int x = 0; x < weights.cols; ++x) {
-            const float own = patches_.own(y, x), fine = details_.own(y, x);
-            const double share = weights(y, x) * own / (own + kBare);
+            const double coarse = own.coarse_squares(y, x), fine = own.detail_squares(y, x);
+            const double share = weights(y, x) * coarse / (coarse + kBare);
             in_sight += share;
-            if (patches_.correlations(y, x) > kAlike) {
+            if (correlations_(y, x) > kAlike) {
                 const double fine_share = weights(y, x) * fine / (fine + kBareDetail);
                 alike += share;
                 detailed += fine_share;
-                same += fine_share * details_.correlations(y, x);
+                same += fine_share * detail_correlations_(y, x);
             }
         }
     }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <opencv2/core.hpp>
+#include <optional>
 
 namespace mimetic {
 
@@ -8,6 +9,28 @@ namespace mimetic {
 struct Look {
     double alike = 0;   ///< share of the texture in sight that looks the same, patch by patch; 0 to 1
     double detail = 0;  ///< mean correlation of the finest detail in those patches, -1 to 1
+};
+
+/// Coarse structure and fine detail of a texture, and of each pixel the mean squares of the patches about it.
+struct FilteredTexture {
+    double face_height = 0;  ///< that it is made for, pixels
+    cv::Mat1f coarse, detail, coarse_squares, detail_squares;
+};
+
+/// A texture without light and contrast, of a mean of 0 and some 40 grey levels deviation, with which others
+/// are compared. What a comparison needs of it is made in the first one, and kept.
+class ReferenceTexture {
+public:
+    ReferenceTexture() = default;
+    explicit ReferenceTexture(const cv::Mat1f& values) : values_(values.clone()) {}
+
+    const cv::Mat1f& values() const { return values_; }
+
+private:
+    friend class Likeness;
+
+    cv::Mat1f values_;
+    mutable std::optional<FilteredTexture> filtered_;
 };
 
 /// How much of what is in sight looks, patch by patch, as the reference texture does in the same place.
@@ -21,30 +44,25 @@ public:
     /// face_height: pixels of the face in the textures, chin to brows and forehead.
     explicit Likeness(double face_height);
 
-    /// Textures without light and contrast, of a mean of 0 and some 40 grey levels deviation, and the weight
-    /// of each pixel, 0 out of sight; all of one size. Nothing is alike where nothing is in sight.
-    Look compare(const cv::Mat1f& reference, const cv::Mat1f& present, const cv::Mat1f& weights);
+    /// present: another texture like the reference; weights: of each pixel, 0 out of sight; all of one size.
+    /// Nothing is alike where nothing is in sight.
+    Look compare(const ReferenceTexture& reference, const cv::Mat1f& present, const cv::Mat1f& weights);
 
     /// Of each pixel of the last comparison: normalised correlation of its patch, -1 to 1.
-    const cv::Mat1f& correlations() const { return patches_.correlations; }
+    const cv::Mat1f& correlations() const { return correlations_; }
 
     static constexpr float kAlike = .5f;  ///< correlation of a patch that shows the same skin
 
 private:
-    /// Of each pixel: what the patch about it shows.
-    struct Patches {
-        cv::Mat1f correlations;
-        cv::Mat1f own;  // mean square of the reference
-        cv::Mat1f other;
-        cv::Mat1f product;
+    void filter(const cv::Mat1f& texture, FilteredTexture& filtered);
+    void mean_products(const cv::Mat1f& a, const cv::Mat1f& b, int patch, cv::Mat1f& means);
 
-        void compare(const cv::Mat1f& reference, const cv::Mat1f& present, int size, float bare);
-    };
-
+    double face_height_;
     int patch_;    // pixels on a side
     double blur_;  // pixels
-    Patches patches_, details_;
-    cv::Mat1f reference_, present_, broad_;
+    cv::Mat1f correlations_, detail_correlations_;
+    FilteredTexture present_;
+    cv::Mat1f broad_, product_;
 };
 
 }  // namespace mimetic

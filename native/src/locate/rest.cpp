@@ -174,7 +174,7 @@ double rest_score(ColorView image, const FaceFeatures& face) {
 }
 
 double face_detail(ColorView image, const FaceFeatures& face) {
-    std::array<int, 4> box;
+    std::array<int, 4> box{};
     for (int i = 0; i < 4; ++i) {
         box[static_cast<std::size_t>(i)] = static_cast<int>(std::nearbyint(face.box[i]));
     }
@@ -229,6 +229,7 @@ Eigen::VectorXd usual_expression(const Expressions& expressions, VectorIn scores
         Eigen::ArrayXd off = (values.array() - rest).abs();
         off = off.isNaN().select(0, off);
         std::vector<double> distances;
+        distances.reserve(frames.size());
         for (const int f : frames) {
             distances.push_back(off[f]);
         }

@@ -52,6 +52,7 @@ std::vector<PlacedMuscle> place_muscles(const SkinMesh& canonical, const SkinMes
                            std::to_string(2 * table.size()));
     }
     std::vector<PlacedMuscle> muscles;
+    muscles.reserve(2 * table.size());
     for (std::size_t i = 0; i < 2 * table.size(); ++i) {
         muscles.push_back(place_muscle(canonical, mesh, table[i / 2], "LR"[i % 2],
                                        shifts_mm.row(static_cast<Eigen::Index>(i))));
@@ -61,6 +62,7 @@ std::vector<PlacedMuscle> place_muscles(const SkinMesh& canonical, const SkinMes
 
 SparseRows measured_rows(const SkinMesh& mesh, const std::vector<PlacedMuscle>& muscles) {
     std::vector<int> vertices;
+    vertices.reserve(muscles.size());
     for (const PlacedMuscle& placed : muscles) {
         vertices.push_back(placed.measured.vertex);
     }

@@ -25,6 +25,10 @@ Flags free_vertices(const SkinMesh& mesh) {
 }
 
 SkinMaterials skin_materials(const SkinMesh& mesh, const MaterialTable& table, VectorIn stiffness) {
+    if (stiffness.size() != mesh.vertices().rows()) {
+        throw InvalidInput("stiffness has " + std::to_string(stiffness.size()) + " factors for " +
+                           std::to_string(mesh.vertices().rows()) + " vertices");
+    }
     const Eigen::Index count = mesh.head().num_skin_vertices;
     Eigen::Matrix<double, Eigen::Dynamic, 6> values(count, 6);
     for (int k = 0; k < 6; ++k) {
@@ -53,14 +57,6 @@ SkinMaterials skin_materials(const SkinMesh& mesh, const MaterialTable& table, V
     return {refined.col(0), refined.col(1), refined.col(2), refined.col(3), refined.col(4), refined.col(5)};
 }
 
-VectorIn checked(VectorIn stiffness, const SkinMesh& mesh) {
-    if (stiffness.size() != mesh.vertices().rows()) {
-        throw InvalidInput("stiffness has " + std::to_string(stiffness.size()) + " factors for " +
-                           std::to_string(mesh.vertices().rows()) + " vertices");
-    }
-    return stiffness;
-}
-
 }  // namespace
 
 AttachedSkin::AttachedSkin(PointsIn vertices, TrianglesIn triangles, SkinMaterials materials,
@@ -77,8 +73,8 @@ AttachedSkin::AttachedSkin(PointsIn vertices, TrianglesIn triangles, SkinMateria
 }
 
 AttachedSkin::AttachedSkin(const SkinMesh& mesh, const MaterialTable& table, VectorIn stiffness)
-    : AttachedSkin(mesh.vertices(), mesh.triangles(), skin_materials(mesh, table, checked(stiffness, mesh)),
-                   mesh.stencils(), free_vertices(mesh)) {}
+    : AttachedSkin(mesh.vertices(), mesh.triangles(), skin_materials(mesh, table, stiffness), mesh.stencils(),
+                   free_vertices(mesh)) {}
 
 const SkinModel& AttachedSkin::model() const {
     return model_.get([&] { return SkinModel(vertices_, triangles_, materials_, basis_); });

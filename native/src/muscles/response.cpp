@@ -108,6 +108,7 @@ Eigen::VectorXd SkinResponse::gains(const SparseRows& measured, const MatrixRows
 MatrixRows SkinResponse::shifted(const AttachedSkin& skin, const SkinCalibration& calibration,
                                  const std::vector<int>& moved, const Eigen::RowVector2d& step_mm) const {
     std::vector<PlacedMuscle> placed;
+    placed.reserve(moved.size());
     for (const int i : moved) {
         placed.push_back(place_muscle(*canonical_, *mesh_, muscles_[i / 2], "LR"[i % 2],
                                       calibration.insertion_mm.row(i) + step_mm));

@@ -31,7 +31,7 @@ Eigen::VectorXd quad_areas(PointsIn vertices, QuadsIn quads) {
     return areas;
 }
 
-const Points& checked(const Points& neutral, const TemplateMesh& head) {
+Points checked(Points neutral, const TemplateMesh& head) {
     if (neutral.rows() != head.vertices.rows()) {
         throw InvalidInput("neutral_vertices are (" + std::to_string(neutral.rows()) + ", 3), needed are (" +
                            std::to_string(head.vertices.rows()) + ", 3)");

@@ -126,14 +126,15 @@ ReferenceView::ReferenceView(const FaceSurface& surface, const Camera& camera, c
     PreparedFrame frame;
     frame.update(gray, scale_);
     cv::Mat2f map;
-    stabilise(surface.triangles(), projected, frame, map, texture_);
-    texture_ = texture_.clone();
+    cv::Mat1f texture;
+    stabilise(surface.triangles(), projected, frame, map, texture);
+    texture_ = ReferenceTexture(texture);
     choose_samples(surface, projected, spacing);
     blur_modes(flow_blur);
 }
 
 cv::Mat1f ReferenceView::sample_weights(const std::vector<float>& visible) const {
-    cv::Mat1f weights = cv::Mat1f::zeros(texture_.size());
+    cv::Mat1f weights = cv::Mat1f::zeros(texture_.values().size());
     for (std::size_t k = 0; k < samples_.size(); ++k) {
         weights(samples_[k].y, samples_[k].x) = samples_[k].weight * std::max(0.f, visible[k]);
     }

@@ -3,6 +3,7 @@
 #include <opencv2/core.hpp>
 
 #include "face_state.hpp"
+#include "locate/likeness.hpp"
 
 namespace mimetic {
 
@@ -61,7 +62,7 @@ public:
     cv::Mat1f sample_weights(const std::vector<float>& visible) const;
 
     const Eigen::Isometry3d& camera_from_head() const { return camera_from_head_; }
-    const cv::Mat1f& texture() const { return texture_; }  ///< normalised
+    const ReferenceTexture& texture() const { return texture_; }
     const cv::Mat1b& mask() const { return mask_; }
     const std::vector<ReferenceSample>& samples() const { return samples_; }
     double scale() const { return scale_; }  ///< crop pixels an image pixel
@@ -77,7 +78,7 @@ private:
     cv::Mat1i triangle_;  // -1 where the skin is not seen or not measured
     cv::Mat3f barycentric_;
     cv::Mat1b mask_;
-    cv::Mat1f texture_;
+    ReferenceTexture texture_;
     std::vector<ReferenceSample> samples_;
     std::unique_ptr<LocalNormaliser> normaliser_;
     cv::Mat1f raw_;

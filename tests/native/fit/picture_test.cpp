@@ -43,12 +43,61 @@ TEST(FacingEdges, AreThoseOfQuadsThatFaceTheCameraEachOnce) {
     EXPECT_THROW(facing_edges(vertices, quads, .1), InvalidInput);
 }
 
+/// Two squares of a metre side by side with a slit between them, the second higher; and one turned away.
+class CanonicalPixelsTest : public testing::Test {
+protected:
+    CanonicalPixelsTest() {
+        vertices << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0,      //
+            1.001, 0, .1, 2, 0, .1, 2, 1, .1, 1.001, 1, .1;  //
+        quads << 0, 1, 2, 3, 4, 5, 6, 7, 3, 2, 1, 0;
+    }
+
+    Points vertices = Points(8, 3);
+    Quads quads = Quads(3, 4);
+    std::vector<bool> is_hidden = std::vector<bool>(8, false);
+};
+
+TEST_F(CanonicalPixelsTest, ShowWhatFacesTheViewerWithoutTheSlit) {
+    constexpr int kSize = 64;
+    const CanonicalPixels seen = canonical_pixels(vertices, quads, is_hidden, kSize, .1);
+    EXPECT_LT((seen.weights.rowwise().sum().array() - 1).abs().maxCoeff(), 1e-6);
+    const double pixel_size = 2 * 1.04 / kSize;  // metres
+    std::vector<int> in_row(kSize, 0);
+    for (Eigen::Index k = 0; k < seen.pixel.size(); ++k) {
+        const int row = seen.pixel[k] / kSize, column = seen.pixel[k] % kSize;
+        ++in_row[static_cast<std::size_t>(row)];
+        Eigen::RowVector3d place = Eigen::RowVector3d::Zero();
+        for (int c = 0; c < 4; ++c) {
+            place += seen.weights(k, c) * vertices.row(seen.corners(k, c));
+        }
+        EXPECT_NEAR(place.x(), 1 + (column - (kSize - 1) / 2.) * pixel_size, .67 * pixel_size);
+        EXPECT_NEAR(place.y(), .5 - (row - (kSize - 1) / 2.) * pixel_size, .67 * pixel_size);
+    }
+    EXPECT_EQ(in_row[kSize / 2], in_row[kSize / 2 - 3]);
+    EXPECT_NEAR(in_row[kSize / 2], kSize / 1.04, 2);  // a pixel on the slit has its neighbour's
+}
+
+TEST_F(CanonicalPixelsTest, LeaveOutWhatIsHiddenWhole) {
+    is_hidden[0] = true;
+    EXPECT_EQ(canonical_pixels(vertices, quads, is_hidden, 32, .1).corners.minCoeff(), 0);
+    std::fill_n(is_hidden.begin(), 4, true);
+    EXPECT_EQ(canonical_pixels(vertices, quads, is_hidden, 32, .1).corners.minCoeff(), 4);
+    is_hidden.assign(8, true);
+    EXPECT_THROW(canonical_pixels(vertices, quads, is_hidden, 32, .1), InvalidInput);
+    is_hidden.resize(7);
+    EXPECT_THROW(canonical_pixels(vertices, quads, is_hidden, 32, .1), InvalidInput);
+    is_hidden.assign(8, false);
+    EXPECT_THROW(canonical_pixels(vertices, quads, is_hidden, 1 << 20, .1), InvalidInput);
+    quads(0, 0) = 8;
+    EXPECT_THROW(canonical_pixels(vertices, quads, is_hidden, 32, .1), InvalidInput);
+}
+
 TEST(SeenColours, AreThoseOfThePictureWhereTheSurfaceFacesTheCamera) {
     const Camera camera{100, 100, 15.5, 15.5, 32, 32};
     const auto image = pattern(32, 32, 0);
     Points vertices(4, 3);
     vertices << -.1, -.1, 1, -.1, .1, 1, .1, .1, 1, .1, -.1, 1;
-    CanonicalPixels pixels{Quads(3, 4), Rows<double, 4>(3, 4)};
+    CanonicalPixels pixels{Eigen::Vector3i(0, 1, 2), Quads(3, 4), Rows<double, 4>(3, 4)};
     pixels.corners << 0, 1, 2, 3, 3, 2, 1, 0, 0, 1, 2, 3;
     pixels.weights << .25, .25, .25, .25, .25, .25, .25, .25, 3, 0, -2, 0;  // the last far outside
     const SeenColours seen = seen_colours(view_of(image, 32, 32), camera, vertices, pixels, .1);

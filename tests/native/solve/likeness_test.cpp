@@ -33,13 +33,15 @@ protected:
         visible.assign(view.samples().size(), 1);
     }
 
-    double share_alike(const cv::Mat1b& grey) {
+    double share_alike(const cv::Mat1b& grey) { return share_alike(grey, likeness); }
+
+    double share_alike(const cv::Mat1b& grey, Likeness& by) {
         PreparedFrame frame;
         frame.update(grey, view.scale());
         cv::Mat2f map;
         cv::Mat1f texture;
         view.stabilise(surface.triangles(), projected, frame, map, texture);
-        return likeness.compare(view.texture(), texture, view.sample_weights(visible)).alike;
+        return by.compare(view.texture(), texture, view.sample_weights(visible)).alike;
     }
 
     FaceScene scene;
@@ -65,6 +67,17 @@ TEST_F(LikenessTest, FallsByWhatIsCovered) {
     cv::Mat1b grey = grey_of(scene, scene.render(at.camera_from_head, at.values));
     grey.colRange(0, scene.camera.width / 2).setTo(90);
     EXPECT_NEAR(share_alike(grey), .5, .15);
+}
+
+TEST_F(LikenessTest, KeepsOfTheReferenceWhatOneOfItsSizeMade) {
+    cv::Mat1b grey = grey_of(scene, scene.render(at.camera_from_head, at.values));
+    grey.colRange(0, scene.camera.width / 2).setTo(90);
+    Likeness larger{260};
+    const double as_larger = share_alike(grey, larger);
+    const double share = share_alike(grey, likeness);
+    EXPECT_EQ(share_alike(grey, likeness), share);
+    EXPECT_NE(as_larger, share);
+    EXPECT_EQ(share_alike(grey, larger), as_larger);
 }
 
 TEST_F(LikenessTest, IsNoneWhereNothingIsInSight) {

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <mimetic/fit/fit.hpp>
 #include <mimetic/shared/image.hpp>
+#include <vector>
 
 namespace mimetic {
 
@@ -13,11 +14,19 @@ using Edges = Rows<int, 2>;
 /// vertices_in_camera: V x 3, metres.
 Edges facing_edges(PointsIn vertices_in_camera, QuadsIn quads, double facing);
 
-/// What of quads each pixel of a canonical picture shows.
+/// What of quads each pixel of a canonical picture shows, of those that show any.
 struct CanonicalPixels {
+    Eigen::VectorXi pixel;    ///< K, row by row of the picture
     Quads corners;            ///< K x 4 vertices
     Rows<double, 4> weights;  ///< K x 4, sum 1
 };
+
+/// The canonical head from the front, orthographic, as large as fits a picture of size x size.
+///
+/// vertices: V x 3, y up, z to the viewer; quads: what may be shown of it, left out where all four corners
+/// are hidden, or facing the viewer by less than the cosine `facing`. is_hidden: V. Throws InvalidInput.
+CanonicalPixels canonical_pixels(PointsIn vertices, QuadsIn quads, const std::vector<bool>& is_hidden,
+                                 int size, double facing);
 
 /// Colours of a picture at K places of a surface, K x 3, and whether each is seen: inside the picture and
 /// facing the camera by more than the cosine `facing`. vertices_in_camera: V x 3, metres.

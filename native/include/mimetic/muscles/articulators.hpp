@@ -28,7 +28,7 @@ public:
     std::vector<int> rigid_vertices() const;  ///< control vertices fixed to the bone: lower teeth, tongue
 
     Points motion(JawMotion motion, PointsIn points) const;  ///< displacement of points of the bone, K x 3
-    Points under_skin(JawMotion motion) const;  ///< displacement of the bone under the refined skin, N x 3
+    Points under_skin(JawMotion which) const;  ///< displacement of the bone under the refined skin, N x 3
 
     /// 0 (skull) to 1 (jaw) for the bone under each refined skin vertex, N.
     const Eigen::VectorXd& influence() const { return influence_; }

@@ -5,7 +5,6 @@
 #include <mimetic/muscles/muscles.hpp>
 #include <mimetic/muscles/template_skin.hpp>
 #include <mutex>
-#include <optional>
 
 namespace mimetic {
 
@@ -22,13 +21,13 @@ class Lazy {
 public:
     template <typename Make>
     const Value& get(const Make& make) const {
-        std::call_once(once_, [&] { value_.emplace(make()); });
+        std::call_once(once_, [&] { value_ = std::make_unique<const Value>(make()); });
         return *value_;
     }
 
 private:
     mutable std::once_flag once_;
-    mutable std::optional<Value> value_;
+    mutable std::unique_ptr<const Value> value_;
 };
 
 /// A neutral head's skin, refined and cut into triangles. V control vertices of the whole head, S of its skin
