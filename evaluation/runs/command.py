@@ -84,6 +84,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, help="--set full, fit, head, locate, real: write figures here"
     )
+    parser.add_argument(
+        "--performances",
+        type=Path,
+        metavar="DIR",
+        help="real: score the performances that an earlier --out left here, instead of capturing",
+    )
 
 
 def check(options: argparse.Namespace) -> None:
@@ -94,6 +100,8 @@ def check(options: argparse.Namespace) -> None:
         _check_set(options)
     if options.what != "capture":
         _refuse(options, *FILES)
+    if options.what != "real" and options.performances:
+        raise InvalidInput("--performances goes with `mimetic evaluate real`")
     files = any(getattr(options, name) for name in FILES)
     if options.set in expressions.SETS and (files or options.what in ("fit", "flow", "head")):
         raise InvalidInput(f"--set {options.set} goes with plain `mimetic evaluate`")
@@ -179,7 +187,7 @@ def _run_rest(options: argparse.Namespace) -> int:
 def _run_real(options: argparse.Namespace) -> int:
     _prepare_out(options)
     done = []
-    for scores in real.score_real(_to_stderr, options.out):
+    for scores in real.score_real(_to_stderr, options.out, options.performances):
         done += scores
         if not options.json:
             print(real.clip_text(scores), end="\n\n", flush=True)

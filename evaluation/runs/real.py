@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import numpy as np
+from mimetic import InvalidInput
 from mimetic.locate.feature_networks import installed_networks
 from mimetic.performance.document import Performance
 from mimetic.score.json_text import json_text
@@ -25,14 +26,29 @@ CELL = 14
 Report = Callable[[str], None]
 
 
-def score_real(report: Report, out: Path | None = None) -> Iterator[list[RealScore]]:
-    """Clip by clip. out: a folder in which the captured performances are kept."""
-    clips = [footage_of(clip) for clip in CLIPS]  # told before the first of them takes minutes
+def score_real(
+    report: Report, out: Path | None = None, captured: Path | None = None
+) -> Iterator[list[RealScore]]:
+    """Clip by clip. Raises InvalidInput.
+
+    out: a folder in which the captured performances are kept. captured: one in which they are, of
+    an earlier run; those clips are scored that are there, as far as they go.
+    """
+    clips = [clip for clip in CLIPS if captured is None or (captured / f"{clip}.npz").is_file()]
+    if not clips:
+        raise InvalidInput(
+            f"{captured} has no performance of {', '.join(CLIPS)}; --out leaves them"
+        )
+    films = [footage_of(clip) for clip in clips]  # told before the first of them takes minutes
     python = face_mesh_python(report)
-    for clip, footage in zip(CLIPS, clips, strict=True):
+    for clip, footage in zip(clips, films, strict=True):
         labels = read_labels(clip)
-        report(f"{clip}: capture, {labels.frame[-1]} frames")
-        performance = clip_capture.capture(footage, (1, int(labels.frame[-1])))
+        if captured is not None:
+            performance = Performance.load(captured / f"{clip}.npz")
+            labels = labels.rows(np.isin(labels.frame, performance.frame))
+        else:
+            report(f"{clip}: capture, {labels.frame[-1]} frames")
+            performance = clip_capture.capture(footage, (1, int(labels.frame[-1])))
         if out is not None:
             performance.save(out / f"{clip}.npz")
         yield score_clip(labels, performance, python, report)

@@ -27,13 +27,16 @@ mimetic::ColorView view(const cv::Mat3b& image) {
 mimetic::FeatureNetworks networks() {
     const char* chosen = std::getenv("MIMETIC_DATA");
     const std::string folder = chosen ? chosen : "build/data";
-    return {folder + "/face_landmark.onnx", folder + "/iris_landmark.onnx"};
+    return {folder + "/face_mesh.onnx",
+            folder + "/iris_landmark.onnx",
+            {folder + "/face_lips.onnx", {folder + "/face_eye_left.onnx", folder + "/face_eye_right.onnx"}}};
 }
 
-void mesh(benchmark::State& state) {
+void face(benchmark::State& state, bool refine_eyes) {
     const cv::Mat3b image = noise_image();
     const mimetic::FeatureNetworks nets = networks();
-    for (auto _ : state) benchmark::DoNotOptimize(nets.mesh(view(image), {{320, 240}, 280, 0.1}));
+    for (auto _ : state)
+        benchmark::DoNotOptimize(nets.mesh(view(image), {{320, 240}, 280, 0.1}, refine_eyes));
 }
 
 void both_eyes(benchmark::State& state) {
@@ -56,7 +59,8 @@ void floor_crop(benchmark::State& state) {
     }
 }
 
-BENCHMARK(mesh)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(face, mesh_and_lips, false)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(face, mesh_lips_and_eyes, true)->Unit(benchmark::kMillisecond);
 BENCHMARK(both_eyes)->Unit(benchmark::kMillisecond);
 BENCHMARK(floor_crop)->Unit(benchmark::kMillisecond);
 

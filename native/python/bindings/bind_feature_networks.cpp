@@ -42,7 +42,10 @@ void bind_feature_networks(py::module_& m) {
             "places", [](const MeshPoints& p) { return p.places; }, "(468, 2) pixels")
         .def_property_readonly(
             "depth", [](const MeshPoints& p) { return p.depth; }, "(468,) pixels, smaller is nearer")
-        .def_readonly("presence", &MeshPoints::presence, "0 to 1");
+        .def_readonly("presence", &MeshPoints::presence, "0 to 1")
+        .def_property_readonly(
+            "irises", [](const MeshPoints& p) { return std::make_pair(p.irises[0], p.irises[1]); },
+            "(5, 2) pixels each, left first, as EyePoints'; (0, 2) without the eyes' heads");
     py::class_<EyePoints>(m, "EyePoints", "What MediaPipe's iris network sees of one eye.")
         .def_property_readonly(
             "contour", [](const EyePoints& p) { return p.contour; }, "(71, 2) pixels, of lids and brow")
@@ -50,17 +53,27 @@ void bind_feature_networks(py::module_& m) {
             "iris", [](const EyePoints& p) { return p.iris; },
             "(5, 2) pixels: centre, four points of the rim");
     py::class_<FeatureNetworks>(m, "FeatureNetworks", "Google's networks for face mesh and iris.")
-        .def(py::init<const std::string&, const std::string&>(), "mesh_file"_a, "iris_file"_a,
-             "ONNX files of scripts/make_networks; raises UnreadableMedia.")
+        .def(py::init([](const std::string& mesh_file, const std::string& iris_file,
+                         const std::string& lips_file, const std::string& left_eye_file,
+                         const std::string& right_eye_file) {
+                 return FeatureNetworks(mesh_file, iris_file, {lips_file, {left_eye_file, right_eye_file}});
+             }),
+             "mesh_file"_a, "iris_file"_a, "lips_file"_a = "", "left_eye_file"_a = "",
+             "right_eye_file"_a = "",
+             "ONNX files of scripts/make_networks; without one of the last three the mesh's own points "
+             "stand.\n"
+             "Raises UnreadableMedia.")
         .def(
             "mesh",
-            [](const FeatureNetworks& networks, const ImageArray& image, const FeatureCrop& crop) {
+            [](const FeatureNetworks& networks, const ImageArray& image, const FeatureCrop& crop,
+               bool refine_eyes) {
                 const ColorView view = view_image<3>(image, "image");
                 py::gil_scoped_release release;
-                return networks.mesh(view, crop);
+                return networks.mesh(view, crop, refine_eyes);
             },
-            py::arg("image").noconvert(), "crop"_a,
-            "The face in a crop about 1.5 times its size.\n\nimage: (H, W, 3) uint8 RGB\nreturns: MeshPoints")
+            py::arg("image").noconvert(), "crop"_a, "refine_eyes"_a = false,
+            "The face in a crop about 1.5 times its size.\n\nimage: (H, W, 3) uint8 RGB\n"
+            "refine_eyes: look at the eyes again too, and say the irises\nreturns: MeshPoints")
         .def(
             "eye",
             [](const FeatureNetworks& networks, const ImageArray& image, const FeatureCrop& crop, bool left) {

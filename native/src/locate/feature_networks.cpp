@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <mimetic/locate/feature_networks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mutex>
@@ -10,72 +9,25 @@
 #include <opencv2/imgproc.hpp>
 #include <vector>
 
+#include "attention.hpp"
+#include "network_file.hpp"
+
 namespace mimetic {
 namespace {
 
-constexpr std::uintmax_t kLargestFile = 16u << 20;
+using locate::load_network;
+using locate::outputs_of;
+
 // MediaPipe shows its mesh a square 1.5 times the box of the mesh's own points, its iris network one of 2.3
 // times the eye. That box, in heights from the hairline to the menton: on eight frames of four clips its side
 // is 0.87 (deviation 0.014), its middle lies 0.05 (0.005) towards the menton.
 constexpr double kFaceMargin = 1.3, kTowardsMenton = 0.55, kEyeMargin = 2.3;
 constexpr int kMeshSide = 192;
 constexpr int kEyeSide = 64;
+// The mesh's feature maps, and the part of them that a head is shown
+constexpr std::size_t kMapsSize = 32 * 48 * 48;
+constexpr std::array<int, 3> kSeen{32, 16, 16};
 constexpr double kLargestSide = 1 << 16;  // pixels
-
-std::vector<char> content_of(const std::string& file) {
-    std::error_code failure;
-    if (!std::filesystem::is_regular_file(file, failure)) {
-        throw UnreadableMedia(file + ": no such file; scripts/make_networks makes it");
-    }
-    const std::uintmax_t size = std::filesystem::file_size(file, failure);
-    if (failure || size == 0 || size > kLargestFile) {
-        throw UnreadableMedia(file +
-                              ": not a network of ours, which have up to 16 MB; run "
-                              "scripts/make_networks again");
-    }
-    std::vector<char> content(size);
-    std::ifstream stream(file, std::ios::binary);
-    if (!stream.read(content.data(), static_cast<std::streamsize>(size))) {
-        throw UnreadableMedia(file + ": cannot be read");
-    }
-    return content;
-}
-
-/// The outputs (rows of float32) of a network for an input, in the order of their lengths.
-std::vector<cv::Mat> outputs_of(cv::dnn::Net& net, const cv::Mat& blob) {
-    net.setInput(blob);
-    std::vector<cv::Mat> outputs;
-    // In one thread: layers this small lose more by waiting for helpers than they win, a lot more where other
-    // programs keep the processors busy. OpenCV divides no work inside work that it divides.
-    cv::parallel_for_({0, 1},
-                      [&](const cv::Range&) { net.forward(outputs, net.getUnconnectedOutLayersNames()); });
-    std::sort(outputs.begin(), outputs.end(),
-              [](const cv::Mat& a, const cv::Mat& b) { return a.total() < b.total(); });
-    return outputs;
-}
-
-/// A network whose outputs have the wanted lengths, rising; tried once, as a damaged file shows then.
-cv::dnn::Net load(const std::string& file, int side, const std::vector<std::size_t>& lengths) {
-    const std::vector<char> content = content_of(file);
-    bool fits = false;
-    cv::dnn::Net net;
-    try {
-        net = cv::dnn::readNetFromONNX(content.data(), content.size());
-        net.setPreferableBackend(cv::dnn::DNN_BACKEND_OPENCV);
-        const int shape[] = {1, 3, side, side};
-        const std::vector<cv::Mat> outputs = outputs_of(net, cv::Mat(4, shape, CV_32F, cv::Scalar(0.5)));
-        fits = outputs.size() == lengths.size();
-        for (std::size_t i = 0; fits && i < lengths.size(); ++i) {
-            fits = outputs[i].total() == lengths[i] && outputs[i].type() == CV_32F &&
-                   outputs[i].isContinuous() && cv::checkRange(outputs[i]);
-        }
-    } catch (const cv::Exception&) {
-    }
-    if (!fits) {
-        throw UnreadableMedia(file + ": damaged, or not a network of ours; run scripts/make_networks again");
-    }
-    return net;
-}
 
 /// Pixels of the picture from places in the crop, whose sides go from 0 to 1.
 Eigen::Matrix<double, 2, 3> image_from_crop(const FeatureCrop& crop) {
@@ -130,17 +82,21 @@ cv::Mat blob_of(ColorView image, const FeatureCrop& crop, int side, bool mirrore
     return cv::dnn::blobFromImage(square, 1.0 / 255);
 }
 
-/// Pixels of the picture of points (x, y, z in pixels of the crop) that a network says.
-Points2 places_of(const cv::Mat& output, const FeatureCrop& crop, int side, bool mirrored) {
-    const float* values = output.ptr<float>();
-    const Eigen::Matrix<double, 2, 3> map = image_from_crop(crop);
-    Points2 places(static_cast<Eigen::Index>(output.total() / 3), 2);
-    for (Eigen::Index i = 0; i < places.rows(); ++i) {
-        const double x = values[3 * i] / side;
-        places.row(i) =
-            (map * Eigen::Vector3d(mirrored ? 1 - x : x, values[3 * i + 1] / side, 1)).transpose();
+/// Pixels of the picture of points in sides of the crop.
+Points2 in_picture(const Points2& shares, const FeatureCrop& crop, bool mirrored) {
+    Eigen::Matrix<double, 2, 3> map = image_from_crop(crop);
+    if (mirrored) {
+        map.col(2) += map.col(0);
+        map.col(0) = -map.col(0);
     }
-    return places;
+    return (shares * map.leftCols<2>().transpose()).rowwise() + map.col(2).transpose();
+}
+
+/// Points (x, y, z in pixels of the crop) that a network says, in sides of the crop.
+Points2 shares_of(const cv::Mat& output, int side) {
+    using Spatial = Eigen::Map<const Rows<float, 3>>;
+    const Spatial points(output.ptr<float>(), static_cast<Eigen::Index>(output.total() / 3), 3);
+    return points.leftCols<2>().cast<double>() / side;
 }
 
 }  // namespace
@@ -191,33 +147,67 @@ FeatureCrops feature_crops(const Camera& camera, const Eigen::Isometry3d& camera
 
 struct FeatureNetworks::Nets {
     std::mutex busy;
-    cv::dnn::Net mesh;
-    cv::dnn::Net iris;
+    cv::dnn::Net mesh, iris, lips;
+    std::array<cv::dnn::Net, 2> eyes;
+
+    /// What the head of a part says when it is shown the maps again; sees the part's points anew.
+    std::vector<cv::Mat> refine(cv::dnn::Net& head, const locate::AttentionPart& part, const cv::Mat& maps,
+                                const locate::PartSquare& square, Points2& shares) {
+        const std::vector<cv::Mat> outputs = outputs_of(head, locate::seen_in(maps, square));
+        const Points2 points = locate::points_of(outputs.back(), square);
+        for (Eigen::Index i = 0; i < points.rows(); ++i) shares.row(part.points[i]) = points.row(i);
+        return outputs;
+    }
 };
 
-FeatureNetworks::FeatureNetworks(const std::string& mesh_file, const std::string& iris_file)
+FeatureNetworks::FeatureNetworks(const std::string& mesh_file, const std::string& iris_file,
+                                 const HeadFiles& heads)
     : nets_(std::make_unique<Nets>()) {
-    nets_->mesh = load(mesh_file, kMeshSide, {1, 3 * MeshPoints::kCount});
-    nets_->iris = load(iris_file, kEyeSide, {3 * EyePoints::kIris, 3 * EyePoints::kContour});
+    constexpr std::size_t kSpatial = 3, kFlat = 2;
+    nets_->mesh =
+        load_network(mesh_file, {3, kMeshSide, kMeshSide}, {1, kSpatial * MeshPoints::kCount, kMapsSize});
+    nets_->iris = load_network(iris_file, {3, kEyeSide, kEyeSide},
+                               {kSpatial * EyePoints::kIris, kSpatial * EyePoints::kContour});
+    if (!heads.lips.empty()) {
+        nets_->lips = load_network(heads.lips, kSeen, {kFlat * locate::kLipsPart.points.size()});
+    }
+    for (int eye = 0; eye < 2; ++eye) {
+        if (heads.eyes[eye].empty()) continue;
+        nets_->eyes[eye] =
+            load_network(heads.eyes[eye], kSeen, {kFlat * EyePoints::kIris, kFlat * EyePoints::kContour});
+    }
 }
 
 FeatureNetworks::~FeatureNetworks() = default;
 FeatureNetworks::FeatureNetworks(FeatureNetworks&&) noexcept = default;
 FeatureNetworks& FeatureNetworks::operator=(FeatureNetworks&&) noexcept = default;
 
-MeshPoints FeatureNetworks::mesh(ColorView image, const FeatureCrop& crop) const {
+MeshPoints FeatureNetworks::mesh(ColorView image, const FeatureCrop& crop, bool refine_eyes) const {
     check_image_size(image.rows, image.cols, "image");
     crop.check();
     const cv::Mat blob = blob_of(image, crop, kMeshSide, false);
     const std::lock_guard lock(nets_->busy);
     const std::vector<cv::Mat> outputs = outputs_of(nets_->mesh, blob);
     MeshPoints points;
-    points.places = places_of(outputs[1], crop, kMeshSide, false);
+    points.presence = 1 / (1 + std::exp(-static_cast<double>(outputs[0].ptr<float>()[0])));
     points.depth.resize(MeshPoints::kCount);
     for (int i = 0; i < MeshPoints::kCount; ++i) {
         points.depth(i) = outputs[1].ptr<float>()[3 * i + 2] * crop.side / kMeshSide;
     }
-    points.presence = 1 / (1 + std::exp(-static_cast<double>(outputs[0].ptr<float>()[0])));
+    const Points2 first = shares_of(outputs[1], kMeshSide);
+    Points2 shares = first;
+    if (!nets_->lips.empty()) {
+        nets_->refine(nets_->lips, locate::kLipsPart, outputs[2], locate::square_of(locate::kLipsPart, first),
+                      shares);
+    }
+    for (int eye = 0; eye < 2; ++eye) {
+        if (!refine_eyes || nets_->eyes[eye].empty()) continue;
+        const locate::AttentionPart& part = locate::kEyeParts[eye];
+        const locate::PartSquare square = locate::square_of(part, first);
+        const cv::Mat iris = nets_->refine(nets_->eyes[eye], part, outputs[2], square, shares)[0];
+        points.irises[eye] = in_picture(locate::points_of(iris, square), crop, false);
+    }
+    points.places = in_picture(shares, crop, false);
     return points;
 }
 
@@ -227,7 +217,10 @@ EyePoints FeatureNetworks::eye(ColorView image, const FeatureCrop& crop, bool le
     const cv::Mat blob = blob_of(image, crop, kEyeSide, left);
     const std::lock_guard lock(nets_->busy);
     const std::vector<cv::Mat> outputs = outputs_of(nets_->iris, blob);
-    return {places_of(outputs[1], crop, kEyeSide, left), places_of(outputs[0], crop, kEyeSide, left)};
+    const auto seen = [&](const cv::Mat& output) {
+        return in_picture(shares_of(output, kEyeSide), crop, left);
+    };
+    return {seen(outputs[1]), seen(outputs[0])};
 }
 
 }  // namespace mimetic

@@ -6,16 +6,17 @@ import pytest
 from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.fit.fitting import find_face
 from mimetic.locate.feature_networks import (
-    IRIS_FILE,
-    MESH_FILE,
+    FILES,
     feature_anchors,
     feature_places,
     installed_networks,
 )
 from mimetic.media.footage import Footage
+from mimetic.shared.installed_data import data_folder
 from mimetic.template.face_template import load_template
 
-from evaluation.runs.real_labels import read_labels
+from evaluation.real.drawn_face import SIDE, drawn_face
+from evaluation.runs.real_labels import FOLDER, read_labels
 
 FRAME = 13  # of single_face.mp4, marked by hand
 
@@ -46,6 +47,35 @@ def test_irises_and_lids_are_where_they_were_marked(networks, shot):
         off = np.linalg.norm(places[name] - labels.of(name)[0, 0])
         assert off < 0.03 * labels.ipd[0], name
     assert networks.mesh(image, crops.face).presence > 0.9
+
+
+def test_the_lips_are_where_they_were_marked(networks, shot):
+    image, crops, labels = shot
+    places = feature_places(networks, image, crops)
+    for name in ("lip_outer_upper", "lip_inner_upper", "lip_inner_lower", "lip_outer_lower"):
+        off = places[name] - labels.of(name)[0, 0]
+        assert np.linalg.norm(off) < 0.04 * labels.ipd[0], name
+
+
+def test_mesh_lips_eyes_and_irises_are_those_that_mediapipe_says(networks):
+    """evaluation/real/face_mesh_on_crop.py wrote what it says of the same crop."""
+    table = np.loadtxt(FOLDER / "drawn_face.csv", delimiter=",", skiprows=1)
+    middle = 0.5 * (SIDE - 1)
+    crop = _core.FeatureCrop([middle, middle], SIDE)
+    mesh = networks.mesh(drawn_face(), crop, refine_eyes=True)
+    left, right = mesh.irises
+    said = np.concatenate([mesh.places, right, left]) + 0.5
+    np.testing.assert_allclose(said, table, atol=0.01)
+
+
+def test_without_heads_the_mesh_says_lips_and_eyes_itself(networks):
+    folder = data_folder()
+    plain = _core.FeatureNetworks(*(str(folder / name) for name in FILES[:2]))
+    crop = _core.FeatureCrop([95.5, 95.5], SIDE)
+    first, again = (each.mesh(drawn_face(), crop, refine_eyes=True) for each in (plain, networks))
+    moved = np.linalg.norm(first.places - again.places, axis=1) > 1e-9
+    assert moved.sum() == 80 + 2 * 71
+    assert [iris.shape for iris in first.irises] == [(0, 2), (0, 2)]
 
 
 def test_a_mirrored_picture_shows_the_mirrored_eye(networks, shot):
@@ -84,7 +114,7 @@ def test_without_files_there_are_no_networks(tmp_path, monkeypatch):
 
 def test_damaged_files_are_refused_in_one_line(tmp_path, monkeypatch):
     monkeypatch.setenv("MIMETIC_DATA", str(tmp_path))
-    for name in (MESH_FILE, IRIS_FILE):
+    for name in FILES:
         (tmp_path / name).write_bytes(b"\x08\x03" * 500)
     with pytest.raises(UnreadableMedia, match="damaged") as error:
         installed_networks()

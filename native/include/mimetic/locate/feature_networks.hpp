@@ -39,9 +39,19 @@ FeatureCrops feature_crops(const Camera& camera, const Eigen::Isometry3d& camera
 /// The points of MediaPipe's face mesh; the subject's right first, as in the image.
 struct MeshPoints {
     static constexpr int kCount = 468;
-    Points2 places;         ///< 468 x 2, pixels of the picture
-    Eigen::VectorXd depth;  ///< 468, pixels, as the network guesses it: smaller is nearer
-    double presence = 0;    ///< 0 to 1: that there is a face in the crop
+    Points2 places;                 ///< 468 x 2, pixels of the picture; lips and eyes refined, if asked for
+    Eigen::VectorXd depth;          ///< 468, pixels, as the network guesses it: smaller is nearer
+    double presence = 0;            ///< 0 to 1: that there is a face in the crop
+    std::array<Points2, 2> irises;  ///< 5 x 2, pixels, as EyePoints', left first; empty unless asked for
+};
+
+/// Edges of the lips among the mesh's points, each from the subject's right corner of the mouth to the left.
+struct LipEdges {
+    using Edge = std::array<int, 11>;
+    static constexpr Edge kOuterUpper{61, 185, 40, 39, 37, 0, 267, 269, 270, 409, 291};
+    static constexpr Edge kInnerUpper{78, 191, 80, 81, 82, 13, 312, 311, 310, 415, 308};
+    static constexpr Edge kInnerLower{78, 95, 88, 178, 87, 14, 317, 402, 318, 324, 308};
+    static constexpr Edge kOuterLower{61, 146, 91, 181, 84, 17, 314, 405, 321, 375, 291};
 };
 
 /// What MediaPipe's iris network sees of one eye.
@@ -52,19 +62,26 @@ struct EyePoints {
     Points2 iris;     ///< 5 x 2, pixels: centre, then four points of its rim
 };
 
+/// Files of the heads with which the mesh looks at lips and eyes again; an empty name leaves one out.
+struct HeadFiles {
+    std::string lips;
+    std::array<std::string, 2> eyes;  ///< the left first
+};
+
 /// Google's networks for face mesh and iris (Apache-2.0), as `scripts/make_networks` turns them into ONNX.
 /// They have seen real faces; they are evidence with an error of their own, never the head's pose.
 /// A call at a time: calls from several threads wait for each other.
 class FeatureNetworks {
 public:
-    /// Files of the two networks. Throws UnreadableMedia: missing, too large, or not such a network.
-    FeatureNetworks(const std::string& mesh_file, const std::string& iris_file);
+    /// Files of the networks. Throws UnreadableMedia: missing, too large, or not such a network.
+    FeatureNetworks(const std::string& mesh_file, const std::string& iris_file, const HeadFiles& heads = {});
     ~FeatureNetworks();
     FeatureNetworks(FeatureNetworks&&) noexcept;
     FeatureNetworks& operator=(FeatureNetworks&&) noexcept;
 
-    /// The whole face. crop: as `feature_crops` lays it.
-    MeshPoints mesh(ColorView image, const FeatureCrop& crop) const;
+    /// The whole face. crop: as `feature_crops` lays it. refine_eyes: look at the eyes again too and say the
+    /// irises; their corners gain, of lids `eye` sees more.
+    MeshPoints mesh(ColorView image, const FeatureCrop& crop, bool refine_eyes = false) const;
 
     /// One eye. left: the subject's left eye, which the network is shown mirrored.
     EyePoints eye(ColorView image, const FeatureCrop& crop, bool left) const;

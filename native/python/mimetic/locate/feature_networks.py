@@ -12,27 +12,32 @@ from mimetic import _core
 from mimetic.shared.installed_data import data_folder
 from mimetic.template.face_template import FaceTemplate
 
-MESH_FILE, IRIS_FILE = "face_landmark.onnx", "iris_landmark.onnx"
+# Mesh, iris, and the heads that see lips, left and right eye again
+FILES = tuple(
+    f"{name}.onnx"
+    for name in ("face_mesh", "iris_landmark", "face_lips", "face_eye_left", "face_eye_right")
+)
 ANCHORS = ("hairline", "menton", "eye_outer.L", "eye_inner.L", "eye_outer.R", "eye_inner.R")
-# Points of the mesh and of the eye's contour, by name
-MOUTH_POINTS = {
+# Points of the mesh and of the eye's contour, by name: each of the network that errs least there
+MESH_POINTS = {
+    **{"eye_outer.R": 33, "eye_inner.R": 133, "eye_inner.L": 362, "eye_outer.L": 263},
     **{"mouth_corner.R": 61, "mouth_corner.L": 291},
     **{"lip_outer_upper": 0, "lip_inner_upper": 13, "lip_inner_lower": 14, "lip_outer_lower": 17},
 }
-CONTOUR_POINTS = {"eye_outer": 0, "lid_lower": 4, "eye_inner": 8, "lid_upper": 12}
+CONTOUR_POINTS = {"lid_lower": 4, "lid_upper": 12}
 
 
 def installed_networks() -> _core.FeatureNetworks | None:
     """The networks, or None where they are not installed; raises UnreadableMedia if damaged."""
-    files = [data_folder() / name for name in (MESH_FILE, IRIS_FILE)]
+    files = [data_folder() / name for name in FILES]
     if not all(file.is_file() for file in files):
         return None
     return _load(*(str(file) for file in files))
 
 
 @lru_cache(maxsize=1)
-def _load(mesh_file: str, iris_file: str) -> _core.FeatureNetworks:
-    return _core.FeatureNetworks(mesh_file, iris_file)
+def _load(*files: str) -> _core.FeatureNetworks:
+    return _core.FeatureNetworks(*files)
 
 
 def feature_anchors(
@@ -49,8 +54,8 @@ def feature_places(
 
     image: H x W x 3 uint8 RGB.
     """
-    mesh = networks.mesh(image, crops.face).places
-    places = {name: mesh[i] for name, i in MOUTH_POINTS.items()}
+    mesh = networks.mesh(image, crops.face, refine_eyes=True).places
+    places = {name: mesh[i] for name, i in MESH_POINTS.items()}
     for side, crop in zip("LR", crops.eyes, strict=True):
         eye = networks.eye(image, crop, side == "L")
         places[f"iris.{side}"] = eye.iris[0]
