@@ -32,8 +32,8 @@ def object_from_character(
     points = np.asarray(points, dtype=np.float64)
     matrix = np.asarray(metres_from_object, dtype=np.float64)
     places = [
-        matrix[:3, :3] @ points[int(place)] + matrix[:3, 3] if np.ndim(place) == 0 else place
-        for place in (landmarks[name] for name in REQUIRED)
+        matrix[:3, :3] @ points[int(place)] + matrix[:3, 3] if place.ndim == 0 else place
+        for place in (np.asarray(landmarks[name]) for name in REQUIRED)
     ]
     template = load_template()
     usual = template.vertices[[template.landmark(name) for name in REQUIRED]]

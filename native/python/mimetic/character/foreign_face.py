@@ -21,6 +21,7 @@ from mimetic.character.shapes import Shape, group_shapes, shapes_of_anatomy, sha
 from mimetic.template.face_template import load_template
 
 KEPT = 2  # heads in memory
+Mark = int | tuple[float, ...]  # a vertex, or a place
 
 
 @dataclass(frozen=True)
@@ -30,7 +31,7 @@ class Polygons:
     starts: NDArray[np.int64]
     corners: NDArray[np.int64]
 
-    def pieces(self, points: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    def pieces(self, points: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
         """Triangles and quads F x 4 (a triangle ends in -1), and the polygon of each.
 
         points: V x 3; polygons of five and more are cut from their corner that leaves no sliver.
@@ -66,10 +67,7 @@ def attach_face(
     metres_from_object: 4 x 4. Raises InvalidInput, naming polygons by their numbers.
     """
     # In single precision, as a file of the program's keeps them: found again after it is opened
-    marks = tuple(
-        (name, int(place) if np.ndim(place) == 0 else tuple(np.float32(place).tolist()))
-        for name, place in sorted(landmarks.items())
-    )
+    marks = tuple((name, _mark(place)) for name, place in sorted(landmarks.items()))
     points = np.ascontiguousarray(points, dtype=np.float64)
     matrix = np.asarray(metres_from_object, dtype=np.float32).astype(np.float64)
     if points.ndim != 2 or len(points) > MAX_VERTICES:
@@ -82,8 +80,15 @@ def attach_face(
     )
 
 
+def _mark(place: int | ArrayLike) -> Mark:
+    values = np.asarray(place)
+    return int(values) if values.ndim == 0 else tuple(values.astype(np.float32).tolist())
+
+
 @lru_cache(maxsize=KEPT)
-def _attach_face(points: bytes, starts: bytes, corners: bytes, marks, matrix: bytes) -> ForeignFace:
+def _attach_face(
+    points: bytes, starts: bytes, corners: bytes, marks: tuple[tuple[str, Mark], ...], matrix: bytes
+) -> ForeignFace:
     own = np.frombuffer(points).reshape(-1, 3)
     metres_from_object = np.frombuffer(matrix).reshape(4, 4)
     faces, polygon = Polygons(
@@ -114,7 +119,7 @@ def _attach_face(points: bytes, starts: bytes, corners: bytes, marks, matrix: by
     )
 
 
-def _by_polygon(text: str, polygon: NDArray[np.int64]) -> str:
+def _by_polygon(text: str, polygon: NDArray[np.int32]) -> str:
     """A text that names faces by their row, with the numbers of their polygons."""
 
     def number(match: re.Match) -> str:

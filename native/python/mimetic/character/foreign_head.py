@@ -9,7 +9,7 @@ solved on the head's own triangles.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -50,6 +50,7 @@ from mimetic.muscles.extras import (
     place_extras,
 )
 from mimetic.skin.mesh import Csr, SkinMesh, canonical_skin, multiply
+from mimetic.template.face_template import FaceTemplate
 
 TOO_FAR = 0.015  # m from the laid template: body, hair; such skin is held
 SEAM_STIFFNESS = 0.05  # times young and pre-stress, where the lips are one surface
@@ -82,7 +83,7 @@ def attach_foreign(
     vertices: ArrayLike,
     faces: ArrayLike,
     landmarks: Mapping[str, int | ArrayLike],
-    template,
+    template: FaceTemplate,
 ) -> ForeignHead:
     """Attach muscles, jaw and lids to any head.
 
@@ -157,7 +158,9 @@ class _Carried:
         self.attached = self._attach(attached.materials, seam)
         self.model = self.attached.model
 
-    def _attach(self, laid_materials: _core.SkinMaterials, seam) -> _core.AttachedSkin:
+    def _attach(
+        self, laid_materials: _core.SkinMaterials, seam: NDArray[np.bool_]
+    ) -> _core.AttachedSkin:
         values = {name: self.places.values(getattr(laid_materials, name)) for name in MATERIALS}
         for name in ("young", "pre_stress"):
             values[name][seam] *= SEAM_STIFFNESS
@@ -190,14 +193,14 @@ class _Carried:
         vertex = seen[_core.nearest(points, self.laid.vertices[seen])]
         return self._onto(vertex, points).values(self.skin.vertices)
 
-    def _measured(self, placed) -> Csr:
+    def _measured(self, placed: Sequence[_core.PlacedMuscle] | Sequence[_core.PlacedExtra]) -> Csr:
         """Rows that read the motion of the places by which muscles or extras are measured."""
         places = [one.measured for one in placed]
         points = np.array([place.position(self.laid) for place in places])
         at = self._onto([place.vertex for place in places], points)
         return np.arange(0, at.corners.size + 1, 3), at.corners.ravel(), at.weights.ravel()
 
-    def _onto(self, laid_vertex, points) -> _core.SkinPlaces:
+    def _onto(self, laid_vertex: ArrayLike, points: NDArray[np.float64]) -> _core.SkinPlaces:
         """Places on this skin of points by vertices of the laid template."""
         vertex = np.atleast_1d(laid_vertex)
         return self.own.find(
@@ -244,7 +247,7 @@ class _Carried:
         on_slits = self._onto(of_slits, self.laid.vertices[of_slits])
         kept = np.zeros(len(self.laid.vertices), bool)
         kept[of_slits] = on_slits.gaps < TOUCH_GAP  # many a mesh ends behind the lips
-        vertices, slits = _core.number_slits(slits, kept)
+        vertices, slits = _core.number_slits(slits, kept.tolist())
         rows = np.searchsorted(of_slits, vertices)
         corners, weights = on_slits.corners[rows], on_slits.weights[rows]
         moves_with = self.skin.skin_vertex.copy()
@@ -255,18 +258,20 @@ class _Carried:
             slits=slits,
             eyes=[self._eye_rest(frame) for frame in eye_frames(self.laid)],
             model=self.model,
-            free=self.free,
-            moves_with=moves_with,
-            read=self.skin.first_vertex,
+            free=self.free.tolist(),
+            moves_with=moves_with.tolist(),
+            read=self.skin.first_vertex.tolist(),
         )
 
     def _eye_rest(self, frame: EyeFrame) -> _core.EyeRest:
-        laid = eye_rest(frame)
+        laid = eye_rest(self.laid, frame)
         share = np.zeros(int(self.laid.template.num_skin_vertices))
         share[laid.vertices] = laid.share
         share = self.places.values(multiply(self.laid.stencils, share))
         own = np.flatnonzero(share > 0)
-        return _core.EyeRest(laid.centre, own, self.skin.vertices[own], share[own], laid.sink)
+        return _core.EyeRest(
+            laid.centre, own.tolist(), self.skin.vertices[own], share[own], laid.sink
+        )
 
     def lid_modes(self) -> list[NDArray[np.float64]]:
         modes = []

@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.skin.checks import check_span, unfold
+from mimetic.template.face_template import FaceTemplate
 
 REQUIRED = (
     *("eye_inner.L", "eye_inner.R", "eye_outer.L", "eye_outer.R"),
@@ -79,9 +80,7 @@ class ForeignSkin:
 
     @cached_property
     def surface(self) -> _core.MuscleSurface:
-        return _core.MuscleSurface(
-            self.vertices, self.triangles, np.ones(len(self.triangles), bool)
-        )
+        return _core.MuscleSurface(self.vertices, self.triangles, [True] * len(self.triangles))
 
     @contextmanager
     def named_by_caller(self) -> Iterator[None]:
@@ -105,7 +104,7 @@ def read_skin(
     vertices: ArrayLike,
     faces: ArrayLike,
     landmarks: Mapping[str, int | ArrayLike],
-    template,
+    template: FaceTemplate,
 ) -> ForeignSkin:
     """Check a mesh and its landmarks; arguments and errors as for `foreign_head.attach_foreign`."""
     points = _check_vertices(vertices)
@@ -167,7 +166,9 @@ def _check_faces(faces: ArrayLike) -> NDArray[np.int64]:
     return np.ascontiguousarray(faces)
 
 
-def _check_landmarks(landmarks, points, template) -> dict[str, NDArray[np.float64]]:
+def _check_landmarks(
+    landmarks: Mapping[str, int | ArrayLike], points: NDArray[np.float64], template: FaceTemplate
+) -> dict[str, NDArray[np.float64]]:
     """Name -> point; missing, unknown and out of range ones are named."""
     if missing := [name for name in REQUIRED if name not in landmarks]:
         raise InvalidInput(f"landmarks lack {', '.join(missing)}")

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core
 from mimetic.character.foreign_mesh import ForeignSkin
 from mimetic.skin.mesh import SkinMesh
+from mimetic.template.face_template import FaceTemplate
 
 REACHES = (0.030, 0.015, 0.010)  # m; of the pull in each round
 LIPS = ("lip_upper", "lip_lower")
@@ -36,7 +37,7 @@ def _lips(mesh: SkinMesh) -> NDArray[np.float64]:
     return mesh.neutral[[mesh.landmark(name) for name in LIPS]]
 
 
-def lay_template(template, skin: ForeignSkin) -> SkinMesh:
+def lay_template(template: FaceTemplate, skin: ForeignSkin) -> SkinMesh:
     """The template on another head's skin.
 
     Raises InvalidInput if the landmarks cannot belong to this skin.
@@ -60,7 +61,7 @@ def lay_template(template, skin: ForeignSkin) -> SkinMesh:
     return mesh
 
 
-def _sound(template, neutral: NDArray[np.float64]) -> SkinMesh | None:
+def _sound(template: FaceTemplate, neutral: NDArray[np.float64]) -> SkinMesh | None:
     mesh = SkinMesh(template, neutral)
     try:
         _ = mesh.vertices  # unfolded, or refused
@@ -69,7 +70,13 @@ def _sound(template, neutral: NDArray[np.float64]) -> SkinMesh | None:
     return mesh
 
 
-def _draw(mesh: SkinMesh, held, targets, skin: ForeignSkin, reach: float) -> NDArray[np.float64]:
+def _draw(
+    mesh: SkinMesh,
+    held: list[int],
+    targets: NDArray[np.float64],
+    skin: ForeignSkin,
+    reach: float,
+) -> NDArray[np.float64]:
     """One round: neutral V x 3 after the skin was drawn to what lies within reach."""
     template = mesh.template
     outer = np.zeros(len(mesh.vertices), bool)
@@ -89,7 +96,7 @@ def _draw(mesh: SkinMesh, held, targets, skin: ForeignSkin, reach: float) -> NDA
         stencils=mesh.stencils,
         num_skin_vertices=int(template.num_skin_vertices),
         held=held,
-        followers=followers,
+        followers=[(leaders.tolist(), parts.tolist()) for leaders, parts in followers],
         targets=targets,
         surface=lipped_skin(skin, mesh),
         reach=reach,

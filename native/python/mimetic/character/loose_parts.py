@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from mimetic import _core
 from mimetic.character.foreign_mesh import ForeignSkin
 from mimetic.muscles.anatomy import SIDES
+from mimetic.template.face_template import FaceTemplate
 
 PARTS = {
     "teeth_lower": _core.TemplatePart.lower_jaw,
@@ -28,7 +29,9 @@ class LooseParts:
     belong to the eyeball; following: K vertices that go where the skin's vertex in `roots` (K)
     goes; notes."""
 
-    def __init__(self, skin: ForeignSkin, laid_vertices: NDArray[np.float64], template):
+    def __init__(
+        self, skin: ForeignSkin, laid_vertices: NDArray[np.float64], template: FaceTemplate
+    ):
         part = np.full(len(template.vertices), int(_core.TemplatePart.other), np.int32)
         for name, like in PARTS.items():
             part[template.part_vertices(name)] = int(like)

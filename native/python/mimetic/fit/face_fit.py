@@ -128,7 +128,7 @@ def _fields(document: object) -> dict:
     if not isinstance(document, dict):
         raise InvalidInput("not a face fit: the document must be an object")
     schema = document.get("schema")
-    if isinstance(schema, bool) or schema not in range(1, SCHEMA + 1):
+    if not isinstance(schema, int) or isinstance(schema, bool) or not 1 <= schema <= SCHEMA:
         raise InvalidInput(
             f"face fit has schema {schema!r}, this version reads {SCHEMA}: "
             "update Mimetic or fit again"

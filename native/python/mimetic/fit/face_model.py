@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
@@ -76,7 +77,9 @@ def face_model(
     )
 
 
-def limit_positions(template: FaceTemplate):
+def limit_positions(
+    template: FaceTemplate,
+) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
     """A function from the skin's control vertices (S x 3) to their limits on the surface."""
     faces = np.ascontiguousarray(template.skin_faces, dtype=np.int32)
     num_vertices = template.num_skin_vertices
@@ -96,7 +99,7 @@ def _landmark_weights(
         rows[name] = np.zeros(num_points)
         rows[name][vertex] = 1
     for name, parts in BETWEEN.items():
-        rows[name] = sum(weight * rows[part] for part, weight in parts.items())
+        rows[name] = np.sum([weight * rows[part] for part, weight in parts.items()], axis=0)
     for name, row in zip(*landmark_points(template), strict=True):
         rows.setdefault(name, row)
     return list(rows), np.array(list(rows.values()))

@@ -8,6 +8,7 @@ each set of components stands for the likeliest identity and residual coefficien
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 
@@ -89,7 +90,9 @@ def face_shape(
     return FaceShape(names, spread[:, None] * shares * turned, turned[:, None, None] * components)
 
 
-def _identity_spread(template: FaceTemplate, names, modes) -> NDArray[np.float64]:
+def _identity_spread(
+    template: FaceTemplate, names: Sequence[str], modes: NDArray[np.floating]
+) -> NDArray[np.float64]:
     largest = np.abs(modes[:, : template.num_skin_vertices]).max(axis=(1, 2))
     spread = np.minimum(LARGEST_SPREAD, LIKELY_MOVE / np.maximum(largest, 1e-4))
     return spread * [ODD_SPREAD if name.startswith("asym_") else 1.0 for name in names]

@@ -288,11 +288,12 @@ def landmark_places(
     estimate = _estimate_of(fit, template)
     projected = _core.project_features(face_model(template), estimate, fit.camera, number)
     (shift,) = picture_shifts(fit, template, [estimate.camera_from_head[number]])
-    return {
-        f.name: tuple(float(v) for v in np.add(f.position, shift.get(f.name, (0.0, 0.0))))
+    places = {
+        f.name: np.add(f.position, shift.get(f.name, (0.0, 0.0)))
         for f in projected.features
         if not f.name.startswith(BETWEEN_PREFIX)
     }
+    return {name: (float(x), float(y)) for name, (x, y) in places.items()}
 
 
 def _estimate_of(fit: FaceFit, template: FaceTemplate) -> _core.FaceEstimate:
@@ -353,7 +354,12 @@ def as_rgb(image: NDArray[np.uint8]) -> NDArray[np.uint8]:
     return np.ascontiguousarray(image[:, :, :3])
 
 
-def _expected(model, estimate, camera, features):
+def _expected(
+    model: _core.FaceModel,
+    estimate: _core.FaceEstimate,
+    camera: _core.Camera,
+    features: _core.FaceFeatures,
+) -> _core.FaceFeatures:
     projected = _core.project_features(model, estimate, camera)
     return _core.FaceFeatures(
         projected.features, projected.curves, features.box, features.likelihood

@@ -10,6 +10,7 @@ shape must be as free across the skin as along it.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import lru_cache
 
 import numpy as np
@@ -54,7 +55,7 @@ def _places(template: FaceTemplate) -> list[int]:
     return _core.spread_rows(points, landmarks, allowed.tolist(), PLACES)
 
 
-def _held_skin(template: FaceTemplate):
+def _held_skin(template: FaceTemplate) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
     """A function from forces N x S x 3 on the canonical head's skin to what it does, N x S x 3."""
     count = template.num_skin_vertices
     points = np.ascontiguousarray(template.vertices[:count])

@@ -13,12 +13,14 @@ from functools import cache
 from importlib import resources
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from mimetic import _core
 from mimetic.muscles.articulators import ARTICULATORS, Jaw
 from mimetic.muscles.calibration import Calibration
 from mimetic.skin.checks import check_size
 from mimetic.skin.mesh import SkinMesh, canonical_skin
+from mimetic.template.face_template import FaceTemplate
 
 SIDES = ("L", "R")
 MATERIALS = ("young", "poisson", "thickness", "pre_stress", "tangential", "normal")
@@ -111,7 +113,10 @@ def material_table() -> _core.MaterialTable:
 
 
 def attach(
-    neutral_vertices, template, *, perturbation: AnatomyPerturbation | None = None
+    neutral_vertices: ArrayLike,
+    template: FaceTemplate,
+    *,
+    perturbation: AnatomyPerturbation | None = None,
 ) -> Anatomy:
     """Attach muscles, jaw and lids to a neutral head.
 
@@ -124,8 +129,8 @@ def attach(
 
 
 def attach_skin(
-    neutral_vertices,
-    template,
+    neutral_vertices: ArrayLike,
+    template: FaceTemplate,
     perturbation: AnatomyPerturbation | None = None,
     calibration: Calibration | None = None,
 ) -> AttachedSkin:

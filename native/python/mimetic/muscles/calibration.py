@@ -121,8 +121,7 @@ def region_weights(mesh: SkinMesh) -> NDArray[np.float64]:
 
 
 def _is_frame(value: object) -> bool:
-    whole = isinstance(value, int) and not isinstance(value, bool)
-    return whole and 1 <= value <= LAST_FRAME
+    return isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= LAST_FRAME
 
 
 def _factors(key: str, factors: object, most: int) -> dict[str, float]:

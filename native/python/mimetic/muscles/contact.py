@@ -43,7 +43,7 @@ def attach_contact(skin: AttachedSkin) -> _core.SkinContact:
     """Contact on a person whose skin is attached (`anatomy.attach_skin`)."""
     mesh, count = skin.mesh, len(skin.free)
     slits = [lip_slit(mesh), *(lid_slit(mesh, side) for side in SIDES)]
-    vertices, slits = _core.number_slits(slits, np.ones(len(mesh.vertices), bool))
+    vertices, slits = _core.number_slits(slits, [True] * len(mesh.vertices))
     moves_with = np.full(skin.num_vertices, -1)
     moves_with[:count] = np.arange(count)
     for frame in eye_frames(mesh):
@@ -51,19 +51,18 @@ def attach_contact(skin: AttachedSkin) -> _core.SkinContact:
         moves_with[lashes] = roots
     return _core.SkinContact(
         rest=mesh.vertices[vertices],
-        stencils=mesh.stencil_rows_at(vertices),
+        stencils=mesh.stencil_rows_at(vertices.tolist()),
         slits=slits,
-        eyes=[eye_rest(frame) for frame in eye_frames(mesh)],
+        eyes=[eye_rest(mesh, frame) for frame in eye_frames(mesh)],
         model=skin.model,
-        free=skin.free,
-        moves_with=moves_with,
-        read=np.arange(count),
+        free=skin.free.tolist(),
+        moves_with=moves_with.tolist(),
+        read=list(range(count)),
     )
 
 
-def eye_rest(frame: EyeFrame) -> _core.EyeRest:
+def eye_rest(mesh: SkinMesh, frame: EyeFrame) -> _core.EyeRest:
     """Lids on an eye of a head of the template's mesh, control vertices."""
-    mesh = frame.mesh
     margin = mesh.vertices[frame.margin]
     skin = mesh.neutral[: int(mesh.template.num_skin_vertices)]
     reach = LID_REACH * mesh.size

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from mimetic import _core
 from mimetic.muscles.anatomy import (
@@ -24,6 +25,7 @@ from mimetic.muscles.anatomy import (
 from mimetic.muscles.articulators import JAW, Jaw
 from mimetic.muscles.calibration import Calibration
 from mimetic.skin.mesh import Csr, SkinMesh, canonical_skin
+from mimetic.template.face_template import FaceTemplate
 
 SUBSTEPS = 8  # of a frame at 30 a second: 1/240 s
 NUM_MODES = (
@@ -65,14 +67,16 @@ class LoadedSkin:
 
     def stencils_of(self, refined_vertices: np.ndarray) -> Csr:
         """Rows of the model's basis for some refined vertices."""
-        return self.skin.basis_at(refined_vertices)
+        return self.skin.basis_at(refined_vertices.tolist())
 
     def dynamics(self, options: _core.DynamicsOptions) -> _core.SkinDynamics:
         """The whole skin in time; advance it by `loads @ values`."""
         return _core.SkinDynamics(self.skin.model, self.mass, options)
 
-    def reduced(self, options: _core.DynamicsOptions, num_modes: int = NUM_MODES):
-        """ReducedSkin: the same in real time; advance it by L values."""
+    def reduced(
+        self, options: _core.DynamicsOptions, num_modes: int = NUM_MODES
+    ) -> _core.ReducedSkin:
+        """The same in real time; advance it by L values."""
         return _core.ReducedSkin(self.skin.model, self.mass, self.loads, num_modes, options)
 
     def corotational(self) -> _core.CorotationalSkin:
@@ -88,8 +92,8 @@ class LoadedSkin:
 
 
 def load_skin(
-    neutral_vertices,
-    template,
+    neutral_vertices: ArrayLike,
+    template: FaceTemplate,
     *,
     perturbation: AnatomyPerturbation | None = None,
     calibration: Calibration | None = None,
@@ -114,8 +118,8 @@ def dynamics_options(
 ) -> _core.DynamicsOptions:
     """Damping and relaxation of `data/materials.toml`; step: s."""
     motion = load_table("materials.toml")["motion"]
-    named = ("mass_damping", "stiffness_damping", "relaxation_share", "relaxation_time")
-    return _core.DynamicsOptions(scheme=scheme, step=step, **{name: motion[name] for name in named})
+    keys = ("mass_damping", "stiffness_damping", "relaxation_share", "relaxation_time")
+    return _core.DynamicsOptions(scheme=scheme, step=step, **{name: motion[name] for name in keys})
 
 
 def substeps(values: np.ndarray, count: int = SUBSTEPS) -> np.ndarray:

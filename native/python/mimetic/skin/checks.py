@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
+from mimetic.template.face_template import FaceTemplate
 
 EYES_APART = (0.03, 0.12)  # m between the centres of the eyes; adults have 0.054 to 0.074
 UNITS = {
@@ -22,7 +23,7 @@ UNITS = {
 }
 
 
-def check_size(neutral: NDArray[np.float64], template) -> None:
+def check_size(neutral: NDArray[np.float64], template: FaceTemplate) -> None:
     """Raise InvalidInput unless the head (V x 3) is in metres, as its eyes tell."""
     (left, right), _ = template.eye_spheres(neutral)
     check_span(math.dist(left, right), "the eyes")
@@ -47,7 +48,7 @@ def check_span(apart: float, what: str) -> None:
 def unfold(
     vertices: NDArray[np.float64],
     split: Callable[[NDArray[np.float64]], NDArray[np.int32]],
-    face: NDArray[np.integer],
+    face: NDArray[np.int32],
 ) -> NDArray[np.float64]:
     """Vertices (N x 3) with no triangle turned over among those around it.
 

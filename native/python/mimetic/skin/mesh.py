@@ -10,10 +10,12 @@ from __future__ import annotations
 from functools import cached_property, lru_cache
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from mimetic import _core
 from mimetic._core import Place, find_place, keep_columns, quad_normals, split_quads
 from mimetic.skin.checks import warn_of_smoothed
+from mimetic.template.face_template import FaceTemplate
 
 __all__ = [
     "Csr",
@@ -38,7 +40,7 @@ def multiply(matrix: Csr, values: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=2)
-def template_skin(template) -> _core.TemplateSkin:
+def template_skin(template: FaceTemplate) -> _core.TemplateSkin:
     """What the skins of all heads of a template's mesh have in common."""
     return _core.TemplateSkin(
         vertices=np.asarray(template.vertices, dtype=np.float64),
@@ -63,7 +65,7 @@ class SkinMesh(_core.SkinMesh):
     warning. Raises InvalidInput on another mesh and where smoothing does not help.
     """
 
-    def __init__(self, template, neutral) -> None:
+    def __init__(self, template: FaceTemplate, neutral: ArrayLike) -> None:
         vertices = np.ascontiguousarray(neutral, dtype=np.float64)
         if vertices.ndim != 2 or vertices.shape[1] != 3:
             raise _core.InvalidInput(
@@ -91,6 +93,6 @@ class SkinMesh(_core.SkinMesh):
 
 
 @lru_cache(maxsize=2)
-def canonical_skin(template) -> SkinMesh:
+def canonical_skin(template: FaceTemplate) -> SkinMesh:
     """The skin of the template itself, on which muscles have their places."""
     return SkinMesh(template, template.vertices)

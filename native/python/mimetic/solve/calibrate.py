@@ -8,7 +8,7 @@ about 1 on every factor.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -171,7 +171,7 @@ class Factors:
         of_stiffness, of_strength, of_shifts = self.split(informed.astype(float))
         muscles = [self.names[i] for i in self.core.strong]
 
-        def factors(names, logs: Floats, known: Floats) -> dict[str, float]:
+        def factors(names: Iterable[str], logs: Floats, known: Floats) -> dict[str, float]:
             values = np.clip(np.exp(logs), LEAST, MOST).tolist()
             return {n: v for n, v, k in zip(names, values, known, strict=True) if k}
 

@@ -18,6 +18,7 @@ from mimetic.solve import clip_capture
 from mimetic.solve.calibrate import CalibrationResult, estimate
 from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_capture import ClipCapture, FrameRange
+from mimetic.solve.walk import Image, Pose
 
 LEAST_FRAMES = 15  # in which the face was followed
 MOST_FRAMES = 600  # of footage: 20 s show what there is, and all are kept in memory
@@ -29,7 +30,9 @@ class _ObservedCapture(ClipCapture):
 
     sightings: list[_core.Sighting]
 
-    def advance(self, tracker, frame, image, guess=None):
+    def advance(
+        self, tracker: _core.FaceTracker, frame: int, image: Image, guess: Pose | None = None
+    ) -> _core.FrameEstimate:
         state = super().advance(tracker, frame, image, guess)
         first, last = self.walk.frames
         if not state.held and first <= frame <= last:

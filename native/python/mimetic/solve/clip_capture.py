@@ -46,6 +46,8 @@ from mimetic.solve.walk import ClipWalk, Image, Pose, proved
 from mimetic.template.face_template import load_template
 
 FrameRange = tuple[int | None, int | None]
+# By frame, in the order of following; None where nothing can be measured
+Estimates = Iterator[tuple[int, _core.FrameEstimate | None]]
 Place = tuple[float, float]  # x, y, pixels of the footage's file
 
 SEARCHED_SECONDS = 8.0  # of the clip, for the frame that shows the face best
@@ -235,7 +237,7 @@ class ClipCapture:
                 if state.frame <= last:
                     backward.append(state)
             tracker.restart(reference, at_reference)
-        ahead = iter(())
+        ahead: Estimates = iter(())
         if last > reference_frame:
             ahead = proved(self.walk.follow(last, step))
         estimates = itertools.chain([(reference_frame, at_reference)], ahead)
@@ -244,7 +246,7 @@ class ClipCapture:
                 forward.append(state)
         return self._performance(backward.reversed() + forward)
 
-    def smooth(self, estimates, before: list[_core.FrameEstimate]) -> Iterator[State]:
+    def smooth(self, estimates: Estimates, before: list[_core.FrameEstimate]) -> Iterator[State]:
         def count(seconds: float) -> None:
             self.walk.summary.add("smooth", seconds)
 
@@ -255,7 +257,7 @@ class ClipCapture:
         return tracking.make_tracker(reference, *inputs)
 
     def advance(
-        self, tracker: _core.FaceTracker, frame: int, image: NDArray[np.uint8], guess=None
+        self, tracker: _core.FaceTracker, frame: int, image: Image, guess: Pose | None = None
     ) -> _core.FrameEstimate:
         estimate = tracker.advance(image, guess)
         self.walk.summary.add_tracker(estimate.times)

@@ -50,7 +50,7 @@ def find_rest(
     expressions = np.array([one.expression for one in judged.values()])
     details = np.array([one.detail for one in judged.values()])
     chances = _core.chances_of_rest(scores, details, expressions)
-    fits = []
+    fits: list[FaceFit] = []
     for number, i in enumerate(np.argsort(-chances)):
         if len(fits) == NUM_TRIED or (fits and chances[i] < LEAST_CHANCE * chances.max()):
             break
