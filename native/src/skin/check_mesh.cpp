@@ -68,15 +68,18 @@ std::vector<bool> check_mesh(PointsIn vertices, TrianglesIn triangles) {
         while (end < edges.size() && is_same_edge(edges[i], edges[end])) {
             ++end;
         }
-        const std::string name =
-            "the edge " + std::to_string(edges[i].from) + "-" + std::to_string(edges[i].to) + " of face ";
+        const auto name = [&] {
+            return "the edge " + std::to_string(edges[i].from) + "-" + std::to_string(edges[i].to) +
+                   " of face ";
+        };
         if (end - i > 2) {
-            throw InvalidInput(name + std::to_string(edges[i + 2].face) + " belongs to more than two faces");
+            throw InvalidInput(name() + std::to_string(edges[i + 2].face) +
+                               " belongs to more than two faces");
         }
         if (end - i == 1) {
             on_boundary[edges[i].from] = on_boundary[edges[i].to] = true;
         } else if (edges[i].from == edges[i + 1].from) {
-            throw InvalidInput(name + std::to_string(edges[i + 1].face) + " runs the same way in face " +
+            throw InvalidInput(name() + std::to_string(edges[i + 1].face) + " runs the same way in face " +
                                std::to_string(edges[i].face) + ": flip one of them");
         } else {
             const Edge& a = edges[i];

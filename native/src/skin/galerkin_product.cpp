@@ -15,32 +15,16 @@ struct LowerBlocks {
     std::vector<std::vector<Eigen::Matrix3d>> blocks;
 };
 
-/// Calls back with each block of a nodal column of blocks, and the vertex of its row.
-template <typename Visit>
-void visit_blocks(const Columns& nodal, int vertex, const Visit& visit) {
-    const int* inner = nodal.innerIndexPtr();
-    const int* outer = nodal.outerIndexPtr() + 3 * vertex;
-    const double* values = nodal.valuePtr();
-    for (int k = 0; k < outer[1] - outer[0]; k += 3) {
-        Eigen::Matrix3d block;
-        for (int axis = 0; axis < 3; ++axis) {
-            block.col(axis) = Eigen::Map<const Eigen::Vector3d>(values + outer[axis] + k);
-        }
-        visit(inner[outer[0] + k] / 3, block);
-    }
-}
-
 /// Unknowns that act on a vertex or its neighbours, rising, for each vertex that is not held.
-std::vector<std::vector<int>> unknowns_around(const Columns& nodal, const SparseRows& basis) {
+std::vector<std::vector<int>> unknowns_around(const VertexLists& columns, const SparseRows& basis) {
     std::vector<std::vector<int>> around(basis.rows());
     std::vector<int> last(basis.cols(), -1);
     for (int vertex = 0; vertex < static_cast<int>(basis.rows()); ++vertex) {
         if (!SparseRows::InnerIterator(basis, vertex)) {
             continue;
         }
-        const int* outer = nodal.outerIndexPtr() + 3 * vertex;
-        for (int k = outer[0]; k < outer[1]; k += 3) {
-            for (SparseRows::InnerIterator it(basis, nodal.innerIndexPtr()[k] / 3); it; ++it) {
+        for (const int other : columns.of(vertex)) {
+            for (SparseRows::InnerIterator it(basis, other); it; ++it) {
                 if (last[it.col()] != vertex) {
                     last[it.col()] = vertex;
                     around[vertex].push_back(static_cast<int>(it.col()));
@@ -128,8 +112,8 @@ Columns whole(const LowerBlocks& lower) {
 
 }  // namespace
 
-Columns galerkin_product(const Columns& nodal, const SparseRows& basis) {
-    const std::vector<std::vector<int>> around = unknowns_around(nodal, basis);
+Columns galerkin_product(const BlockRows& nodal, const SparseRows& basis) {
+    const std::vector<std::vector<int>> around = unknowns_around(nodal.columns, basis);
     LowerBlocks lower = empty_blocks(basis, around);
     std::vector<Eigen::Matrix3d> reduced(basis.cols());
     for (int vertex = 0; vertex < static_cast<int>(basis.rows()); ++vertex) {
@@ -139,11 +123,12 @@ Columns galerkin_product(const Columns& nodal, const SparseRows& basis) {
         if (around[vertex].empty()) {
             continue;
         }
-        visit_blocks(nodal, vertex, [&](int other, const Eigen::Matrix3d& block) {
-            for (SparseRows::InnerIterator it(basis, other); it; ++it) {
-                reduced[it.col()] += it.value() * block;
+        // The column of a symmetric matrix is its row, each block transposed
+        for (int i = nodal.columns.start[vertex]; i < nodal.columns.start[vertex + 1]; ++i) {
+            for (SparseRows::InnerIterator it(basis, nodal.columns.vertex[i]); it; ++it) {
+                reduced[it.col()] += it.value() * nodal.blocks[i].transpose();
             }
-        });
+        }
         add_vertex(around[vertex], reduced, basis, vertex, lower);
     }
     return whole(lower);

@@ -36,25 +36,20 @@ VertexFrames make_frames(const std::vector<SkinTriangle>& elements, TrianglesIn 
     return frames;
 }
 
-Columns assemble_membrane(const std::vector<SkinTriangle>& elements, TrianglesIn triangles,
-                          const SkinMaterials& m) {
-    Triplets entries;
-    entries.reserve(81 * elements.size());
+void add_membrane(const std::vector<SkinTriangle>& elements, TrianglesIn triangles, const SkinMaterials& m,
+                  BlockRows& nodal) {
     for (std::size_t f = 0; f < elements.size(); ++f) {
         const Eigen::RowVector3i face = triangles.row(f);
         const double thickness = mean(m.thickness, face);
         const Matrix9 stiffness =
             membrane_stiffness(elements[f], mean(m.young, face), mean(m.poisson, face), thickness) +
             pre_stress_stiffness(elements[f], mean(m.pre_stress, face) * thickness);
-        for (int a = 0; a < 9; ++a) {
-            for (int b = 0; b < 9; ++b) {
-                entries.emplace_back(3 * face[a / 3] + a % 3, 3 * face[b / 3] + b % 3, stiffness(a, b));
+        for (int a = 0; a < 3; ++a) {
+            for (int b = 0; b < 3; ++b) {
+                nodal.at(face[a], face[b]) += stiffness.block<3, 3>(3 * a, 3 * b);
             }
         }
     }
-    Columns nodal(m.young.size() * 3, m.young.size() * 3);
-    nodal.setFromTriplets(entries.begin(), entries.end());
-    return nodal;
 }
 
 std::vector<Eigen::Matrix3d> assemble_foundation(const SkinMaterials& materials, const VertexFrames& frames) {
@@ -80,31 +75,45 @@ Columns block_diagonal(const std::vector<Eigen::Matrix3d>& blocks) {
     return result;
 }
 
-Columns curvature_change(const std::vector<SkinTriangle>& elements, TrianglesIn triangles,
-                         const VertexFrames& frames) {
-    const Eigen::Index num_vertices = frames.areas.size();
-    Points curvature = Points::Zero(num_vertices, 3);
+Points curvature_change(const std::vector<SkinTriangle>& elements, TrianglesIn triangles,
+                        const VertexFrames& frames, const VertexLists& rings) {
+    Points curvature = Points::Zero(frames.areas.size(), 3);
     for (std::size_t f = 0; f < elements.size(); ++f) {
         const Eigen::Matrix3d share = curvature_share(elements[f]);
         for (int i = 0; i < 3; ++i) {
             curvature.row(triangles(f, i)) += share.row(i);
         }
     }
-    Triplets entries;
-    entries.reserve(27 * elements.size());
+    Points change = Points::Zero(static_cast<Eigen::Index>(rings.vertex.size()), 3);
     for (std::size_t f = 0; f < elements.size(); ++f) {
         for (int i = 0; i < 3; ++i) {
             const int v = triangles(f, i);
             const Eigen::Matrix<double, 1, 9> row =
                 curvature_row(elements[f], i, frames.normals.row(v), curvature.row(v), frames.areas[v]);
-            for (int b = 0; b < 9; ++b) {
-                entries.emplace_back(v, 3 * triangles(f, b / 3) + b % 3, row[b]);
+            for (int k = 0; k < 3; ++k) {
+                change.row(rings.place(v, triangles(f, k))) += row.segment<3>(3 * k);
             }
         }
     }
-    Columns change(num_vertices, 3 * num_vertices);
-    change.setFromTriplets(entries.begin(), entries.end());
     return change;
+}
+
+void add_bending(const Points& curvature_change, const Eigen::VectorXd& flexures, const VertexLists& rings,
+                 BlockRows& nodal) {
+    std::vector<int> place(rings.start.size());
+    for (int row = 0; row < rings.size(); ++row) {
+        for (int i = nodal.columns.start[row]; i < nodal.columns.start[row + 1]; ++i) {
+            place[nodal.columns.vertex[i]] = i;
+        }
+        // The vertices whose curvature depends on this one are those of its ring
+        for (const int v : rings.of(row)) {
+            const Eigen::Vector3d moment =
+                flexures[v] * curvature_change.row(rings.place(v, row)).transpose();
+            for (int i = rings.start[v]; i < rings.start[v + 1]; ++i) {
+                nodal.blocks[place[rings.vertex[i]]] += moment * curvature_change.row(i);
+            }
+        }
+    }
 }
 
 Eigen::VectorXd flexure(const SkinMaterials& m, const VertexFrames& frames,
@@ -137,10 +146,14 @@ SkinMatrices assemble_skin(PointsIn vertices, TrianglesIn triangles, const SkinM
     const std::vector<SkinTriangle> elements = make_skin_triangles(vertices, triangles);
     const VertexFrames frames = make_frames(elements, triangles, vertices.rows());
     SkinMatrices skin{interleave(basis), {}, assemble_foundation(materials, frames)};
-    const Columns change = curvature_change(elements, triangles, frames);
-    const Columns moment = flexure(materials, frames, on_boundary).asDiagonal() * change;
-    const Columns nodal = assemble_membrane(elements, triangles, materials) +
-                          block_diagonal(skin.foundation) + Columns(change.transpose() * moment);
+    const VertexLists rings = vertex_rings(triangles, vertices.rows());
+    BlockRows nodal(second_rings(rings));
+    add_membrane(elements, triangles, materials, nodal);
+    add_bending(curvature_change(elements, triangles, frames, rings), flexure(materials, frames, on_boundary),
+                rings, nodal);
+    for (int v = 0; v < rings.size(); ++v) {
+        nodal.at(v, v) += skin.foundation[v];
+    }
     skin.stiffness = galerkin_product(nodal, basis);
     return skin;
 }

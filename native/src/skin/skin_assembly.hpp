@@ -3,6 +3,7 @@
 #include <mimetic/skin/skin.hpp>
 #include <vector>
 
+#include "block_rows.hpp"
 #include "elements.hpp"
 
 namespace mimetic {
@@ -20,9 +21,9 @@ struct VertexFrames {
 VertexFrames make_frames(const std::vector<SkinTriangle>& elements, TrianglesIn triangles,
                          Eigen::Index num_vertices);
 
-/// Membrane and pre-stress over the vertices' displacements, 3N x 3N.
-Columns assemble_membrane(const std::vector<SkinTriangle>& elements, TrianglesIn triangles,
-                          const SkinMaterials& materials);
+/// Adds membrane and pre-stress over the vertices' displacements; the matrix has the vertices' rings.
+void add_membrane(const std::vector<SkinTriangle>& elements, TrianglesIn triangles,
+                  const SkinMaterials& materials, BlockRows& nodal);
 
 /// Attachment of every vertex to the bone, N/m.
 std::vector<Eigen::Matrix3d> assemble_foundation(const SkinMaterials& materials, const VertexFrames& frames);
@@ -30,9 +31,14 @@ std::vector<Eigen::Matrix3d> assemble_foundation(const SkinMaterials& materials,
 /// One 3 x 3 block a vertex as a matrix, 3N x 3N.
 Columns block_diagonal(const std::vector<Eigen::Matrix3d>& blocks);
 
-/// Change of each vertex's mean curvature along its normal times its area, N x 3N.
-Columns curvature_change(const std::vector<SkinTriangle>& elements, TrianglesIn triangles,
-                         const VertexFrames& frames);
+/// Change of each vertex's mean curvature along its normal times its area, by the displacements of its ring:
+/// a row for each vertex of each ring, as in rings.vertex.
+Points curvature_change(const std::vector<SkinTriangle>& elements, TrianglesIn triangles,
+                        const VertexFrames& frames, const VertexLists& rings);
+
+/// Adds bending, for flexures N; the matrix has the vertices' second rings.
+void add_bending(const Points& curvature_change, const Eigen::VectorXd& flexures, const VertexLists& rings,
+                 BlockRows& nodal);
 
 /// Bending energy is half of this times the square of `curvature_change`; a free edge carries no moment.
 Eigen::VectorXd flexure(const SkinMaterials& materials, const VertexFrames& frames,

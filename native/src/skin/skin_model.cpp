@@ -30,7 +30,7 @@ void SkinMaterials::check(Eigen::Index num_vertices) const {
 }
 
 struct SkinModel::Parts : SkinMatrices {
-    Cholesky factor;
+    BlockCholesky factor;
 };
 
 SkinModel::SkinModel(PointsIn vertices, TrianglesIn triangles, const SkinMaterials& materials,
