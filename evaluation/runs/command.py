@@ -28,6 +28,7 @@ from evaluation.runs import (
     locate,
     real,
     rest,
+    timing,
 )
 from evaluation.runs.head_clips import face_mesh_python
 from evaluation.runs.portraits import rendered_portraits
@@ -48,14 +49,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "(docs/measured/evaluation.md), `calibration` what knowing a person's skin is worth "
         "(docs/measured/calibration.md), `rest` how often the frame that is taken for the neutral "
         "face shows it (docs/guide/fitting.md), `real` how near eyes and lips come to points "
-        "marked by hand on real faces (docs/measured/real-faces.md)."
+        "marked by hand on real faces (docs/measured/real-faces.md), `timing` how well it is told "
+        "when muscles fire (docs/measured/timing.md)."
     )
     parser.add_argument(
         "what",
         nargs="?",
         choices=(
             *("ablations", "abuse", "calibration", "capture", "fit", "flow", "head", "locate"),
-            *("real", "rest"),
+            *("real", "rest", "timing"),
         ),
         default="capture",
         help="what to score (default: capture)",
@@ -121,6 +123,7 @@ def run_tables(options: argparse.Namespace) -> int:
         "head": _run_head,
         "fit": _run_fit,
         "flow": _run_flow,
+        "timing": _run_timing,
     }
     if options.what in run:
         return run[options.what](options)
@@ -182,6 +185,14 @@ def _run_flow(options: argparse.Namespace) -> int:
 def _run_rest(options: argparse.Namespace) -> int:
     _refuse(options, "out")
     return _show(options, rest.score_rest(options.set, _to_stderr), rest.as_json, rest.as_text)
+
+
+def _run_timing(options: argparse.Namespace) -> int:
+    _refuse(options, "out")
+    if options.set not in timing.SETS:
+        raise InvalidInput(f"--set {options.set} does not go with `timing`")
+    scores = timing.score_timing(options.set, _to_stderr)
+    return _show(options, scores, timing.as_json, timing.as_text)
 
 
 def _run_real(options: argparse.Namespace) -> int:

@@ -100,6 +100,7 @@ PACKAGE_FLOORS = (
     {"character", "score", "fit"},
     {"solve"},
     {"head", "report"},
+    {"analyse"},
     {"commands"},
 )
 # The core's stages, each of which includes earlier ones alone

@@ -33,6 +33,10 @@ COMMANDS = {
     "head": ("mimetic.commands.head", "video of a head -> its motion alone, overlay, plot"),
     "points": ("mimetic.commands.points", "where pixels of one frame go in all others"),
     "bake": ("mimetic.commands.bake", "a performance -> animated head in a .blend or .glb"),
+    "analyse": (
+        "mimetic.commands.analyse",
+        "a performance -> when muscles fire, as tables, figures",
+    ),
     "evaluate": ("mimetic.commands.evaluate", "score a capture against known truth"),
     "info": ("mimetic.commands.info", "what is in a performance"),
 }

@@ -309,7 +309,7 @@ def _head_figure(performance: Performance) -> Figure:
 def _plot(figure: Figure, label: str) -> str:
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=150)
-    return f"<img class='plot' alt='{label}' src='{_uri('png', stream.getvalue())}'>"
+    return f"<img class='plot' alt='{label}' src='{picture_uri('png', stream.getvalue())}'>"
 
 
 def _jpeg_uri(picture: NDArray[np.uint8]) -> str:
@@ -317,10 +317,10 @@ def _jpeg_uri(picture: NDArray[np.uint8]) -> str:
 
     stream = io.BytesIO()
     Image.fromarray(picture).save(stream, "jpeg", quality=85)
-    return _uri("jpeg", stream.getvalue())
+    return picture_uri("jpeg", stream.getvalue())
 
 
-def _uri(kind: str, content: bytes) -> str:
+def picture_uri(kind: str, content: bytes) -> str:
     return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
 
 

@@ -1,0 +1,237 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""When muscles fire, on clips that fire them at known moments: `mimetic evaluate timing`."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, dataclass, field
+
+import numpy as np
+from mimetic import _core
+from mimetic.analyse.timing import Timing, analyse_timing
+from mimetic.score.json_text import json_text
+from mimetic.solve.clip_capture import capture
+from mimetic.template.face_template import load_template
+
+from evaluation.runs.timing_curves import curve_rows
+from evaluation.synthetic.timing.films import timing_clip
+from evaluation.synthetic.timing.firing import Firing
+from evaluation.synthetic.timing.recipes import DELAY, EXPRESSIONS, GROUPS, SETS, TimedClip
+
+NEAR = 15  # frames about the true onset in which an event belongs to it
+Report = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class GroupEvent:
+    """One true event of a group, and what was made of it. Frames, counted from 1."""
+
+    clip: str
+    condition: str
+    expression: str
+    group: int
+    onset: float
+    exponent: float
+    was_seen: bool
+    onset_error: float = math.nan
+    onset_held: bool = False  # by its own 95 % interval
+    release_error: float = math.nan
+    exponent_error: float = math.nan
+    exponent_held: bool = False
+    model: str = ""
+    # of the middle of the application, where its height is half: what a delay rests on
+    half_error: float = math.nan
+
+
+@dataclass(frozen=True)
+class PairEvent:
+    """Two groups of one expression: the true delay, none for a silent second group."""
+
+    clip: str
+    condition: str
+    expression: str
+    delay: float | None
+    was_measured: bool
+    error: float = math.nan
+    held: bool = False
+    is_delayed: bool = False
+
+
+@dataclass
+class TimingScores:
+    groups: list[GroupEvent] = field(default_factory=list)
+    pairs: list[PairEvent] = field(default_factory=list)
+    silent_events: int = 0  # certain events of a group that truth leaves silent
+    silent_chances: int = 0  # expressions in which it might have had one
+
+
+def score_timing(which: str, report: Report) -> TimingScores:
+    """Renders, captures and analyses the clips of a set."""
+    scores = TimingScores()
+    for clip, timing in _analysed(which, report):
+        _score_clip(clip, timing, scores)
+    return scores
+
+
+def _analysed(which: str, report: Report) -> Iterator[tuple[TimedClip, Timing]]:
+    template = load_template()
+    for clip in SETS[which]:
+        made = timing_clip(clip.recipe, template, report)
+        report(f"{made.name}: capturing")
+        with ProcessPoolExecutor(1) as aside:  # a fresh process gives its memory back
+            performance = aside.submit(capture, made.footage).result()
+        yield clip, analyse_timing(performance, kinds=("group",))
+
+
+def _score_clip(clip: TimedClip, timing: Timing, scores: TimingScores) -> None:
+    for expression, groups in GROUPS.items():
+        truths = [_truth_of(clip, expression, part) for part in (0, 1)]
+        events = [
+            _nearest(timing, group, truth or truths[0])
+            for group, truth in zip(groups, truths, strict=True)
+        ]
+        name = clip.recipe.name
+        for group, truth, event in zip(groups, truths, events, strict=True):
+            if truth is not None:
+                scores.groups.append(_group_event(clip, expression, group, truth, event))
+        if truths[1] is None:
+            scores.silent_chances += 1
+            scores.silent_events += events[1] is not None
+        pair = next(
+            (
+                pair.delay
+                for pair in timing.delays
+                if {pair.leader.curve.group, pair.follower.curve.group} == set(groups)
+                and any(pair.leader.fit is e or pair.follower.fit is e for e in events if e)
+                and abs(_mean_onset(pair) - _onset(truths[0])) < NEAR
+            ),
+            None,
+        )
+        sign = 1 if groups[0] < groups[1] else -1
+        scores.pairs.append(_pair_event(name, clip.condition, expression, truths, pair, sign))
+
+
+def _mean_onset(pair) -> float:
+    return (pair.leader.fit.shape.onset + pair.follower.fit.shape.onset) / 2
+
+
+def _truth_of(clip: TimedClip, expression: str, part: int) -> Firing | None:
+    """How the first muscle of the expression's group fires, if it does."""
+    names = EXPRESSIONS[expression][part]
+    firings = (phase for phase in clip.recipe.phases if phase.control.split(".")[0] in names)
+    return next(firings, None)
+
+
+def _onset(truth: Firing) -> float:
+    return 1 + 30 * truth.start
+
+
+def _nearest(timing: Timing, group: int, truth: Firing) -> _core.PhaseFit | None:
+    near = [
+        event.fit
+        for event in timing.of_group(group)
+        if event.fit.is_certain and abs(event.fit.shape.onset - _onset(truth)) < NEAR
+    ]
+    return max(near, key=lambda fit: fit.shape.amplitude, default=None)
+
+
+def _group_event(
+    clip: TimedClip, expression: str, group: int, truth: Firing, fit: _core.PhaseFit | None
+) -> GroupEvent:
+    onset, release = _onset(truth), _onset(truth) + 30 * (truth.rise + truth.hold)
+    key = (clip.recipe.name, clip.condition, expression, group, onset, truth.exponent)
+    if fit is None:
+        return GroupEvent(*key, False)
+    return GroupEvent(
+        *(*key, True),
+        fit.onset.value - onset,
+        fit.onset.lower <= onset <= fit.onset.upper,
+        fit.release.value - release,
+        fit.exponent.value - truth.exponent,
+        fit.exponent.lower <= truth.exponent <= fit.exponent.upper,
+        fit.shape.model.name,
+        _half_of(fit.shape.onset, fit.shape.rise, fit.shape.exponent)
+        - _half_of(onset, 30 * truth.rise, truth.exponent),
+    )
+
+
+def _half_of(onset: float, rise: float, exponent: float) -> float:
+    """The frame at which half the application is done."""
+    if abs(exponent) < 1e-4:
+        return onset + rise / 2
+    return onset + rise * math.log(1 + math.expm1(exponent) / 2) / exponent
+
+
+def _pair_event(name, condition, expression, truths, delay, sign) -> PairEvent:
+    late = None if truths[1] is None else float(DELAY if condition == "delayed" else 0)
+    if delay is None:
+        return PairEvent(name, condition, expression, late, False)
+    if late is None:
+        return PairEvent(name, condition, expression, None, True, is_delayed=delay.is_delayed)
+    lag = delay.lag
+    true = sign * late
+    return PairEvent(
+        *(name, condition, expression, late, True),
+        lag.value - true,
+        lag.lower <= true <= lag.upper,
+        delay.is_delayed,
+    )
+
+
+def as_json(scores: TimingScores) -> str:
+    return json_text(asdict(scores))
+
+
+def as_text(scores: TimingScores) -> str:
+    seen = [event for event in scores.groups if event.was_seen]
+    pairs = [pair for pair in scores.pairs if pair.was_measured and pair.delay is not None]
+    late = [pair for pair in pairs if pair.delay]
+    together = [pair for pair in scores.pairs if pair.delay == 0]
+    silent = [pair for pair in scores.pairs if pair.delay is None]
+    false = sum(pair.is_delayed for pair in (*together, *silent))
+    rows = [
+        ["events of groups that were found", f"{len(seen)} of {len(scores.groups)}"],
+        ["onset, median error, frames", _median([e.onset_error for e in seen])],
+        ["  95th percentile", _percentile([e.onset_error for e in seen], 95)],
+        ["  95 % intervals that hold it", _share([e.onset_held for e in seen])],
+        ["half of the application, median error, frames", _median([e.half_error for e in seen])],
+        ["release, median error, frames", _median([e.release_error for e in seen])],
+        [
+            "exponent, median error as a share of the truth",
+            _median([e.exponent_error / e.exponent for e in seen]),
+        ],
+        ["  95 % intervals that hold it", _share([e.exponent_held for e in seen])],
+        ["delay, median error, frames", _median([p.error for p in pairs])],
+        ["  of those that are 3 frames late", _median([p.error for p in late])],
+        ["  95 % intervals that hold it", _share([p.held for p in pairs])],
+        ["delays of 3 frames that are reported", _share([p.is_delayed for p in late])],
+        [
+            "delays reported where there is none",
+            f"{false} of {len(together) + len(silent)} ({len(silent)} with a silent group)",
+        ],
+        [
+            "events reported of a silent group",
+            f"{scores.silent_events} of {scores.silent_chances}",
+        ],
+    ]
+    models = sorted({event.model for event in seen})
+    counts = ", ".join(f"{sum(e.model == m for e in seen)} {m}" for m in models)
+    alone = curve_rows()
+    width = max(len(name) for name, _ in rows) + 2
+    lines = [f"{name.ljust(width)}{value}" for name, value in rows]
+    lines += ["", f"models chosen: {counts}", "", "curves alone, median errors"]
+    return "\n".join([*lines, *(f"{name.ljust(width)}{value}" for name, value in alone)])
+
+
+def _median(errors: list[float]) -> str:
+    return f"{np.median(np.abs(errors)):.2f}" if errors else "-"
+
+
+def _percentile(errors: list[float], percent: float) -> str:
+    return f"{np.percentile(np.abs(errors), percent):.2f}" if errors else "-"
+
+
+def _share(flags: list[bool]) -> str:
+    return f"{sum(flags)} of {len(flags)}" if flags else "-"

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renders the timed clips and writes their truth, kept in the cache while their inputs stand."""
+
+from __future__ import annotations
+
+import hashlib
+import tempfile
+from collections.abc import Callable
+from importlib import resources
+from pathlib import Path
+
+import numpy as np
+from mimetic.template.face_template import FaceTemplate
+
+from .. import footage, scene
+from ..clips import BPY_VERSION, Clip, _truth, cache_folder
+from ..expressions.films import SIMULATED_BY, SOURCES, TEXEL_STEP, _draw
+from ..heads.films import _aside
+from ..person import neutral_vertices
+from ..recipes import Recipe
+
+
+def timing_clip(
+    recipe: Recipe, template: FaceTemplate, report: Callable[[str], None] = lambda _: None
+) -> Clip:
+    """The clip of a recipe, rendered unless the cache has it."""
+    folder = cache_folder() / f"{recipe.name}-{_key(recipe, template)}"
+    clip = Clip(recipe.name, folder / f"{recipe.name}.mp4", folder / f"{recipe.name}.truth.npz")
+    if clip.footage.exists() and clip.truth.exists():
+        return clip
+    report(f"{recipe.name}: rendering {recipe.num_frames} frames")
+    neutral = neutral_vertices(template, scene.identity_of(recipe, template), recipe.seed)
+    motion = scene.face_motion(recipe, template, neutral)
+    drawn = scene.build(recipe, template, neutral, motion)
+    with _aside(folder) as whole, tempfile.TemporaryDirectory() as aside:
+        made = Path(aside)
+        _draw(drawn, scene.paint(recipe, template, neutral, TEXEL_STEP), made, recipe.name)
+        frames = footage.filmed(np.load(made / "frames.npy"), recipe)
+        footage.encode(frames, whole / clip.footage.name, recipe)
+        _truth(recipe, template, drawn, motion, made).save(whole / clip.truth.name)
+    return clip
+
+
+def _key(recipe: Recipe, template: FaceTemplate) -> str:
+    digest = hashlib.sha256(f"{recipe!r} {BPY_VERSION} {TEXEL_STEP}".encode())
+    for array in (template.vertices, template.identity_modes):
+        rounded = np.round(np.asarray(array, np.float64), 6) + 0.0
+        digest.update(np.ascontiguousarray(rounded).tobytes())
+    here = Path(__file__).resolve().parent
+    sources = [here.parent / f"{name}.py" for name in SOURCES]
+    for source in (*sources, here.parent / "expressions" / "draw_frames.py", here / "firing.py"):
+        digest.update(source.read_bytes())
+    for name in SIMULATED_BY:
+        digest.update((resources.files("mimetic") / "data" / name).read_bytes())
+    return digest.hexdigest()[:16]

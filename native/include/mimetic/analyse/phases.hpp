@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <mimetic/shared/types.hpp>
+#include <vector>
+
+namespace mimetic {
+
+/// How an actuation rises and falls, from few parameters to many.
+enum class PhaseModel {
+    linear_ramp,      ///< straight up, straight down: what FACS animations use
+    one_exponential,  ///< A (e^(k s) - 1) / (e^k - 1) up, A e^(-t / tau) down
+    two_exponentials  ///< down by a release and a slower relaxation
+};
+inline constexpr int kNumPhaseModels = 3;
+
+/// One application, hold, release and relaxation. Times in frames on the curve's own frame numbers.
+struct PhaseShape {
+    PhaseModel model = PhaseModel::one_exponential;
+    double rest = 0;          ///< before it and after it
+    double amplitude = 0;     ///< above rest, where the application ends
+    double onset = 0;         ///< application begins
+    double rise = 1;          ///< frames of the application
+    double hold = 0;          ///< frames from its end to the release
+    double drift = 0;         ///< share by which the level changes from there to the release, in a long hold
+    double exponent = 0;      ///< k: above 0 the application speeds up, below 0 it slows down, 0 is straight
+    double release_time = 1;  ///< tau of the release; of a linear ramp the frames it falls
+    double relaxation_time = 0;  ///< tau of the relaxation; 0 without one
+    double relaxed_share = 0;    ///< of the amplitude that relaxes, 0 without one
+    double apex() const { return onset + rise; }
+    double release() const { return onset + rise + hold; }
+    double value(double frame) const;
+};
+
+/// An estimate with its 95 % interval.
+struct Interval {
+    double value = 0, lower = 0, upper = 0;
+};
+
+/// An event of a curve with its phases.
+struct PhaseFit {
+    PhaseShape shape;
+    Interval onset, apex, release, amplitude, exponent, release_time, relaxation_time, relaxed_share;
+    std::array<double, kNumPhaseModels> bic{};  ///< of each model; the shape's is the least
+    double noise = 0;                           ///< s.d. of the curve about the fit
+    double smoothing = 0;                       ///< ratio of CurveNoise
+    double explained = 0;                       ///< R2 about the mean
+    double linear_explained = 0;                ///< R2 of the best linear ramp
+    int first = 0, last = 0;                    ///< rows of the curve that were fitted
+    bool begins_before = false;  ///< it is there when the clip begins: onset and exponent are not known
+    bool ends_after = false;     ///< it is there when the clip ends: release and what follows are not known
+    bool is_certain = false;     ///< its amplitude is beyond what the capture may be wrong by
+};
+
+struct PhaseOptions {
+    double least_amplitude = .05;  ///< of an event
+    double least_drop = .35;       ///< of its height that the curve must fall by between two events
+    double certainty = 1.64;       ///< standard deviations of a certain event's amplitude
+    double robust_scale = .05;     ///< of soft L1
+    double timing_std = .5;        ///< frames by which a capture may time a change beside the curve's noise
+    double measured_std = 0;       ///< of what was smoothed, where a curve is a mean of several; 0: its own
+    int num_draws = 100;           ///< of the parametric bootstrap, 0 to 10000
+    unsigned seed = 1;
+    void check() const;  ///< throws InvalidInput: field, value, limit
+};
+
+/// Events of a curve, in order. frames, values, stds: N, frames rising; usable: N, false where a frame is
+/// held and says nothing. stds are of each value, most of it error that stays the same from frame to frame:
+/// it counts against the amplitude, while the times' intervals come from the curve's own noise about the fit.
+/// Models are fitted through what the smoother does to a curve. Throws InvalidInput on other lengths.
+std::vector<PhaseFit> fit_phases(VectorIn frames, VectorIn values, VectorIn stds,
+                                 const std::vector<bool>& usable, const PhaseOptions& options = {});
+
+/// A draw of the fitted curve as it might as well have been captured: rows first to last. Column per draw.
+Eigen::MatrixXd draw_curves(const PhaseFit& fit, VectorIn frames, int num_draws, unsigned seed);
+
+}  // namespace mimetic

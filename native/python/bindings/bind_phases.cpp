@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/analyse/delays.hpp>
+#include <mimetic/analyse/group_curves.hpp>
+#include <mimetic/analyse/phases.hpp>
+
+#include "arrays.hpp"
+
+namespace mimetic::bindings {
+
+namespace py = pybind11;
+using namespace pybind11::literals;
+
+namespace {
+
+void bind_shape(py::module_& m) {
+    py::enum_<PhaseModel>(m, "PhaseModel", "How an actuation rises and falls; see phases.hpp.")
+        .value("linear_ramp", PhaseModel::linear_ramp)
+        .value("one_exponential", PhaseModel::one_exponential)
+        .value("two_exponentials", PhaseModel::two_exponentials);
+    py::class_<PhaseShape>(m, "PhaseShape", "Application, hold, release and relaxation; times in frames.")
+        .def(py::init<>())
+        .def_readwrite("model", &PhaseShape::model)
+        .def_readwrite("rest", &PhaseShape::rest)
+        .def_readwrite("amplitude", &PhaseShape::amplitude)
+        .def_readwrite("onset", &PhaseShape::onset)
+        .def_readwrite("rise", &PhaseShape::rise)
+        .def_readwrite("hold", &PhaseShape::hold)
+        .def_readwrite("drift", &PhaseShape::drift)
+        .def_readwrite("exponent", &PhaseShape::exponent)
+        .def_readwrite("release_time", &PhaseShape::release_time)
+        .def_readwrite("relaxation_time", &PhaseShape::relaxation_time)
+        .def_readwrite("relaxed_share", &PhaseShape::relaxed_share)
+        .def_property_readonly("apex", &PhaseShape::apex)
+        .def_property_readonly("release", &PhaseShape::release)
+        .def(
+            "values",
+            [](const PhaseShape& shape, const Eigen::VectorXd& frames) {
+                Eigen::VectorXd values(frames.size());
+                for (Eigen::Index i = 0; i < frames.size(); ++i) {
+                    values[i] = shape.value(frames[i]);
+                }
+                return values;
+            },
+            "frames"_a, "Values (N,) at frames (N,).");
+}
+
+void bind_fit(py::module_& m) {
+    py::class_<Interval>(m, "Interval", "An estimate with its 95 % interval.")
+        .def_readonly("value", &Interval::value)
+        .def_readonly("lower", &Interval::lower)
+        .def_readonly("upper", &Interval::upper);
+    py::class_<PhaseFit>(m, "PhaseFit", "An event of a curve with its phases; see phases.hpp.")
+        .def_readonly("shape", &PhaseFit::shape)
+        .def_readonly("onset", &PhaseFit::onset)
+        .def_readonly("apex", &PhaseFit::apex)
+        .def_readonly("release", &PhaseFit::release)
+        .def_readonly("amplitude", &PhaseFit::amplitude)
+        .def_readonly("exponent", &PhaseFit::exponent)
+        .def_readonly("release_time", &PhaseFit::release_time)
+        .def_readonly("relaxation_time", &PhaseFit::relaxation_time)
+        .def_readonly("relaxed_share", &PhaseFit::relaxed_share)
+        .def_readonly("bic", &PhaseFit::bic)
+        .def_readonly("noise", &PhaseFit::noise)
+        .def_readonly("explained", &PhaseFit::explained)
+        .def_readonly("linear_explained", &PhaseFit::linear_explained)
+        .def_readonly("first", &PhaseFit::first)
+        .def_readonly("last", &PhaseFit::last)
+        .def_readonly("begins_before", &PhaseFit::begins_before)
+        .def_readonly("ends_after", &PhaseFit::ends_after)
+        .def_readonly("is_certain", &PhaseFit::is_certain);
+    py::class_<PhaseOptions>(m, "PhaseOptions", "See phases.hpp for each field.")
+        .def(py::init<>())
+        .def_readwrite("least_amplitude", &PhaseOptions::least_amplitude)
+        .def_readwrite("least_drop", &PhaseOptions::least_drop)
+        .def_readwrite("certainty", &PhaseOptions::certainty)
+        .def_readwrite("robust_scale", &PhaseOptions::robust_scale)
+        .def_readwrite("timing_std", &PhaseOptions::timing_std)
+        .def_readwrite("measured_std", &PhaseOptions::measured_std)
+        .def_readwrite("num_draws", &PhaseOptions::num_draws)
+        .def_readwrite("seed", &PhaseOptions::seed);
+    m.def("fit_phases", &fit_phases, "frames"_a, "values"_a, "stds"_a, "usable"_a,
+          "options"_a = PhaseOptions(), py::call_guard<py::gil_scoped_release>(),
+          "Events of a curve (N,) at rising frames (N,) with their phases; usable (N,): false where a frame "
+          "is held.\nRaises InvalidInput.");
+}
+
+void bind_delay(py::module_& m) {
+    py::class_<Delay>(m, "Delay", "How much later an application comes; see delays.hpp.")
+        .def_readonly("lag", &Delay::lag)
+        .def_readonly("correlation", &Delay::correlation)
+        .def_readonly("onset_lag", &Delay::onset_lag)
+        .def_readonly("apex_lag", &Delay::apex_lag)
+        .def_readonly("chance", &Delay::chance)
+        .def_readonly("is_delayed", &Delay::is_delayed);
+    py::class_<DelayOptions>(m, "DelayOptions", "See delays.hpp for each field.")
+        .def(py::init<>())
+        .def_readwrite("max_lag", &DelayOptions::max_lag)
+        .def_readwrite("timing_std", &DelayOptions::timing_std)
+        .def_readwrite("num_draws", &DelayOptions::num_draws)
+        .def_readwrite("seed", &DelayOptions::seed);
+    m.def("estimate_delay", &estimate_delay, "frames"_a, "leader"_a, "leader_fit"_a, "curve"_a, "fit"_a,
+          "options"_a = DelayOptions(), py::call_guard<py::gil_scoped_release>(),
+          "The Delay of an event of `curve` (N,) behind one of `leader` (N,), or None where there is nothing "
+          "to\ncompare. Raises InvalidInput.");
+}
+
+}  // namespace
+
+void bind_phases(py::module_& m) {
+    bind_shape(m);
+    bind_fit(m);
+    bind_delay(m);
+    py::class_<MeanCurves>(m, "MeanCurves", "Means of several curves; see group_curves.hpp.")
+        .def_readonly("values", &MeanCurves::values)
+        .def_readonly("stds", &MeanCurves::stds)
+        .def_readonly("measured_std", &MeanCurves::measured_std);
+    m.def("mean_curves", &mean_curves, "values"_a, "stds"_a, "members"_a,
+          "MeanCurves (N, G) of columns (N, M) by members (G, M), 0 or 1. Raises InvalidInput.");
+}
+
+}  // namespace mimetic::bindings

@@ -1,0 +1,236 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Smiles: eyes beside mouth, how fast, how even, beside what others have published."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from mimetic import _core
+from mimetic.analyse.timing import Event, GroupDelay, Timing
+
+MOUTH, EYES = 1, 7  # groups
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A number with its 95 % interval; nan where nothing is known."""
+
+    value: float
+    lower: float
+    upper: float
+
+
+@dataclass(frozen=True)
+class Published:
+    """What others measured, in the unit of a `Smile`'s field."""
+
+    field: str
+    text: str
+    lower: float
+    upper: float
+    source: str
+
+
+# Bands of other people's smiles, measured otherwise: beside ours, never a verdict on them
+PUBLISHED = (
+    Published(
+        "onset_seconds",
+        "onset of spontaneous smiles; it does not depend on the context",
+        0.40,
+        0.70,
+        "Schmidt, Cohn and Tian 2003, Biological Psychology 65; about half a second is quoted",
+    ),
+    Published(
+        "onset_seconds",
+        "onset of posed smiles: faster",
+        0.20,
+        0.40,
+        "Schmidt et al. 2006 and 2009, J. Nonverbal Behavior 30 and 33; a third of a second quoted",
+    ),
+    Published(
+        "total_seconds",
+        "length of felt smiles; genuine ones of UvA-NEMO last longer than posed ones",
+        0.5,
+        4.0,
+        "Ekman and Friesen 1982, J. Nonverbal Behavior 6, as quoted",
+    ),
+)
+BLINK = "Eyes close in a blink for 0.1 to 0.4 s: an eye event as short may be one."
+
+
+@dataclass(frozen=True)
+class Smile:
+    """One event of the lip-corner pullers. Frames, seconds, activation; sides are the subject's."""
+
+    event: Event
+    eye_event: Event | None
+    onset_seconds: Estimate
+    total_seconds: Estimate
+    onset_speed: Estimate  # activation a second
+    asymmetry: Estimate  # (left - right) / (left + right), -1 to 1
+    eye_ratio: Estimate  # eye group's amplitude over the mouth group's
+    eye_delay: GroupDelay | None
+
+
+def smiles_of(timing: Timing) -> list[Smile]:
+    """The certain events of the mouth group, each with what the eyes do meanwhile."""
+    fps = timing.performance.fps
+    return [_smile(event, timing, fps) for event in timing.of_group(MOUTH) if event.fit.is_certain]
+
+
+def _smile(event: Event, timing: Timing, fps: float) -> Smile:
+    fit = event.fit
+    delay = next(
+        (pair for pair in timing.delays if pair.leader is event and _is_eyes(pair.follower)), None
+    )
+    eyes = delay.follower if delay else _overlapping(event, timing)
+    rise, rise_spread = fit.apex.value - fit.onset.value, _gap(fit.onset, fit.apex)
+    fall = _fall_frames(fit)
+    unknown = Estimate(math.nan, math.nan, math.nan)
+    begins = not fit.begins_before
+    whole = begins and not fit.ends_after
+    amplitude = _about(fit.amplitude)
+    onset = Estimate(rise / fps, max(0.0, rise - rise_spread) / fps, (rise + rise_spread) / fps)
+    total = fit.release.value + fall - fit.onset.value
+    spread = _gap(fit.onset, fit.release)
+    return Smile(
+        event,
+        eyes,
+        onset if begins else unknown,
+        Estimate(total / fps, (total - spread) / fps, (total + spread) / fps) if whole else unknown,
+        _quotient(amplitude, onset) if begins else unknown,
+        _asymmetry(event, timing),
+        _quotient(_about(eyes.fit.amplitude), amplitude) if eyes else unknown,
+        delay if delay and delay.follower is eyes else None,
+    )
+
+
+def _is_eyes(event: Event) -> bool:
+    return event.curve.group == EYES
+
+
+def _overlapping(event: Event, timing: Timing) -> Event | None:
+    """The strongest certain event of the eyes that overlaps."""
+    fits = [
+        eyes
+        for eyes in timing.of_group(EYES)
+        if eyes.fit.is_certain
+        and eyes.fit.onset.value < event.fit.release.value
+        and eyes.fit.release.value > event.fit.onset.value
+    ]
+    return max(fits, key=lambda eyes: eyes.fit.amplitude.value, default=None)
+
+
+def _asymmetry(event: Event, timing: Timing) -> Estimate:
+    """Of the mouth group's two sides, by the events that overlap most."""
+    sides = []
+    for side in (".L", ".R"):
+        same = [
+            other
+            for other in timing.of_kind("side")
+            if other.curve.group == MOUTH
+            and other.curve.name.endswith(side)
+            and other.fit.first <= event.fit.last
+            and other.fit.last >= event.fit.first
+        ]
+        if not same:
+            return Estimate(math.nan, math.nan, math.nan)
+        sides.append(max(same, key=lambda other: other.fit.amplitude.value).fit.amplitude)
+    left, right = (_about(side) for side in sides)
+    whole = left.value + right.value
+    value = (left.value - right.value) / whole
+    slopes = (2 * right.value / whole**2, 2 * left.value / whole**2)
+    spread = math.hypot(slopes[0] * _half(left), slopes[1] * _half(right))
+    return Estimate(value, max(-1.0, value - spread), min(1.0, value + spread))
+
+
+def _fall_frames(fit: _core.PhaseFit) -> float:
+    """Frames until a tenth of the amplitude is left."""
+    shape = fit.shape
+    if shape.model == _core.PhaseModel.linear_ramp:
+        return 0.9 * shape.release_time
+    slow = shape.relaxation_time if shape.relaxed_share > 0.1 else shape.release_time
+    share = shape.relaxed_share if shape.relaxed_share > 0.1 else 1.0
+    return max(slow * math.log(10 * share), 2.3 * shape.release_time if share == 1 else 0.0)
+
+
+def _about(interval: _core.Interval) -> Estimate:
+    return Estimate(interval.value, interval.lower, interval.upper)
+
+
+def _half(estimate: Estimate) -> float:
+    return (estimate.upper - estimate.lower) / 2
+
+
+def _gap(first: _core.Interval, second: _core.Interval) -> float:
+    return math.hypot((first.upper - first.lower) / 2, (second.upper - second.lower) / 2)
+
+
+def _quotient(one: Estimate, other: Estimate) -> Estimate:
+    value = one.value / other.value
+    spread = abs(value) * math.hypot(_half(one) / one.value, _half(other) / other.value)
+    return Estimate(value, max(0.0, value - spread), value + spread)
+
+
+def smile_rows(smiles: list[Smile]) -> list[dict[str, object]]:
+    rows = []
+    for smile in smiles:
+        row: dict[str, object] = {"event": smile.event.number}
+        for field in ("onset_seconds", "total_seconds", "onset_speed", "asymmetry", "eye_ratio"):
+            estimate = getattr(smile, field)
+            row |= {field: estimate.value, f"{field}_lower": estimate.lower}
+            row[f"{field}_upper"] = estimate.upper
+        lag = smile.eye_delay.delay.lag if smile.eye_delay else None
+        row |= {
+            "eye_delay_frames": lag.value if lag else "",
+            "eye_delay_frames_lower": lag.lower if lag else "",
+            "eye_delay_frames_upper": lag.upper if lag else "",
+            "eye_is_delayed": smile.eye_delay.delay.is_delayed if smile.eye_delay else "",
+        }
+        rows.append(row)
+    return rows
+
+
+def summary_of(smile: Smile) -> str:
+    """What the numbers say, in words, and no more."""
+    parts = [f"Lip corners, event {smile.event.number}, peak {_amplitude(smile.event)}."]
+    if smile.event.fit.begins_before:
+        parts.append("It is there when the clip begins: its onset is not known.")
+    else:
+        onset = smile.onset_seconds
+        parts.append(
+            f"Onset {smile.event.fit.onset.value:.1f}, {onset.value:.2f} s long "
+            f"({onset.lower:.2f} to {onset.upper:.2f})."
+        )
+    parts.append(_eye_words(smile))
+    uneven = smile.asymmetry
+    if math.isfinite(uneven.value):
+        if uneven.lower > 0 or uneven.upper < 0:
+            side = "left" if uneven.value > 0 else "right"
+            parts.append(f"Stronger on the subject's {side} ({uneven.value:+.2f}).")
+        else:
+            parts.append(f"No difference between the sides can be told ({uneven.value:+.2f}).")
+    return " ".join(parts)
+
+
+def _eye_words(smile: Smile) -> str:
+    if smile.eye_event is None:
+        return "No contraction about the eyes can be told from the capture's own error."
+    ratio = smile.eye_ratio
+    words = (
+        f"The eye group contracts too, {ratio.value:.1f} times as much "
+        f"({ratio.lower:.1f} to {ratio.upper:.1f})"
+    )
+    if smile.eye_delay is None:
+        return f"{words}; it begins too far apart for a delay to be measured."
+    lag = smile.eye_delay.delay.lag
+    times = f"{lag.value:+.1f} frames, {lag.lower:+.1f} to {lag.upper:+.1f}"
+    if smile.eye_delay.delay.is_delayed:
+        return f"{words}, {'after' if lag.value > 0 else 'before'} the mouth ({times})."
+    return f"{words}; that it begins earlier or later cannot be told ({times})."
+
+
+def _amplitude(event: Event) -> str:
+    amplitude = event.fit.amplitude
+    return f"{amplitude.value:.2f} ({amplitude.lower:.2f} to {amplitude.upper:.2f})"

@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Phases of every muscle and group of a performance, and the delays between groups."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import _core
+from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.score.groups import GROUP_NAMES
+
+SIDES = (".L", ".R")
+Progress = Callable[[float, str], object]
+
+
+@dataclass(frozen=True)
+class Curve:
+    """An actuation over time: of a muscle, a group (its muscles' mean) or one side of it."""
+
+    kind: str  # "group", "side", "muscle"
+    name: str
+    group: int  # 1 to 7
+    values: NDArray[np.float64]  # N, 0 to 1
+    stds: NDArray[np.float64]  # N
+    measured_std: float  # of what the smoother saw: a group's muscles
+
+
+@dataclass(frozen=True)
+class Event:
+    """One rise and fall of a curve; `number` counts the curve's events from 1."""
+
+    curve: Curve
+    number: int
+    fit: _core.PhaseFit
+
+
+@dataclass(frozen=True)
+class GroupDelay:
+    """How much later `follower` begins than `leader`, both of groups."""
+
+    leader: Event
+    follower: Event
+    delay: _core.Delay
+
+
+@dataclass(frozen=True)
+class Timing:
+    """What a performance says about when muscles fire."""
+
+    performance: Performance
+    curves: list[Curve]
+    events: list[Event]
+    delays: list[GroupDelay]
+
+    def of_kind(self, kind: str) -> list[Event]:
+        return [event for event in self.events if event.curve.kind == kind]
+
+    def of_group(self, group: int) -> list[Event]:
+        return [event for event in self.of_kind("group") if event.curve.group == group]
+
+
+def analyse_timing(
+    performance: Performance,
+    progress: Progress = lambda _fraction, _text: None,
+    kinds: tuple[str, ...] = ("group", "side", "muscle"),
+) -> Timing:
+    """Events of all curves of these kinds, and delays between those of groups."""
+    curves = [curve for curve in curves_of(performance) if curve.kind in kinds]
+    frames = performance.frame.astype(np.float64)
+    usable = (performance.quality >= HELD_QUALITY).tolist()
+    events = []
+    for i, curve in enumerate(curves):
+        progress(0.9 * i / len(curves), f"fitting phases: {curve.name}")
+        options = _core.PhaseOptions()
+        options.measured_std = curve.measured_std
+        fits = _core.fit_phases(frames, curve.values, curve.stds, usable, options)
+        events += [Event(curve, number, fit) for number, fit in enumerate(fits, 1)]
+    progress(0.9, "delays between groups")
+    groups = [event for event in events if event.curve.kind == "group"]
+    return Timing(performance, curves, events, list(_delays(frames, groups)))
+
+
+def curves_of(performance: Performance) -> Iterator[Curve]:
+    """Groups, their sides, and muscles, in this order."""
+    names = {
+        ("group", name, group): performance.groups == group
+        for group, name in GROUP_NAMES.items()
+        if (performance.groups == group).any()
+    }
+    for group, name in GROUP_NAMES.items():
+        for side in SIDES:
+            is_of_side = np.array([muscle.endswith(side) for muscle in performance.muscles])
+            chosen = (performance.groups == group) & is_of_side
+            if chosen.any():
+                names["side", f"{name}{side}", group] = chosen
+    for i, (muscle, group) in enumerate(zip(performance.muscles, performance.groups, strict=True)):
+        names["muscle", muscle, int(group)] = np.arange(len(performance.muscles)) == i
+    members = np.array(list(names.values()), dtype=np.float64)
+    means = _core.mean_curves(performance.activations, performance.activations_std, members)
+    for i, (kind, name, group) in enumerate(names):
+        values, stds = means.values[:, i].copy(), means.stds[:, i].copy()
+        yield Curve(kind, name, group, values, stds, float(means.measured_std[i]))
+
+
+def _delays(frames: NDArray[np.float64], events: list[Event]) -> Iterator[GroupDelay]:
+    for leader, follower in combinations(events, 2):
+        if leader.curve is follower.curve:
+            continue
+        delay = _core.estimate_delay(
+            frames, leader.curve.values, leader.fit, follower.curve.values, follower.fit
+        )
+        if delay is not None:
+            yield GroupDelay(leader, follower, delay)

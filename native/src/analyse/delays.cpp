@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mimetic/analyse/delays.hpp>
+#include <mimetic/shared/checks.hpp>
+
+namespace mimetic {
+namespace {
+
+constexpr int kAround = 4;  // frames before the earlier onset and after the later apex
+
+Eigen::VectorXd rates_of(const Eigen::VectorXd& values) {
+    const Eigen::Index n = values.size();
+    Eigen::VectorXd rates = Eigen::VectorXd::Zero(n);
+    rates.segment(1, n - 2) = (values.tail(n - 2) - values.head(n - 2)) / 2;
+    return rates;
+}
+
+/// Rows in which both applications happen.
+struct Span {
+    int first, last;
+};
+
+struct Peak {
+    double lag = std::numeric_limits<double>::quiet_NaN(), correlation = 0;
+};
+
+/// Correlation of the leader's rates in the span with another's rates `lag` rows later, 0 beyond the ends.
+double correlate(const Eigen::VectorXd& leader, const Eigen::VectorXd& other, Span span, int lag) {
+    double product = 0, one = 0, two = 0;
+    const int count = static_cast<int>(other.size());
+    for (int i = span.first; i <= span.last; ++i) {
+        const int at = i + lag;
+        const double later = at >= span.first && at <= span.last && at < count ? other[at] : 0;
+        product += leader[i] * later;
+        one += leader[i] * leader[i];
+        two += other[i] * other[i];
+    }
+    return one > 0 && two > 0 ? product / std::sqrt(one * two) : 0;
+}
+
+/// The highest correlation, between lags by a parabola.
+Peak correlation_peak(const Eigen::VectorXd& leader, const Eigen::VectorXd& other, Span span, int max_lag) {
+    std::vector<double> at;
+    for (int lag = -max_lag - 1; lag <= max_lag + 1; ++lag) {
+        at.push_back(correlate(leader, other, span, lag));
+    }
+    const auto best = std::max_element(at.begin() + 1, at.end() - 1);
+    const double before = *(best - 1), here = *best, after = *(best + 1);
+    const double bend = before - 2 * here + after;
+    const double part = bend < 0 ? std::clamp(.5 * (before - after) / bend, -.5, .5) : 0;
+    return {static_cast<double>(best - at.begin()) - max_lag - 1 + part, here};
+}
+
+int row_of(VectorIn frames, double frame) {
+    const auto* end = frames.data() + frames.size();
+    const auto row = static_cast<int>(std::lower_bound(frames.data(), end, frame) - frames.data());
+    return std::clamp(row, 0, static_cast<int>(frames.size()) - 1);
+}
+
+/// The curve with its event as the draw has it, as far as the event was fitted.
+Eigen::VectorXd with_event(VectorIn values, const PhaseFit& fit, const Eigen::VectorXd& event) {
+    Eigen::VectorXd drawn = values;
+    drawn.segment(fit.first, event.size()) = event;
+    return drawn;
+}
+
+Interval lag_interval(VectorIn frames, VectorIn leader, const PhaseFit& leader_fit, VectorIn curve,
+                      const PhaseFit& fit, Span span, const DelayOptions& options, double lag) {
+    const Eigen::MatrixXd first = draw_curves(leader_fit, frames, options.num_draws, options.seed);
+    const Eigen::MatrixXd second = draw_curves(fit, frames, options.num_draws, options.seed + 1);
+    std::vector<double> lags;
+    for (int k = 0; k < options.num_draws; ++k) {
+        const Peak peak =
+            correlation_peak(rates_of(with_event(leader, leader_fit, first.col(k))),
+                             rates_of(with_event(curve, fit, second.col(k))), span, options.max_lag);
+        lags.push_back(peak.lag);
+    }
+    if (lags.size() < 20) {
+        return {lag, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
+    }
+    std::sort(lags.begin(), lags.end());
+    const auto at = [&](double share) {
+        return lags[static_cast<std::size_t>(share * static_cast<double>(lags.size() - 1))];
+    };
+    // The draws say how far a lag strays; they lie about the fitted shapes' lag, which is another
+    const double spread = std::max(.5 * (at(.975) - at(.025)), std::abs(at(.5) - lag));
+    const double half = std::hypot(spread, 1.96 * options.timing_std);
+    return {lag, lag - half, lag + half};
+}
+
+/// How often a curve that is shifted about its own clip, so that nothing in it can belong to the leader's
+/// event, correlates as well.
+double chance_of(const Eigen::VectorXd& leader, const Eigen::VectorXd& other, Span span, int max_lag,
+                 double correlation) {
+    const int count = static_cast<int>(other.size());
+    int shifts = 0, as_good = 0;
+    Eigen::VectorXd shifted(count);
+    for (int shift = 2 * max_lag + 1; shift < count - 2 * max_lag; ++shift) {
+        for (int i = 0; i < count; ++i) {
+            shifted[i] = other[(i + shift) % count];
+        }
+        // Normalised by the event's own rates: a quiet stretch is no match however alike its noise is
+        double energy = 0, own = 0;
+        for (int i = span.first; i <= span.last; ++i) {
+            energy += shifted[i] * shifted[i];
+            own += other[i] * other[i];
+        }
+        const double quiet = own > 0 ? std::min(1.0, std::sqrt(energy / own)) : 0;
+        as_good += quiet * correlation_peak(leader, shifted, span, max_lag).correlation >= correlation;
+        ++shifts;
+    }
+    return shifts == 0 ? 1 : (1. + as_good) / (1. + shifts);
+}
+
+}  // namespace
+
+void DelayOptions::check() const {
+    check_range("DelayOptions.max_lag", max_lag, 1, 200);
+    check_range("DelayOptions.timing_std", timing_std, 0, 100);
+    check_range("DelayOptions.num_draws", num_draws, 0, 10000);
+}
+
+std::optional<Delay> estimate_delay(VectorIn frames, VectorIn leader, const PhaseFit& leader_fit,
+                                    VectorIn curve, const PhaseFit& fit, const DelayOptions& options) {
+    options.check();
+    require(leader.size() == frames.size() && curve.size() == frames.size(),
+            "estimate_delay: curves and frames must be as long as each other");
+    require(leader_fit.last < frames.size() && fit.last < frames.size(),
+            "estimate_delay: the fits are of other curves");
+    const double apart = fit.shape.onset - leader_fit.shape.onset;
+    if (frames.size() < 5 || !leader_fit.is_certain || !fit.is_certain || leader_fit.begins_before ||
+        fit.begins_before || std::abs(apart) > options.max_lag) {
+        return std::nullopt;
+    }
+    const double begin = std::min(fit.shape.onset, leader_fit.shape.onset) - kAround;
+    const double end = std::max(fit.shape.apex(), leader_fit.shape.apex()) + kAround;
+    const Span span{row_of(frames, begin), row_of(frames, end)};
+    const Eigen::VectorXd first = rates_of(leader), second = rates_of(curve);
+    const Peak peak = correlation_peak(first, second, span, options.max_lag);
+    Delay delay;
+    delay.correlation = peak.correlation;
+    delay.lag = lag_interval(frames, leader, leader_fit, curve, fit, span, options, peak.lag);
+    delay.onset_lag = apart;
+    delay.apex_lag = fit.shape.apex() - leader_fit.shape.apex();
+    delay.chance = chance_of(first, second, span, options.max_lag, peak.correlation);
+    const bool checks = peak.lag * (delay.onset_lag + delay.apex_lag) > 0;
+    delay.is_delayed = checks && (delay.lag.lower > 0 || delay.lag.upper < 0) && delay.chance < .05;
+    return delay;
+}
+
+}  // namespace mimetic

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "events.hpp"
+
+#include <algorithm>
+
+namespace mimetic {
+namespace {
+
+constexpr int kRestAround = 8;          // rows of rest that an event keeps on each side
+constexpr double kAtRest = .1;          // of the height above the valley
+constexpr double kCut = .3;             // of the height: an end of the clip above it cuts the event
+constexpr double kHeld = .6;            // of the height, in a hold
+constexpr int kLongHold = 12;           // rows
+constexpr int kLongestEvent = 900;      // rows
+constexpr double kOneFrameApart = 1.5;  // frames
+
+int lowest(VectorIn values, int first, int last) {
+    int row = first;
+    for (int i = first; i <= last; ++i) {
+        if (values[i] < values[row]) {
+            row = i;
+        }
+    }
+    return row;
+}
+
+struct Peak {
+    int row;
+    int valley_before, valley_after;
+};
+
+/// The peak with the least drop to its higher valley, relative to what is asked; -1 if all fall far enough.
+int weakest(const std::vector<Peak>& peaks, VectorIn values, double base, const PhaseOptions& options) {
+    int weakest = -1;
+    double least = 1;
+    for (std::size_t i = 0; i < peaks.size(); ++i) {
+        const double top = values[peaks[i].row];
+        const bool alone = peaks.size() == 1;
+        const double valley = alone ? std::min(values[peaks[i].valley_before], values[peaks[i].valley_after])
+                                    : std::max(i > 0 ? values[peaks[i].valley_before] : base,
+                                               i + 1 < peaks.size() ? values[peaks[i].valley_after] : base);
+        const double wanted = std::max(options.least_amplitude, options.least_drop * (top - base));
+        const double drop = (top - valley) / wanted;
+        if (drop < least) {
+            least = drop;
+            weakest = static_cast<int>(i);
+        }
+    }
+    return weakest;
+}
+
+EventRows around(const Peak& peak, VectorIn values, int first_row, int last_row) {
+    EventRows event{peak.valley_before, peak.valley_after, peak.row};
+    const double top = values[peak.row];
+    const auto rests = [&](int row, int valley) {
+        return values[row] - values[valley] <= kAtRest * (top - values[valley]);
+    };
+    int begin = peak.row, end = peak.row;
+    while (begin > peak.valley_before && !rests(begin, peak.valley_before)) {
+        --begin;
+    }
+    while (end < peak.valley_after && !rests(end, peak.valley_after)) {
+        ++end;
+    }
+    event.first = std::max({first_row, peak.valley_before, begin - kRestAround});
+    event.last = std::min({last_row, peak.valley_after, end + kRestAround, event.first + kLongestEvent});
+    int held = 0;
+    for (int row = event.first; row <= event.last; ++row) {
+        held += values[row] - values[peak.valley_before] > kHeld * (top - values[peak.valley_before]);
+    }
+    event.is_long = held >= kLongHold;
+    const double base = std::min(values[peak.valley_before], values[peak.valley_after]);
+    event.begins_before = event.first == first_row && values[first_row] - base > kCut * (top - base);
+    event.ends_after = event.last == last_row && values[last_row] - base > kCut * (top - base);
+    return event;
+}
+
+void find_in(VectorIn values, int first, int last, const PhaseOptions& options,
+             std::vector<EventRows>& events) {
+    std::vector<Peak> peaks;
+    for (int i = first; i <= last; ++i) {
+        const bool rises = i == first || values[i] > values[i - 1];
+        int end = i;
+        while (end < last && values[end + 1] == values[i]) {
+            ++end;
+        }
+        if (rises && (end == last || values[end + 1] < values[i])) {
+            peaks.push_back({(i + end) / 2, first, last});
+        }
+        i = end;
+    }
+    const auto set_valleys = [&] {
+        for (std::size_t i = 0; i + 1 < peaks.size(); ++i) {
+            peaks[i].valley_after = peaks[i + 1].valley_before =
+                lowest(values, peaks[i].row, peaks[i + 1].row);
+        }
+        if (!peaks.empty()) {
+            peaks.front().valley_before = lowest(values, first, peaks.front().row);
+            peaks.back().valley_after = lowest(values, peaks.back().row, last);
+        }
+    };
+    const double base = values.segment(first, last - first + 1).minCoeff();
+    set_valleys();
+    for (int weak = weakest(peaks, values, base, options); weak >= 0;
+         weak = weakest(peaks, values, base, options)) {
+        peaks.erase(peaks.begin() + weak);
+        set_valleys();
+    }
+    for (const Peak& peak : peaks) {
+        const EventRows event = around(peak, values, first, last);
+        if (event.last - event.first >= 5) {
+            events.push_back(event);
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<EventRows> find_events(VectorIn frames, VectorIn values, const PhaseOptions& options) {
+    std::vector<EventRows> events;
+    const int count = static_cast<int>(frames.size());
+    for (int first = 0; first < count;) {
+        int last = first;
+        while (last + 1 < count && frames[last + 1] - frames[last] < kOneFrameApart) {
+            ++last;
+        }
+        find_in(values, first, last, options, events);
+        first = last + 1;
+    }
+    return events;
+}
+
+}  // namespace mimetic

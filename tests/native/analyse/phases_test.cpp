@@ -1,0 +1,208 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mimetic/analyse/curve_noise.hpp>
+#include <mimetic/analyse/delays.hpp>
+#include <mimetic/analyse/group_curves.hpp>
+#include <mimetic/analyse/phases.hpp>
+#include <mimetic/shared/error.hpp>
+#include <random>
+
+namespace mimetic {
+namespace {
+
+constexpr int kFrames = 90;
+const Eigen::VectorXd frames = Eigen::VectorXd::LinSpaced(kFrames, 1, kFrames);
+const Eigen::VectorXd stds = Eigen::VectorXd::Constant(kFrames, .05);
+const std::vector<bool> all(kFrames, true);
+
+PhaseShape smile(double onset) {
+    PhaseShape shape;
+    shape.amplitude = .7;
+    shape.onset = onset;
+    shape.rise = 11;
+    shape.hold = 8;
+    shape.exponent = -2;
+    shape.release_time = 4;
+    return shape;
+}
+
+/// What a capture makes of a shape: the smoother's response, and noise as it correlates it.
+Eigen::VectorXd captured(const PhaseShape& shape, double noise, unsigned seed) {
+    const CurveNoise smoother(kFrames, smoothing_ratio(stds[0]));
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    Eigen::VectorXd curve(kFrames), error(kFrames);
+    for (int i = 0; i < kFrames; ++i) {
+        curve[i] = shape.value(frames[i]);
+        error[i] = normal(random);
+    }
+    return smoother.smoothed(curve) + noise * smoother.correlated(error);
+}
+
+/// The largest event; smaller ones may be noise.
+PhaseFit largest_event(const Eigen::VectorXd& curve) {
+    const auto fits = fit_phases(frames, curve, stds, all);
+    return *std::max_element(fits.begin(), fits.end(), [](const PhaseFit& one, const PhaseFit& other) {
+        return one.shape.amplitude < other.shape.amplitude;
+    });
+}
+
+TEST(PhaseShape, IsContinuousAndAnExponentNearZeroIsStraight) {
+    PhaseShape shape = smile(10.3);
+    shape.model = PhaseModel::two_exponentials;
+    shape.relaxation_time = 14;
+    shape.relaxed_share = .3;
+    shape.drift = -.2;
+    for (const double at : {shape.onset, shape.apex(), shape.release()}) {
+        EXPECT_NEAR(shape.value(at - 1e-7), shape.value(at + 1e-7), 1e-6);
+    }
+    EXPECT_NEAR(shape.value(shape.apex()), .7, 1e-9);
+    EXPECT_NEAR(shape.value(shape.release()), .56, 1e-9);
+    shape.exponent = 1e-5;
+    EXPECT_NEAR(shape.value(shape.onset + 5.5), .35, 1e-5);
+}
+
+TEST(CurveNoise, KeepsStraightLinesAndItsErrorsAreAsLargeAsAsked) {
+    const CurveNoise noise(kFrames, 3);
+    EXPECT_TRUE(noise.smoothed(frames).isApprox(frames, 1e-9));
+    std::mt19937 random(1);
+    std::normal_distribution<double> normal;
+    Eigen::MatrixXd draws(kFrames, 400);
+    for (Eigen::Index i = 0; i < draws.size(); ++i) {
+        draws(i) = normal(random);
+    }
+    const Eigen::MatrixXd errors = noise.correlated(draws);
+    EXPECT_NEAR(std::sqrt(errors.squaredNorm() / static_cast<double>(errors.size())), 1, .03);
+    EXPECT_GT((errors.topRows(kFrames - 1).cwiseProduct(errors.bottomRows(kFrames - 1))).mean(), .5);
+    EXPECT_LT(noise.effective_count(), kFrames / 2);
+    EXPECT_THROW(CurveNoise(2, 1), InvalidInput);
+}
+
+TEST(Phases, AKnownEventIsRecoveredWithItsIntervals) {
+    int onsets_held = 0;
+    constexpr int kTrials = 12;
+    for (unsigned seed = 0; seed < kTrials; ++seed) {
+        const PhaseShape truth = smile(20.4);
+        auto fits = fit_phases(frames, captured(truth, .01, seed), stds, all);
+        std::erase_if(fits, [](const PhaseFit& fit) { return !fit.is_certain; });  // noise
+        ASSERT_EQ(fits.size(), 1U);
+        const PhaseFit& fit = fits[0];
+        EXPECT_NEAR(fit.onset.value, truth.onset, 1.2);
+        EXPECT_NEAR(fit.release.value, truth.release(), .8);
+        EXPECT_NEAR(fit.amplitude.value, .7, .03);
+        EXPECT_GT(fit.explained, .99);
+        EXPECT_GE(fit.explained, fit.linear_explained);
+        EXPECT_TRUE(fit.is_certain);
+        EXPECT_FALSE(fit.begins_before || fit.ends_after);
+        onsets_held += fit.onset.lower <= truth.onset && truth.onset <= fit.onset.upper;
+    }
+    EXPECT_GE(onsets_held, 9);
+}
+
+TEST(Phases, TheModelIsTheOneThatMadeTheCurve) {
+    PhaseShape shape = smile(20);
+    shape.model = PhaseModel::linear_ramp;
+    shape.release_time = 9;
+    EXPECT_EQ(fit_phases(frames, captured(shape, .004, 1), stds, all).at(0).shape.model, shape.model);
+    shape.model = PhaseModel::two_exponentials;
+    shape.release_time = 3;
+    shape.relaxation_time = 15;
+    shape.relaxed_share = .3;
+    const PhaseFit fit = fit_phases(frames, captured(shape, .002, 2), stds, all).at(0);
+    EXPECT_EQ(fit.shape.model, shape.model);
+    EXPECT_NEAR(fit.shape.exponent, -2, .5);
+}
+
+TEST(Phases, EveryEventOfAClipIsFoundAndNoneInStillness) {
+    Eigen::VectorXd two = captured(smile(8), .003, 3) + captured(smile(52), .003, 4);
+    const auto fits = fit_phases(frames, two, stds, all);
+    ASSERT_EQ(fits.size(), 2U);
+    EXPECT_NEAR(fits[0].onset.value, 8, 1);
+    EXPECT_NEAR(fits[1].onset.value, 52, 1);
+    EXPECT_TRUE(fit_phases(frames, captured(smile(500), .004, 5), stds, all).empty());
+    PhaseShape weak = smile(20);
+    weak.amplitude = .07;
+    for (const PhaseFit& fit : fit_phases(frames, captured(weak, .001, 6), stds, all)) {
+        EXPECT_FALSE(fit.is_certain);  // the capture may be wrong by as much
+    }
+}
+
+TEST(Phases, WhatTheClipCutsIsMarked) {
+    EXPECT_TRUE(fit_phases(frames, captured(smile(-8), .002, 7), stds, all).at(0).begins_before);
+    const PhaseFit late = fit_phases(frames, captured(smile(74), .002, 8), stds, all).at(0);
+    EXPECT_TRUE(late.ends_after);
+    EXPECT_NEAR(late.onset.value, 74, 1);
+}
+
+TEST(Phases, HeldFramesSayNothing) {
+    Eigen::VectorXd curve = captured(smile(20), .001, 9);
+    std::vector<bool> usable = all;
+    for (int i = 30; i < 34; ++i) {
+        curve[i] += .05;
+        usable[static_cast<std::size_t>(i)] = false;
+    }
+    EXPECT_NEAR(fit_phases(frames, curve, stds, usable).at(0).amplitude.value, .7, .01);
+}
+
+TEST(Phases, WrongInputIsRefused) {
+    EXPECT_THROW(fit_phases(frames, frames.head(5), stds, all), InvalidInput);
+    EXPECT_THROW(fit_phases(frames, frames * std::numeric_limits<double>::quiet_NaN(), stds, all),
+                 InvalidInput);
+    EXPECT_THROW(fit_phases(-frames, frames, stds, all), InvalidInput);
+    PhaseOptions options;
+    options.num_draws = -1;
+    EXPECT_THROW(fit_phases(frames, frames, stds, all, options), InvalidInput);
+}
+
+TEST(Delays, ThreeFramesAreFoundAndNoneWhereThereIsNone) {
+    int reported = 0;
+    for (unsigned seed = 0; seed < 8; ++seed) {
+        const Eigen::VectorXd first = captured(smile(20), .01, 20 + seed);
+        const Eigen::VectorXd late = .8 * captured(smile(23), .01, 40 + seed);
+        const Eigen::VectorXd same = .8 * captured(smile(20), .01, 60 + seed);
+        const PhaseFit one = largest_event(first);
+        const auto delay = estimate_delay(frames, first, one, late, largest_event(late));
+        ASSERT_TRUE(delay.has_value());
+        EXPECT_NEAR(delay->lag.value, 3, .7);
+        EXPECT_TRUE(delay->is_delayed);
+        const auto none = estimate_delay(frames, first, one, same, largest_event(same));
+        ASSERT_TRUE(none.has_value());
+        EXPECT_NEAR(none->lag.value, 0, .7);
+        reported += none->is_delayed;
+    }
+    EXPECT_LE(reported, 1);
+}
+
+TEST(Delays, WhatIsUncertainCutOrFarAwayGivesNone) {
+    const Eigen::VectorXd first = captured(smile(20), .003, 1), second = captured(smile(45), .003, 2);
+    const PhaseFit one = fit_phases(frames, first, stds, all).at(0);
+    PhaseFit other = fit_phases(frames, second, stds, all).at(0);
+    EXPECT_FALSE(estimate_delay(frames, first, one, second, other).has_value());
+    other = one;
+    EXPECT_TRUE(estimate_delay(frames, first, one, first, other).has_value());
+    other.is_certain = false;
+    EXPECT_FALSE(estimate_delay(frames, first, one, first, other).has_value());
+    other = one;
+    other.begins_before = true;
+    EXPECT_FALSE(estimate_delay(frames, first, one, first, other).has_value());
+    EXPECT_THROW(estimate_delay(frames, first.head(9), one, first, one), InvalidInput);
+}
+
+TEST(GroupCurves, AMeanIsLessUncertainThanItsMembers) {
+    MatrixRows values(2, 3), errors = MatrixRows::Constant(2, 3, .2), members(2, 3);
+    values << .2, .4, .9, 0, 1, .5;
+    members << 1, 1, 0, 0, 0, 0;
+    const MeanCurves means = mean_curves(values, errors, members);
+    EXPECT_NEAR(means.values(0, 0), .3, 1e-12);
+    EXPECT_NEAR(means.stds(0, 0), .2 / std::sqrt(2), 1e-12);
+    EXPECT_NEAR(means.measured_std[0], .2, 1e-12);
+    EXPECT_EQ(means.values(0, 1), 0);
+    EXPECT_THROW(mean_curves(values, errors, members.leftCols(2)), InvalidInput);
+}
+
+}  // namespace
+}  // namespace mimetic
