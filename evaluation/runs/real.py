@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,6 +17,7 @@ from mimetic.solve import clip_capture
 from numpy.typing import NDArray
 
 from evaluation.runs.head_clips import face_mesh_python
+from evaluation.runs.real_events import score_events
 from evaluation.runs.real_labels import CLIPS, Labels, footage_of, read_labels
 from evaluation.runs.real_methods import by_capture, by_face_mesh, by_networks
 from evaluation.runs.real_score import FEATURES, RealScore, score_places
@@ -67,6 +69,8 @@ def score_clip(
     else:
         report("no networks on our own crops: run scripts/make_networks and build again")
     scores = [score_places(labels, method, places) for method, places in found.items()]
+    events = {one.kind: one.text() for one in score_events(labels.clip, performance)}
+    scores[0] = replace(scores[0], events=events)
     again = read_labels(labels.clip, second=True)
     if again is not None:
         scores.append(_marked_again(labels, again))
@@ -98,6 +102,7 @@ def clip_text(scores: list[RealScore]) -> str:
             text_table(
                 f"{clip}: bias, what is left", _columns("bias", "left", "left"), parts, CELL
             ),
+            *scores[0].events.values(),
         )
     )
 

@@ -34,6 +34,7 @@ class RealScore:
     figures: dict[str, dict[str, float]] = field(default_factory=dict)
     lips_told: float = math.nan  # share of the frames in which lips are rightly apart or touching
     seen: float = math.nan  # share of the marked points that the method has a place for
+    events: dict[str, str] = field(default_factory=dict)  # of a capture: by kind, how many it finds
 
 
 def score_places(labels: Labels, method: str, places: NDArray[np.float64]) -> RealScore:

@@ -13,7 +13,7 @@ namespace {
 FaceMotion make_motion(Points neutral, const ModesArray& modes, int num_muscles, Eigen::VectorXd lower,
                        Eigen::VectorXd upper, Eigen::VectorXd prior_std,
                        std::optional<Eigen::VectorXi> partner, const std::optional<ModesArray>& detail_modes,
-                       std::optional<Eigen::VectorXd> detail_std) {
+                       std::optional<Eigen::VectorXd> detail_std, std::optional<Eigen::VectorXd> quickness) {
     const Eigen::Index num_vertices = neutral.rows();
     FaceMotion motion{std::move(neutral),
                       {},
@@ -23,7 +23,8 @@ FaceMotion make_motion(Points neutral, const ModesArray& modes, int num_muscles,
                       std::move(prior_std),
                       partner.value_or(Eigen::VectorXi()),
                       MatrixRows(0, 3 * num_vertices),
-                      detail_std.value_or(Eigen::VectorXd())};
+                      detail_std.value_or(Eigen::VectorXd()),
+                      quickness.value_or(Eigen::VectorXd())};
     motion.modes = view_modes("modes", modes, num_vertices);
     if (detail_modes) {
         motion.detail_modes = view_modes("detail_modes", *detail_modes, num_vertices);
@@ -57,15 +58,18 @@ void bind_options(py::module_& m) {
 
 void bind_model(py::module_& m) {
     py::class_<FaceMotion>(m, "FaceMotion", "How a face moves: neutral + sum of values_j modes_j, metres.")
-        .def(py::init(&make_motion), "neutral"_a, py::arg("modes").noconvert(), "num_muscles"_a, "lower"_a,
-             "upper"_a, "prior_std"_a, "partner"_a = py::none(),
-             py::arg("detail_modes").noconvert() = py::none(), "detail_std"_a = py::none(),
-             "neutral: (V, 3); modes: (M, V, 3) float64, displacement at the value 1, muscles first; lower, "
-             "upper,\n"
-             "prior_std: (M,), how far a value strays from 0; partner: (M,) int32, the value of the other "
-             "side, -1:\n"
-             "none. detail_modes: (D, V, 3), for what the values cannot explain; detail_std: (D,). Raises "
-             "InvalidInput.")
+        .def(
+            py::init(&make_motion), "neutral"_a, py::arg("modes").noconvert(), "num_muscles"_a, "lower"_a,
+            "upper"_a, "prior_std"_a, "partner"_a = py::none(),
+            py::arg("detail_modes").noconvert() = py::none(), "detail_std"_a = py::none(),
+            "quickness"_a = py::none(),
+            "neutral: (V, 3); modes: (M, V, 3) float64, displacement at the value 1, muscles first; lower, "
+            "upper,\n"
+            "prior_std: (M,), how far a value strays from 0; partner: (M,) int32, the value of the other "
+            "side, -1:\n"
+            "none. detail_modes: (D, V, 3), for what the values cannot explain; detail_std: (D,). quickness: "
+            "(M,),\n"
+            "how many times as fast as a skin muscle a value moves. Raises InvalidInput.")
         .def_readonly("num_muscles", &FaceMotion::num_muscles)
         .def_readonly("lower", &FaceMotion::lower)
         .def_readonly("upper", &FaceMotion::upper);
@@ -77,8 +81,33 @@ void bind_model(py::module_& m) {
              "inner"_a, "outer"_a, "upper"_a, "lower"_a, "lid_upper"_a = -1, "lid_lower"_a = -1,
              "inner, outer, upper, lower: vertices; lid_upper, lid_lower: indices among the values, -1: "
              "none.");
+    py::class_<FeatureOpening>(m, "FeatureOpening",
+                               "An eye or the mouth: lines on the skin from corner to corner.")
+        .def(
+            py::init(
+                [](std::vector<std::vector<int>> lines, const Eigen::Vector3d& facing, int lid_upper,
+                   int lid_lower) { return FeatureOpening{std::move(lines), lid_upper, lid_lower, facing}; }),
+            "lines"_a, "facing"_a, "lid_upper"_a = -1, "lid_lower"_a = -1,
+            "lines: vertices, of an eye the upper and the lower margin; facing: (3,) head frame; lid_upper,\n"
+            "lid_lower: indices among the values, -1: no eye.");
+    py::class_<FeatureInputs>(m, "FeatureInputs", "Where eyes and mouth are on the head, and who sees them.")
+        .def(py::init<>())
+        .def(py::init([](std::vector<EyeSlit> eyes, std::vector<FeatureOpening> openings,
+                         const FeatureNetworks* networks, const Camera& camera,
+                         const std::optional<Points>& anchors) {
+                 FeatureInputs inputs{std::move(eyes), std::move(openings), {}};
+                 if (networks != nullptr && anchors) {
+                     inputs.source = see_by_networks(*networks, camera, *anchors);
+                 }
+                 return inputs;
+             }),
+             "eyes"_a, "openings"_a, "networks"_a, "camera"_a, "anchors"_a = py::none(),
+             py::keep_alive<1, 4>(),
+             "eyes: for lids without networks; openings: left eye, right eye, mouth; networks: or None;\n"
+             "anchors: (6, 3), as feature_crops has them.");
     py::class_<StageTimes>(m, "StageTimes", "Milliseconds of one frame's stages.")
         .def_readonly("predict_ms", &StageTimes::predict_ms)
+        .def_readonly("features_ms", &StageTimes::features_ms)
         .def_readonly("warp_ms", &StageTimes::warp_ms)
         .def_readonly("flow_ms", &StageTimes::flow_ms)
         .def_readonly("solve_ms", &StageTimes::solve_ms)
@@ -129,15 +158,15 @@ void bind_tracker(py::module_& m) {
         "Follows one face: pose, muscles and articulators together, against reference textures.")
         .def(py::init([](const Camera& camera, QuadsIn faces, VectorIn weights, const FaceMotion& motion,
                          const ImageArray& image, const Eigen::Matrix4d& camera_from_head,
-                         const std::vector<EyeSlit>& eyes, const TrackerOptions& options, int levels) {
+                         const FeatureInputs& features, const TrackerOptions& options, int levels) {
                  const ColorView view = view_image<3>(image, "the reference image");
                  const py::gil_scoped_release unlocked;
                  return FaceTracker(camera, refine_for_tracking(faces, weights, levels), motion, view,
-                                    to_isometry(camera_from_head), eyes, options);
+                                    to_isometry(camera_from_head), features, options);
              }),
              "camera"_a, py::arg("faces").noconvert(), py::arg("weights").noconvert(), "motion"_a,
-             py::arg("image").noconvert(), "camera_from_head"_a, "eyes"_a = std::vector<EyeSlit>{},
-             "options"_a = TrackerOptions{}, "levels"_a = 1,
+             py::arg("image").noconvert(), "camera_from_head"_a, "features"_a = FeatureInputs{},
+             "options"_a = TrackerOptions{}, "levels"_a = 1, py::keep_alive<1, 8>(),
              "faces: (F, 4) int32 quads of the skin's vertices; weights: (V,) 0 to 1, 0 keeps a vertex out "
              "of the\n"
              "measurement; image: (H, W, 3) uint8, the reference frame, where the face is at "

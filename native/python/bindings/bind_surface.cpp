@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/surface/edge_loop.hpp>
 #include <mimetic/surface/nearest.hpp>
 #include <mimetic/surface/places.hpp>
 #include <mimetic/surface/shown_places.hpp>
@@ -90,6 +91,9 @@ void bind_skin_places(py::module_& m) {
 }  // namespace
 
 void bind_surface(py::module_& m) {
+    m.def("edge_loop", &edge_loop, py::arg("faces").noconvert(), "start"_a, "over"_a,
+          "Vertices met by going straight on over a mesh of quads, from a vertex over a neighbour.\n\n"
+          "faces: (F, 4) int32; ends where not four faces meet. Raises InvalidInput.");
     bind_skin_places(m);
     m.def(
         "places_under", &places_under_pixels, "camera"_a, py::arg("vertices_in_camera").noconvert(),

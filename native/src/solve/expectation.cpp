@@ -57,7 +57,12 @@ Expectation predict(const TrackedFace& face, const TrackMemory& memory) {
     noise_variance.translation().setConstant(kTranslationStd * kTranslationStd);
     expected.covariance = fade.flat.asDiagonal() * memory.covariance * fade.flat.asDiagonal();
     expected.covariance.diagonal() += noise_variance.flat;
-    expected.covariance.bottomRightCorner(num_values, num_values) += (1 - kept * kept) * face.rest;
+    Eigen::MatrixXd change = (1 - kept * kept) * face.rest;
+    if (face.motion.quickness.size() > 0) {
+        const auto quickness = face.motion.quickness.asDiagonal();
+        change = quickness * change * quickness;
+    }
+    expected.covariance.bottomRightCorner(num_values, num_values) += change;
     expected.information = expected.covariance.llt().solve(Eigen::MatrixXd::Identity(size, size));
     return expected;
 }

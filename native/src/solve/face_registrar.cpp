@@ -17,9 +17,10 @@ double ratio_or_zero(double part, double whole) { return whole > 0 ? part / whol
 }  // namespace
 
 FaceRegistrar::FaceRegistrar(const TrackedFace& face, const ReferenceViews& views,
-                             ErrorField<float> error_field)
+                             ErrorField<float> error_field, const FeatureEvidence& features)
     : face_(face),
       views_(views),
+      features_(features),
       solver_(face.motion, std::move(error_field)),
       texture_flow_(face.options.flow_method),
       sight_(face),
@@ -79,6 +80,7 @@ Registration FaceRegistrar::register_textures(const Expectation& expected, const
         NoiseModel present = face_.noise;
         present.robust_cut *= iteration == 0 ? 2.5 : 1;  // far off at first
         solver_.linearise(face_.camera, state, samples, present);
+        solver_.add(features_.terms(state));
         FaceStep& step = registration.last_step = FaceStep(
             solver_.solve(expected.from(state, face_), state, effort.num_free, iteration == 0 ? 3 : 2));
         state.apply(step);

@@ -4,6 +4,7 @@
 #include <unordered_set>
 
 #include "expectation.hpp"
+#include "feature_evidence.hpp"
 #include "sight.hpp"
 
 namespace mimetic {
@@ -26,6 +27,7 @@ private:
 
 /// The frame at hand.
 struct FrameAtHand {
+    ColorView color;
     cv::Mat1b gray;
     PreparedFrame prepared;  ///< for the textures' resolution
     StageTimes times;        ///< spent on it
@@ -58,7 +60,8 @@ struct Registration {
 /// Finds the state that explains a frame by the reference textures, and whether it is this face at all.
 class FaceRegistrar {
 public:
-    FaceRegistrar(const TrackedFace& face, const ReferenceViews& views, ErrorField<float> error_field);
+    FaceRegistrar(const TrackedFace& face, const ReferenceViews& views, ErrorField<float> error_field,
+                  const FeatureEvidence& features);
 
     /// From a state on. A quality under the held one: it is not the face that recognition knows.
     Registration register_face(const Expectation& expected, const FaceState& start, FrameAtHand& frame,
@@ -93,6 +96,7 @@ private:
 
     const TrackedFace& face_;
     const ReferenceViews& views_;
+    const FeatureEvidence& features_;
     JointSolver solver_;
     TextureFlow texture_flow_;
     Sight sight_;

@@ -64,6 +64,11 @@ SkinPoint FaceSurface::at(int triangle, const Eigen::Vector3f& barycentric) cons
     return point;
 }
 
+SkinPoint FaceSurface::at_vertex(int vertex) const {
+    return {neutral_.segment<3>(3 * vertex), modes_.middleRows<3>(3 * vertex),
+            detail_modes_.middleRows<3>(3 * vertex)};
+}
+
 void ProjectedSurface::update(const FaceSurface& surface, const Camera& camera,
                               const Eigen::Isometry3d& camera_from_head, const Eigen::VectorXd& values) {
     surface.evaluate(values, points_in_head);

@@ -31,6 +31,8 @@ public:
 
     void evaluate(const Eigen::VectorXd& values, FloatPoints& points) const;
     SkinPoint at(int triangle, const Eigen::Vector3f& barycentric) const;
+    /// The limit of a control vertex, which is the refined vertex of the same number.
+    SkinPoint at_vertex(int vertex) const;
     const Triangles& triangles() const { return triangles_; }
     const Eigen::VectorXf& weights() const { return weights_; }
     int num_values() const { return static_cast<int>(modes_.cols()); }

@@ -62,6 +62,7 @@ void JointSolver::linearise(const Camera& camera, const FaceState& state,
     noise_ = noise;
     const std::size_t count = measurements.size();
     const Eigen::Index size = 6 + state.values.size();
+    evidence_ = {Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)};
     jacobians_.resize(static_cast<Eigen::Index>(2 * count), size);
     displacements_.resize(static_cast<Eigen::Index>(2 * count));
     whiteners_.resize(count);
@@ -177,6 +178,8 @@ void JointSolver::sum_up(const std::vector<Sums>& parts) {
     explained.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose());
     information_ -= explained.selfadjointView<Eigen::Lower>().toDenseMatrix().cast<double>();
     pull_ -= (field_coupling_.transpose() * field_factor_.solve(field_pull_)).cast<double>();
+    information_ += evidence_.information;
+    pull_ += evidence_.gradient;
 }
 
 Eigen::VectorXd JointSolver::solve(const StepPrior& prior, const FaceState& state, Eigen::Index num_free,

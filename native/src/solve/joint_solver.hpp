@@ -33,6 +33,8 @@ public:
     /// Linearises at `state`; the measurements must outlive the solver's next calls.
     void linearise(const Camera& camera, const FaceState& state,
                    const std::vector<SampleMeasurement>& measurements, const NoiseModel& noise);
+    /// What other evidence says of a step from the state that was linearised at; until the next linearise.
+    void add(StepPrior evidence) { evidence_ = std::move(evidence); }
     /// Bounded most probable step; num_free < 6 + M keeps the last values as they are (6: pose alone). Starts
     /// from the error field of the last call.
     Eigen::VectorXd solve(const StepPrior& prior, const FaceState& state, Eigen::Index num_free,
@@ -84,6 +86,7 @@ private:
     Eigen::MatrixXf field_coupling_;  // 2N x n
     Eigen::VectorXf field_pull_, field_;
     Eigen::LLT<Eigen::MatrixXf> field_factor_;
+    StepPrior evidence_;
     Eigen::MatrixXd information_;
     Eigen::VectorXd pull_;
 };

@@ -23,11 +23,12 @@ FloatPixels LidReader::project_control(const FaceState& state) const {
     return pixels;
 }
 
-FrameEstimate LidReader::read(FrameEstimate estimate, const cv::Mat1b& gray, const FaceState& before) const {
+void LidReader::look(const cv::Mat1b& gray, const FaceState& near) {
+    measured_.clear();
     if (lids_.empty()) {
-        return estimate;
+        return;
     }
-    FaceState open{estimate.camera_from_head, estimate.values};
+    FaceState open = near;
     for (const LidMeter& lid : lids_) {
         for (const int value : {lid.slit().lid_upper, lid.slit().lid_lower}) {
             if (value >= 0) {
@@ -37,29 +38,35 @@ FrameEstimate LidReader::read(FrameEstimate estimate, const cv::Mat1b& gray, con
     }
     const FloatPixels pixels = project_control(open);
     for (const LidMeter& lid : lids_) {
-        const LidMeasurement measured = lid.measure(gray, pixels);
-        if (!measured.seen) {
-            continue;
-        }
-        const int value = lid.slit().lid_upper;
-        const Eigen::Index row = FaceStep::kPose + value;
-        // A blink takes three frames: what was says little.
-        constexpr double kJump = .4;
-        const double variance = measured.std * measured.std;
-        const double share = kJump * kJump / (kJump * kJump + variance);
-        const double last = before.values[value];
-        const double wanted = std::clamp(last + share * (measured.closure - last), face_.motion.lower[value],
-                                         face_.motion.upper[value]);
-        estimate.values[value] = wanted;
-        estimate.covariance.row(row).setZero();
-        estimate.covariance.col(row).setZero();
-        estimate.covariance(row, row) = share * variance;
-        estimate.information.row(row).setZero();
-        estimate.information.col(row).setZero();
-        estimate.information(row, row) = 1 / variance;
-        estimate.gradient[row] = (measured.closure - wanted) / variance;
+        measured_.push_back(lid.measure(gray, pixels));
     }
-    return estimate;
+}
+
+void LidReader::look_away() { measured_.clear(); }
+
+StepPrior LidReader::terms(const FaceState& state) const {
+    const Eigen::Index size = face_.num_unknowns();
+    StepPrior terms{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)};
+    for (std::size_t i = 0; i < measured_.size(); ++i) {
+        if (measured_[i].seen) {
+            const int value = lids_[i].slit().lid_upper;
+            const double information = 1 / (measured_[i].std * measured_[i].std);
+            terms.information(FaceStep::kPose + value, FaceStep::kPose + value) = information;
+            terms.gradient[FaceStep::kPose + value] =
+                information * (measured_[i].closure - state.values[value]);
+        }
+    }
+    return terms;
+}
+
+FaceState LidReader::with_lids(FaceState state) const {
+    for (std::size_t i = 0; i < measured_.size(); ++i) {
+        if (measured_[i].seen) {
+            state.values[lids_[i].slit().lid_upper] = measured_[i].closure;
+        }
+    }
+    state.keep_within(face_.motion);
+    return state;
 }
 
 }  // namespace mimetic

@@ -5,21 +5,28 @@
 
 namespace mimetic {
 
-/// The lids of both eyes, which flow cannot follow.
+/// The upper lids by their look, where no network sees them.
 class LidReader {
 public:
     /// gray: the reference frame, in which the face is so.
     LidReader(const TrackedFace& face, const std::vector<EyeSlit>& eyes, const cv::Mat1b& gray,
               const FaceState& state);
 
-    /// The estimate with what each lid that is seen says in place of what flow said; before: the last state.
-    FrameEstimate read(FrameEstimate estimate, const cv::Mat1b& gray, const FaceState& before) const;
+    void look(const cv::Mat1b& gray, const FaceState& near);
+    void look_away();
+
+    /// Information and pull of what was seen of the lids, about a state.
+    StepPrior terms(const FaceState& state) const;
+
+    /// The state with the lids as they were seen.
+    FaceState with_lids(FaceState state) const;
 
 private:
     FloatPixels project_control(const FaceState& state) const;
 
     const TrackedFace& face_;
     std::vector<LidMeter> lids_;
+    std::vector<LidMeasurement> measured_;
 };
 
 }  // namespace mimetic

@@ -74,6 +74,9 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
     weights.segment<3>(3).setConstant(std::pow(options.translation_acceleration, -2));
     weights.tail(num_values) =
         (options.value_acceleration / .3 * motion.prior_std).cwiseAbs2().cwiseInverse();
+    if (motion.quickness.size() > 0) {
+        weights.tail(num_values).array() /= motion.quickness.array().square();
+    }
 
     const Blocks shown = rest_pull ? shown_around(estimates, steps, *rest_pull) : Blocks();
     SequenceProblem problem;

@@ -27,6 +27,6 @@ struct TrackedFace {
 
 /// Throws InvalidInput unless a face can be followed by these.
 void check_inputs(const Camera& camera, const TrackedSurface& surface, const FaceMotion& motion,
-                  const std::vector<EyeSlit>& eyes);
+                  const FeatureInputs& features);
 
 }  // namespace mimetic

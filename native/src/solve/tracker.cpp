@@ -47,15 +47,15 @@ FrameEstimate to_estimate(const FaceState& state, const FrameScore& score) {
 }  // namespace
 
 FaceTracker::State::State(const Camera& camera, const TrackedSurface& surface, const FaceMotion& motion,
-                          const std::vector<EyeSlit>& eyes, const TrackerOptions& options,
+                          const FeatureInputs& inputs, const TrackerOptions& options, const ColorView& image,
                           const cv::Mat1b& gray, const Eigen::Isometry3d& camera_from_head)
     : face(camera, surface, motion, options),
-      memory(first_memory(face, gray, {camera_from_head, Eigen::VectorXd::Zero(face.num_values())})),
+      features(face, inputs, image, gray, {camera_from_head, Eigen::VectorXd::Zero(face.num_values())}),
+      memory(first_memory(face, gray, features.reference())),
       views(first_views(face, memory.state, gray)),
       follower(face, error_field(views.first())),
-      registrar(face, views, error_field(views.first())),
+      registrar(face, views, error_field(views.first()), features),
       search(gray, views.first()),
-      lids(face, eyes, gray, memory.state),
       detail_solver(face.motion) {}
 
 /// Predict, follow the flow, register, judge, search if the face is lost, report, remember.
@@ -84,7 +84,6 @@ FrameEstimate FaceTracker::State::follow(FrameAtHand& frame, const std::optional
     now.velocity = FaceStep::none(face.num_values());
     now.is_lost = is_lost;
     if (!is_lost) {
-        estimate = lids.read(std::move(estimate), frame.gray, memory.state);
         estimate.found_again = recognition.has_trial_begun();
         now.state = {estimate.camera_from_head, estimate.values};
         now.covariance = estimate.covariance;
@@ -111,6 +110,12 @@ FaceState FaceTracker::State::start_of(const Expectation& expected, FrameAtHand&
         start = follower.follow(expected, memory, frame.gray, views.first());
     }
     frame.prepared.update(frame.gray, 1 / views.pixels_per_crop_pixel(start.camera_from_head));
+    features.look_away();
+    if (!memory.is_lost) {
+        const StageClock clock(frame.times.features_ms);
+        features.look(frame.color, frame.gray, start);
+        start = features.with_lids(start);
+    }
     return start;
 }
 
@@ -119,6 +124,7 @@ Registration FaceTracker::State::search_again(const Expectation& expected, const
                                               FrameAtHand& frame,
                                               const std::optional<Eigen::Isometry3d>& guess,
                                               const Recognition& recognition) {
+    features.look_away();  // where the face is not, no eyes are
     const auto scale_at = [this](const FaceState& state) {
         return views.pixels_per_crop_pixel(state.camera_from_head);
     };
@@ -148,6 +154,11 @@ Registration FaceTracker::State::search_again(const Expectation& expected, const
     }
     // Once more where it fits best: the solver must not be left with another candidate's equations.
     frame.prepared.update(frame.gray, 1 / scale_at(best));
+    {
+        const StageClock clock(frame.times.features_ms);
+        features.look(frame.color, frame.gray, best);
+        best = features.with_lids(best);
+    }
     return registrar.register_face(expected.about(best), best, frame, recognition);
 }
 
@@ -183,9 +194,9 @@ FrameEstimate FaceTracker::State::held_estimate(const Expectation& expected, con
 
 FaceTracker::FaceTracker(const Camera& camera, const TrackedSurface& surface, const FaceMotion& motion,
                          const ColorView& image, const Eigen::Isometry3d& camera_from_head,
-                         const std::vector<EyeSlit>& eyes, const TrackerOptions& options) {
+                         const FeatureInputs& features, const TrackerOptions& options) {
     options.check();
-    check_inputs(camera, surface, motion, eyes);
+    check_inputs(camera, surface, motion, features);
     if (image.rows != camera.height || image.cols != camera.width) {
         throw InvalidInput("the reference image is " + std::to_string(image.cols) + " x " +
                            std::to_string(image.rows) + " pixels but the camera's is " +
@@ -196,8 +207,8 @@ FaceTracker::FaceTracker(const Camera& camera, const TrackedSurface& surface, co
                 .norm() > 1e-3) {
         throw InvalidInput("camera_from_head must be a rotation and a translation, finite");
     }
-    state_ =
-        std::make_unique<State>(camera, surface, motion, eyes, options, to_gray(image), camera_from_head);
+    state_ = std::make_unique<State>(camera, surface, motion, features, options, image, to_gray(image),
+                                     camera_from_head);
 }
 
 FaceTracker::~FaceTracker() = default;
@@ -215,6 +226,7 @@ FrameEstimate FaceTracker::advance(const ColorView& image, const std::optional<E
     FrameEstimate estimate;
     {
         const StageClock whole(frame.times.total_ms);
+        frame.color = image;
         frame.gray = to_gray(image);
         estimate = state_->follow(frame, guess);
     }

@@ -26,6 +26,22 @@ void check_surface(const TrackedSurface& surface, Eigen::Index num_vertices) {
     }
 }
 
+void check_opening(const FeatureOpening& opening, Eigen::Index num_vertices, Eigen::Index num_values) {
+    for (const std::vector<int>& line : opening.lines) {
+        if (line.size() < 2 || *std::min_element(line.begin(), line.end()) < 0 ||
+            *std::max_element(line.begin(), line.end()) >= num_vertices) {
+            fail("a line of an eye or the mouth needs two vertices or more, from 0 to " +
+                 std::to_string(num_vertices - 1));
+        }
+    }
+    const bool is_eye = opening.lid_upper >= 0;
+    if (opening.lines.empty() || (is_eye && opening.lines.size() != 2) ||
+        std::max(opening.lid_upper, opening.lid_lower) >= num_values) {
+        fail("an eye needs two lines and lids among the " + std::to_string(num_values) +
+             " values, a mouth at least a line");
+    }
+}
+
 }  // namespace
 
 void TrackerOptions::check() const {
@@ -40,7 +56,7 @@ void TrackerOptions::check() const {
 }
 
 void check_inputs(const Camera& camera, const TrackedSurface& surface, const FaceMotion& motion,
-                  const std::vector<EyeSlit>& eyes) {
+                  const FeatureInputs& features) {
     camera.check();
     const Eigen::Index num_vertices = motion.neutral.rows();
     const Eigen::Index num_values = motion.modes.rows();
@@ -65,6 +81,10 @@ void check_inputs(const Camera& camera, const TrackedSurface& surface, const Fac
         (motion.prior_std.array() <= 0).any()) {
         fail("every value's bounds must hold 0, the rest state, and every prior_std be above 0");
     }
+    if (motion.quickness.size() != 0 &&
+        (motion.quickness.size() != num_values || !(motion.quickness.array() > 0).all())) {
+        fail("quickness must be empty or have one number above 0 a mode");
+    }
     for (Eigen::Index i = 0; i < motion.partner.size(); ++i) {
         const int other = motion.partner[i];
         if (motion.partner.size() != num_values || other < -1 || other >= num_values ||
@@ -82,7 +102,7 @@ void check_inputs(const Camera& camera, const TrackedSurface& surface, const Fac
              std::to_string(motion.detail_std.size()));
     }
     check_surface(surface, num_vertices);
-    for (const EyeSlit& eye : eyes) {
+    for (const EyeSlit& eye : features.eyes) {
         for (const int vertex : {eye.inner, eye.outer, eye.upper, eye.lower}) {
             if (vertex < 0 || vertex >= num_vertices) {
                 fail("an eye names vertex " + std::to_string(vertex) + "; there are " +
@@ -92,6 +112,9 @@ void check_inputs(const Camera& camera, const TrackedSurface& surface, const Fac
         if (std::max(eye.lid_upper, eye.lid_lower) >= num_values) {
             fail("an eye names a lid value beyond the " + std::to_string(num_values) + " modes");
         }
+    }
+    for (const FeatureOpening& opening : features.openings) {
+        check_opening(opening, num_vertices, num_values);
     }
 }
 

@@ -3,16 +3,16 @@
 #include "detail_solver.hpp"
 #include "face_registrar.hpp"
 #include "face_search.hpp"
+#include "feature_evidence.hpp"
 #include "flow_follower.hpp"
-#include "lid_reader.hpp"
 
 namespace mimetic {
 
 /// A frame passes through these in turn; `memory` alone goes on to the next, with new textures.
 struct FaceTracker::State {
     State(const Camera& camera, const TrackedSurface& surface, const FaceMotion& motion,
-          const std::vector<EyeSlit>& eyes, const TrackerOptions& options, const cv::Mat1b& gray,
-          const Eigen::Isometry3d& camera_from_head);
+          const FeatureInputs& inputs, const TrackerOptions& options, const ColorView& image,
+          const cv::Mat1b& gray, const Eigen::Isometry3d& camera_from_head);
 
     FrameEstimate follow(FrameAtHand& frame, const std::optional<Eigen::Isometry3d>& guess);
 
@@ -23,12 +23,12 @@ struct FaceTracker::State {
     FrameEstimate held_estimate(const Expectation& expected, const FrameScore& score) const;
 
     TrackedFace face;
+    FeatureEvidence features;
     TrackMemory memory;
     ReferenceViews views;
     FlowFollower follower;
     FaceRegistrar registrar;
     FaceSearch search;
-    LidReader lids;
     DetailSolver detail_solver;
     Measured last_measured;  // what the last estimate rests on
 };

@@ -6,9 +6,11 @@ import csv
 import numpy as np
 import pytest
 from mimetic import InvalidInput
+from sample_performance import make_performance
 
-from evaluation.runs import real_labels
+from evaluation.runs import real_events, real_labels
 from evaluation.runs.real import AGAIN, clip_text
+from evaluation.runs.real_events import score_events
 from evaluation.runs.real_labels import CLIPS, POINTS, Labels, read_labels
 from evaluation.runs.real_score import FEATURES, RealScore, score_places
 
@@ -122,3 +124,18 @@ def test_points_have_names_of_their_own(labels):
     assert len(set(POINTS)) == len(POINTS) == labels.places.shape[1]
     assert {name for names in FEATURES.values() for name in names} == set(POINTS)
     assert isinstance(labels.rows(labels.frame > 20), Labels)
+
+
+def test_blinks_are_counted_beside_the_marked_ones(monkeypatch, tmp_path):
+    """Of two marked blinks one is found, another is said where none is; a squint is none."""
+    values = np.zeros((60, 2))
+    values[[9, 10, 29, 49]] = [[1.0], [0.9], [0.5], [1.0]]
+    performance = make_performance(
+        60, articulators=["lid_upper.L", "lid_upper.R"], articulator_values=values
+    )
+    rows = ["kind,start,closed_first,closed_last,end", "blink,9,10,11,12", "blink,19,20,21,22"]
+    (tmp_path / "clip.blinks.csv").write_text("\n".join([*rows, "squint,29,,,31"]) + "\n")
+    monkeypatch.setattr(real_events, "FOLDER", tmp_path)
+    (blinks,) = score_events("clip", performance)
+    assert (blinks.marked, blinks.hits, blinks.false) == (2, 1, 1)
+    assert blinks.f1 == pytest.approx(0.5)

@@ -7,6 +7,7 @@
 #include <mimetic/shared/image.hpp>
 #include <mimetic/shared/progress.hpp>
 #include <mimetic/shared/types.hpp>
+#include <mimetic/solve/features.hpp>
 #include <optional>
 #include <vector>
 
@@ -35,16 +36,7 @@ struct FaceMotion {
     MatrixRows
         detail_modes;  ///< D x 3V, D may be 0: what the values cannot explain, metres at the coefficient 1
     Eigen::VectorXd detail_std;  ///< D: how far a coefficient strays from 0
-};
-
-/// One eye's opening by its control vertices and the values that its lids are. -1: no such value.
-struct EyeSlit {
-    int inner = -1;
-    int outer = -1;
-    int upper = -1;
-    int lower = -1;
-    int lid_upper = -1;  ///< index among the values
-    int lid_lower = -1;
+    Eigen::VectorXd quickness;   ///< M or empty: how many times as fast as a skin muscle it moves
 };
 
 struct TrackerOptions {
@@ -62,10 +54,11 @@ struct TrackerOptions {
 };
 
 struct StageTimes {
-    double predict_ms = 0;  ///< frame-to-frame flow and search
-    double warp_ms = 0;     ///< surface, visibility, stabilised image
-    double flow_ms = 0;     ///< flow with covariance against the reference textures
-    double solve_ms = 0;    ///< robust normal equations, bounds, covariance
+    double predict_ms = 0;   ///< frame-to-frame flow and search
+    double features_ms = 0;  ///< networks at eyes and mouth
+    double warp_ms = 0;      ///< surface, visibility, stabilised image
+    double flow_ms = 0;      ///< flow with covariance against the reference textures
+    double solve_ms = 0;     ///< robust normal equations, bounds, covariance
     double total_ms = 0;
 };
 
@@ -114,10 +107,11 @@ struct SkinObservations {
 /// (no drift), after a first guess by frame-to-frame flow. Memory does not depend on the clip's length.
 class FaceTracker {
 public:
-    /// image: the reference frame, in which the face is at camera_from_head with all values 0.
+    /// image: the reference frame, in which the face is at camera_from_head with all values 0, but for the
+    /// lids, which features may tell.
     FaceTracker(const Camera& camera, const TrackedSurface& surface, const FaceMotion& motion,
                 const ColorView& image, const Eigen::Isometry3d& camera_from_head,
-                const std::vector<EyeSlit>& eyes = {}, const TrackerOptions& options = {});
+                const FeatureInputs& features = {}, const TrackerOptions& options = {});
     ~FaceTracker();
     FaceTracker(FaceTracker&&) noexcept;
     FaceTracker& operator=(FaceTracker&&) noexcept;

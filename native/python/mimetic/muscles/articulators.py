@@ -26,9 +26,9 @@ ARTICULATORS = {  # value range; jaw_side: positive to the subject's left
     "jaw_open": (0.0, 1.0),
     "jaw_side": (-1.0, 1.0),
     "jaw_thrust": (-0.3, 1.0),
-    "lid_upper.L": (-0.4, 1.0),
+    "lid_upper.L": (-1.0, 1.0),
     "lid_lower.L": (-0.3, 1.0),
-    "lid_upper.R": (-0.4, 1.0),
+    "lid_upper.R": (-1.0, 1.0),
     "lid_lower.R": (-0.3, 1.0),
 }
 JAW = ("jaw_open", "jaw_side", "jaw_thrust")

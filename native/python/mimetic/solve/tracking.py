@@ -10,6 +10,7 @@ from mimetic import _core
 from mimetic.fit.fitting import FaceFit
 from mimetic.muscles.anatomy import Anatomy
 from mimetic.muscles.detail import Detail
+from mimetic.solve.features import feature_inputs
 from mimetic.template.face_template import FaceTemplate
 
 # Hair, neck and ears move on their own or show no skin; mouth and sockets are seen only now and
@@ -23,8 +24,10 @@ ARTICULATOR_STD = {
     "jaw_side": 0.1,
     "jaw_thrust": 0.1,
     "lid_upper": 0.5,
-    "lid_lower": 0.05,
+    "lid_lower": 0.15,
 }
+# How many times as fast as a skin muscle: a blink is shut in two frames
+QUICKNESS = {"lid_upper": 8.0, "lid_lower": 4.0}
 
 
 def face_motion(
@@ -40,6 +43,7 @@ def face_motion(
     skin = template.num_skin_vertices
     modes, std = moving_modes(anatomy, skin)
     muscles = len(anatomy.muscle_names)
+    names = [*anatomy.muscle_names, *anatomy.articulator_names]
     limits = np.vstack([np.tile([0.0, 1.0], (muscles, 1)), anatomy.articulator_limits])
     return _core.FaceMotion(
         np.ascontiguousarray(neutral_vertices[:skin], dtype=np.float64),
@@ -48,9 +52,10 @@ def face_motion(
         limits[:, 0],
         limits[:, 1],
         std,
-        partners([*anatomy.muscle_names, *anatomy.articulator_names]),
+        partners(names),
         None if detail is None else np.ascontiguousarray(detail.modes[:, :skin]),
         None if detail is None else detail.std,
+        np.array([QUICKNESS.get(n.split(".")[0], 1.0) for n in names]),
     )
 
 
@@ -74,23 +79,6 @@ def partners(names: list[str]) -> NDArray[np.int32]:
     return np.array([names.index(other[n]) if n in other else -1 for n in names], dtype=np.int32)
 
 
-def eye_slits(template: FaceTemplate, anatomy: Anatomy) -> list[_core.EyeSlit]:
-    """The two eyes' openings, left first."""
-    names = list(anatomy.articulator_names)
-    first = len(anatomy.muscle_names)
-    return [
-        _core.EyeSlit(
-            inner=template.landmark(f"eye_inner.{side}"),
-            outer=template.landmark(f"eye_outer.{side}"),
-            upper=template.landmark(f"lid_upper.{side}"),
-            lower=template.landmark(f"lid_lower.{side}"),
-            lid_upper=first + names.index(f"lid_upper.{side}"),
-            lid_lower=first + names.index(f"lid_lower.{side}"),
-        )
-        for side in ("L", "R")
-    ]
-
-
 def make_tracker(
     image: NDArray[np.uint8],
     fit: FaceFit,
@@ -112,6 +100,6 @@ def make_tracker(
         motion,
         np.ascontiguousarray(image),
         np.asarray(fit.head_pose, dtype=np.float64),
-        eye_slits(template, anatomy),
+        feature_inputs(fit, template, anatomy),
         options or _core.TrackerOptions(),
     )

@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blinks and contacts of lips in a capture, beside the ranges marked by hand."""
+
+from __future__ import annotations
+
+import csv
+from dataclasses import dataclass
+
+import numpy as np
+from mimetic import InvalidInput
+from mimetic.performance.document import Performance
+from mimetic.performance.places import RefinedSurface
+from mimetic.template.face_template import load_template
+from numpy.typing import NDArray
+
+from evaluation.runs.real_labels import FOLDER
+from evaluation.runs.real_score import APART
+
+SHUT = 0.6  # of both upper lids' way, on the mean: more than half closed lids of a squint
+NEAR = 1  # frames by which an event may miss its mark
+EYES = ("eye_outer", "eye_inner")
+
+
+@dataclass(frozen=True)
+class Events:
+    """Of one kind: how many were marked, found among them, and said where none is."""
+
+    clip: str
+    kind: str
+    marked: int
+    hits: int
+    false: int
+    minutes: float
+
+    @property
+    def f1(self) -> float:
+        return 2 * self.hits / max(1, self.marked + self.hits + self.false)
+
+    def text(self) -> str:
+        return (
+            f"{self.clip}: {self.kind}: F1 {self.f1:.2f}; {self.hits} of {self.marked} found, "
+            f"{self.false} where none is, {self.false / max(self.minutes, 1e-9):.1f} a minute"
+        )
+
+
+Range = tuple[int, int]
+
+
+def score_events(clip: str, performance: Performance) -> list[Events]:
+    """Blinks, and lips that touch, of a clip that has such ranges; within the captured frames."""
+    events = []
+    minutes = len(performance.frame) / float(performance.fps) / 60
+    if (rows := _rows(f"{clip}.blinks.csv", performance)) is not None:
+        shut = [
+            (int(row["closed_first"]), int(row["closed_last"]))
+            for row in rows
+            if row["kind"] in ("blink", "closed")
+        ]
+        events.append(
+            _matched(clip, "blinks", shut, runs(performance, eyes_shut(performance)), minutes)
+        )
+    if (rows := _rows(f"{clip}.lips.csv", performance)) is not None:
+        events.append(_lips_told(clip, rows, performance, minutes))
+    return events
+
+
+def eyes_shut(performance: Performance) -> NDArray[np.bool_]:
+    names = list(performance.articulators)
+    lids = performance.articulator_values[:, [names.index(f"lid_upper.{s}") for s in "LR"]]
+    return lids.mean(axis=1) >= SHUT
+
+
+def lips_touch(performance: Performance) -> NDArray[np.bool_]:
+    """By the gap between the lips' inner landmarks on the surface, as frames marked by hand are."""
+    template, surface = load_template(), RefinedSurface(performance)
+    lips = [template.landmark(f"lip_{lip}_inner") for lip in ("upper", "lower")]
+    eyes = [template.landmark(f"{end}.{side}") for side in "RL" for end in EYES]
+    chosen = np.searchsorted(surface.used, [*lips, *eyes])
+    touch = []
+    for i in range(performance.num_frames):
+        pixels = performance.project(surface.in_camera(i)[chosen])
+        apart = np.linalg.norm(pixels[1] - pixels[0])
+        ipd = np.linalg.norm(pixels[4:].mean(axis=0) - pixels[2:4].mean(axis=0))
+        touch.append(100 * apart / ipd < APART)
+    return np.array(touch)
+
+
+def runs(performance: Performance, holds: NDArray[np.bool_]) -> list[Range]:
+    """First and last frames of the runs in which something holds."""
+    edges = np.flatnonzero(np.diff(np.r_[False, holds, False]))
+    frames = performance.frame
+    return [(int(frames[a]), int(frames[b - 1])) for a, b in edges.reshape(-1, 2)]
+
+
+def _matched(
+    clip: str, kind: str, marked: list[Range], found: list[Range], minutes: float
+) -> Events:
+    """An event is found by one run that meets it; a run that meets none is false."""
+
+    def meet(a: Range, b: Range) -> bool:
+        return a[0] <= b[1] + NEAR and b[0] <= a[1] + NEAR
+
+    hits = sum(any(meet(one, run) for run in found) for one in marked)
+    false = sum(not any(meet(one, run) for one in marked) for run in found)
+    return Events(clip, kind, len(marked), hits, false, minutes)
+
+
+def _lips_told(
+    clip: str, rows: list[dict[str, str]], performance: Performance, minutes: float
+) -> Events:
+    """Ranges in which lips touch: found where they do so in most of their frames."""
+    touch = lips_touch(performance)
+    counts = {"touch": 0, "hits": 0, "false": 0}
+    for row in rows:
+        inside = (performance.frame >= int(row["first"])) & (performance.frame <= int(row["last"]))
+        most = bool(touch[inside].mean() > 0.5)
+        if row["lips"] == "touch":
+            counts["touch"] += 1
+            counts["hits"] += most
+        else:
+            counts["false"] += most
+    return Events(
+        clip, "lips that touch", counts["touch"], counts["hits"], counts["false"], minutes
+    )
+
+
+def _rows(name: str, performance: Performance) -> list[dict[str, str]] | None:
+    """Of a table of ranges, those within the captured frames; None without such a table."""
+    path = FOLDER / name
+    if not path.exists():
+        return None
+    first, last = int(performance.frame[0]), int(performance.frame[-1])
+    with open(path, newline="", encoding="utf-8") as stream:
+        rows = list(csv.DictReader(stream))
+    try:
+        ends = [(int(r.get("start") or r["first"]), int(r.get("end") or r["last"])) for r in rows]
+    except (KeyError, TypeError, ValueError) as error:
+        raise InvalidInput(f"{path}: {error}; evaluation/real/README.md has the columns") from None
+    return [row for row, (a, b) in zip(rows, ends, strict=True) if first <= a and b <= last]

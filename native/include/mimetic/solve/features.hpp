@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <Eigen/Geometry>
+#include <functional>
+#include <mimetic/locate/feature_networks.hpp>
+#include <mimetic/shared/camera.hpp>
+#include <mimetic/shared/image.hpp>
+#include <mimetic/shared/types.hpp>
+#include <vector>
+
+namespace mimetic {
+
+/// One eye's opening by its control vertices and the values that its lids are. -1: no such value.
+struct EyeSlit {
+    int inner = -1;
+    int outer = -1;
+    int upper = -1;
+    int lower = -1;
+    int lid_upper = -1;  ///< index among the values
+    int lid_lower = -1;
+};
+
+/// An opening of the face, an eye or the mouth: the lines that run on the skin from one corner to the other.
+struct FeatureOpening {
+    std::vector<std::vector<int>> lines;  ///< control vertices; of an eye the upper and the lower margin
+    int lid_upper = -1;                   ///< index among the values, -1: no eye
+    int lid_lower = -1;
+    /// Head frame, of any length: which way it faces. An opening that is seen from the side tells little.
+    Eigen::Vector3d facing = Eigen::Vector3d::UnitZ();
+};
+
+/// Where the same lines were seen in a frame.
+struct SeenOpening {
+    std::vector<Points2> lines;  ///< pixels, from the first corner to the second; empty: not seen
+    double presence = 1;         ///< 0 to 1: how sure it is that there is such a thing at all
+};
+
+/// Sees the openings of a face, in their order, in a frame in which the head is about at a pose.
+using FeatureSource = std::function<std::vector<SeenOpening>(const ColorView& image,
+                                                             const Eigen::Isometry3d& camera_from_head)>;
+
+/// Where eyes and mouth are on the head, and who sees them.
+struct FeatureInputs {
+    std::vector<EyeSlit> eyes;             ///< for the lids by their look, where there is no source
+    std::vector<FeatureOpening> openings;  ///< in the source's order
+    FeatureSource source;                  ///< may be empty
+};
+
+/// By the networks for mesh and iris, which must outlive it: of the left eye, of the right eye (the upper and
+/// the lower margin, from the outer to the inner corner), and of the mouth (outer upper, inner upper, inner
+/// lower, outer lower edge, from the subject's right to the left). anchors: as `feature_crops` has them.
+FeatureSource see_by_networks(const FeatureNetworks& networks, const Camera& camera, PointsIn anchors);
+
+}  // namespace mimetic

@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "feature_evidence.hpp"
+
+namespace mimetic {
+
+namespace {
+
+constexpr double kUsualDistance = .063;  // metres between the eyes' middles, where no eyes are given
+
+double interpupillary_of(const std::vector<OpeningEvidence>& openings) {
+    std::vector<Eigen::Vector3d> eyes;
+    for (const OpeningEvidence& opening : openings) {
+        if (opening.lines().opening().lid_upper >= 0) {
+            eyes.push_back(opening.lines().middle());
+        }
+    }
+    return eyes.size() == 2 ? (eyes[0] - eyes[1]).norm() : kUsualDistance;
+}
+
+}  // namespace
+
+FeatureEvidence::FeatureEvidence(const TrackedFace& face, const FeatureInputs& inputs, const ColorView& image,
+                                 const cv::Mat1b& gray, const FaceState& at_rest)
+    : face_(face),
+      source_(inputs.source),
+      lids_(face, source_ ? std::vector<EyeSlit>() : inputs.eyes, gray, at_rest),
+      reference_(at_rest) {
+    if (!source_) {
+        return;
+    }
+    for (const FeatureOpening& opening : inputs.openings) {
+        openings_.emplace_back(face, opening);
+    }
+    interpupillary_ = interpupillary_of(openings_);
+    look(image, gray, at_rest);
+    for (std::size_t i = 0; i < openings_.size(); ++i) {
+        const FaceState learned = openings_[i].learn(at_rest, seen_[i], interpupillary_);
+        reference_.values += learned.values - at_rest.values;
+    }
+}
+
+void FeatureEvidence::look(const ColorView& image, const cv::Mat1b& gray, const FaceState& near) {
+    lids_.look(gray, near);
+    if (source_) {
+        seen_ = source_(image, near.camera_from_head);
+        seen_.resize(openings_.size());
+    }
+}
+
+void FeatureEvidence::look_away() {
+    lids_.look_away();
+    seen_.assign(openings_.size(), {});
+}
+
+StepPrior FeatureEvidence::terms(const FaceState& state) const {
+    StepPrior sum = lids_.terms(state);
+    for (std::size_t i = 0; i < openings_.size(); ++i) {
+        const StepPrior own = openings_[i].terms(state, seen_[i], interpupillary_);
+        sum.information += own.information;
+        sum.gradient += own.gradient;
+    }
+    return sum;
+}
+
+FaceState FeatureEvidence::with_lids(FaceState state) const {
+    state = lids_.with_lids(std::move(state));
+    for (std::size_t i = 0; i < openings_.size(); ++i) {
+        state = openings_[i].with_lids(std::move(state), seen_[i], interpupillary_);
+    }
+    return state;
+}
+
+}  // namespace mimetic

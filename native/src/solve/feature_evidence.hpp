@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include "lid_reader.hpp"
+#include "opening_evidence.hpp"
+
+namespace mimetic {
+
+/// Evidence at eyes and mouth, beside flow, which cannot follow what opens and shuts. By networks where there
+/// are any; otherwise of the upper lids alone, by their look.
+class FeatureEvidence {
+public:
+    /// image, gray: the reference frame, in which the face is at rest at this state.
+    FeatureEvidence(const TrackedFace& face, const FeatureInputs& inputs, const ColorView& image,
+                    const cv::Mat1b& gray, const FaceState& at_rest);
+
+    /// The reference frame's state: at rest, the lids as they are in it.
+    const FaceState& reference() const { return reference_; }
+
+    /// Looks at a frame in which the face is about at this state.
+    void look(const ColorView& image, const cv::Mat1b& gray, const FaceState& near);
+    void look_away();  ///< nothing is known until the next look
+
+    /// What was seen, about a state.
+    StepPrior terms(const FaceState& state) const;
+
+    /// The state with the lids where they were seen: a blink is over before flow could follow it.
+    FaceState with_lids(FaceState state) const;
+
+private:
+    const TrackedFace& face_;
+    FeatureSource source_;
+    std::vector<OpeningEvidence> openings_;
+    double interpupillary_;
+    LidReader lids_;
+    std::vector<SeenOpening> seen_;
+    FaceState reference_;
+};
+
+}  // namespace mimetic

@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <mimetic/solve/features.hpp>
+
+#include "face_state.hpp"
+
+namespace mimetic {
+
+/// Where an opening's lines are compared: K places, on every line the same shares of its way.
+struct LinePlace {
+    int line;
+    double along;  ///< -.5 at the first corner to .5 at the second
+};
+
+/// What was seen of an opening beside the model at a state, across the opening alone: along a line nothing
+/// tells one place from the next. In interpupillary distances.
+struct OpeningOffsets {
+    Eigen::VectorXd offsets;    ///< K: from the model to what was seen
+    Eigen::MatrixXd by_values;  ///< K x M: how the model moves
+    double pixel = 0;           ///< one pixel
+    double frontality = 1;      ///< cosine between the way the opening faces and the way to the camera
+};
+
+/// The lines of one opening on the limit surface.
+class OpeningLines {
+public:
+    OpeningLines(const FaceSurface& surface, const FeatureOpening& opening);
+
+    const std::vector<LinePlace>& places() const { return places_; }
+    const FeatureOpening& opening() const { return opening_; }
+    Eigen::Vector3d middle() const;  ///< between the corners, at rest
+
+    /// Nothing where the model is behind the camera or a line was seen without extent.
+    std::optional<OpeningOffsets> compare(const Camera& camera, const FaceState& state,
+                                          const SeenOpening& seen, double interpupillary) const;
+
+private:
+    FeatureOpening opening_;
+    std::vector<std::vector<SkinPoint>> lines_;
+    std::vector<LinePlace> places_;
+};
+
+}  // namespace mimetic
