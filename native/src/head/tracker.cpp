@@ -30,6 +30,7 @@ double rotation_std(const Matrix6& covariance) {
 void HeadTracker::State::take_view(const cv::Mat1b& gray, HeadEstimate& estimate) {
     if (const auto part = crop_at(estimate.camera_from_head)) {
         graph.add(head::cut(gray, camera, *part), estimate.camera_from_head, estimate.covariance);
+        portrait_crops.push_back(head::cut(gray, camera, *portrait_crop_at(estimate.camera_from_head)));
         relax(false);
         estimate.camera_from_head = views().back().camera_from_head();
     }
@@ -37,7 +38,7 @@ void HeadTracker::State::take_view(const cv::Mat1b& gray, HeadEstimate& estimate
 
 bool HeadTracker::State::relax(bool anew) {
     const bool has_moved = graph.relax(anew);
-    forget_samples();
+    forget_places();
     return has_moved;
 }
 
@@ -47,6 +48,15 @@ const SampleView& HeadTracker::State::samples_of(const KeyView& view) const {
         samples.emplace(shape(), options, head::make_pyramid(view.crop()), view.camera_from_head());
     }
     return *samples;
+}
+
+const KeyView& HeadTracker::State::portrait_of(const KeyView& view) {
+    const auto at = static_cast<std::size_t>(&view - views().data());
+    if (!portraits[at]) {
+        portraits[at].emplace(shape(), options, portrait_crops[at], view.camera_from_head(),
+                              view.covariance());
+    }
+    return *portraits[at];
 }
 
 /// Each with its angle from a pose, rad; the nearest first.
@@ -153,7 +163,7 @@ std::vector<PlacedView> HeadTracker::place_on(const HeadShape& skin) {
 
 void HeadTracker::move_views(const std::vector<Eigen::Isometry3d>& poses) {
     state_->graph.move_views(poses);
-    state_->forget_samples();
+    state_->forget_places();
 }
 
 const HeadShape& HeadTracker::shape() const { return state_->shape(); }

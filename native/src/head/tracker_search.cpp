@@ -7,6 +7,7 @@
 namespace mimetic {
 
 using head::HeadCrop;
+using head::KeyView;
 using head::PointMeasurement;
 using head::Pyramid;
 using head::Registration;
@@ -199,12 +200,13 @@ std::optional<HeadEstimate> HeadTracker::State::search(const cv::Mat1b& gray,
 /// By the reference texture that shows it best.
 Look HeadTracker::State::look_at(const cv::Mat1b& gray, const Eigen::Isometry3d& pose) {
     Look best;
-    if (const auto part = crop_at(pose)) {
+    if (const auto part = portrait_crop_at(pose)) {
         const HeadCrop now = head::cut(gray, camera, *part);
         for (const auto& [share, view] : views_for(pose)) {
-            const auto stabilised = view->stabilise(now, pose);
-            const cv::Mat1f weights = view->weights(shape(), options, stabilised);
-            const Look one = likeness.compare(view->texture(), stabilised.texture, weights);
+            const KeyView& portrait = portrait_of(*view);
+            const auto stabilised = portrait.stabilise(now, pose);
+            const cv::Mat1f weights = portrait.weights(shape(), options, stabilised);
+            const Look one = likeness.compare(portrait.texture(), stabilised.texture, weights);
             best = {std::max(best.alike, one.alike), std::max(best.detail, one.detail)};
         }
     }

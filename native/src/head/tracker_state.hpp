@@ -9,6 +9,7 @@ namespace mimetic {
 constexpr double kHeadMargin = 0.25;  // of the head's box: how far it may move from frame to frame
 constexpr long kFlowEvery = 6;        // frames on the fast path: samples alone let the distance run away
 constexpr double kFaceHeight = .7;    // of the head's
+constexpr int kPortraitHeight = 286;  // pixels of the head: the face as large as in the capture's textures
 
 struct HeadTracker::State {
     Camera camera;
@@ -17,29 +18,40 @@ struct HeadTracker::State {
     cv::Mat1b before;  // the last frame
     HeadEstimate last;
     Likeness likeness;
-    // Beside a texture that was just taken detail is twice that of a pose between textures
-    Recognition recognition{.66, .72};
+    // Between textures a rigid model has less detail than beside one: two thirds, where strangers have a
+    // third
+    Recognition recognition{.62, .66, .75};
     std::optional<Look> look;                                // of the frame at hand, where it was looked at
     Eigen::Isometry3d step = Eigen::Isometry3d::Identity();  // of the head in its own frame, frame to frame
     // Of each view, on the fast path, once it is wanted: relaxing moves all of them
     mutable std::vector<std::optional<head::SampleView>> sampled;
+    // What each view shows in the resolution in which people differ, and on the model, once it is wanted
+    std::vector<head::HeadCrop> portrait_crops;
+    std::vector<std::optional<head::KeyView>> portraits;
     long num_frames = 0;
     long refused = -kFlowEvery;  // frame in which flow did not confirm a texture
 
     State(const Camera& of, const HeadShape& start, const HeadOptions& given)
-        : camera(of), options(given), graph(start, given), likeness(kFaceHeight * given.crop_height) {}
+        : camera(of), options(given), graph(start, given), likeness(kFaceHeight * kPortraitHeight) {}
     const HeadShape& shape() const { return graph.shape(); }
     const std::vector<head::KeyView>& views() const { return graph.views(); }
     cv::Mat1b gray_frame(const ColorView& image) const { return head::gray_frame(image, camera); }
     std::optional<Camera> crop_at(const Eigen::Isometry3d& pose) const {
         return head::crop_camera(shape(), camera, pose, options.crop_height, kHeadMargin);
     }
+    std::optional<Camera> portrait_crop_at(const Eigen::Isometry3d& pose) const {
+        return head::crop_camera(shape(), camera, pose, kPortraitHeight, kHeadMargin);
+    }
     void take_view(const cv::Mat1b& gray, HeadEstimate& estimate);
     bool relax(bool anew);
-    void forget_samples() {
+    /// What was made of the views where they were.
+    void forget_places() {
         sampled.clear();
         sampled.resize(views().size());
+        portraits.clear();
+        portraits.resize(views().size());
     }
+    const head::KeyView& portrait_of(const head::KeyView& view);
     const head::SampleView& samples_of(const head::KeyView& view) const;
     std::vector<std::pair<double, const head::KeyView*>> views_by_angle(const Eigen::Isometry3d& pose) const;
     std::vector<std::pair<double, const head::KeyView*>> views_for(const Eigen::Isometry3d& pose) const;

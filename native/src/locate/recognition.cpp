@@ -25,7 +25,8 @@ void Recognition::end_doubt() {
 }
 
 bool Recognition::lacks_detail(const Look& look, double least_share) const {
-    return details_.size() >= kLeastLearnt && look.detail < least_share * usual_detail_;
+    const double whole = look.alike < alike_throughout_ ? look.alike / alike_throughout_ : 1;
+    return details_.size() >= kLeastLearnt && whole * look.detail < least_share * usual_detail_;
 }
 
 bool Recognition::accepts(const Look& look) const {

@@ -19,8 +19,10 @@ public:
     static constexpr double kPlain = .6;  ///< share below which something covers the face
 
     /// Shares of the usual detail: what this face has at least, and what a reference texture must have.
-    explicit Recognition(double same_detail = .76, double good_detail = .8)
-        : same_detail_(same_detail), good_detail_(good_detail) {}
+    /// alike_throughout: share that a face is alike which nothing covers; below it detail counts for less, as
+    /// of two faces that dissolve into each other both fall. 0: detail counts for what it is.
+    explicit Recognition(double same_detail = .76, double good_detail = .8, double alike_throughout = 0)
+        : same_detail_(same_detail), good_detail_(good_detail), alike_throughout_(alike_throughout) {}
 
     /// Begins a frame. is_in_doubt: the face was lost, or who follows is not sure that it is still there.
     void begin_frame(bool is_in_doubt);
@@ -44,7 +46,7 @@ private:
     static constexpr int kTrial = 12;  // frames: half a second
     bool lacks_detail(const Look& look, double least_share) const;
 
-    double same_detail_, good_detail_;
+    double same_detail_, good_detail_, alike_throughout_;
     int trial_ = 0;
     int num_strange_ = 0;          // frames on end that lacked detail
     std::vector<double> details_;  // of the last frames that were plainly this face, in a ring

@@ -80,5 +80,22 @@ TEST_F(RecognitionTest, DoesNotLearnFromWhatItDoubts) {
     EXPECT_TRUE(recognition.may_be_reference(kPlainly));
 }
 
+// Two faces that dissolve into each other: less of it is alike, and that has less detail.
+TEST_F(RecognitionTest, CountsDetailForLessTheLessOfTheFaceIsAlike) {
+    constexpr Look kMixture{.55, .4}, kUnderAHand{.6, .5};
+    const auto refused_in = [&](Recognition standards, const Look& look) {
+        recognition = standards;
+        follow(20);
+        int frame = 1;
+        while (frame < 9 && see(look)) {
+            ++frame;
+        }
+        return frame;
+    };
+    EXPECT_EQ(refused_in(Recognition(.62, .66, .75), kMixture), 3);
+    EXPECT_EQ(refused_in(Recognition(.62, .66), kMixture), 9);
+    EXPECT_EQ(refused_in(Recognition(.62, .66, .75), kUnderAHand), 9);
+}
+
 }  // namespace
 }  // namespace mimetic
