@@ -93,11 +93,11 @@ void bind_model(py::module_& m) {
     py::class_<FeatureInputs>(m, "FeatureInputs", "Where eyes and mouth are on the head, and who sees them.")
         .def(py::init<>())
         .def(py::init([](std::vector<EyeSlit> eyes, std::vector<FeatureOpening> openings,
-                         const FeatureNetworks* networks, const Camera& camera,
+                         std::optional<const FeatureNetworks*> networks, const Camera& camera,
                          const std::optional<Points>& anchors) {
                  FeatureInputs inputs{std::move(eyes), std::move(openings), {}};
-                 if (networks != nullptr && anchors) {
-                     inputs.source = see_by_networks(*networks, camera, *anchors);
+                 if (networks && *networks != nullptr && anchors) {
+                     inputs.source = see_by_networks(**networks, camera, *anchors);
                  }
                  return inputs;
              }),

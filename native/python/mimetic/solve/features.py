@@ -70,7 +70,7 @@ def lid_lines(template: FaceTemplate) -> tuple[Lines, Lines]:
                 for margin in (lids.upper, lids.lower)
             ]
         )
-    return tuple(eyes)
+    return eyes[0], eyes[1]
 
 
 @lru_cache(maxsize=2)
