@@ -8,7 +8,7 @@ namespace mimetic::bindings {
 namespace py = pybind11;
 using namespace pybind11::literals;
 
-void bind_feature_networks(py::module_& m) {
+void bind_locate_networks(py::module_& m) {
     py::class_<FeatureCrop>(m, "FeatureCrop", "A square of the picture, turned upright; pixels and radians.")
         .def(py::init([](const Eigen::Vector2d& center, double side, double roll) {
                  FeatureCrop crop{center, side, roll};
