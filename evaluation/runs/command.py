@@ -197,16 +197,16 @@ def _run_timing(options: argparse.Namespace) -> int:
 
 def _run_real(options: argparse.Namespace) -> int:
     _prepare_out(options)
-    done = []
+    all_scores = []
     for scores in real.score_real(_to_stderr, options.out, options.performances):
-        done += scores
+        all_scores += scores
         if not options.json:
             print(real.clip_text(scores), end="\n\n", flush=True)
     if options.out is not None:
         with whole_file(options.out / "real.json") as stream:
-            stream.write(f"{real.as_json(done)}\n".encode())
+            stream.write(f"{real.as_json(all_scores)}\n".encode())
     if options.json:
-        print(real.as_json(done))
+        print(real.as_json(all_scores))
     return 0
 
 

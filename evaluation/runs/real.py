@@ -60,15 +60,15 @@ def score_clip(
     labels: Labels, performance: Performance, python: Path | None, report: Report
 ) -> list[RealScore]:
     """Every method on one clip. python: of scripts/face_mesh_env, where it is to be had."""
-    found = {OURS: by_capture(labels, performance)}
+    performances = {OURS: by_capture(labels, performance)}
     if python is not None:
         report(f"{labels.clip}: {FACE_MESH}")
-        found[FACE_MESH] = by_face_mesh(labels, python)
+        performances[FACE_MESH] = by_face_mesh(labels, python)
     if (networks := installed_networks()) is not None:
-        found[NETWORKS] = by_networks(labels, performance, networks)
+        performances[NETWORKS] = by_networks(labels, performance, networks)
     else:
         report("no networks on our own crops: run scripts/make_networks and build again")
-    scores = [score_places(labels, method, places) for method, places in found.items()]
+    scores = [score_places(labels, method, places) for method, places in performances.items()]
     events = {one.kind: one.text() for one in score_events(labels.clip, performance)}
     scores[0] = replace(scores[0], events=events)
     again = read_labels(labels.clip, second=True)

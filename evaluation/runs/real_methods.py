@@ -103,6 +103,6 @@ def by_networks(
             continue
         image = np.ascontiguousarray(footage.read(int(frame)))
         crops = _core.feature_crops(camera, performance.head_pose[i], anchors)
-        seen = feature_places(networks, image, crops)
-        places[row] = [seen[name] for name in POINTS]
+        pixels = feature_places(networks, image, crops)
+        places[row] = [pixels[name] for name in POINTS]
     return places
