@@ -92,6 +92,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="DIR",
         help="real: score the performances that an earlier --out left here, instead of capturing",
     )
+    parser.add_argument(
+        "--first-fit",
+        action="store_true",
+        help="real: fit the head to each marked frame by itself, instead of capturing",
+    )
 
 
 def check(options: argparse.Namespace) -> None:
@@ -104,6 +109,8 @@ def check(options: argparse.Namespace) -> None:
         _refuse(options, *FILES)
     if options.what != "real" and options.performances:
         raise InvalidInput("--performances goes with `mimetic evaluate real`")
+    if options.first_fit and (options.what != "real" or options.performances):
+        raise InvalidInput("--first-fit goes with `mimetic evaluate real`, without --performances")
     files = any(getattr(options, name) for name in FILES)
     if options.set in expressions.SETS and (files or options.what in ("fit", "flow", "head")):
         raise InvalidInput(f"--set {options.set} goes with plain `mimetic evaluate`")
@@ -197,16 +204,20 @@ def _run_timing(options: argparse.Namespace) -> int:
 
 def _run_real(options: argparse.Namespace) -> int:
     _prepare_out(options)
-    all_scores = []
-    for scores in real.score_real(_to_stderr, options.out, options.performances):
-        all_scores += scores
+    done = []
+    for scores in (
+        real.score_fits(_to_stderr)
+        if options.first_fit
+        else real.score_real(_to_stderr, options.out, options.performances)
+    ):
+        done += scores
         if not options.json:
             print(real.clip_text(scores), end="\n\n", flush=True)
     if options.out is not None:
         with whole_file(options.out / "real.json") as stream:
-            stream.write(f"{real.as_json(all_scores)}\n".encode())
+            stream.write(f"{real.as_json(done)}\n".encode())
     if options.json:
-        print(real.as_json(all_scores))
+        print(real.as_json(done))
     return 0
 
 

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 from mimetic import InvalidInput
 from mimetic.locate.feature_networks import installed_networks
+from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
 from mimetic.score.json_text import json_text
 from mimetic.score.text_table import text_table
@@ -19,11 +20,11 @@ from numpy.typing import NDArray
 from evaluation.runs.head_clips import face_mesh_python
 from evaluation.runs.real_events import score_events
 from evaluation.runs.real_labels import CLIPS, Labels, footage_of, read_labels
-from evaluation.runs.real_methods import by_capture, by_face_mesh, by_networks
+from evaluation.runs.real_methods import by_capture, by_face_mesh, by_fit, by_networks
 from evaluation.runs.real_score import FEATURES, RealScore, score_places
 
 OURS, FACE_MESH, NETWORKS = "capture", "MediaPipe, refined", "its networks, our crops"
-AGAIN = "marked again"
+FIRST_FIT, AGAIN = "first fit", "marked again"
 CELL = 14
 Report = Callable[[str], None]
 
@@ -56,25 +57,37 @@ def score_real(
         yield score_clip(labels, performance, python, report)
 
 
+def score_fits(report: Report) -> Iterator[list[RealScore]]:
+    """Clip by clip, the head fitted to each marked frame by itself. Raises InvalidInput."""
+    films = [Footage(footage_of(clip)) for clip in CLIPS]
+    for clip, footage in zip(CLIPS, films, strict=True):
+        labels = read_labels(clip)
+        report(f"{clip}: fit, {len(labels.frame)} frames")
+        yield [score_places(labels, FIRST_FIT, by_fit(labels, footage)), *_repeated(labels)]
+
+
 def score_clip(
     labels: Labels, performance: Performance, python: Path | None, report: Report
 ) -> list[RealScore]:
     """Every method on one clip. python: of scripts/face_mesh_env, where it is to be had."""
-    performances = {OURS: by_capture(labels, performance)}
+    found = {OURS: by_capture(labels, performance)}
     if python is not None:
         report(f"{labels.clip}: {FACE_MESH}")
-        performances[FACE_MESH] = by_face_mesh(labels, python)
+        found[FACE_MESH] = by_face_mesh(labels, python)
     if (networks := installed_networks()) is not None:
-        performances[NETWORKS] = by_networks(labels, performance, networks)
+        found[NETWORKS] = by_networks(labels, performance, networks)
     else:
         report("no networks on our own crops: run scripts/make_networks and build again")
-    scores = [score_places(labels, method, places) for method, places in performances.items()]
+    scores = [score_places(labels, method, places) for method, places in found.items()]
     events = {one.kind: one.text() for one in score_events(labels.clip, performance)}
     scores[0] = replace(scores[0], events=events)
+    return scores + _repeated(labels)
+
+
+def _repeated(labels: Labels) -> list[RealScore]:
+    """The second marking's score, if there is one."""
     again = read_labels(labels.clip, second=True)
-    if again is not None:
-        scores.append(_marked_again(labels, again))
-    return scores
+    return [] if again is None else [_marked_again(labels, again)]
 
 
 def _marked_again(labels: Labels, again: Labels) -> RealScore:

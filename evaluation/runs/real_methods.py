@@ -3,34 +3,31 @@
 
 from __future__ import annotations
 
+import contextlib
 import subprocess
 import tempfile
 from pathlib import Path
 
 import numpy as np
 from mimetic import InvalidInput, _core
+from mimetic.fit.face_model import limit_positions
+from mimetic.fit.fitting import NoFace, find_face
 from mimetic.locate.feature_networks import feature_anchors, feature_places
 from mimetic.media.footage import Footage
+from mimetic.muscles.feature_lines import feature_lines
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.performance.places import RefinedSurface
-from mimetic.template.face_template import load_template
+from mimetic.template.face_template import FaceTemplate, load_template
 from numpy.typing import NDArray
 
 from evaluation.runs.real_labels import POINTS, Labels, footage_of
 from evaluation.runs.rendered import CHECKOUT
 
-# Of the canonical head, by the labels' names
-LANDMARKS = {
-    **{
-        f"{n}.{s}": f"{n}.{s}"
-        for n in ("eye_outer", "eye_inner", "lid_upper", "lid_lower")
-        for s in "RL"
-    },
-    **{f"mouth_corner.{s}": f"mouth_corner.{s}" for s in "RL"},
-    "lip_outer_upper": "lip_upper",
-    "lip_inner_upper": "lip_upper_inner",
-    "lip_inner_lower": "lip_lower_inner",
-    "lip_outer_lower": "lip_lower",
+# Lines of the canonical head (`feature_lines`) whose middle is marked, by the labels' names
+LINES = {
+    **{f"{n}.{s}": f"{n}.{s}" for n in ("lid_upper", "lid_lower") for s in "RL"},
+    **{"lip_outer_upper": "lip_upper", "lip_inner_upper": "lip_upper_inner"},
+    **{"lip_inner_lower": "lip_lower_inner", "lip_outer_lower": "lip_lower"},
 }
 # Of MediaPipe's mesh with refined landmarks
 MESH_POINTS = {
@@ -45,11 +42,9 @@ def by_capture(labels: Labels, performance: Performance) -> NDArray[np.float64]:
     """N x POINTS x 2 on the limit surface; nan in frames that are held."""
     template = load_template()
     surface = RefinedSurface(performance)
-    vertices = [
-        template.landmark(LANDMARKS[name]) if name in LANDMARKS else _pupil(template, name[-1])
-        for name in POINTS
-    ]
-    refined = np.searchsorted(surface.used, vertices)  # limits of the control vertices come first
+    refined = np.searchsorted(
+        surface.used, head_points(template)
+    )  # limits of the control vertices come first
     places = np.full((len(labels.frame), len(POINTS), 2), np.nan)
     for row, frame in enumerate(labels.frame):
         i = performance.index_of(int(frame))
@@ -58,7 +53,40 @@ def by_capture(labels: Labels, performance: Performance) -> NDArray[np.float64]:
     return places
 
 
-def _pupil(template, side: str) -> int:
+def by_fit(labels: Labels, footage: Footage) -> NDArray[np.float64]:
+    """N x POINTS x 2 of the head fitted to each frame by itself; nan where none fits."""
+    template = load_template()
+    on_limit, skin = limit_positions(template), template.num_skin_vertices
+    places = np.full((len(labels.frame), len(POINTS), 2), np.nan)
+    for row, frame in enumerate(labels.frame):
+        with contextlib.suppress(NoFace):
+            fit = find_face(np.ascontiguousarray(footage.read(int(frame))), int(frame))
+            head = fit.neutral_vertices(template)
+            head[:skin] = on_limit(head[:skin])
+            places[row] = fit.camera.pixels(head[head_points(template)], fit.head_pose)
+    return places
+
+
+def head_points(template: FaceTemplate) -> list[int]:
+    """The canonical head's control vertices at POINTS; the iris is the front of the eyeball."""
+    return [
+        _pupil(template, name[-1])
+        if name.startswith("iris")
+        else _middle(template, LINES[name])
+        if name in LINES
+        else template.landmark(name)
+        for name in POINTS
+    ]
+
+
+def _middle(template: FaceTemplate, line: str) -> int:
+    """The vertex of a line that is nearest to the landmark of its name, from side to side."""
+    x = template.vertices[:, 0]
+    middle = x[template.landmark(line)]
+    return min(feature_lines(template)[line], key=lambda v: abs(x[v] - middle))
+
+
+def _pupil(template: FaceTemplate, side: str) -> int:
     """The vertex in the middle of an eye's front."""
     vertices = template.part_vertices(f"eye.{side}")
     return int(vertices[np.argmax(template.vertices[vertices, 2])])
@@ -103,6 +131,6 @@ def by_networks(
             continue
         image = np.ascontiguousarray(footage.read(int(frame)))
         crops = _core.feature_crops(camera, performance.head_pose[i], anchors)
-        pixels = feature_places(networks, image, crops)
-        places[row] = [pixels[name] for name in POINTS]
+        seen = feature_places(networks, image, crops)
+        places[row] = [seen[name] for name in POINTS]
     return places

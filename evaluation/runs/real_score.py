@@ -46,14 +46,14 @@ def score_places(labels: Labels, method: str, places: NDArray[np.float64]) -> Re
         if feature in ACROSS_EYE + ACROSS_MOUTH:
             chosen = chosen[..., 1:]
         figures[feature] = _figures(chosen)
-    is_marked = np.isfinite(labels.places).all(axis=2)
+    wanted = np.isfinite(labels.places).all(axis=2)
     has = np.isfinite(places).all(axis=2)
     return RealScore(
         labels.clip,
         method,
         figures,
         _lips_told(labels, places),
-        float(has[is_marked].mean()),
+        float(has[wanted].mean()),
     )
 
 

@@ -43,10 +43,10 @@ def draw(template, vertices, pose, camera, seed=0):
 
 
 def _skin_colors(template, mesh, vertices):
-    stencils = mesh.stencils()
+    indptr, indices, weights = mesh.stencils()
 
     def spread(values):
-        return stencils.multiply(values[:, None])[:, 0]
+        return np.add.reduceat(weights * values[indices], indptr[:-1])
 
     skin = template.num_skin_vertices
     colors = np.tile(SKIN, (mesh.num_refined, 1))

@@ -17,15 +17,15 @@ def offences(folder: str, suffixes: tuple[str, ...], pattern: str, allowed: tupl
     """Lines of a folder's files that hold the pattern, comments left out."""
     files = [path for path in sorted((ROOT / folder).rglob("*")) if path.suffix in suffixes]
     assert files, folder
-    lines = []
+    found = []
     for path in files:
         if path.name in allowed:
             continue
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
             code = re.split(r"//|#(?!include)", line)[0]
             if re.search(pattern, code):
-                lines.append(f"{path.relative_to(ROOT)}:{number}: {line.strip()}")
-    return lines
+                found.append(f"{path.relative_to(ROOT)}:{number}: {line.strip()}")
+    return found
 
 
 @pytest.mark.parametrize("folder", ["native/include", "native/src"])
@@ -177,20 +177,6 @@ def test_every_stage_of_the_core_has_headers_and_sources_of_its_name():
     sources = {path.name for path in (ROOT / "native/src").iterdir()}
     assert headers == sources
     assert sources <= set(CORE_STAGES)
-
-
-def test_bindings_are_named_by_their_stages_and_bound_in_their_order():
-    folder = ROOT / "native/python/bindings"
-    stages = {path.stem: path.stem.split("_")[1] for path in folder.glob("bind_*.cpp")}
-    assert set(stages.values()) <= set(CORE_STAGES)
-    for name in stages:
-        functions = re.findall(r"^void (bind_\w+)\(", (folder / f"{name}.cpp").read_text(), re.M)
-        assert name in functions
-    text = (folder / "module.cpp").read_text(encoding="utf-8")
-    bound = re.findall(r"^    bindings::(bind_\w+)\(m\);", text, re.M)
-    assert sorted(bound) == sorted(stages)
-    order = [CORE_STAGES.index(stages[name]) for name in bound]
-    assert order == sorted(order)
 
 
 def test_mathematics_is_the_cores():

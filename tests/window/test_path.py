@@ -20,13 +20,13 @@ def test_footage_becomes_an_animated_face(folder, screen, extension, clip, work,
     }
     result = folder.walk(screen, "walk_path.py", work, pictures, settings, seconds=900)
     assert not result.failures()
-    steps = {"face-found", "landmark-dragged", "capturing", "head-held-still", "baked"}
-    assert steps | {"baked-muscles"} <= set(result.pictures)
+    wanted = {"face-found", "landmark-dragged", "capturing", "head-held-still", "baked"}
+    assert wanted | {"baked-muscles"} <= set(result.pictures)
     assert muscle_targets((work / "face.glb").read_bytes()) >= 36
-    ran = subprocess.run(
+    judged = subprocess.run(
         [VALIDATOR, work / "face.glb"], capture_output=True, text=True, check=False
     )
-    assert ran.returncode == 0, ran.stdout[-2000:] + ran.stderr
+    assert judged.returncode == 0, judged.stdout[-2000:] + judged.stderr
 
 
 def muscle_targets(glb: bytes) -> int:

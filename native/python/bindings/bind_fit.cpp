@@ -34,7 +34,15 @@ void bind_fit(py::module_& m) {
             "landmark_weights"_a, "curve_names"_a, "curves"_a,
             "points: P x 3; modes: I x 3P; spread: I; limits: I x 2; faces: F x 4; on_outline: P of 0 or 1;\n"
             "landmark_weights: L x P, rows sum to 1")
-        .def_readonly("landmark_names", &FaceModel::landmark_names);
+        .def_readonly("landmark_names", &FaceModel::landmark_names)
+        .def(
+            "landmarks",
+            [](const FaceModel& model, const Eigen::VectorXd& identity) {
+                if (identity.size() != model.modes.rows())
+                    throw InvalidInput("identity must have a value for each mode");
+                return model.landmarks(identity);
+            },
+            "identity"_a, "(L, 3) metres, head frame. Raises InvalidInput.");
     py::class_<FaceView>(m, "FaceView", "What is known of one picture of the person.")
         .def(py::init([](FaceFeatures features, std::vector<Feature> pins, const MatrixRows& motion) {
                  if (motion.size() > 0 && motion.cols() != 4)

@@ -50,6 +50,8 @@ Points FaceModel::shaped(VectorIn identity) const {
     return points + Eigen::Map<const Points>(moved.data(), points.rows(), 3);
 }
 
+Points FaceModel::landmarks(VectorIn identity) const { return landmark_weights * shaped(identity); }
+
 FaceFeatures project_features(const FaceModel& model, const FaceEstimate& estimate, const Camera& camera,
                               std::size_t view) {
     require(view < estimate.camera_from_head.size(), "the estimate has no such view");

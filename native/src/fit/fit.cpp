@@ -5,6 +5,7 @@
 
 #include "fit/blend.hpp"
 #include "fit/outline.hpp"
+#include "fit/partner.hpp"
 #include "fit/residuals.hpp"
 
 namespace mimetic {
@@ -22,12 +23,18 @@ constexpr double kIpdTolerance = 5e-5;  // metres
 /// A curve's stations lie closer than its errors are independent.
 constexpr double kCurveInflation = 1.8;
 
+/// Interpupillary distances within which a measured line and the model's may belong together.
+constexpr double kReach = 0.35;
+
 /// Interpupillary distances by which a rigid average head may miss a pin.
 constexpr double kRigidPin = 0.03;
 
 /// What features of other views than the first are less trusted by: all views see a face with the same errors
 /// of measurement, and in the first it is most at rest.
 constexpr double kElsewhere = 3.0;
+
+/// What a line is less trusted by where a landmark of its name was placed by hand: it was wrong there.
+constexpr double kPinnedLine = 4.0;
 
 /// Rounds from an estimate that was good before something small changed.
 constexpr int kRestarted = 3;
@@ -80,42 +87,6 @@ Pose first_guess(const FaceModel& model, const FaceFeatures& features, const Cam
     camera_from_head.linear() = rotation;
     camera_from_head.translation() = middle_in_camera - rotation * (eye_left + eye_right) / 2;
     return as_parameters(camera_from_head);
-}
-
-/// Points of a polyline of the model, one each half edge.
-std::vector<EdgePoint> along(const std::vector<int>& chain, const Points& points,
-                             const Eigen::Isometry3d& camera_from_head, const Camera& camera) {
-    std::vector<EdgePoint> out;
-    for (std::size_t i = 0; i + 1 < chain.size(); ++i) {
-        for (const double fraction : {0.0, 0.25, 0.5, 0.75}) {
-            EdgePoint point{chain[i], chain[i + 1], fraction, {}, {}};
-            const Eigen::Vector3d in_head =
-                (1 - fraction) * points.row(chain[i]) + fraction * points.row(chain[i + 1]);
-            point.pixel = camera.project(camera_from_head * in_head);
-            out.push_back(point);
-        }
-    }
-    return out;
-}
-
-/// The model point that a measured station of a curve belongs to, or nullptr.
-const EdgePoint* partner(const std::vector<EdgePoint>& candidates, const Eigen::Vector2d& place,
-                         const Eigen::Vector2d& normal, bool directed, double reach) {
-    const EdgePoint* best = nullptr;
-    double best_cost = reach * reach;
-    const Eigen::Vector2d tangent(-normal.y(), normal.x());
-    for (const auto& candidate : candidates) {
-        if (directed && candidate.normal.dot(normal) < 0.4) continue;
-        const Eigen::Vector2d off = candidate.pixel - place;
-        const double across = off.dot(normal), beside = off.dot(tangent);
-        // Along the curve a partner must be near; across it may be far at first
-        const double cost = 0.3 * across * across + 9 * beside * beside;
-        if (cost < best_cost) {
-            best_cost = cost;
-            best = &candidate;
-        }
-    }
-    return best;
 }
 
 class FaceFitter {
@@ -215,24 +186,30 @@ private:
     void add_curves(ceres::Problem& problem, std::size_t view, const Points& points, bool shape) {
         const Eigen::Isometry3d camera_from_head = as_transform(state_.poses[view]);
         const Camera camera = with_focal(camera_, std::exp(state_.log_focal));
+        const double reach = kReach * ipd_px_[view];
+        Points2 pixels(points.rows(), 2);
+        for (const auto& chain : model_.curves) {
+            for (const int i : chain)
+                pixels.row(i) = camera.project(camera_from_head * points.row(i).transpose());
+        }
         for (const auto& curve : views_[view].features.curves) {
             const bool is_jaw = curve.name == "jaw";
-            if (is_jaw && !shape) continue;
-            std::vector<EdgePoint> candidates;
-            if (is_jaw) candidates = fit::outline(model_, points, camera_from_head, camera);
-            for (std::size_t c = 0; c < model_.curve_names.size(); ++c) {
-                if (model_.curve_names[c] == curve.name) {
-                    candidates = along(model_.curves[c], points, camera_from_head, camera);
-                }
-            }
+            const auto known = std::find(model_.curve_names.begin(), model_.curve_names.end(), curve.name);
+            if (is_jaw ? !shape : known == model_.curve_names.end()) continue;
+            std::vector<EdgePoint> edge;
+            if (is_jaw) edge = fit::outline(model_, points, camera_from_head, camera);
+            const double doubt =
+                distrust(view) * kCurveInflation * (is_pinned(view, curve.name) ? kPinnedLine : 1.0);
             for (int i = 0; i < curve.points.rows(); ++i) {
-                const EdgePoint* match = partner(candidates, curve.points.row(i), curve.normals.row(i),
-                                                 is_jaw, 0.35 * ipd_px_[view]);
-                if (match == nullptr) continue;
+                const fit::Station station{curve.points.row(i), curve.normals.row(i)};
+                const auto number = static_cast<std::size_t>(known - model_.curve_names.begin());
+                const std::optional<EdgePoint> match =
+                    is_jaw ? fit::partner_among(edge, station, reach)
+                           : fit::partner_on_line(model_.curves[number], pixels, station, reach);
+                if (!match) continue;
                 add(problem, view,
                     blender_.points({{match->first, 1 - match->fraction}, {match->second, match->fraction}}),
-                    curve.points.row(i), curve.normals.row(i),
-                    distrust(view) * kCurveInflation * curve.sigma_px(i), robust());
+                    station.place, station.normal.transpose(), doubt * curve.sigma_px(i), robust());
             }
         }
     }

@@ -157,6 +157,43 @@ TEST(FitFace, ViewsOfOnePersonShareTheProportionsAndTellDepthTogether) {
     EXPECT_LT(angle_deg(again.camera_from_head[0], joint.camera_from_head[0]), 0.05);
 }
 
+TEST(FitFace, ALineBendsTheShapeAcrossItselfAlone) {
+    Cloud cloud;
+    cloud.model.points.row(2) << -0.02, -0.04, 0.09;
+    cloud.model.points.row(3) << 0.0, -0.04, 0.095;
+    cloud.model.points.row(4) << 0.02, -0.04, 0.09;
+    cloud.model.modes.conservativeResize(5, Eigen::NoChange);
+    cloud.model.modes.row(4).setZero();
+    for (const int i : {2, 3, 4}) cloud.model.modes(4, 3 * i + 1) = 0.002;  // the lip's edge lies higher
+    cloud.model.spread = Eigen::VectorXd::Ones(5);
+    cloud.model.limits = MatrixRows(Eigen::VectorXd::Constant(5, 3) * Eigen::RowVector2d(-1, 1));
+    cloud.model.curve_names = {"edge"};
+    cloud.model.curves = {{2, 3, 4}};
+    const Eigen::Isometry3d pose = turned(0, 0, 0);
+    FaceFeatures features = cloud.seen(pose, Eigen::VectorXd::Zero(5), 0);
+    FeatureCurve edge{"edge", Points2(3, 2), Points2(3, 2), Eigen::VectorXd::Constant(3, 0.2)};
+    for (int i = 0; i < 3; ++i) {
+        const Eigen::Vector3d higher(0.015 * (i - 1) + 0.003, -0.038, 0.092);  // and shifted along it
+        edge.points.row(i) = kCamera.project(pose * higher).transpose();
+        edge.normals.row(i) << 0, 1;
+    }
+    features.curves.push_back(edge);
+    std::erase_if(features.features, [](const Feature& f) {
+        return f.name == "point 2" || f.name == "point 3" || f.name == "point 4";
+    });
+    const FaceEstimate estimate = fit_face(cloud.model, {{features, {}, {}}}, kCamera);
+    EXPECT_NEAR(estimate.identity(4), 1, 0.2);
+    EXPECT_LT(estimate.identity.head(4).cwiseAbs().maxCoeff(), 0.2);
+    // A landmark of the line's name that the user puts elsewhere is met, and takes the line along
+    FaceView pinned{features, {}, {}};
+    cloud.model.curve_names = {"point 3"};
+    pinned.features.curves[0].name = "point 3";
+    const Eigen::Vector3d lower(0, -0.042, 0.095);
+    pinned.pins.push_back({"point 3", kCamera.project(pose * lower), 0.1, 1});
+    const FaceEstimate moved = fit_face(cloud.model, {pinned}, kCamera);
+    EXPECT_NEAR(moved.identity(4), -1, 0.25);
+}
+
 TEST(FitFace, MotionBetweenViewsTellsThePitchThatFeaturesLeaveOpen) {
     Cloud cloud;
     cloud.model.spread.setConstant(0.5);

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <mimetic/shared/error.hpp>
+#include <mimetic/surface/edge_loop.hpp>
 #include <mimetic/surface/ways.hpp>
 
 namespace mimetic {
@@ -38,6 +39,13 @@ TEST(ShortestWay, RefusesWhereThereIsNone) {
     EXPECT_THROW(shortest_way(grid.quads, more, {0, 16}), InvalidInput);
     EXPECT_THROW(shortest_way(grid.quads, grid.vertices, {0, 16}), InvalidInput);
     EXPECT_THROW(shortest_way(grid.quads, grid.vertices, {}), InvalidInput);
+}
+
+TEST(EdgeLoop, GoesStraightOnToTheBorder) {
+    const Grid grid;
+    EXPECT_EQ(edge_loop(grid.quads, 4, 5), (std::vector<int>{4, 5, 6, 7}));
+    EXPECT_EQ(edge_loop(grid.quads, 14, 10), (std::vector<int>{14, 10, 6, 2}));
+    EXPECT_THROW(edge_loop(grid.quads, 4, 6), InvalidInput);
 }
 
 TEST(NearestSphere, IsFoundFromAPartOfIt) {

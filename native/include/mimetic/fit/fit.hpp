@@ -20,8 +20,9 @@ struct FaceModel {
     std::vector<std::string> curve_names;     ///< C
     std::vector<std::vector<int>> curves;     ///< C, point indices along `lip_line`, `brow.L`, ...
 
-    void check() const;                      ///< throws InvalidInput: field, size, limit
-    Points shaped(VectorIn identity) const;  ///< P x 3
+    void check() const;                         ///< throws InvalidInput: field, size, limit
+    Points shaped(VectorIn identity) const;     ///< P x 3
+    Points landmarks(VectorIn identity) const;  ///< L x 3
 };
 
 struct FitOptions {

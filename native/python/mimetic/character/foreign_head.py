@@ -49,13 +49,11 @@ from mimetic.muscles.extras import (
     loading_names,
     place_extras,
 )
-from mimetic.shared.progress import Progress, check_goes_on, stages
-from mimetic.skin.mesh import SkinMesh, canonical_skin, multiply
+from mimetic.skin.mesh import Csr, SkinMesh, canonical_skin, multiply
 from mimetic.template.face_template import FaceTemplate
 
 TOO_FAR = 0.015  # m from the laid template: body, hair; such skin is held
 SEAM_STIFFNESS = 0.05  # times young and pre-stress, where the lips are one surface
-COSTS = 3.0, 0.7, 0.3  # seconds: laying the template, the skin's factor, the modes
 TOUCH_GAP = 0.003  # m; points of the template's lips and lids so near to the skin can touch
 
 
@@ -86,7 +84,6 @@ def attach_foreign(
     faces: ArrayLike,
     landmarks: Mapping[str, int | ArrayLike],
     template: FaceTemplate,
-    progress: Progress | None = None,
 ) -> ForeignHead:
     """Attach muscles, jaw and lids to any head.
 
@@ -95,20 +92,16 @@ def attach_foreign(
     point x, y, z on the skin. Needed are `foreign_mesh.REQUIRED`, all of the template's are taken;
     .L is the subject's own left. Eyes must be open. The mouth may be open, closed, with or without
     a lining; if its lips are one surface, their seam is made soft and a note says so.
-    progress: False raises KeyboardInterrupt. Raises InvalidInput, naming the landmark, face or
-    vertex, on missing and unknown landmarks, a head that is not in metres or mirrored, more than a
-    million vertices, and a skin that is not one well-formed piece.
+    Raises InvalidInput, naming the landmark, face or vertex, on missing and unknown landmarks, a
+    head that is not in metres or mirrored, more than a million vertices, and a skin that is not
+    one well-formed piece.
     """
-    laying, factoring, attaching = stages(progress, *COSTS)
     skin = read_skin(vertices, faces, landmarks, template)
-    laid = lay_template(template, skin, laying)
+    laid = lay_template(template, skin)
     with skin.named_by_caller():
-        check_goes_on(factoring, 0.0, "making the skin that muscles move")
         head = _Carried(skin, laid)
-        check_goes_on(attaching, 0.0, "attaching the muscles")
         modes, strengths = head.muscle_modes()
         bones = head.jaw_modes() + head.lid_modes()
-        check_goes_on(attaching, 0.7, "attaching lips and gaze")
         extras = head.extra_modes()
     to_user = skin.user_from_skin
     anatomy = Anatomy(
@@ -196,26 +189,16 @@ class _Carried:
 
     def _carry(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Places on the laid template's skin to those on this one."""
-        frontal = self.laid.seen_from_front
-        vertex = frontal[_core.nearest(points, self.laid.vertices[frontal])]
+        seen = self.laid.seen_from_front
+        vertex = seen[_core.nearest(points, self.laid.vertices[seen])]
         return self._onto(vertex, points).values(self.skin.vertices)
 
-    def _measured(
-        self, placed: Sequence[_core.PlacedMuscle] | Sequence[_core.PlacedExtra]
-    ) -> _core.CompressedRows:
+    def _measured(self, placed: Sequence[_core.PlacedMuscle] | Sequence[_core.PlacedExtra]) -> Csr:
         """Rows that read the motion of the places by which muscles or extras are measured."""
         places = [one.measured for one in placed]
         points = np.array([place.position(self.laid) for place in places])
         at = self._onto([place.vertex for place in places], points)
-        return self._rows(at.corners, at.weights)
-
-    def _rows(
-        self, corners: NDArray[np.int32], weights: NDArray[np.float64]
-    ) -> _core.CompressedRows:
-        """K x N, from the corners and their weights (K x 3) of places on this skin."""
-        starts = np.arange(0, corners.size + 1, 3)
-        count = len(self.skin.vertices)
-        return _core.CompressedRows(starts, corners.ravel(), weights.ravel(), count)
+        return np.arange(0, at.corners.size + 1, 3), at.corners.ravel(), at.weights.ravel()
 
     def _onto(self, laid_vertex: ArrayLike, points: NDArray[np.float64]) -> _core.SkinPlaces:
         """Places on this skin of points by vertices of the laid template."""
@@ -266,11 +249,12 @@ class _Carried:
         kept[of_slits] = on_slits.gaps < TOUCH_GAP  # many a mesh ends behind the lips
         vertices, slits = _core.number_slits(slits, kept.tolist())
         rows = np.searchsorted(of_slits, vertices)
+        corners, weights = on_slits.corners[rows], on_slits.weights[rows]
         moves_with = self.skin.skin_vertex.copy()
         moves_with[self.loose.following] = self.loose.roots
         return _core.SkinContact(
             rest=on_slits.values(self.skin.vertices)[rows],
-            stencils=self._rows(on_slits.corners[rows], on_slits.weights[rows]),
+            stencils=(np.arange(0, corners.size + 1, 3), corners.ravel(), weights.ravel()),
             slits=slits,
             eyes=[self._eye_rest(frame) for frame in eye_frames(self.laid)],
             model=self.model,

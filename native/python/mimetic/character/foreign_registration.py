@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.character.foreign_mesh import ForeignSkin
-from mimetic.shared.progress import Progress, check_goes_on
 from mimetic.skin.mesh import SkinMesh
 from mimetic.template.face_template import FaceTemplate
 
@@ -38,13 +37,10 @@ def _lips(mesh: SkinMesh) -> NDArray[np.float64]:
     return mesh.neutral[[mesh.landmark(name) for name in LIPS]]
 
 
-def lay_template(
-    template: FaceTemplate, skin: ForeignSkin, progress: Progress | None = None
-) -> SkinMesh:
+def lay_template(template: FaceTemplate, skin: ForeignSkin) -> SkinMesh:
     """The template on another head's skin.
 
-    progress: False raises KeyboardInterrupt. Raises InvalidInput if the landmarks cannot belong to
-    this skin.
+    Raises InvalidInput if the landmarks cannot belong to this skin.
     """
     held = [template.landmark(name) for name in skin.landmarks]
     targets = np.array(list(skin.landmarks.values()))
@@ -57,8 +53,7 @@ def lay_template(
                 "the landmarks do not fit a face (the template folds over on them): "
                 f"check {', '.join(skin.landmarks)}"
             )
-        for number, reach in enumerate(REACHES):
-            check_goes_on(progress, number / len(REACHES), "laying the template on the head")
+        for reach in REACHES:
             closer = _sound(template, _draw(mesh, held, targets, skin, reach))
             if closer is None:  # folded: the round before is less close, and whole
                 break
@@ -99,6 +94,7 @@ def _draw(
         skin=lipped(mesh),
         outer=outer,
         stencils=mesh.stencils,
+        num_skin_vertices=int(template.num_skin_vertices),
         held=held,
         followers=[(leaders.tolist(), parts.tolist()) for leaders, parts in followers],
         targets=targets,

@@ -76,12 +76,12 @@ def _make_parser(arguments: list[str]) -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"mimetic {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    first_word = next((word for word in arguments if not word.startswith("-")), None)
+    asked = next((word for word in arguments if not word.startswith("-")), None)
     for name, (module_name, summary) in COMMANDS.items():
         command = commands.add_parser(
             name, help=summary, description=f"{summary[0].upper()}{summary[1:]}."
         )
-        if name == first_word:
+        if name == asked:
             module = importlib.import_module(module_name)
             module.add_arguments(command)
             command.set_defaults(run=getattr(module, f"run_{name}"))

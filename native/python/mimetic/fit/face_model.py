@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from mimetic import _core
 from mimetic.fit.face_shape import face_shape
 from mimetic.locate.landmarks import landmark_points
+from mimetic.muscles.feature_lines import feature_lines
 from mimetic.template.face_template import FaceTemplate
 
 COMPONENT_LIMIT = 30.0  # prior standard deviations: a pin may be far off
@@ -63,6 +64,7 @@ def face_model(
         _core.shortest_way(faces, points[0], [template.landmark(name) for name in stops])
         for stops in CURVES.values()
     ]
+    lines = feature_lines(template)
     return _core.FaceModel(
         points[0],
         points[1:].reshape(len(components), -1),
@@ -72,8 +74,8 @@ def face_model(
         on_outline.tolist(),
         names,
         weights,
-        list(CURVES),
-        chains,
+        [*CURVES, *lines],
+        [*chains, *lines.values()],
     )
 
 

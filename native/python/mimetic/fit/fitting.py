@@ -17,6 +17,7 @@ from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.face_model import face_model
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitted_view import FittedView
+from mimetic.fit.network_evidence import with_networks
 from mimetic.fit.relief_shift import picture_shifts
 from mimetic.fit.views import follow_points
 from mimetic.locate.eigenspaces import installed_spaces
@@ -177,6 +178,7 @@ def _fit_from(
         landmarks.box,
         landmarks.likelihood,
     )
+    features = with_networks(image, features, camera, model, estimate)
     estimate = _core.fit_face(model, [_core.FaceView(features)], camera)
     if not estimate.converged or estimate.rms_ipd > LARGEST_ERROR:
         return None
@@ -269,7 +271,10 @@ def lone_view(
 ) -> FittedView | None:
     """A picture by itself: its landmarks, from the features found, and the pose that they tell."""
     landmarks = measured_landmarks(image, features)
-    alone = _core.fit_face(face_model(template), [_core.FaceView(landmarks)], camera)
+    model = face_model(template)
+    alone = _core.fit_face(model, [_core.FaceView(landmarks)], camera)
+    landmarks = with_networks(image, landmarks, camera, model, alone)
+    alone = _core.fit_face(model, [_core.FaceView(landmarks)], camera, start=alone)
     if not alone.converged or alone.rms_ipd > LARGEST_ERROR:
         return None
     return FittedView(frame, alone.camera_from_head[0], landmarks)

@@ -61,3 +61,16 @@ def feature_places(
         places[f"iris.{side}"] = eye.iris[0]
         places |= {f"{name}.{side}": eye.contour[i] for name, i in CONTOUR_POINTS.items()}
     return places
+
+
+def network_features(
+    networks: _core.FeatureNetworks, image: NDArray[np.uint8], crops: _core.FeatureCrops
+) -> _core.FaceFeatures:
+    """Eyes and mouth as points and lines with their errors, as a fit takes them.
+
+    image: H x W x 3 uint8 RGB.
+    """
+    left, right = (
+        networks.eye(image, crop, side == "L") for side, crop in zip("LR", crops.eyes, strict=True)
+    )
+    return _core.network_features(networks.mesh(image, crops.face, True), left, right)

@@ -18,7 +18,7 @@ from mimetic.media.timing import LAST_FRAME
 from mimetic.shared.documents import named, numbers
 from mimetic.skin.mesh import SkinMesh, multiply
 
-# Estimated as one, by regions of the template: footage hardly separates more.
+# What is found as one, by regions of the template: footage hardly tells more apart.
 REGIONS = {
     "forehead": ("forehead", "brow"),
     "eyes": ("eyelid", "temple"),

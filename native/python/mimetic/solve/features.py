@@ -3,16 +3,13 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
-
 import numpy as np
 
 from mimetic import _core
 from mimetic.fit.fitting import FaceFit
 from mimetic.locate.feature_networks import feature_anchors, installed_networks
 from mimetic.muscles.anatomy import Anatomy
-from mimetic.muscles.articulators import EyeLids, eye_frames
-from mimetic.skin.mesh import canonical_skin
+from mimetic.muscles.feature_lines import feature_lines
 from mimetic.template.face_template import FaceTemplate
 
 SIDES = ("L", "R")
@@ -58,44 +55,14 @@ def eye_slits(template: FaceTemplate, anatomy: Anatomy) -> list[_core.EyeSlit]:
     ]
 
 
-@lru_cache(maxsize=2)
 def lid_lines(template: FaceTemplate) -> tuple[Lines, Lines]:
     """Upper and lower margin of the left and the right eye, from outer to inner corner."""
-    eyes = []
-    for frame in eye_frames(canonical_skin(template)):
-        lids = EyeLids(frame)
-        eyes.append(
-            [
-                sorted(map(int, margin), key=lambda v: -abs(template.vertices[v, 0]))
-                for margin in (lids.upper, lids.lower)
-            ]
-        )
-    return eyes[0], eyes[1]
+    lines = feature_lines(template)
+    left, right = ([lines[f"lid_{lid}.{side}"] for lid in ("upper", "lower")] for side in SIDES)
+    return left, right
 
 
-@lru_cache(maxsize=2)
 def lip_lines(template: FaceTemplate) -> Lines:
-    """Outer upper, inner upper, inner lower, outer lower edge, from the subject's right to left.
-
-    The mesh's loops about the mouth run along the edges of the red, and along the line in which
-    closed lips meet.
-    """
-    outer_upper, outer_lower = _lips_of_loop(template, "lip_upper", "lip_lower")
-    inner_upper, inner_lower = _lips_of_loop(template, "lip_upper_inner", "lip_lower_inner")
-    return [outer_upper, inner_upper, inner_lower, outer_lower]
-
-
-def _lips_of_loop(template: FaceTemplate, upper: str, lower: str) -> tuple[list[int], list[int]]:
-    """A loop about the mouth, through two landmarks on the midline, parted at its ends."""
-    x = template.vertices[:, 0]
-    lips = []
-    for name, other in ((upper, lower), (lower, upper)):
-        middle = template.landmark(name)
-        quads, corners = np.nonzero(template.skin_faces == middle)
-        neighbours = template.skin_faces[np.r_[quads, quads], np.r_[corners - 1, (corners + 1) % 4]]
-        towards_left = int(neighbours[np.argmax(x[neighbours])])
-        loop = _core.edge_loop(template.skin_faces, middle, towards_left)
-        half = loop[: loop.index(template.landmark(other))]
-        half = half[: int(np.argmax(x[half])) + 1]
-        lips.append([int(template.mirror[v]) for v in reversed(half[1:])] + half)
-    return lips[0], lips[1]
+    """Outer upper, inner upper, inner lower, outer lower edge, from the subject's right to left."""
+    lines = feature_lines(template)
+    return [lines[f"lip_{edge}"] for edge in ("upper", "upper_inner", "lower_inner", "lower")]

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/locate/feature_networks.hpp>
+#include <mimetic/locate/network_features.hpp>
 
 #include "arrays.hpp"
 
@@ -8,7 +9,7 @@ namespace mimetic::bindings {
 namespace py = pybind11;
 using namespace pybind11::literals;
 
-void bind_locate_networks(py::module_& m) {
+void bind_feature_networks(py::module_& m) {
     py::class_<FeatureCrop>(m, "FeatureCrop", "A square of the picture, turned upright; pixels and radians.")
         .def(py::init([](const Eigen::Vector2d& center, double side, double roll) {
                  FeatureCrop crop{center, side, roll};
@@ -84,6 +85,16 @@ void bind_locate_networks(py::module_& m) {
             py::arg("image").noconvert(), "crop"_a, "left"_a,
             "One eye in a crop 2.3 times as wide as it.\n\nimage: (H, W, 3) uint8 RGB\n"
             "left: the subject's left eye\nreturns: EyePoints");
+    m.def(
+        "network_features",
+        [](const MeshPoints& mesh, const EyePoints& left, const EyePoints& right) {
+            return network_features(mesh, {left, right});
+        },
+        "mesh"_a, "left_eye"_a, "right_eye"_a,
+        "FaceFeatures of eyes and mouth, with what the networks usually err by on real faces.");
+    m.def("with_network_features", &with_network_features, "landmarks"_a, "seen"_a,
+          "FaceFeatures for a fit: landmarks, and where both have one what the networks see.\n\n"
+          "The landmarks alone where the networks look at something else.");
 }
 
 }  // namespace mimetic::bindings

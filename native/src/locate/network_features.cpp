@@ -1,0 +1,123 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
+#include <mimetic/locate/network_features.hpp>
+#include <mimetic/shared/error.hpp>
+#include <span>
+#include <string>
+
+namespace mimetic {
+namespace {
+
+// Standard deviations in interpupillary distances, from faces marked by hand (docs/measured/real-faces.md).
+// A line's error is mostly the person's own and alike all along it: each station says the less.
+constexpr double kLid = 0.02, kOuterLip = 0.022, kInnerLip = 0.018;
+constexpr double kEyeCorner = 0.03, kMouthCorner = 0.03;
+/// An eyeball turns while somebody looks about: by some twenty degrees the iris wanders by this.
+constexpr double kGaze = 0.08;
+constexpr double kLeastSigma = 0.25;  // pixels: no finer than the picture
+constexpr double kLeastPresence = 0.5;
+constexpr double kElsewhere = 0.3;  // interpupillary distances between an iris and the pupil of a landmark
+
+// Of the mesh
+constexpr int kMouthCorners[] = {291, 61}, kOuterCorners[] = {263, 33}, kInnerCorners[] = {362, 133};
+// Of an eye's contour, from the outer to the inner corner
+constexpr std::array kLidUpper{0, 9, 10, 11, 12, 13, 14, 15, 8};
+constexpr std::array kLidLower{0, 1, 2, 3, 4, 5, 6, 7, 8};
+
+/// A line without its ends, where it meets the next one and its direction is anyone's guess.
+FeatureCurve curve_of(const std::string& name, const Points2& places, std::span<const int> line,
+                      double sigma_px) {
+    const auto count = static_cast<Eigen::Index>(line.size()) - 2;
+    FeatureCurve curve{name, Points2(count, 2), Points2(count, 2),
+                       Eigen::VectorXd::Constant(count, sigma_px)};
+    for (Eigen::Index i = 0; i < count; ++i) {
+        const auto at = static_cast<std::size_t>(i);
+        curve.points.row(i) = places.row(line[at + 1]);
+        const Eigen::RowVector2d along = places.row(line[at + 2]) - places.row(line[at]);
+        const double length = along.norm();
+        if (length > 0) {
+            curve.normals.row(i) << -along.y() / length, along.x() / length;
+        } else {
+            curve.normals.row(i) << 0, 1;
+        }
+    }
+    return curve;
+}
+
+const Feature& pupil_of(const FaceFeatures& face, const std::string& name) {
+    const Feature* pupil = face.find(name);
+    if (pupil == nullptr) throw InvalidInput("the face has no feature " + name);
+    return *pupil;
+}
+
+/// Both say where it is; each by its certainty.
+Feature both(const Feature& one, const Feature& other) {
+    const double a = 1 / (one.sigma_px * one.sigma_px), b = 1 / (other.sigma_px * other.sigma_px);
+    return {one.name, (a * one.position + b * other.position) / (a + b), 1 / std::sqrt(a + b),
+            std::max(one.likelihood, other.likelihood)};
+}
+
+bool are_elsewhere(const FaceFeatures& landmarks, const FaceFeatures& seen) {
+    const Eigen::Vector2d across =
+        pupil_of(landmarks, "pupil.L").position - pupil_of(landmarks, "pupil.R").position;
+    for (const char* name : {"pupil.L", "pupil.R"}) {
+        const Eigen::Vector2d off = pupil_of(seen, name).position - pupil_of(landmarks, name).position;
+        if (off.norm() > kElsewhere * across.norm()) return true;
+    }
+    return false;
+}
+
+}  // namespace
+
+FaceFeatures network_features(const MeshPoints& mesh, const std::array<EyePoints, 2>& eyes) {
+    if (mesh.places.rows() != MeshPoints::kCount || eyes[0].contour.rows() != EyePoints::kContour ||
+        eyes[1].contour.rows() != EyePoints::kContour || eyes[0].iris.rows() != EyePoints::kIris ||
+        eyes[1].iris.rows() != EyePoints::kIris) {
+        throw InvalidInput("the points are not those of the networks for mesh and eyes");
+    }
+    const double pupils = (eyes[0].iris.row(0) - eyes[1].iris.row(0)).norm();
+    const auto sigma = [&](double part) { return std::hypot(part * pupils, kLeastSigma); };
+    FaceFeatures face;
+    face.likelihood = mesh.presence;
+    const auto add = [&](const std::string& name, const Points2& places, int index, double part) {
+        face.features.push_back({name, places.row(index).transpose(), sigma(part), mesh.presence});
+    };
+    for (std::size_t e = 0; e < 2; ++e) {
+        const std::string side = e == 0 ? ".L" : ".R";
+        add("pupil" + side, eyes[e].iris, 0, kGaze);
+        add("eye_outer" + side, mesh.places, kOuterCorners[e], kEyeCorner);
+        add("eye_inner" + side, mesh.places, kInnerCorners[e], kEyeCorner);
+        add("mouth_corner" + side, mesh.places, kMouthCorners[e], kMouthCorner);
+        face.curves.push_back(curve_of("lid_upper" + side, eyes[e].contour, kLidUpper, sigma(kLid)));
+        face.curves.push_back(curve_of("lid_lower" + side, eyes[e].contour, kLidLower, sigma(kLid)));
+    }
+    face.curves.push_back(curve_of("lip_upper", mesh.places, LipEdges::kOuterUpper, sigma(kOuterLip)));
+    face.curves.push_back(curve_of("lip_lower", mesh.places, LipEdges::kOuterLower, sigma(kOuterLip)));
+    face.curves.push_back(curve_of("lip_upper_inner", mesh.places, LipEdges::kInnerUpper, sigma(kInnerLip)));
+    face.curves.push_back(curve_of("lip_lower_inner", mesh.places, LipEdges::kInnerLower, sigma(kInnerLip)));
+    return face;
+}
+
+FaceFeatures with_network_features(const FaceFeatures& landmarks, const FaceFeatures& seen) {
+    if (seen.likelihood < kLeastPresence || are_elsewhere(landmarks, seen)) return landmarks;
+    FaceFeatures joined = landmarks;
+    joined.features.clear();
+    joined.curves = seen.curves;
+    for (const auto& feature : landmarks.features) {
+        const Feature* by_networks = seen.find(feature.name);
+        if (by_networks == nullptr) {
+            if (seen.find_curve(feature.name) == nullptr) joined.features.push_back(feature);
+        } else if (feature.name.starts_with("pupil.")) {
+            joined.features.push_back(both(feature, *by_networks));
+        }
+    }
+    for (const auto& feature : seen.features) {
+        if (!feature.name.starts_with("pupil.")) joined.features.push_back(feature);
+    }
+    for (const auto& curve : landmarks.curves) {
+        if (curve.name == "jaw") joined.curves.push_back(curve);
+    }
+    return joined;
+}
+
+}  // namespace mimetic
