@@ -16,6 +16,7 @@ from mimetic.solve.clip_capture import capture
 from mimetic.template.face_template import load_template
 
 from evaluation.runs.timing_curves import curve_rows
+from evaluation.runs.timing_units import UnitClip, score_units, unit_rows
 from evaluation.synthetic.timing.films import timing_clip
 from evaluation.synthetic.timing.firing import Firing
 from evaluation.synthetic.timing.recipes import DELAY, EXPRESSIONS, GROUPS, SETS, TimedClip
@@ -65,6 +66,7 @@ class TimingScores:
     pairs: list[PairEvent] = field(default_factory=list)
     silent_events: int = 0  # certain events of a group that truth leaves silent
     silent_chances: int = 0  # expressions in which it might have had one
+    units: list[UnitClip] = field(default_factory=list)  # of clips that move by FACS alone
 
 
 def score_timing(which: str, report: Report) -> TimingScores:
@@ -72,6 +74,7 @@ def score_timing(which: str, report: Report) -> TimingScores:
     scores = TimingScores()
     for clip, timing in _analysed(which, report):
         _score_clip(clip, timing, scores)
+    scores.units = score_units(which, report)
     return scores
 
 
@@ -219,9 +222,12 @@ def as_text(scores: TimingScores) -> str:
     models = sorted({event.model for event in seen})
     counts = ", ".join(f"{sum(e.model == m for e in seen)} {m}" for m in models)
     alone = curve_rows()
+    units = unit_rows(scores.units)
     width = max(len(name) for name, _ in rows) + 2
     lines = [f"{name.ljust(width)}{value}" for name, value in rows]
-    lines += ["", f"models chosen: {counts}", "", "curves alone, median errors"]
+    lines += ["", f"models chosen: {counts}", ""]
+    lines += [*(f"{name.ljust(width)}{value}" for name, value in units), ""]
+    lines.append("curves alone, median errors")
     return "\n".join([*lines, *(f"{name.ljust(width)}{value}" for name, value in alone)])
 
 

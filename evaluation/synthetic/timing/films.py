@@ -19,18 +19,24 @@ from ..heads.films import _aside
 from ..person import neutral_vertices
 from ..recipes import Recipe
 
+ACTION_UNITS = ("action_units.toml",)
+
 
 def timing_clip(
-    recipe: Recipe, template: FaceTemplate, report: Callable[[str], None] = lambda _: None
+    recipe: Recipe,
+    template: FaceTemplate,
+    report: Callable[[str], None] = lambda _: None,
+    face_motion: Callable[[Recipe, FaceTemplate, np.ndarray], scene.Motion] = scene.face_motion,
 ) -> Clip:
     """The clip of a recipe, rendered unless the cache has it."""
-    folder = cache_folder() / f"{recipe.name}-{_key(recipe, template)}"
+    key = _key(recipe, template, ACTION_UNITS if recipe.kind == "units" else SIMULATED_BY)
+    folder = cache_folder() / f"{recipe.name}-{key}"
     clip = Clip(recipe.name, folder / f"{recipe.name}.mp4", folder / f"{recipe.name}.truth.npz")
     if clip.footage.exists() and clip.truth.exists():
         return clip
     report(f"{recipe.name}: rendering {recipe.num_frames} frames")
     neutral = neutral_vertices(template, scene.identity_of(recipe, template), recipe.seed)
-    motion = scene.face_motion(recipe, template, neutral)
+    motion = face_motion(recipe, template, neutral)
     drawn = scene.build(recipe, template, neutral, motion)
     with _aside(folder) as whole, tempfile.TemporaryDirectory() as aside:
         made = Path(aside)
@@ -41,7 +47,7 @@ def timing_clip(
     return clip
 
 
-def _key(recipe: Recipe, template: FaceTemplate) -> str:
+def _key(recipe: Recipe, template: FaceTemplate, data: tuple[str, ...]) -> str:
     digest = hashlib.sha256(f"{recipe!r} {BPY_VERSION} {TEXEL_STEP}".encode())
     for array in (template.vertices, template.identity_modes):
         rounded = np.round(np.asarray(array, np.float64), 6) + 0.0
@@ -50,6 +56,6 @@ def _key(recipe: Recipe, template: FaceTemplate) -> str:
     sources = [here.parent / f"{name}.py" for name in SOURCES]
     for source in (*sources, here.parent / "expressions" / "draw_frames.py", here / "firing.py"):
         digest.update(source.read_bytes())
-    for name in SIMULATED_BY:
+    for name in data:
         digest.update((resources.files("mimetic") / "data" / name).read_bytes())
     return digest.hexdigest()[:16]

@@ -26,6 +26,7 @@ void bind_solve(pybind11::module_& m);
 void bind_sightings(pybind11::module_& m);
 void bind_analyse(pybind11::module_& m);
 void bind_phases(pybind11::module_& m);
+void bind_comparison(pybind11::module_& m);
 }  // namespace mimetic::bindings
 
 PYBIND11_MODULE(_core, m) {
@@ -59,4 +60,5 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_sightings(m);
     bindings::bind_analyse(m);
     bindings::bind_phases(m);
+    bindings::bind_comparison(m);
 }

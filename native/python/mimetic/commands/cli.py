@@ -37,6 +37,10 @@ COMMANDS = {
         "mimetic.commands.analyse",
         "a performance -> when muscles fire, as tables, figures",
     ),
+    "compare": (
+        "mimetic.commands.compare",
+        "an expression of a performance beside its action unit of FACS",
+    ),
     "evaluate": ("mimetic.commands.evaluate", "score a capture against known truth"),
     "info": ("mimetic.commands.info", "what is in a performance"),
 }

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a capture adds to a face that moves by an action unit alone: energy outside it is error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+
+from mimetic.analyse.comparison import compare
+from mimetic.analyse.timing import analyse_timing
+from mimetic.performance.document import Performance
+from mimetic.solve.clip_capture import capture
+from mimetic.template.face_template import load_template
+
+from evaluation.synthetic.timing.action_units import SETS, unit_motion
+from evaluation.synthetic.timing.films import timing_clip
+
+Report = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class UnitClip:
+    """Shares of energy; the truth's intensity is .8, its energy outside is none."""
+
+    clip: str
+    unit: str
+    intensity: float
+    inside_explained: float
+    outside: float
+    outside_significant: float
+    rank_one: float
+
+
+def score_units(which: str, report: Report) -> list[UnitClip]:
+    template = load_template()
+    scores = []
+    for recipe in SETS[which]:
+        clip = timing_clip(recipe, template, report, unit_motion)
+        report(f"{clip.name}: capturing")
+        with ProcessPoolExecutor(1) as aside:
+            performance = aside.submit(capture, clip.footage).result()
+        scores.append(score_unit(clip.name, recipe.phases[0].control, performance))
+    return scores
+
+
+def score_unit(name: str, unit: str, performance: Performance) -> UnitClip:
+    """The strongest event of the unit's group beside the unit."""
+    comparison = compare(
+        analyse_timing(performance, kinds=("group",)), unit, load_template(), only_certain=False
+    )
+    spatial = comparison.spatial
+    return UnitClip(
+        *(name, unit, spatial.intensity, spatial.inside_explained, spatial.outside_share),
+        *(spatial.outside_significant_share, comparison.temporal.rank_one_share),
+    )
+
+
+def unit_rows(scores: list[UnitClip]) -> list[tuple[str, str]]:
+    return [
+        (
+            f"{one.unit} alone, {one.clip}",
+            f"energy outside {_percent(one.outside)} ({_percent(one.outside_significant)} of what "
+            f"is significant), intensity {one.intensity:.2f} (truth .8), "
+            f"explained inside {one.inside_explained:.2f}",
+        )
+        for one in scores
+    ]
+
+
+def _percent(share: float) -> str:
+    return f"{100 * share:.1f} %" if math.isfinite(share) else "none"

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <mimetic/shared/types.hpp>
+#include <vector>
+
+namespace mimetic {
+
+/// A third of a quad's triangles' areas for each of V vertices, over quads whose corners are all skin. Square
+/// metres.
+Eigen::VectorXd skin_areas(PointsIn vertices, QuadsIn faces, const std::vector<bool>& is_skin);
+
+/// S.d. of each vertex's displacement (V, metres) from independent s.d. of values (M) of modes (M x 3V).
+Eigen::VectorXd displacement_std(MatrixIn modes, VectorIn stds);
+
+/// A seen displacement beside what an action unit would do.
+struct SpatialComparison {
+    double intensity;                  ///< of the unit, by least squares within its region
+    double inside_explained;           ///< R2 of the unit at that intensity within its region
+    double outside_share;              ///< of the seen displacement's energy, outside the region
+    double outside_significant_share;  ///< the same of what is beyond two standard deviations alone
+    double gini;                       ///< of the energy over the skin: 0 spread evenly, 1 in one place
+};
+
+/// seen, unit: V x 3, metres; areas, stds: V; reach: V, above 0 within the unit's region. A unit that does
+/// not move, or a face that does not, gives shares that are not numbers. Throws InvalidInput on other
+/// lengths.
+SpatialComparison compare_displacements(PointsIn seen, PointsIn unit, VectorIn areas, VectorIn stds,
+                                        VectorIn reach);
+
+/// How displacement changes over time.
+struct TemporalComparison {
+    double
+        rank_one_share;  ///< of the energy, by one pattern times one curve, as a unit with an intensity has
+    double ramp_explained;        ///< R2 of the best straight line through that curve's application
+    double ramp_whole_explained;  ///< R2 of straight up, hold, straight down through all of it
+    Eigen::VectorXd course;       ///< N, that curve, at most 1
+    Eigen::VectorXd ramp;         ///< N, the ramp
+};
+
+/// displacements: N x 3V, of consecutive frames, weighted by areas (V); begin, apex: rows of the application.
+/// Throws InvalidInput.
+TemporalComparison compare_courses(MatrixIn displacements, VectorIn areas, int begin, int apex);
+
+/// What of a mesh is seen along -z, back to front: faces that point to z, with how much light they catch.
+struct FacesInView {
+    std::vector<int> faces;
+    Eigen::VectorXd shades;  ///< 0 to 1, of those faces
+};
+FacesInView faces_in_view(PointsIn vertices, QuadsIn faces);
+
+}  // namespace mimetic

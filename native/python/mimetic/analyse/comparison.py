@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""An expression of a performance beside the action unit that FACS describes it by."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, _core
+from mimetic.analyse.timing import Event, Timing
+from mimetic.muscles.action_units import ActionUnit, action_unit, is_face, named_places
+from mimetic.performance.document import Performance
+from mimetic.template.face_template import FaceTemplate
+
+SIGNIFICANT = 2.0  # standard deviations
+
+
+@dataclass(frozen=True)
+class PlaceMotion:
+    """Motion at one of the places that the paper's text names; millimetres at the peak."""
+
+    place: str
+    seen: float
+    unit: float
+    std: float
+    is_in_reach: bool  # of the action unit
+
+    @property
+    def verdict(self) -> str:
+        """Whether motion is there that the unit lacks: yes, no or not decidable."""
+        if self.seen - self.unit > SIGNIFICANT * self.std:
+            return "yes"
+        return "no" if self.seen < SIGNIFICANT * self.std and self.std < 0.5 else "not decidable"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One event of a performance beside an action unit. N frames of the event, V vertices."""
+
+    performance: Performance
+    event: Event
+    unit: ActionUnit
+    rows: NDArray[np.int64]  # N, of the performance
+    peak: int  # into rows
+    displacements: NDArray[np.float64]  # N x V x 3, metres from the event's first frame
+    areas: NDArray[np.float64]  # V, square metres, 0 off the face
+    stds: NDArray[np.float64]  # V, metres, of the displacement at the peak
+    spatial: _core.SpatialComparison
+    temporal: _core.TemporalComparison
+    places: list[PlaceMotion]
+
+    @property
+    def seen(self) -> NDArray[np.float64]:
+        """V x 3, metres, at the peak."""
+        return self.displacements[self.peak]
+
+    @property
+    def by_unit(self) -> NDArray[np.float64]:
+        """V x 3, metres: the unit at the intensity that explains most of its own region."""
+        return self.spatial.intensity * self.unit.mode
+
+
+def compare(
+    timing: Timing,
+    unit_name: str,
+    template: FaceTemplate,
+    number: int | None = None,
+    only_certain: bool = True,
+) -> Comparison:
+    """An event of the unit's muscle group beside the unit.
+
+    number: which of the group's events, counted from 1; None takes the strongest that begins
+    within the clip, of those that are certain unless only_certain is false. Raises InvalidInput
+    where there is none, or on another mesh than the canonical.
+    """
+    performance = timing.performance
+    neutral = performance.neutral_vertices
+    unit = action_unit(unit_name, neutral, template)
+    event = _event_of(timing, unit, number, only_certain)
+    first, last = event.fit.first, event.fit.last
+    rows = np.arange(first, last + 1)
+    surfaces = np.stack([performance.surface(int(i)) for i in rows])
+    displacements = surfaces - surfaces[0]
+    values = event.curve.values[rows]
+    peak = int(values.argmax())
+    areas = _core.skin_areas(neutral, template.faces, is_face(template))
+    stds = displacement_std(performance, int(rows[peak]))
+    seen = displacements[peak]
+    frames = performance.frame.astype(np.float64)[rows]
+    begin, apex = np.searchsorted(frames, (event.fit.shape.onset, event.fit.shape.apex))
+    begin = int(np.clip(begin, 0, len(rows) - 2))
+    apex = int(np.clip(apex, begin + 1, len(rows) - 1))
+    spatial = _core.compare_displacements(seen, unit.mode, areas, stds, unit.reach)
+    places = named_places(neutral, template)
+    return Comparison(
+        *(performance, event, unit, rows, peak, displacements, areas, stds, spatial),
+        _core.compare_courses(np.ascontiguousarray(displacements), areas, begin, apex),
+        _place_motions(seen, spatial.intensity, unit, stds, places),
+    )
+
+
+def displacement_std(performance: Performance, i: int) -> NDArray[np.float64]:
+    """V, metres: of the surface at frame index `i`, by muscles, articulators and detail."""
+    modes = [performance.muscle_modes]
+    stds = [performance.activations_std[i]]
+    if performance.articulator_modes is not None and performance.articulator_values_std is not None:
+        modes.append(performance.articulator_modes)
+        stds.append(performance.articulator_values_std[i])
+    if performance.detail_modes is not None and performance.detail_coefficients_std is not None:
+        modes.append(performance.detail_modes)
+        stds.append(performance.detail_coefficients_std[i])
+    all_modes = np.concatenate(modes).astype(np.float64)
+    return _core.displacement_std(all_modes, np.concatenate(stds))
+
+
+def _event_of(timing: Timing, unit: ActionUnit, number: int | None, only_certain: bool) -> Event:
+    events = timing.of_group(unit.group)
+    if number is not None:
+        chosen = [event for event in events if event.number == number]
+        if not chosen:
+            raise InvalidInput(
+                f"--event {number}: group {unit.group} has {len(events)} events (phases.csv of "
+                "`mimetic analyse` lists them)"
+            )
+        return chosen[0]
+    whole = [
+        event
+        for event in events
+        if (event.fit.is_certain or not only_certain) and not event.fit.begins_before
+    ]
+    if not whole:
+        raise InvalidInput(
+            f"group {unit.group}, which does what {unit.name} does ({unit.meaning}), has no event "
+            "that is certain and begins within the clip; capture more of it, or name one by --event"
+        )
+    return max(whole, key=lambda event: event.fit.shape.amplitude)
+
+
+def _place_motions(
+    seen: NDArray[np.float64],
+    intensity: float,
+    unit: ActionUnit,
+    stds: NDArray[np.float64],
+    places: dict[str, NDArray[np.float64]],
+) -> list[PlaceMotion]:
+    motions = []
+    for place, weights in places.items():
+        share = weights / max(1e-12, float(weights.sum()))
+        lengths = [np.sqrt((field**2).sum(axis=1)) for field in (seen, intensity * unit.mode)]
+        moved, by_unit, std = (float(1000 * share @ values) for values in (*lengths, stds))
+        is_in_reach = bool((unit.reach[weights > 0] > 0).any())
+        motions.append(PlaceMotion(place, moved, by_unit, std, is_in_reach))
+    return motions

@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import csv
+
+import numpy as np
+import pytest
+from mimetic import InvalidInput
+from mimetic.analyse.comparison import compare
+from mimetic.analyse.comparison_report import FILES
+from mimetic.analyse.timing import analyse_timing
+from mimetic.commands.cli import main
+from mimetic.muscles.action_units import action_unit, unit_names
+from mimetic.template.face_template import load_template
+from sample_performance import make_performance
+
+FRAMES = 50
+
+
+@pytest.fixture(scope="module")
+def template():
+    return load_template()
+
+
+def moved_by(template, unit, further=0.0):
+    """A performance of one muscle whose mode is an action unit, and whatever moves the forehead."""
+    mode = action_unit(unit, template.vertices, template).mode
+    modes = np.zeros((4, *mode.shape), np.float32)
+    modes[0] = mode
+    modes[1, template.landmark("glabella")] = (0, further, 0)
+    ramp = np.interp(np.arange(FRAMES), (12, 22, 30, 40), (0, 0.8, 0.8, 0))
+    activations = np.zeros((FRAMES, 4))
+    activations[:, :2] = ramp[:, None]
+    return make_performance(
+        FRAMES,
+        muscles=[f"muscle_{i}.{side}" for i in range(2) for side in "LR"],
+        groups=np.array([1, 1, 5, 5]),
+        muscle_modes=modes,
+        activations=activations,
+        activations_std=np.full((FRAMES, 4), 0.02),
+        articulators=[],
+        articulator_values=np.zeros((FRAMES, 0)),
+        articulator_modes=None,
+        neutral_vertices=template.vertices,
+        faces=template.faces,
+        quality=np.ones(FRAMES),
+    )
+
+
+def test_a_face_moved_by_a_unit_alone_has_no_energy_outside(template):
+    timing = analyse_timing(moved_by(template, "AU12"), kinds=("group",))
+    comparison = compare(timing, "AU12", template)
+    assert comparison.spatial.intensity == pytest.approx(0.8, abs=0.01)
+    assert comparison.spatial.outside_share < 1e-6
+    assert comparison.spatial.inside_explained > 0.999
+    assert comparison.temporal.rank_one_share > 0.9999
+    assert comparison.temporal.ramp_explained > 0.99
+    assert {motion.verdict for motion in comparison.places if motion.seen < 1e-6} <= {
+        *("no", "not decidable")
+    }
+
+
+def test_motion_elsewhere_is_energy_outside(template):
+    timing = analyse_timing(moved_by(template, "AU12", further=0.03), kinds=("group",))
+    assert compare(timing, "AU12", template).spatial.outside_share > 0.02
+
+
+def test_units_are_even_and_move_as_their_names_say(template):
+    vertices = template.vertices
+    for name in unit_names():
+        mode = action_unit(name, vertices, template).mode
+        np.testing.assert_allclose(mode[template.mirror] * (-1, 1, 1), mode, atol=5e-4)
+    brow = action_unit("2", vertices, template).mode[template.landmark("brow_middle.L")]
+    assert brow[1] == pytest.approx(0.013, abs=0.004)  # science: 13 mm up
+    corner = action_unit("AU12", vertices, template).mode[template.landmark("mouth_corner.L")]
+    assert corner[0] > 0.004 and corner[1] > 0.004 and corner[2] < 0
+    with pytest.raises(InvalidInput, match="AU6 is no action unit"):
+        action_unit("AU6", vertices, template)
+
+
+def test_the_command_writes_figures_and_the_numbers_behind_them(tmp_path, template):
+    moved_by(template, "AU12").save(tmp_path / "performance.npz")
+    out = tmp_path / "out"
+    command = ["compare", str(tmp_path / "performance.npz"), "--with", "facs", "--out", str(out)]
+    assert main([*command, "--expression", "AU12"]) == 0
+    assert {path.name for path in out.iterdir()} == set(FILES)
+    with open(out / "comparison.csv", newline="") as stream:
+        [row] = csv.DictReader(stream)
+    assert float(row["outside_energy"]) < 0.05
+
+
+def test_bad_input_is_one_line(tmp_path, template, capsys):
+    path = tmp_path / "performance.npz"
+    moved_by(template, "AU12").save(path)
+    out = ["--out", str(tmp_path / "out")]
+    assert main(["compare", str(path), "--expression", "AU6", *out]) == 2
+    assert "known are AU1" in capsys.readouterr().err
+    assert main(["compare", str(path), "--event", "9", *out]) == 2
+    assert main(["compare", str(path), "--expression", "AU2", *out]) == 2
+    assert "no event that is certain" in capsys.readouterr().err
+    make_performance().save(path)
+    assert main(["compare", str(path), *out]) == 2
+    assert "canonical head" in capsys.readouterr().err
