@@ -32,6 +32,7 @@ from evaluation.runs import (
 )
 from evaluation.runs.head_clips import face_mesh_python
 from evaluation.runs.portraits import rendered_portraits
+from evaluation.runs.real_noise import noise_text
 from evaluation.runs.rendered import scored
 from evaluation.runs.stills import Stills, rendered_stills
 
@@ -204,15 +205,18 @@ def _run_timing(options: argparse.Namespace) -> int:
 
 def _run_real(options: argparse.Namespace) -> int:
     _prepare_out(options)
-    done = []
-    for scores in (
+    done, seen = [], []
+    for scores, sightings in (
         real.score_fits(_to_stderr)
         if options.first_fit
         else real.score_real(_to_stderr, options.out, options.performances)
     ):
         done += scores
+        seen += sightings
         if not options.json:
             print(real.clip_text(scores), end="\n\n", flush=True)
+    if seen and not options.json:
+        print(noise_text(seen))
     if options.out is not None:
         with whole_file(options.out / "real.json") as stream:
             stream.write(f"{real.as_json(done)}\n".encode())

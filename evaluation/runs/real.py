@@ -21,7 +21,9 @@ from evaluation.runs.head_clips import face_mesh_python
 from evaluation.runs.real_events import score_events
 from evaluation.runs.real_labels import CLIPS, Labels, footage_of, read_labels
 from evaluation.runs.real_methods import by_capture, by_face_mesh, by_fit, by_networks
+from evaluation.runs.real_noise import SHRUNK, Sightings, sightings
 from evaluation.runs.real_score import FEATURES, RealScore, score_places
+from evaluation.runs.real_still import crops_of, in_crops, jitter, still_runs, with_frames
 
 OURS, FACE_MESH, NETWORKS = "capture", "MediaPipe, refined", "its networks, our crops"
 FIRST_FIT, AGAIN = "first fit", "marked again"
@@ -31,8 +33,8 @@ Report = Callable[[str], None]
 
 def score_real(
     report: Report, out: Path | None = None, captured: Path | None = None
-) -> Iterator[list[RealScore]]:
-    """Clip by clip. Raises InvalidInput.
+) -> Iterator[tuple[list[RealScore], list[Sightings]]]:
+    """Clip by clip: every method's, and what the networks say there. Raises InvalidInput.
 
     out: a folder in which the captured performances are kept. captured: one in which they are, of
     an earlier run; those clips are scored that are there, as far as they go.
@@ -57,37 +59,63 @@ def score_real(
         yield score_clip(labels, performance, python, report)
 
 
-def score_fits(report: Report) -> Iterator[list[RealScore]]:
+def score_fits(report: Report) -> Iterator[tuple[list[RealScore], list[Sightings]]]:
     """Clip by clip, the head fitted to each marked frame by itself. Raises InvalidInput."""
     films = [Footage(footage_of(clip)) for clip in CLIPS]
     for clip, footage in zip(CLIPS, films, strict=True):
         labels = read_labels(clip)
         report(f"{clip}: fit, {len(labels.frame)} frames")
-        yield [score_places(labels, FIRST_FIT, by_fit(labels, footage)), *_repeated(labels)]
+        yield [score_places(labels, FIRST_FIT, by_fit(labels, footage)), *_repeated(labels)], []
 
 
 def score_clip(
     labels: Labels, performance: Performance, python: Path | None, report: Report
-) -> list[RealScore]:
+) -> tuple[list[RealScore], list[Sightings]]:
     """Every method on one clip. python: of scripts/face_mesh_env, where it is to be had."""
-    found = {OURS: by_capture(labels, performance)}
+    runs = still_runs(labels.clip, performance)
+    every = with_frames(labels, runs.ravel())
+    found = {OURS: by_capture(every, performance)}
+    seen = []
     if python is not None:
         report(f"{labels.clip}: {FACE_MESH}")
-        found[FACE_MESH] = by_face_mesh(labels, python)
+        found[FACE_MESH] = by_face_mesh(every, python)
     if (networks := installed_networks()) is not None:
-        found[NETWORKS] = by_networks(labels, performance, networks)
+        smaller = by_networks(every, performance, networks, SHRUNK)
+        found[NETWORKS] = smaller[SHRUNK.index(1)]
+        seen = [
+            sightings(every, performance, runs, places, times)
+            for places, times in zip(smaller, SHRUNK, strict=True)
+        ]
     else:
         report("no networks on our own crops: run scripts/make_networks and build again")
-    scores = [score_places(labels, method, places) for method, places in found.items()]
+    marked = np.isin(every.frame, labels.frame)
+    scores = []
+    for method, places in found.items():
+        variances = _jitter(every, places, performance, runs)
+        scores.append(score_places(labels, method, places[marked], variances))
     events = {one.kind: one.text() for one in score_events(labels.clip, performance)}
     scores[0] = replace(scores[0], events=events)
-    return scores + _repeated(labels)
+    return scores + _repeated(labels), seen
 
 
 def _repeated(labels: Labels) -> list[RealScore]:
     """The second marking's score, if there is one."""
     again = read_labels(labels.clip, second=True)
     return [] if again is None else [_marked_again(labels, again)]
+
+
+def _jitter(
+    every: Labels,
+    places: NDArray[np.float64],
+    performance: Performance,
+    runs: NDArray[np.int64],
+) -> NDArray[np.float64]:
+    """POINTS x 2 variances of places (N x POINTS x 2) in the face's square, in squares of the
+    interpupillary distance: the median of the runs in which the face keeps still."""
+    crops = [each.face for each in crops_of(performance, every.frame)]
+    still = in_crops(places, crops)[np.searchsorted(every.frame, runs)]
+    sides = np.array([crop.side for crop in crops])
+    return np.nanmedian(jitter(still), axis=0) * np.nanmedian(sides / every.ipd) ** 2
 
 
 def _marked_again(labels: Labels, again: Labels) -> RealScore:
@@ -102,12 +130,14 @@ def _with_gaps(places: NDArray[np.float64], like: NDArray[np.float64]) -> NDArra
 
 
 def clip_text(scores: list[RealScore]) -> str:
-    """Two tables of one clip: errors, and how much of them is this person's own bias."""
+    """Three tables of one clip: errors, how much of them is this person's own bias, and jitter."""
     errors = {score.method: _row(score, "median", "p90") for score in scores}
     for score in scores:
         errors[score.method] |= {"told": score.lips_told, "seen": score.seen}
     columns = _columns("median", "p90", "90 %") | {"told": ("told", ".2f"), "seen": ("seen", ".2f")}
     parts = {score.method: _row(score, "bias", "left") for score in scores}
+    jitters = {one.method: _row(one, "jitter") for one in scores if one.method != AGAIN}
+    features = {f"{feature} jitter": (feature, ".2f") for feature in FEATURES}
     clip = f"{scores[0].clip}, % of IPD"
     return "\n\n".join(
         (
@@ -115,6 +145,7 @@ def clip_text(scores: list[RealScore]) -> str:
             text_table(
                 f"{clip}: bias, what is left", _columns("bias", "left", "left"), parts, CELL
             ),
+            text_table(f"{clip}: jitter where still", features, jitters, CELL),
             *scores[0].events.values(),
         )
     )

@@ -6,13 +6,14 @@ from __future__ import annotations
 import contextlib
 import subprocess
 import tempfile
+from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 from mimetic import InvalidInput, _core
 from mimetic.fit.face_model import limit_positions
 from mimetic.fit.fitting import NoFace, find_face
-from mimetic.locate.feature_networks import feature_anchors, feature_places
+from mimetic.locate.feature_networks import feature_places
 from mimetic.media.footage import Footage
 from mimetic.muscles.feature_lines import feature_lines
 from mimetic.performance.document import HELD_QUALITY, Performance
@@ -21,6 +22,7 @@ from mimetic.template.face_template import FaceTemplate, load_template
 from numpy.typing import NDArray
 
 from evaluation.runs.real_labels import POINTS, Labels, footage_of
+from evaluation.runs.real_still import crops_of, shrunk
 from evaluation.runs.rendered import CHECKOUT
 
 # Lines of the canonical head (`feature_lines`) whose middle is marked, by the labels' names
@@ -117,20 +119,23 @@ def by_face_mesh(labels: Labels, python: Path) -> NDArray[np.float64]:
 
 
 def by_networks(
-    labels: Labels, performance: Performance, networks: _core.FeatureNetworks
+    labels: Labels,
+    performance: Performance,
+    networks: _core.FeatureNetworks,
+    sizes: Sequence[int] = (1,),
 ) -> NDArray[np.float64]:
-    """N x POINTS x 2 of the networks for mesh and iris on crops that the captured pose lays."""
-    template = load_template()
-    anchors = feature_anchors(performance.neutral_vertices, template)
-    camera = RefinedSurface(performance).camera
-    footage = Footage(footage_of(labels.clip))
-    places = np.full((len(labels.frame), len(POINTS), 2), np.nan)
-    for row, frame in enumerate(labels.frame):
-        i = performance.index_of(int(frame))
-        if performance.quality[i] < HELD_QUALITY:
+    """Sizes x N x POINTS x 2 of the networks for mesh and iris, on crops that the captured pose
+    lays; nan in frames that are held. sizes: how many times smaller the picture is made first."""
+    crops = [crops_of(performance, labels.frame, times) for times in sizes]
+    places = np.full((len(sizes), len(labels.frame), len(POINTS), 2), np.nan)
+    shots = Footage(footage_of(labels.clip)).frames(int(labels.frame[0]), int(labels.frame[-1]))
+    rows = {int(frame): row for row, frame in enumerate(labels.frame)}
+    for frame, image in shots:
+        if frame not in rows or performance.quality[performance.index_of(frame)] < HELD_QUALITY:
             continue
-        image = np.ascontiguousarray(footage.read(int(frame)))
-        crops = _core.feature_crops(camera, performance.head_pose[i], anchors)
-        seen = feature_places(networks, image, crops)
-        places[row] = [seen[name] for name in POINTS]
+        for i, times in enumerate(sizes):
+            small = shrunk(np.ascontiguousarray(image), times)
+            seen = feature_places(networks, small, crops[i][rows[frame]])
+            named = np.array([seen[name] for name in POINTS])
+            places[i, rows[frame]] = (named + 0.5) * times - 0.5
     return places

