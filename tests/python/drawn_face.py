@@ -43,10 +43,10 @@ def draw(template, vertices, pose, camera, seed=0):
 
 
 def _skin_colors(template, mesh, vertices):
-    indptr, indices, weights = mesh.stencils()
+    stencils = mesh.stencils()
 
     def spread(values):
-        return np.add.reduceat(weights * values[indices], indptr[:-1])
+        return stencils.multiply(values[:, None])[:, 0]
 
     skin = template.num_skin_vertices
     colors = np.tile(SKIN, (mesh.num_refined, 1))

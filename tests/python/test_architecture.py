@@ -179,6 +179,20 @@ def test_every_stage_of_the_core_has_headers_and_sources_of_its_name():
     assert sources <= set(CORE_STAGES)
 
 
+def test_bindings_are_named_by_their_stages_and_bound_in_their_order():
+    folder = ROOT / "native/python/bindings"
+    stages = {path.stem: path.stem.split("_")[1] for path in folder.glob("bind_*.cpp")}
+    assert set(stages.values()) <= set(CORE_STAGES)
+    for name in stages:
+        functions = re.findall(r"^void (bind_\w+)\(", (folder / f"{name}.cpp").read_text(), re.M)
+        assert name in functions
+    text = (folder / "module.cpp").read_text(encoding="utf-8")
+    bound = re.findall(r"^    bindings::(bind_\w+)\(m\);", text, re.M)
+    assert sorted(bound) == sorted(stages)
+    order = [CORE_STAGES.index(stages[name]) for name in bound]
+    assert order == sorted(order)
+
+
 def test_mathematics_is_the_cores():
     assert offences("native/python/mimetic", (".py",), r"np\.linalg|einsum|np\.add\.at") == []
 

@@ -23,7 +23,7 @@ SkinContact make_contact(PointsIn rest, const CompressedRows& stencils, const st
                          const std::vector<bool>& free, const std::vector<int>& moves_with,
                          const std::vector<int>& read) {
     const py::gil_scoped_release release;
-    const TouchPoints touch{rest, to_sparse(stencils, static_cast<int>(free.size())), slits};
+    const TouchPoints touch{rest, stencils.matrix, slits};
     return SkinContact(touch, eyes, {model, free, moves_with, read});
 }
 
@@ -84,7 +84,7 @@ void bind_skin_contact(py::module_& m) {
         "Displacements are in the head frame, or in that of `turned`; metres.")
         .def(py::init(&make_contact), py::kw_only(), "rest"_a, "stencils"_a, "slits"_a, "eyes"_a, "model"_a,
              "free"_a, "moves_with"_a, "read"_a,
-             "rest: (C, 3), the points that can touch; stencils: compressed rows of the C x B matrix that "
+             "rest: (C, 3), the points that can touch; stencils: CompressedRows of the C x B matrix that "
              "makes\nthem of base vertices; model: its unknowns are those that are `free` (B,); "
              "moves_with: (V,), the\nbase vertex that each of the head's goes with, -1 for none; read: (B,), "
              "the head's vertex that is\neach base vertex. Raises InvalidInput.")

@@ -167,19 +167,18 @@ void bind_register(py::module_& m) {
     m.def(
         "draw_to_surface",
         [](PointsIn neutral, const LippedSurface& skin, const FlagArray& outer,
-           const CompressedRows& stencils, int num_skin_vertices, const std::vector<int>& held,
+           const CompressedRows& stencils, const std::vector<int>& held,
            const std::vector<std::pair<std::vector<int>, std::vector<int>>>& followers, PointsIn targets,
            const LippedSurface& surface, double reach) {
-            LaidTemplate laid{neutral, skin, flags_of(outer), to_sparse(stencils, num_skin_vertices),
-                              held,    {}};
+            LaidTemplate laid{neutral, skin, flags_of(outer), stencils.matrix, held, {}};
             for (const auto& [edge, vertices] : followers) {
                 laid.followers.push_back({edge, vertices});
             }
             const py::gil_scoped_release release;
             return draw_to_surface(laid, targets, surface, reach);
         },
-        py::kw_only(), "neutral"_a, "skin"_a, "outer"_a, "stencils"_a, "num_skin_vertices"_a, "held"_a,
-        "followers"_a, "targets"_a, "surface"_a, "reach"_a,
+        py::kw_only(), "neutral"_a, "skin"_a, "outer"_a, "stencils"_a, "held"_a, "followers"_a, "targets"_a,
+        "surface"_a, "reach"_a,
         "(V, 3): a template-shaped head after its skin was drawn to what lies within reach, metres.\n\n"
         "skin: of the refined vertices; outer: (N,), which are no linings; held: landmarks' vertices,\n"
         "targets: (L, 3), their places; followers: (edge, vertices) that go with the mean of an edge.\n"

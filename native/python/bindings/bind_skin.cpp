@@ -46,14 +46,13 @@ void bind_model(py::module_& m) {
         m, "SkinModel",
         "Static linear shell: membrane, bending, pre-stress and elastic attachment to the bone.")
         .def(py::init([](PointsIn vertices, TrianglesIn triangles, const SkinMaterials& materials,
-                         const CompressedRows& basis, int num_unknowns) {
-                 return SkinModel(vertices, triangles, materials, to_sparse(basis, num_unknowns));
+                         const CompressedRows& basis) {
+                 return SkinModel(vertices, triangles, materials, basis.matrix);
              }),
              py::arg("vertices").noconvert(), py::arg("triangles").noconvert(), "materials"_a, "basis"_a,
-             "num_unknowns"_a, release_gil(),
+             release_gil(),
              "vertices: (N, 3) float64, metres\ntriangles: (T, 3) int32\n"
-             "basis: compressed rows (indptr, indices, weights) of the N x C matrix that makes displacements "
-             "of the\n"
+             "basis: CompressedRows, N x C, that make displacements of the\n"
              "    vertices from the unknowns\nraises InvalidInput, naming the face or vertex")
         .def_property_readonly("num_vertices", &SkinModel::num_vertices)
         .def_property_readonly("num_unknowns", &SkinModel::num_unknowns)
@@ -164,11 +163,10 @@ void bind_reduced(py::module_& m) {
              "One step.\n\nvalues: (L,) at its end\nreturns: (R,) coordinates");
     py::class_<ReducedSurface>(m, "ReducedSurface",
                                "Displacements of places on the surface from reduced coordinates.")
-        .def(py::init([](const CompressedRows& stencils, int num_unknowns, ColumnsIn shapes) {
-                 return ReducedSurface(to_sparse(stencils, num_unknowns), shapes);
+        .def(py::init([](const CompressedRows& stencils, ColumnsIn shapes) {
+                 return ReducedSurface(stencils.matrix, shapes);
              }),
-             "stencils"_a, "num_unknowns"_a, "shapes"_a, release_gil(),
-             "stencils: compressed rows (indptr, indices, weights), P x C; shapes: (3C, R)")
+             "stencils"_a, "shapes"_a, release_gil(), "stencils: CompressedRows, P x C; shapes: (3C, R)")
         .def("displacements", &ReducedSurface::displacements, "coordinates"_a,
              "returns: (P, 3) float32, metres, for (R,) coordinates");
 }
@@ -183,11 +181,11 @@ void bind_corotational(py::module_& m) {
         m, "CorotationalSkin",
         "The skin under large rotations: strain and curvature are measured in axes that turn with it.")
         .def(py::init([](PointsIn vertices, TrianglesIn triangles, const SkinMaterials& materials,
-                         const CompressedRows& basis, int num_unknowns) {
-                 return CorotationalSkin(vertices, triangles, materials, to_sparse(basis, num_unknowns));
+                         const CompressedRows& basis) {
+                 return CorotationalSkin(vertices, triangles, materials, basis.matrix);
              }),
              py::arg("vertices").noconvert(), py::arg("triangles").noconvert(), "materials"_a, "basis"_a,
-             "num_unknowns"_a, release_gil(), "As SkinModel.")
+             release_gil(), "As SkinModel.")
         .def("energy", &CorotationalSkin::energy, "unknowns"_a, release_gil(),
              "Elastic energy, J, for (3C,) metres; infinite where a triangle is crushed.")
         .def("gradient", &CorotationalSkin::gradient, "unknowns"_a, release_gil(),

@@ -134,13 +134,13 @@ void bind_surface(py::module_& m) {
         .def("normals", &LimitSurface::normals, py::arg("vertices").noconvert(), release_gil(),
              "vertices: (V, 3) float64\nreturns: (P, 3), unit, outwards; zero without a tangent plane")
         .def(
-            "stencils", [](const LimitSurface& self) { return to_compressed(self.position_stencils()); },
-            "Compressed rows (indptr, indices, weights) of the P x V matrix of positions.")
+            "stencils", [](const LimitSurface& self) { return CompressedRows{self.position_stencils()}; },
+            "CompressedRows of the P x V matrix of positions.")
         .def(
             "tangent_stencils",
             [](const LimitSurface& self) {
-                return py::make_tuple(to_compressed(self.s_tangent_stencils()),
-                                      to_compressed(self.t_tangent_stencils()));
+                return py::make_tuple(CompressedRows{self.s_tangent_stencils()},
+                                      CompressedRows{self.t_tangent_stencils()});
             },
             "The same for d position / d s and d position / d t.");
 
@@ -158,8 +158,8 @@ void bind_surface(py::module_& m) {
         .def("normals", &SubdividedMesh::normals, py::arg("vertices").noconvert(), release_gil(),
              "vertices: (V, 3) float64\nreturns: (num_refined, 3), unit, outwards")
         .def(
-            "stencils", [](const SubdividedMesh& self) { return to_compressed(self.stencils()); },
-            "Compressed rows (indptr, indices, weights) of the num_refined x V matrix.");
+            "stencils", [](const SubdividedMesh& self) { return CompressedRows{self.stencils()}; },
+            "CompressedRows of the num_refined x V matrix.");
 }
 
 }  // namespace mimetic::bindings

@@ -3,30 +3,31 @@
 
 namespace mimetic::bindings {
 void bind_shared(pybind11::module_& m);
+void bind_shared_rows(pybind11::module_& m);
 void bind_raster(pybind11::module_& m);
-void bind_texture(pybind11::module_& m);
+void bind_raster_texture(pybind11::module_& m);
 void bind_surface(pybind11::module_& m);
+void bind_flow(pybind11::module_& m);
+void bind_locate_eigenspace(pybind11::module_& m);
+void bind_locate(pybind11::module_& m);
+void bind_locate_landmarks(pybind11::module_& m);
+void bind_locate_networks(pybind11::module_& m);
+void bind_fit(pybind11::module_& m);
+void bind_fit_face_shape(pybind11::module_& m);
 void bind_skin(pybind11::module_& m);
 void bind_muscles(pybind11::module_& m);
-void bind_skin_mesh(pybind11::module_& m);
-void bind_attach(pybind11::module_& m);
-void bind_extras(pybind11::module_& m);
+void bind_muscles_skin_mesh(pybind11::module_& m);
+void bind_muscles_attach(pybind11::module_& m);
+void bind_muscles_extras(pybind11::module_& m);
 void bind_contact(pybind11::module_& m);
-void bind_locate(pybind11::module_& m);
-void bind_landmarks(pybind11::module_& m);
-void bind_eigenspace(pybind11::module_& m);
-void bind_feature_networks(pybind11::module_& m);
-void bind_fit(pybind11::module_& m);
-void bind_face_shape(pybind11::module_& m);
-void bind_flow(pybind11::module_& m);
 void bind_register(pybind11::module_& m);
 void bind_head(pybind11::module_& m);
-void bind_rig_motion(pybind11::module_& m);
+void bind_head_rig_motion(pybind11::module_& m);
 void bind_solve(pybind11::module_& m);
-void bind_sightings(pybind11::module_& m);
+void bind_solve_sightings(pybind11::module_& m);
 void bind_analyse(pybind11::module_& m);
-void bind_phases(pybind11::module_& m);
-void bind_comparison(pybind11::module_& m);
+void bind_analyse_phases(pybind11::module_& m);
+void bind_analyse_comparison(pybind11::module_& m);
 }  // namespace mimetic::bindings
 
 PYBIND11_MODULE(_core, m) {
@@ -35,30 +36,32 @@ PYBIND11_MODULE(_core, m) {
     m.attr("__version__") = MIMETIC_VERSION;
     pybind11::register_exception<InvalidInput>(m, "InvalidInput", PyExc_ValueError);
     pybind11::register_exception<UnreadableMedia>(m, "UnreadableMedia", PyExc_OSError);
-    // In the order of the stages; a class before the signatures that name it, which the stubs repeat
+    // In the order of the stages; within one, a class before the signatures that name it, which the stubs
+    // repeat
     bindings::bind_shared(m);
+    bindings::bind_shared_rows(m);
     bindings::bind_raster(m);
-    bindings::bind_texture(m);
+    bindings::bind_raster_texture(m);
     bindings::bind_surface(m);
+    bindings::bind_flow(m);
+    bindings::bind_locate_eigenspace(m);
+    bindings::bind_locate(m);
+    bindings::bind_locate_landmarks(m);
+    bindings::bind_locate_networks(m);
+    bindings::bind_fit(m);
+    bindings::bind_fit_face_shape(m);
     bindings::bind_skin(m);
     bindings::bind_muscles(m);
-    bindings::bind_eigenspace(m);
-    bindings::bind_skin_mesh(m);
-    bindings::bind_attach(m);
-    bindings::bind_extras(m);
+    bindings::bind_muscles_skin_mesh(m);
+    bindings::bind_muscles_attach(m);
+    bindings::bind_muscles_extras(m);
     bindings::bind_contact(m);
-    bindings::bind_locate(m);
-    bindings::bind_landmarks(m);
-    bindings::bind_feature_networks(m);
-    bindings::bind_fit(m);
-    bindings::bind_face_shape(m);
-    bindings::bind_flow(m);
     bindings::bind_register(m);
     bindings::bind_head(m);
-    bindings::bind_rig_motion(m);
+    bindings::bind_head_rig_motion(m);
     bindings::bind_solve(m);
-    bindings::bind_sightings(m);
+    bindings::bind_solve_sightings(m);
     bindings::bind_analyse(m);
-    bindings::bind_phases(m);
-    bindings::bind_comparison(m);
+    bindings::bind_analyse_phases(m);
+    bindings::bind_analyse_comparison(m);
 }

@@ -78,6 +78,15 @@ Eigen::RowVector3d motion_at(const SparseRows& measured, Eigen::Index index,
     return motion;
 }
 
+void check_measured(const SparseRows& measured, Eigen::Index count, const AttachedSkin& skin) {
+    if (measured.rows() != count || measured.cols() != skin.free().size()) {
+        throw InvalidInput("measured is " + std::to_string(measured.rows()) + " x " +
+                           std::to_string(measured.cols()) + ", needed is a row for each of " +
+                           std::to_string(count) + " places and a column for each of " +
+                           std::to_string(skin.free().size()) + " control vertices");
+    }
+}
+
 void check_moves(double moved, const std::string& name, const std::string& anchor) {
     if (!(moved > 0)) {
         throw InvalidInput("the skin where " + name + " is measured, by " + anchor +
@@ -88,12 +97,7 @@ void check_moves(double moved, const std::string& name, const std::string& ancho
 Pulled pull(const AttachedSkin& skin, const MuscleSurface& surface, const std::vector<PlacedMuscle>& muscles,
             const SparseRows& measured) {
     const auto count = static_cast<Eigen::Index>(muscles.size());
-    if (measured.rows() != count || measured.cols() != skin.free().size()) {
-        throw InvalidInput("measured is " + std::to_string(measured.rows()) + " x " +
-                           std::to_string(measured.cols()) + ", needed is a row for each of " +
-                           std::to_string(count) + " muscles and a column for each of " +
-                           std::to_string(skin.free().size()) + " control vertices");
-    }
+    check_measured(measured, count, skin);
     Pulled pulled{MatrixRows(count, surface.normals().size()), {}, Eigen::VectorXd(count)};
     for (Eigen::Index i = 0; i < count; ++i) {
         const Points forces = surface.forces(muscles[i].muscle);

@@ -124,6 +124,7 @@ Points extra_forces(const MuscleSurface& surface, const MouthFrame& mouth, const
 
 MatrixRows extra_responses(const AttachedSkin& skin, const MuscleSurface& surface, const MouthFrame& mouth,
                            const std::vector<PlacedExtra>& extras, const SparseRows& measured) {
+    check_measured(measured, static_cast<Eigen::Index>(extras.size()), skin);
     MatrixRows forces(extras.size(), surface.vertices().size());
     for (Eigen::Index i = 0; i < forces.rows(); ++i) {
         const Points own = extra_forces(surface, mouth, extras[i]);

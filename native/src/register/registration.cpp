@@ -125,6 +125,10 @@ Points draw_to_surface(const LaidTemplate& laid, PointsIn targets, const LippedS
         laid.outer.size() != static_cast<std::size_t>(vertices.rows())) {
         throw InvalidInput("a target is needed for each landmark, and for each vertex whether it is outside");
     }
+    if (laid.stencils.cols() > laid.neutral.rows()) {
+        throw InvalidInput("the skin has " + std::to_string(laid.stencils.cols()) + " vertices, the head " +
+                           std::to_string(laid.neutral.rows()));
+    }
     Pull pull = pull_to(laid, surface, reach);
     for (std::size_t i = 0; i < laid.held.size(); ++i) {
         const int vertex = laid.held[i];

@@ -38,7 +38,7 @@ def seen(mesh, anatomy, frame, **activations):
     in_front = mesh.vertices[mesh.triangles][:, :, 2].min(axis=1) > 0.03
     shown = (mesh.triangle_part == "skin") & in_front
     vertices = mesh.triangles[rng.choice(np.flatnonzero(shown), 250, replace=False)]
-    skin = mesh.neutral[: len(mesh.stencils[0]) and int(mesh.template.num_skin_vertices)]
+    skin = mesh.neutral[: int(mesh.template.num_skin_vertices)]
     moved = np.tensordot(values[:36], anatomy.muscle_modes[:, : len(skin)], axes=1)
     points = multiply(mesh.stencils, skin + moved)[vertices].mean(axis=1) @ POSE[:3, :3].T
     points += POSE[:3, 3]

@@ -110,6 +110,9 @@ SparseRows measured_rows(const SkinMesh& mesh, const std::vector<PlacedMuscle>& 
 Eigen::RowVector3d motion_at(const SparseRows& measured, Eigen::Index index,
                              const Eigen::Ref<const Eigen::RowVectorXd>& response);
 
+/// Throws InvalidInput unless there is a row for each of `count` places, over the skin's control vertices.
+void check_measured(const SparseRows& measured, Eigen::Index count, const AttachedSkin& skin);
+
 /// Throws InvalidInput, naming both, unless the place by which a muscle is measured moves (metres).
 void check_moves(double moved, const std::string& name, const std::string& anchor);
 

@@ -49,7 +49,7 @@ from mimetic.muscles.extras import (
     loading_names,
     place_extras,
 )
-from mimetic.skin.mesh import Csr, SkinMesh, canonical_skin, multiply
+from mimetic.skin.mesh import SkinMesh, canonical_skin, multiply
 from mimetic.template.face_template import FaceTemplate
 
 TOO_FAR = 0.015  # m from the laid template: body, hair; such skin is held
@@ -193,12 +193,22 @@ class _Carried:
         vertex = seen[_core.nearest(points, self.laid.vertices[seen])]
         return self._onto(vertex, points).values(self.skin.vertices)
 
-    def _measured(self, placed: Sequence[_core.PlacedMuscle] | Sequence[_core.PlacedExtra]) -> Csr:
+    def _measured(
+        self, placed: Sequence[_core.PlacedMuscle] | Sequence[_core.PlacedExtra]
+    ) -> _core.CompressedRows:
         """Rows that read the motion of the places by which muscles or extras are measured."""
         places = [one.measured for one in placed]
         points = np.array([place.position(self.laid) for place in places])
         at = self._onto([place.vertex for place in places], points)
-        return np.arange(0, at.corners.size + 1, 3), at.corners.ravel(), at.weights.ravel()
+        return self._rows(at.corners, at.weights)
+
+    def _rows(
+        self, corners: NDArray[np.int32], weights: NDArray[np.float64]
+    ) -> _core.CompressedRows:
+        """K x N, from the corners and their weights (K x 3) of places on this skin."""
+        starts = np.arange(0, corners.size + 1, 3)
+        count = len(self.skin.vertices)
+        return _core.CompressedRows(starts, corners.ravel(), weights.ravel(), count)
 
     def _onto(self, laid_vertex: ArrayLike, points: NDArray[np.float64]) -> _core.SkinPlaces:
         """Places on this skin of points by vertices of the laid template."""
@@ -249,12 +259,11 @@ class _Carried:
         kept[of_slits] = on_slits.gaps < TOUCH_GAP  # many a mesh ends behind the lips
         vertices, slits = _core.number_slits(slits, kept.tolist())
         rows = np.searchsorted(of_slits, vertices)
-        corners, weights = on_slits.corners[rows], on_slits.weights[rows]
         moves_with = self.skin.skin_vertex.copy()
         moves_with[self.loose.following] = self.loose.roots
         return _core.SkinContact(
             rest=on_slits.values(self.skin.vertices)[rows],
-            stencils=(np.arange(0, corners.size + 1, 3), corners.ravel(), weights.ravel()),
+            stencils=self._rows(on_slits.corners[rows], on_slits.weights[rows]),
             slits=slits,
             eyes=[self._eye_rest(frame) for frame in eye_frames(self.laid)],
             model=self.model,

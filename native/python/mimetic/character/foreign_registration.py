@@ -94,7 +94,6 @@ def _draw(
         skin=lipped(mesh),
         outer=outer,
         stencils=mesh.stencils,
-        num_skin_vertices=int(template.num_skin_vertices),
         held=held,
         followers=[(leaders.tolist(), parts.tolist()) for leaders, parts in followers],
         targets=targets,

@@ -73,8 +73,7 @@ def _held_skin(template: FaceTemplate) -> Callable[[NDArray[np.float64]], NDArra
             tangential=ATTACHMENT * ones,
             normal=ATTACHMENT * ones,
         ),
-        keep_columns((rows, rows[:-1], ones), kept),
-        int(kept.sum()),
+        keep_columns(_core.CompressedRows(rows, rows[:-1], ones, count), kept),
     )
 
     def respond(forces: NDArray[np.float64]) -> NDArray[np.float64]:

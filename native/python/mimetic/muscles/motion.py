@@ -24,7 +24,7 @@ from mimetic.muscles.anatomy import (
 )
 from mimetic.muscles.articulators import JAW, Jaw
 from mimetic.muscles.calibration import Calibration
-from mimetic.skin.mesh import Csr, SkinMesh, canonical_skin
+from mimetic.skin.mesh import CompressedRows, SkinMesh, canonical_skin
 from mimetic.template.face_template import FaceTemplate
 
 SUBSTEPS = 8  # of a frame at 30 a second: 1/240 s
@@ -61,11 +61,11 @@ class LoadedSkin:
         density = density + motion["fat_density"] * motion["fat_depth"] / 3
         return _core.SkinMass(self.skin.model, self.mesh.vertices, self.mesh.triangles, density)
 
-    def visible_stencils(self) -> Csr:
+    def visible_stencils(self) -> CompressedRows:
         """Rows that make displacements of the skin seen from the front from the unknowns."""
         return self.stencils_of(self.mesh.seen_from_front)
 
-    def stencils_of(self, refined_vertices: np.ndarray) -> Csr:
+    def stencils_of(self, refined_vertices: np.ndarray) -> CompressedRows:
         """Rows of the model's basis for some refined vertices."""
         return self.skin.basis_at(refined_vertices.tolist())
 
@@ -87,7 +87,6 @@ class LoadedSkin:
             mesh.triangles,
             self.skin.materials,
             self.skin.basis,
-            int(self.skin.free.sum()),
         )
 
 

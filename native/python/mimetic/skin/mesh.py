@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from mimetic import _core
-from mimetic._core import Place, find_place, keep_columns, quad_normals, split_quads
+from mimetic._core import CompressedRows, Place, find_place, keep_columns, quad_normals, split_quads
 from mimetic.skin.checks import warn_of_smoothed
 from mimetic.template.face_template import FaceTemplate
 
 __all__ = [
-    "Csr",
+    "CompressedRows",
     "Place",
     "SkinMesh",
     "canonical_skin",
@@ -29,13 +29,11 @@ __all__ = [
     "split_quads",
 ]
 
-Csr = tuple[np.ndarray, np.ndarray, np.ndarray]
 
-
-def multiply(matrix: Csr, values: np.ndarray) -> np.ndarray:
-    """Product of compressed rows with one row of values a column."""
+def multiply(matrix: CompressedRows, values: np.ndarray) -> np.ndarray:
+    """Product with one row of values a column, of any shape: columns x ... -> rows x ..."""
     values = np.asarray(values, dtype=np.float64)
-    product = _core.multiply_rows(matrix, values.reshape(len(values), -1))
+    product = matrix.multiply(values.reshape(len(values), -1))
     return product.reshape(len(product), *values.shape[1:])
 
 
@@ -74,11 +72,6 @@ class SkinMesh(_core.SkinMesh):
         super().__init__(template_skin(template), vertices)
         self.template = template
         warn_of_smoothed(self.inverted_faces, self.smoothed_by)
-
-    @cached_property
-    def stencils(self) -> Csr:
-        """N x S: the refined vertices from the skin's control vertices."""
-        return self.stencil_rows
 
     @cached_property
     def faces(self) -> np.ndarray:

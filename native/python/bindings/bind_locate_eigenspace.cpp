@@ -78,7 +78,7 @@ void bind_face_spaces(py::module_& m) {
 
 }  // namespace
 
-void bind_eigenspace(py::module_& m) {
+void bind_locate_eigenspace(py::module_& m) {
     bind_space(m);
     bind_face_spaces(m);
     const FaceSearch usual;

@@ -26,7 +26,7 @@ RigidMotion motion_of(const DoubleArray& rotations, const Points& shifts) {
 
 }  // namespace
 
-void bind_rig_motion(py::module_& m) {
+void bind_head_rig_motion(py::module_& m) {
     m.attr("OBJECT_FROM_HEAD") = object_from_head();
     m.def(
         "world_from_object",

@@ -57,14 +57,13 @@ void bind_placed_extras(py::module_& m) {
             MatrixRows responses;
             {
                 const py::gil_scoped_release release;
-                responses = extra_responses(skin, surface, mouth, extras,
-                                            to_sparse(measured, static_cast<int>(skin.free().size())));
+                responses = extra_responses(skin, surface, mouth, extras, measured.matrix);
             }
             return array_of_stack(std::move(responses));
         },
         "skin"_a, "surface"_a, "mouth"_a, "extras"_a, "measured"_a,
         "(E, S, 3) at value 1, each as strong as gives it its excursion.\n\n"
-        "measured: compressed rows (E, S) that read the motion of each measured place\n"
+        "measured: CompressedRows (E, S) that read the motion of each measured place\n"
         "raises InvalidInput, naming it, on a place that does not move");
 }
 
@@ -115,7 +114,7 @@ void bind_response(py::module_& m) {
 
 }  // namespace
 
-void bind_extras(py::module_& m) {
+void bind_muscles_extras(py::module_& m) {
     bind_placed_extras(m);
     bind_gaze(m);
     bind_response(m);

@@ -24,7 +24,7 @@ void bind_action_units(py::module_& m) {
 
 }  // namespace
 
-void bind_comparison(py::module_& m) {
+void bind_analyse_comparison(py::module_& m) {
     bind_action_units(m);
     m.def("skin_areas", &skin_areas, "vertices"_a, "faces"_a, "is_skin"_a,
           "Area of skin (V,), square metres, about each vertex.");

@@ -9,7 +9,7 @@ namespace mimetic::bindings {
 namespace py = pybind11;
 using namespace pybind11::literals;
 
-void bind_landmarks(py::module_& m) {
+void bind_locate_landmarks(py::module_& m) {
     py::class_<LandmarkStage>(m, "LandmarkStage", "One step of a cascade of linear regressions.")
         .def(py::init<double, Eigen::VectorXd, MatrixRows, MatrixRows>(), "cell"_a, "mean"_a, "basis"_a,
              "regression"_a);

@@ -27,7 +27,7 @@ py::tuple texture_of(const Camera& camera, const ImageArray& image, PointsIn ver
 
 }  // namespace
 
-void bind_texture(py::module_& m) {
+void bind_raster_texture(py::module_& m) {
     m.def(
         "unwrap_values",
         [](const MatrixRows& values, const Quads& faces, const Points2& corners, int size) {

@@ -18,7 +18,11 @@ namespace {
 SparseRows stencils_of(const std::optional<CompressedRows>& stencils, Eigen::Index num_vertices,
                        Eigen::Index num_control) {
     if (stencils) {
-        return to_sparse(*stencils, static_cast<int>(num_control));
+        if (stencils->matrix.cols() != num_control) {
+            throw InvalidInput("stencils have " + std::to_string(stencils->matrix.cols()) + " columns for " +
+                               std::to_string(num_control) + " control vertices");
+        }
+        return stencils->matrix;
     }
     SparseRows identity(num_vertices, num_vertices);
     identity.setIdentity();
@@ -50,15 +54,15 @@ void bind_skin_on_bones(py::module_& m) {
              py::arg("vertices").noconvert(), py::arg("triangles").noconvert(), "materials"_a, "free"_a,
              "stencils"_a = py::none(), release_gil(),
              "Any head's own. vertices: (N, 3); triangles: (T, 3); free: (S,) bool, the others are held;\n"
-             "stencils: compressed rows (N, S), none if the vertices are their own control vertices")
+             "stencils: CompressedRows (N, S), none if the vertices are their own control vertices")
         .def_property_readonly("free", &AttachedSkin::free, "(S,) bool")
         .def_property_readonly(
-            "basis", [](const AttachedSkin& skin) { return to_compressed(skin.basis()); },
+            "basis", [](const AttachedSkin& skin) { return CompressedRows{skin.basis()}; },
             "Compressed rows of the (N, U) matrix from the unknowns of the model.")
         .def(
             "basis_at",
             [](const AttachedSkin& skin, const std::vector<int>& vertices) {
-                return to_compressed(keep_rows(skin.basis(), vertices));
+                return CompressedRows{keep_rows(skin.basis(), vertices)};
             },
             "vertices"_a, "The rows of the basis for some vertices.")
         .def_property_readonly("materials", &AttachedSkin::materials)
@@ -134,12 +138,10 @@ void bind_pull(py::module_& m) {
     m.def(
         "pull",
         [](const AttachedSkin& skin, const MuscleSurface& surface, const std::vector<PlacedMuscle>& muscles,
-           const CompressedRows& measured) {
-            return pull(skin, surface, muscles, to_sparse(measured, static_cast<int>(skin.free().size())));
-        },
+           const CompressedRows& measured) { return pull(skin, surface, muscles, measured.matrix); },
         "skin"_a, "surface"_a, "muscles"_a, "measured"_a, release_gil(),
         "Each muscle as strong as gives it its excursion.\n\n"
-        "measured: compressed rows (M, S) that read the motion of each muscle's measured place\n"
+        "measured: CompressedRows (M, S) that read the motion of each muscle's measured place\n"
         "raises InvalidInput, naming it, on a place that does not move");
     m.def(
         "pull_person",
@@ -181,7 +183,7 @@ void bind_pull(py::module_& m) {
 
 }  // namespace
 
-void bind_attach(py::module_& m) {
+void bind_muscles_attach(py::module_& m) {
     bind_skin_on_bones(m);
     bind_entries(m);
     bind_pull(m);

@@ -106,7 +106,7 @@ void bind_delay(py::module_& m) {
 
 }  // namespace
 
-void bind_phases(py::module_& m) {
+void bind_analyse_phases(py::module_& m) {
     bind_shape(m);
     bind_fit(m);
     bind_delay(m);

@@ -152,7 +152,7 @@ void bind_pictures(py::module_& m) {
 
 }  // namespace
 
-void bind_face_shape(py::module_& m) {
+void bind_fit_face_shape(py::module_& m) {
     bind_shapes(m);
     bind_pictures(m);
 }

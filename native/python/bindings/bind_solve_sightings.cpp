@@ -143,7 +143,7 @@ void bind_evidence(py::module_& m) {
 
 }  // namespace
 
-void bind_sightings(py::module_& m) {
+void bind_solve_sightings(py::module_& m) {
     bind_points(m);
     bind_relief(m);
     bind_evidence(m);

@@ -35,18 +35,11 @@ void bind_checks(py::module_& m) {
           "(2F, 3) int32: triangles 2i and 2i + 1 of quad i, cut along its shorter diagonal.\n\n"
           "vertices: (V, 3) float64; quads: (F, 4) int32");
     m.def(
-        "multiply_rows",
-        [](const CompressedRows& rows, MatrixIn values) -> MatrixRows {
-            return to_sparse(rows, static_cast<int>(values.rows())) * values;
-        },
-        "rows"_a, "values"_a, release_gil(),
-        "Product of compressed rows (indptr, indices, weights) with (columns, K) float64.");
-    m.def(
         "keep_columns",
         [](const CompressedRows& rows, const Flags& kept) {
-            return to_compressed(keep_columns(to_sparse(rows, static_cast<int>(kept.size())), kept));
+            return CompressedRows{keep_columns(rows.matrix, kept)};
         },
-        "rows"_a, "kept"_a, "The matrix of compressed rows without the columns where `kept` is false.");
+        "rows"_a, "kept"_a, "The matrix without the columns where `kept` is false.");
     m.def("smooth_step", py::vectorize(&smooth_step), "value"_a, "0 below 0, 1 above 1, with no kink.");
     m.def("quad_normals", &quad_normals, py::arg("vertices"), py::arg("quads"),
           "Unit normals of vertices (V, 3): of the quads around each, by their areas; 0 without any.");
@@ -85,12 +78,12 @@ void bind_mesh(py::module_& m) {
             "refinement",
             [](const SkinMesh& self) -> const SubdividedMesh& { return self.shared().refinement(); },
             py::return_value_policy::reference_internal)
-        .def_property_readonly("stencil_rows",
-                               [](const SkinMesh& self) { return to_compressed(self.stencils()); })
+        .def_property_readonly("stencils",
+                               [](const SkinMesh& self) { return CompressedRows{self.stencils()}; })
         .def(
             "stencil_rows_at",
             [](const SkinMesh& self, const std::vector<int>& vertices) {
-                return to_compressed(keep_rows(self.stencils(), vertices));
+                return CompressedRows{keep_rows(self.stencils(), vertices)};
             },
             "vertices"_a, "The rows of the stencils for some refined vertices.")
         .def_property_readonly(
@@ -212,7 +205,7 @@ void bind_eyes(py::module_& m) {
 
 }  // namespace
 
-void bind_skin_mesh(py::module_& m) {
+void bind_muscles_skin_mesh(py::module_& m) {
     bind_checks(m);
     bind_mesh(m);
     bind_jaw(m);

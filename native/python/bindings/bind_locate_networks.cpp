@@ -34,7 +34,7 @@ void bind_feature_noise(py::module_& m) {
         "What the networks are off by there.\n\nside: of the crop, pixels\nreturns: FeatureNoise");
 }
 
-void bind_feature_networks(py::module_& m) {
+void bind_locate_networks(py::module_& m) {
     bind_feature_noise(m);
     py::class_<FeatureCrop>(m, "FeatureCrop", "A square of the picture, turned upright; pixels and radians.")
         .def(py::init([](const Eigen::Vector2d& center, double side, double roll) {
