@@ -65,17 +65,17 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
 
     def work(self, inputs, progress):
         head, path = inputs
-        if not progress(0.1, "laying the template on the head"):
-            return None
         parts = native.foreign_face()
         landmarks = head.landmarks
         if path:
             from pathlib import Path
 
             landmarks = native.landmarks_file().read_landmarks(Path(path))
-        face = parts.attach_face(
-            head.points, parts.Polygons(head.starts, head.corners), landmarks, head.matrix
-        )
+        polygons = parts.Polygons(head.starts, head.corners)
+        try:
+            face = parts.attach_face(head.points, polygons, landmarks, head.matrix, progress)
+        except KeyboardInterrupt:  # stopped: half a face is none
+            return None
         return head, landmarks, face
 
     def write(self, context, result):

@@ -309,6 +309,40 @@ def test_polygons_are_cut_without_slivers_and_named_by_their_own_numbers(templat
     assert attach_face(points, polygons, marks, np.eye(4)) is found  # costs nothing again
 
 
+def test_attaching_tells_how_far_it_is_and_can_be_stopped(template, head):
+    fractions = []
+
+    def go_on_until(most):
+        def progress(fraction, text):
+            fractions.append((fraction, text))
+            return fraction < most
+
+        return progress
+
+    with pytest.raises(KeyboardInterrupt):
+        attach_foreign(head.vertices, head.faces, head.landmarks, template, go_on_until(0.5))
+    stopped = [fraction for fraction, _ in fractions]
+    assert stopped == sorted(stopped)
+    assert 0.5 <= stopped[-1] < 0.8  # after a round of laying, not at the end
+    fractions.clear()
+    face = attach_foreign(head.vertices, head.faces, head.landmarks, template, go_on_until(1.0))
+    assert len(face.anatomy.muscle_names) > 0
+    assert [text for _, text in fractions][-1] == "attaching lips and gaze"
+
+
+def test_a_stopped_attachment_is_not_kept(template):
+    skin = int(template.num_skin_faces)
+    faces = template.faces[:skin]
+    polygons = Polygons(4 * np.arange(skin), faces.ravel())
+    marks = {name: template.landmark(name) for name in REQUIRED}
+    points = 1.01 * template.vertices
+    with pytest.raises(KeyboardInterrupt):
+        attach_face(points, polygons, marks, np.eye(4), lambda _fraction, _text: False)
+    kept = attach_face(points, polygons, marks, np.eye(4))
+    assert len(kept.shapes) > 0
+    assert attach_face(points, polygons, marks, np.eye(4), lambda _fraction, _text: False) is kept
+
+
 def test_an_edge_of_three_faces_is_named_by_the_callers_face(template):
     skin = int(template.num_skin_faces)
     points, faces = template.vertices, template.faces[:skin].tolist()

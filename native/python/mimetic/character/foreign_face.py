@@ -5,9 +5,10 @@ needs of `mimetic.character.foreign_head`."""
 from __future__ import annotations
 
 import re
+import threading
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -18,10 +19,12 @@ from mimetic.character.foreign_mesh import MAX_VERTICES, REQUIRED
 from mimetic.character.live_contact import LiveContact
 from mimetic.character.placement import to_head, to_object
 from mimetic.character.shapes import Shape, group_shapes, shapes_of_anatomy, shapes_of_extras
+from mimetic.shared.progress import Progress
 from mimetic.template.face_template import load_template
 
 KEPT = 2  # heads in memory
 Mark = int | tuple[float, ...]  # a vertex, or a place
+Marks = tuple[tuple[str, Mark], ...]
 
 
 @dataclass(frozen=True)
@@ -55,16 +58,22 @@ class ForeignFace:
         return LiveContact(self.head.make_contact().turned(self.object_from_head))
 
 
+_kept: dict[tuple[bytes, bytes, bytes, Marks, bytes], ForeignFace] = {}  # the last asked for last
+_kept_lock = threading.Lock()
+
+
 def attach_face(
     points: ArrayLike,
     polygons: Polygons,
     landmarks: Mapping[str, int | ArrayLike],
     metres_from_object: ArrayLike,
+    progress: Progress | None = None,
 ) -> ForeignFace:
     """Muscles, jaw, lids and extras on a mesh; the same one again costs nothing.
 
     points: V x 3, the object's frame; landmarks: as for `attach_foreign`, places in metres;
-    metres_from_object: 4 x 4. Raises InvalidInput, naming polygons by their numbers.
+    metres_from_object: 4 x 4; progress: False raises KeyboardInterrupt. Raises InvalidInput, naming
+    polygons by their numbers.
     """
     # In single precision, as a file of the program's keeps them: found again after it is opened
     marks = tuple((name, _mark(place)) for name, place in sorted(landmarks.items()))
@@ -75,9 +84,16 @@ def attach_face(
     starts, corners = (
         np.ascontiguousarray(a, np.int64) for a in (polygons.starts, polygons.corners)
     )
-    return _attach_face(
-        points.tobytes(), starts.tobytes(), corners.tobytes(), marks, matrix.tobytes()
-    )
+    key = (points.tobytes(), starts.tobytes(), corners.tobytes(), marks, matrix.tobytes())
+    with _kept_lock:
+        face = _kept.pop(key, None)
+    if face is None:
+        face = _attach_face(points, Polygons(starts, corners), marks, matrix, progress)
+    with _kept_lock:
+        _kept[key] = face
+        while len(_kept) > KEPT:
+            _kept.pop(next(iter(_kept)))  # asked for longest ago
+    return face
 
 
 def _mark(place: int | ArrayLike) -> Mark:
@@ -85,21 +101,20 @@ def _mark(place: int | ArrayLike) -> Mark:
     return int(values) if values.ndim == 0 else tuple(values.astype(np.float32).tolist())
 
 
-@lru_cache(maxsize=KEPT)
 def _attach_face(
-    points: bytes, starts: bytes, corners: bytes, marks: tuple[tuple[str, Mark], ...], matrix: bytes
+    own: NDArray[np.float64],
+    polygons: Polygons,
+    marks: Marks,
+    metres_from_object: NDArray[np.float64],
+    progress: Progress | None,
 ) -> ForeignFace:
-    own = np.frombuffer(points).reshape(-1, 3)
-    metres_from_object = np.frombuffer(matrix).reshape(4, 4)
-    faces, polygon = Polygons(
-        np.frombuffer(starts, np.int64), np.frombuffer(corners, np.int64)
-    ).pieces(own)
+    faces, polygon = polygons.pieces(own)
     vertices, faces, object_from_head = _core.place_mesh(own, faces, metres_from_object)
     landmarks = {
         name: place if isinstance(place, int) else np.array(place) for name, place in marks
     }
     try:
-        head = attach_foreign(vertices, faces, landmarks, load_template())
+        head = attach_foreign(vertices, faces, landmarks, load_template(), progress)
     except InvalidInput as error:
         raise InvalidInput(_by_polygon(str(error), polygon)) from None
 

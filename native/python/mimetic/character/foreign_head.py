@@ -49,11 +49,13 @@ from mimetic.muscles.extras import (
     loading_names,
     place_extras,
 )
+from mimetic.shared.progress import Progress, check_goes_on, stages
 from mimetic.skin.mesh import SkinMesh, canonical_skin, multiply
 from mimetic.template.face_template import FaceTemplate
 
 TOO_FAR = 0.015  # m from the laid template: body, hair; such skin is held
 SEAM_STIFFNESS = 0.05  # times young and pre-stress, where the lips are one surface
+COSTS = 3.0, 0.7, 0.3  # seconds: laying the template, the skin's factor, the modes
 TOUCH_GAP = 0.003  # m; points of the template's lips and lids so near to the skin can touch
 
 
@@ -84,6 +86,7 @@ def attach_foreign(
     faces: ArrayLike,
     landmarks: Mapping[str, int | ArrayLike],
     template: FaceTemplate,
+    progress: Progress | None = None,
 ) -> ForeignHead:
     """Attach muscles, jaw and lids to any head.
 
@@ -92,16 +95,20 @@ def attach_foreign(
     point x, y, z on the skin. Needed are `foreign_mesh.REQUIRED`, all of the template's are taken;
     .L is the subject's own left. Eyes must be open. The mouth may be open, closed, with or without
     a lining; if its lips are one surface, their seam is made soft and a note says so.
-    Raises InvalidInput, naming the landmark, face or vertex, on missing and unknown landmarks, a
-    head that is not in metres or mirrored, more than a million vertices, and a skin that is not
-    one well-formed piece.
+    progress: False raises KeyboardInterrupt. Raises InvalidInput, naming the landmark, face or
+    vertex, on missing and unknown landmarks, a head that is not in metres or mirrored, more than a
+    million vertices, and a skin that is not one well-formed piece.
     """
+    laying, factoring, attaching = stages(progress, *COSTS)
     skin = read_skin(vertices, faces, landmarks, template)
-    laid = lay_template(template, skin)
+    laid = lay_template(template, skin, laying)
     with skin.named_by_caller():
+        check_goes_on(factoring, 0.0, "making the skin that muscles move")
         head = _Carried(skin, laid)
+        check_goes_on(attaching, 0.0, "attaching the muscles")
         modes, strengths = head.muscle_modes()
         bones = head.jaw_modes() + head.lid_modes()
+        check_goes_on(attaching, 0.7, "attaching lips and gaze")
         extras = head.extra_modes()
     to_user = skin.user_from_skin
     anatomy = Anatomy(

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.character.foreign_mesh import ForeignSkin
+from mimetic.shared.progress import Progress, check_goes_on
 from mimetic.skin.mesh import SkinMesh
 from mimetic.template.face_template import FaceTemplate
 
@@ -37,10 +38,13 @@ def _lips(mesh: SkinMesh) -> NDArray[np.float64]:
     return mesh.neutral[[mesh.landmark(name) for name in LIPS]]
 
 
-def lay_template(template: FaceTemplate, skin: ForeignSkin) -> SkinMesh:
+def lay_template(
+    template: FaceTemplate, skin: ForeignSkin, progress: Progress | None = None
+) -> SkinMesh:
     """The template on another head's skin.
 
-    Raises InvalidInput if the landmarks cannot belong to this skin.
+    progress: False raises KeyboardInterrupt. Raises InvalidInput if the landmarks cannot belong to
+    this skin.
     """
     held = [template.landmark(name) for name in skin.landmarks]
     targets = np.array(list(skin.landmarks.values()))
@@ -53,7 +57,8 @@ def lay_template(template: FaceTemplate, skin: ForeignSkin) -> SkinMesh:
                 "the landmarks do not fit a face (the template folds over on them): "
                 f"check {', '.join(skin.landmarks)}"
             )
-        for reach in REACHES:
+        for number, reach in enumerate(REACHES):
+            check_goes_on(progress, number / len(REACHES), "laying the template on the head")
             closer = _sound(template, _draw(mesh, held, targets, skin, reach))
             if closer is None:  # folded: the round before is less close, and whole
                 break

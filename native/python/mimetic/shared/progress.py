@@ -30,6 +30,12 @@ class Costs:
     written: float
 
 
+def check_goes_on(progress: Progress | None, fraction: float, text: str) -> None:
+    """Tells how far work is that is of no use in part; raises KeyboardInterrupt when stopped."""
+    if progress is not None and not progress(fraction, text):
+        raise KeyboardInterrupt
+
+
 def stages(progress: Progress | None, *costs: float) -> list[Progress]:
     """A progress for each stage of some work: takes the stage's fraction, tells that of the whole.
 
