@@ -77,17 +77,17 @@ class ReducedFace:
         responses[:, free] = shapes.T.reshape(shapes.shape[1], -1, 3)
         template = mesh.template
         kept = (~template.in_region(*UNMEASURED))[: len(free)].astype(np.float64)
-        seen = mesh.seen_from_front
-        seen = seen[multiply(mesh.stencils, kept)[seen] > 0.99]
-        seen = seen[:: max(1, round(len(seen) / MOST_SAMPLES))]
-        moved = multiply(skin.stencils_of(seen), responses[:, free].transpose(1, 2, 0))
+        frontal = mesh.seen_from_front
+        frontal = frontal[multiply(mesh.stencils, kept)[frontal] > 0.99]
+        frontal = frontal[:: max(1, round(len(frontal) / MOST_SAMPLES))]
+        moved = multiply(skin.stencils_of(frontal), responses[:, free].transpose(1, 2, 0))
         return cls(
             squared,
             options.mass_damping + options.stiffness_damping * squared,
             shapes.T @ skin.loads,
             skin.skin.spread(responses),
-            mesh.vertices[seen],
-            mesh.normals[seen],
+            mesh.vertices[frontal],
+            mesh.normals[frontal],
             moved,
         )
 
@@ -138,16 +138,16 @@ class Observer:
         prior[:count, :count] = change_cov + 1e-16 * np.trace(change_cov) * np.eye(count)
         prior[count:, count:] = np.diag(POSE_STEP**2)
         expected = np.concatenate([predicted[:count] - self.state[:count], np.zeros(6)])
-        found, found_cov = self._measured(previous, image, camera, expected, prior)
+        estimate, found_cov = self._measured(previous, image, camera, expected, prior)
         gain = np.linalg.solve(prior[:count, :count], cross.T).T
         old = self.state
-        self.state = predicted + gain @ (found - expected)[:count]
+        self.state = predicted + gain @ (estimate - expected)[:count]
         self.cov = cov - gain @ (prior - found_cov)[:count, :count] @ gain.T
         self.cov = (self.cov + self.cov.T) / 2
         self.pose[:3, :3] = (
-            from_rotation_vectors(found[None, count : count + 3])[0] @ self.pose[:3, :3]
+            from_rotation_vectors(estimate[None, count : count + 3])[0] @ self.pose[:3, :3]
         )
-        self.pose[:3, 3] += found[count + 3 :]
+        self.pose[:3, 3] += estimate[count + 3 :]
         self.pose_cov = self.pose_cov + found_cov[count:, count:]
         self._steer(old)
 
@@ -195,16 +195,16 @@ class Observer:
         inverse = share * np.linalg.inv(noise)
         slopes = self._slopes(before[used], surface[used], face.moved[used], camera)
         information = np.linalg.inv(prior)
-        found = expected.copy()
+        estimate = expected.copy()
         for _ in range(ITERATIONS):
-            off = flow - (self._moved_pixels(surface[used], used, found, camera) - pixels)
+            off = flow - (self._moved_pixels(surface[used], used, estimate, camera) - pixels)
             distance = np.einsum("pi,pij,pj->p", off, inverse, off) / share
             weight = (DEGREES_OF_FREEDOM + 2) / (DEGREES_OF_FREEDOM + distance)
             weighted = np.einsum("pij,pjk->pik", weight[:, None, None] * inverse, slopes)
             measured = np.tensordot(slopes, weighted, axes=((0, 1), (0, 1)))
-            pull = np.einsum("pik,pi->k", weighted, off) - information @ (found - expected)
-            found = found + np.linalg.solve(information + measured, pull)
-        return found, np.linalg.inv(information + measured)
+            pull = np.einsum("pik,pi->k", weighted, off) - information @ (estimate - expected)
+            estimate = estimate + np.linalg.solve(information + measured, pull)
+        return estimate, np.linalg.inv(information + measured)
 
     def _seen(self, surface: Floats, camera: Floats) -> tuple[Floats, Floats]:
         """Places in the camera (P,3), pixels (P,2)."""

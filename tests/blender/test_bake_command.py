@@ -67,14 +67,16 @@ def test_a_glb_is_written(performance_file, tmp_path):
 @pytest.mark.parametrize("suffix", [b".glb", b".blend"])
 def test_names_that_are_no_text_are_baked(performance_file, footage, tmp_path, suffix):
     folder = os.fsencode(tmp_path)
-    given = [folder + b"/p\xe9.npz", folder + b"/clip\xe9.mp4"]
-    for path, copy in zip((performance_file, footage), given, strict=True):
+    arguments = [folder + b"/p\xe9.npz", folder + b"/clip\xe9.mp4"]
+    for path, copy in zip((performance_file, footage), arguments, strict=True):
         shutil.copy(path, copy)
     out = folder + b"/face\xe9" + suffix
-    command = [sys.executable, "-m", "mimetic", "bake", given[0], "--out", out]
-    ran = subprocess.run([*command, "--footage", given[1]], capture_output=True, check=False)
+    command = [sys.executable, "-m", "mimetic", "bake", arguments[0], "--out", out]
+    ran = subprocess.run([*command, "--footage", arguments[1]], capture_output=True, check=False)
     assert ran.returncode == 0, ran.stderr
-    assert sorted(os.listdir(folder)) == sorted(os.path.basename(path) for path in (*given, out))
+    assert sorted(os.listdir(folder)) == sorted(
+        os.path.basename(path) for path in (*arguments, out)
+    )
 
 
 @pytest.mark.parametrize(

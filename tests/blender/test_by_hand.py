@@ -129,8 +129,8 @@ def test_a_renamed_key_is_followed(extension, bake, face, keys, is_sculpted, oth
     keys[RENAMED].name = "Kiefer"
     if is_sculpted:
         sculpt(keys["Kiefer"])
-    for taken in (None, other):
-        kept = bake(taken).kept if taken else bake().kept
+    for take in (None, other):
+        kept = bake(take).kept if take else bake().kept
         assert f"the name Kiefer of {RENAMED}" in kept
         assert ("the shape of jaw_open" in kept) == is_sculpted
         assert [key.name for key in keys] == [n.replace(RENAMED, "Kiefer") for n in names]
@@ -167,8 +167,8 @@ def test_the_users_own_keys_and_drivers_stay(bake, face, keys, other, detailed):
     offsets = points(own) - points(keys["Basis"])
     keys["Brow Raisers"].driver_add("value").driver.expression = "0.25"
     keys["Brow Raisers"].mute = True
-    for taken in (detailed, other):
-        bake(taken)
+    for take in (detailed, other):
+        bake(take)
         assert keys["my own"].value == pytest.approx(0.4)
         np.testing.assert_allclose(
             points(keys["my own"]) - points(keys["Basis"]), offsets, atol=1e-7

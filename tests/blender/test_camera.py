@@ -26,16 +26,16 @@ def test_projection_is_the_footages(extension, scene, performance, resolution, a
     covered = np.array([min(1, width / height / wide), min(1, wide / (width / height))])
     for i in (0, 13, 30):
         scene.frame_set(int(performance.frame[i]))
-        seen = performance.project(performance.surface_in_camera(i))
+        pixels = performance.project(performance.surface_in_camera(i))
         surface = performance.surface(i)
-        for vertex in range(0, len(seen), 500):
+        for vertex in range(0, len(pixels), 500):
             x, y, z = surface[vertex]
             at = face.matrix_world @ Vector((x, -z, y))
             u, v, depth = world_to_camera_view(scene, camera, at)
             part = (np.array([u, 1 - v]) - 0.5) / covered + 0.5
             pixel = part * (width, height) - 0.5
             assert depth > 0
-            assert np.abs(pixel - seen[vertex]).max() < PIXELS
+            assert np.abs(pixel - pixels[vertex]).max() < PIXELS
 
 
 def test_a_near_face_is_not_cut_by_the_camera(extension, scene, performance):

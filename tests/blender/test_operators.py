@@ -137,13 +137,13 @@ def test_a_run_stops_where_its_work_asks(extension):
     go_on = threading.Event()
 
     def work(inputs, progress):
-        done = []
+        calls = []
         for i in range(inputs):
             go_on.wait(5)
             if not progress(i / inputs, f"frame {i}"):
                 break
-            done.append(i)
-        return done
+            calls.append(i)
+        return calls
 
     run = jobs.Run("Capture")
     run.start(work, 1_000_000)

@@ -54,10 +54,10 @@ def test_a_look_sees_the_face_that_blender_shows(live, added):
     mine.value = 0.5
     muted = added.data.shape_keys.key_blocks["mentalis.R"]
     muted.value, muted.mute = 1.0, True
-    seen = live.look(added)
-    pose = seen.pose
+    look = live.look(added)
+    pose = look.pose
     np.testing.assert_allclose(pose.refined, refined(evaluated(added)), atol=METRES)
-    active = dict(zip(seen.face.muscle_names, pose.activations, strict=True))
+    active = dict(zip(look.face.muscle_names, pose.activations, strict=True))
     assert active["zygomaticus_major.L"] == pytest.approx(0.6)
     assert active["frontalis_medial.R"] == pytest.approx(0.7)
     assert active["mentalis.R"] == 0
@@ -102,9 +102,9 @@ def test_strain_of_a_grown_face_is_the_closed_form(live, extension, added):
     basis = extension("scene_out.contact").points_of(added.data.shape_keys.reference_key)
     grown.points.foreach_set("co", (1.2 * basis).ravel())
     grown.value = 0.5
-    seen = live.look(added)
+    look = live.look(added)
     for measure, expected in (("area", 0.21), ("stretch", 0.1), ("compression", 0.1)):
-        result = seen.face.strain_range(seen.face.strain(seen.pose, measure))
+        result = look.face.strain_range(look.face.strain(look.pose, measure))
         assert result == pytest.approx((expected, expected), abs=1e-4)
 
 
@@ -113,10 +113,10 @@ def test_a_face_of_another_mesh_says_so(live, added):
     cube = bpy.context.active_object
     cube.shape_key_add(name="Basis")
     cube.mimetic.shapes.add().name = "Basis"
-    seen = live.look(cube)
-    assert seen.face is None
-    assert "8 vertices" in seen.problem
-    assert live.problem_of(cube) == seen.problem
+    look = live.look(cube)
+    assert look.face is None
+    assert "8 vertices" in look.problem
+    assert live.problem_of(cube) == look.problem
     assert live.problem_of(added) == ""
 
 
@@ -155,9 +155,9 @@ def test_overlays_change_nothing_of_the_face(live, scene, added):
     set_some(added)
     before, shape = content(), evaluated(added)
     scene.mimetic.show_muscles = scene.mimetic.show_strain = True
-    seen = live.look(added)
-    seen.face.strokes(seen.pose)
-    seen.face.strain_patch(seen.pose, seen.face.strain(seen.pose, "area"), 0.2)
+    look = live.look(added)
+    look.face.strokes(look.pose)
+    look.face.strain_patch(look.pose, look.face.strain(look.pose, "area"), 0.2)
     scene.mimetic.show_muscles = scene.mimetic.show_strain = False
     assert content() == before
     np.testing.assert_array_equal(evaluated(added), shape)

@@ -36,20 +36,20 @@ def scene(cast):
     return bpy.context.scene
 
 
-def linked(found):
-    return found
+def linked(target):
+    return target
 
 
-def data_linked(found):
-    return found.copy()
+def data_linked(target):
+    return target.copy()
 
 
-def override(found):
-    return found.override_create(remap_local_usages=False)
+def override(target):
+    return target.override_create(remap_local_usages=False)
 
 
-def whole_override(found):
-    face = override(found)
+def whole_override(target):
+    face = override(target)
     face.data = face.data.override_create(remap_local_usages=False)
     return face
 

@@ -47,16 +47,16 @@ def _run_for(options: argparse.Namespace) -> int:
     names = [options.reader] if options.reader else list(READERS)
     counts: dict[str, Counter] = {name: Counter() for name in names}
     start, first, bugs = time.monotonic(), dict.fromkeys(names, 0), 0
-    done = False
+    is_over = False
     with contextlib.suppress(KeyboardInterrupt):  # the counts so far are told
-        while not done:
+        while not is_over:
             for name in names:
                 last = first[name] + (options.cases or ROUND) // (SLOWER if name in SLOW else 1)
                 bugs += _count(run(name, options.seed, first[name], last, KEPT), counts)
                 first[name] = last
-                if done := options.cases is None and time.monotonic() - start >= options.seconds:
+                if is_over := options.cases is None and time.monotonic() - start >= options.seconds:
                     break
-            done |= options.cases is not None
+            is_over |= options.cases is not None
     print(f"{'reader':14}{'cases':>8}{RIGHT:>9}{REFUSED:>9}{'bugs':>6}")
     for name, count in counts.items():
         print(f"{name:14}{count.total():8}{count[RIGHT]:9}{count[REFUSED]:9}{count[BUG]:6}")

@@ -62,13 +62,13 @@ def read_file(reader: str, path: Path) -> End:
     return End(reader, 0, 0, *_ended(lambda: READERS[reader].read(path), path))
 
 
-def _batch(reader: str, made: list, seed: int, cases: range, folder: Path) -> Iterator[End]:
+def _batch(reader: str, samples: list, seed: int, cases: range, folder: Path) -> Iterator[End]:
     """Ends of the cases until one takes the process with it."""
     source, target = os.pipe()
     child = os.fork()
     if child == 0:
         os.close(source)
-        _work(reader, made, seed, cases, folder, target)
+        _work(reader, samples, seed, cases, folder, target)
     os.close(target)
     with os.fdopen(source, "rb", buffering=0) as stream:
         index, text = cases.start, b""
@@ -93,7 +93,7 @@ def _batch(reader: str, made: list, seed: int, cases: range, folder: Path) -> It
         yield End(reader, seed, index, BUG, f"waited {WAIT_SECONDS:g} s" if waited else why)
 
 
-def _work(reader: str, made: list, seed: int, cases: range, folder: Path, target: int) -> None:
+def _work(reader: str, samples: list, seed: int, cases: range, folder: Path, target: int) -> None:
     """In the child, which it ends."""
     status = 1
     try:
@@ -106,7 +106,7 @@ def _work(reader: str, made: list, seed: int, cases: range, folder: Path, target
             own = folder / str(index)
             own.mkdir()
             try:
-                path = make_case(READERS[reader], made, own, Random(f"{reader}/{seed}/{index}"))
+                path = make_case(READERS[reader], samples, own, Random(f"{reader}/{seed}/{index}"))
             except Exception as error:  # a fault of the changes, not of a reader
                 os.write(target, f"{BUG}:could not be made: {error!r}\0".encode())
                 continue

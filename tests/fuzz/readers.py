@@ -137,9 +137,9 @@ def _read_fit(path: Path) -> None:
 
 def _read_landmarks(path: Path) -> None:
     template = load_template()
-    given = read_landmarks(path)
+    landmarks = read_landmarks(path)
     skin = template.num_skin_vertices
-    _either(lambda: read_skin(template.vertices[:skin], template.skin_faces, given, template))
+    _either(lambda: read_skin(template.vertices[:skin], template.skin_faces, landmarks, template))
 
 
 def _read_points(path: Path) -> None:

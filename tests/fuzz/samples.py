@@ -77,7 +77,9 @@ def landmarks() -> list[Sample]:
     template = load_template()
     numbers = {name: int(template.landmark(name)) for name in REQUIRED}
     places = {name: template.vertices[v].tolist() for name, v in numbers.items()}
-    return [Sample(".json", json.dumps(given).encode(), JSON) for given in (numbers, places)]
+    return [
+        Sample(".json", json.dumps(landmarks).encode(), JSON) for landmarks in (numbers, places)
+    ]
 
 
 def points() -> list[Sample]:
@@ -142,8 +144,8 @@ def clips() -> tuple[Sample, ...]:
     return tuple(result)
 
 
-def _saved(made, suffix: str, changes: tuple[Change, ...]) -> Sample:
+def _saved(document, suffix: str, changes: tuple[Change, ...]) -> Sample:
     with TemporaryDirectory() as folder:
         path = Path(folder, f"sample{suffix}")
-        made.save(path)
+        document.save(path)
         return Sample(suffix, path.read_bytes(), changes)

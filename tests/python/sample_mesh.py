@@ -30,7 +30,7 @@ def document(**changes) -> tuple[dict, bytes]:
     """A quad as two triangles, of a node turned by 90 degrees about z, doubled and moved."""
     places = POINTS[:4].astype("<f4").tobytes()
     corners = np.array([0, 1, 2, 0, 2, 3], "<u2").tobytes()
-    found = {
+    landmarks = {
         "asset": {"version": "2.0"},
         "scene": 0,
         "scenes": [{"nodes": [1]}],
@@ -49,4 +49,4 @@ def document(**changes) -> tuple[dict, bytes]:
         ],
         "buffers": [{"byteLength": len(places) + len(corners)}],
     }
-    return found | changes, places + corners
+    return landmarks | changes, places + corners

@@ -17,15 +17,15 @@ def offences(folder: str, suffixes: tuple[str, ...], pattern: str, allowed: tupl
     """Lines of a folder's files that hold the pattern, comments left out."""
     files = [path for path in sorted((ROOT / folder).rglob("*")) if path.suffix in suffixes]
     assert files, folder
-    found = []
+    lines = []
     for path in files:
         if path.name in allowed:
             continue
         for number, line in enumerate(path.read_text(encoding="utf-8").splitlines(), 1):
             code = re.split(r"//|#(?!include)", line)[0]
             if re.search(pattern, code):
-                found.append(f"{path.relative_to(ROOT)}:{number}: {line.strip()}")
-    return found
+                lines.append(f"{path.relative_to(ROOT)}:{number}: {line.strip()}")
+    return lines
 
 
 @pytest.mark.parametrize("folder", ["native/include", "native/src"])

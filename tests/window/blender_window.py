@@ -113,8 +113,8 @@ class BlenderFolder:
         result = work / "result.json"
         if not result.exists():
             raise AssertionError(f"no result within {seconds:g} s; Blender's log:\n{text[-4000:]}")
-        found = json.loads(result.read_text())
-        return Findings(found["checks"], found["arrays"], taken, text)
+        record = json.loads(result.read_text())
+        return Findings(record["checks"], record["arrays"], taken, text)
 
     @staticmethod
     def _command(work: Path, script: str) -> list[str]:

@@ -20,13 +20,13 @@ def test_footage_becomes_an_animated_face(folder, screen, extension, clip, work,
     }
     result = folder.walk(screen, "walk_path.py", work, pictures, settings, seconds=900)
     assert not result.failures()
-    wanted = {"face-found", "landmark-dragged", "capturing", "head-held-still", "baked"}
-    assert wanted | {"baked-muscles"} <= set(result.pictures)
+    steps = {"face-found", "landmark-dragged", "capturing", "head-held-still", "baked"}
+    assert steps | {"baked-muscles"} <= set(result.pictures)
     assert muscle_targets((work / "face.glb").read_bytes()) >= 36
-    judged = subprocess.run(
+    ran = subprocess.run(
         [VALIDATOR, work / "face.glb"], capture_output=True, text=True, check=False
     )
-    assert judged.returncode == 0, judged.stdout[-2000:] + judged.stderr
+    assert ran.returncode == 0, ran.stdout[-2000:] + ran.stderr
 
 
 def muscle_targets(glb: bytes) -> int:

@@ -42,8 +42,8 @@ def with_weights(
     for number in range(ROUNDS):
         spaces = _core.FaceSpaces(spaces.views, spaces.other, spaces.modules, weights)
         evidence, is_face = _evidence(spaces, scenes)
-        told = f"{len(evidence)} places in scenes, {int(is_face.sum())} of them faces"
-        report(f"weights, round {number + 1}: {told}")
+        message = f"{len(evidence)} places in scenes, {int(is_face.sum())} of them faces"
+        report(f"weights, round {number + 1}: {message}")
         weights = logistic(evidence, is_face)
     return _core.FaceSpaces(spaces.views, spaces.other, spaces.modules, weights)
 
@@ -100,21 +100,21 @@ def _evidence(spaces: _core.FaceSpaces, scenes: list[Scene]) -> tuple[np.ndarray
             )
             for hit in cascade.detect(np.repeat(grey[..., None], 3, axis=2))
         ]
-        for found in finder.find(grey, options, hints):
-            kind = _kind(found, scene)
+        for face in finder.find(grey, options, hints):
+            kind = _kind(face, scene)
             if kind is not None:
-                evidence.append(found.evidence)
+                evidence.append(face.evidence)
                 is_face.append(kind)
     return np.array(evidence), np.array(is_face, float)
 
 
-def _kind(found: _core.FoundFace, scene: Scene) -> bool | None:
+def _kind(face: _core.FoundFace, scene: Scene) -> bool | None:
     """Whether it is the scene's face; None for what is neither quite a face nor none."""
     if scene.places is None:
         return False
-    off = np.linalg.norm(found.places[:2] - scene.places[:2], axis=1).max()
+    off = np.linalg.norm(face.places[:2] - scene.places[:2], axis=1).max()
     if off < LARGEST_ERROR * scene.ipd:
         return True
-    near = np.linalg.norm(found.center - middle_of(scene.places)) < 0.35 * found.width
-    alike = abs(np.log(found.width / (2 * scene.ipd))) < 0.5
+    near = np.linalg.norm(face.center - middle_of(scene.places)) < 0.35 * face.width
+    alike = abs(np.log(face.width / (2 * scene.ipd))) < 0.5
     return None if near and alike else False

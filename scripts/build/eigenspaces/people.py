@@ -67,18 +67,20 @@ class Person:
         distance = rng.uniform(0.6, 1.5)
 
         def project(points: np.ndarray) -> np.ndarray:
-            seen = (points - middle) @ turn.T
-            scale = PX_PER_IPD / 0.063 * distance / (distance + seen[:, 2:])
-            return np.column_stack([seen[:, :2] * scale + (SIDE - 1) / 2, seen[:, 2]])
+            turned_points = (points - middle) @ turn.T
+            scale = PX_PER_IPD / 0.063 * distance / (distance + turned_points[:, 2:])
+            return np.column_stack(
+                [turned_points[:, :2] * scale + (SIDE - 1) / 2, turned_points[:, 2]]
+            )
 
         light = toward_light(rng) * (1, -1, -1)  # camera: y down, z away
         normals = self._sampled(scene.vertex_normals(moved, self._faces)) @ turn.T
         normals /= np.linalg.norm(normals, axis=1, keepdims=True) + 1e-12
         lit = np.clip(normals @ light, 0, None)
         bright = self._albedo * (rng.uniform(0.25, 0.6) + lit)
-        seen = project(self._sampled(moved))
+        pixels = project(self._sampled(moved))
         facing = normals[:, 2] < 0.15
-        grey = splatted(self._room(), seen[facing], 255 * bright[facing] ** (1 / 2.2))
+        grey = splatted(self._room(), pixels[facing], 255 * bright[facing] ** (1 / 2.2))
         return Picture(grey.astype(np.uint8), project(parts)[:, :2], float(yaw))
 
     def _paint(self, part: str, recipe: Recipe, faces: np.ndarray) -> np.ndarray:

@@ -81,11 +81,11 @@ def _trained(
     places, place_yaws = np.array(windows.places), np.array(windows.place_yaws)
     views = []
     for i, at in enumerate(VIEW_YAWS):
-        seen = places[np.abs(place_yaws - at) <= VIEW_REACH].reshape(-1, 2 * len(MODULES))
+        near = places[np.abs(place_yaws - at) <= VIEW_REACH].reshape(-1, 2 * len(MODULES))
         space = train(by_view[i].reshape(-1, *sides), FACE_MODES, SHRINKAGE)
-        covariance = np.cov(seen.T) + 2e-5 * np.eye(seen.shape[1])
+        covariance = np.cov(near.T) + 2e-5 * np.eye(near.shape[1])
         views.append(
-            _core.ViewSpace(at, filters[i], thresholds[i], space, seen.mean(0), covariance)
+            _core.ViewSpace(at, filters[i], thresholds[i], space, near.mean(0), covariance)
         )
     modules = []
     for name, (ipds, (width, height)) in MODULES.items():
@@ -123,14 +123,14 @@ def _filters(
         thresholds = np.array(
             [np.quantile(faces @ f, MISSED) for faces, f in zip(by_view, filters, strict=True)]
         )
-        passing, total, found = 0, 0, []
+        passing, total, windows = 0, 0, []
         for level in levels:
             rows = level.reshape(-1, FACE_SIDE**2)
             response = (rows @ filters.T - thresholds).max(1)
             best = np.argsort(-response)[:HARD_A_LEVEL]
-            found.append(rows[best[response[best] > 0]])
+            windows.append(rows[best[response[best] > 0]])
             passing, total = passing + (response > 0).sum(), total + len(rows)
-        hard = np.concatenate(found)
+        hard = np.concatenate(windows)
         report(f"filters, round {turn + 1}: {100 * passing / total:.1f} % of empty windows pass")
         if turn + 1 < ROUNDS:
             kept = hard[rng.permutation(len(hard))[:6000]]

@@ -46,7 +46,7 @@ def middle_of(places: np.ndarray) -> np.ndarray:
 
 def windows_of(pictures: Pictures, rng: np.random.Generator) -> Windows:
     """Every front picture's windows, photographed anew, half of them mirrored."""
-    made = Windows()
+    windows = Windows()
     for i in pictures.fronts:
         grey, places, yaw = pictures.grey[i], pictures.places[i], pictures.yaw[i]
         if rng.random() < GLASSES:
@@ -54,9 +54,9 @@ def windows_of(pictures: Pictures, rng: np.random.Generator) -> Windows:
         grey = photographed(grey, rng)
         if rng.random() < 0.5:
             (grey, places), yaw = mirrored(grey, places), -yaw
-        _cut_faces(made, grey, places, yaw, rng)
-        _cut_parts(made, grey, places, yaw, rng)
-    return made
+        _cut_faces(windows, grey, places, yaw, rng)
+        _cut_parts(windows, grey, places, yaw, rng)
+    return windows
 
 
 def _face_window(grey, center, width, roll) -> np.ndarray:
@@ -66,30 +66,30 @@ def _face_window(grey, center, width, roll) -> np.ndarray:
     return window.ravel().astype(np.float32)
 
 
-def _cut_faces(made: Windows, grey, places, yaw: float, rng: np.random.Generator) -> None:
+def _cut_faces(windows: Windows, grey, places, yaw: float, rng: np.random.Generator) -> None:
     middle = middle_of(places)
     for _ in range(FACES_A_PICTURE):
         # A search stops at steps of place, size and turn: what it compares is never quite centred
         width = FACE_IPDS * PX_PER_IPD * np.exp(rng.uniform(-0.09, 0.09))
         center = middle + rng.uniform(-0.025, 0.025, 2) * width
-        made.faces.append(_face_window(grey, center, width, rng.uniform(-0.15, 0.15)))
-        made.yaws.append(yaw)
+        windows.faces.append(_face_window(grey, center, width, rng.uniform(-0.15, 0.15)))
+        windows.yaws.append(yaw)
     for _ in range(OTHERS_A_PICTURE):
         size = np.exp(rng.uniform(-0.8, 0.5))
         away = _away(rng, 0.25, 0.9) * FACE_IPDS * PX_PER_IPD
         if abs(np.log(size)) > 0.45 and rng.random() < 0.5:
             away *= 0.2  # of the wrong size alone
         width = FACE_IPDS * PX_PER_IPD * size
-        made.beside.append(_face_window(grey, middle + away, width, rng.uniform(-0.2, 0.2)))
+        windows.beside.append(_face_window(grey, middle + away, width, rng.uniform(-0.2, 0.2)))
 
 
-def _cut_parts(made: Windows, grey, places, yaw: float, rng: np.random.Generator) -> None:
+def _cut_parts(windows: Windows, grey, places, yaw: float, rng: np.random.Generator) -> None:
     width = FACE_IPDS * PX_PER_IPD * np.exp(rng.uniform(-0.06, 0.06))
     roll = rng.uniform(-0.06, 0.06)
     center = middle_of(places) + rng.uniform(-0.02, 0.02, 2) * width
     c, s = np.cos(roll), np.sin(roll)
-    made.places.append((places - center) @ np.array([[c, -s], [s, c]]) / width)
-    made.place_yaws.append(yaw)
+    windows.places.append((places - center) @ np.array([[c, -s], [s, c]]) / width)
+    windows.place_yaws.append(yaw)
     for place, (name, (ipds, size)) in zip(places, MODULES.items(), strict=True):
         across = ipds * width / FACE_IPDS * np.exp(rng.uniform(-0.04, 0.04))
 
@@ -97,9 +97,9 @@ def _cut_parts(made: Windows, grey, places, yaw: float, rng: np.random.Generator
             window = _core.flat_window(grey, at, across, roll, *size, MODULE_IPD_PX)
             return window.ravel().astype(np.float32)
 
-        made.modules[name].append(cut(place))
+        windows.modules[name].append(cut(place))
         for _ in range(OTHERS_A_PICTURE):
-            made.beside_modules[name].append(cut(place + _away(rng, 0.1, 0.32) * PX_PER_IPD))
+            windows.beside_modules[name].append(cut(place + _away(rng, 0.1, 0.32) * PX_PER_IPD))
 
 
 def _away(rng: np.random.Generator, nearest: float, furthest: float) -> np.ndarray:

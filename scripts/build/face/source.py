@@ -88,8 +88,8 @@ class Source:
     def names(self, folder: str) -> list[str]:
         """File names directly in `folder`, sorted."""
         start = f"{self._prefix}{folder}/"
-        found = (n[len(start) :] for n in self._archive.namelist() if n.startswith(start))
-        return sorted(n for n in found if n and "/" not in n)
+        names = (n[len(start) :] for n in self._archive.namelist() if n.startswith(start))
+        return sorted(n for n in names if n and "/" not in n)
 
     def text(self, name: str) -> str:
         info = self._archive.getinfo(self._prefix + name)

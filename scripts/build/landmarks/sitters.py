@@ -58,9 +58,11 @@ class Sitter(Person):
         distance = np.exp(rng.uniform(*np.log(DISTANCES)))
 
         def project(points: np.ndarray, px: float, size: int) -> np.ndarray:
-            seen = (points - middle) @ turn.T
-            scale = px / 0.063 * distance / (distance + seen[:, 2:])
-            return np.column_stack([seen[:, :2] * scale + (size - 1) / 2, seen[:, 2]])
+            turned_points = (points - middle) @ turn.T
+            scale = px / 0.063 * distance / (distance + turned_points[:, 2:])
+            return np.column_stack(
+                [turned_points[:, :2] * scale + (size - 1) / 2, turned_points[:, 2]]
+            )
 
         bright, facing = self._lit(surface, turn)
         shown = self._sampled(surface)[facing]

@@ -171,6 +171,6 @@ def _sigmas(samples, places, reference, held) -> np.ndarray:
     off, yaws = _off(samples, places, reference), np.array([one.yaw for one in samples])
     rows = []
     for at in VIEW_YAWS:
-        seen = off[held & (np.abs(yaws - at) < VIEW_REACH)]
-        rows.append(np.sqrt((seen**2).mean(axis=(0, 2))))
+        errors = off[held & (np.abs(yaws - at) < VIEW_REACH)]
+        rows.append(np.sqrt((errors**2).mean(axis=(0, 2))))
     return np.stack(rows)

@@ -81,14 +81,14 @@ def scan(template):
     rows, columns = np.nonzero(slit)
     best[slit] = (best[rows - 1, columns] + best[rows + 1, columns]) / 2
     hit[slit], weights[slit] = hit[rows - 1, columns], weights[rows - 1, columns]
-    seen = best > 0
-    number = np.where(seen, np.cumsum(seen).reshape(seen.shape) - 1, -1)
+    is_hit = best > 0
+    number = np.where(is_hit, np.cumsum(is_hit).reshape(is_hit.shape) - 1, -1)
     quads = np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1)
     quads = quads[(quads >= 0).all(axis=-1)]
-    corner, weight = mesh.triangles[hit[seen]], weights[seen]
+    corner, weight = mesh.triangles[hit[is_hit]], weights[is_hit]
     vertices = np.einsum("pk,pkx->px", weight, mesh.vertices[corner])
-    vertices[:, 1] = GRID * np.nonzero(seen)[0] - 0.09
-    vertices[:, 2] = best[seen]
+    vertices[:, 1] = GRID * np.nonzero(is_hit)[0] - 0.09
+    vertices[:, 2] = best[is_hit]
     depth = vertices[quads][:, :, 2]
     quads = quads[np.ptp(depth, axis=1) < 0.02]
 
@@ -230,13 +230,13 @@ def test_a_face_from_elsewhere_smiles(template):
 
 
 def refused(template, head, match, vertices=None, faces=None, **landmarks):
-    given = {**head.landmarks, **landmarks}
-    given = {name: value for name, value in given.items() if value is not None}
+    places = {**head.landmarks, **landmarks}
+    places = {name: value for name, value in places.items() if value is not None}
     with pytest.raises(InvalidInput, match=match):
         attach_foreign(
             head.vertices if vertices is None else vertices,
             head.faces if faces is None else faces,
-            given,
+            places,
             template,
         )
 
@@ -300,13 +300,13 @@ def test_polygons_are_cut_without_slivers_and_named_by_their_own_numbers(templat
     sizes = [len(face) for face in faces]
     polygons = Polygons(np.cumsum([0, *sizes[:-1]]), np.concatenate(faces))
     assert sorted(set(sizes)) == [4, 5]
-    found = attach_face(points, polygons, marks, np.eye(4))
-    (folded,) = [note for note in found.notes if "lie turned over" in note]
-    (open_note,) = [note for note in found.notes if "there is a hole" in note]
+    attached_face = attach_face(points, polygons, marks, np.eye(4))
+    (folded,) = [note for note in attached_face.notes if "lie turned over" in note]
+    (open_note,) = [note for note in attached_face.notes if "there is a hole" in note]
     assert re.search(rf"faces .*\b{turned - (turned > hole)}\b", folded)
     beside = int(re.search(r"beside face (\d+)", open_note).group(1))
     assert len({*faces[beside]} & {*gone}) == 2
-    assert attach_face(points, polygons, marks, np.eye(4)) is found  # costs nothing again
+    assert attach_face(points, polygons, marks, np.eye(4)) is attached_face  # costs nothing again
 
 
 def test_attaching_tells_how_far_it_is_and_can_be_stopped(template, head):

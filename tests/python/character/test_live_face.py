@@ -85,8 +85,8 @@ def test_points_on_the_skin_are_found_where_they_are(mesh):
     chosen = outer[random.choice(len(outer), 300)]
     weights = random.dirichlet(np.ones(3), 300)
     points = np.einsum("pk,pkx->px", weights, mesh.vertices[chosen])
-    found = find_on_skin(mesh, points).positions(mesh.vertices)
-    assert np.linalg.norm(found - points, axis=1).max() < 1e-9
+    places = find_on_skin(mesh, points).positions(mesh.vertices)
+    assert np.linalg.norm(places - points, axis=1).max() < 1e-9
 
 
 def test_what_lies_off_the_skin_is_laid_on_its_nearest_point(mesh):
@@ -94,9 +94,9 @@ def test_what_lies_off_the_skin_is_laid_on_its_nearest_point(mesh):
     random = np.random.default_rng(1)
     outer = mesh.triangles[mesh.triangle_part == "skin"]
     points = mesh.vertices[random.choice(np.unique(outer), 12)] + random.normal(0, 0.002, (12, 3))
-    found = find_on_skin(mesh, points).positions(mesh.vertices)
+    places = find_on_skin(mesh, points).positions(mesh.vertices)
     grid = np.array([(i, j, 20 - i - j) for i in range(21) for j in range(21 - i)]) / 20
-    for point, nearest in zip(points, found, strict=True):
+    for point, nearest in zip(points, places, strict=True):
         around = outer[np.linalg.norm(mesh.vertices[outer[:, 0]] - point, axis=1) < 0.03]
         samples = np.einsum("gk,tkx->tgx", grid, mesh.vertices[around])
         least = np.linalg.norm(samples - point, axis=2).min()

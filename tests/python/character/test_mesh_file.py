@@ -60,29 +60,29 @@ def check_quad(path) -> None:
 
 
 def test_gltf_files_are_read_with_their_nodes_transforms(tmp_path):
-    found, binary = document()
+    content, binary = document()
     path = tmp_path / "head.glb"
-    path.write_bytes(write_chunks(found, binary))
+    path.write_bytes(write_chunks(content, binary))
     check_quad(path)
     path = tmp_path / "head.gltf"
-    found["buffers"][0]["uri"] = "head%20data.bin"
-    path.write_text(json.dumps(found))
+    content["buffers"][0]["uri"] = "head%20data.bin"
+    path.write_text(json.dumps(content))
     with pytest.raises(InvalidInput, match=r"buffer head data\.bin is not beside the file"):
         read_mesh(path)
     (tmp_path / "head data.bin").write_bytes(binary)
-    path.write_text(json.dumps(found))
+    path.write_text(json.dumps(content))
     check_quad(path)
     code = base64.b64encode(binary).decode()
-    found["buffers"][0]["uri"] = f"data:application/octet-stream;base64,{code}"
-    path.write_text(json.dumps(found))
+    content["buffers"][0]["uri"] = f"data:application/octet-stream;base64,{code}"
+    path.write_text(json.dumps(content))
     check_quad(path)
 
 
 def test_a_mirrored_node_keeps_its_faces_outward(tmp_path):
-    found, binary = document()
-    found["nodes"][1]["scale"] = [-2, 2, 2]
+    content, binary = document()
+    content["nodes"][1]["scale"] = [-2, 2, 2]
     path = tmp_path / "head.glb"
-    path.write_bytes(write_chunks(found, binary))
+    path.write_bytes(write_chunks(content, binary))
     _, faces = read_mesh(path)
     assert faces[0].tolist() == [2, 1, 0, -1]
 

@@ -45,8 +45,8 @@ def test_vectors_and_quaternions_go_on_past_half_a_turn():
     np.testing.assert_allclose(
         rotation_vectors(from_rotation_vectors(vectors)), vectors, atol=1e-12
     )
-    found = quaternions(from_rotation_vectors(vectors))
-    assert (np.einsum("ij,ij->i", found[1:], found[:-1]) > 0.9).all()
+    result = quaternions(from_rotation_vectors(vectors))
+    assert (np.einsum("ij,ij->i", result[1:], result[:-1]) > 0.9).all()
 
 
 @pytest.mark.parametrize("mode", ["QUATERNION", "AXIS_ANGLE", "XZY"])
@@ -97,11 +97,11 @@ def test_neck_and_head_together_turn_as_filmed(followed_share):
         bone_channels(Motion(turns, np.zeros((len(turns), 3))), head, neck, 1.5)
 
 
-def matrices(found):
+def matrices(transforms):
     """N x 3 x 3 of N x 4 quaternions (w x y z)."""
-    sines = np.linalg.norm(found[:, 1:], axis=1, keepdims=True)
-    angles = 2 * np.arctan2(sines, found[:, :1])
-    return from_rotation_vectors(angles * found[:, 1:] / np.maximum(sines, 1e-12))
+    sines = np.linalg.norm(transforms[:, 1:], axis=1, keepdims=True)
+    angles = 2 * np.arctan2(sines, transforms[:, :1])
+    return from_rotation_vectors(angles * transforms[:, 1:] / np.maximum(sines, 1e-12))
 
 
 @pytest.mark.parametrize(("direction", "left"), [("-Y", "+X"), ("+X", "+Y"), ("+Y", "-X")])
@@ -142,6 +142,6 @@ def test_a_head_is_found_in_an_object_by_its_landmarks():
     vertices = {name: template.landmark(name) for name in REQUIRED}
     places = {name: 0.01 * points[vertex] + [1, 2, 3] for name, vertex in vertices.items()}
     for marks in (vertices, places):
-        found = object_from_character(points, marks, metres_from_object)
-        np.testing.assert_allclose(found[:3, :3], 100 * turn, atol=1e-4)
-        np.testing.assert_allclose(found[:3, 3], shift, atol=1e-4)
+        matrix = object_from_character(points, marks, metres_from_object)
+        np.testing.assert_allclose(matrix[:3, :3], 100 * turn, atol=1e-4)
+        np.testing.assert_allclose(matrix[:3, 3], shift, atol=1e-4)

@@ -19,8 +19,8 @@ def clips(tmp_path):
 
 def test_footage_of_another_film_is_refused_before_blender_is_asked(clips, tmp_path):
     own, other = clips
-    made = make_performance(footage=["own.mp4", fingerprint(own)])
-    made.save(tmp_path / "p.npz")
+    performance = make_performance(footage=["own.mp4", fingerprint(own)])
+    performance.save(tmp_path / "p.npz")
     no_blender = tmp_path / "no python"
     with pytest.raises(InvalidInput, match=r"other.mp4 is not the clip that .* \(own.mp4\)"):
         bake(tmp_path / "p.npz", tmp_path / "face.glb", other, no_blender)

@@ -76,12 +76,12 @@ def test_names_that_are_no_text_can_be_told(tmp_path):
     make_performance().save(tmp_path / "p.npz")
     (tmp_path / "at.csv").write_text("x,y\n150,100\n")
     out = os.fsencode(tmp_path) + b"/\xe9\xff.npz"
-    done = subprocess.run(
+    ran = subprocess.run(
         [sys.executable, "-m", "mimetic", "points", "p.npz", "--at", "at.csv", "--out", out],
         cwd=tmp_path,
         capture_output=True,
         text=True,
         env={**os.environ, "LC_ALL": "C.UTF-8"},
     )
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "udce9" in done.stdout and os.path.exists(out)
+    assert (ran.returncode, ran.stderr) == (0, "")
+    assert "udce9" in ran.stdout and os.path.exists(out)

@@ -41,9 +41,9 @@ def test_points_follow_the_heads_motion():
             depth = 0.7 - (0.08 - 4 * x**2 - 3 * y**2)
         place = np.array([x, y, 0.7 - depth, 1.0])
         for i in range(performance.num_frames):
-            seen = performance.project((pose[i] @ place)[None, :3])[0]
+            pixel = performance.project((pose[i] @ place)[None, :3])[0]
             # the limit surface lies inside of the control mesh by some tenths of a millimetre
-            np.testing.assert_allclose(result.tracks[i, k], seen, atol=0.6)
+            np.testing.assert_allclose(result.tracks[i, k], pixel, atol=0.6)
 
 
 def test_pixels_beside_the_face_are_not_on_it():

@@ -97,8 +97,8 @@ def test_a_dissolve_to_a_face_with_the_same_features_and_other_skin_is_held(
         smooth = np.asarray(Image.fromarray(frame).filter(ImageFilter.GaussianBlur(2)))
         other = smooth + pores
         frames.append(np.clip((1 - part) * frame + part * other, 0, 255).astype(np.uint8))
-    made = _captured(np.stack(frames), tmp_path / "dissolve.mp4", first_fit)
-    is_followed = made.quality >= HELD_QUALITY
+    result = _captured(np.stack(frames), tmp_path / "dissolve.mp4", first_fit)
+    is_followed = result.quality >= HELD_QUALITY
     assert is_followed[:12].all()
     assert not is_followed[20:30].any()
     assert is_followed[30:].all()
@@ -140,19 +140,19 @@ class _Estimate:
 
 
 def test_a_face_that_was_lost_must_be_found_in_three_frames_on_end():
-    seen, lost = _Estimate(False), _Estimate(True)
-    given = [seen, lost, seen, lost, None, seen, seen, seen, seen, lost, seen]
-    result = list(proved(enumerate(given, start=1)))
+    good, lost = _Estimate(False), _Estimate(True)
+    estimates = [good, lost, good, lost, None, good, good, good, good, lost, good]
+    result = list(proved(enumerate(estimates, start=1)))
     assert [frame for frame, _ in result] == list(range(1, 12))
-    kept = [frame for frame, estimate in result if estimate is seen]
+    kept = [frame for frame, estimate in result if estimate is good]
     assert kept == [1, 6, 7, 8, 9]
     assert [estimate for _, estimate in result][2] is None
 
 
 def test_a_face_that_was_found_in_the_frame_of_its_loss_must_be_found_in_three_frames_on_end():
-    seen, lost, again = _Estimate(False), _Estimate(True), _Estimate(False, found_again=True)
-    given = [seen, again, lost, again, seen, seen, seen, again, seen]
-    result = list(proved(enumerate(given, start=1)))
+    good, lost, again = _Estimate(False), _Estimate(True), _Estimate(False, found_again=True)
+    estimates = [good, again, lost, again, good, good, good, again, good]
+    result = list(proved(enumerate(estimates, start=1)))
     assert [frame for frame, _ in result] == list(range(1, 10))
     assert [frame for frame, estimate in result if estimate and not estimate.held] == [
         1,

@@ -38,18 +38,18 @@ def units(skin):
 def test_a_bounded_fit_meets_the_conditions_of_an_optimum():
     random = np.random.default_rng(0)
     system = random.normal(size=(60, 12)) @ random.normal(size=(12, 12))  # ill conditioned
-    wanted = random.normal(size=(60, 5))
+    target = random.normal(size=(60, 5))
     lowest, highest = np.full(12, -0.02), np.full(12, 0.05)
     lowest[:2], highest[:2] = -np.inf, np.inf
-    values = bounded_fit(system, wanted, lowest, highest)
-    slope = system.T @ (system @ values - wanted)
+    values = bounded_fit(system, target, lowest, highest)
+    slope = system.T @ (system @ values - target)
     at_low = values <= lowest[:, None] + 1e-12
     at_high = values >= highest[:, None] - 1e-12
     assert at_low.any()
     assert at_high.any()
     assert (values >= lowest[:, None]).all()
     assert (values <= highest[:, None]).all()
-    small = 1e-3 * np.abs(system.T @ wanted).max()
+    small = 1e-3 * np.abs(system.T @ target).max()
     assert np.abs(slope[~at_low & ~at_high]).max() < small
     assert slope[at_low].min() > -small
     assert slope[at_high].max() < small

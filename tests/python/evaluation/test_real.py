@@ -61,7 +61,7 @@ def test_ranges_of_lips_and_blinks_rise_and_agree_with_the_marked_frames():
     labels = read_labels("franck")
     touch = dict(zip(labels.frame.tolist(), labels.touch.tolist(), strict=True))
     irises = np.isfinite(labels.of("iris.R")[:, 0, 0])
-    seen = dict(zip(labels.frame.tolist(), irises.tolist(), strict=True))
+    by_frame = dict(zip(labels.frame.tolist(), irises.tolist(), strict=True))
     last = 0
     for row in rows_of("franck.lips.csv"):
         first, end = int(row["first"]), int(row["last"])
@@ -76,7 +76,7 @@ def test_ranges_of_lips_and_blinks_rise_and_agree_with_the_marked_frames():
         if row["closed_first"]:
             closed = range(int(row["closed_first"]), int(row["closed_last"]) + 1)
             assert start <= closed[0] <= closed[-1] <= end
-            assert not any(seen[f] for f in closed if f in seen), row
+            assert not any(by_frame[f] for f in closed if f in by_frame), row
         last = end
     assert sum(row["kind"] == "blink" for row in rows_of("franck.blinks.csv")) == 27
 

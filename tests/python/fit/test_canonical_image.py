@@ -51,14 +51,14 @@ def test_map_has_each_pixel_once_and_the_nose_in_the_middle(template):
 
 def test_halves_agree_in_the_true_pose_only(template):
     image = draw(template, template.vertices, pose(20, 0, 0), CAMERA)
-    found = [
+    correlations = [
         mirror_correlation(
             *canonical_image(true_fit(pose(yaw, 0, 0)), image, size=96, template=template)
         )
         for yaw in (20, 0, -20)
     ]
-    assert found[0] > found[1] + 0.1
-    assert found[0] > found[2] + 0.1
+    assert correlations[0] > correlations[1] + 0.1
+    assert correlations[0] > correlations[2] + 0.1
 
 
 def test_turned_head_is_fitted_turned(template):

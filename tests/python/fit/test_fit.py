@@ -59,14 +59,14 @@ def pixels(vertices, camera_from_head):
 
 def test_head_lies_on_the_drawn_face(template, fitted):
     truth = pixels(template.vertices, pose(0, 0, 0))
-    found = pixels(fitted.neutral_vertices(template), fitted.head_pose)
+    places = pixels(fitted.neutral_vertices(template), fitted.head_pose)
     ipd = 0.063 * CAMERA.fx / (0.6 - template.eye_centers[0, 2])
     inner = [
         i
         for n, i in zip(template.landmark_names, template.landmark_vertices, strict=True)
         if not n.startswith(("tragus", "zygion", "gonion", "hairline"))
     ]
-    error = np.linalg.norm(found - truth, axis=1)[inner] / ipd
+    error = np.linalg.norm(places - truth, axis=1)[inner] / ipd
     assert np.median(error) < 0.05
     assert error.max() < 0.15
 
@@ -101,11 +101,11 @@ def test_frame_at_rest_is_chosen_before_a_talking_a_blinking_and_a_blurred_one(d
     blurred = np.rint(
         np.mean([np.roll(drawn, shift, axis=1) for shift in range(-4, 5)], axis=0)
     ).astype(np.uint8)
-    seen = [judge_frame(image) for image in (drawn, talking, blinking, blurred)]
-    found = [one for one in seen if one is not None]
-    assert found[0] is seen[0]
+    candidates = [judge_frame(image) for image in (drawn, talking, blinking, blurred)]
+    faces = [one for one in candidates if one is not None]
+    assert faces[0] is candidates[0]
     rest, *worse = chances_of_rest(
-        *(np.array([vars(one)[key] for one in found]) for key in ("score", "detail", "expression"))
+        *(np.array([vars(one)[key] for one in faces]) for key in ("score", "detail", "expression"))
     )
     assert max(worse, default=0.0) < 0.7 * rest
 

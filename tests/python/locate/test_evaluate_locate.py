@@ -150,17 +150,17 @@ def test_drawn_faces_are_where_the_file_says(drawn):
 def test_command_scores_and_writes(drawn, tmp_path, capsys):
     parser = argparse.ArgumentParser()
     add_arguments(parser)
-    given = ["locate", "--images", str(drawn), "--out", str(tmp_path / "out"), "--json"]
-    assert run_evaluate(parser.parse_args(given)) == 0
+    arguments = ["locate", "--images", str(drawn), "--out", str(tmp_path / "out"), "--json"]
+    assert run_evaluate(parser.parse_args(arguments)) == 0
     printed = json.loads(capsys.readouterr().out)
     assert set(printed) >= {"mimetic", "eigenspaces", "cascades, measured", "Haar cascade"}
     assert json.loads((tmp_path / "out" / "locate.json").read_text("utf-8")) == printed
     assert (tmp_path / "out" / "locate_roc.png").read_bytes().startswith(b"\x89PNG")
     with pytest.raises(InvalidInput, match="do not go with"):
         run_evaluate(parser.parse_args(["locate", "--truth", "x"]))
-    for given in (["--set", "real"], ["--images", "x"]):
+    for arguments in (["--set", "real"], ["--images", "x"]):
         with pytest.raises(InvalidInput, match="evaluate locate"):
-            run_evaluate(parser.parse_args(given))
+            run_evaluate(parser.parse_args(arguments))
 
 
 def test_a_model_of_ones_own_is_scored(drawn, tmp_path, capsys):
@@ -172,8 +172,15 @@ def test_a_model_of_ones_own_is_scored(drawn, tmp_path, capsys):
     )
     parser = argparse.ArgumentParser()
     add_arguments(parser)
-    given = ["locate", "--images", str(drawn), "--json", "--eigenspaces", str(tmp_path / "m.npz")]
-    assert run_evaluate(parser.parse_args(given)) == 0
+    arguments = [
+        "locate",
+        "--images",
+        str(drawn),
+        "--json",
+        "--eigenspaces",
+        str(tmp_path / "m.npz"),
+    ]
+    assert run_evaluate(parser.parse_args(arguments)) == 0
     scored = json.loads(capsys.readouterr().out)
     assert scored["eigenspaces"]["found"] == 0
     # What the cascades find alone stays
@@ -186,7 +193,7 @@ def test_a_model_of_ones_own_is_scored(drawn, tmp_path, capsys):
     )
     save_spaces(few, tmp_path / "few.npz")
     with pytest.raises(InvalidInput, match="no module mouth"):
-        run_evaluate(parser.parse_args([*given[:-1], str(tmp_path / "few.npz")]))
+        run_evaluate(parser.parse_args([*arguments[:-1], str(tmp_path / "few.npz")]))
 
 
 def _without_mouth(view):

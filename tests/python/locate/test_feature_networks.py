@@ -84,10 +84,10 @@ def test_a_mirrored_picture_shows_the_mirrored_eye(networks, shot):
     width = image.shape[1]
     mirrored = np.ascontiguousarray(image[:, ::-1])
     crop = _core.FeatureCrop([width - 1 - left.center[0], left.center[1]], left.side, -left.roll)
-    seen = networks.eye(image, left, True)
+    eye = networks.eye(image, left, True)
     again = networks.eye(mirrored, crop, False)
-    np.testing.assert_allclose(again.iris[:, 0], width - 1 - seen.iris[:, 0], atol=0.1)
-    np.testing.assert_allclose(again.contour[:, 1], seen.contour[:, 1], atol=0.1)
+    np.testing.assert_allclose(again.iris[:, 0], width - 1 - eye.iris[:, 0], atol=0.1)
+    np.testing.assert_allclose(again.contour[:, 1], eye.contour[:, 1], atol=0.1)
 
 
 def test_points_stay_when_the_crop_moves_a_little(networks, shot):

@@ -9,8 +9,8 @@ from mimetic.media.ffmpeg import ffmpeg_program, make_runnable
 
 
 def test_the_program_runs():
-    done = subprocess.run([ffmpeg_program(), "-version"], capture_output=True, check=True)
-    assert done.stdout.startswith(b"ffmpeg version")
+    ran = subprocess.run([ffmpeg_program(), "-version"], capture_output=True, check=True)
+    assert ran.stdout.startswith(b"ffmpeg version")
 
 
 def test_a_program_unpacked_without_its_execute_bit_gets_it_back(tmp_path):

@@ -32,12 +32,12 @@ def test_milliseconds_of_matroska_do_not_make_the_rate_variable(tmp_path, rate):
 
 def test_every_frame_comes_once_under_its_number(tmp_path):
     footage = Footage(make_numbered_clip(tmp_path / "a.mp4"))
-    seen = {}
+    images = {}
     for frame, image in footage:
         assert image.shape == (64, 64, 3) and image.dtype == np.uint8
-        seen[frame] = float(image.mean())
-    assert list(seen) == list(range(1, 41))
-    levels = np.array(list(seen.values()))
+        images[frame] = float(image.mean())
+    assert list(images) == list(range(1, 41))
+    levels = np.array(list(images.values()))
     assert np.all(np.diff(levels) > 2)
     assert not footage.warnings
 

@@ -56,15 +56,15 @@ def test_stiffness_is_found_where_it_shows_and_stays_at_one_elsewhere(mesh, monk
         seen(mesh, modes_of(truth), 3, zygomaticus_major=0.6),
         seen(mesh, modes_of(truth), 9, zygomaticus_major=0.9, zygomaticus_minor=0.4),
     ]
-    found = calibrate.estimate(mesh, sightings, CAMERA, POSE)
-    stiffness = found.calibration.stiffness
+    result = calibrate.estimate(mesh, sightings, CAMERA, POSE)
+    stiffness = result.calibration.stiffness
     assert stiffness["cheeks"] > 1.25 and stiffness["lips"] > 1.25  # one round goes to 1.49
     assert "forehead" not in stiffness
-    assert found.stiffness_std["forehead"] == pytest.approx(0.5, rel=0.1)
-    assert found.stiffness_std["cheeks"] < 0.5 * 0.5
-    assert not any(name.startswith("frontalis") for name in found.calibration.strength)
-    assert found.calibration.frames == [3, 9]
-    assert found.gain > 10
+    assert result.stiffness_std["forehead"] == pytest.approx(0.5, rel=0.1)
+    assert result.stiffness_std["cheeks"] < 0.5 * 0.5
+    assert not any(name.startswith("frontalis") for name in result.calibration.strength)
+    assert result.calibration.frames == [3, 9]
+    assert result.gain > 10
 
 
 def test_a_face_at_rest_tells_nothing(mesh):

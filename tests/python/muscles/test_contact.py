@@ -26,9 +26,9 @@ def skin():
 @pytest.fixture(scope="module")
 def modes(skin):
     anatomical, extras = anatomy.modes_of(skin), attach_extras(skin)
-    found = dict(zip(anatomical.muscle_names, anatomical.muscle_modes, strict=True))
-    found |= dict(zip(anatomical.articulator_names, anatomical.articulator_modes, strict=True))
-    return found | dict(zip(extras.names, extras.modes, strict=True))
+    modes = dict(zip(anatomical.muscle_names, anatomical.muscle_modes, strict=True))
+    modes |= dict(zip(anatomical.articulator_names, anatomical.articulator_modes, strict=True))
+    return modes | dict(zip(extras.names, extras.modes, strict=True))
 
 
 @pytest.fixture(scope="module")

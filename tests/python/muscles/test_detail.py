@@ -34,8 +34,8 @@ def test_detail_modes_move_the_measured_skin_and_stay_off_the_rest(skin, detail)
 
 
 def test_detail_is_drawn_sideways_where_one_camera_does_not_see_depth(skin, detail):
-    seen = skin.mesh.template.vertices[: skin.mesh.template.num_skin_vertices, 2] > 0.05
-    moved = detail.modes[:, : len(seen)][:, seen]
+    frontal = skin.mesh.template.vertices[: skin.mesh.template.num_skin_vertices, 2] > 0.05
+    moved = detail.modes[:, : len(frontal)][:, frontal]
     assert (moved[..., 2] ** 2).mean() < 0.3 * (moved[..., :2] ** 2).mean()
 
 

@@ -85,9 +85,9 @@ def test_the_command_scores_files(tmp_path, capsys, performance, truth):
     files = {"truth": tmp_path / "t.npz", "performance": tmp_path / "p.npz"}
     with pytest.raises(InvalidInput, match="--out goes with"):
         run_evaluate(evaluate_options(**files, out=tmp_path / "out"))
-    for given in (files, {"what": "head"}):
+    for arguments in (files, {"what": "head"}):
         with pytest.raises(InvalidInput, match="goes with plain"):
-            run_evaluate(evaluate_options(**given, set="full"))
+            run_evaluate(evaluate_options(**arguments, set="full"))
 
 
 def evaluate_options(**given):

@@ -35,10 +35,10 @@ def test_dis_flow_follows_a_sliding_picture():
 
 def test_vertices_on_the_flow_follow_a_rigid_head(performance, truth):
     """Where the flow is a rigid motion, nothing moves in the head frame."""
-    seen = SeenVertices.under(performance, truth.tracks[0])
+    vertices = SeenVertices.under(performance, truth.tracks[0])
     poses = performance.head_pose
-    tracks = scores.project(seen.neutral[None], poses, performance.intrinsics)
-    points = seen.points(tracks)
+    tracks = scores.project(vertices.neutral[None], poses, performance.intrinsics)
+    points = vertices.points(tracks)
     np.testing.assert_allclose(points - points[:1], 0, atol=2e-5)
 
 

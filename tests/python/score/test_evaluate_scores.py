@@ -28,11 +28,11 @@ def test_a_still_face_has_no_r2(truth):
 
 def test_hidden_points_do_not_count(truth):
     rigid = scores.project(truth.points[:1], truth.head_pose, truth.intrinsics)
-    seen = truth.visible.copy()
-    seen[:, 0] = False
+    visible = truth.visible.copy()
+    visible[:, 0] = False
     wrong = truth.tracks.copy()
     wrong[:, 0] += 50
-    assert scores.image_motion(truth.tracks, rigid, seen, wrong)["r2"] == pytest.approx(1)
+    assert scores.image_motion(truth.tracks, rigid, visible, wrong)["r2"] == pytest.approx(1)
 
 
 def test_surface_score_does_not_depend_on_where_the_head_frame_lies(truth):

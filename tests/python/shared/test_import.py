@@ -7,5 +7,5 @@ SCRIPT = "import mimetic, matplotlib.figure; print('alive')"
 
 
 def test_other_modules_can_still_throw_after_the_core_is_loaded():
-    done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True)
-    assert (done.returncode, done.stdout) == (0, "alive\n"), done.stderr
+    ran = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True)
+    assert (ran.returncode, ran.stdout) == (0, "alive\n"), ran.stderr

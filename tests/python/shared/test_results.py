@@ -218,7 +218,7 @@ sys.exit(cli.main(["save"]))
 
 @pytest.mark.parametrize("largest", [10, 3000, 30_000])
 def test_a_performance_on_a_full_disk_is_one_line_with_the_path(tmp_path, largest):
-    done = subprocess.run(
+    ran = subprocess.run(
         [sys.executable, "-c", SAVE],
         cwd=tmp_path,
         env={**os.environ, "PYTHONPATH": os.path.dirname(os.path.dirname(__file__))},
@@ -226,7 +226,7 @@ def test_a_performance_on_a_full_disk_is_one_line_with_the_path(tmp_path, larges
         text=True,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest)),
     )
-    assert (done.returncode, done.stderr) == (1, "mimetic: p.npz: File too large\n")
+    assert (ran.returncode, ran.stderr) == (1, "mimetic: p.npz: File too large\n")
     assert names(tmp_path) == []
 
 
@@ -234,12 +234,12 @@ def test_a_full_disk_is_one_line_with_the_path(tmp_path):
     make_performance(num_frames=60).save(tmp_path / "p.npz")
     (tmp_path / "at.csv").write_text("x,y\n" + "150.5,100.25\n" * 4000)
     words = ["points", "p.npz", "--at", "at.csv", "--out", "t.npz"]
-    done = subprocess.run(
+    ran = subprocess.run(
         [sys.executable, "-m", "mimetic", *words],
         cwd=tmp_path,
         capture_output=True,
         text=True,
         preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (3000, 3000)),
     )
-    assert (done.returncode, done.stderr) == (1, "mimetic: t.npz: File too large\n")
+    assert (ran.returncode, ran.stderr) == (1, "mimetic: t.npz: File too large\n")
     assert names(tmp_path) == ["at.csv", "p.npz"]

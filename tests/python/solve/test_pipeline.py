@@ -63,9 +63,9 @@ def test_the_heads_turn_is_less_sure_the_further_it_is_from_the_fit(
 
 def test_frames_before_the_fits_are_captured_too(rendered_clip):
     late = find_face(rendered_clip.footage, 8)
-    found = capture(rendered_clip.footage, frames=(1, 12), fit=late)
-    assert found.frame.tolist() == list(range(1, 13))
-    steps = np.linalg.norm(np.diff(found.head_pose[:, :3, 3], axis=0), axis=1)
+    performance = capture(rendered_clip.footage, frames=(1, 12), fit=late)
+    assert performance.frame.tolist() == list(range(1, 13))
+    steps = np.linalg.norm(np.diff(performance.head_pose[:, :3, 3], axis=0), axis=1)
     assert steps.max() < 0.02  # metres a frame: no jump where the two ways meet
 
 
@@ -208,24 +208,24 @@ def test_a_face_that_leaves_is_held_and_found_again(rendered_clip, tmp_path):
         *("-c:v", "ffv1", tmp_path / "cut.mkv"),
     )
     first = find_face(rendered_clip.footage, 4)
-    found = capture(tmp_path / "cut.mkv", frames=(1, 50), fit=first)
-    assert found.frame.tolist() == list(range(1, 51))
-    assert (found.quality[:9] > 0.3).all()
-    assert (found.quality[13:23] < 0.2).all()
-    still = found.activations[13:23]
+    performance = capture(tmp_path / "cut.mkv", frames=(1, 50), fit=first)
+    assert performance.frame.tolist() == list(range(1, 51))
+    assert (performance.quality[:9] > 0.3).all()
+    assert (performance.quality[13:23] < 0.2).all()
+    still = performance.activations[13:23]
     assert np.abs(still - still[0]).max() < 0.05  # held, not invented
-    assert (found.quality[-10:] > 0.3).all()
-    assert any("held" in note for note in found.notes)
+    assert (performance.quality[-10:] > 0.3).all()
+    assert any("held" in note for note in performance.notes)
 
 
 def test_of_two_faces_the_larger_is_taken_and_told(rendered_clip, tmp_path):
     both = tmp_path / "two.mkv"
     filters = "[0:v]scale=240:180,pad=240:240[a];[0:v][a]hstack"
     ffmpeg(*("-i", rendered_clip.footage, "-filter_complex", filters, "-c:v", "ffv1", both))
-    found = capture(both, frames=(14, 17))
-    pixels = found.project(found.surface_in_camera(0))
+    performance = capture(both, frames=(14, 17))
+    pixels = performance.project(performance.surface_in_camera(0))
     assert pixels[:, 0].mean() < 320
-    assert any("2 faces" in note for note in found.notes)
+    assert any("2 faces" in note for note in performance.notes)
 
 
 def run(*arguments):
@@ -234,12 +234,12 @@ def run(*arguments):
 
 def test_the_command_writes_everything_asked_for(rendered_clip, tmp_path):
     out = tmp_path / "new" / "folder"
-    done = subprocess.run(
+    ran = subprocess.run(
         run("capture", rendered_clip.footage, "--out", out, "--frames", "1:10"),
         capture_output=True,
         text=True,
     )
-    assert done.returncode == 0, done.stderr
+    assert ran.returncode == 0, ran.stderr
     names = {path.name for path in out.iterdir()}
     assert names == {"performance.npz", "overlay.mp4", "report.html", "fit.json"}
     assert Performance.load(out / "performance.npz").num_frames == 10

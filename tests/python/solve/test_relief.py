@@ -64,7 +64,7 @@ def sightings_of(fit: FaceFit, person: FaceFit, turns) -> list[_core.Sighting]:
     corners, weights, _ = surface_of(fit, pixels)
     _, _, places = surface_of(person, pixels)
     rng = np.random.default_rng(3)
-    seen = []
+    sightings = []
     for number, turn in enumerate(turns):
         pose = fit.head_pose.copy()
         pose[:3, :3] = pose[:3, :3] @ from_rotation_vectors(turn[None])[0]
@@ -72,8 +72,10 @@ def sightings_of(fit: FaceFit, person: FaceFit, turns) -> list[_core.Sighting]:
         shown += rng.normal(0, NOISE_PX, shown.shape)
         information = np.tile(np.eye(2) / NOISE_PX**2, (len(shown), 1, 1))
         values = np.zeros(1)
-        seen.append(_core.Sighting(number + 2, pose, values, corners, weights, shown, information))
-    return seen
+        sightings.append(
+            _core.Sighting(number + 2, pose, values, corners, weights, shown, information)
+        )
+    return sightings
 
 
 def relief_from(fit: FaceFit, seen: list[_core.Sighting]) -> list[float]:
@@ -87,9 +89,9 @@ def test_turned_frames_tell_how_deep_the_face_is(fit):
     nose = load_template().landmark("nose_tip")
     deep = shape[:, nose, 2]
     person = replace(fit, relief=(1.5 * deep / np.linalg.norm(deep)).tolist())
-    found = replace(fit, relief=relief_from(fit, sightings_of(fit, person, TURNS)))
+    fitted = replace(fit, relief=relief_from(fit, sightings_of(fit, person, TURNS)))
     pixels = pixels_on_face(15)
-    true, before, after = (surface_of(one, pixels)[2][:, 2] for one in (person, fit, found))
+    true, before, after = (surface_of(one, pixels)[2][:, 2] for one in (person, fit, fitted))
     # All of it nearer or further is a pose, and the pose is free.
     left, error = np.std(after - true), np.std(before - true)
     assert error > 0.5e-3
@@ -97,22 +99,24 @@ def test_turned_frames_tell_how_deep_the_face_is(fit):
     landmarks = np.asarray(load_template().landmark_vertices)
     shown = [
         project_points(one.neutral_vertices(load_template())[landmarks], FRONTAL, INTRINSICS)[0]
-        for one in (fit, found)
+        for one in (fit, fitted)
     ]
     assert np.abs(shown[1] - shown[0]).max() < 1.5  # pixels; a pupil distance is 72
 
 
 def test_a_head_that_does_not_turn_keeps_its_shape(fit):
-    seen = sightings_of(fit, fit, STILL)
-    assert np.linalg.norm(relief_from(fit, seen)) < 0.3
+    sightings = sightings_of(fit, fit, STILL)
+    assert np.linalg.norm(relief_from(fit, sightings)) < 0.3
 
 
 def test_the_same_view_again_tells_nothing_more(fit):
     person = replace(
         fit, relief=np.linspace(-0.3, 0.3, len(face_shape(load_template()).components)).tolist()
     )
-    seen = sightings_of(fit, person, TURNS)
-    np.testing.assert_allclose(relief_from(fit, 5 * seen), relief_from(fit, seen), atol=1e-3)
+    sightings = sightings_of(fit, person, TURNS)
+    np.testing.assert_allclose(
+        relief_from(fit, 5 * sightings), relief_from(fit, sightings), atol=1e-3
+    )
 
 
 def test_too_few_frames_tell_nothing(fit):
@@ -138,9 +142,9 @@ def test_pins_hold_the_head_with_its_relief(fit):
     measured = _core.FaceFeatures(
         [_core.Feature(f.name, f.position, 2.0) for f in known.features], [], np.zeros(4), 1.0
     )
-    seen = replace(fit, relief=relief, views=[FittedView(1, FRONTAL, measured)])
-    x, y = landmark_places(seen)["mouth_corner.L"]
-    pinned = refit(seen, {"mouth_corner.L": (x + 3, y - 2)})
+    in_view = replace(fit, relief=relief, views=[FittedView(1, FRONTAL, measured)])
+    x, y = landmark_places(in_view)["mouth_corner.L"]
+    pinned = refit(in_view, {"mouth_corner.L": (x + 3, y - 2)})
     corner = pinned.neutral_vertices(template)[[template.landmark("mouth_corner.L")]]
     shown = project_points(corner, pinned.head_pose, pinned.intrinsics)[0][0]
     np.testing.assert_allclose(shown, (x + 3, y - 2), atol=0.3)

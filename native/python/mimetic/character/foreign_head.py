@@ -196,8 +196,8 @@ class _Carried:
 
     def _carry(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Places on the laid template's skin to those on this one."""
-        seen = self.laid.seen_from_front
-        vertex = seen[_core.nearest(points, self.laid.vertices[seen])]
+        frontal = self.laid.seen_from_front
+        vertex = frontal[_core.nearest(points, self.laid.vertices[frontal])]
         return self._onto(vertex, points).values(self.skin.vertices)
 
     def _measured(

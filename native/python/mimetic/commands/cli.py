@@ -80,12 +80,12 @@ def _make_parser(arguments: list[str]) -> argparse.ArgumentParser:
     )
     parser.add_argument("--version", action="version", version=f"mimetic {__version__}")
     commands = parser.add_subparsers(dest="command", required=True, metavar="COMMAND")
-    asked = next((word for word in arguments if not word.startswith("-")), None)
+    first_word = next((word for word in arguments if not word.startswith("-")), None)
     for name, (module_name, summary) in COMMANDS.items():
         command = commands.add_parser(
             name, help=summary, description=f"{summary[0].upper()}{summary[1:]}."
         )
-        if name == asked:
+        if name == first_word:
             module = importlib.import_module(module_name)
             module.add_arguments(command)
             command.set_defaults(run=getattr(module, f"run_{name}"))

@@ -28,8 +28,8 @@ def check_same_footage(fit: FaceFit, image: NDArray[np.uint8], clip: str) -> Non
     places = fit.features
     if not {"pupil.L", "pupil.R"} <= places.keys():
         return
-    judged = fitting.judge_frame(image, near=_middle(places["pupil.L"], places["pupil.R"]))
-    apart = math.inf if judged is None else _apart(places, judged.features)
+    candidate = fitting.judge_frame(image, near=_middle(places["pupil.L"], places["pupil.R"]))
+    apart = math.inf if candidate is None else _apart(places, candidate.features)
     if apart > MOST_APART:
         raise InvalidInput(
             f"the face fit is of other footage: in frame {fit.frame} of {clip} its face is not "

@@ -46,9 +46,9 @@ def turns_to_upright(image: NDArray[np.uint8]) -> int:
         return 0
     for turns in TURNS:
         turned = np.ascontiguousarray(np.rot90(image, turns))
-        found = fitting.face_likelihood(turned)
-        if found > likelihood and _shows_a_head(turned):
-            best, likelihood = turns, found
+        own_likelihood = fitting.face_likelihood(turned)
+        if own_likelihood > likelihood and _shows_a_head(turned):
+            best, likelihood = turns, own_likelihood
     return best
 
 

@@ -98,7 +98,7 @@ def estimate(
     factors = Factors(response.names, _core.SkinFactors(len(REGIONS), strong, num_values))
     std = _prior_std(response)
     place = np.zeros(len(factors.prior))
-    seen: list[_core.WhitenedSighting] = []
+    whitened: list[_core.WhitenedSighting] = []
     first = 0.0
 
     def go_on(turn: int, fraction: float) -> bool:
@@ -111,8 +111,8 @@ def estimate(
         modes = response.evaluate(factors.about(place), strong)
         if turn == 0:
             own = np.ascontiguousarray(modes.modes)
-            seen = [_core.WhitenedSighting(skin, one, own) for one in chosen]
-        frames = _linear_frames(skin, seen, modes, std)
+            whitened = [_core.WhitenedSighting(skin, one, own) for one in chosen]
+        frames = _linear_frames(skin, whitened, modes, std)
         half = lambda fraction, turn=turn: go_on(turn, (1 + fraction) / 2)  # noqa: E731
         peak, before = _core.most_probable(frames, factors.core, place, LARGEST_STEP, half)
         if turn == 0:
