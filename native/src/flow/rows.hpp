@@ -6,12 +6,12 @@
 
 namespace mimetic::flow {
 
-/// One value a pixel of what a pixel tells about the flow, before the window: w gx gx, w gx gy, w gy gy,
+/// One value a pixel of its information about the flow, before the window: w gx gx, w gx gy, w gy gy,
 /// w gx It, w gy It, w It It.
 constexpr int kNumProducts = 6;
 constexpr int kReach = 4;  ///< of the window, pixels to each side
 
-/// What one level of the pyramid knows of the two images; all CV_32F.
+/// What one level of the pyramid holds of the two images; all CV_32F.
 struct Level {
     cv::Mat from;    ///< low-passed
     cv::Mat to;      ///< low-passed

@@ -16,7 +16,7 @@ namespace {
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
-constexpr std::size_t kJudgedFrames = 600;  // enough to tell how lively a head is
+constexpr std::size_t kJudgedFrames = 600;  // enough to estimate how lively a head is
 constexpr double kUnknownRate = 3;          // rad/s and m/s, standard deviation before the first frame
 constexpr double kLeastStd = 1e-6;          // rad and m: a covariance of 0 is a measurement like any other
 

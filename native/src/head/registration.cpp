@@ -14,7 +14,7 @@ namespace mimetic::head {
 namespace {
 
 constexpr float kBare = .06F;     // of a value's square, that noise alone reaches
-constexpr float kLeastPatch = 5;  // samples of a patch that can tell whether it is covered
+constexpr float kLeastPatch = 5;  // samples of a patch that is judged covered or not
 constexpr float kAlike = .5F;     // correlation of a patch that is what it was
 constexpr double kShared = 2;     // samples that have one error
 constexpr double kMaxTurn = .3;   // rad a step

@@ -8,10 +8,10 @@
 namespace mimetic {
 namespace {
 
-constexpr double kStill = 1e-6;                // radians: an axis cannot be told
+constexpr double kStill = 1e-6;                // radians: no axis is defined
 constexpr double kFlat = 1e-12;                // of a determinant
 const Eigen::Vector3d kBridge(0, -.01, .085);  // metres, head frame: the bridge of a usual nose
-constexpr double kAbove = .01;                 // metres, of what tells where up is
+constexpr double kAbove = .01;                 // metres, of what defines up
 constexpr double kArm = .25;                   // picture heights: far enough for angles to be exact
 
 /// Rotations about the same axes by a share of the angle.

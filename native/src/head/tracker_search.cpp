@@ -94,8 +94,8 @@ std::optional<HeadEstimate> HeadTracker::State::register_frame(const cv::Mat1b& 
     return found;
 }
 
-/// The fast path; nothing where it leaves doubt. The better one of two guesses, no motion and steady motion,
-/// as the coarsest level tells, is refined.
+/// The fast path; none where it is uncertain. The better one of two guesses, no motion and steady motion,
+/// by the coarsest level, is refined.
 std::optional<HeadEstimate> HeadTracker::State::register_samples(const cv::Mat1b& gray) const {
     const auto part = crop_at(last.camera_from_head);
     if (!part) {
@@ -220,7 +220,7 @@ bool HeadTracker::State::is_this_head(const cv::Mat1b& gray, std::optional<HeadE
         return false;
     }
     if (views().empty()) {
-        return true;  // flow alone cannot tell
+        return true;  // flow alone recognises no one
     }
     if (found->likeness > 0) {
         return true;  // as samples say, which correlate as no other head's do

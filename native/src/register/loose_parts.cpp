@@ -11,7 +11,7 @@ namespace mimetic {
 namespace {
 
 constexpr double kNearSkin = .008;    // m at the template's size: lashes, brows, beards
-constexpr std::size_t kSamples = 16;  // vertices of a part that tell what it is
+constexpr std::size_t kSamples = 16;  // vertices by which a part is classified
 constexpr std::size_t kMaxFollowing = 50'000;
 
 constexpr double kTop = .13;     // m of a head, from its top, by whose width its size is guessed

@@ -16,7 +16,7 @@ constexpr double kSeam = .0025;  // m; skin so near to the seam is soft
 constexpr double kSeamEnds = .4;  // of half the mouth's width; there lips are joined on any face
 constexpr int kSeamPoints = 41;
 
-/// Boundary edges that hang together, loop by loop in the order of their smallest vertices.
+/// Boundary edges that are connected, loop by loop in the order of their smallest vertices.
 std::vector<std::vector<Edge>> loops_of(TrianglesIn triangles, Eigen::Index num_vertices) {
     const std::vector<Edge> rim = boundary_edges(triangles);
     Components components(num_vertices);

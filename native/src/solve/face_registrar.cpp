@@ -5,7 +5,7 @@ namespace mimetic {
 
 namespace {
 
-constexpr std::size_t kFewest = 30;  // samples that a state can be told from
+constexpr std::size_t kFewest = 30;  // samples that a state can be estimated from
 constexpr double kFarthest = .008;   // metres from the model at which skin is still explained
 constexpr double kExplained = .5;    // correlation of a patch that is the same skin
 constexpr double kStill = 5e-3;      // of values; rad of turn are alike in pixels
@@ -73,7 +73,7 @@ Registration FaceRegistrar::register_textures(const Expectation& expected, const
         }
         const auto num_views = static_cast<float>(registration.score.num_views);
         for (SampleMeasurement& sample : samples) {
-            // Textures of the same skin share the model's error: two of them know no more than one.
+            // Textures of the same skin share the model's error: two of them say no more than one.
             sample.weight = covered.contains(sample.sample) ? 0 : sample.weight / num_views;
         }
         const StageClock clock(frame.times.solve_ms);

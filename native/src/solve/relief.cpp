@@ -116,7 +116,7 @@ Eigen::MatrixXd held(const FittedSkin& skin, const ReliefModel& model, const Rel
     return information + deeper * deeper.transpose();
 }
 
-/// What one frame tells, its own pose, values and model error eliminated.
+/// What one frame contributes, its own pose, values and model error eliminated.
 Normal seen_in(const FittedSkin& skin, const ReliefModel& model, const ReliefOptions& options,
                const Sighting& sighting, const std::vector<int>& index, const Seen& seen) {
     std::vector<int> rows;

@@ -44,7 +44,7 @@ struct YieldingSkin {
 
 /// What lips and lids of a head do to each other: contact without friction, for shapes at rest.
 ///
-/// Modes add up linearly and know nothing of each other, so that lips that are pressed together would pass
+/// Modes add up linearly and do not interact, so that lips that are pressed together would pass
 /// through each other. The smallest forces between them that part them again are a linear complementarity
 /// problem on the skin's own compliance, condensed to the points that can touch. Displacements are in metres,
 /// in the head frame, or in that of `turned`.

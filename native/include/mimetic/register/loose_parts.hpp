@@ -6,7 +6,7 @@
 
 namespace mimetic {
 
-/// What a vertex of the template belongs to, as far as what is loose can be told by it.
+/// What a vertex of the template belongs to, as far as what is loose can be recognised by it.
 enum class TemplatePart { other, lower_jaw, upper_teeth, left_eye, right_eye };
 
 /// What lies on and in a foreign head besides its skin: teeth, eyes, lashes, hair. A loose part is what most

@@ -229,7 +229,7 @@ def place_muscles(
 
 
 class AttachedSkin(_core.AttachedSkin):
-    """A person's skin with its materials on its bones, factored when first asked."""
+    """A person's skin with its materials on its bones, factored on first use."""
 
     def __init__(
         self, mesh: SkinMesh, stiffness_factor: float, calibration: Calibration | None = None

@@ -18,7 +18,7 @@ from mimetic.media.timing import LAST_FRAME
 from mimetic.shared.documents import named, numbers
 from mimetic.skin.mesh import SkinMesh, multiply
 
-# What is found as one, by regions of the template: footage hardly tells more apart.
+# Estimated as one, by regions of the template: footage hardly separates more.
 REGIONS = {
     "forehead": ("forehead", "brow"),
     "eyes": ("eyelid", "temple"),

@@ -24,7 +24,7 @@ UNITS = {
 
 
 def check_size(neutral: NDArray[np.float64], template: FaceTemplate) -> None:
-    """Raise InvalidInput unless the head (V x 3) is in metres, as its eyes tell."""
+    """Raise InvalidInput unless the head (V x 3) is in metres, by the distance of its eyes."""
     (left, right), _ = template.eye_spheres(neutral)
     check_span(math.dist(left, right), "the eyes")
 

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A person's skin and muscles from a few seconds of footage, by evidence.
 
-The capture tells where the skin was seen; the factors of a `Calibration` are those under which
+The capture gives where the skin was seen; the factors of a `Calibration` are those under which
 that is most probable, with muscles, pose and model error integrated out and a log-normal prior
 about 1 on every factor.
 """
@@ -25,7 +25,7 @@ from mimetic.solve.tracking import ARTICULATOR_STD
 Floats = NDArray[np.float64]
 ACTIVATION_STD = 0.5  # of a muscle that is seen at work
 AT_REST = 0.05  # up to it, a value counts as 0
-LEAST_PEAK = 0.15  # of an activation: less tells nothing of the muscle's strength
+LEAST_PEAK = 0.15  # of an activation: less says nothing of the muscle's strength
 MOST_FRAMES = 8
 # Root sum of squares of activations and jaw: of an expression, and between frames that count as
 # different where expressions are strong; half the strongest where they are weak.
@@ -52,7 +52,7 @@ class CalibrationResult:
 
 
 class NothingSeen(InvalidInput):
-    """The footage shows too little motion to tell anything; the text says so."""
+    """The footage shows too little motion for any estimate; the text says so."""
 
 
 def choose(sightings: Sequence[_core.Sighting], num_moving: int) -> list[_core.Sighting]:
@@ -63,7 +63,7 @@ def choose(sightings: Sequence[_core.Sighting], num_moving: int) -> list[_core.S
     values = np.array([sighting.values[:num_moving] for sighting in sightings])
     values = np.vstack([np.zeros((1, num_moving)), values.reshape(-1, num_moving)])
     allowed = [True] * len(values)
-    rest = [0]  # tells nothing
+    rest = [0]  # carries no information
     strongest = _core.spread_rows(values, rest, allowed, 2)[1:]
     largest = float(np.sqrt((values[strongest] ** 2).sum()))
     if largest < LEAST_SEEN:

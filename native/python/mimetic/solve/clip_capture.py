@@ -52,7 +52,7 @@ Place = tuple[float, float]  # x, y, pixels of the footage's file
 
 SEARCHED_SECONDS = 8.0  # of the clip, for the frame that shows the face best
 # Share of the turn since the reference frame: what a fitted depth that is wrong makes of it
-# [Belhumeur et al. 1999, the bas-relief ambiguity]; `mimetic evaluate --set full-tuning` tells.
+# [Belhumeur et al. 1999, the bas-relief ambiguity]; `mimetic evaluate --set full-tuning`.
 TURN_ERROR = 0.02
 NUM_TURNED = 3  # frames in which a face that lies on its side is looked for, if none was found
 

@@ -34,7 +34,7 @@ def with_relief(
     candidates: Sequence[Candidate],
     progress: Progress | None,
 ) -> FaceFit:
-    """The fit with the relief that the frames tell in which the head is turned otherwise.
+    """The fit with the relief by the frames in which the head is turned otherwise.
 
     candidates: frames in which the face was found, the fit's among them, expressions allowed; the
     face is followed from the fit's frame as far as any of them that is turned. The fit as it is

@@ -39,7 +39,7 @@ class Followed(Protocol):
 
 
 Estimate = TypeVar("Estimate", bound=Followed)
-# Takes a tracker to the next frame; the last: where the detector sees the head, if it was asked
+# Takes a tracker to the next frame; the last: where the detector sees the head, if it ran
 Advance = Callable[[int, Image, Pose | None], Estimate]
 
 
@@ -87,7 +87,7 @@ class ClipWalk:
         """Estimates frame by frame to `end`; advance: of a frame, and where a lost head may be.
 
         After a cut nothing is read into another scene, and its frames are None, until the detector
-        sees a head; across_scenes: whoever advances tells by itself what it sees there.
+        sees a head; across_scenes: whoever advances recognises by itself what it sees there.
         """
         num_lost = num_away = last = 0
         cuts = CutWatch()
@@ -178,7 +178,7 @@ def proved(
     """The estimates, None where a lost face was found, but not for PROOF frames on end.
 
     Chance makes another face look like this one in a frame, not in several. A face may be lost and
-    found in one frame, and after a cut it was not lost before: `found_again` tells.
+    found in one frame, and after a cut it was not lost before: `found_again` says so.
     """
     is_lost = False
     waiting: list[tuple[int, Estimate | None]] = []
