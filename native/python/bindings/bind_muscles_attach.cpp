@@ -151,23 +151,39 @@ void bind_pull(py::module_& m) {
         "skin"_a, "mesh"_a, "muscles"_a, release_gil(), "The same on a head of the template's mesh.");
     m.def(
         "spread",
-        [](const MeshPointer& mesh, const DoubleArray& modes) {
-            return array_of_stack(spread(mesh, stack_of(modes, "modes")));
+        [](const DoubleArray& modes, const Eigen::VectorXi& moves_with) {
+            return array_of_stack(spread(stack_of(modes, "modes"), moves_with));
         },
-        "mesh"_a, "modes"_a,
-        "From the skin, (M, S, 3), to the whole head, (M, V, 3): lashes follow their lids.");
+        "modes"_a, "moves_with"_a,
+        "From a skin, (M, S, 3), to a whole head, (M, V, 3).\n\n"
+        "moves_with: (V,), the skin's vertex that each goes with, -1 for none. Raises InvalidInput.");
+    m.def(
+        "followed_vertices", [](const MeshPointer& mesh) { return followed_vertices(mesh); }, "mesh"_a,
+        "(V,) of a head of the template's mesh, for `spread`: lashes go with their roots.");
+    py::class_<HeadOnJaw>(m, "HeadOnJaw", "A head as the jaw moves it: its skin's N vertices, and its own V.")
+        .def(py::init([](Points skin, Eigen::VectorXd influence, Points vertices, Eigen::VectorXi moves_with,
+                         std::vector<int> rigid) {
+                 return HeadOnJaw{std::move(skin), std::move(influence), std::move(vertices),
+                                  std::move(moves_with), std::move(rigid)};
+             }),
+             py::kw_only(), "skin"_a, "influence"_a, "vertices"_a, "moves_with"_a, "rigid"_a,
+             "skin: (N, 3); influence: (N,), of the jaw on the bone under it, 0 to 1; vertices: (V, 3);\n"
+             "moves_with: (V,), as `spread` has it; rigid: vertices that are fixed to the bone")
+        .def_static(
+            "of", [](const MeshPointer& mesh, const Jaw& jaw) { return head_on_jaw(mesh, jaw); }, "mesh"_a,
+            "jaw"_a, "That of a head of the template's mesh.");
     m.def(
         "jaw_modes",
-        [](const AttachedSkin& skin, const MeshPointer& mesh, const Jaw& jaw) {
+        [](const AttachedSkin& skin, const Jaw& jaw, const HeadOnJaw& head) {
             MatrixRows modes;
             {
                 const py::gil_scoped_release release;
-                modes = jaw_modes(skin, mesh, jaw);
+                modes = jaw_modes(skin, jaw, head);
             }
             return array_of_stack(std::move(modes));
         },
-        "skin"_a, "mesh"_a, "jaw"_a,
-        "(3, V, 3): the attachments' feet move with the bone, the skin follows.");
+        "skin"_a, "jaw"_a, "head"_a,
+        "(3, V, 3): the attachments' feet move with the bone, the skin follows. Raises InvalidInput.");
     m.def(
         "lid_modes",
         [](const MeshPointer& mesh) {

@@ -171,12 +171,6 @@ void bind_eyes(py::module_& m) {
         .def_property_readonly(
             "margin", [](const EyeFrame& frame) { return array_of(frame.margin); },
             "Control vertices on the edge of this eye's lids.")
-        .def_property_readonly(
-            "lash_roots",
-            [](const EyeFrame& frame) {
-                return py::make_tuple(array_of(frame.lashes), array_of(frame.roots));
-            },
-            "Lash vertices and the vertex of the lid's margin that each follows.")
         .def(
             "polar",
             [](const EyeFrame& frame, PointsIn points) {

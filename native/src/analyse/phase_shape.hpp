@@ -9,18 +9,16 @@ namespace mimetic {
 /// The parameters that a fit turns, all of one size: rest, amplitude, onset, log rise, log(1 + hold),
 /// exponent, log release time, log of relaxation over release time, relaxed share, drift.
 inline constexpr int kPhaseParameters = 10;
-enum PhaseParameter {
-    kRest,
-    kAmplitude,
-    kOnset,
-    kRise,
-    kHold,
-    kExponent,
-    kRelease,
-    kRelaxation,
-    kShare,
-    kDrift
-};
+inline constexpr int kRest = 0;
+inline constexpr int kAmplitude = 1;
+inline constexpr int kOnset = 2;
+inline constexpr int kRise = 3;
+inline constexpr int kHold = 4;
+inline constexpr int kExponent = 5;
+inline constexpr int kRelease = 6;
+inline constexpr int kRelaxation = 7;
+inline constexpr int kShare = 8;
+inline constexpr int kDrift = 9;
 
 /// (e^(k s) - 1) / (e^k - 1), s between 0 and 1; straight as k goes to 0.
 template <typename T>

@@ -28,9 +28,11 @@ double rotation_std(const Matrix6& covariance) {
 
 /// The estimate goes where its texture comes to stand among the others.
 void HeadTracker::State::take_view(const cv::Mat1b& gray, HeadEstimate& estimate) {
-    if (const auto part = crop_at(estimate.camera_from_head)) {
+    const auto part = crop_at(estimate.camera_from_head);
+    const auto portrait = portrait_crop_at(estimate.camera_from_head);
+    if (part && portrait) {
         graph.add(head::cut(gray, camera, *part), estimate.camera_from_head, estimate.covariance);
-        portrait_crops.push_back(head::cut(gray, camera, *portrait_crop_at(estimate.camera_from_head)));
+        portrait_crops.push_back(head::cut(gray, camera, *portrait));
         relax(false);
         estimate.camera_from_head = views().back().camera_from_head();
     }
@@ -52,11 +54,11 @@ const SampleView& HeadTracker::State::samples_of(const KeyView& view) const {
 
 const KeyView& HeadTracker::State::portrait_of(const KeyView& view) {
     const auto at = static_cast<std::size_t>(&view - views().data());
-    if (!portraits[at]) {
-        portraits[at].emplace(shape(), options, portrait_crops[at], view.camera_from_head(),
-                              view.covariance());
+    std::optional<KeyView>& portrait = portraits[at];
+    if (!portrait) {
+        portrait.emplace(shape(), options, portrait_crops[at], view.camera_from_head(), view.covariance());
     }
-    return *portraits[at];
+    return *portrait;
 }
 
 /// Each with its angle from a pose, rad; the nearest first.

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <mimetic/muscles/attach.hpp>
 #include <mimetic/shared/error.hpp>
 
@@ -112,22 +113,37 @@ Pulled pull(const AttachedSkin& skin, const MuscleSurface& surface, const std::v
     return pulled;
 }
 
-MatrixRows jaw_under_skin(const SkinMesh& mesh, const Jaw& jaw) {
-    MatrixRows under(kJawMotions.size(), mesh.vertices().size());
+HeadOnJaw head_on_jaw(const std::shared_ptr<const SkinMesh>& mesh, const Jaw& jaw) {
+    return {mesh->vertices(), jaw.influence(), mesh->neutral(), followed_vertices(mesh),
+            jaw.rigid_vertices()};
+}
+
+MatrixRows jaw_under_skin(const Jaw& jaw, const HeadOnJaw& head) {
+    if (head.influence.size() != head.skin.rows()) {
+        throw InvalidInput("got the jaw's influence on " + std::to_string(head.influence.size()) +
+                           " vertices of a skin of " + std::to_string(head.skin.rows()));
+    }
+    MatrixRows under(kJawMotions.size(), head.skin.size());
     for (Eigen::Index i = 0; i < under.rows(); ++i) {
-        const Points moved = jaw.under_skin(kJawMotions[i]);
+        const Points moved = head.influence.asDiagonal() * jaw.motion(kJawMotions[i], head.skin);
         under.row(i) = Eigen::Map<const Eigen::RowVectorXd>(moved.data(), moved.size());
     }
     return under;
 }
 
-MatrixRows jaw_modes(const AttachedSkin& skin, const std::shared_ptr<const SkinMesh>& mesh, const Jaw& jaw) {
-    MatrixRows modes = spread(mesh, skin.respond(skin.foundation_forces(jaw_under_skin(*mesh, jaw))));
-    const std::vector<int> rigid = jaw.rigid_vertices();
+MatrixRows jaw_modes(const AttachedSkin& skin, const Jaw& jaw, const HeadOnJaw& head) {
+    const auto [least, most] = std::minmax_element(head.rigid.begin(), head.rigid.end());
+    if (head.moves_with.size() != head.vertices.rows() ||
+        (!head.rigid.empty() && (*least < 0 || *most >= head.vertices.rows()))) {
+        throw InvalidInput("the jaw moves vertices that are not among the head's " +
+                           std::to_string(head.vertices.rows()));
+    }
+    MatrixRows modes =
+        spread(skin.respond(skin.foundation_forces(jaw_under_skin(jaw, head))), head.moves_with);
     for (Eigen::Index i = 0; i < modes.rows(); ++i) {
-        const Points moved = jaw.motion(kJawMotions[i], mesh->neutral()(rigid, Eigen::all));
-        for (std::size_t k = 0; k < rigid.size(); ++k) {
-            modes.row(i).segment<3>(3 * rigid[k]) = moved.row(static_cast<Eigen::Index>(k));
+        const Points moved = jaw.motion(kJawMotions[i], head.vertices(head.rigid, Eigen::all));
+        for (std::size_t k = 0; k < head.rigid.size(); ++k) {
+            modes.row(i).segment<3>(3 * head.rigid[k]) = moved.row(static_cast<Eigen::Index>(k));
         }
     }
     return modes;

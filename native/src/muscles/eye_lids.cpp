@@ -170,18 +170,28 @@ Points EyeLids::turn(VectorIn angle) const {
     return mode;
 }
 
-MatrixRows spread(const std::shared_ptr<const SkinMesh>& mesh, MatrixIn skin_modes) {
-    if (skin_modes.cols() != 3 * mesh->head().num_skin_vertices) {
-        throw InvalidInput("modes of the skin have " + std::to_string(skin_modes.cols()) +
-                           " columns, needed are three for each of " +
-                           std::to_string(mesh->head().num_skin_vertices) + " vertices");
-    }
-    MatrixRows modes = MatrixRows::Zero(skin_modes.rows(), mesh->neutral().size());
-    modes.leftCols(skin_modes.cols()) = skin_modes;
+Eigen::VectorXi followed_vertices(const std::shared_ptr<const SkinMesh>& mesh) {
+    const Eigen::Index count = mesh->head().num_skin_vertices;
+    Eigen::VectorXi moves_with = Eigen::VectorXi::Constant(mesh->neutral().rows(), -1);
+    std::iota(moves_with.begin(), moves_with.begin() + count, 0);
     for (const char side : {'L', 'R'}) {
         const EyeFrame frame(mesh, side);
         for (std::size_t i = 0; i < frame.lashes.size(); ++i) {
-            modes.middleCols<3>(3 * frame.lashes[i]) = skin_modes.middleCols<3>(3 * frame.roots[i]);
+            moves_with[frame.lashes[i]] = frame.roots[i];
+        }
+    }
+    return moves_with;
+}
+
+MatrixRows spread(MatrixIn skin_modes, const Eigen::VectorXi& moves_with) {
+    if (moves_with.size() > 0 && 3 * Eigen::Index{moves_with.maxCoeff()} >= skin_modes.cols()) {
+        throw InvalidInput("vertex " + std::to_string(moves_with.maxCoeff()) +
+                           " of the skin is followed, it has " + std::to_string(skin_modes.cols() / 3));
+    }
+    MatrixRows modes = MatrixRows::Zero(skin_modes.rows(), 3 * moves_with.size());
+    for (Eigen::Index v = 0; v < moves_with.size(); ++v) {
+        if (moves_with[v] >= 0) {
+            modes.middleCols<3>(3 * v) = skin_modes.middleCols<3>(3 * Eigen::Index{moves_with[v]});
         }
     }
     return modes;

@@ -23,6 +23,11 @@ MatrixRows stacked(const MatrixRows& above, const MatrixRows& below) {
     return rows;
 }
 
+MatrixRows bone_under(const std::shared_ptr<const SkinMesh>& mesh) {
+    const Jaw jaw(mesh);
+    return jaw_under_skin(jaw, head_on_jaw(mesh, jaw));
+}
+
 }  // namespace
 
 Eigen::VectorXd stiffness_factors(MatrixIn weights, const Eigen::VectorXd& factors) {
@@ -40,7 +45,7 @@ SkinResponse::SkinResponse(std::shared_ptr<const SkinMesh> mesh, std::shared_ptr
       muscles_(std::move(muscles)),
       materials_(std::move(materials)),
       weights_(std::move(weights)),
-      bone_(jaw_under_skin(*mesh_, Jaw(mesh_))),
+      bone_(bone_under(mesh_)),
       lids_(lid_modes(mesh_).leftCols(3 * mesh_->head().num_skin_vertices)) {
     if (weights_.rows() != mesh_->vertices().rows()) {
         throw InvalidInput("got weights of " + std::to_string(weights_.rows()) + " vertices, there are " +

@@ -41,7 +41,7 @@ std::vector<int> order_points(const Columns& matrix, cholmod_common& common) {
 
 }  // namespace
 
-void BlockCholesky::compute(const Columns& matrix) {
+void BlockCholesky::compute_blocks(const Columns& matrix) {
     std::vector<int> order;
     order.reserve(static_cast<std::size_t>(matrix.cols()));
     for (const int point : order_points(matrix, cholmod())) {

@@ -20,7 +20,7 @@ public:
 class BlockCholesky : public Cholesky {
 public:
     /// matrix: 3C x 3C, symmetric, xyz interleaved, both triangles.
-    void compute(const Eigen::SparseMatrix<double>& matrix);
+    void compute_blocks(const Eigen::SparseMatrix<double>& matrix);
 };
 
 }  // namespace mimetic

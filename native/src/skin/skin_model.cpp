@@ -44,7 +44,7 @@ SkinModel::SkinModel(PointsIn vertices, TrianglesIn triangles, const SkinMateria
                            std::to_string(vertices.rows()) + " vertices");
     }
     static_cast<SkinMatrices&>(*parts_) = assemble_skin(vertices, triangles, materials, basis, on_boundary);
-    parts_->factor.compute(parts_->stiffness);
+    parts_->factor.compute_blocks(parts_->stiffness);
 }
 
 SkinModel::~SkinModel() = default;

@@ -34,7 +34,7 @@ TEST(BlockCholesky, SolvesAsTheOneThatOrdersUnknowns) {
     Cholesky by_unknowns;
     for (const int side : {1, 4, 12}) {  // one factor for matrices of other sizes in turn
         const Eigen::SparseMatrix<double> matrix = grid_of_springs(side, .5);
-        by_points.compute(matrix);
+        by_points.compute_blocks(matrix);
         by_unknowns.compute(matrix);
         ASSERT_EQ(by_points.info(), Eigen::Success);
         const Eigen::MatrixXd loads = Eigen::MatrixXd::Random(matrix.cols(), 2);
@@ -46,9 +46,9 @@ TEST(BlockCholesky, SolvesAsTheOneThatOrdersUnknowns) {
 
 TEST(BlockCholesky, SaysThatAMatrixIsNotPositiveDefinite) {
     BlockCholesky factor;
-    factor.compute(grid_of_springs(4, -1));
+    factor.compute_blocks(grid_of_springs(4, -1));
     EXPECT_NE(factor.info(), Eigen::Success);
-    factor.compute(grid_of_springs(4, 1));
+    factor.compute_blocks(grid_of_springs(4, 1));
     EXPECT_EQ(factor.info(), Eigen::Success);
 }
 

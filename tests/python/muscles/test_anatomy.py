@@ -3,7 +3,7 @@ import time
 
 import numpy as np
 import pytest
-from mimetic import InvalidInput
+from mimetic import InvalidInput, _core
 from mimetic.muscles import anatomy
 from mimetic.muscles.articulators import EyeLids, eye_frames
 from mimetic.skin.mesh import SkinMesh, find_place
@@ -233,3 +233,50 @@ def test_bad_input_is_refused_with_the_reason(template):
         anatomy.AnatomyPerturbation(stiffness_factor=0)
     with pytest.raises(InvalidInput, match="no landmark 'third_eye'"):
         SkinMesh(template, template.vertices).landmark("third_eye")
+
+
+def test_the_jaw_moves_any_head_as_it_moves_the_templates(template, skin, attached):
+    own = anatomy.AttachedSkin(skin, 1.0)
+    jaw = _core.Jaw(skin)
+    # As a head of another make: its vertices in another order, and one that follows no skin
+    order = np.random.default_rng(2).permutation(len(template.vertices))
+    back = np.argsort(order)
+    teeth = np.flatnonzero(np.isin(order, part(template, "teeth_lower", "tongue")))
+    head = _core.HeadOnJaw(
+        skin=skin.vertices,
+        influence=jaw.influence,
+        vertices=np.vstack([template.vertices[order], [[0, 0, 0]]]),
+        moves_with=np.append(own.moves_with[order], -1),
+        rigid=teeth.tolist(),
+    )
+    modes = _core.jaw_modes(own, jaw, head)
+    np.testing.assert_allclose(modes[:, back], attached.articulator_modes[:3], atol=1e-12)
+    np.testing.assert_array_equal(modes[:, -1], 0)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"influence": np.ones(3)}, "influence on 3 vertices"),
+        ({"rigid": [-1]}, "not among the head's"),
+        ({"rigid": [10**6]}, "not among the head's"),
+        ({"moves_with": np.zeros(2, np.int32)}, "not among the head's"),
+    ],
+)
+def test_a_jaw_refuses_a_head_that_does_not_fit(template, skin, changes, message):
+    own = anatomy.AttachedSkin(skin, 1.0)
+    jaw = _core.Jaw(skin)
+    fields = {
+        "skin": skin.vertices,
+        "influence": jaw.influence,
+        "vertices": template.vertices,
+        "moves_with": own.moves_with,
+        "rigid": [0],
+    }
+    with pytest.raises(InvalidInput, match=message):
+        _core.jaw_modes(own, jaw, _core.HeadOnJaw(**(fields | changes)))
+
+
+def test_a_skin_is_not_spread_from_vertices_that_it_has_not():
+    with pytest.raises(InvalidInput, match="vertex 2 of the skin is followed, it has 2"):
+        _core.spread(np.zeros((1, 2, 3)), np.array([0, -1, 2], np.int32))

@@ -98,7 +98,11 @@ private:
     std::vector<int> upper_, lower_;
 };
 
-/// Modes of a skin (M x 3S, xyz interleaved) over the whole head (M x 3V): lashes follow their lids.
-MatrixRows spread(const std::shared_ptr<const SkinMesh>& mesh, MatrixIn skin_modes);
+/// The skin's control vertex that each of the head's V goes with, -1 for none: lashes go with their roots.
+Eigen::VectorXi followed_vertices(const std::shared_ptr<const SkinMesh>& mesh);
+
+/// Modes of a skin (M x 3S, xyz interleaved) over a whole head (M x 3V), each vertex of which goes with one
+/// of the skin's, or with none (-1). Throws InvalidInput.
+MatrixRows spread(MatrixIn skin_modes, const Eigen::VectorXi& moves_with);
 
 }  // namespace mimetic

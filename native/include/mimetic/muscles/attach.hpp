@@ -116,12 +116,25 @@ void check_measured(const SparseRows& measured, Eigen::Index count, const Attach
 /// Throws InvalidInput, naming both, unless the place by which a muscle is measured moves (metres).
 void check_moves(double moved, const std::string& name, const std::string& anchor);
 
+/// A head as the jaw moves it, of the template's mesh or any other: its attached skin's N vertices, and its
+/// own V.
+struct HeadOnJaw {
+    Points skin;                 ///< N x 3
+    Eigen::VectorXd influence;   ///< N, of the jaw on the bone under the skin, 0 to 1
+    Points vertices;             ///< V x 3
+    Eigen::VectorXi moves_with;  ///< V: the skin's control vertex that each goes with, -1 for none
+    std::vector<int> rigid;      ///< of V: what is fixed to the bone, teeth and tongue
+};
+
+/// That of a head of the template's mesh.
+HeadOnJaw head_on_jaw(const std::shared_ptr<const SkinMesh>& mesh, const Jaw& jaw);
+
 /// Displacement of the bone under the skin in the jaw's three motions at value 1, 3 x 3N.
-MatrixRows jaw_under_skin(const SkinMesh& mesh, const Jaw& jaw);
+MatrixRows jaw_under_skin(const Jaw& jaw, const HeadOnJaw& head);
 
 /// Modes of the jaw's three motions over the whole head, 3 x 3V: the attachments' feet move with the bone,
 /// the skin follows.
-MatrixRows jaw_modes(const AttachedSkin& skin, const std::shared_ptr<const SkinMesh>& mesh, const Jaw& jaw);
+MatrixRows jaw_modes(const AttachedSkin& skin, const Jaw& jaw, const HeadOnJaw& head);
 
 /// Modes of upper and lower lid of the left and of the right eye over the whole head, 4 x 3V.
 MatrixRows lid_modes(const std::shared_ptr<const SkinMesh>& mesh);

@@ -33,7 +33,6 @@ from mimetic.muscles.anatomy import (
 )
 from mimetic.muscles.articulators import (
     ARTICULATORS,
-    JAW,
     EyeFrame,
     EyeLids,
     Jaw,
@@ -107,7 +106,7 @@ def attach_foreign(
         head = _Carried(skin, laid)
         check_goes_on(attaching, 0.0, "attaching the muscles")
         modes, strengths = head.muscle_modes()
-        bones = head.jaw_modes() + head.lid_modes()
+        bones = [*head.jaw_modes(), *head.lid_modes()]
         check_goes_on(attaching, 0.7, "attaching lips and gaze")
         extras = head.extra_modes()
     to_user = skin.user_from_skin
@@ -145,6 +144,8 @@ class _Carried:
     def __init__(self, skin: ForeignSkin, laid: SkinMesh):
         self.skin, self.laid = skin, laid
         self.loose = LooseParts(skin, laid.neutral, laid.template)
+        self.moves_with = skin.skin_vertex.copy()
+        self.moves_with[self.loose.following] = self.loose.roots
         self.notes = skin.notes + self.loose.notes
         self.own = lipped_skin(skin, laid)
         self.source = lipped(laid)
@@ -224,15 +225,17 @@ class _Carried:
             np.atleast_2d(points), self.source.normals[vertex], self.source.lip[vertex]
         )
 
-    def jaw_modes(self) -> list[NDArray[np.float64]]:
+    def jaw_modes(self) -> NDArray[np.float64]:
+        """3 x V x 3."""
         jaw = Jaw(self.laid)
-        influence = self.places.values(jaw.influence)[:, None]
-        under = np.stack([influence * jaw.motion(name, self.skin.vertices) for name in JAW])
-        modes = self._to_mesh(self.attached.respond(self.attached.foundation_forces(under)))
-        rigid = self.loose.on_jaw
-        for mode, name in zip(modes, JAW, strict=True):
-            mode[rigid] = jaw.motion(name, self.skin.user_vertices[rigid])
-        return list(modes)
+        head = _core.HeadOnJaw(
+            skin=self.skin.vertices,
+            influence=self.places.values(jaw.influence),
+            vertices=self.skin.user_vertices,
+            moves_with=self.moves_with,
+            rigid=np.flatnonzero(self.loose.on_jaw).tolist(),
+        )
+        return _core.jaw_modes(self.attached, jaw, head)
 
     def extra_modes(self) -> Extras:
         """In the template's frame and size; gaze turns the loose parts that are eyes."""
@@ -266,8 +269,6 @@ class _Carried:
         kept[of_slits] = on_slits.gaps < TOUCH_GAP  # many a mesh ends behind the lips
         vertices, slits = _core.number_slits(slits, kept.tolist())
         rows = np.searchsorted(of_slits, vertices)
-        moves_with = self.skin.skin_vertex.copy()
-        moves_with[self.loose.following] = self.loose.roots
         return _core.SkinContact(
             rest=on_slits.values(self.skin.vertices)[rows],
             stencils=self._rows(on_slits.corners[rows], on_slits.weights[rows]),
@@ -275,7 +276,7 @@ class _Carried:
             eyes=[self._eye_rest(frame) for frame in eye_frames(self.laid)],
             model=self.model,
             free=self.free.tolist(),
-            moves_with=moves_with.tolist(),
+            moves_with=self.moves_with.tolist(),
             read=self.skin.first_vertex.tolist(),
         )
 
@@ -306,9 +307,4 @@ class _Carried:
 
     def _to_mesh(self, displacements: NDArray[np.float64]) -> NDArray[np.float64]:
         """M x N x 3 of the skin -> M x V x 3: what is loose and near to the skin follows it."""
-        skin = self.skin
-        modes = np.zeros((len(displacements), len(skin.user_vertices), 3))
-        on_skin = skin.skin_vertex >= 0
-        modes[:, on_skin] = displacements[:, skin.skin_vertex[on_skin]]
-        modes[:, self.loose.following] = displacements[:, self.loose.roots]
-        return modes
+        return _core.spread(displacements, self.moves_with)

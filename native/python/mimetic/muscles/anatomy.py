@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import tomllib
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from importlib import resources
 
 import numpy as np
@@ -158,7 +158,9 @@ def modes_of(skin: AttachedSkin, perturbation: AnatomyPerturbation | None = None
     """Muscles, jaw and lids on a skin that is attached; strengths as it was calibrated."""
     mesh = skin.mesh
     pulled = pull(skin, canonical_skin(mesh.template), perturbation)
-    bones = [*_core.jaw_modes(skin, mesh, Jaw(mesh)), *_core.lid_modes(mesh)]
+    jaw = Jaw(mesh)
+    jaw_modes = _core.jaw_modes(skin, jaw, _core.HeadOnJaw.of(mesh, jaw))
+    bones = [*jaw_modes, *_core.lid_modes(mesh)]
     modes = dict(zip(ARTICULATORS, bones, strict=True))
     return Anatomy(
         muscle_names=muscle_names(),
@@ -242,6 +244,11 @@ class AttachedSkin(_core.AttachedSkin):
         super().__init__(mesh, material_table(), stiffness)
         self.num_vertices = len(mesh.template.vertices)
 
+    @cached_property
+    def moves_with(self) -> np.ndarray:
+        """V: the skin's vertex that each of the head's goes with, -1 for none."""
+        return _core.followed_vertices(self.mesh)
+
     def spread(self, responses: np.ndarray) -> np.ndarray:
         """From the skin, M x S x 3, to the whole head, M x V x 3: lashes follow their lids."""
-        return _core.spread(self.mesh, responses)
+        return _core.spread(responses, self.moves_with)

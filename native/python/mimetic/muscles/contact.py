@@ -44,11 +44,6 @@ def attach_contact(skin: AttachedSkin) -> _core.SkinContact:
     mesh, count = skin.mesh, len(skin.free)
     slits = [lip_slit(mesh), *(lid_slit(mesh, side) for side in SIDES)]
     vertices, slits = _core.number_slits(slits, [True] * len(mesh.vertices))
-    moves_with = np.full(skin.num_vertices, -1)
-    moves_with[:count] = np.arange(count)
-    for frame in eye_frames(mesh):
-        lashes, roots = frame.lash_roots
-        moves_with[lashes] = roots
     return _core.SkinContact(
         rest=mesh.vertices[vertices],
         stencils=mesh.stencil_rows_at(vertices.tolist()),
@@ -56,7 +51,7 @@ def attach_contact(skin: AttachedSkin) -> _core.SkinContact:
         eyes=[eye_rest(mesh, frame) for frame in eye_frames(mesh)],
         model=skin.model,
         free=skin.free.tolist(),
-        moves_with=moves_with.tolist(),
+        moves_with=skin.moves_with.tolist(),
         read=list(range(count)),
     )
 
