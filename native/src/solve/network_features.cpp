@@ -10,12 +10,6 @@ namespace {
 // Of the eye's contour: it begins at the outer corner, runs along the lower lid and back along the upper one.
 constexpr std::array<int, 9> kUpperLid{0, 9, 10, 11, 12, 13, 14, 15, 8};
 constexpr std::array<int, 9> kLowerLid{0, 1, 2, 3, 4, 5, 6, 7, 8};
-// Of the face mesh, from the subject's right to the left
-constexpr std::array<int, 11> kOuterUpperLip{61, 185, 40, 39, 37, 0, 267, 269, 270, 409, 291};
-constexpr std::array<int, 11> kInnerUpperLip{78, 191, 80, 81, 82, 13, 312, 311, 310, 415, 308};
-constexpr std::array<int, 11> kInnerLowerLip{78, 95, 88, 178, 87, 14, 317, 402, 318, 324, 308};
-constexpr std::array<int, 11> kOuterLowerLip{61, 146, 91, 181, 84, 17, 314, 405, 321, 375, 291};
-
 template <typename Indices>
 Points2 line_of(const Points2& places, const Indices& indices) {
     return places(std::vector<int>(indices.begin(), indices.end()), Eigen::all);
@@ -35,7 +29,8 @@ FeatureSource see_by_networks(const FeatureNetworks& networks, const Camera& cam
                 seen[eye].lines = {line_of(points.contour, kUpperLid), line_of(points.contour, kLowerLid)};
             }
             const MeshPoints mesh = networks.mesh(image, crops.face);
-            for (const auto& line : {kOuterUpperLip, kInnerUpperLip, kInnerLowerLip, kOuterLowerLip}) {
+            for (const auto& line : {LipEdges::kOuterUpper, LipEdges::kInnerUpper, LipEdges::kInnerLower,
+                                     LipEdges::kOuterLower}) {
                 seen[2].lines.push_back(line_of(mesh.places, line));
             }
             for (SeenOpening& opening : seen) {

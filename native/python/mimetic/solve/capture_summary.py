@@ -27,6 +27,6 @@ class CaptureSummary:
         self.seconds[stage] = self.seconds.get(stage, 0.0) + seconds
 
     def add_tracker(self, times: _core.StageTimes) -> None:
-        for stage in ("predict", "warp", "flow", "solve"):
+        for stage in ("predict", "features", "warp", "flow", "solve"):
             seconds = getattr(times, f"{stage}_ms") / 1e3
             self.tracker_seconds[stage] = self.tracker_seconds.get(stage, 0.0) + seconds
