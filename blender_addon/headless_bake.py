@@ -77,7 +77,7 @@ def bake(request: dict) -> dict:
             }
         new_file = importlib.import_module(f"{extension}.scene_out.new_file")
         files = (request["performance"], request["out"], request["footage"])
-        return {"text": new_file.write(*files, request["with_detail"])}
+        return {"text": new_file.write(*files, request["with_detail"], request["tolerance"])}
     except native.known_errors() as error:
         return {"error": str(error)}
 

@@ -12,12 +12,12 @@ CLIP = (
     *("find_face", "pick_face", "show_landmarks", "pin", "unpin", "follow_pins", None),
     *("calibrate", "capture", "track_head", "load_performance", "find_missing", None),
     *("hold_head_still", "release_head", "set_rest_frame", None),
-    *("bake", "bake_head", "export_gltf"),
+    *("bake", "reduce_keys", "bake_head", "export_gltf"),
 )
 OBJECT = (
     *("load_clip", "scene_as_clip", "find_face", "calibrate", None),
     *("capture", "track_head", "load_performance", "find_missing", None),
-    *("bake", "export_gltf", None),
+    *("bake", "reduce_keys", "export_gltf", None),
     *("find_head_bones", "bake_head", None),
     *("add_face", "rest_face", "add_landmarks", "attach_muscles"),
 )

@@ -227,6 +227,12 @@ def shown_text() -> ModuleType:
     return shown_text
 
 
+def sparse_curves() -> ModuleType:
+    from mimetic.character import sparse_curves
+
+    return sparse_curves
+
+
 def stabilisation() -> ModuleType:
     from mimetic.character import stabilisation
 

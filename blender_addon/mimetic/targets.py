@@ -67,6 +67,17 @@ def no_head_target(context) -> str:
     return "" if settings.head.bone else rigs.no_whole_motion(target)
 
 
+def no_curves(context) -> str:
+    """Why the keys of the face's curves cannot be made few."""
+    if reason := scene_in.no_face(context) or writable.no_shapes(scene_in.face_of(context)):
+        return reason
+    keys = scene_in.face_of(context).data.shape_keys
+    animation = keys.animation_data if keys else None
+    if animation is None or animation.action is None:
+        return "The face has no curves yet: bake a performance first"
+    return "" if animation.action.library is None else "The face's action is another file's"
+
+
 def no_rest(context) -> str:
     """Why the face's sliders cannot be put to 0."""
     return scene_in.no_face(context) or writable.no_sliders(scene_in.face_of(context))

@@ -191,6 +191,7 @@ CASES = [
     Case("attach_muscles", with_landmarks),
     Case("add_face", lambda fixture: None),
     Case("rest_face", with_face),
+    Case("reduce_keys", with_face),
 ]
 
 

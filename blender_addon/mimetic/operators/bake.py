@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import bpy
-from bpy.props import BoolProperty, IntProperty
+from bpy.props import BoolProperty, FloatProperty, IntProperty
 from bpy.types import Operator
 
 from .. import clips, native, scene_in, scene_out, takes, targets, writable
@@ -41,6 +41,19 @@ class MIMETIC_OT_bake(Job, Operator):
         name="Look Through Camera", default=True, description="Turn 3D views to the footage"
     )
 
+    use_few_keys: BoolProperty(
+        name="Few Keys",
+        default=False,
+        description="Keys with handles where something changes, to drag, instead of one a frame",
+    )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        default=0.02,
+        min=0.001,
+        max=0.5,
+        precision=3,
+        description="By how much few keys may miss an activation, of which 1 is full",
+    )
     reset_hand_changes: BoolProperty(
         name="Reset Hand Changes",
         default=False,
@@ -100,6 +113,7 @@ class MIMETIC_OT_bake(Job, Operator):
             self.subdivision,
             contact_shapes=contact,
             is_reset=self.reset_hand_changes,
+            tolerance=self.tolerance if self.use_few_keys else 0.0,
         )
         face = context.scene.mimetic.face
         message = (

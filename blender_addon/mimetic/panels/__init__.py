@@ -3,9 +3,9 @@
 
 import bpy
 
-from . import capture, head, muscles
+from . import capture, curves, head, muscles
 
-CLASSES = (*capture.CLASSES, *head.CLASSES, *muscles.CLASSES)
+CLASSES = (*capture.CLASSES, *head.CLASSES, *muscles.CLASSES, *curves.CLASSES)
 
 
 def register() -> None:

@@ -16,6 +16,7 @@ from . import (
     clip,
     face,
     face_fit,
+    few_keys,
     foreign,
     gltf,
     head,
@@ -34,6 +35,7 @@ __all__ = [
     "canonical",
     "clip",
     "face_fit",
+    "few_keys",
     "foreign",
     "gltf",
     "head",
@@ -62,6 +64,7 @@ def bake(
     with_groups: bool = True,
     contact_shapes: list | None = None,
     is_reset: bool = False,
+    tolerance: float = 0.0,
 ) -> BakeSummary:
     """Puts the face, its curves, its camera and the footage behind it into the scene.
 
@@ -70,12 +73,15 @@ def bake(
     footage: what the performance was captured from; with_groups: whether the face gets sliders of
     its groups of muscles too; contact_shapes: of mimetic.contact_shapes; given, even if empty, lips
     and lids are kept apart when sliders are moved afterwards too, and no longer if not given;
-    is_reset: what was changed by hand on a face that was there is undone instead of kept.
+    is_reset: what was changed by hand on a face that was there is undone instead of kept;
+    tolerance: by how much few keys with handles may miss the shapes' values, 0 for a key a frame.
     The scene's rate, frame range and resolution stay as they are. Raises InvalidInput, and changes
     nothing then, where face or camera are linked from another file.
     """
     writable.check(targets.no_update(scene))
     placement = native.placement()
+    if tolerance > 0:
+        native.sparse_curves().check_tolerance(tolerance)
     # First: to know where the camera stands evaluates curves of before
     world_from_camera = scene_in.camera_matrix(scene)
     if world_from_camera is None:
@@ -91,7 +97,7 @@ def bake(
         has_paint = materials.dress(obj, appearance, is_reset)
         hand_changes.things += [f"the picture of {name}" for name in has_paint]
     motion = placement.head_motion(performance, world_from_camera)
-    num_curves = actions.key_shapes(obj, take, frames, shapes, face.key_names(obj))
+    num_curves = actions.key_shapes(obj, take, frames, shapes, face.key_names(obj), tolerance)
     num_curves += actions.key_motion(obj, take, frames, motion)
     lens = placement.lens(
         performance.intrinsics,

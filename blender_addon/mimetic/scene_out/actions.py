@@ -12,16 +12,28 @@ import numpy as np
 from .. import compat, native
 
 LINEAR = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["LINEAR"].value
+BEZIER = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["BEZIER"].value
+ALIGNED = bpy.types.Keyframe.bl_rna.properties["handle_left_type"].enum_items["ALIGNED"].value
 CONSTANT = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["CONSTANT"].value
 
 
-def key_shapes(face, take: str, frames, shapes, key_names: dict[str, str]) -> int:
-    """Keys the values of the shapes; returns the number of curves. key_names: of each shape."""
+def key_shapes(
+    face, take: str, frames, shapes, key_names: dict[str, str], tolerance: float = 0.0
+) -> int:
+    """Keys the values of the shapes; returns the number of curves. key_names: of each shape.
+
+    tolerance: by how much few keys with handles may miss the values; 0 keys every frame.
+    """
     keys = face.data.shape_keys
     holder = new_take(keys, f"{take} muscles")
     for shape in shapes:
         path = f'key_blocks["{bpy.utils.escape_identifier(key_names[shape.name])}"].value'
-        fill(compat.new_curve(holder, path, 0, shape.group), frames, shape.values, LINEAR)
+        curve = compat.new_curve(holder, path, 0, shape.group)
+        if tolerance > 0:
+            keys_of_shape = native.sparse_curves().sparse_keys(frames, shape.values, tolerance)
+            fill_sparse(curve, keys_of_shape)
+        else:
+            fill(curve, frames, shape.values, LINEAR)
     return len(shapes)
 
 
@@ -83,3 +95,29 @@ def fill(curve: bpy.types.FCurve, frames, values, interpolation: int) -> None:
     points.foreach_set("co", np.column_stack([frames, values]).astype(np.float32).reshape(-1))
     points.foreach_set("interpolation", np.full(len(frames), interpolation, dtype=np.int32))
     curve.update()
+
+
+def fill_sparse(curve: bpy.types.FCurve, keys) -> None:
+    """Keys a curve by few keys with handles, instead of those that it has."""
+    points = curve.keyframe_points
+    points.clear()
+    points.add(len(keys.points))
+    count = len(points)
+    points.foreach_set("interpolation", np.full(count, BEZIER, dtype=np.int32))
+    for side in ("left", "right"):
+        points.foreach_set(f"handle_{side}_type", np.full(count, ALIGNED, dtype=np.int32))
+    for name, rows in (
+        ("co", keys.points),
+        ("handle_left", keys.left),
+        ("handle_right", keys.right),
+    ):
+        points.foreach_set(name, np.asarray(rows, dtype=np.float32).reshape(-1))
+    curve.update()
+
+
+def dense_values(curve: bpy.types.FCurve):
+    """Frames and values (N each) of a curve's keys."""
+    points = curve.keyframe_points
+    rows = np.empty(2 * len(points), dtype=np.float32)
+    points.foreach_get("co", rows)
+    return rows[::2].astype(np.float64), rows[1::2].astype(np.float64)

@@ -14,12 +14,17 @@ from . import actions, bake, clip, gltf
 
 
 def write(
-    performance_path: str, out: str, footage_path: str | None, with_detail: bool = False
+    performance_path: str,
+    out: str,
+    footage_path: str | None,
+    with_detail: bool = False,
+    tolerance: float = 0.0,
 ) -> str:
     """Bakes into the scene that is open, which must be empty, and writes it whole or not at all.
 
     Unlike baking into a user's scene this sets the scene's rate, range and resolution to the
-    footage's. with_detail: shapes for what the muscles leave unexplained too. Returns what was
+    footage's. with_detail: shapes for what the muscles leave unexplained too. tolerance: of few
+    keys with handles, 0 for a key a frame. Returns what was
     written; raises what the package raises for bad input, and OSError.
     """
     performance = native.performances().Performance.load(performance_path)
@@ -40,6 +45,7 @@ def write(
         footage,
         with_groups=is_blend,
         contact_shapes=contact,
+        tolerance=tolerance,
     )
     takes.keep(scene, footage, performance_path)
     scene.frame_set(scene.frame_start)

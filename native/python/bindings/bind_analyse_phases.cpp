@@ -2,6 +2,7 @@
 #include <mimetic/analyse/delays.hpp>
 #include <mimetic/analyse/group_curves.hpp>
 #include <mimetic/analyse/phases.hpp>
+#include <mimetic/analyse/sparse_curve.hpp>
 
 #include "arrays.hpp"
 
@@ -104,9 +105,22 @@ void bind_delay(py::module_& m) {
           "to\ncompare. Raises InvalidInput.");
 }
 
+void bind_sparse_curve(py::module_& m) {
+    py::class_<SparseCurve>(m, "SparseCurve", "A curve by few keys with handles; see sparse_curve.hpp.")
+        .def_readonly("frames", &SparseCurve::frames)
+        .def_readonly("values", &SparseCurve::values)
+        .def_readonly("slopes", &SparseCurve::slopes)
+        .def_readonly("error", &SparseCurve::error)
+        .def("value", &SparseCurve::value, "frame"_a);
+    m.def("reduce_curve", &reduce_curve, "frames"_a, "values"_a, "tolerance"_a,
+          py::call_guard<py::gil_scoped_release>(),
+          "The SparseCurve that stays within the tolerance of a dense one (N,). Raises InvalidInput.");
+}
+
 }  // namespace
 
 void bind_analyse_phases(py::module_& m) {
+    bind_sparse_curve(m);
     bind_shape(m);
     bind_fit(m);
     bind_delay(m);

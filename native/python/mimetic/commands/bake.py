@@ -15,6 +15,7 @@ import tempfile
 from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
+from mimetic.character.sparse_curves import USUAL_TOLERANCE, check_tolerance
 from mimetic.head.smoothing import USUAL_STRENGTH
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.performance.document import Performance
@@ -43,6 +44,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--detail",
         action="store_true",
         help="shapes and curves for what the muscles leave unexplained too",
+    )
+    parser.add_argument(
+        "--few-keys",
+        nargs="?",
+        type=float,
+        const=USUAL_TOLERANCE,
+        metavar="TOLERANCE",
+        help="few keys with handles to drag instead of one a frame, within this of each activation "
+        f"(default: {USUAL_TOLERANCE:g})",
     )
     parser.add_argument("--bone", help="the armature's head (default: found by its name)")
     parser.add_argument(
@@ -78,12 +88,15 @@ def run_bake(arguments: argparse.Namespace) -> int:
         }
         if arguments.detail:
             raise InvalidInput("--detail is of the person's own face; a --target takes the head")
+        if arguments.few_keys is not None:
+            raise InvalidInput("--few-keys are the face's; a --target takes the head")
     elif arguments.bone or arguments.neck:
         raise InvalidInput("--bone and --neck name bones of a --target RIG.blend:OBJECT; give it")
     text = bake(
         *(arguments.performance, arguments.out, arguments.footage, arguments.blender_python),
         target,
         arguments.detail,
+        arguments.few_keys,
     )
     print(f"{arguments.out}: {text}")
     return 0
@@ -116,6 +129,7 @@ def bake(
     blender_python: os.PathLike[str] | None = None,
     target: dict | None = None,
     with_detail: bool = False,
+    tolerance: float | None = None,
 ) -> str:
     """Writes `out`, whole or not at all; returns a line that says what is in it.
 
@@ -125,8 +139,11 @@ def bake(
     blender_python: a Python with the bpy module, this one if None. target: what `parse_target`
     gives, with `settings` for the head's motion on it; None bakes the person's own face.
     with_detail: shapes and curves of the surface that the muscles leave unexplained too.
+    tolerance: by how much few keys with handles may miss an activation; None keys every frame.
     Raises InvalidInput, UnreadableMedia, and OSError where `out` cannot be written.
     """
+    if tolerance is not None:
+        check_tolerance(tolerance)
     out = Path(os.path.realpath(out))
     if out.suffix not in SUFFIXES:
         raise InvalidInput(f"--out {out.name}: bake writes {' and '.join(SUFFIXES)} files")
@@ -148,6 +165,7 @@ def bake(
             "package_folder": str(Path(__file__).absolute().parents[2]),
             "target": target,
             "with_detail": with_detail,
+            "tolerance": tolerance or 0.0,
             "answer": str(Path(folder, "answer.json")),
         }
         try:

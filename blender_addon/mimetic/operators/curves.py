@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from bpy.props import FloatProperty
+from bpy.types import Operator
+
+from .. import native, scene_in, scene_out, targets
+
+
+class MIMETIC_OT_reduce_keys(Operator):
+    """Replace the keys of the face's curves by few with handles, where something changes"""
+
+    bl_idname = "mimetic.reduce_keys"
+    bl_label = "Few Keys"
+    bl_options = {"REGISTER", "UNDO"}
+
+    tolerance: FloatProperty(
+        name="Tolerance",
+        default=0.02,
+        min=0.001,
+        max=0.5,
+        precision=3,
+        description="By how much the curves may change, of which 1 is a full activation",
+    )
+
+    @classmethod
+    def poll(cls, context):
+        if reason := native.problem() or targets.no_curves(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context):
+        summary = scene_out.few_keys.reduce(scene_in.face_of(context), self.tolerance)
+        self.report(
+            {"INFO"},
+            f"{summary.keys_after} keys instead of {summary.keys_before}, "
+            f"within {summary.error:.3f}",
+        )
+        for window in context.window_manager.windows:
+            for area in window.screen.areas:
+                area.tag_redraw()
+        return {"FINISHED"}
+
+
+CLASSES = (MIMETIC_OT_reduce_keys,)

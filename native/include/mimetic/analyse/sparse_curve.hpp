@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <mimetic/shared/types.hpp>
+
+namespace mimetic {
+
+/// A curve by few keys, with straight handles a third of the way to the next key: a cubic between two keys,
+/// smooth through them, as animation programs draw it.
+struct SparseCurve {
+    Eigen::VectorXd frames;  ///< K, of the dense curve's own, rising
+    Eigen::VectorXd values;  ///< K
+    Eigen::VectorXd slopes;  ///< K, a frame
+    double error = 0;        ///< farthest from the dense curve at any of its frames
+    double value(double frame) const;
+};
+
+/// The fewest keys that were found to stay within `tolerance` (above 0) of a dense curve. Keys lie first at
+/// the change points of its events, rest before and after each among them, then where the curve is farthest
+/// off. What is at rest stays there. frames, values: N, frames rising. Throws InvalidInput.
+SparseCurve reduce_curve(VectorIn frames, VectorIn values, double tolerance);
+
+}  // namespace mimetic

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+#include <mimetic/analyse/phases.hpp>
+#include <mimetic/analyse/sparse_curve.hpp>
+#include <mimetic/shared/checks.hpp>
+#include <set>
+
+#include "events.hpp"
+
+namespace mimetic {
+namespace {
+
+/// Shares of two keys' values and slopes in a cubic at s, 0 to 1, of a span of so many frames.
+Eigen::Vector4d hermite(double s, double span) {
+    const double t = s * s, u = t * s;
+    return {2 * u - 3 * t + 1, (u - 2 * t + s) * span, -2 * u + 3 * t, (u - t) * span};
+}
+
+/// The row before which no key of `keys` lies later, as an index of the span.
+Eigen::Index span_of(const Eigen::VectorXd& keys, double frame) {
+    const auto* begin = keys.data();
+    const auto* end = begin + keys.size();
+    const Eigen::Index after = std::upper_bound(begin, end, frame) - begin;
+    return std::clamp<Eigen::Index>(after - 1, 0, keys.size() - 2);
+}
+
+/// Where the curve leaves rest and comes back to it, and its events' tops.
+std::set<int> change_rows(VectorIn frames, VectorIn values, double tolerance) {
+    const int count = static_cast<int>(values.size());
+    std::set<int> rows{0, count - 1};
+    PhaseOptions options;
+    options.least_amplitude = std::max(2 * tolerance, 1e-6);
+    const double rest = values.minCoeff() + .25 * tolerance;
+    for (const EventRows& event : find_events(frames, values, options)) {
+        int begin = event.top, end = event.top;
+        while (begin > event.first && values[begin] > rest) {
+            --begin;
+        }
+        while (end < event.last && values[end] > rest) {
+            ++end;
+        }
+        rows.insert({begin, event.top, end});
+    }
+    return rows;
+}
+
+/// Values and slopes at the keys that come nearest to the dense curve, all at once.
+SparseCurve fit_keys(VectorIn frames, VectorIn values, const std::set<int>& rows, double tolerance) {
+    SparseCurve curve;
+    const auto count = static_cast<Eigen::Index>(rows.size());
+    curve.frames.resize(count);
+    Eigen::VectorXd seen(count);
+    Eigen::Index k = 0;
+    for (const int row : rows) {
+        curve.frames[k] = frames[row];
+        seen[k++] = values[row];
+    }
+    std::vector<Eigen::Triplet<double>> entries;
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(2 * count);
+    for (Eigen::Index i = 0; i < values.size(); ++i) {
+        const Eigen::Index at = span_of(curve.frames, frames[i]);
+        const double span = curve.frames[at + 1] - curve.frames[at];
+        const Eigen::Vector4d shares = hermite((frames[i] - curve.frames[at]) / span, span);
+        for (int a = 0; a < 4; ++a) {
+            right[2 * at + a] += shares[a] * values[i];
+            for (int b = 0; b < 4; ++b) {
+                entries.emplace_back(2 * at + a, 2 * at + b, shares[a] * shares[b]);
+            }
+        }
+    }
+    // Keys lie near the curve, and those at rest rest: a drag of another key must not lift them
+    const double low = values.minCoeff(), high = values.maxCoeff();
+    for (Eigen::Index i = 0; i < count; ++i) {
+        const bool rests = seen[i] - low < .5 * tolerance;
+        const double hold = rests ? 1e6 : 1e-3;
+        entries.emplace_back(2 * i, 2 * i, hold);
+        right[2 * i] += hold * (rests ? low : seen[i]);
+        entries.emplace_back(2 * i + 1, 2 * i + 1, rests ? 1e6 : 1e-6);
+    }
+    Eigen::SparseMatrix<double> matrix(2 * count, 2 * count);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::VectorXd solution = Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>(matrix).solve(right);
+    curve.values.resize(count);
+    curve.slopes.resize(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+        curve.values[i] = std::clamp(solution[2 * i], low, high);
+        curve.slopes[i] = solution[2 * i + 1];
+    }
+    return curve;
+}
+
+/// The row that is farthest off, and by how much; rows that are keys already do not count.
+int farthest(VectorIn frames, VectorIn values, const std::set<int>& rows, SparseCurve& curve) {
+    int worst = -1;
+    double most = -1;
+    for (int i = 0; i < static_cast<int>(values.size()); ++i) {
+        const double off = std::abs(curve.value(frames[i]) - values[i]);
+        curve.error = std::max(curve.error, off);
+        if (off > most && !rows.contains(i)) {
+            most = off;
+            worst = i;
+        }
+    }
+    return worst;
+}
+
+}  // namespace
+
+double SparseCurve::value(double frame) const {
+    if (frames.size() == 1) {
+        return values[0];
+    }
+    const Eigen::Index at = span_of(frames, frame);
+    const double span = frames[at + 1] - frames[at];
+    const double s = std::clamp((frame - frames[at]) / span, 0., 1.);
+    return hermite(s, span).dot(Eigen::Vector4d(values[at], slopes[at], values[at + 1], slopes[at + 1]));
+}
+
+SparseCurve reduce_curve(VectorIn frames, VectorIn values, double tolerance) {
+    require(frames.size() == values.size() && frames.size() > 0 && values.allFinite() && frames.allFinite(),
+            "reduce_curve: frames and values must be finite and as many as each other");
+    check_range("tolerance of a curve", tolerance, 1e-9, 1e9);
+    for (Eigen::Index i = 1; i < frames.size(); ++i) {
+        require(frames[i] > frames[i - 1], "reduce_curve: frames must rise");
+    }
+    if (frames.size() == 1 || values.maxCoeff() - values.minCoeff() <= tolerance) {
+        const double middle = values.minCoeff() < tolerance && values.minCoeff() >= 0
+                                  ? values.minCoeff()
+                                  : .5 * (values.minCoeff() + values.maxCoeff());
+        return {frames.head(1), Eigen::VectorXd::Constant(1, middle), Eigen::VectorXd::Zero(1),
+                (values.array() - middle).abs().maxCoeff()};
+    }
+    std::set<int> rows = change_rows(frames, values, tolerance);
+    for (;;) {
+        SparseCurve curve = fit_keys(frames, values, rows, tolerance);
+        const int worst = farthest(frames, values, rows, curve);
+        if (curve.error <= tolerance || worst < 0) {
+            return curve;
+        }
+        rows.insert(worst);
+    }
+}
+
+}  // namespace mimetic
