@@ -41,11 +41,11 @@ def sparse_keys(
     before = np.concatenate([spans[:1], spans]) if len(spans) else np.ones(1)
     after = np.concatenate([spans, spans[-1:]]) if len(spans) else np.ones(1)
     points = np.column_stack([curve.frames, curve.values])
-    handles = [
+    left, right = (
         np.column_stack([curve.frames + reach, curve.values + reach * curve.slopes])
         for reach in (-before, after)
-    ]
-    return SparseKeys(points, *handles, float(curve.error))
+    )
+    return SparseKeys(points, left, right, float(curve.error))
 
 
 def check_tolerance(tolerance: float) -> None:
