@@ -26,14 +26,14 @@ struct FaceModel {
 };
 
 struct FitOptions {
-    bool focal_free = false;     ///< whether the focal length is estimated too
+    bool focal_free = false;     ///< whether the focal length is estimated as well
     double focal_spread = 0.2;   ///< prior standard deviation of its logarithm
     double pitch_spread = 0.12;  ///< prior standard deviation of the head's pitch to the camera, rad:
-                                 ///< features tell it badly from long or short proportions
-    double yaw_spread = 0.6;     ///< the same for yaw, which they tell well
-    double gaze_spread = 0.02;   ///< how far gaze may shift the pupils, interpupillary distances
+                                 ///< features hardly separate it from long or short proportions
+    double yaw_spread = 0.6;     ///< the same for yaw, which they determine well
+    double gaze_spread = 0.02;   ///< s.d. of the pupils' shift by gaze, interpupillary distances
     double robust_scale = 1.5;   ///< residuals beyond this many standard deviations count for less
-    int max_rounds = 8;          ///< times that outlines are looked for anew
+    int max_rounds = 8;          ///< times that outlines are matched again
     double pupil_distance = kPupilDistance;  ///< metres: the scale
     void check() const;                      ///< throws InvalidInput: field, value, limit
 };
@@ -50,7 +50,7 @@ struct FaceView {
     FaceFeatures features;
     std::vector<Feature> pins;  ///< landmarks placed by hand: they stand for the measured ones of their names
                                 ///< and are held, however far off
-    std::vector<PointMotion> motion;  ///< since the first view, whose own is empty
+    std::vector<PointMotion> motion;  ///< since the first view; empty for the first
 };
 
 struct FaceEstimate {
@@ -64,8 +64,8 @@ struct FaceEstimate {
 
 /// Pose of every view, and the proportions and focal length that they share: robust least squares (Ceres)
 /// with Gaussian priors on the coefficients. Focal lengths of the camera must be equal.
-/// The first view is the reference, where the face is at rest: features of others weigh little. What tells
-/// depth is how far points move between views.
+/// The first view is the reference frame, where the face is at rest: features of others weigh little. Depth
+/// follows from how far points move between views (parallax).
 /// start: an estimate for the same views to go on from. Throws InvalidInput when features lack the pupils or
 /// a pin's name is no landmark.
 FaceEstimate fit_face(const FaceModel& model, const std::vector<FaceView>& views, const Camera& camera,

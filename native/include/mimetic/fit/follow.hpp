@@ -5,17 +5,17 @@
 
 namespace mimetic {
 
-/// Points of a fitted face that are to be followed from one picture to another.
+/// Points of a fitted face to track from one picture to another.
 struct FollowedPoints {
     std::vector<int> points;  ///< K, of the model
     Points places;            ///< K x 3, metres, head frame
     Points normals;           ///< K x 3, unit, outwards
 };
 
-/// How far points of the face moved from the reference frame to a view's. Flow starts where both poses say
-/// the face is; points that turn away, leave a picture, or that the flow back does not return to are left
-/// out; none with fewer than twelve. pupil_distance_px: between the pupils in the view. Throws InvalidInput
-/// where sizes do not agree.
+/// How far points of the face moved from the reference frame to a view's. Flow starts from the motion
+/// that both poses predict; points that turn away, leave a picture, or fail the forward-backward check are
+/// left out; none with fewer than twelve. pupil_distance_px: between the pupils in the view. Throws
+/// InvalidInput where sizes do not agree.
 std::vector<PointMotion> follow_points(const ColorView& reference, const ColorView& view,
                                        const Camera& camera, const Eigen::Isometry3d& reference_pose,
                                        const Eigen::Isometry3d& view_pose, const FollowedPoints& followed,

@@ -7,14 +7,14 @@
 
 namespace mimetic {
 
-/// Where quads are seen: of edge lines, those that face the camera.
+/// Visibility of quads: the edges of those that face the camera.
 using Edges = Rows<int, 2>;
 
 /// Edges of the quads that face the camera by more than the cosine `facing`, each once, sorted.
 /// vertices_in_camera: V x 3, metres.
 Edges facing_edges(PointsIn vertices_in_camera, QuadsIn quads, double facing);
 
-/// What of quads each pixel of a canonical picture shows, of those that show any.
+/// The pixels of a canonical picture that show a quad, and the point of it that each shows.
 struct CanonicalPixels {
     Eigen::VectorXi pixel;    ///< K, row by row of the picture
     Quads corners;            ///< K x 4 vertices
@@ -37,9 +37,9 @@ struct SeenColours {
 SeenColours seen_colours(const ColorView& image, const Camera& camera, PointsIn vertices_in_camera,
                          const CanonicalPixels& pixels, double facing);
 
-/// Correlation of a canonical picture (S x S) with its mirror image, -1 to 1: of a head fitted turned wrongly
-/// the halves differ. Brightness and contrast are taken out region by region: light comes from one side.
-/// is_seen: S x S.
+/// Correlation of a canonical picture (S x S) with its mirror image, -1 to 1: where the fitted rotation is
+/// wrong, the halves differ. Brightness and contrast are taken out region by region: light comes from one
+/// side. is_seen: S x S.
 double mirror_correlation(const ColorView& picture, const std::vector<bool>& is_seen);
 
 }  // namespace mimetic

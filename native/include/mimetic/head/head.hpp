@@ -17,7 +17,7 @@ enum class HeadModel {
     surface,    ///< the person's own surface: the upper bound
 };
 
-/// A part of the face that moves on its own (mouth, eyes): measurements near it count for less.
+/// A non-rigid part of the face (mouth, eyes): measurements near it are weighted down.
 struct MovingPart {
     Eigen::Vector2d centre = Eigen::Vector2d::Zero();  ///< x, y in the head frame, metres
     double radius = 0.02;                              ///< metres, of a Gaussian
@@ -43,14 +43,14 @@ HeadShape make_head_shape(HeadModel model, PointsIn vertices, QuadsIn faces);
 
 struct HeadOptions {              // defaults suit 320x240 to 1280x720 at 10 to 60 frames a second
     int crop_height = 112;        ///< pixels of the head in what is measured, 48 to 512
-    int sample_spacing = 3;       ///< of them, between measurements, 1 to 16
+    int sample_spacing = 3;       ///< of these pixels, between measurements, 1 to 16
     int max_iterations = 4;       ///< times a frame is stabilised and solved again, 1 to 20
     int max_key_views = 24;       ///< reference textures; 0: flow alone, as in the paper, 0 to 200
     double key_view_angle = 0.2;  ///< rad between the head's directions in reference textures
-    double least_facing = 0.35;   ///< cosine of normal and view from which skin is measured
+    double least_facing = 0.35;   ///< least cosine of normal and view at which skin is measured
     double held_quality = 0.2;    ///< below it a frame is held, 0 to 1
     FlowMethod flow_method = FlowMethod::probabilistic;
-    bool fast = false;   ///< registers samples of the skin; flow only where they leave doubt
+    bool fast = false;   ///< registers samples of the skin; flow only where that is uncertain
     void check() const;  ///< throws InvalidInput: field, value, limit
 };
 
@@ -58,24 +58,24 @@ struct HeadEstimate {
     Eigen::Isometry3d camera_from_head = Eigen::Isometry3d::Identity();  ///< metres
     Matrix6 covariance = Matrix6::Zero();  ///< exp(rotation) R, t + translation; rad, m; model error included
     double quality = 0;                    ///< 0 lost to 1 well explained
-    bool held = false;                     ///< nothing was measured: the last good pose
-    bool found_again = false;              ///< searched for or guessed, not followed on: it may be another
-    double likeness = 0;                   ///< share of what is in sight that looks as a reference texture
-    int num_samples = 0;                   ///< measurements in sight
-    double explained = 0;                  ///< the share of them that the rigid motion explains
+    bool held = false;                     ///< nothing was measured: repeats the last good pose
+    bool found_again = false;              ///< from search or a guess, not tracked: it may be another head
+    double likeness = 0;                   ///< share of the visible skin that matches a reference texture
+    int num_samples = 0;                   ///< visible measurements
+    double explained = 0;                  ///< the share of inliers among them
     double residual_px = 0;                ///< their median distance from the model, pixels of the frame
     double correlation = 0;                ///< of the stabilised frame with the reference texture, -1 to 1
-    int num_views = 0;                     ///< reference textures that were taken so far
+    int num_views = 0;                     ///< reference textures taken so far
 };
 
-/// Where a reference texture was taken, as two models of one head have it; camera from head, metres.
+/// Pose of a reference texture by each of two models of one head; camera from head, metres.
 struct PlacedView {
     Eigen::Isometry3d on_model = Eigen::Isometry3d::Identity();
     Eigen::Isometry3d on_skin = Eigen::Isometry3d::Identity();
 };
 
 /// Follows a rigid head in 6 degrees of freedom: the finite motion that best explains the flow since the
-/// frame before, then registration with reference textures, so that errors do not add up. Memory does not
+/// frame before, then registration with reference textures, so that errors do not accumulate. Memory does not
 /// depend on the clip's length.
 class HeadTracker {
 public:
@@ -86,19 +86,19 @@ public:
     HeadTracker(HeadTracker&&) noexcept;
     HeadTracker& operator=(HeadTracker&&) noexcept;
 
-    /// The next frame. guess: where a detector sees the head, tried when it was lost.
+    /// The next frame. guess: where a detector sees the head, tried when the head was lost.
     HeadEstimate advance(const ColorView& image, const std::optional<Eigen::Isometry3d>& guess = {});
 
-    /// Goes back to a frame, to follow the clip the other way; reference textures are kept.
+    /// Goes back to a frame, to track the clip in the other direction; reference textures are kept.
     void restart(const ColorView& image, const HeadEstimate& estimate);
 
-    /// Measures the reference textures against each other anew, and solves for their poses and the shape: a
-    /// clip followed once more after it is followed better. False: there are not two of them that show the
-    /// same skin.
+    /// Registers the reference textures with each other again, and solves for their poses and the shape: a
+    /// second pass over the clip then tracks better. False: no two of them show the same skin.
     bool relax();
 
-    /// Solves for the reference textures' poses once more, on a surface that is the head's own: a simple
-    /// model that is flatter than the head and turns further explains much the same flow. Empty: as relax.
+    /// Solves for the reference textures' poses once more, on the head's own surface: a simple model
+    /// that is flatter than the head and turns further explains nearly the same flow. Empty: where relax is
+    /// false.
     std::vector<PlacedView> place_on(const HeadShape& skin);
 
     /// Moves the reference textures, in their order, and shapes the model so that it agrees with their poses

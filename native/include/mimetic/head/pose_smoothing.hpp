@@ -12,7 +12,7 @@ struct PoseSequence {
     std::vector<Matrix6> covariances;      ///< of (rotation vector, translation): exp(d) R, t + d; rad, m
 };
 
-/// Smooths rigid motion forward and backward, so that nothing comes late: the Kalman smoother of [Rauch,
+/// Smooths rigid motion forward and backward, so that there is no lag: the Kalman smoother of [Rauch,
 /// Tung, Striebel 1965]. State: rotation vector from the clip's mean pose and translation, and their rates,
 /// which take random accelerations. How much the head moves is estimated from the clip: the accelerations
 /// under which its poses are most likely. seconds: N, rising; measured: N, false where a pose is held: it

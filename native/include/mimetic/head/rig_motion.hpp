@@ -10,25 +10,25 @@
 
 namespace mimetic {
 
-/// The head's motion on other things: objects, and bones of any armature.
+/// The head's motion transferred to objects and to bones of any armature.
 ///
 /// Frames of scenes whose z points up and whose characters face -y. *Object*, the face's own: x to the
 /// person's left, z up, the face towards -y, origin midway between the ears; *character*, the same of any
-/// character; *scene camera*: x right, y up, looking along -z. A turn in the character frame is read by rest
-/// axes of the thing that takes it, so that a character looks to its own left when the actor does, however
-/// its bones lie. Metres unless said otherwise.
+/// character; *scene camera*: x right, y up, looking along -z. A rotation in the character frame is
+/// expressed in the rest axes of its target, so that a character looks to its own left when the actor does,
+/// however its bones are oriented. Metres unless said otherwise.
 
 Eigen::Matrix4d object_from_head();
 Eigen::Matrix4d scene_camera_from_camera();
 
-/// Turns and shifts frame by frame.
+/// Rotations and translations, one a frame.
 struct RigidMotion {
     Rotations rotations;
     Points shifts;  ///< N x 3
 };
 
-/// Poses of the face object in the world from camera-from-head ones. A camera's scale does not count, as in
-/// its picture. Throws InvalidInput if its matrix is flat or not finite.
+/// Poses of the face object in the world from camera-from-head ones. The scale of the camera is ignored, as
+/// when it renders. Throws InvalidInput if its matrix is flat or not finite.
 std::vector<Eigen::Isometry3d> world_from_object(const std::vector<Eigen::Isometry3d>& head_poses,
                                                  const Eigen::Matrix4d& world_from_scene_camera);
 
@@ -38,7 +38,7 @@ std::vector<Eigen::Isometry3d> world_from_object(const std::vector<Eigen::Isomet
 RigidMotion motion_from_rest(const std::vector<Eigen::Isometry3d>& world_from_object, int rest,
                              bool is_absolute, const Eigen::Vector3d& pivot);
 
-/// How a head's bone and its neck's take a motion.
+/// How the bones of head and neck take a motion.
 struct BoneAxes {
     Eigen::Matrix3d head_rest;                 ///< armature from bone
     std::optional<Eigen::Matrix3d> neck_rest;  ///< none: there is no neck
@@ -56,7 +56,7 @@ struct BoneMotion {
 
 BoneMotion bone_motion(const RigidMotion& moved, const BoneAxes& bones);
 
-/// Channels of an object that is carried from where it is: location and rotation, its own channels now;
+/// Channels of an object that moves from where it is: location and rotation, its present channels;
 /// parent: world from parent; axes: world from character; scale: of shifts. Throws InvalidInput if the parent
 /// is flat.
 RigidMotion carry_object(const RigidMotion& moved, const Eigen::Vector3d& location,
@@ -69,23 +69,22 @@ RigidMotion place_object(const std::vector<Eigen::Isometry3d>& world_from_object
                          const Eigen::Vector3d& camera, const Eigen::Matrix4d& world_from_parent,
                          const Eigen::Matrix3d& axes, double scale);
 
-/// N x 4 angles (radians) and axes without jumps: through rest a turn goes on backwards, not about a new
-/// axis.
+/// N x 4 angles (radians) and axes without jumps: through rest the angle changes sign, not the axis.
 Rows<double, 4> axis_angles(const Rotations& rotations);
 
 /// The rotation nearest to a matrix that may scale; throws InvalidInput, naming `what`, if it is flat.
 Eigen::Matrix3d rotation_of(const Eigen::Matrix3d& matrix, const std::string& what);
 
-/// Object from character: where a head is in an object, and how it looks there. usual, places: K x 3,
-/// landmarks of the template's head and this one's, metres; metres_from_object as it was for those places.
+/// Object from character: position and orientation of a head in an object. usual, places: K x 3, landmarks
+/// of the canonical head and of this one, metres; metres_from_object: as it was for those places.
 /// Throws InvalidInput if that is flat.
 Eigen::Matrix4d object_from_character(PointsIn usual, PointsIn places,
                                       const Eigen::Matrix4d& metres_from_object);
 
 /// Pixels that hold the head still in the picture, N x 4: the face's centre (x, y), and a point above it that
-/// goes with the head. Holding both takes out the head's way, its roll and its nearing; the second one's
-/// distance follows depth alone, so a head that turns or nods is not zoomed. head_poses: camera from head;
-/// intrinsics: pixels; height: of the picture.
+/// goes with the head. Holding both removes the head's translation, roll and change of distance; the second
+/// one's distance follows depth alone, so a head that turns or nods is not zoomed. head_poses: camera from
+/// head; intrinsics: pixels; height: of the picture.
 Rows<double, 4> still_points(const std::vector<Eigen::Isometry3d>& head_poses,
                              const Eigen::Matrix3d& intrinsics, double height);
 

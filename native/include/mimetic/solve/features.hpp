@@ -10,7 +10,7 @@
 
 namespace mimetic {
 
-/// One eye's opening by its control vertices and the values that its lids are. -1: no such value.
+/// One eye's opening by its control vertices, and the values that move its lids. -1: no such value.
 struct EyeSlit {
     int inner = -1;
     int outer = -1;
@@ -25,23 +25,23 @@ struct FeatureOpening {
     std::vector<std::vector<int>> lines;  ///< control vertices; of an eye the upper and the lower margin
     int lid_upper = -1;                   ///< index among the values, -1: no eye
     int lid_lower = -1;
-    /// Head frame, of any length: which way it faces. An opening that is seen from the side tells little.
+    /// Head frame, of any length: which way it faces. An opening seen from the side constrains little.
     Eigen::Vector3d facing = Eigen::Vector3d::UnitZ();
 };
 
 /// Where the same lines were seen in a frame.
 struct SeenOpening {
     std::vector<Points2> lines;  ///< pixels, from the first corner to the second; empty: not seen
-    double presence = 1;         ///< 0 to 1: how sure it is that there is such a thing at all
+    double presence = 1;         ///< 0 to 1: probability that the opening is there at all
 };
 
-/// Sees the openings of a face, in their order, in a frame in which the head is about at a pose.
+/// Measures the openings of a face, in their order, in a frame in which the head is near a pose.
 using FeatureSource = std::function<std::vector<SeenOpening>(const ColorView& image,
                                                              const Eigen::Isometry3d& camera_from_head)>;
 
-/// Where eyes and mouth are on the head, and who sees them.
+/// Where eyes and mouth are on the head, and the source that measures them.
 struct FeatureInputs {
-    std::vector<EyeSlit> eyes;             ///< for the lids by their look, where there is no source
+    std::vector<EyeSlit> eyes;             ///< for the lids by their appearance, where there is no source
     std::vector<FeatureOpening> openings;  ///< in the source's order
     FeatureSource source;                  ///< may be empty
 };

@@ -4,11 +4,11 @@
 
 namespace mimetic {
 
-/// How far a right state of the model leaves the skin from where it is: a smooth random field over the skin,
-/// in the head's x and y, with these standard deviations.
+/// Error of the model at the true state: a smooth random field over the skin, in the head's x and y, with
+/// these standard deviations.
 struct ModelError {
-    double anyway = 3.5e-4;  ///< metres, whatever moves
-    double shape = 5e-4;     ///< metres of depth, seen as the view turns
+    double anyway = 3.5e-4;  ///< metres, constant
+    double shape = 5e-4;     ///< metres of depth, visible as the view turns
     double motion = .05;     ///< of the displacement that the modes give
 
     /// Metres. view_angle_sine: between the view and the reference's; moved: metres.

@@ -5,37 +5,37 @@
 
 namespace mimetic {
 
-/// In what way a fitted head may be deeper than it was fitted, and what moves its skin.
+/// The modes by which the depth of a fitted head may change, and those that move its skin.
 struct ReliefModel {
     MatrixRows components;  ///< C x 3S, metres at a standard deviation of the prior
     MatrixRows modes;       ///< M x 3S, metres at the value 1: muscles and articulators that were followed
     Eigen::VectorXd std;    ///< M, priors
-    std::vector<int> landmarks;  ///< control vertices that the fitted frame held
+    std::vector<int> landmarks;  ///< control vertices of the landmarks of the fitted frame
     std::vector<int> spread;     ///< control vertices well spread over the face
 };
 
-/// Lengths in pupil distances hold the shape in the fitted frame's picture, as the landmarks did.
+/// Lengths in pupil distances are s.d. that keep the shape in place in the fitted frame's picture.
 struct ReliefOptions {
-    double model_error = .5e-3;   ///< metres: what the skin does between frames that no mode does
+    double model_error = .5e-3;   ///< metres: motion of the skin that no mode explains
     double landmark_held = .01;   ///< pupil distances
     double point_held = .02;      ///< pupil distances, of points spread over the face
-    double depth_held = 1e-3;     ///< metres, of the whole face: all of it nearer and smaller looks the same
+    double depth_held = 1e-3;     ///< metres, of the whole face: nearer and smaller looks the same
     double lasting_error = 1e-3;  ///< metres: noise of the reference texture shifts a place in all frames
     double alike = 6.981317007977318e-3;  ///< rad, 0.4 degrees: heads turned no more than about that show the
                                           ///< same errors again
-    double least_cosine = .5;  ///< of a ray on the skin: beyond, a change counts as no deeper than there
+    double least_cosine = .5;             ///< of ray and normal: at less, a change counts as at this cosine
 };
 
-/// How deep a face is at each place, from frames in which the head is turned otherwise: coefficients (C) of
-/// the components by which the fitted head should differ.
+/// Depth of a face from frames in which the head is turned differently: coefficients (C) of the components
+/// to add to the fitted head.
 ///
-/// The fit to landmarks leaves depth to what faces usually are. Between frames, a point that lies a
+/// The fit to landmarks leaves depth to the prior. Between frames, a point that lies a
 /// millimetre nearer moves further as the head turns. The texture of the reference frame keeps its rays:
-/// where the shape moves, its points slide along them, so that only the part of a change across the surface
-/// counts. Every frame's pose and modes are solved along with the shape and eliminated (bundle adjustment
-/// with a prior [Triggs et al. 2000], one linear step), and so is what shifts the skin's places in all frames
-/// alike: only what changes with the turn is depth. Empty when progress says to stop. Throws InvalidInput
-/// where sizes do not agree.
+/// where the shape moves, its points slide along them, so that only the component of a change normal to the
+/// surface counts. Every frame's pose and modes are solved along with the shape and eliminated (bundle
+/// adjustment with a prior [Triggs et al. 2000], one linear step), and so is the common bias of the skin's
+/// points over all frames: only what changes with the rotation is depth. Empty when progress says to stop.
+/// Throws InvalidInput where sizes do not agree.
 Eigen::VectorXd find_relief(const FittedSkin& skin, const ReliefModel& model,
                             const std::vector<Sighting>& sightings, const ReliefOptions& options = {},
                             const Progress& progress = {});

@@ -35,8 +35,8 @@ struct Sighting {
     void check() const;  ///< throws InvalidInput where sizes do not agree or a number is not finite
 };
 
-/// Of a frame that a tracker has just advanced to: at most 350 of its points, spread evenly, which stand for
-/// all.
+/// Of the frame that a tracker has just advanced to: at most 350 of its points, a representative sample,
+/// spread evenly.
 Sighting make_sighting(int frame, const FrameEstimate& estimate, const SkinObservations& seen);
 
 /// What modes (M x 3S, metres) move points of the skin by: 3K x M, x, y and z of each point in turn.
@@ -51,26 +51,27 @@ struct DistinctPoints {
 };
 DistinctPoints distinct_points(const std::vector<Sighting>& sightings);
 
-/// What no skin of ours explains, beside what calibration may change. The tracker's own, after it, has an
-/// eighth of the shape's.
+/// Model error beside what calibration may change. The tracker's own, after calibration, has an eighth of the
+/// shape error.
 inline constexpr ModelError kSightingError{.3e-3, 4e-3, .1};
 
 /// A frame's measured displacements in standard deviations of their own noise.
 struct WeighedSighting {
-    Eigen::VectorXd displacement;                       ///< 2K, from the neutral
-    std::vector<Eigen::Matrix<double, 2, 3>> by_point;  ///< K: of these a metre in the head frame
-    Eigen::MatrixXd errors;  ///< 2K x E, of a standard deviation of the pose and of smooth model error
+    Eigen::VectorXd displacement;  ///< 2K, from the neutral
+    std::vector<Eigen::Matrix<double, 2, 3>>
+        by_point;            ///< K: derivatives of these by the point, a metre in the head frame
+    Eigen::MatrixXd errors;  ///< 2K x E: one standard deviation each of pose and smooth model error
 
-    /// Displacements (2K x C) of what moves the points by 3K x C metres.
+    /// Whitened displacements (2K x C) of motions of the points, 3K x C metres.
     Eigen::MatrixXd in_picture(MatrixIn moved) const;
 };
 
-/// Displacements from the neutral, and what is common to them but no motion of the skin.
-/// rest: the seen points in the head frame, 3K; modes: those that the capture used, there, 3K x M.
+/// Displacements from the neutral, and their common errors that are no motion of the skin.
+/// rest: the visible points in the head frame, 3K; modes: those of the capture at these points, 3K x M.
 WeighedSighting weigh(const Sighting& sighting, VectorIn rest, MatrixIn modes, const FittedSkin& skin,
                       const ModelError& error = kSightingError);
 
-/// The same free of pose and smooth model error, its noise of unit variance.
+/// The same with pose and smooth model error eliminated, its noise of unit variance.
 class WhitenedSighting {
 public:
     /// modes: those that the capture used, M x 3S.

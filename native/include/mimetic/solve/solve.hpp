@@ -13,7 +13,7 @@
 
 namespace mimetic {
 
-/// The skin that is looked at, refined once; linear in the V control vertices.
+/// The skin that is measured, refined once; linear in the V control vertices.
 struct TrackedSurface {
     SparseRows stencils;      ///< R x V: refined vertices from control vertices
     Quads quads;              ///< of refined vertices, counter-clockwise seen from outside
@@ -31,22 +31,22 @@ struct FaceMotion {
     int num_muscles = 0;        ///< the first num_muscles values are activations, taken as sparse
     Eigen::VectorXd lower;      ///< M
     Eigen::VectorXd upper;      ///< M
-    Eigen::VectorXd prior_std;  ///< M: how far a value strays from 0; up to 0.4 it is taken as 0 unless seen
+    Eigen::VectorXd prior_std;  ///< M: s.d. of a value about 0; up to 0.4 the value has a sparse prior
     Eigen::VectorXi partner;    ///< M or empty: the same value of the other side, -1: none
     MatrixRows
         detail_modes;  ///< D x 3V, D may be 0: what the values cannot explain, metres at the coefficient 1
-    Eigen::VectorXd detail_std;  ///< D: how far a coefficient strays from 0
-    Eigen::VectorXd quickness;   ///< M or empty: how many times as fast as a skin muscle it moves
+    Eigen::VectorXd detail_std;  ///< D: s.d. of a coefficient about 0
+    Eigen::VectorXd quickness;   ///< M or empty: speed, relative to a skin muscle
 };
 
 struct TrackerOptions {
     int crop_height = 200;         ///< pixels of the face in the reference texture, 48 to 1024
     int sample_spacing = 4;        ///< reference pixels between samples, 1 to 16
     int max_iterations = 4;        ///< times the frame is stabilised and solved again, 1 to 20
-    int max_key_views = 6;         ///< reference textures taken on the way, 0 to 32
+    int max_key_views = 6;         ///< further reference textures taken during the clip, 0 to 32
     double model_error = 3.5e-4;   ///< s.d. of what the modes cannot follow, metres, correlated over the skin
     double shape_error = 5e-4;     ///< s.d. of the neutral's depth, metres: counts when the head turns
-    double correlation_time = 25;  ///< frames in which a value forgets itself
+    double correlation_time = 25;  ///< frames over which a value decorrelates
     double held_quality = 0.2;     ///< below it a frame is held, 0 to 1
     bool relative_flow = true;     ///< frame-to-frame flow for the first guess
     FlowMethod flow_method = FlowMethod::dis;  ///< against the reference textures
@@ -79,15 +79,15 @@ struct FrameEstimate {
     Eigen::MatrixXd covariance;  ///< (6 + M) squared; rad, m, 1; model error included
     double quality = 0;          ///< 0 lost to 1 well explained
     bool held = false;           ///< nothing was measured: state of the last good frame
-    bool found_again = false;    ///< searched for or guessed, not followed on: it may be another face
+    bool found_again = false;    ///< from search or a guess, not tracked: it may be another face
     int num_samples = 0;         ///< samples in sight
-    int num_explained = 0;       ///< of them, those that the state explains
+    int num_explained = 0;       ///< of them, the inliers
     double residual_px = 0;      ///< median distance of used samples from the model, frame pixels
-    double correlation = 0;      ///< mean normalised cross-correlation of the samples in sight
+    double correlation = 0;      ///< mean normalised cross-correlation of the visible samples
     int num_views = 0;           ///< reference textures used
     StageTimes times;
     Eigen::MatrixXd information;  ///< (6 + M) squared: of this frame's measurement alone
-    Eigen::VectorXd gradient;     ///< 6 + M: pull of this frame's measurement at the estimate
+    Eigen::VectorXd gradient;     ///< 6 + M: of this frame's measurement, at the estimate
     DetailEstimate detail;        ///< empty without detail modes
     Matrix6 pose_cov() const { return covariance.topLeftCorner<6, 6>(); }
     Eigen::VectorXd values_std() const {
@@ -98,9 +98,9 @@ struct FrameEstimate {
 /// Where the skin was seen in one frame: K points of it, found by flow against reference textures.
 struct SkinObservations {
     Triangles vertices;           ///< K x 3: refined vertices around each point
-    Points barycentric;           ///< K x 3: their shares
+    Points barycentric;           ///< K x 3: barycentric weights
     Rows<double, 2> pixels;       ///< K x 2: where the point is in the frame, by flow alone
-    Rows<double, 4> information;  ///< K x (2 x 2), frame pixels^-2; neighbours share, outliers have 0
+    Rows<double, 4> information;  ///< K x (2 x 2), frame pixels^-2; neighbours share it, outliers have 0
 };
 
 /// Follows one face: pose, muscles and articulators together, each frame against reference textures
