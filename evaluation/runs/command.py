@@ -205,23 +205,23 @@ def _run_timing(options: argparse.Namespace) -> int:
 
 def _run_real(options: argparse.Namespace) -> int:
     _prepare_out(options)
-    done, seen = [], []
+    all_scores, all_sightings = [], []
     for scores, sightings in (
         real.score_fits(_to_stderr)
         if options.first_fit
         else real.score_real(_to_stderr, options.out, options.performances)
     ):
-        done += scores
-        seen += sightings
+        all_scores += scores
+        all_sightings += sightings
         if not options.json:
             print(real.clip_text(scores), end="\n\n", flush=True)
-    if seen and not options.json:
-        print(noise_text(seen))
+    if all_sightings and not options.json:
+        print(noise_text(all_sightings))
     if options.out is not None:
         with whole_file(options.out / "real.json") as stream:
-            stream.write(f"{real.as_json(done)}\n".encode())
+            stream.write(f"{real.as_json(all_scores)}\n".encode())
     if options.json:
-        print(real.as_json(done))
+        print(real.as_json(all_scores))
     return 0
 
 

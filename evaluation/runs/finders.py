@@ -72,10 +72,10 @@ def run_cascade(file: str, stills: Stills) -> Run:
     answers, seconds = _timed(detector.detect, stills)
     boxes = [[hit.box for hit in hits] for hits in answers]
     shares = part_shares(boxes, stills)
-    found = [
+    candidates = [
         [Found(hit.votes, hit.box[:2] + hit.box[2] * shares) for hit in hits] for hits in answers
     ]
-    return Run(found, seconds)
+    return Run(candidates, seconds)
 
 
 def part_shares(boxes: list[list[NDArray]], stills: Stills) -> NDArray[np.float64]:

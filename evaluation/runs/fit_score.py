@@ -38,24 +38,24 @@ class ShotScore:
     focal: float  # error of the focal length, %
 
 
-def score_shot(fitted: Fitted, portraits: Portraits, i: int, template: FaceTemplate) -> ShotScore:
+def score_shot(fit: Fitted, portraits: Portraits, i: int, template: FaceTemplate) -> ShotScore:
     """Compares a fit with what picture `i` shows."""
     true = portraits.neutral_vertices[portraits.person[i]]
     pose, camera = portraits.head_pose[i], portraits.intrinsics[i]
     face = np.flatnonzero(template.in_region(*FACE))
     visible = face[_facing(true, template, pose)[face]]
-    found_camera = camera * [[fitted.focal / camera[0, 0]], [fitted.focal / camera[1, 1]], [1]]
+    found_camera = camera * [[fit.focal / camera[0, 0]], [fit.focal / camera[1, 1]], [1]]
     found_camera[:2, 2] = camera[:2, 2]
-    pixels = project_points(fitted.neutral[visible], fitted.head_pose, found_camera)[0]
+    pixels = project_points(fit.neutral[visible], fit.head_pose, found_camera)[0]
     off = np.linalg.norm(pixels - project_points(true[visible], pose, camera)[0], axis=1)
     eyes = template.eye_spheres(true)[0].mean(axis=0) @ pose[:3, :3].T + pose[:3, 3]
     pupils = camera[0, 0] * PUPIL_DISTANCE / eyes[2]
-    turn = _rotation_vector(fitted.head_pose[:3, :3] @ pose[:3, :3].T)
+    turn = _rotation_vector(fit.head_pose[:3, :3] @ pose[:3, :3].T)
     return ShotScore(
         nodes=100 * off / pupils,
-        mesh=1000 * np.linalg.norm(laid_on(fitted.neutral[face], true[face]) - true[face], axis=1),
+        mesh=1000 * np.linalg.norm(laid_on(fit.neutral[face], true[face]) - true[face], axis=1),
         turn=np.degrees(turn),
-        focal=100 * (fitted.focal / camera[0, 0] - 1),
+        focal=100 * (fit.focal / camera[0, 0] - 1),
     )
 
 

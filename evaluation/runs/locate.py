@@ -25,9 +25,9 @@ RATES = {
     "ms": ("ms / image", ".1f"),
 }
 ERRORS = {
-    f"{part}_{suffix}": (f"{part} {said}", ".1f")
+    f"{part}_{suffix}": (f"{part} {label}", ".1f")
     for part in ("eye", "nose", "mouth")
-    for suffix, said in (("median", "median"), ("p90", "90 %"))
+    for suffix, label in (("median", "median"), ("p90", "90 %"))
 }
 
 

@@ -74,28 +74,28 @@ def score_clip(
     """Every method on one clip. python: of scripts/face_mesh_env, where it is to be had."""
     runs = still_runs(labels.clip, performance)
     every = with_frames(labels, runs.ravel())
-    found = {OURS: by_capture(every, performance)}
-    seen = []
+    places_by_method = {OURS: by_capture(every, performance)}
+    all_sightings = []
     if python is not None:
         report(f"{labels.clip}: {FACE_MESH}")
-        found[FACE_MESH] = by_face_mesh(every, python)
+        places_by_method[FACE_MESH] = by_face_mesh(every, python)
     if (networks := installed_networks()) is not None:
         smaller = by_networks(every, performance, networks, SHRUNK)
-        found[NETWORKS] = smaller[SHRUNK.index(1)]
-        seen = [
+        places_by_method[NETWORKS] = smaller[SHRUNK.index(1)]
+        all_sightings = [
             sightings(every, performance, runs, places, times)
             for places, times in zip(smaller, SHRUNK, strict=True)
         ]
     else:
         report("no networks on our own crops: run scripts/make_networks and build again")
-    marked = np.isin(every.frame, labels.frame)
+    is_marked = np.isin(every.frame, labels.frame)
     scores = []
-    for method, places in found.items():
+    for method, places in places_by_method.items():
         variances = _jitter(every, places, performance, runs)
-        scores.append(score_places(labels, method, places[marked], variances))
+        scores.append(score_places(labels, method, places[is_marked], variances))
     events = {one.kind: one.text() for one in score_events(labels.clip, performance)}
     scores[0] = replace(scores[0], events=events)
-    return scores + _repeated(labels), seen
+    return scores + _repeated(labels), all_sightings
 
 
 def _repeated(labels: Labels) -> list[RealScore]:

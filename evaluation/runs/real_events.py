@@ -23,7 +23,7 @@ EYES = ("eye_outer", "eye_inner")
 
 @dataclass(frozen=True)
 class Events:
-    """Of one kind: how many were marked, found among them, and said where none is."""
+    """One kind of event: how many were marked, how many of these found, and the false alarms."""
 
     clip: str
     kind: str
@@ -75,10 +75,10 @@ def lips_touch(performance: Performance) -> NDArray[np.bool_]:
     template, surface = load_template(), RefinedSurface(performance)
     lips = [template.landmark(f"lip_{lip}_inner") for lip in ("upper", "lower")]
     eyes = [template.landmark(f"{end}.{side}") for side in "RL" for end in EYES]
-    chosen = np.searchsorted(surface.used, [*lips, *eyes])
+    vertices = np.searchsorted(surface.used, [*lips, *eyes])
     touch = []
     for i in range(performance.num_frames):
-        pixels = performance.project(surface.in_camera(i)[chosen])
+        pixels = performance.project(surface.in_camera(i)[vertices])
         apart = np.linalg.norm(pixels[1] - pixels[0])
         ipd = np.linalg.norm(pixels[4:].mean(axis=0) - pixels[2:4].mean(axis=0))
         touch.append(100 * apart / ipd < APART)
@@ -93,16 +93,18 @@ def runs(performance: Performance, holds: NDArray[np.bool_]) -> list[Range]:
 
 
 def _matched(
-    clip: str, kind: str, marked: list[Range], found: list[Range], minutes: float
+    clip: str, kind: str, marks: list[Range], candidates: list[Range], minutes: float
 ) -> Events:
-    """An event is found by one run that meets it; a run that meets none is false."""
+    """Counts the marked events that overlap a candidate, and candidates that overlap none.
+
+    Overlap allows for NEAR frames at either end."""
 
     def meet(a: Range, b: Range) -> bool:
         return a[0] <= b[1] + NEAR and b[0] <= a[1] + NEAR
 
-    hits = sum(any(meet(one, run) for run in found) for one in marked)
-    false = sum(not any(meet(one, run) for one in marked) for run in found)
-    return Events(clip, kind, len(marked), hits, false, minutes)
+    hits = sum(any(meet(one, run) for run in candidates) for one in marks)
+    false = sum(not any(meet(one, run) for one in marks) for run in candidates)
+    return Events(clip, kind, len(marks), hits, false, minutes)
 
 
 def _lips_told(

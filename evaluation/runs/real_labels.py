@@ -32,8 +32,10 @@ class Labels:
     places: NDArray[np.float64]  # N x POINTS x 2, pixels
     touch: NDArray[np.float64]  # N, 1 where the lips touch on the midline, 0 where they do not
 
-    def rows(self, kept: NDArray[np.bool_]) -> Labels:
-        return Labels(self.clip, self.frame[kept], self.places[kept], self.touch[kept])
+    def rows(self, selection: NDArray[np.bool_]) -> Labels:
+        return Labels(
+            self.clip, self.frame[selection], self.places[selection], self.touch[selection]
+        )
 
     def of(self, *names: str) -> NDArray[np.float64]:
         """N x names x 2."""

@@ -135,7 +135,7 @@ def by_networks(
             continue
         for i, times in enumerate(sizes):
             small = shrunk(np.ascontiguousarray(image), times)
-            seen = feature_places(networks, small, crops[i][rows[frame]])
-            named = np.array([seen[name] for name in POINTS])
-            places[i, rows[frame]] = (named + 0.5) * times - 0.5
+            points = feature_places(networks, small, crops[i][rows[frame]])
+            pixels = np.array([points[name] for name in POINTS])
+            places[i, rows[frame]] = (pixels + 0.5) * times - 0.5
     return places

@@ -76,26 +76,26 @@ def _crop(crops: _core.FeatureCrops, feature: str, name: str) -> _core.FeatureCr
     return crops.eyes["LR".index(name[-1])] if feature in IN_EYES else crops.face
 
 
-def noise_text(seen: list[Sightings]) -> str:
+def noise_text(all_sightings: list[Sightings]) -> str:
     """All clips together, a table for each size of the picture; what the core says beside it."""
     return "\n\n".join(
-        _table(times, [one for one in seen if one.times == times])
-        for times in sorted({one.times for one in seen})
+        _table(times, [one for one in all_sightings if one.times == times])
+        for times in sorted({one.times for one in all_sightings})
     )
 
 
-def _table(times: int, seen: list[Sightings]) -> str:
+def _table(times: int, all_sightings: list[Sightings]) -> str:
     columns = {"side": ("crop, px", ".0f")}
     for key in KEYS:
         columns[f"{key} 0"] = (f"{key} along", ".3f")
         columns[f"{key} 1"] = ("across", ".3f")
     rows = {}
     for feature in POINTS_OF:
-        side = float(np.median([one.sides[feature] for one in seen]))
+        side = float(np.median([one.sides[feature] for one in all_sightings]))
         spread = np.sqrt(
-            np.nanmedian(np.concatenate([one.jitter[feature] for one in seen]), axis=0)
+            np.nanmedian(np.concatenate([one.jitter[feature] for one in all_sightings]), axis=0)
         )
-        off = np.abs(np.concatenate([one.errors[feature].reshape(-1, 2) for one in seen]))
+        off = np.abs(np.concatenate([one.errors[feature].reshape(-1, 2) for one in all_sightings]))
         error = np.nanquantile(off, ONE_DEVIATION, axis=0)
         if feature in MARGINS:
             error[0] = np.nan

@@ -48,28 +48,28 @@ def score_places(
     off = in_face_frame(labels, places - labels.places)
     figures = {}
     for feature, names in FEATURES.items():
-        chosen = off[:, [POINTS.index(name) for name in names]]
+        errors = off[:, [POINTS.index(name) for name in names]]
         if feature in ACROSS_EYE + ACROSS_MOUTH:
-            chosen = chosen[..., 1:]
-        figures[feature] = _figures(chosen)
+            errors = errors[..., 1:]
+        figures[feature] = _figures(errors)
         if jitter is not None:
-            spread = jitter[[POINTS.index(name) for name in names], 2 - chosen.shape[2] :]
+            spread = jitter[[POINTS.index(name) for name in names], 2 - errors.shape[2] :]
             figures[feature]["jitter"] = 100 * math.sqrt(spread.sum(axis=1).mean())
-    wanted = np.isfinite(labels.places).all(axis=2)
+    is_marked = np.isfinite(labels.places).all(axis=2)
     has = np.isfinite(places).all(axis=2)
     return RealScore(
         labels.clip,
         method,
         figures,
         _lips_told(labels, places),
-        float(has[wanted].mean()),
+        float(has[is_marked].mean()),
     )
 
 
 def in_face_frame(labels: Labels, off: NDArray[np.float64]) -> NDArray[np.float64]:
     """Differences (N x POINTS x 2, pixels) along and across the marked line of each point's eye,
     of the lips' the mouth's, in % of the interpupillary distance."""
-    turned = np.empty_like(off)
+    components = np.empty_like(off)
     for i, name in enumerate(POINTS):
         if name.startswith(("eye", "lid", "iris")):
             side = name[-1]
@@ -80,9 +80,9 @@ def in_face_frame(labels: Labels, off: NDArray[np.float64]) -> NDArray[np.float6
         along = ends[:, 1] - ends[:, 0]
         along /= np.linalg.norm(along, axis=1, keepdims=True)
         across = np.stack([-along[:, 1], along[:, 0]], axis=1)  # downwards in an upright face
-        turned[:, i, 0] = (off[:, i] * along).sum(axis=1)
-        turned[:, i, 1] = (off[:, i] * across).sum(axis=1)
-    return 100 * turned / labels.ipd[:, None, None]
+        components[:, i, 0] = (off[:, i] * along).sum(axis=1)
+        components[:, i, 1] = (off[:, i] * across).sum(axis=1)
+    return 100 * components / labels.ipd[:, None, None]
 
 
 def _figures(off: NDArray[np.float64]) -> dict[str, float]:
@@ -102,23 +102,23 @@ def _figures(off: NDArray[np.float64]) -> dict[str, float]:
 
 def _left(off: NDArray[np.float64]) -> float:
     """The median error once each point's mean error in the clip's other frames is taken away."""
-    left = np.linalg.norm(without_bias(off), axis=2)
-    left = left[np.isfinite(left)]
-    return float(np.median(left)) if len(left) else math.nan
+    remainders = np.linalg.norm(without_bias(off), axis=2)
+    remainders = remainders[np.isfinite(remainders)]
+    return float(np.median(remainders)) if len(remainders) else math.nan
 
 
 def without_bias(off: NDArray[np.float64]) -> NDArray[np.float64]:
     """Errors (N x K x D) less each point's mean error in the other frames."""
-    known = np.isfinite(off)
-    total, number = np.where(known, off, 0).sum(axis=0), known.sum(axis=0)
+    is_known = np.isfinite(off)
+    total, number = np.where(is_known, off, 0).sum(axis=0), is_known.sum(axis=0)
     with np.errstate(invalid="ignore", divide="ignore"):
-        return off - (total - np.where(known, off, 0)) / (number - known)
+        return off - (total - np.where(is_known, off, 0)) / (number - is_known)
 
 
 def _lips_told(labels: Labels, places: NDArray[np.float64]) -> float:
     upper, lower = (POINTS.index(f"lip_inner_{part}") for part in ("upper", "lower"))
     gap = 100 * np.linalg.norm(places[:, lower] - places[:, upper], axis=1) / labels.ipd
-    known = np.isfinite(labels.touch) & np.isfinite(gap)
-    if not known.any():
+    is_known = np.isfinite(labels.touch) & np.isfinite(gap)
+    if not is_known.any():
         return math.nan
-    return float(((gap[known] < APART) == (labels.touch[known] > 0.5)).mean())
+    return float(((gap[is_known] < APART) == (labels.touch[is_known] > 0.5)).mean())

@@ -48,11 +48,11 @@ def still_runs(clip: str, performance: Performance) -> NDArray[np.int64]:
     good = performance.quality[: len(faces)] >= HELD_QUALITY
     good[1:] &= (faces[1:] != faces[:-1]).any(axis=(1, 2))
     usable = np.array([good[i : i + RUN].all() for i in starts])
-    taken = np.zeros(len(faces), bool)
+    is_taken = np.zeros(len(faces), bool)
     runs: list[NDArray[np.int64]] = []
     for i in starts[np.argsort(change)]:
-        if usable[i] and not taken[i : i + RUN].any() and len(runs) < NUM_RUNS:
-            taken[i : i + RUN] = True
+        if usable[i] and not is_taken[i : i + RUN].any() and len(runs) < NUM_RUNS:
+            is_taken[i : i + RUN] = True
             runs.append(frames[i : i + RUN])
     return np.array(runs, np.int64).reshape(-1, RUN)
 

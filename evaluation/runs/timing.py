@@ -81,10 +81,10 @@ def score_timing(which: str, report: Report) -> TimingScores:
 def _analysed(which: str, report: Report) -> Iterator[tuple[TimedClip, Timing]]:
     template = load_template()
     for clip in SETS[which]:
-        made = timing_clip(clip.recipe, template, report)
-        report(f"{made.name}: capturing")
+        footage_clip = timing_clip(clip.recipe, template, report)
+        report(f"{footage_clip.name}: capturing")
         with ProcessPoolExecutor(1) as aside:  # a fresh process gives its memory back
-            performance = aside.submit(capture, made.footage).result()
+            performance = aside.submit(capture, footage_clip.footage).result()
         yield clip, analyse_timing(performance, kinds=("group",))
 
 
@@ -188,24 +188,27 @@ def as_json(scores: TimingScores) -> str:
 
 
 def as_text(scores: TimingScores) -> str:
-    seen = [event for event in scores.groups if event.was_seen]
+    detections = [event for event in scores.groups if event.was_seen]
     pairs = [pair for pair in scores.pairs if pair.was_measured and pair.delay is not None]
     late = [pair for pair in pairs if pair.delay]
     together = [pair for pair in scores.pairs if pair.delay == 0]
     silent = [pair for pair in scores.pairs if pair.delay is None]
     false = sum(pair.is_delayed for pair in (*together, *silent))
     rows = [
-        ["events of groups that were found", f"{len(seen)} of {len(scores.groups)}"],
-        ["onset, median error, frames", _median([e.onset_error for e in seen])],
-        ["  95th percentile", _percentile([e.onset_error for e in seen], 95)],
-        ["  95 % intervals that hold it", _share([e.onset_held for e in seen])],
-        ["half of the application, median error, frames", _median([e.half_error for e in seen])],
-        ["release, median error, frames", _median([e.release_error for e in seen])],
+        ["events of groups that were found", f"{len(detections)} of {len(scores.groups)}"],
+        ["onset, median error, frames", _median([e.onset_error for e in detections])],
+        ["  95th percentile", _percentile([e.onset_error for e in detections], 95)],
+        ["  95 % intervals that hold it", _share([e.onset_held for e in detections])],
+        [
+            "half of the application, median error, frames",
+            _median([e.half_error for e in detections]),
+        ],
+        ["release, median error, frames", _median([e.release_error for e in detections])],
         [
             "exponent, median error as a share of the truth",
-            _median([e.exponent_error / e.exponent for e in seen]),
+            _median([e.exponent_error / e.exponent for e in detections]),
         ],
-        ["  95 % intervals that hold it", _share([e.exponent_held for e in seen])],
+        ["  95 % intervals that hold it", _share([e.exponent_held for e in detections])],
         ["delay, median error, frames", _median([p.error for p in pairs])],
         ["  of those that are 3 frames late", _median([p.error for p in late])],
         ["  95 % intervals that hold it", _share([p.held for p in pairs])],
@@ -219,8 +222,8 @@ def as_text(scores: TimingScores) -> str:
             f"{scores.silent_events} of {scores.silent_chances}",
         ],
     ]
-    models = sorted({event.model for event in seen})
-    counts = ", ".join(f"{sum(e.model == m for e in seen)} {m}" for m in models)
+    models = sorted({event.model for event in detections})
+    counts = ", ".join(f"{sum(e.model == m for e in detections)} {m}" for m in models)
     alone = curve_rows()
     units = unit_rows(scores.units)
     width = max(len(name) for name, _ in rows) + 2

@@ -45,11 +45,13 @@ class SeenVertices:
         if under is None:
             raise InvalidInput("no skin of the performance faces the camera in the first frame")
         on_face = under.on_face
-        used, places = np.unique(surface.triangles[under.triangle[on_face]], return_inverse=True)
+        vertices, places = np.unique(
+            surface.triangles[under.triangle[on_face]], return_inverse=True
+        )
         pose = performance.head_pose[0]
         return cls(
-            performance.project(at_start[used]),
-            (at_start[used] - pose[:3, 3]) @ pose[:3, :3],
+            performance.project(at_start[vertices]),
+            (at_start[vertices] - pose[:3, 3]) @ pose[:3, :3],
             places.reshape(-1, 3),
             under.weights[on_face],
             on_face,

@@ -170,11 +170,11 @@ def _fit_from(
 ) -> FaceFit | None:
     model = face_model(template)
     estimate = _core.fit_face(model, [_core.FaceView(landmarks)], camera)
-    expected = _expected(model, estimate, camera, landmarks)
-    seen = _core.measure_features(image, expected, LINE_SEARCH, mouth_and_jaw=True)
+    prediction = _expected(model, estimate, camera, landmarks)
+    lines = _core.measure_features(image, prediction, LINE_SEARCH, mouth_and_jaw=True)
     features = _core.FaceFeatures(
         landmarks.features,
-        [curve for curve in seen.curves if curve.name in LINES],
+        [curve for curve in lines.curves if curve.name in LINES],
         landmarks.box,
         landmarks.likelihood,
     )
@@ -222,8 +222,8 @@ def refit(
         for view in fit.views
     ]
     shifts = picture_shifts(fit, template, [view.head_pose for view in views])
-    observed = [view.observed(shift) for view, shift in zip(views, shifts, strict=True)]
-    estimate = _core.fit_face(model, observed, fit.camera, start=_estimate_of(fit, template))
+    observations = [view.observed(shift) for view, shift in zip(views, shifts, strict=True)]
+    estimate = _core.fit_face(model, observations, fit.camera, start=_estimate_of(fit, template))
     return _solved_again(fit, template, estimate, views)
 
 
@@ -255,8 +255,8 @@ def join_views(
     start = _core.FaceEstimate(
         [view.head_pose for view in views], float(fit.intrinsics[0, 0]), values
     )
-    observed = [view.observed() for view in views]
-    estimate = _core.fit_face(model, observed, fit.camera, start=start)
+    observations = [view.observed() for view in views]
+    estimate = _core.fit_face(model, observations, fit.camera, start=start)
     if not estimate.converged:
         return fit
     return _solved_again(fit, template, estimate, views)
@@ -272,12 +272,12 @@ def lone_view(
     """A picture by itself: its landmarks, from the features found, and the pose that they tell."""
     landmarks = measured_landmarks(image, features)
     model = face_model(template)
-    alone = _core.fit_face(model, [_core.FaceView(landmarks)], camera)
-    landmarks = with_networks(image, landmarks, camera, model, alone)
-    alone = _core.fit_face(model, [_core.FaceView(landmarks)], camera, start=alone)
-    if not alone.converged or alone.rms_ipd > LARGEST_ERROR:
+    estimate = _core.fit_face(model, [_core.FaceView(landmarks)], camera)
+    landmarks = with_networks(image, landmarks, camera, model, estimate)
+    estimate = _core.fit_face(model, [_core.FaceView(landmarks)], camera, start=estimate)
+    if not estimate.converged or estimate.rms_ipd > LARGEST_ERROR:
         return None
-    return FittedView(frame, alone.camera_from_head[0], landmarks)
+    return FittedView(frame, estimate.camera_from_head[0], landmarks)
 
 
 def landmark_places(
@@ -291,11 +291,11 @@ def landmark_places(
         raise InvalidInput(f"the fit is not of frame {frame}")
     number = frames.index(frame)
     estimate = _estimate_of(fit, template)
-    projected = _core.project_features(face_model(template), estimate, fit.camera, number)
+    projection = _core.project_features(face_model(template), estimate, fit.camera, number)
     (shift,) = picture_shifts(fit, template, [estimate.camera_from_head[number]])
     places = {
         f.name: np.add(f.position, shift.get(f.name, (0.0, 0.0)))
-        for f in projected.features
+        for f in projection.features
         if not f.name.startswith(BETWEEN_PREFIX)
     }
     return {name: (float(x), float(y)) for name, (x, y) in places.items()}
@@ -365,9 +365,9 @@ def _expected(
     camera: _core.Camera,
     features: _core.FaceFeatures,
 ) -> _core.FaceFeatures:
-    projected = _core.project_features(model, estimate, camera)
+    projection = _core.project_features(model, estimate, camera)
     return _core.FaceFeatures(
-        projected.features, projected.curves, features.box, features.likelihood
+        projection.features, projection.curves, features.box, features.likelihood
     )
 
 

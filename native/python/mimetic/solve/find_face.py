@@ -20,7 +20,7 @@ from mimetic.shared.progress import FITTED, JUDGED, NUM_TRIED, Progress, stages
 from mimetic.solve.relief_sightings import with_relief
 from mimetic.template.face_template import load_template
 
-LEAST_CHANCE = 0.4  # of the best one's, to be tried
+LEAST_CHANCE = 0.4  # of the best frame's chance; below it a frame is not tried
 
 
 @dataclass(frozen=True)
@@ -33,22 +33,22 @@ class Rest:
 
 def find_rest(
     footage: Footage,
-    wanted: set[int],
+    frame_numbers: set[int],
     progress: Progress,
     near: tuple[float, float] | None = None,
 ) -> Rest | None:
-    """The best at rest of the wanted frames that can be fitted at all.
+    """The best frame at rest among those of `frame_numbers` to which a head can be fitted.
 
     near: as `mimetic.fit.fitting.find_face` has it
     """
-    judging, fitting_heads = stages(progress, len(wanted) * JUDGED, NUM_TRIED * FITTED)
-    judged = _judged(footage, wanted, judging, near)
-    if not judged:
+    judging, fitting_heads = stages(progress, len(frame_numbers) * JUDGED, NUM_TRIED * FITTED)
+    judgements = _judged(footage, frame_numbers, judging, near)
+    if not judgements:
         return None
-    frames = list(judged)
-    scores = np.array([one.score for one in judged.values()])
-    expressions = np.array([one.expression for one in judged.values()])
-    details = np.array([one.detail for one in judged.values()])
+    frames = list(judgements)
+    scores = np.array([one.score for one in judgements.values()])
+    expressions = np.array([one.expression for one in judgements.values()])
+    details = np.array([one.detail for one in judgements.values()])
     chances = _core.chances_of_rest(scores, details, expressions)
     fits: list[FaceFit] = []
     for number, i in enumerate(np.argsort(-chances)):
@@ -60,12 +60,12 @@ def find_rest(
             fits.append(fitting.find_face(image, frames[i], near=near))
     if not fits:
         return None
-    # Pose or expression taken for shape asks for unusual proportions.
+    # A pose or expression mistaken for shape shows as unusual proportions.
     best = min(fits, key=_unusualness)
     usual = _core.usual_expression(expressions, scores)
     candidates = [
         Candidate(frame, one.features, float(share))
-        for (frame, one), share in zip(judged.items(), usual, strict=True)
+        for (frame, one), share in zip(judgements.items(), usual, strict=True)
     ]
     return Rest(best, candidates)
 
@@ -78,19 +78,19 @@ def joined_with_others(footage: Footage, rest: Rest, progress: Progress) -> Face
 
 
 def _judged(
-    footage: Footage, wanted: set[int], progress: Progress, near: tuple[float, float] | None
+    footage: Footage, frame_numbers: set[int], progress: Progress, near: tuple[float, float] | None
 ) -> dict[int, fitting.Judged]:
-    """The wanted frames in which there is a face."""
-    judged = {}
+    """What the finder measures in those of `frame_numbers` that show a face."""
+    judgements = {}
     num_seen = 0
-    for frame, image in footage.frames(min(wanted), max(wanted)):
-        if frame in wanted:
-            _go_on(progress, num_seen / len(wanted), f"looking for the face: frame {frame}")
+    for frame, image in footage.frames(min(frame_numbers), max(frame_numbers)):
+        if frame in frame_numbers:
+            _go_on(progress, num_seen / len(frame_numbers), f"looking for the face: frame {frame}")
             num_seen += 1
-            found = fitting.judge_frame(image, near)
-            if found is not None:
-                judged[frame] = found
-    return judged
+            judgement = fitting.judge_frame(image, near)
+            if judgement is not None:
+                judgements[frame] = judgement
+    return judgements
 
 
 def _go_on(progress: Progress, fraction: float, text: str) -> None:
@@ -103,9 +103,11 @@ def _joined(footage: Footage, best: FaceFit, candidates: list[Candidate]) -> Fac
     views = {view.frame: view.features for view in choose_views(reference, candidates)}
     if not views:
         return best
-    needed = {best.frame, *views}
+    view_frames = {best.frame, *views}
     images: dict[int, NDArray[np.uint8]] = {
-        frame: image for frame, image in footage.frames(min(needed), max(needed)) if frame in needed
+        frame: image
+        for frame, image in footage.frames(min(view_frames), max(view_frames))
+        if frame in view_frames
     }
     others = [(frame, features, images[frame]) for frame, features in views.items()]
     return fitting.join_views(best, images[best.frame], others)
