@@ -15,6 +15,7 @@ from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.score.json_text import json_text
 from mimetic.score.text_table import text_table
 from mimetic.solve import clip_capture
+from numpy.typing import NDArray
 
 from evaluation.runs.abuse_score import AbuseTruth, score_abuse
 from evaluation.runs.rendered import render
@@ -79,6 +80,7 @@ def _score_source(clips: list[AbuseClip], report: Report) -> Iterator[AbuseScore
     for clip in clips:
         with np.load(clip.truth, allow_pickle=False) as truth:
             clean, gone, shift = truth["clean"], truth["gone"], truth["shift"]
+            true_poses = truth.get("head_pose")
         if clip.later not in fits:
             fits[clip.later] = _fit_aside(clip)
         fit = fits[clip.later]
@@ -88,10 +90,17 @@ def _score_source(clips: list[AbuseClip], report: Report) -> Iterator[AbuseScore
                 performances[method, clip.later] = follow(clip.clean_footage, fit)
             right = performances[method, clip.later]
             performance = follow(clip.footage, fit)
-            about = AbuseTruth(right.head_pose, clean, gone, shift, performance.fps, clip.later)
+            poses = right.head_pose if true_poses is None else laid_on(true_poses, fit)
+            about = AbuseTruth(poses, clean, gone, shift, performance.fps, clip.later)
             figures = score_abuse(about, performance.head_pose, performance.quality, fit.intrinsics)
             figures["lost"] -= float(np.sum(clean & (right.quality < HELD_QUALITY)))
             yield AbuseScore(clip.name, clip.source, method, figures)
+
+
+def laid_on(true_poses: NDArray[np.float64], fit: FaceFit) -> NDArray[np.float64]:
+    """N x 4 x 4: how a fitted head moves that moves as the true one does since the fit's frame."""
+    since = true_poses @ np.linalg.inv(true_poses[fit.frame - 1])
+    return since @ fit.head_pose
 
 
 def _fit_aside(clip: AbuseClip) -> FaceFit:

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import numpy as np
 from imageio_ffmpeg import get_ffmpeg_exe
+from mimetic.score.truth import Truth
 from mimetic.template.face_template import FaceTemplate
 
 from .. import footage
@@ -30,7 +31,9 @@ class MadeClip:
     clip: AbuseClip
     footage: Path
     clean: Path
-    truth: Path  # .npz: clean, gone (N, bool), shift (N x 2, pixels)
+    # .npz: clean, gone (N, bool), shift (N x 2, pixels); of a drawn head its head_pose (N x 4 x 4,
+    # camera from head) without the abuse
+    truth: Path
 
 
 def abused_clip(
@@ -54,7 +57,8 @@ def abused_clip(
         folder.mkdir(parents=True, exist_ok=True)
         report(f"{made.footage.stem}: compositing")
         with tempfile.TemporaryDirectory(dir=folder.parent, prefix=".abuse.") as aside:
-            _make(wanted, paths, made, Path(aside))
+            poses = _true_poses(wanted.source, template, report)
+            _make(wanted, paths, poses, made, Path(aside))
             for path in (made.clean, made.truth, made.footage):
                 (Path(aside) / path.name).replace(path)
     return made
@@ -69,7 +73,23 @@ def _path_of(source: Source, template: FaceTemplate, report: Callable[[str], Non
     return path
 
 
-def _make(wanted: AbuseClip, paths: list[Path], made: MadeClip, folder: Path) -> None:
+def _true_poses(
+    source: Source, template: FaceTemplate, report: Callable[[str], None]
+) -> dict[str, np.ndarray]:
+    """`head_pose` of a drawn head, frame by frame of the clip; nothing is known of real ones."""
+    if not source.rendered:
+        return {}
+    poses = Truth.load(clip(ALL[source.footage], template, report).truth).head_pose
+    return {"head_pose": poses[source.first - 1 :][_order(source.num_frames, source)]}
+
+
+def _make(
+    wanted: AbuseClip,
+    paths: list[Path],
+    poses: dict[str, np.ndarray],
+    made: MadeClip,
+    folder: Path,
+) -> None:
     source, other = wanted.source, wanted.other
     frames = _frames(paths[0], source)
     in_between = _placed(_frames(paths[1], other), other, source)
@@ -77,7 +97,8 @@ def _make(wanted: AbuseClip, paths: list[Path], made: MadeClip, folder: Path) ->
     recipe = Recipe("abuse", "still", 0, len(frames), fps=source.fps, crf=17)
     footage.encode(frames, folder / made.clean.name, recipe)
     footage.encode(done.frames, folder / made.footage.name, recipe)
-    np.savez(folder / made.truth.name, clean=done.clean, gone=done.gone, shift=done.shift)
+    known = {"clean": done.clean, "gone": done.gone, "shift": done.shift} | poses
+    np.savez(folder / made.truth.name, **known)
 
 
 def _frames(path: Path, source: Source) -> np.ndarray:
@@ -91,8 +112,13 @@ def _frames(path: Path, source: Source) -> np.ndarray:
     if done.returncode != 0:
         raise OSError(f"ffmpeg could not read {path}: {done.stderr.decode().strip()}")
     frames = np.frombuffer(done.stdout, np.uint8).reshape(-1, height, width, 3)
-    there_and_back = np.concatenate([np.arange(len(frames)), np.arange(len(frames) - 2, 0, -1)])
-    return frames[np.resize(there_and_back, round(SECONDS * source.fps))]
+    return frames[_order(len(frames), source)]
+
+
+def _order(num_frames: int, source: Source) -> np.ndarray:
+    """Indices of the frames as they are shown: to and fro where there are too few."""
+    there_and_back = np.concatenate([np.arange(num_frames), np.arange(num_frames - 2, 0, -1)])
+    return np.resize(there_and_back, round(SECONDS * source.fps))
 
 
 def _placed(frames: np.ndarray, shown: Source, source: Source) -> np.ndarray:

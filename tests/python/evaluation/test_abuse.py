@@ -15,7 +15,7 @@ from mimetic.solve.walk import notes_on_strangers, proved
 from mimetic.template.face_template import load_template
 from PIL import Image, ImageFilter
 
-from evaluation.runs.abuse import METHODS, as_text, total
+from evaluation.runs.abuse import METHODS, as_text, laid_on, total
 from evaluation.runs.abuse_score import AbuseTruth, score_abuse, slid
 from evaluation.synthetic.abuse import films
 from evaluation.synthetic.abuse.recipes import CAP12, SINGLE, AbuseClip
@@ -213,6 +213,14 @@ def test_a_picture_that_slides_turns_the_head_about_the_camera():
     before = INTRINSICS @ start[:3, 3]
     assert pixel[:2] / pixel[2] - before[:2] / before[2] == pytest.approx([96, 0], abs=1e-9)
     assert np.linalg.norm(moved[:3, 3]) == pytest.approx(0.7)
+
+
+def test_a_drawn_heads_truth_is_its_motion_since_the_frame_of_the_fit(first_fit, rendered_clip):
+    truth = Truth.load(rendered_clip.truth).head_pose
+    poses = laid_on(truth, first_fit)
+    np.testing.assert_allclose(poses[5], first_fit.head_pose, atol=1e-12)
+    shown = replace(first_fit, head_pose=truth[5])
+    np.testing.assert_allclose(laid_on(truth, shown), truth, atol=1e-9)
 
 
 def test_tables_add_frames_and_keep_the_worst():
