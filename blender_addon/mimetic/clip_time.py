@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The scene's time beside the clip's. The clip editor shows one clip frame a scene frame whatever
-the rates, and all that is baked keeps to the seconds: at another rate the two part."""
+the rates, and what is baked keeps to the seconds: at another rate the two differ."""
 
 from __future__ import annotations
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What belongs to a clip: the person's fit with pins and calibration, and the take.
 
-It goes with the content of the clip's file. A file that was moved or renamed brings it along,
-another file in the old place finds nothing of it, and gets it back no more than its own.
+It is kept by the content of the clip's file: a file that was moved or renamed still has it, and
+another file at the old path does not; each content gets back only what is its own.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ def find(clip: bpy.types.MovieClip):
 
 
 def ensure(clip: bpy.types.MovieClip):
-    """As `find`, and there is one afterwards."""
+    """As `find`, but makes one where there is none."""
     settle(clip)
     clip.mimetic.fingerprint = fingerprint(clip)
     record = find(clip)

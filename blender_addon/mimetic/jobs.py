@@ -81,7 +81,7 @@ class Job:
     """Mixin of operators. Subclasses give read, work and write.
 
     `read(context)` and `write(context, result)` run on the main thread; `work(inputs, progress)`
-    anywhere, without bpy, and returns what it has when `progress` answers False. `write` returns
+    anywhere, without bpy, and returns what it has when `progress` returns False. `write` returns
     the message for the user. No reference to Blender's data may pass from read to write.
     """
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The only door to the package `mimetic`, whose compiled module may be missing or not fit."""
+"""The only access to the package `mimetic`, whose compiled module may be missing or not fit."""
 
 from __future__ import annotations
 

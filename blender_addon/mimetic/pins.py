@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Landmarks that the user drags: each becomes a pin, and the fit follows while the mouse moves.
 
-The clip's markers are looked at by a timer, since no event tells of a marker that is being dragged.
+The clip's markers are looked at by a timer, as no event comes while a marker is dragged.
 All that lasts is in the file, so that undo needs no care: markers and fit go back together.
 """
 

@@ -322,7 +322,7 @@ def no_picture(context) -> str:
     if space is None or space.type != "CLIP_EDITOR" or space.clip is None:
         return "Faces are picked in the clip editor, with the footage on show"
     if space.show_stable and space.clip.tracking.stabilization.use_2d_stabilization:
-        # Blender does not tell where it shows the picture then
+        # Blender does not give the picture's place then
         return "Switch the stabilised view off first"
     return ""
 

@@ -44,14 +44,14 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.description += (
         " `locate` scores what finds faces on still images instead, beside OpenCV's cascades; "
         "`head` scores what follows heads on rendered sequences, beside MediaPipe's face mesh; "
-        "`fit` scores heads fitted to portraits (docs/measured/fitting.md); `flow` tells whether "
-        "optical flow knows how far it is off, `ablations` what each part of the capture is good "
+        "`fit` scores heads fitted to portraits (docs/measured/fitting.md); `flow` checks "
+        "the covariances of optical flow, `ablations` what each part of the capture is good "
         "for, `abuse` whether faces that are covered, cut away or in the dark are held or right "
         "(docs/measured/evaluation.md), `calibration` what knowing a person's skin is worth "
         "(docs/measured/calibration.md), `rest` how often the frame that is taken for the neutral "
         "face shows it (docs/guide/fitting.md), `real` how near eyes and lips come to points "
-        "marked by hand on real faces (docs/measured/real-faces.md), `timing` how well it is told "
-        "when muscles fire (docs/measured/timing.md)."
+        "marked by hand on real faces (docs/measured/real-faces.md), `timing` how well the "
+        "times at which muscles fire are recovered (docs/measured/timing.md)."
     )
     parser.add_argument(
         "what",
@@ -238,7 +238,7 @@ def _run_calibration(options: argparse.Namespace) -> int:
 
 
 def _prepare_out(options: argparse.Namespace) -> None:
-    """Tells before hours of work that --out cannot be written to."""
+    """Raises before hours of work if --out cannot be written to."""
     if options.out is not None:
         prepare_folder(options.out, ())
 

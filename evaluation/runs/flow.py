@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`mimetic evaluate flow`: whether optical flow knows how far it is off.
+"""`mimetic evaluate flow`: whether the covariances of optical flow are right.
 
 Flow from frame to frame is compared with the true motion of the skin's points. Its normalised
-error e' C^-1 e has the mean 2 where the covariance C is honest, whatever its size: so it is told
-by decile of the uncertainty.
+error e' C^-1 e has the mean 2 where the covariance C is right, whatever its size: so it is
+tabulated by decile of the uncertainty.
 """
 
 from __future__ import annotations

@@ -36,15 +36,15 @@ def score_real(
 ) -> Iterator[tuple[list[RealScore], list[Sightings]]]:
     """Clip by clip: every method's, and what the networks say there. Raises InvalidInput.
 
-    out: a folder in which the captured performances are kept. captured: one in which they are, of
-    an earlier run; those clips are scored that are there, as far as they go.
+    out: a folder in which the captured performances are kept. captured: such a folder of
+    an earlier run; only the clips and frames in it are scored.
     """
     clips = [clip for clip in CLIPS if captured is None or (captured / f"{clip}.npz").is_file()]
     if not clips:
         raise InvalidInput(
             f"{captured} has no performance of {', '.join(CLIPS)}; --out leaves them"
         )
-    films = [footage_of(clip) for clip in clips]  # told before the first of them takes minutes
+    films = [footage_of(clip) for clip in clips]  # raises before minutes of work on the first
     python = face_mesh_python(report)
     for clip, footage in zip(clips, films, strict=True):
         labels = read_labels(clip)

@@ -124,8 +124,8 @@ def by_networks(
     networks: _core.FeatureNetworks,
     sizes: Sequence[int] = (1,),
 ) -> NDArray[np.float64]:
-    """Sizes x N x POINTS x 2 of the networks for mesh and iris, on crops that the captured pose
-    lays; nan in frames that are held. sizes: how many times smaller the picture is made first."""
+    """Sizes x N x POINTS x 2 of the networks for mesh and iris, on crops placed by the captured
+    pose; nan in frames that are held. sizes: how many times smaller the picture is made first."""
     crops = [crops_of(performance, labels.frame, times) for times in sizes]
     places = np.full((len(sizes), len(labels.frame), len(POINTS), 2), np.nan)
     shots = Footage(footage_of(labels.clip)).frames(int(labels.frame[0]), int(labels.frame[-1]))

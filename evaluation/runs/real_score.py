@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from evaluation.runs.real_labels import POINTS, Labels
 
-# Along a margin nothing tells one place from the next: only how far off it lies is counted
+# Points along a margin all look alike: only the error across it is counted
 ACROSS_EYE = ("lids",)
 ACROSS_MOUTH = ("outer lips", "inner lips")
 FEATURES = {

@@ -17,13 +17,13 @@ from evaluation.runs.real_labels import Labels, footage_of
 
 RUN = 8  # frames
 NUM_RUNS = 12  # of a clip, its stillest
-PICTURE = 40  # pixels along a side of the face by which stillness is told
+PICTURE = 40  # pixels along a side of the face picture in which stillness is measured
 
 
 def crops_of(
     performance: Performance, frames: NDArray[np.int64], times: int = 1
 ) -> list[_core.FeatureCrops]:
-    """The squares that the captured pose lays about face and eyes, frame by frame. times: in a
+    """The squares about face and eyes by the captured pose, frame by frame. times: in a
     picture that much smaller (`shrunk`)."""
     anchors = feature_anchors(performance.neutral_vertices, load_template())
     full = RefinedSurface(performance).camera
@@ -37,7 +37,7 @@ def crops_of(
 
 
 def still_runs(clip: str, performance: Performance) -> NDArray[np.int64]:
-    """R x RUN frames: the runs in which the face's picture, in the squares that the pose lays,
+    """R x RUN frames: the runs in which the face's picture, in the squares placed by the pose,
     changes least. None overlap; none has a frame that is held or repeats the one before."""
     frames = performance.frame
     crops = crops_of(performance, frames)

@@ -130,7 +130,7 @@ class MIMETIC_OT_bake(Job, Operator):
         return message
 
     def write_bound(self, scene, performance, take, head, clip):
-        """On a character's own head; says all that it does not play."""
+        """On a character's own head; the message names all that it cannot play."""
         summary = scene_out.bound.bake(scene, performance, take, head, clip, self.use_head_motion)
         for remark in summary.left_out:
             self.report({"WARNING"}, remark)

@@ -8,7 +8,7 @@ from ..scene_out import landmarks
 
 
 class Pinning:
-    """Mixin of operators that change pins: `change(context, clip)` returns what to tell."""
+    """Mixin of operators that change pins: `change(context, clip)` returns the message."""
 
     bl_options = {"REGISTER", "UNDO"}
     needs_selection = True

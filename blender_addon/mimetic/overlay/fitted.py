@@ -24,7 +24,7 @@ def draw_fit() -> None:
     if not settings.show_fit or native.problem() or clip is None:
         return
     if context.space_data.show_stable and clip.tracking.stabilization.use_2d_stabilization:
-        return  # Blender does not tell where it shows the picture then
+        return  # Blender does not give the picture's place then
     batch = _batch(context)
     if batch is None:
         return
@@ -53,7 +53,7 @@ def _batch(context):
     global _last
     try:
         fit = face_fit.of_clip(context.edit_movieclip)
-    except native.known_errors():  # it was edited into nonsense; the buttons say so
+    except native.known_errors():  # its JSON was edited and is no fit; the buttons say so
         return None
     if fit is None:
         return None

@@ -42,7 +42,7 @@ class Capture:
             self.draw_pins(layout, settings)
 
     def draw_clip(self, layout, clip):
-        """Whose face and take the buttons below mean."""
+        """The clip whose face and take the buttons below use."""
         if clips.is_missing(clip):
             layout.label(text=f"{clip.name} is missing", icon="ERROR")
             layout.operator("mimetic.find_missing")
@@ -51,7 +51,7 @@ class Capture:
         layout.label(text=f"{clip.name}: {scene_out.face_fit.summary(clip)}", icon="FILE_MOVIE")
 
     def draw_rate(self, layout, context):
-        """Where clip and scene part; nothing is said while they do not."""
+        """How the clip's time differs from the scene's; nothing while they agree."""
         remark = clip_time.remark(context.scene, scene_in.clip_of(context))
         for i, line in enumerate(wrapped(remark, 44)):
             layout.label(text=line, icon="NONE" if i else "TIME")

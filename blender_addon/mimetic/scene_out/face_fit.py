@@ -75,7 +75,7 @@ def summary(clip: bpy.types.MovieClip) -> str:
 
 
 def of_clip(clip: bpy.types.MovieClip | None):
-    """The clip's FaceFit, or None; raises InvalidInput if it was edited into nonsense."""
+    """The clip's FaceFit, or None; raises InvalidInput if its JSON was edited and is no fit."""
     record = clips.find(clip) if clip else None
     content = record.face_fit if record else ""
     if not content:

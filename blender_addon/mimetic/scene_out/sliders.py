@@ -61,7 +61,7 @@ def moves(
 def set_values(face: bpy.types.Object, values: Mapping[str, float]) -> None:
     """Sets the named sliders and leaves the others; sliders end at their own limits.
 
-    Faster than setting each by its property, which tells Blender of a change every time.
+    Faster than setting each by its property, which notifies Blender every time.
     """
     keys = face.data.shape_keys
     blocks = keys.key_blocks

@@ -12,7 +12,7 @@ __all__ = ["InvalidInput", "UnreadableMedia", "__version__"]
 
 
 def __getattr__(name: str) -> object:
-    """The core's names, loaded when first asked for: the command line hears Ctrl-C before."""
+    """The core's names, loaded on first use: the command line handles Ctrl-C before that."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from mimetic import _core

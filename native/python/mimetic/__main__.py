@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where a process of the command line begins."""
+"""The entry point of the command line."""
 
 import sys
 

@@ -30,7 +30,7 @@ def median_ms(work: Callable[[int], object]) -> float:
 
 
 def load_extension() -> str:
-    """By its file: the folder beside it has the package's name, so stays off the path."""
+    """Imports it by its file: a folder beside it has the package's name and stays off sys.path."""
     spec = importlib.util.spec_from_file_location("headless_bake", HEADLESS)
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)

@@ -135,7 +135,7 @@ def _evidence(described: np.ndarray, mean: np.ndarray, basis: np.ndarray) -> np.
 
 
 def _ridge(values: np.ndarray, targets: np.ndarray) -> np.ndarray:
-    """Outputs x inputs; the constant, the last input, is not held back."""
+    """Outputs x inputs; the constant, the last input, is not regularised."""
     gram = (values.T @ values).astype(float)
     size = np.trace(gram[:-1, :-1]) / (len(gram) - 1)
     gram[np.diag_indices(len(gram) - 1)] += RIDGE * size

@@ -94,7 +94,7 @@ def difference_figure(comparison: Comparison, template: FaceTemplate) -> Figure:
 def motion_lengths(
     comparison: Comparison,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """V each, millimetres: by the unit, seen, and seen beyond the unit."""
+    """V each, millimetres: motion by the unit, observed motion, and the difference."""
     by_unit = 1000 * np.sqrt((comparison.by_unit**2).sum(axis=1))
     seen = 1000 * np.sqrt((comparison.seen**2).sum(axis=1))
     return by_unit, seen, seen - by_unit

@@ -93,5 +93,5 @@ def table(header: list[str], rows: list[list[str]]) -> str:
 
 
 def text(words: str) -> str:
-    """Words that may come from a file, in the page's own language."""
+    """Text that may come from a file, escaped for HTML."""
     return html.escape(shown(words))

@@ -32,7 +32,7 @@ class Published:
     source: str
 
 
-# Bands of other people's smiles, measured otherwise: beside ours, never a verdict on them
+# Published ranges of other people's smiles, measured by other means: for comparison only
 PUBLISHED = (
     Published(
         "onset_seconds",
@@ -210,13 +210,13 @@ def summary_of(smile: Smile) -> str:
             side = "left" if uneven.value > 0 else "right"
             parts.append(f"Stronger on the subject's {side} ({uneven.value:+.2f}).")
         else:
-            parts.append(f"No difference between the sides can be told ({uneven.value:+.2f}).")
+            parts.append(f"No significant difference between the sides ({uneven.value:+.2f}).")
     return " ".join(parts)
 
 
 def _eye_words(smile: Smile) -> str:
     if smile.eye_event is None:
-        return "No contraction about the eyes can be told from the capture's own error."
+        return "No contraction about the eyes exceeds the capture's own error."
     ratio = smile.eye_ratio
     words = (
         f"The eye group contracts too, {ratio.value:.1f} times as much "
@@ -228,7 +228,7 @@ def _eye_words(smile: Smile) -> str:
     times = f"{lag.value:+.1f} frames, {lag.lower:+.1f} to {lag.upper:+.1f}"
     if smile.eye_delay.delay.is_delayed:
         return f"{words}, {'after' if lag.value > 0 else 'before'} the mouth ({times})."
-    return f"{words}; that it begins earlier or later cannot be told ({times})."
+    return f"{words}; no significant delay ({times})."
 
 
 def _amplitude(event: Event) -> str:

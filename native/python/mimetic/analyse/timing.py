@@ -27,7 +27,7 @@ class Curve:
     group: int  # 1 to 7
     values: NDArray[np.float64]  # N, 0 to 1
     stds: NDArray[np.float64]  # N
-    measured_std: float  # of what the smoother saw: a group's muscles
+    measured_std: float  # of the curves that were smoothed: a group's muscles
 
 
 @dataclass(frozen=True)

@@ -99,7 +99,7 @@ def delay_figure(timing: Timing) -> Figure:
         )
     panel.set_yticks(range(len(pairs)), labels, fontsize=7)
     panel.set_ylim(max(1, len(pairs)) - 0.5, -0.5)
-    panel.set_xlabel("frames later (95 % interval); hollow: no delay can be told", fontsize=8)
+    panel.set_xlabel("frames later (95 % interval); hollow: no significant delay", fontsize=8)
     panel.tick_params(axis="x", labelsize=7)
     return figure
 

@@ -65,10 +65,10 @@ def _parts(timing: Timing, smiles: list[Smile], pictures: dict[str, bytes]) -> I
     yield drawing.section("Delays between groups", *_delay_parts(timing.delays, pictures))
     yield drawing.section("Smiles", *_smile_parts(smiles, pictures))
     yield drawing.section(
-        "What this cannot tell",
+        "What this cannot determine",
         drawing.paragraph(
             "Only the surface is seen: a slow fall may be a muscle that lets go slowly or skin "
-            "that relaxes. Which of the two it is cannot be told from video alone. Intervals "
+            "that relaxes. Which of the two it is cannot be determined from video. Intervals "
             "count the curve's own noise, as the capture's smoother correlates it, and for "
             "amplitudes the capture's standard deviations; they do not count a wrong fit."
         ),
@@ -109,7 +109,7 @@ def _delay_parts(pairs: list[GroupDelay], pictures: dict[str, bytes]) -> Iterato
     delayed = [pair for pair in pairs if pair.delay.is_delayed]
     yield drawing.picture(pictures["delays"], "delays between groups")
     yield drawing.paragraph(
-        f"{len(delayed)} of {len(pairs)} pairs are delayed: the 95 % interval leaves 0 out, fewer "
+        f"{len(delayed)} of {len(pairs)} pairs are delayed: the 95 % interval excludes 0, fewer "
         "than 5 % of circular shifts correlate as well, and the fitted onsets and apexes agree "
         "in sign.",
         "caption",

@@ -24,7 +24,7 @@ Floats = NDArray[np.float64]
 def object_from_character(
     points: ArrayLike, landmarks: Mapping[str, int | ArrayLike], metres_from_object: ArrayLike
 ) -> Floats:
-    """4 x 4: where the head is in an object, and how it looks there, as its landmarks tell.
+    """4 x 4: where the head is in an object, and where it faces there, by its landmarks.
 
     points: V x 3, the object's frame; landmarks: name -> vertex, or place in metres;
     metres_from_object: 4 x 4, as it was for those places.

@@ -54,11 +54,13 @@ class ForeignFace:
 
     @cached_property
     def live_contact(self) -> LiveContact:
-        """Solved when first asked for."""
+        """Solved on first use."""
         return LiveContact(self.head.make_contact().turned(self.object_from_head))
 
 
-_kept: dict[tuple[bytes, bytes, bytes, Marks, bytes], ForeignFace] = {}  # the last asked for last
+_kept: dict[
+    tuple[bytes, bytes, bytes, Marks, bytes], ForeignFace
+] = {}  # the most recently used last
 _kept_lock = threading.Lock()
 
 
@@ -92,7 +94,7 @@ def attach_face(
     with _kept_lock:
         _kept[key] = face
         while len(_kept) > KEPT:
-            _kept.pop(next(iter(_kept)))  # asked for longest ago
+            _kept.pop(next(iter(_kept)))  # the least recently used
     return face
 
 

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Muscles, jaw, lids, extras and contact on any head's own mesh, given by landmarks.
 
-The template is laid onto the head (`foreign_registration`). What anatomy says by region, materials,
-what is held, how much hangs on the jaw, how far lids turn, is read from there; the skin itself is
-solved on the head's own triangles.
+The template is registered to the head (`foreign_registration`). What anatomy says by region (the
+materials, which skin is held, how far it follows the jaw, how far lids turn) is read from there;
+the skin itself is solved on the head's own triangles.
 """
 
 from __future__ import annotations
@@ -52,9 +52,9 @@ from mimetic.shared.progress import Progress, check_goes_on, stages
 from mimetic.skin.mesh import SkinMesh, canonical_skin, multiply
 from mimetic.template.face_template import FaceTemplate
 
-TOO_FAR = 0.015  # m from the laid template: body, hair; such skin is held
+TOO_FAR = 0.015  # m from the registered template: body, hair; such skin is held
 SEAM_STIFFNESS = 0.05  # times young and pre-stress, where the lips are one surface
-COSTS = 3.0, 0.7, 0.3  # seconds: laying the template, the skin's factor, the modes
+COSTS = 3.0, 0.7, 0.3  # seconds: registering the template, factoring the skin, the modes
 TOUCH_GAP = 0.003  # m; points of the template's lips and lids so near to the skin can touch
 
 
@@ -64,9 +64,9 @@ class ForeignHead:
 
     anatomy and extras: modes over the mesh's own V vertices, in its own axes, metres; strengths:
     newtons; make_contact: the contact of its lips and lids, in these axes, solved when asked for;
-    registered: the template's vertices laid onto the head, in the mesh's coordinates; eye_centers:
+    registered: the template's vertices registered to the head, mesh coordinates; eye_centers:
     2 x 3, left first, likewise; mesh_from_template: from the template's axes and size; gap_mm:
-    median and 95 % distance of the free skin from the template laid onto it; notes: what was
+    median and 95 % distance of the free skin from the registered template; notes: what was
     assumed or repaired.
     """
 
@@ -139,7 +139,7 @@ def _force_scales(scale: float) -> NDArray[np.float64]:
 
 
 class _Carried:
-    """A foreign skin with all that is read from the template laid onto it."""
+    """A foreign skin with all that is read from the template registered to it."""
 
     def __init__(self, skin: ForeignSkin, laid: SkinMesh):
         self.skin, self.laid = skin, laid
@@ -196,7 +196,7 @@ class _Carried:
         return self._to_mesh(pulled.responses * pulled.strengths[:, None, None]), pulled.strengths
 
     def _carry(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Places on the laid template's skin to those on this one."""
+        """Places on the registered template's skin to those on this one."""
         frontal = self.laid.seen_from_front
         vertex = frontal[_core.nearest(points, self.laid.vertices[frontal])]
         return self._onto(vertex, points).values(self.skin.vertices)
@@ -219,7 +219,7 @@ class _Carried:
         return _core.CompressedRows(starts, corners.ravel(), weights.ravel(), count)
 
     def _onto(self, laid_vertex: ArrayLike, points: NDArray[np.float64]) -> _core.SkinPlaces:
-        """Places on this skin of points by vertices of the laid template."""
+        """Places on this skin of points by vertices of the registered template."""
         vertex = np.atleast_1d(laid_vertex)
         return self.own.find(
             np.atleast_2d(points), self.source.normals[vertex], self.source.lip[vertex]
@@ -298,7 +298,7 @@ class _Carried:
         return list(self._to_mesh(np.stack(modes)))
 
     def _turn_lids(self, frame: EyeFrame, laid_angle: NDArray[np.float64]) -> NDArray[np.float64]:
-        """N x 3: skin turned about an eye by the angles of the laid template (S, or none)."""
+        """N x 3: skin turned about an eye by the angles of the registered template (S, or none)."""
         points = self.skin.vertices
         if not len(laid_angle):
             return np.zeros_like(points)

@@ -18,7 +18,7 @@ AROUND_NOSE = 0.025  # nostrils
 
 def hole_notes(skin: ForeignSkin, laid: SkinMesh, free: NDArray[np.bool_]) -> tuple[str, ...]:
     """A note, naming a face of the caller's, for each hole in free skin (N) that is not an eye's,
-    the mouth's, a nostril's or the end of the mesh. laid: the template on this skin."""
+    the mouth's, a nostril's or the end of the mesh. laid: the registered template."""
     places = [(frame.centre, AROUND_EYE) for frame in eye_frames(laid)]
     inner = [skin.landmarks[f"lip_{lip}_inner"] for lip in ("upper", "lower")]
     places += [(np.mean(inner, axis=0), AROUND_MOUTH), (skin.landmarks["nose_tip"], AROUND_NOSE)]

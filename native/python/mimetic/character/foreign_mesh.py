@@ -115,7 +115,7 @@ def read_skin(
     core = [names.index(name) for name in REQUIRED]
     canonical = template.vertices[[template.landmark(name) for name in REQUIRED]]
     user_from_skin = fit_similarity(canonical, targets[core])
-    check_span(_core.PUPIL_DISTANCE * user_from_skin.scale, "the eyes, as the landmarks tell,")
+    check_span(_core.PUPIL_DISTANCE * user_from_skin.scale, "the eyes, by the landmarks,")
     front = [names.index(name) for name in FRONT]
     mesh = _core.read_foreign_skin(points, triangles, face, names, targets, front, user_from_skin)
     collapsed = mesh.num_collapsed

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The template laid onto another head: by landmarks, then as an elastic skin drawn to the surface.
+"""Registration of the template to another head: by landmarks, then as an elastic skin.
 
 First a radial-basis warp through the landmarks, then rounds of non-rigid closest points (Amberg
 2007) with our own shell as the regulariser: the foundation of `_core.SkinModel` is the pull to the
@@ -30,7 +30,7 @@ def lipped(mesh: SkinMesh) -> _core.LippedSurface:
 
 
 def lipped_skin(skin: ForeignSkin, laid: SkinMesh) -> _core.LippedSurface:
-    """A foreign skin, its lips told by the template on it."""
+    """A foreign skin, its two lips distinguished by the registered template."""
     return _core.LippedSurface(skin.vertices, skin.triangles, skin.surface, _lips(laid))
 
 
@@ -49,7 +49,9 @@ def lay_template(
     held = [template.landmark(name) for name in skin.landmarks]
     targets = np.array(list(skin.landmarks.values()))
     neutral = _core.warp_points(template.vertices, template.vertices[held], targets)
-    with warnings.catch_warnings():  # the template's own folds are no business of the caller
+    with (
+        warnings.catch_warnings()
+    ):  # warnings about the template's own folds do not concern the caller
         warnings.simplefilter("ignore")
         mesh = _sound(template, neutral)
         if mesh is None:
@@ -58,9 +60,9 @@ def lay_template(
                 f"check {', '.join(skin.landmarks)}"
             )
         for number, reach in enumerate(REACHES):
-            check_goes_on(progress, number / len(REACHES), "laying the template on the head")
+            check_goes_on(progress, number / len(REACHES), "fitting the template to the head")
             closer = _sound(template, _draw(mesh, held, targets, skin, reach))
-            if closer is None:  # folded: the round before is less close, and whole
+            if closer is None:  # it folded over: the round before fits less closely, without folds
                 break
             mesh = closer
     return mesh
@@ -69,7 +71,7 @@ def lay_template(
 def _sound(template: FaceTemplate, neutral: NDArray[np.float64]) -> SkinMesh | None:
     mesh = SkinMesh(template, neutral)
     try:
-        _ = mesh.vertices  # unfolded, or refused
+        _ = mesh.vertices  # raises where faces stay turned over
     except InvalidInput:
         return None
     return mesh

@@ -84,7 +84,7 @@ class Chunks:
         return self.floats(described, described["type"])
 
     def add_view(self, content: bytes, like: int) -> int:
-        """A buffer view of the same use as another; returns its index."""
+        """Adds a buffer view with the target and stride of another; returns its index."""
         self.views.append(bytearray(content))
         self.document["bufferViews"].append(dict(self.document["bufferViews"][like]))
         return len(self.views) - 1

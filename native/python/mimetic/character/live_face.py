@@ -43,7 +43,7 @@ OCTAHEDRON_FACES = np.array(
 
 @dataclass(frozen=True)
 class Pose:
-    """A shape of the face, and what its sliders say."""
+    """A shape of the face, and the values of its sliders."""
 
     refined: NDArray[np.float64]  # N x 3, head frame
     normals: NDArray[np.float64]  # N x 3, unit

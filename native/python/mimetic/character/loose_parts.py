@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What lies on and in a foreign head besides its skin: teeth, eyes, lashes, hair.
 
-A loose part is what most of it lies nearest to on the template laid onto the head: lower teeth and
+A loose part is what most of it lies nearest to on the registered template: lower teeth and
 tongue go with the jaw, upper teeth and eyes stay, what lies close to the skin follows it.
 """
 

@@ -24,7 +24,7 @@ SENSOR_MM = 36.0
 
 @dataclass(frozen=True)
 class HeadMotion:
-    quaternions: NDArray[np.float64]  # N x 4, w x y z, neighbours on one side: no flips
+    quaternions: NDArray[np.float64]  # N x 4, w x y z, signs without jumps from frame to frame
     locations: NDArray[np.float64]  # N x 3, metres
 
 

@@ -13,7 +13,7 @@ from mimetic.performance.document import Performance
 def anchors(performance: Performance) -> NDArray[np.float64]:
     """N x 2 x 2 pixels: the face's centre, and a point above it that goes with the head.
 
-    Holding both still takes out the head's way through the picture, its roll, and its nearing.
+    Holding both still removes the head's translation in the picture, its roll and its scale.
     The second one's distance follows depth alone: a head that turns or nods is not zoomed.
     """
     height = float(performance.image_size[1])

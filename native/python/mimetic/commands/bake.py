@@ -112,7 +112,7 @@ def parse_target(text: str) -> dict:
 
 
 def check_footage(performance: os.PathLike[str], footage: os.PathLike[str]) -> None:
-    """Raises InvalidInput for footage that the performance was not captured from, if it says."""
+    """Raises InvalidInput for footage other than what the performance names, if it names any."""
     check_input(footage, "a video file")
     captured = Performance.load(performance)
     if captured.footage and not captured.is_of(fingerprint(footage)):
@@ -197,7 +197,7 @@ def extension_folder() -> Path:
 
 
 def _remove_left_beside(aside: Path) -> None:
-    """What a Blender that was ended had begun: files and folders named after `aside`."""
+    """Removes what a Blender that was ended left: files and folders named after `aside`."""
     for left in aside.parent.glob(f".{aside.stem}.*"):
         if left.is_dir():
             shutil.rmtree(left, ignore_errors=True)

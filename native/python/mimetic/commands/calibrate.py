@@ -40,7 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_calibrate(arguments: argparse.Namespace) -> int:
-    """Writes the fit and tells what was found; bad input raises, and writes nothing."""
+    """Writes the fit and prints the factors; bad input raises, and writes nothing."""
     out = arguments.out
     check_target(out, arguments.footage)
     fit = FaceFit.load(arguments.fit) if arguments.fit else None
@@ -64,7 +64,7 @@ def run_calibrate(arguments: argparse.Namespace) -> int:
 
 
 def described(result: CalibrationResult) -> str:
-    """What was result: a line for each factor with the range of one standard deviation."""
+    """The result as text: a line for each factor with the range of one standard deviation."""
     calibration = result.calibration
     lines = ["attachment of the skin to the bone, times what is assumed"]
     lines += [

@@ -93,7 +93,7 @@ def _make_parser(arguments: list[str]) -> argparse.ArgumentParser:
 
 
 def _write_any_name(stream: TextIO) -> None:
-    """Names of files may hold what the stream's encoding lacks: that is no reason to fail."""
+    """Escapes what the stream's encoding lacks, as in names of files, instead of failing."""
     if hasattr(stream, "reconfigure"):
         stream.reconfigure(errors="backslashreplace")
 

@@ -72,7 +72,7 @@ def parse_place(text: str) -> tuple[float, float]:
 
 
 def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, draw: Draw) -> int:
-    """Follows, saves, draws, tells; returns the exit status.
+    """Follows the clip, saves, draws and reports; returns the exit status.
 
     costs: of following, with a fit, and of what comes after, for the time left. The results
     appear in the folder together when all are done; of a run that is stopped, or fails after the

@@ -66,7 +66,7 @@ class FaceFit:
         return {view.frame: dict(view.pins) for view in self.views if view.pins}
 
     def head_place(self) -> tuple[float, float]:
-        """The pixel of the head's origin in the reference frame: tells this person from others."""
+        """The pixel of the head's origin in the reference frame: which person it is."""
         place = self.intrinsics @ self.head_pose[:3, 3]
         return float(place[0] / place[2]), float(place[1] / place[2])
 

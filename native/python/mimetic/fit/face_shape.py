@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How faces differ, as few independent coefficients as a fit needs.
 
-Identity modes and residual modes overlap, and hundreds of them are more than a picture tells
-apart. Their joint prior over the face has principal components; the solver moves along those, and
-each set of components stands for the likeliest identity and residual coefficients.
+Identity modes and residual modes overlap, and hundreds of them are more than a picture
+determines. Their joint prior over the face has principal components; the solver moves along those,
+and each set of components stands for the likeliest identity and residual coefficients.
 """
 
 from __future__ import annotations

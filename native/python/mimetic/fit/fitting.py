@@ -36,7 +36,7 @@ __all__ = [
 
 DEFAULT_FOCAL = 1.2  # image widths: a webcam's 45 degrees
 LARGEST_ERROR = 0.1  # rms of a face that was found, pupil distances; usual are 0.02
-LEAST_FOLLOWED = 20  # points, for a view to tell anything
+LEAST_FOLLOWED = 20  # points, for a view to be of use
 SYMMETRY_SIZE = 96  # pixels of the canonical picture that is compared with its mirror image
 LEAST_SYMMETRY = 0.12  # below, the head lies beside the face; well-fitted ones have 0.2 to 0.9
 LINES = ("lip_line", "jaw")  # sharper in the picture than points on them
@@ -48,13 +48,13 @@ class NoFace(InvalidInput):
 
 
 def face_likelihood(image: NDArray[np.uint8]) -> float:
-    """Of the likeliest face in an image (H, W, 3) RGB, 0 where there is none."""
+    """That of the likeliest face in an image (H, W, 3) RGB, 0 where there is none."""
     return max((face.likelihood for face in _locator().locate(as_rgb(image))), default=0.0)
 
 
 @dataclass(frozen=True)
 class Judged:
-    """What the finder says of one frame; by all but features frames of a clip compare."""
+    """What the finder measures in one frame; all but `features` compare a clip's frames."""
 
     score: float
     detail: float
@@ -63,7 +63,7 @@ class Judged:
 
 
 def judge_frame(image: NDArray[np.uint8], near: tuple[float, float] | None = None) -> Judged | None:
-    """What there is to say of the face that `find_face` would take, None without one.
+    """Measures the face that `find_face` would take; None where there is no face.
 
     near: as `find_face` has it
     """
@@ -269,7 +269,7 @@ def lone_view(
     camera: _core.Camera,
     template: FaceTemplate,
 ) -> FittedView | None:
-    """A picture by itself: its landmarks, from the features found, and the pose that they tell."""
+    """A picture by itself: its landmarks, from the features found, and their pose."""
     landmarks = measured_landmarks(image, features)
     model = face_model(template)
     estimate = _core.fit_face(model, [_core.FaceView(landmarks)], camera)
@@ -310,7 +310,7 @@ def _estimate_of(fit: FaceFit, template: FaceTemplate) -> _core.FaceEstimate:
 def _solved_again(
     fit: FaceFit, template: FaceTemplate, estimate: _core.FaceEstimate, views: list[FittedView]
 ) -> FaceFit:
-    """What is known of the person and was said of the footage stays."""
+    """The fit of a new estimate, with the relief, calibration and warnings that it had."""
     solved_fit = _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
     return replace(solved_fit, relief=fit.relief, calibration=fit.calibration)
 

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which way round the modes of a face are, as the coefficients in fit.json count them.
+"""The signs of a face's modes, as the coefficients in fit.json count them.
 
 A mode and its opposite are the same direction: what solves for them chooses one. The core takes
-the one with its largest share positive; files of schema 2 on were written with others reversed.
+the one with its largest share positive; files of schema 2 on were written with some inverted.
 """
 
 from __future__ import annotations

@@ -19,7 +19,7 @@ def with_networks(
 ) -> _core.FaceFeatures:
     """The features, at eyes and mouth by the networks where they are installed.
 
-    image: (H, W, 3) uint8 RGB; estimate: of the head in this picture alone; it lays the crops.
+    image: (H, W, 3) uint8 RGB; estimate: of the head in this picture alone; it places the crops.
     """
     networks = installed_networks()
     if networks is None:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Footage that was filmed sideways, and does not say so: it is told from upright footage."""
+"""Footage that was filmed sideways, with no rotation in the file: it is recognised by the face."""
 
 from __future__ import annotations
 

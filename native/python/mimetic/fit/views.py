@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Other frames of a clip beside the reference: what they show together, one alone does not.
 
-A single picture hardly tells a bent head from other proportions. Between frames in which the head
-has turned, near parts of the face move further than far ones: that tells depth, and with it pitch.
+A single picture hardly distinguishes a bent head from other proportions. Between frames in which
+the head has turned, near parts of the face move further than far ones: that gives depth and pitch.
 """
 
 from __future__ import annotations

@@ -80,7 +80,7 @@ def _arrays_of(prefix: str, space: _core.Eigenspace) -> dict[str, NDArray]:
     return {
         f"{prefix}_size": np.array([space.width, space.height]),
         f"{prefix}_mean": space.mean,
-        # Single precision halves the file and is far below what pixels tell
+        # Single precision halves the file and is far finer than what pixels resolve
         f"{prefix}_basis": space.basis.astype(np.float32),
         f"{prefix}_eigenvalues": space.eigenvalues,
         f"{prefix}_rho": np.array(space.rho),

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points of eyes and mouth by networks that have seen real faces, on crops that the pose lays."""
+"""Points of eyes and mouth by networks that have seen real faces, on crops placed by the pose."""
 
 from __future__ import annotations
 

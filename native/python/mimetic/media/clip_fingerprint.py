@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What tells one video file from another: its content, wherever it is and whatever it is called."""
+"""Identifies a video file by its content, wherever it is and whatever it is called."""
 
 from __future__ import annotations
 

@@ -10,7 +10,7 @@ CUT_DIFFERENCE = 18.0  # mean change of grey levels from frame to frame
 
 
 class CutWatch:
-    """Tells where another scene starts, frame by frame."""
+    """Detects where another scene starts, frame by frame."""
 
     def __init__(self, before: NDArray[np.uint8] | None = None) -> None:
         self._before = None if before is None else self._shrink(before)
@@ -23,5 +23,5 @@ class CutWatch:
 
     @staticmethod
     def _shrink(image: NDArray[np.uint8]) -> NDArray[np.float64]:
-        """The little of a frame that tells a cut, grey levels."""
+        """A small copy of a frame, enough to detect a cut; grey levels."""
         return image[::8, ::8].mean(axis=2)

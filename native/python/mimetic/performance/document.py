@@ -211,8 +211,7 @@ class Performance:
                 bad = next(i for i, row in enumerate(value) if not is_bounded(row))
                 where = f" at frame {self.frame[bad]}"
             raise InvalidInput(
-                f"performance {key} is not finite{where}, or beyond all measure; capture the "
-                "footage again"
+                f"performance {key} is not finite{where}, or too large; capture the footage again"
             )
 
     def _check_ranges(self) -> None:

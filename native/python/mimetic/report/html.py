@@ -68,7 +68,7 @@ td.number { text-align: right; }
 
 
 def check_report_packages() -> None:
-    """Tells before hours of work that the report could not be drawn; raises InvalidInput."""
+    """Raises InvalidInput, before hours of work, if the report could not be drawn."""
     if importlib.util.find_spec("matplotlib") is None:
         raise InvalidInput(
             "the report needs matplotlib, which is not installed: pip install 'mimetic[report]'"
@@ -117,7 +117,7 @@ def _parts(performance: Performance, footage: Footage, summary: CaptureSummary) 
 
 
 def _html(text: str) -> str:
-    """Text that may come from a file, in the page's own language."""
+    """Text that may come from a file, escaped for HTML."""
     return html.escape(shown(text))
 
 

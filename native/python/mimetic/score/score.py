@@ -28,7 +28,7 @@ Document = TypeVar("Document", Truth, Performance)
 
 @dataclass
 class Score:
-    """All figures of one clip; nan where the truth cannot tell."""
+    """All figures of one clip; nan where the truth does not determine them."""
 
     name: str
     num_frames: int

@@ -45,7 +45,7 @@ def surface_motion(points: Floats, seen: Bools, predicted: Floats) -> dict[str, 
     """Scores of predicted points (N,K,3), each in its own head frame, against true ones.
 
     Head frames of two models differ by how each was fitted, so the predicted motion is turned by
-    the rotation that best lays its points of frame 0 on the true ones; what is compared is motion.
+    the rotation that best aligns its points of frame 0 with the true ones; only motion counts.
     """
     scores = _core.score_surface_motion(points, seen, predicted)
     return {
@@ -107,7 +107,7 @@ def lag_frames(true: Floats, estimated: Floats) -> float:
 
 
 def activations(true: Floats, estimated: Floats, std: Floats) -> dict[str, float]:
-    """Overall figures of activations (N,M) and how honest their standard deviations are.
+    """Overall figures of activations (N,M) and whether their standard deviations hold.
 
     Values that truth leaves silent are easily held, being bounded at 0, and most values of a face
     are: so the intervals' share is that of the values that truth moves, the silent ones beside it.

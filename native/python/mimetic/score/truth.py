@@ -111,7 +111,7 @@ class Truth:
             actual = (1,) if key == "fps" else np.shape(value)
             check_shape(f"truth {key}", actual, shape, lengths, LARGEST)
             if kind == "f" and not is_bounded(np.asarray(value)):
-                raise InvalidInput(f"truth {key} is not finite, or beyond all measure")
+                raise InvalidInput(f"truth {key} is not finite, or too large")
             if kind == "U" and key != "expressions":
                 check_names(f"truth {key}", value)
         if lengths["N"] < 2 or lengths["K"] < 1:

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ground that every stage stands on: arrays in files, rotations, pictures, installed data."""
+"""What every stage uses: arrays in files, rotations, pictures, installed data."""

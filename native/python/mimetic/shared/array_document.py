@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Documents that are archives of arrays: which keys of which shapes, held before any is read."""
+"""Documents that are archives of arrays: which keys of which shapes, checked before any is read."""
 
 from __future__ import annotations
 

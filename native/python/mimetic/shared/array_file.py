@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reading numpy archives from strangers: headers first, no pickles, no more memory than allowed.
+"""Reading untrusted numpy archives: headers first, no pickles, no more memory than allowed.
 
 An .npz is a zip of .npy files, each a header and numbers. The header is a literal of Python's,
-which is matched here and never evaluated; what it claims is held against the bytes that are there
-and against the memory that the numbers will take once converted, before any is set aside.
+which is matched here and never evaluated; what it claims is compared with the bytes that are there
+and with the memory that the converted numbers take, before any is allocated.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A few numbers that tell whether points were changed, whatever single precision did to them.
+"""A few numbers by which changed points are recognised, despite rounding to single precision.
 
-A hash would do for points that are copied alone; shapes that go along with a neutral that is
-sculpted are rounded anew.
+A hash would do for points that are only copied, but shapes that follow a sculpted neutral are
+rounded again.
 """
 
 from __future__ import annotations

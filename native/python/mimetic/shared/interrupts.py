@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ctrl-C and SIGTERM: a command ends well by either, and its status says by which.
+"""Ctrl-C and SIGTERM: a command ends cleanly on either, and its exit status says on which.
 
-Nothing is imported here that takes time: signals are heard from a process's first moments.
+Nothing is imported here that takes time: signals are handled from a process's first moments.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class Ended(KeyboardInterrupt):
 
 
 class Interrupt:
-    """Whether a signal has asked to stop (call it), and the exit status that tells so."""
+    """Whether a signal has asked to stop (call it), and the exit status for that signal."""
 
     number: int | None = None  # of the signal
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""JSON from strangers: as long, as deep and with such numbers as is sensible, and no others."""
+"""Reading JSON that is not trusted: its length, depth and numbers are limited."""
 
 from __future__ import annotations
 

@@ -31,13 +31,13 @@ class Costs:
 
 
 def check_goes_on(progress: Progress | None, fraction: float, text: str) -> None:
-    """Tells how far work is that is of no use in part; raises KeyboardInterrupt when stopped."""
+    """Reports progress of work that is of no use in part; raises KeyboardInterrupt when stopped."""
     if progress is not None and not progress(fraction, text):
         raise KeyboardInterrupt
 
 
 def stages(progress: Progress | None, *costs: float) -> list[Progress]:
-    """A progress for each stage of some work: takes the stage's fraction, tells that of the whole.
+    """A progress for each stage of some work: takes its fraction, reports that of the whole.
 
     progress: of the whole; None shows nothing and never stops. costs: of the stages, in turn.
     """

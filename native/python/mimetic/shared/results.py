@@ -103,7 +103,7 @@ def _fresh_folder(out: Path) -> Path:
 
 @contextlib.contextmanager
 def _alone_in(folder: Path) -> Iterator[None]:
-    """Waits for other processes that publish in the same folder, where the system can tell."""
+    """Waits for other processes that publish in the same folder, where the system has locks."""
     try:
         import fcntl
     except ImportError:  # Windows

@@ -68,7 +68,7 @@ def choose(sightings: Sequence[_core.Sighting], num_moving: int) -> list[_core.S
     largest = float(np.sqrt((values[strongest] ** 2).sum()))
     if largest < LEAST_SEEN:
         raise NothingSeen(
-            "no expression was seen, so that skin and muscles cannot be told: all factors stay at "
+            "no expression was seen, so skin and muscles cannot be estimated: all factors stay at "
             "1; choose frames in which the face moves (--frames A:B), best every part of it"
         )
     apart = min(LEAST_APART, largest / 2)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where lids' margins and lips' edges run on the canonical head, for the evidence there."""
+"""Where lids' margins and lips' edges run on the canonical head, for the line evidence."""
 
 from __future__ import annotations
 

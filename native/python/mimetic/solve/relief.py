@@ -36,7 +36,7 @@ def find_relief(
     """Coefficients of the components of `face_shape` by which the fitted head should differ.
 
     sightings: of the fitted head in several frames; modes: M x S x 3 and std: M, prior, of the
-    muscles and articulators with which it was followed. Empty with too few frames to tell, and when
+    muscles and articulators with which it was followed. Empty with too few frames, and when
     progress (a fraction -> go on?) says to stop.
     """
     if len(sightings) < LEAST_SIGHTINGS:

@@ -14,8 +14,8 @@ from mimetic.solve.features import feature_inputs
 from mimetic.template.face_template import FaceTemplate
 
 # Hair, neck and ears move on their own or show no skin; mouth and sockets are seen only now and
-# then. Lids are measured twice, here and by their look: over a blink flow loses them, but at rest
-# they are a tenth of what shows of a face.
+# then. Lids are measured twice, by flow and by their own evidence: in a blink flow loses them,
+# but at rest they are a tenth of the visible face.
 UNMEASURED = ("scalp", "neck", "ear", "mouth_cavity", "eye_socket")
 ACTIVATION_STD = 0.3
 # How far articulators stray from rest; from the front a camera hardly sees the jaw's thrust.

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Walking through a clip after a face or a head: cuts, searches, and what to say in the end."""
+"""Following a face or a head through a clip: cuts, searches, and the notes at the end."""
 
 from __future__ import annotations
 
@@ -139,7 +139,7 @@ class ClipWalk:
             )
 
     def notes(self, rows: Rows, about: Iterable[str] = ()) -> list[str]:
-        """What there is to say of the clip, the fit, `about` the capture, and how it went.
+        """Notes on the clip, the fit, the capture (`about`), and how it went.
 
         The last: an early stop, held frames, where another face was seen. The summary has all of
         it too.
