@@ -158,7 +158,7 @@ def _in_order(whole: _Numbering, faces: np.ndarray, uv: np.ndarray, part: np.nda
 
 
 def _face_parts(mesh: ObjMesh, neutral: np.ndarray, nose_tip: int) -> np.ndarray:
-    """Part of every base-mesh face, -1 where dropped; mouth and sockets by texture islands."""
+    """Part of every base-mesh face, -1 where dropped; texture islands tell mouth and sockets."""
     part = np.full(len(mesh.faces), -1)
     for group, name in PART_OF_GROUP.items():
         part[mesh.groups == group] = PART_NAMES.index(name)

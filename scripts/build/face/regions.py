@@ -176,7 +176,7 @@ def _paint_mouth_and_chin(p: RegionPainter) -> None:
 
 
 def _upper_lip(p: RegionPainter, ring: np.ndarray) -> np.ndarray:
-    """Vermilion above the slit: decided on the outermost ring, carried inwards by the columns."""
+    """Vermilion above the slit: told on the outermost ring, handed inwards along the columns."""
     faces = p._cut.faces[p._cut.part == PART_NAMES.index("skin")]
     upper = (ring == VERMILION_RINGS) & (p.y > p.at("mouth_corner.L")[1] - 0.3)
     pairs = np.concatenate([faces[:, [i, (i + 1) % 4]] for i in range(4)])

@@ -3,7 +3,7 @@
 
 usage: python convert.py CACHE OUT; runs under the environment of scripts/make_networks.
 
-The mesh with attention is cut at operators that ONNX lacks: they turn a region of the feature
+The mesh with attention is cut at operators that ONNX has not: they turn a region of the feature
 maps, which the mesh's own points lay, into a square, and what a head sees in it back. That is left
 to native/src/locate/attention.cpp.
 """

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Part of a TensorFlow Lite network as ONNX, from some of its tensors to others.
 
-tflite2onnx converts whole networks, and only if all their operators are standard. A network
+tflite2onnx turns a whole network round, and only if all its operators are ordinary ones. A network
 with operators of its own is cut at them; what they do is left to whoever runs the parts.
 """
 
