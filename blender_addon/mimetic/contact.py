@@ -152,7 +152,7 @@ def _maker(scene, face: bpy.types.Object, rest: np.ndarray) -> Callable:
 
 
 def _poll() -> float | None:
-    """Has faces looked at again once they are known."""
+    """Makes Blender evaluate faces again once their contact is known."""
     if any(state.thread.is_alive() for state in _states.values()):
         return POLL_SECONDS
     for name in _states:

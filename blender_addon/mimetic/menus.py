@@ -6,7 +6,7 @@ from bpy.types import Menu
 
 from . import native, operators
 
-# None draws a line. The way from footage to file, as in the panel
+# None draws a line. In the order of the work, from footage to file, as in the panel
 CLIP = (
     *("load_clip", "scene_as_clip", None),
     *("find_face", "pick_face", "show_landmarks", "pin", "unpin", "follow_pins", None),

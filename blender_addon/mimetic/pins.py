@@ -2,7 +2,7 @@
 """Landmarks that the user drags: each becomes a pin, and the fit follows while the mouse moves.
 
 The clip's markers are looked at by a timer, as no event comes while a marker is dragged.
-All that lasts is in the file, so that undo needs no care: markers and fit go back together.
+All lasting state is in the .blend, so undo needs no code: markers and fit go back together.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ def unpin(clip, names: list[str]) -> None:
 
 
 def watch() -> float:
-    """The timer: seconds until it wants to look again."""
+    """The timer's callback: returns the seconds until its next call."""
     scene = bpy.context.scene
     if not scene or not scene.mimetic.use_live_pins or jobs.running or native.problem():
         _states.clear()

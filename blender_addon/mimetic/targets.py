@@ -68,7 +68,7 @@ def no_head_target(context) -> str:
 
 
 def no_curves(context) -> str:
-    """Why the keys of the face's curves cannot be made few."""
+    """Why the face's curves cannot be replaced by few keys."""
     if reason := scene_in.no_face(context) or writable.no_shapes(scene_in.face_of(context)):
         return reason
     keys = scene_in.face_of(context).data.shape_keys

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`mimetic evaluate ablations`: the capture with one part taken away or set wrong at a time."""
+"""`mimetic evaluate ablations`: the capture with one part at a time left out or set wrong."""
 
 from __future__ import annotations
 

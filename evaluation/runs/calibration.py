@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`mimetic evaluate calibration`: what knowing a person's skin is worth on frames not seen yet.
+"""`mimetic evaluate calibration`: what calibration to a person gains on frames that it did not use.
 
 Each person is calibrated on the first part of a clip; the whole clip is captured with and without,
 from the same fit, and scored on both parts. Truth is moved by muscles attached 3 mm elsewhere on
@@ -57,7 +57,7 @@ class Scored:
 
 @dataclass(frozen=True)
 class Person:
-    """One clip: what was found, and scores by what was known and part."""
+    """One clip: the factors, and scores by calibration used and part of the clip."""
 
     name: str
     found: dict[str, float]

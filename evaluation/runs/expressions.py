@@ -114,7 +114,7 @@ def shown_expressions(
 def _figures(
     expression: ShownExpression, truth: Truth, performance: Performance, method: str, rows: slice
 ) -> None:
-    """What a performance says beyond the surface, under "method: figure"."""
+    """Figures of a performance beside its surface, under "method: figure"."""
 
     def put(name: str, values: list[float]) -> None:
         expression.figures[f"{method}: {name}"] = values

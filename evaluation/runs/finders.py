@@ -66,7 +66,7 @@ def run_cascade(file: str, stills: Stills) -> Run:
     """A cascade, its votes as scores.
 
     A cascade gives a box alone; the parts are taken at fixed shares of it, the medians over this
-    very set: the best that a box can say, known only in hindsight.
+    very set: an upper limit for a box, known only in hindsight.
     """
     detector = _core.CascadeDetector(str(data_folder() / file))
     answers, seconds = _timed(detector.detect, stills)

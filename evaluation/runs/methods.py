@@ -41,7 +41,7 @@ def peers(
     start: NDArray[np.float64],
     mesh_python: Path | None,
 ) -> dict[str, Motion]:
-    """Methods without muscles by name. performance: lends its fitted neutral surface alone."""
+    """Methods without muscles by name. performance: only its fitted neutral surface is used."""
     vertices = SeenVertices.under(performance, start)
     flow = dis_tracks(images, np.concatenate([start, vertices.pixels]))
     motions = {

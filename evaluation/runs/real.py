@@ -71,7 +71,7 @@ def score_fits(report: Report) -> Iterator[tuple[list[RealScore], list[Sightings
 def score_clip(
     labels: Labels, performance: Performance, python: Path | None, report: Report
 ) -> tuple[list[RealScore], list[Sightings]]:
-    """Every method on one clip. python: of scripts/face_mesh_env, where it is to be had."""
+    """Every method on one clip. python: of scripts/face_mesh_env, where it is available."""
     runs = still_runs(labels.clip, performance)
     every = with_frames(labels, runs.ravel())
     places_by_method = {OURS: by_capture(every, performance)}

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What the networks' points are off by, in sides of their crops: for locate/feature_noise.hpp.
 
-*Jitter*: standard deviation from frame to frame where the face keeps still, the pose's motion taken
-away; independent. *Error*: what is left beside the marked points once the person's bias is known,
+*Jitter*: standard deviation where the face keeps still, the pose's motion removed; independent from
+frame to frame. *Error*: what is left beside the marked points once the person's bias is known,
 the 68th percentile; it stays while pose and expression do, and the marking's own error is in it.
 Both along the line of the eye or the mouth and across it; along margins nothing is marked.
 """

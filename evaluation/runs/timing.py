@@ -27,7 +27,7 @@ Report = Callable[[str], None]
 
 @dataclass(frozen=True)
 class GroupEvent:
-    """One true event of a group, and what was made of it. Frames, counted from 1."""
+    """One true event of a group, and its estimate. Frames, counted from 1."""
 
     clip: str
     condition: str
@@ -42,7 +42,7 @@ class GroupEvent:
     exponent_error: float = math.nan
     exponent_held: bool = False
     model: str = ""
-    # of the middle of the application, where its height is half: what a delay rests on
+    # of the middle of the application, at half its height: what delays depend on
     half_error: float = math.nan
 
 

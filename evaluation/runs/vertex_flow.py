@@ -26,7 +26,7 @@ ROBUST_PX = 0.7  # residuals larger than this count less and less
 class SeenVertices:
     """The fitted surface's P vertices about K pixels of the first frame.
 
-    performance lends its surface and pose of the first frame, nothing else.
+    Of the performance only its surface and its pose of the first frame are used.
     """
 
     pixels: NDArray[np.float64]  # P x 2, in the first frame

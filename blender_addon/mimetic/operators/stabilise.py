@@ -7,7 +7,7 @@ from ..jobs import Job
 
 
 class MIMETIC_OT_hold_head_still(Job, Operator):
-    """Stabilise the clip's view on the head, to judge the face by; no file is changed"""
+    """Stabilise the clip's view on the head, so that only the face moves; no file is changed"""
 
     bl_idname = "mimetic.hold_head_still"
     bl_label = "Hold Head Still"

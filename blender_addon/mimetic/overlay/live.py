@@ -37,7 +37,7 @@ def mark_changed(name: str) -> None:
 
 
 def problem_of(face: bpy.types.Object) -> str:
-    """Why nothing is drawn over a face that was looked at, or the empty string."""
+    """Why nothing is drawn over a face, or the empty string."""
     return _views[face.name].problem if face.name in _views else ""
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The way from footage to file, top to bottom, the same in both editors."""
+"""The steps from footage to file, top to bottom, the same in both editors."""
 
 from bpy.types import Panel
 

@@ -78,7 +78,7 @@ def new_take(id_block: bpy.types.ID, name: str):
 
 
 def continued_take(id_block: bpy.types.ID, name: str):
-    """As `new_take`, but with a copy of all curves that were there: what else moves goes on."""
+    """As `new_take`, but with a copy of all curves that were there, so that other motion stays."""
     animation = id_block.animation_data
     if animation is None or animation.action is None:
         return new_take(id_block, name)

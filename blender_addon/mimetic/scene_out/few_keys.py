@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Curves that are there, by few keys with handles."""
+"""Replaces the curves of a face by few keys with handles."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A performance as a file of its own, .blend or .glb, from a scene that is ours alone."""
+"""A performance as a file of its own, .blend or .glb, from a scene made for it."""
 
 from __future__ import annotations
 

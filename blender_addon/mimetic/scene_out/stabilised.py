@@ -69,7 +69,7 @@ def _show(clip) -> None:
 
 
 def _call(clip, operator, names) -> None:
-    """Runs one of the clip editor's operators on some tracks: they have no other way in."""
+    """Runs one of the clip editor's operators on some tracks: there is no other interface."""
     tracking = clip.tracking
     camera = tracking.objects[0]
     before = tracking.objects.active
@@ -91,7 +91,7 @@ def _call(clip, operator, names) -> None:
 
 @contextmanager
 def _clip_editor(clip):
-    """A context in a clip editor with the clip; an area of another kind lends itself if need be."""
+    """A context in a clip editor with the clip; without one, another area becomes one meanwhile."""
     window = bpy.context.window or bpy.context.window_manager.windows[0]
     areas = list(window.screen.areas)
     area = next((a for a in areas if a.type == "CLIP_EDITOR"), areas[0])

@@ -24,7 +24,7 @@ ROUNDS = 15
 
 
 def pictures() -> tuple[np.ndarray, np.ndarray]:
-    """480 x 640 x 3 uint8: a frame of a person between black bars, and blots that are nobody."""
+    """480 x 640 x 3 uint8: a frame of a person between black bars, and blots that are no faces."""
     frame = Footage(CLIP).read(FRAME)
     with_face = np.zeros((480, 640, 3), np.uint8)
     with_face[60:420] = frame

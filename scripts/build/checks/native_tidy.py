@@ -73,7 +73,7 @@ def state_of(source: Path, command: str) -> str:
 
 def check(source: Path) -> str:
     """What clang-tidy reports of a source; empty if all is well."""
-    # The compile command is g++'s: its warnings are its own affair, and partly unknown to clang
+    # The compile command is g++'s: its warning options do not apply, and clang does not know all
     command = [TIDY, "-p", BUILD, "--quiet", "--extra-arg=-w", source]
     ran = subprocess.run(command, capture_output=True, text=True, cwd=ROOT)
     if ran.returncode == 0:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Contact of a take as shapes with curves: what parts lips and lids where they would overlap.
+"""Contact of a take as shapes with curves, which part lips and lids where they would overlap.
 
 A performance's surface is a linear sum and has no contact. Its corrections over time lie close to a
 few shapes; frames in which nothing touches have the value 0.

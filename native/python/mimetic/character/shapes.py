@@ -120,7 +120,7 @@ def shapes_of_anatomy(anatomy: Anatomy) -> list[Shape]:
 
 
 def shapes_of_extras(extras: Extras) -> list[Shape]:
-    """Lips in parts, air and gaze: for the hand, no take has them."""
+    """Lips in parts, air and gaze: set by hand; no take moves them."""
     entries = zip(extras.names, extras.groups, extras.modes, extras.limits, strict=True)
     return [_slider(name, group, modes, *limits) for name, group, modes, limits in entries]
 
@@ -150,6 +150,6 @@ def _shape(
 
 
 def _detail(i: int, offsets: NDArray, values: NDArray[np.float64]) -> Shape:
-    # Coefficients have any size; a slider wants -1 to 1
+    # Coefficients have any size; a slider's range is -1 to 1
     scale = float(np.abs(values).max()) or 1.0
     return _shape(f"detail.{i:03d}", DETAIL, offsets * scale, values / scale, -1.0)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Curves by few keys with handles, for the hand, within a stated error of the dense ones."""
+"""Curves by few keys with handles, to edit by hand, within a tolerance of the dense ones."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ def sparse_keys(
 
 
 def check_tolerance(tolerance: float) -> None:
-    """Raises InvalidInput for a tolerance that no curve can be meant to have."""
+    """Raises InvalidInput for a tolerance outside LEAST_TOLERANCE to MOST_TOLERANCE."""
     if not LEAST_TOLERANCE <= tolerance <= MOST_TOLERANCE:
         raise InvalidInput(
             f"the tolerance of few keys is {tolerance:g}; it must lie between {LEAST_TOLERANCE:g} "

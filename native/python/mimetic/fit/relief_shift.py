@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the relief of a head shifts in pictures of it from other sides."""
+"""By how much the relief of a head shifts its landmarks in pictures from other directions."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A fit holds for the clip that it was found in: what was measured there is looked for again."""
+"""A fit is valid for the clip that it was made from: what was measured there is measured again."""
 
 from __future__ import annotations
 

@@ -26,7 +26,7 @@ from mimetic.solve.tracking import ACTIVATION_STD
 from mimetic.solve.walk import ClipWalk, Image, Pose, proved
 from mimetic.template.face_template import FaceTemplate, load_template
 
-Seen = tuple[int, _core.HeadEstimate | None]  # None: a head was seen, but is not surely this one
+Seen = tuple[int, _core.HeadEstimate | None]  # None: a head was seen, but not certainly this one
 MODELS = ("ellipsoid", "plane", "surface")
 # The regions of skin that each model leaves out. The patch is the face's; hair hides the scalp,
 # but the skull is what makes a head an ellipsoid.
@@ -148,7 +148,7 @@ class _HeadMotion:
         pose = np.asarray(fit.head_pose, dtype=np.float64)
         tracker = _core.HeadTracker(fit.camera, shape, reference, pose, self.options)
         rows = self._both_ways(tracker, reference)
-        # What later frames say about the head's shape and the reference poses serves earlier ones.
+        # Later frames inform the head's shape and the reference poses for earlier ones.
         if not summary.stopped and tracker.relax():
             again = self._both_ways(tracker, reference)
             rows = rows if summary.stopped else again

@@ -19,8 +19,8 @@ FILE_NAME = "face_landmarks.npz"  # in the folder of installed data
 BETWEEN_PREFIX = "skin."  # of points that have no name of their own
 NUM_PLACES = 44  # on the left half and the midline, named ones among them
 ALIKE = 1.6  # what sigma is multiplied by: landmarks of a face err together
-# Nothing marks these points: they follow from the rest of the face as in drawn people; lines that
-# are measured say more of a real one
+# Nothing in a picture marks these points: they follow from the rest of the face as in drawn
+# people; measured lines are better evidence of a real one
 ON_BARE_SKIN = (BETWEEN_PREFIX, "gonion", "zygion", "tragus")
 BARE = 3.0  # what sigma there is multiplied by, too
 SHAPES: dict[str, tuple[int | str, ...]] = {

@@ -34,7 +34,7 @@ class HeadDrawing:
 
 
 def _height_of(neutral_vertices: NDArray[np.float64]) -> tuple[float, float]:
-    """Chin and crown (metres, y of the head frame): past them an ellipsoid stands for no skin."""
+    """Chin and crown (metres, y of the head frame): beyond, the ellipsoid has no skin."""
     template = load_template()
     chin = neutral_vertices[template.landmark("menton"), 1]
     return float(chin), float(neutral_vertices[: template.num_skin_vertices, 1].max())

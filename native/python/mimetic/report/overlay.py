@@ -132,7 +132,7 @@ def _encode(pictures: Pictures, path: Path, fps: Fraction, name: str) -> bool:
         *(ffmpeg_program(), "-hide_banner", "-v", "error", "-y"),
         *("-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{width}x{height}"),
         *("-r", f"{fps.numerator}/{fps.denominator}", "-i", "pipe:0"),
-        # H.264 in players' common form wants even sides.
+        # H.264 as common players read it needs even sides.
         *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2", "-c:v", "libx264", "-preset", "veryfast"),
         *("-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart"),
         f"file:{path.absolute()}",

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which files may be read, and which may be written: checked before the work, in one place.
 
-Only regular files are either: a pipe is waited for forever, a device never ends, and one that is
-replaced is gone for everybody.
+Only regular files are either: a read of a pipe waits forever, a device never ends, and replacing
+one takes it from all programs.
 """
 
 from __future__ import annotations

@@ -49,7 +49,7 @@ def calibrate(
     """The fit with the calibration that `frames` of the footage make most probable.
 
     fit: of this footage, found if there is none; what it was calibrated to before is replaced.
-    progress: as `pipeline.capture` has it; False raises KeyboardInterrupt. Raises NothingSeen where
+    progress: as in `clip_capture.capture`; False raises KeyboardInterrupt. Raises NothingSeen where
     no expression was seen, NoFace, UnreadableMedia, InvalidInput.
     """
     footage = Footage(path)

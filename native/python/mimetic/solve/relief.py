@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How deep a face is at each place, from frames in which the head is turned otherwise."""
+"""The depth of a face at each place, from frames in which the head is turned differently."""
 
 from __future__ import annotations
 

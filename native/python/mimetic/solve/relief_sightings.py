@@ -54,7 +54,7 @@ def with_relief(
     anatomy = modes_of(attach_skin(neutral, template, calibration=fit.calibration))
     motion = tracking.face_motion(neutral, template, anatomy)
     reference = footage.read(fit.frame)
-    # Relief moves points along the rays of one frame: no other may lend its texture.
+    # Relief moves points along the rays of one frame: so no other frame's texture may be used.
     options = _core.TrackerOptions()
     options.max_key_views = 0
     tracker = tracking.make_tracker(reference, fit, template, anatomy, motion, options)
