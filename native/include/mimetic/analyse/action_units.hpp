@@ -5,8 +5,8 @@
 
 namespace mimetic {
 
-/// A model's points laid on a head by points that both have: affine where the two differ by an affine map,
-/// and the smoothest correction of it elsewhere (the spline of kernel r).
+/// A model's points aligned with a head by points that both have: affine where the two differ by an affine
+/// map, and the smoothest correction of it elsewhere (the spline of kernel r).
 class PointWarp {
 public:
     /// from, to: A x 3, the same points in the model and on the head, A at least 5 and not in a plane. Throws
@@ -19,8 +19,8 @@ private:
     Eigen::MatrixXd weights_;  // (A + 4) x 3
 };
 
-/// A field that points make about them: each moves skin within the radius, in proportion to how near it is;
-/// where several reach, their mean weighted by nearness, and no more than each alone. vertices: V x 3;
+/// Displacement field around points: each moves skin within the radius, in proportion to its nearness; where
+/// several overlap, their mean weighted by nearness, and no more than each alone. vertices: V x 3;
 /// is_skin: V, others stay; places, displacements: K x 3, all metres. Throws InvalidInput.
 Points displacement_about(PointsIn vertices, const std::vector<bool>& is_skin, PointsIn places,
                           PointsIn displacements, double radius);

@@ -12,11 +12,11 @@ Eigen::VectorXd skin_areas(PointsIn vertices, QuadsIn faces, const std::vector<b
 /// S.d. of each vertex's displacement (V, metres) from independent s.d. of values (M) of modes (M x 3V).
 Eigen::VectorXd displacement_std(MatrixIn modes, VectorIn stds);
 
-/// A seen displacement beside what an action unit would do.
+/// A measured displacement compared with that of an action unit.
 struct SpatialComparison {
     double intensity;                  ///< of the unit, by least squares within its region
     double inside_explained;           ///< R2 of the unit at that intensity within its region
-    double outside_share;              ///< of the seen displacement's energy, outside the region
+    double outside_share;              ///< of the measured displacement's energy, outside the region
     double outside_significant_share;  ///< the same of what is beyond two standard deviations alone
     double gini;                       ///< of the energy over the skin: 0 spread evenly, 1 in one place
 };
@@ -41,7 +41,7 @@ struct TemporalComparison {
 /// Throws InvalidInput.
 TemporalComparison compare_courses(MatrixIn displacements, VectorIn areas, int begin, int apex);
 
-/// What of a mesh is seen along -z, back to front: faces that point to z, with how much light they catch.
+/// The faces of a mesh that are visible along -z, back to front, with their shading.
 struct FacesInView {
     std::vector<int> faces;
     Eigen::VectorXd shades;  ///< 0 to 1, of those faces

@@ -4,12 +4,12 @@
 
 namespace mimetic {
 
-/// What smoothing does to a curve, and how the errors that it leaves hang together over time.
+/// What smoothing does to a curve, and how the remaining errors are correlated over time.
 ///
 /// A capture's smoother weighs each frame's measurement against small second differences, so that a smoothed
 /// curve is H z of measurements z with H = (I + ratio^2 D'D)^-1, D the second differences; independent noise
 /// of the measurements then has the covariance H H' up to its scale. A performance stores no covariance
-/// between frames: this is derived from what the smoother is known to do (docs/guide/timing.md).
+/// between frames: this is derived from the smoother's equations (docs/guide/timing.md).
 class CurveNoise {
 public:
     /// num_frames consecutive frames, 3 to 2000; ratio: s.d. of a measurement over that of a second
@@ -22,7 +22,7 @@ public:
     /// N x C: errors of smoothed curves with root mean square 1, of independent N x C standard normals.
     Eigen::MatrixXd correlated(const Eigen::Ref<const Eigen::MatrixXd>& normals) const;
 
-    /// How many independent values N correlated ones are worth, for estimating a variance.
+    /// Effective number of independent values among N correlated ones, for estimating a variance.
     double effective_count() const { return effective_count_; }
 
 private:

@@ -7,7 +7,7 @@ namespace mimetic {
 
 struct DelayOptions {
     int max_lag = 12;        ///< frames, 1 to 200
-    double timing_std = .3;  ///< frames by which a capture may time one curve against another, beside noise
+    double timing_std = .3;  ///< frames: s.d. of a capture's timing between two curves, beside noise
     int num_draws = 200;     ///< 0 to 10000
     unsigned seed = 1;
     void check() const;  ///< throws InvalidInput: field, value, limit
@@ -15,18 +15,17 @@ struct DelayOptions {
 
 /// How much later the application of one curve comes than that of another.
 struct Delay {
-    Interval lag;            ///< frames, by the peak of the cross-correlation of rates; above 0: later
-    double correlation = 0;  ///< of the rates at the peak
-    double onset_lag = 0;    ///< the same by the fitted onsets, as a check
-    double apex_lag = 0;     ///< and by the fitted ends of the application
-    double chance = 1;       ///< share of circular shifts of the other curve that correlate as well
-    bool is_delayed =
-        false;  ///< the interval leaves 0 out, the chance is under .05, the check agrees in sign
+    Interval lag;             ///< frames, by the peak of the cross-correlation of rates; above 0: later
+    double correlation = 0;   ///< of the rates at the peak
+    double onset_lag = 0;     ///< the same by the fitted onsets, as a check
+    double apex_lag = 0;      ///< and by the fitted ends of the application
+    double chance = 1;        ///< share of circular shifts of the other curve that correlate as well
+    bool is_delayed = false;  ///< the interval excludes 0, the chance is under .05, the check agrees in sign
 };
 
-/// The delay of an event of `curve` (N) behind one of `leader` (N). None where either is not certain, begins
-/// before the clip, or their applications lie farther apart than max_lag: nothing is there to compare.
-/// Throws InvalidInput on other lengths.
+/// The delay of an event of `curve` (N) behind one of `leader` (N). None where either is not certain or
+/// begins before the clip, or where their applications are more than max_lag apart. Throws InvalidInput on
+/// other lengths.
 std::optional<Delay> estimate_delay(VectorIn frames, VectorIn leader, const PhaseFit& leader_fit,
                                     VectorIn curve, const PhaseFit& fit, const DelayOptions& options = {});
 

@@ -4,7 +4,7 @@
 
 namespace mimetic {
 
-/// Means of several columns, and what they may be off by.
+/// Means of several columns, with their standard deviations.
 struct MeanCurves {
     MatrixRows values;             ///< N x G
     MatrixRows stds;               ///< N x G, columns taken as independent

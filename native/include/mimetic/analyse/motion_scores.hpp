@@ -6,7 +6,7 @@
 
 namespace mimetic {
 
-/// Points count as moving where truth takes them farther than this from where rigid motion would.
+/// Points count as moving where the truth is farther than this from rigid motion.
 constexpr double kMovingPx = .75;
 constexpr double kMovingMetres = .001;
 
@@ -17,12 +17,12 @@ using TracksIn = MatrixIn;
 /// Which points count in which frames: N x K, 0 or 1.
 using SeenIn = const Eigen::Ref<const Rows<std::uint8_t, Eigen::Dynamic>>&;
 
-/// What predicted tracks are worth against true ones, from where they are in the first frame.
+/// Scores of predicted tracks against true ones, relative to their positions in the first frame.
 struct ImageScores {
     double explained,
-        explained_beyond_head;           ///< R2 without a mean of all motion, of that beyond rigid motion
+        explained_beyond_head;           ///< R2 about zero of all motion, and of that beyond rigid motion
     double median_px, percentile_95_px;  ///< of the distance
-    double moving_median_px;             ///< of points that rigid motion leaves behind
+    double moving_median_px;             ///< of points that move beyond rigid motion
     double beyond_head_rms_px;           ///< of the true motion
 };
 
@@ -31,12 +31,12 @@ struct ImageScores {
 ImageScores score_image_motion(TracksIn tracks, TracksIn rigid, SeenIn seen, TracksIn predicted);
 
 /// Metres of the surface in two head frames. Head frames of two models differ by how each was fitted: the
-/// predicted motion is turned by the rotation that best lays its first points on the true ones.
+/// predicted motion is turned by the rotation that best aligns its first points with the true ones.
 struct SurfaceScores {
     double explained;         ///< R2
     double median_mm;         ///< of the distance, the first frame's taken out
     double moving_median_mm;  ///< of points that move
-    double shape_median_mm;   ///< of the first frame's points, laid on each other
+    double shape_median_mm;   ///< of the first frame's points, aligned
 };
 
 /// points, predicted: N x 3K. Throws InvalidInput on arrays of different shapes.

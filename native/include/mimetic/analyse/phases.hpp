@@ -47,9 +47,9 @@ struct PhaseFit {
     double explained = 0;                       ///< R2 about the mean
     double linear_explained = 0;                ///< R2 of the best linear ramp
     int first = 0, last = 0;                    ///< rows of the curve that were fitted
-    bool begins_before = false;  ///< it is there when the clip begins: onset and exponent are not known
-    bool ends_after = false;     ///< it is there when the clip ends: release and what follows are not known
-    bool is_certain = false;     ///< its amplitude is beyond what the capture may be wrong by
+    bool begins_before = false;  ///< active when the clip begins: onset and exponent are not known
+    bool ends_after = false;     ///< active when the clip ends: release and relaxation are not known
+    bool is_certain = false;     ///< its amplitude is significant against the capture's error
 };
 
 struct PhaseOptions {
@@ -57,7 +57,7 @@ struct PhaseOptions {
     double least_drop = .35;       ///< of its height that the curve must fall by between two events
     double certainty = 1.64;       ///< standard deviations of a certain event's amplitude
     double robust_scale = .05;     ///< of soft L1
-    double timing_std = .5;        ///< frames by which a capture may time a change beside the curve's noise
+    double timing_std = .5;        ///< frames: s.d. of a capture's timing, beside the curve's noise
     double measured_std = 0;       ///< of what was smoothed, where a curve is a mean of several; 0: its own
     int num_draws = 100;           ///< of the parametric bootstrap, 0 to 10000
     unsigned seed = 1;
@@ -65,13 +65,14 @@ struct PhaseOptions {
 };
 
 /// Events of a curve, in order. frames, values, stds: N, frames rising; usable: N, false where a frame is
-/// held and says nothing. stds are of each value, most of it error that stays the same from frame to frame:
-/// it counts against the amplitude, while the times' intervals come from the curve's own noise about the fit.
-/// Models are fitted through what the smoother does to a curve. Throws InvalidInput on other lengths.
+/// held and carries no information. stds are of each value, most of it error that stays the same from frame
+/// to frame: it counts against the amplitude, while the times' intervals come from the curve's own noise
+/// about the fit. Models are fitted through what the smoother does to a curve. Throws InvalidInput on other
+/// lengths.
 std::vector<PhaseFit> fit_phases(VectorIn frames, VectorIn values, VectorIn stds,
                                  const std::vector<bool>& usable, const PhaseOptions& options = {});
 
-/// A draw of the fitted curve as it might as well have been captured: rows first to last. Column per draw.
+/// Parametric bootstrap draws of the fitted curve: rows first to last, a column a draw.
 Eigen::MatrixXd draw_curves(const PhaseFit& fit, VectorIn frames, int num_draws, unsigned seed);
 
 }  // namespace mimetic

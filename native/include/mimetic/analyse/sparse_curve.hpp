@@ -15,8 +15,8 @@ struct SparseCurve {
 };
 
 /// The fewest keys that were found to stay within `tolerance` (above 0) of a dense curve. Keys lie first at
-/// the change points of its events, rest before and after each among them, then where the curve is farthest
-/// off. What is at rest stays there. frames, values: N, frames rising. Throws InvalidInput.
+/// the change points of its events, rest before and after each among them, then where the error is
+/// largest. What is at rest stays at rest. frames, values: N, frames rising. Throws InvalidInput.
 SparseCurve reduce_curve(VectorIn frames, VectorIn values, double tolerance);
 
 }  // namespace mimetic

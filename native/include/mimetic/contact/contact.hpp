@@ -6,7 +6,7 @@
 
 namespace mimetic {
 
-/// Two rims across a slit that can touch: lips, or the lids of an eye. Numbers of points.
+/// Two rims across a slit that can touch: lips, or the lids of an eye. Indices of points.
 struct Slit {
     std::vector<int> upper;
     std::vector<int> lower;
@@ -14,33 +14,34 @@ struct Slit {
 };
 
 struct ContactOptions {
-    double deepest = 0.012;     ///< m; what lies deeper in the other rim has come from elsewhere
-    double tolerance = 2e-5;    ///< m, of overlap that is left alone
-    double softness = 1e-3;     ///< of the mean compliance, added: close points are nearly the same
+    double deepest = 0.012;   ///< m; what penetrates the other rim deeper is no contact across this slit
+    double tolerance = 2e-5;  ///< m, of overlap that is tolerated
+    double softness =
+        1e-3;  ///< of the mean compliance, added to the diagonal: close points are nearly dependent
     double relaxation = 1.5;    ///< of projected Gauss-Seidel: 1 to below 2
     double convergence = 1e-4;  ///< of the largest force: smaller changes end the sweeps
     int max_sweeps = 300;
-    int max_rounds = 6;  ///< of finding what touches and parting it
+    int max_rounds = 6;  ///< of detecting contacts and resolving them
 
     void check() const;  ///< throws InvalidInput: field, value, limit
 };
 
-/// Contact without friction on an elastic skin, of points that can touch across slits. Forces are upward
-/// (y), for a head that stands upright: f >= 0 between the rims, at work only where the gap is closed. What
-/// overlaps at rest may overlap as much ever after.
+/// Frictionless contact on an elastic skin, of points that can touch across slits. Forces are upward (y), for
+/// an upright head: f >= 0 between the rims, above 0 only where the gap is closed. An overlap at rest is
+/// allowed to remain.
 class ContactSolver {
 public:
     using Response = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
     /// rest: C x 3; response: C x 3C, row j how the points move (xyz interleaved, m) under one upward newton
-    /// at point j. Throws InvalidInput on numbers of points that do not exist.
+    /// at point j. Throws InvalidInput on indices out of range.
     ContactSolver(PointsIn rest, std::vector<Slit> slits, const Eigen::Ref<const Response>& response,
                   const ContactOptions& options = {});
 
-    /// Upward forces, C, that part what overlaps at these displacements (C x 3); all 0 if nothing does.
+    /// Upward forces, C, that resolve the overlaps at these displacements (C x 3); all 0 if there are none.
     Eigen::VectorXd solve(PointsIn displacements) const;
 
-    /// Gaps of what overlaps, metres, all negative.
+    /// Gaps of the overlaps, metres, all negative.
     Eigen::VectorXd gaps(PointsIn displacements) const;
 
 private:
@@ -71,7 +72,7 @@ private:
     ContactOptions options_;
 };
 
-/// Forces f >= 0 with compliance * f + gaps >= 0, at work only where that is 0: projected Gauss-Seidel.
+/// Forces f >= 0 with compliance * f + gaps >= 0, f above 0 only where that is 0: projected Gauss-Seidel.
 Eigen::VectorXd part_overlaps(const Eigen::MatrixXd& compliance, const Eigen::VectorXd& gaps,
                               const ContactOptions& options = {});
 

@@ -17,13 +17,13 @@ struct TouchPoints {
     std::vector<Slit> slits;
 };
 
-/// Skin that lies on an eye and slides there: what would sink into it is put back to its distance.
+/// Skin that slides on an eye: what would penetrate the eyeball is pushed back to its distance.
 struct EyeRest {
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
     std::vector<int> vertices;  ///< E base vertices
     Points rest;                ///< E x 3, their places at rest, metres
-    Eigen::VectorXd share;      ///< E, how much of sinking is put back, 1 at the margin of the lids
-    double sink = 0;            ///< m, that is left alone
+    Eigen::VectorXd share;      ///< E, share of the penetration that is undone, 1 at the lids' margin
+    double sink = 0;            ///< m, of penetration that is tolerated
 
     Points push(PointsIn displacement) const;  ///< E x 3, away from the eye's centre
 };
@@ -34,18 +34,18 @@ struct EyeRest {
 EyeRest rest_on_eye(const MuscleSurface& surface, PointsIn margin, PointsIn rest,
                     const Eigen::Vector3d& centre, double reach, double size);
 
-/// What contact has to know of a skin that yields: B base vertices, V of the whole head.
+/// The deformable skin that contact acts on: B base vertices, V of the whole head.
 struct YieldingSkin {
     const SkinModel& model;       ///< its unknowns are the free base vertices
-    std::vector<bool> free;       ///< B; what is held does not move
+    std::vector<bool> free;       ///< B; held ones do not move
     std::vector<int> moves_with;  ///< V, the base vertex that each vertex of the head goes with; -1: none
     std::vector<int> read;        ///< B, the vertex of the head that is each base vertex
 };
 
-/// What lips and lids of a head do to each other: contact without friction, for shapes at rest.
+/// Frictionless contact between the lips and between the lids of a head, quasi-static.
 ///
 /// Modes add up linearly and do not interact, so that lips that are pressed together would pass
-/// through each other. The smallest forces between them that part them again are a linear complementarity
+/// through each other. The smallest contact forces that separate them solve a linear complementarity
 /// problem on the skin's own compliance, condensed to the points that can touch. Displacements are in metres,
 /// in the head frame, or in that of `turned`.
 class SkinContact {
@@ -54,18 +54,18 @@ public:
 
     SkinContact(const TouchPoints& touch, const std::vector<EyeRest>& eyes, const YieldingSkin& skin);
 
-    const std::vector<int>& vertices() const;  ///< K of the head that are looked at
-    const std::vector<int>& moved() const;     ///< W of the head that yield
+    const std::vector<int>& vertices() const;  ///< K of the head that are tested
+    const std::vector<int>& moved() const;     ///< W of the head that contact may displace
     int num_slits() const;
 
-    /// Displacement of `moved` (W x 3) that parts lips and lids; none if nothing touches. displacement: K x
-    /// 3, of `vertices`.
+    /// Displacement of `moved` (W x 3) that separates lips and lids; empty if nothing overlaps. displacement:
+    /// K x 3, of `vertices`.
     std::optional<Corrections> correction(PointsIn displacement) const;
 
-    /// The displacement (V x 3) with lips and lids parted; unchanged where nothing touches.
+    /// The displacement (V x 3) with lips and lids separated; unchanged where nothing overlaps.
     Points relieve(PointsIn displacement) const;
 
-    /// Gaps of what overlaps at a displacement (V x 3), metres, all negative.
+    /// Gaps of the overlaps at a displacement (V x 3), metres, all negative.
     Eigen::VectorXd gaps(PointsIn displacement) const;
 
     /// The same contact for displacements in another frame: linear * those of this.

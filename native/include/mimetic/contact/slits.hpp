@@ -18,8 +18,8 @@ Slit lip_slit(PointsIn vertices, TrianglesIn triangles, const MuscleSurface& sur
 /// lids; corners: 2 x 3, the inner and the outer corner of the eye; size: as for lip_slit.
 Slit lid_slit(PointsIn vertices, const std::vector<int>& margin, PointsIn corners, double size);
 
-/// The slits' vertices that are kept (C), and the slits by their numbers among these; slits of which nothing
-/// is left are left out. kept: N.
+/// The slits' vertices that are kept (C), and the slits by their indices among these; empty slits are left
+/// out. kept: N.
 std::pair<std::vector<int>, std::vector<Slit>> number_slits(const std::vector<Slit>& slits,
                                                             const std::vector<bool>& kept);
 

@@ -13,20 +13,20 @@ struct PrincipalShapes {
 
 /// The directions in which a sum of deformations (N x 3V, each taken with a coefficient of unit variance)
 /// varies most over some of the vertices, largest first, at most `most`. Of each, the largest share is
-/// positive: what a component is does not depend on who solves for it. Throws InvalidInput for vertices that
-/// are not there.
+/// positive: the sign of a component does not depend on the eigensolver. Throws InvalidInput for vertices out
+/// of range.
 PrincipalShapes principal_shapes(MatrixIn deformations, const std::vector<int>& seen, int most);
 
 /// Forces on skin (S x 3, metres, mirrored at x = 0), newtons: N x 3S. At each of the places and at the place
-/// opposite, spread over the face by a Gaussian of `radius`, along each axis; parity 1: as a mirror shows
-/// them, -1: opposed. Pulls that are their own opposite are left out.
+/// opposite, spread over the face by a Gaussian of `radius`, along each axis; parity 1: symmetric, -1:
+/// antisymmetric. Forces that cancel themselves are left out.
 MatrixRows paired_pulls(PointsIn skin, const std::vector<int>& places, const std::vector<bool>& on_face,
                         double radius, int parity);
 
 /// Principal components over the face of the prior exp(-energy) of an elastic skin [Terzopoulos 1988], rms
 /// `spread` metres over the face: K x 3S, largest first, none with less than `least_variance` of the first's.
-/// pulls: N x 3S, newtons; responses: what they do, N x 3S, metres. Throws InvalidInput where sizes do not
-/// agree or the responses are not those of an elastic skin.
+/// pulls: N x 3S, newtons; responses: displacements under them, N x 3S, metres. Throws InvalidInput where
+/// sizes do not agree or the responses are not those of an elastic skin.
 MatrixRows elastic_modes(MatrixIn pulls, MatrixIn responses, const std::vector<int>& face, double spread,
                          double least_variance);
 

@@ -13,7 +13,7 @@ struct FaceModel {
     MatrixRows modes;                         ///< I x 3P, one identity mode a row
     Eigen::VectorXd spread;                   ///< I, prior standard deviation of each coefficient
     MatrixRows limits;                        ///< I x 2, least and largest coefficient
-    Quads faces;                              ///< F x 4 of point indices: where outlines are looked for
+    Quads faces;                              ///< F x 4 point indices, whose silhouette gives the outline
     std::vector<bool> on_outline;             ///< P, whether the jaw's outline may pass here
     std::vector<std::string> landmark_names;  ///< L; `pupil.L` and `pupil.R` are the eyeballs' centres
     SparseRows landmark_weights;              ///< L x P, rows sum to 1

@@ -11,10 +11,10 @@ namespace mimetic {
 /// A window that passed every stage of a cascade.
 struct CascadeHit {
     Eigen::Vector4d box = Eigen::Vector4d::Zero();  ///< left, top, width, height, pixels
-    int votes = 0;  ///< overlapping windows that were joined into this one, at least 1
+    int votes = 0;                                  ///< overlapping windows merged into this one, at least 1
 };
 
-/// One of OpenCV's boosted cascades [Viola and Jones 2001] by itself: what other finders are compared with.
+/// One of OpenCV's boosted cascades [Viola and Jones 2001] by itself, as a reference for other finders.
 class CascadeDetector {
 public:
     /// file: a cascade of Haar or local binary pattern features in OpenCV's XML. Throws InvalidInput.

@@ -4,7 +4,7 @@
 
 namespace mimetic {
 
-/// Gaussian density of image patches in their principal subspace and beside it [Moghaddam and Pentland
+/// Gaussian density of image patches in their principal subspace and its complement [Moghaddam and Pentland
 /// 1997]. A patch is width x height grey values, row by row, shifted and scaled to mean 0 and variance 1.
 struct Eigenspace {
     int width = 0;
@@ -16,10 +16,10 @@ struct Eigenspace {
     void check() const;           ///< throws InvalidInput: field, value, limit
 };
 
-/// Where a patch lies from an eigenspace; smaller is more alike.
+/// Distance of a patch from an eigenspace; smaller is more alike.
 struct SpaceDistance {
     double within = 0;          ///< distance in feature space: sum of y_i^2 / lambda_i
-    double from = 0;            ///< distance from feature space: squared length of what the basis leaves
+    double from = 0;            ///< distance from feature space: squared residual of the projection
     double log_likelihood = 0;  ///< of the whole density; -infinity for a patch without contrast
 };
 

@@ -9,8 +9,8 @@
 namespace mimetic {
 
 // Every window below is cut from an image whose contrast has been flattened: each grey value less the mean
-// of its surroundings, in deviations of its surroundings. Shading and exposure, which fill the first
-// components of plain grey values, are gone from it.
+// of its surroundings, over their standard deviation. That removes shading and exposure, which dominate the
+// first principal components of plain grey values.
 
 /// The whole face under one yaw.
 struct ViewSpace {
@@ -22,7 +22,7 @@ struct ViewSpace {
     MatrixRows covariance;   ///< of these
 };
 
-/// A part of the face: what it looks like, and what its surroundings do.
+/// A part of the face: its appearance, and that of its surroundings.
 struct ModuleSpace {
     std::string name;
     Eigenspace space;
@@ -30,7 +30,7 @@ struct ModuleSpace {
     double width = 0.3;  ///< of its window, in widths of the face's window
 };
 
-/// View-based and modular eigenspaces with those of what is mistaken for them [Moghaddam and Pentland 1997].
+/// View-based and modular eigenspaces, with those of false positives [Moghaddam and Pentland 1997].
 struct FaceSpaces {
     std::vector<ViewSpace> views;      ///< 1 to 9, of one size
     Eigenspace other;                  ///< windows without a face that pass the filters, of the same size
@@ -41,7 +41,7 @@ struct FaceSpaces {
     void check() const;                                  ///< throws InvalidInput: field, value, limit
 };
 
-/// A square that another finder takes for a face.
+/// A square that another finder reports as a face.
 struct FaceHint {
     Eigen::Vector2d center = Eigen::Vector2d::Zero();  ///< of the face's window, pixels
     double width = 0;                                  ///< of the face's window, pixels
@@ -52,12 +52,12 @@ struct FaceSearch {
     double smallest = 48;            ///< width of the window in the image, pixels; two pupil distances
     double largest = 0.9;            ///< part of the image's shorter side
     int steps_per_octave = 4;        ///< scales between a size and its double
-    double roll = 0;                 ///< radians; turns about it are searched
+    double roll = 0;                 ///< radians, about which the search in roll is centred
     double least_probability = 0.5;  ///< faces below are dropped
     void check() const;              ///< throws InvalidInput: field, value, limit
 };
 
-/// A face: where, how large, how it is turned, and what speaks for it.
+/// A face: place, size, rotation, and the evidence for it.
 struct FoundFace {
     Eigen::Vector2d center = Eigen::Vector2d::Zero();  ///< of its window, pixels
     double width = 0;                                  ///< of its window, pixels
@@ -65,10 +65,10 @@ struct FoundFace {
     double yaw = 0;                                    ///< degrees, of the view that fits best
     double probability = 0;
     Points2 places;            ///< pixels, a row a module
-    Eigen::VectorXd evidence;  ///< what `weights` weigh
+    Eigen::VectorXd evidence;  ///< the numbers that `weights` multiplies
 };
 
-/// Maximum-likelihood search for faces over place, size, turn and view.
+/// Maximum-likelihood search for faces over place, size, roll and view.
 class FaceFinder {
 public:
     explicit FaceFinder(FaceSpaces spaces);  ///< throws InvalidInput
@@ -77,7 +77,7 @@ public:
     FaceFinder& operator=(FaceFinder&&) noexcept;
 
     const FaceSpaces& spaces() const;
-    /// Faces that do not overlap, the most probable first. hints: squares to look at beside its own.
+    /// Faces that do not overlap, the most probable first. hints: further squares to try.
     std::vector<FoundFace> find(GrayView image, const FaceSearch& options = {},
                                 const std::vector<FaceHint>& hints = {}) const;
     /// The same face in another frame, within a third of its width and a fifth of its size; empty without.
@@ -86,11 +86,11 @@ public:
 
 private:
     struct Batch;
-    std::unique_ptr<const FaceSpaces> spaces_;  // stays where it is when the finder moves
+    std::unique_ptr<const FaceSpaces> spaces_;  // its address stays when the finder is moved
     std::unique_ptr<Batch> batch_;
 };
 
-/// The image's levels as the search sees them, contrast flattened: of an image, for windows `side` pixels
+/// The pyramid levels that the search uses, contrast flattened: of an image, for windows `side` pixels
 /// wide that are `smallest` to `largest` wide in the image. For training.
 struct FlatLevel {
     MatrixRows values;

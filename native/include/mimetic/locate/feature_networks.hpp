@@ -10,7 +10,7 @@
 
 namespace mimetic {
 
-/// A square of the picture that a network is shown, turned so that the head stands upright in it.
+/// A square of the picture, the input of a network, turned so that the head is upright in it.
 struct FeatureCrop {
     Eigen::Vector2d center = Eigen::Vector2d::Zero();  ///< pixels
     double side = 0;                                   ///< pixels
@@ -19,9 +19,9 @@ struct FeatureCrop {
     void check() const;  ///< throws InvalidInput: field, value, limit
 };
 
-/// The square round a point of the head. It follows from the pose alone, so that what a network sees does
-/// not shake with what it said of the frame before.
-/// point_in_head, side: metres. Throws InvalidInput for a point that is not before the camera.
+/// The square round a point of the head. It follows from the pose alone, so that jitter of a network's output
+/// does not feed back into its next input.
+/// point_in_head, side: metres. Throws InvalidInput for a point that is not in front of the camera.
 FeatureCrop crop_round(const Camera& camera, const Eigen::Isometry3d& camera_from_head,
                        const Eigen::Vector3d& point_in_head, double side);
 
@@ -40,8 +40,8 @@ FeatureCrops feature_crops(const Camera& camera, const Eigen::Isometry3d& camera
 struct MeshPoints {
     static constexpr int kCount = 468;
     Points2 places;                 ///< 468 x 2, pixels of the picture; lips and eyes refined, if asked for
-    Eigen::VectorXd depth;          ///< 468, pixels, as the network guesses it: smaller is nearer
-    double presence = 0;            ///< 0 to 1: that there is a face in the crop
+    Eigen::VectorXd depth;          ///< 468, pixels, the network's estimate: smaller is nearer
+    double presence = 0;            ///< 0 to 1: probability of a face in the crop
     std::array<Points2, 2> irises;  ///< 5 x 2, pixels, as EyePoints', left first; empty unless asked for
 };
 
@@ -54,7 +54,7 @@ struct LipEdges {
     static constexpr Edge kOuterLower{61, 146, 91, 181, 84, 17, 314, 405, 321, 375, 291};
 };
 
-/// What MediaPipe's iris network sees of one eye.
+/// What MediaPipe's iris network measures of one eye.
 struct EyePoints {
     static constexpr int kContour = 71;
     static constexpr int kIris = 5;
@@ -62,14 +62,14 @@ struct EyePoints {
     Points2 iris;     ///< 5 x 2, pixels: centre, then four points of its rim
 };
 
-/// Files of the heads with which the mesh looks at lips and eyes again; an empty name leaves one out.
+/// Files of the attention heads that refine the mesh at lips and eyes; an empty name leaves one out.
 struct HeadFiles {
     std::string lips;
     std::array<std::string, 2> eyes;  ///< the left first
 };
 
 /// Google's networks for face mesh and iris (Apache-2.0), as `scripts/make_networks` turns them into ONNX.
-/// They have seen real faces; they are evidence with an error of their own, never the head's pose.
+/// They were trained on real faces; they are evidence with an error of their own, never the head's pose.
 /// A call at a time: calls from several threads wait for each other.
 class FeatureNetworks {
 public:
@@ -79,11 +79,11 @@ public:
     FeatureNetworks(FeatureNetworks&&) noexcept;
     FeatureNetworks& operator=(FeatureNetworks&&) noexcept;
 
-    /// The whole face. crop: as `feature_crops` lays it. refine_eyes: look at the eyes again too and say the
-    /// irises; their corners gain, of lids `eye` sees more.
+    /// The whole face. crop: as `feature_crops` places it. refine_eyes: refine the eyes too and measure the
+    /// irises; the corners become more accurate, while for lids `eye` is better.
     MeshPoints mesh(ColorView image, const FeatureCrop& crop, bool refine_eyes = false) const;
 
-    /// One eye. left: the subject's left eye, which the network is shown mirrored.
+    /// One eye. left: the subject's left eye, which is mirrored for the network.
     EyePoints eye(ColorView image, const FeatureCrop& crop, bool left) const;
 
 private:

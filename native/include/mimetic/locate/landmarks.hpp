@@ -10,7 +10,7 @@ namespace mimetic {
 /// Values of the descriptor of a landmark: 4 x 4 places, 8 orientations of the gradient at each.
 inline constexpr int kDescriptor = 128;
 
-/// One step of the cascade: a linear map from what is seen round the landmarks to how far they are off.
+/// One step of the cascade: a linear map from descriptors round the landmarks to their displacement.
 struct LandmarkStage {
     double cell = 0;        ///< between the places of a descriptor, interpupillary distances
     Eigen::VectorXd mean;   ///< kDescriptor
@@ -18,8 +18,8 @@ struct LandmarkStage {
     MatrixRows regression;  ///< O x (L M + 1), the constant last; O is 2 L: x and y of each landmark's shift
 };
 
-/// Heads turned alike: where their landmarks are sought first, and how far those found are off in people who
-/// were not trained on.
+/// Heads of similar yaw: where the search for their landmarks starts, and its error on people outside the
+/// training set.
 struct LandmarkView {
     double yaw = 0;         ///< degrees, the middle of the view
     Points2 start;          ///< L x 2, average places with the pupils at (-0.5, 0) and (0.5, 0)
@@ -30,14 +30,14 @@ struct LandmarkView {
 /// regressions from orientations of gradients round the landmarks.
 struct LandmarkCascade {
     std::vector<std::string> names;  ///< L
-    Points2 reference;               ///< L x 2, interpupillary distances: what every shape is laid on
+    Points2 reference;               ///< L x 2, interpupillary distances: what every shape is aligned with
     std::vector<LandmarkView> views;
     std::vector<LandmarkStage> stages;
 
     void check() const;  ///< throws InvalidInput: field, size
 };
 
-/// What the cascade says of one face.
+/// The cascade's estimate of one face.
 struct FaceLandmarks {
     Points2 places;            ///< L x 2, pixels
     Eigen::VectorXd sigma_px;  ///< L
@@ -45,21 +45,21 @@ struct FaceLandmarks {
 };
 
 /// Descriptors of a picture round places: L x kDescriptor.
-/// places: L x 2, pixels; reference: L x 2; cell: as in a stage. The picture is turned and sized first so
-/// that the places lie as near to the reference as they can.
+/// places: L x 2, pixels; reference: L x 2; cell: as in a stage. The picture is first turned and
+/// scaled so that the places are best aligned with the reference.
 MatrixRows landmark_descriptors(ColorView image, Points2In places, Points2In reference, double cell);
 
 /// The cascade from a start (L x 2, pixels). Throws InvalidInput.
 FaceLandmarks find_landmarks(ColorView image, const LandmarkCascade& cascade, Points2In start);
 
-/// The same; where the face turns out of another size than the start, it starts again from what it found.
+/// The same; where the face proves to be of another size than the start, it starts again from its result.
 FaceLandmarks settle_landmarks(ColorView image, const LandmarkCascade& cascade, Points2In start);
 
 /// The start from pupils (pixels) and the view nearest to a yaw (degrees).
 Points2 landmark_start(const LandmarkCascade& cascade, const Eigen::Vector2d& pupil_right,
                        const Eigen::Vector2d& pupil_left, double yaw);
 
-/// image_from_reference (2 x 3) that lays reference places nearest to others: turn, shift, size.
+/// image_from_reference (2 x 3), the similarity that best aligns the reference places with others.
 Eigen::Matrix<double, 2, 3> similarity(Points2In from, Points2In to);
 
 }  // namespace mimetic

@@ -15,10 +15,10 @@ struct Feature {
     std::string name;
     Eigen::Vector2d position = Eigen::Vector2d::Zero();  ///< pixels
     double sigma_px = 1;                                 ///< standard deviation of the position
-    double likelihood = 0;                               ///< 0 guessed from proportions to 1 plainly seen
+    double likelihood = 0;                               ///< 0 guessed from proportions to 1 clearly visible
 };
 
-/// A line of the face in the image (`jaw`, `lip_line`, `brow.L`, ...); only its place along `normals` is
+/// A line of the face in the image (`jaw`, `lip_line`, `brow.L`, ...); only its position along `normals` is
 /// measured.
 struct FeatureCurve {
     std::string name;
@@ -27,7 +27,7 @@ struct FeatureCurve {
     Eigen::VectorXd sigma_px;  ///< N, standard deviation along the normal
 };
 
-/// What one face shows.
+/// What is measured of one face.
 struct FaceFeatures {
     Eigen::Vector4d box =
         Eigen::Vector4d::Zero();  ///< left, top, width, height of the detector's square, pixels
@@ -54,7 +54,7 @@ public:
     /// cascade_directory: holds haarcascade_frontalface_alt2.xml and haarcascade_eye.xml. Throws
     /// InvalidInput.
     explicit FaceLocator(const std::string& cascade_directory, const LocateOptions& options = {});
-    /// Looks with eigenspaces too: at more turned faces, and nearer to where eyes and mouth are.
+    /// Uses eigenspaces too: they find faces turned further, and eyes and mouth more accurately.
     FaceLocator(const std::string& cascade_directory, FaceSpaces spaces, const LocateOptions& options = {});
     ~FaceLocator();
     FaceLocator(FaceLocator&&) noexcept;
@@ -65,7 +65,7 @@ public:
 
 private:
     struct Cascades;
-    std::unique_ptr<std::array<Cascades, 2>> cascades_;  // two leans are looked at at once
+    std::unique_ptr<std::array<Cascades, 2>> cascades_;  // two roll angles are searched in parallel
     std::unique_ptr<FaceFinder> finder_;                 // empty: cascades alone
     LocateOptions options_;
 };
@@ -75,7 +75,7 @@ enum class MeasuredParts {
     mouth_and_jaw,
 };
 
-/// Measures the features again, near where a fitted model expects them.
+/// Measures the features again, near where a fitted model predicts them.
 /// expected: at least the features `pupil.L` and `pupil.R`; the other features and curves guide the search.
 /// search: half width of the search, in interpupillary distances.
 FaceFeatures measure_features(ColorView image, const FaceFeatures& expected, double search = 0.1,

@@ -5,15 +5,16 @@
 
 namespace mimetic {
 
-/// Eyes and mouth as the networks see them, with what they usually err by on real faces: the corners of eyes
-/// and mouth and the irises' centres (`pupil.L`, ...) as features, the lids' margins and the lips' edges as
-/// curves named after the landmarks on them (`lid_upper.L`, `lip_lower_inner`, ...).
-/// mesh: with refined eyes, whose corners are its; eyes: the left first.
+/// Eyes and mouth as the networks measure them, with their standard deviations on real faces: the corners of
+/// eyes and mouth and the irises' centres (`pupil.L`, ...) as features, the lids' margins and the lips' edges
+/// as curves named after the landmarks on them (`lid_upper.L`, `lip_lower_inner`, ...). mesh: with refined
+/// eyes, which give the corners; eyes: the left first.
 FaceFeatures network_features(const MeshPoints& mesh, const std::array<EyePoints, 2>& eyes);
 
-/// Landmarks and what the networks see, as a fit takes them: what both have is the networks', but for the
-/// pupils, which are the eyeballs' centres and to which an iris is a hint. Without the landmarks' lines of
-/// the mouth. Landmarks alone where the networks look at something else: their eyes are elsewhere.
+/// Landmarks and the networks' features merged for a fit: where both have one, the networks' is taken, except
+/// for the pupils, which stand for the eyeballs' centres and are combined with the irises. The landmarks'
+/// lines of the mouth are left out. Landmarks alone where the networks' eyes are elsewhere: they saw
+/// something else.
 FaceFeatures with_network_features(const FaceFeatures& landmarks, const FaceFeatures& seen);
 
 }  // namespace mimetic

@@ -7,7 +7,7 @@ namespace mimetic {
 
 struct CorotationalOptions {
     int max_iterations = 500;
-    double tolerance = 1e-4;  ///< of the force that is left, as a share of the load (0.01 mm on a face)
+    double tolerance = 1e-4;  ///< of the residual force, relative to the load (0.01 mm on a face)
 
     void check() const;  ///< throws InvalidInput: field, value, limit
 };
@@ -15,7 +15,7 @@ struct CorotationalOptions {
 struct CorotationalSolution {
     Eigen::VectorXd unknowns;  ///< 3C, metres
     int iterations = 0;
-    double residual = 0;  ///< force left over the load
+    double residual = 0;  ///< norm of the residual force over that of the load
     bool converged = false;
 };
 
@@ -40,9 +40,9 @@ public:
     /// Its gradient: the forces (3C, newtons) that hold the skin there.
     Eigen::VectorXd gradient(VectorIn unknowns) const;
 
-    /// Balance with forces on the vertices (3N, newtons, xyz interleaved) that keep their directions: a
+    /// Equilibrium with forces on the vertices (3N, newtons, xyz interleaved) that keep their directions: a
     /// quasi-Newton descent (L-BFGS) in the metric of the linear stiffness, which is factored once
-    /// [Liu, Bouaziz, Kavan 2017], from the linear answer. Throws InvalidInput if nothing holds the skin.
+    /// [Liu, Bouaziz, Kavan 2017], from the linear solution. Throws InvalidInput if nothing holds the skin.
     CorotationalSolution solve(VectorIn forces, const CorotationalOptions& options = {}) const;
 
 private:

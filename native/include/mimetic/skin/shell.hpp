@@ -19,8 +19,9 @@ enum class MassKind { lumped, consistent };
 
 /// Thin shell with rotations at the vertices: the skin's constant-strain membrane with the discrete Kirchhoff
 /// triangle (Batoz, Bathe and Ho 1980) in bending. It carries moments that the skin's own bending leaves out
-/// (free and clamped edges, twist), so it is the measure of the skin, and of published shells.
-/// Unknowns: displacement x y z (m) and rotation vector x y z (rad) of each vertex, world axes.
+/// (free and clamped edges, twist), so it is the reference that the skin is checked against, as it is against
+/// published shells. Unknowns: displacement x y z (m) and rotation vector x y z (rad) of each vertex, world
+/// axes.
 class ShellModel {
 public:
     /// vertices N x 3, triangles of one connected manifold, held: 6N, true where an unknown stays zero.

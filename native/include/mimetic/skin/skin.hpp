@@ -24,8 +24,8 @@ struct SkinMaterials {
 class SkinModel {
 public:
     /// vertices N x 3, triangles of one connected manifold, basis N x C. Throws InvalidInput, naming the face
-    /// or vertex, on a triangle without area or turned over among those around it, an edge of more than two
-    /// triangles, parts that are loose or touch in a point.
+    /// or vertex, on a triangle without area or inverted relative to its neighbours, an edge of more than two
+    /// triangles, parts that are disconnected or touch in a point.
     SkinModel(PointsIn vertices, TrianglesIn triangles, const SkinMaterials& materials,
               const SparseRows& basis);
     ~SkinModel();

@@ -5,8 +5,8 @@
 
 namespace mimetic {
 
-/// Faces that lie turned over among the faces around them (a vertex is out of its place), rising. A sharp
-/// crease is none: there, half of the faces around look the same way.
+/// Faces that are inverted relative to the faces around them (a vertex is out of place), rising. A sharp
+/// crease is not: there, half of the faces around have the same orientation.
 std::vector<int> inverted_faces(PointsIn vertices, TrianglesIn triangles);
 
 /// Throws InvalidInput, naming a face of the smallest surplus one, if the boundary has more than

@@ -12,7 +12,7 @@ Eigen::SparseMatrix<double> skin_mass(const SkinModel& model, PointsIn vertices,
                                       VectorIn surface_density);
 
 enum class TimeScheme {
-    newmark,         ///< beta 1/4, gamma 1/2: second order, keeps the energy of what is not damped
+    newmark,         ///< beta 1/4, gamma 1/2: second order, conserves energy without damping
     backward_euler,  ///< first order, damps what the step cannot resolve
 };
 
@@ -35,7 +35,7 @@ struct DynamicState {
     Eigen::VectorXd displacement;  ///< m
     Eigen::VectorXd velocity;      ///< m/s
     Eigen::VectorXd acceleration;  ///< m/s^2
-    Eigen::VectorXd overstrain;    ///< p, m: K p is the force that will relax
+    Eigen::VectorXd overstrain;    ///< p, m: K p is the viscoelastic force
 };
 
 /// Implicit steps in time of the whole model. The matrix of a step is factored once.
@@ -76,8 +76,8 @@ struct VibrationModes {
 VibrationModes vibration_modes(const Eigen::SparseMatrix<double>& stiffness,
                                const Eigen::SparseMatrix<double>& mass, int num_modes);
 
-/// The same equation within the span of static responses and natural modes, in coordinates that do not act on
-/// each other. Slow motion is exact (the responses), the lowest modes carry what inertia adds: the Galerkin
+/// The same equation within the span of static responses and natural modes, in decoupled
+/// coordinates. Slow motion is exact (the responses), the lowest modes carry what inertia adds: the Galerkin
 /// form of mode acceleration.
 class ReducedSkin {
 public:

@@ -6,8 +6,8 @@
 namespace mimetic {
 
 /// How a skin is stretched from rest to another shape: the deformation of constant-strain triangles in their
-/// own planes. It is taken whole, not linearised, so that a head that turns or a jaw that swings strains
-/// nothing.
+/// own planes. It is not linearised, so that a rotation of the head or of the jaw causes no
+/// strain.
 class StrainMeter {
 public:
     /// rest N x 3, triangles T x 3. Throws InvalidInput, naming the triangle, on vertices out of range,

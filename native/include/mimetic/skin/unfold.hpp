@@ -6,14 +6,14 @@
 
 namespace mimetic {
 
-/// Vertices with no triangle turned over among those around it.
+/// Vertices of a mesh without inverted triangles.
 struct Unfolded {
     Points vertices;            ///< N x 3
-    std::vector<int> inverted;  ///< faces of the head that lay turned over, rising
+    std::vector<int> inverted;  ///< faces of the head that were inverted, rising
     double farthest = 0;        ///< m, by which a vertex was moved
 };
 
-/// Vertices of turned triangles go to the mean of their neighbours. split: the mesh's triangles for such
+/// Vertices of inverted triangles go to the mean of their neighbours. split: the mesh's triangles for such
 /// vertices; face: T, of the head, for each triangle. Throws InvalidInput, naming a face, if that does not
 /// help.
 Unfolded unfold(PointsIn vertices, const std::function<Triangles(PointsIn)>& split,

@@ -95,7 +95,7 @@ struct FrameEstimate {
     }
 };
 
-/// Where the skin was seen in one frame: K points of it, found by flow against reference textures.
+/// Measured positions of K points of the skin in one frame, by flow against reference textures.
 struct SkinObservations {
     Triangles vertices;           ///< K x 3: refined vertices around each point
     Points barycentric;           ///< K x 3: barycentric weights
@@ -103,12 +103,12 @@ struct SkinObservations {
     Rows<double, 4> information;  ///< K x (2 x 2), frame pixels^-2; neighbours share it, outliers have 0
 };
 
-/// Follows one face: pose, muscles and articulators together, each frame against reference textures
+/// Tracks one face: pose, muscles and articulators together, each frame against reference textures
 /// (no drift), after a first guess by frame-to-frame flow. Memory does not depend on the clip's length.
 class FaceTracker {
 public:
-    /// image: the reference frame, in which the face is at camera_from_head with all values 0, but for the
-    /// lids, which features may tell.
+    /// image: the reference frame, in which the face is at camera_from_head with all values 0, except those
+    /// of the lids, which features may measure.
     FaceTracker(const Camera& camera, const TrackedSurface& surface, const FaceMotion& motion,
                 const ColorView& image, const Eigen::Isometry3d& camera_from_head,
                 const FeatureInputs& features = {}, const TrackerOptions& options = {});
@@ -119,10 +119,10 @@ public:
     /// The next frame. guess: where a detector sees the head, used when the face was lost.
     FrameEstimate advance(const ColorView& image, const std::optional<Eigen::Isometry3d>& guess = {});
 
-    /// What the last frame's estimate rests on; none where the face was lost.
+    /// The measurements behind the last frame's estimate; none where the face was lost.
     SkinObservations observations() const;
 
-    /// Goes back to a state, to follow the clip the other way; reference textures are kept.
+    /// Goes back to a state, to track the clip in the other direction; reference textures are kept.
     void restart(const ColorView& image, const FrameEstimate& estimate);
 
 private:
