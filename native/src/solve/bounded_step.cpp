@@ -31,7 +31,7 @@ Eigen::VectorXd solve_free(const Eigen::MatrixXd& information, const Eigen::Vect
     return step;
 }
 
-/// The fixed coordinate that most wants back inside its bounds, -1 when none does.
+/// The fixed coordinate whose multiplier most violates optimality, -1 when none does.
 int most_wanted(const Eigen::VectorXd& pull, const std::vector<int>& side) {
     int best = -1;
     double strongest = 1e-9 * (1 + pull.cwiseAbs().maxCoeff());

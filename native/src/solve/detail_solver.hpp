@@ -4,13 +4,13 @@
 
 namespace mimetic {
 
-/// What the values leave of the samples' displacements, as the most probable coefficients of the detail
-/// modes. It takes the joint solver's weights, so what was rejected there moves nothing here.
+/// The residual of the samples' displacements, as the most probable coefficients of the detail modes. It uses
+/// the joint solver's robust weights, so outliers there count for nothing here.
 class DetailSolver {
 public:
     explicit DetailSolver(const FaceMotion& motion);
 
-    /// From what `step`, the joint solver's last, leaves of its displacements.
+    /// From the residual of its displacements after `step`, the joint solver's last.
     DetailEstimate solve(const JointSolver& solver, const std::vector<SampleMeasurement>& measurements,
                          const Eigen::VectorXd& step);
 

@@ -22,8 +22,8 @@ public:
     static constexpr double kNodeSpacing = .02;         ///< metres
 
     /// Its nodes are some of these points (head frame, metres), no two closer than kNodeSpacing. reach: of
-    /// the exponent; nodes beyond add nothing. The tracker, which meets every sample in every frame, is short
-    /// of it.
+    /// the exponent; nodes beyond add nothing. The tracker, which evaluates every sample in every frame,
+    /// truncates earlier, for speed.
     template <typename Range>
     explicit ErrorField(const Range& points, Scalar reach = std::numeric_limits<Scalar>::infinity())
         : reach_(reach) {

@@ -7,7 +7,7 @@
 
 namespace mimetic {
 
-/// What is remembered of the frames before.
+/// State carried from frame to frame.
 struct TrackMemory {
     cv::Mat1b gray;              ///< the last frame
     FaceState state;             ///< in the last frame that showed the face
@@ -18,17 +18,17 @@ struct TrackMemory {
     Recognition recognition;
 };
 
-/// Before anything was measured: the face stands still, as little known as the prior says.
+/// Before anything was measured: the face is still, with the prior's covariance.
 TrackMemory first_memory(const TrackedFace& face, cv::Mat1b gray, FaceState state);
 
-/// What is expected of a frame before it is looked at.
+/// The predicted state of a frame, before it is measured.
 struct Expectation {
     FaceState mean;
     Eigen::MatrixXd covariance;   ///< (6 + M) squared, of a step from the mean
     Eigen::MatrixXd information;  ///< its inverse
     Eigen::VectorXd values_std;   ///< how well the values were known
 
-    /// The same belief about another state.
+    /// The same prediction about another state.
     Expectation about(const FaceState& state) const;
 
     /// As a prior of steps from a state, with the pull to rest there.

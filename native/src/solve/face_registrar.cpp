@@ -6,8 +6,8 @@ namespace mimetic {
 namespace {
 
 constexpr std::size_t kFewest = 30;  // samples that a state can be estimated from
-constexpr double kFarthest = .008;   // metres from the model at which skin is still explained
-constexpr double kExplained = .5;    // correlation of a patch that is the same skin
+constexpr double kFarthest = .008;   // metres from the model up to which a sample is an inlier
+constexpr double kExplained = .5;    // correlation from which a patch shows the same skin
 constexpr double kStill = 5e-3;      // of values; rad of turn are alike in pixels
 
 constexpr double kVague = .07;  // rad: s.d. of a pose about some axis that is not measured
@@ -36,7 +36,7 @@ Registration FaceRegistrar::register_face(const Expectation& expected, const Fac
     }
     Appearance seen = look_at(found.state, frame);
     if (recognition.accepts(seen.look) && seen.look.alike < Recognition::kPlain) {
-        // What covers the face moves on its own: once more by what is known to be the face.
+        // An occluder moves independently: solve once more from the samples that are the face's.
         const FrameScore score = found.score;
         found = register_textures(expected, found.state, frame, seen.covered, {2, face_.num_unknowns()});
         const bool is_registered = found.score.quality >= held_quality && !is_vague(expected);
@@ -73,7 +73,8 @@ Registration FaceRegistrar::register_textures(const Expectation& expected, const
         }
         const auto num_views = static_cast<float>(registration.score.num_views);
         for (SampleMeasurement& sample : samples) {
-            // Textures of the same skin share the model's error: two of them say no more than one.
+            // Textures of the same skin share the model's error: two of them give no more information than
+            // one.
             sample.weight = covered.contains(sample.sample) ? 0 : sample.weight / num_views;
         }
         const StageClock clock(frame.times.solve_ms);

@@ -25,7 +25,7 @@ private:
     std::chrono::steady_clock::time_point start_;
 };
 
-/// The frame at hand.
+/// The present frame.
 struct FrameAtHand {
     ColorView color;
     cv::Mat1b gray;
@@ -43,13 +43,13 @@ struct FrameScore {
     int num_views = 0;
 };
 
-/// What the textures say of a frame, from a hypothesis.
+/// Measurements of a frame against the textures, from a hypothesis.
 struct Measured {
     std::vector<SampleMeasurement> samples;
     ProjectedSurface projected;  ///< the hypothesis, from which displacements count
 };
 
-/// A frame explained: where the face is in it, from what, and how well.
+/// Result of registering a frame: the face's state, the measurements behind it, and their fit.
 struct Registration {
     FaceState state;
     FaceStep last_step;  ///< of the solver's last linearisation
@@ -63,7 +63,7 @@ public:
     FaceRegistrar(const TrackedFace& face, const ReferenceViews& views, ErrorField<float> error_field,
                   const FeatureEvidence& features);
 
-    /// From a state on. A quality under the held one: it is not the face that recognition knows.
+    /// Starts from a state. A quality under held_quality: it is not the face that recognition knows.
     Registration register_face(const Expectation& expected, const FaceState& start, FrameAtHand& frame,
                                const Recognition& recognition);
 

@@ -6,7 +6,7 @@
 
 namespace mimetic {
 
-/// Finds a lost face again by its own look in the reference frame, at several sizes.
+/// Finds a lost face again by its appearance in the reference frame, at several sizes.
 class FaceSearch {
 public:
     FaceSearch(const cv::Mat1b& reference, const ReferenceView& view);

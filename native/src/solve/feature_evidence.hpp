@@ -5,8 +5,8 @@
 
 namespace mimetic {
 
-/// Evidence at eyes and mouth, beside flow, which cannot follow what opens and shuts. By networks where there
-/// are any; otherwise of the upper lids alone, by their look.
+/// Evidence at eyes and mouth, beside flow, which cannot track what opens and closes. By networks where there
+/// are any; otherwise of the upper lids alone, by their appearance.
 class FeatureEvidence {
 public:
     /// image, gray: the reference frame, in which the face is at rest at this state.
@@ -20,7 +20,7 @@ public:
     void look(const ColorView& image, const cv::Mat1b& gray, const FaceState& near);
     void look_away();  ///< nothing is known until the next look
 
-    /// What was seen, about a state.
+    /// The evidence, linearised at a state.
     StepPrior terms(const FaceState& state) const;
 
     /// The state with the lids where they were seen: a blink is over before flow could follow it.

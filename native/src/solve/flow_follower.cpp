@@ -8,7 +8,7 @@ namespace mimetic {
 namespace {
 
 constexpr int kFaceHeight = 110;       // pixels of the face for the flow
-constexpr std::size_t kSamples = 500;  // of the view, about
+constexpr std::size_t kSamples = 500;  // of the view, approximately
 
 }  // namespace
 

@@ -26,8 +26,7 @@ float gate(float correlation) {
     return share * share * (3 - 2 * share);
 }
 
-/// Runs body(begin, end) over parts of 0 .. count, always the same ones: sums must not depend on who had
-/// time.
+/// Runs body(begin, end) over fixed parts of 0 .. count: sums must not depend on the scheduling of threads.
 template <typename Body>
 void in_parts(std::size_t count, const Body& body) {
     cv::parallel_for_({0, kParts}, [&](const cv::Range& range) {
@@ -186,7 +185,7 @@ Eigen::VectorXd JointSolver::solve(const StepPrior& prior, const FaceState& stat
                                    int num_rounds) {
     Eigen::VectorXd step = Eigen::VectorXd::Zero(jacobians_.cols());
     for (int round = 0; round < num_rounds; ++round) {
-        // Before the first step, what is left is motion, not error.
+        // Before the first step, the residual is motion, not error.
         constexpr double kBeforeStep = 3;
         reweight(step, noise_.robust_cut * (round == 0 ? kBeforeStep : 1));
         step = bounded(prior, state, num_free);

@@ -9,23 +9,23 @@
 
 namespace mimetic {
 
-/// What a Gaussian prior says of a step: information and pull at step 0.
+/// A Gaussian prior of a step: information and right-hand side at step 0.
 struct StepPrior {
     Eigen::MatrixXd information;
     Eigen::VectorXd gradient;
 };
 
-/// What keeps a right state from explaining a measurement.
+/// Error of the measurements at the true state.
 struct NoiseModel {
     ModelError model;               ///< a smooth field over the skin; of TrackerOptions
-    double fine_error = 4e-4;       ///< metres; of each flow window for itself
+    double fine_error = 4e-4;       ///< metres; independent for each flow window
     double robust_cut = kTukeyCut;  ///< standard deviations
     double samples_a_window = 10;   ///< neighbours share their flow's window and count as one
 };
 
 /// Robust whitened normal equations of all samples for one joint step of pose and values. The modes' own
-/// error is a smooth random field over the skin, estimated with the step and taken out of what the samples
-/// say.
+/// error is a smooth random field over the skin, estimated with the step and subtracted from the samples'
+/// displacements.
 class JointSolver {
 public:
     JointSolver(const FaceMotion& motion, ErrorField<float> field);
@@ -33,7 +33,7 @@ public:
     /// Linearises at `state`; the measurements must outlive the solver's next calls.
     void linearise(const Camera& camera, const FaceState& state,
                    const std::vector<SampleMeasurement>& measurements, const NoiseModel& noise);
-    /// What other evidence says of a step from the state that was linearised at; until the next linearise.
+    /// Adds other evidence of a step from the linearisation point; until the next linearise.
     void add(StepPrior evidence) { evidence_ = std::move(evidence); }
     /// Bounded most probable step; num_free < 6 + M keeps the last values as they are (6: pose alone). Starts
     /// from the error field of the last call.

@@ -102,7 +102,7 @@ LidMeasurement LidMeter::measure(const cv::Mat1b& gray, const FloatPixels& pixel
     }
     const double step_size = (kHighest - kLowest) / (kSteps - 1);
     measurement.closure = std::clamp(kLowest + step_size * (best + shift), kLowest, 1.);
-    // Costs that are low over a wide range say little.
+    // Costs that are low over a wide range carry little information.
     const Eigen::ArrayXd likelihood = (-(costs.array() - lowest) / .02).exp();
     const Eigen::ArrayXd grid = Eigen::ArrayXd::LinSpaced(kSteps, kLowest, kHighest);
     const double spread = ((grid - measurement.closure).square() * likelihood).sum() / likelihood.sum();

@@ -12,7 +12,7 @@ struct LidMeasurement {
     bool seen = false;
 };
 
-/// How far an upper lid has come down, by the look of the eye's opening: the lid with its dark margin is a
+/// How far an upper lid is lowered, by the appearance of the eye's opening: the lid with its dark margin is a
 /// layer that slides over the open eye of the reference frame. Flow cannot follow a blink: the eye
 /// disappears.
 class LidMeter {

@@ -5,7 +5,7 @@
 
 namespace mimetic {
 
-/// The upper lids by their look, where no network sees them.
+/// The upper lids by their appearance, where no network measures them.
 class LidReader {
 public:
     /// gray: the reference frame, in which the face is so.
@@ -15,7 +15,7 @@ public:
     void look(const cv::Mat1b& gray, const FaceState& near);
     void look_away();
 
-    /// Information and pull of what was seen of the lids, about a state.
+    /// Information and right-hand side of the lids' measurement, at a state.
     StepPrior terms(const FaceState& state) const;
 
     /// The state with the lids as they were seen.

@@ -15,7 +15,7 @@ public:
     explicit RestPull(const FaceMotion& motion);
 
     /// About the values, to be added for the M of them: pull and information. likely: the best guess at them;
-    /// seen: how much of each shows, which tells the active ones; std: how well each is known.
+    /// seen: how visible each is, which decides the active ones; std: of each value.
     struct Terms {
         Eigen::VectorXd pull;
         Eigen::VectorXd information;
@@ -23,7 +23,7 @@ public:
     Terms at(const Eigen::VectorXd& values, const Eigen::VectorXd& likely, const Eigen::VectorXd& seen,
              const Eigen::VectorXd& std, double dead_zone) const;
 
-    /// How much of each value shows: what its antagonists leave of it.
+    /// Visible part of each value: what remains after its antagonists.
     Eigen::VectorXd shown(const Eigen::VectorXd& values) const;
 
 private:

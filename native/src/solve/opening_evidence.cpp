@@ -18,9 +18,9 @@ constexpr OpeningNoise kLipBias{.05, .015, .015, .005, 0};
 
 constexpr double kLidAtRest = .3;      // s.d. of upper lids in the reference frame: a person may be sleepy
 constexpr double kOtherAtRest = .02;   // of all other values
-constexpr double kHidden = .3;         // cosine: seen so much from the side, an opening tells nothing
-constexpr double kFrontal = .8;        // cosine: from here on as seen from the front
-constexpr double kLargestFactor = 12;  // of the noise of what is nearly hidden
+constexpr double kHidden = .3;         // cosine: below, an opening is too oblique to measure
+constexpr double kFrontal = .8;        // cosine: above, as from the front
+constexpr double kLargestFactor = 12;  // of the noise of nearly hidden openings
 constexpr double kImplausible = 3;     // standard deviations, root mean square
 
 }  // namespace
@@ -83,7 +83,7 @@ FaceState OpeningEvidence::learn(const FaceState& at_rest, const SeenOpening& se
     return state;
 }
 
-/// Of the offsets as some state's; what no state explains is a hand, a shadow, another thing.
+/// Robust weight, 0 to 1, of offsets under the prior of the values: what no state explains is an occluder.
 double OpeningEvidence::plausibility(const Rows& rows) const {
     const Eigen::MatrixXd total = rows.covariance + rows.by_values *
                                                         face_.motion.prior_std.cwiseAbs2().asDiagonal() *

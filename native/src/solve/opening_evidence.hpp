@@ -5,10 +5,10 @@
 
 namespace mimetic {
 
-/// What the lines of one opening say of the values. A person's and the networks' constant offset from the
+/// Evidence of one opening's lines on the values. A person's and the networks' constant offset from the
 /// model is a state of its own: learned in the reference frame, where the model is at rest, it is subtracted
-/// from then on, and what stays unknown of it counts as error (Schmidt's filter). Of lids that close, the
-/// upper margin's offset goes over into the lower one's: shut lids meet, whoever's they are.
+/// from then on, and its remaining uncertainty counts as error (Schmidt-Kalman filter). As lids close, the
+/// upper margin's offset changes into the lower one's: on every person closed lids meet.
 class OpeningEvidence {
 public:
     OpeningEvidence(const TrackedFace& face, const FeatureOpening& opening);
@@ -16,7 +16,7 @@ public:
     /// The reference frame: learns the offset, and returns the state with the lids as they are there.
     FaceState learn(const FaceState& at_rest, const SeenOpening& seen, double interpupillary);
 
-    /// Information and pull of what was seen; none where nothing was. The pose has no part in it.
+    /// Information and right-hand side of the measurement; zero without one. The pose has no part in it.
     StepPrior terms(const FaceState& state, const SeenOpening& seen, double interpupillary) const;
 
     /// The state with this opening's lids where they were seen, whatever they were before.

@@ -12,8 +12,8 @@ struct LinePlace {
     double along;  ///< -.5 at the first corner to .5 at the second
 };
 
-/// What was seen of an opening beside the model at a state, across the opening alone: along a line nothing
-/// tells one place from the next. In interpupillary distances.
+/// Differences between a measured opening and the model at a state, across the opening alone: along a line
+/// points are not distinguishable (aperture problem). In interpupillary distances.
 struct OpeningOffsets {
     Eigen::VectorXd offsets;    ///< K: from the model to what was seen
     Eigen::MatrixXd by_values;  ///< K x M: how the model moves

@@ -7,13 +7,13 @@
 
 namespace mimetic {
 
-/// Standard deviations of what is seen across an opening, in interpupillary distances, by how much of the
+/// Standard deviations of the measurement across an opening, in interpupillary distances, by how much of the
 /// contour they move together: a contour of many points is few measurements.
 struct OpeningNoise {
-    double opening = 0;  ///< all lines alike
-    double line = 0;     ///< each line as one
+    double opening = 0;  ///< common to all lines
+    double line = 0;     ///< common to each line
     double stretch = 0;  ///< smooth along a line
-    double point = 0;    ///< each point for itself
+    double point = 0;    ///< independent for each point
     double pixels = 0;   ///< of each point, of the footage's grid
 };
 

@@ -47,7 +47,7 @@ LocalNormaliser::LocalNormaliser(const cv::Mat1b& mask, int window) : window_(wi
     cv::Mat1f count;
     cv::boxFilter(mask_, count, CV_32F, {window_, window_}, {-1, -1}, true, cv::BORDER_CONSTANT);
     inverse_count_ = 1 / (count + 1e-3f);
-    // Without the soft edge, the mask's own outline is texture that never moves.
+    // With a hard edge, the mask's own outline would be texture that never moves.
     cv::GaussianBlur(mask_, soft_mask_, {0, 0}, 2);
     soft_mask_ = (soft_mask_ - .5f) * 2;
     cv::max(soft_mask_, 0, soft_mask_);

@@ -15,7 +15,7 @@ struct PreparedFrame {
     void update(const cv::Mat1b& full, double wanted_scale);
 };
 
-/// Takes out local brightness and contrast inside a mask, so that lighting may change.
+/// Normalises local brightness and contrast inside a mask, so that lighting may change.
 class LocalNormaliser {
 public:
     explicit LocalNormaliser(const cv::Mat1b& mask, int window);
@@ -39,7 +39,7 @@ struct ReferenceSample {
     Eigen::Matrix3Xf seen_modes;         ///< 3 x M: the modes as a flow shows them, blurred
     Eigen::Matrix3Xf seen_detail_modes;  ///< 3 x D
     float weight = 1;
-    /// Head frame, metres: how far the skin lay from where the model had it when the texture was taken.
+    /// Head frame, metres: displacement of the skin from the model when the texture was taken.
     Eigen::Vector3f offset = Eigen::Vector3f::Zero();
 };
 

@@ -7,7 +7,7 @@ namespace mimetic {
 
 namespace {
 
-constexpr double kWorthIt = .1;        // rad by which a key view must be nearer than the first
+constexpr double kWorthIt = .1;        // rad by which another texture must be nearer than the first
 constexpr double kKeyViewAngle = .26;  // rad from the nearest texture
 constexpr int kKeyViewFrames = 10;     // between two textures
 
@@ -67,11 +67,11 @@ void ReferenceViews::offer(const TrackedFace& face, const FaceState& state, cons
     try {
         views_.push_back(take_view(face, state, gray));
         frames_since_last_ = 0;
-        // Of detail, about half is motion; the rest is shape that looks otherwise from elsewhere.
+        // Of detail, about half is motion; the rest is shape, which differs with the view.
         constexpr double kMoved = .5;
         views_.back()->keep_detail(kMoved * detail);
     } catch (const InvalidInput&) {
-        return;  // too little of the face is in sight for a texture
+        return;  // too little of the face is visible for a texture
     }
 }
 

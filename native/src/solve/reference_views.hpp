@@ -5,7 +5,7 @@
 
 namespace mimetic {
 
-/// The reference textures: the first, and those taken on the way where it would show too little.
+/// The reference textures: the first, and those taken later, where it would show too little.
 class ReferenceViews {
 public:
     ReferenceViews(const TrackedFace& face, const FaceState& state, const cv::Mat1b& gray);
@@ -13,7 +13,7 @@ public:
     ReferenceView& first() { return *views_.front(); }
     const ReferenceView& first() const { return *views_.front(); }
 
-    /// Those to compare a frame with, in which the head is so: the first, and one that is nearer by far.
+    /// Those to register a frame with, by the head's pose: the first, and one that is much nearer.
     std::vector<ReferenceView*> near(const Eigen::Isometry3d& camera_from_head) const;
 
     /// Pixels of a frame in one of the first texture, of a face that is there.
@@ -28,7 +28,7 @@ private:
     int frames_since_last_ = 0;
 };
 
-/// Rad between the ways in which two poses show the head.
+/// Angle between the directions from which two poses show the head, rad.
 double view_angle(const Eigen::Isometry3d& first, const Eigen::Isometry3d& second);
 
 }  // namespace mimetic

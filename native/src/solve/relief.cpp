@@ -15,7 +15,7 @@ namespace mimetic {
 
 namespace {
 
-/// Normal equations in the shape and the lasting shifts.
+/// Normal equations in the shape and the common shifts.
 struct Normal {
     Eigen::MatrixXd information;
     Eigen::VectorXd pull;
@@ -25,7 +25,7 @@ struct Normal {
 struct Seen {
     Eigen::VectorXd rest;  ///< 3P
     MatrixRows by_mode;    ///< 3P x M
-    MatrixRows by_shape;   ///< 3P x (C + E): deeper by a component, or shifted in all frames alike
+    MatrixRows by_shape;   ///< 3P x (C + E): deeper by a component, or by a shift common to all frames
 };
 
 Points normals_at(const FittedSkin& skin, const DistinctPoints& points) {
@@ -76,7 +76,7 @@ Seen see(const FittedSkin& skin, const ReliefModel& model, const DistinctPoints&
     return seen;
 }
 
-/// By how much each sighting counts: those in which the head is turned alike err alike.
+/// Weight of each sighting: errors of those with similar head rotation are correlated.
 std::vector<double> shares(const std::vector<Sighting>& sightings, double alike) {
     std::vector<double> counted;
     for (const Sighting& one : sightings) {

@@ -6,8 +6,8 @@
 
 namespace mimetic {
 
-/// How the pixel of a point of the head changes. A step of the pose is a rotation vector about the head's
-/// origin, then a shift, both in camera axes.
+/// The pixel of a point of the head, and its derivatives. A step of the pose is a rotation vector about the
+/// head's origin, then a shift, both in camera axes.
 struct SeenPoint {
     Eigen::Vector3d in_camera;                ///< metres
     Eigen::Matrix<double, 2, 3> by_rotation;  ///< pixels a radian

@@ -4,15 +4,16 @@
 
 namespace mimetic {
 
-/// What of the skin is in sight of the camera under a hypothesis.
+/// Visibility of the skin under a hypothesis.
 class Sight {
 public:
     explicit Sight(const TrackedFace& face) : face_(face) {}
 
-    /// Draws what hides what, small: that hardly changes with the steps that follow. face_height: pixels.
+    /// Rasterises the depth at low resolution: occlusion hardly changes with the steps that follow.
+    /// face_height: pixels.
     void draw(const ProjectedSurface& projected, const FaceState& state, double face_height);
 
-    /// How well each sample of a view is seen, 0 to 1.
+    /// Visibility of each sample of a view, 0 to 1.
     std::vector<float> visible(const ReferenceView& view, const ProjectedSurface& projected,
                                const FaceState& state) const;
 

@@ -101,12 +101,12 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
     return problem;
 }
 
-/// Where alternating directions stand; a problem that differs little starts from the last one's.
+/// State of the alternating directions (ADMM); a similar problem starts from the last one's.
 struct BoundedSteps {
     Blocks within, dual;
 };
 
-/// Alternating directions: a smooth solve, then the bounds, until both agree.
+/// ADMM: a smooth solve, then the bounds, until both agree.
 void solve_bounded(SequenceProblem problem, int max_iterations, const Progress& progress,
                    BoundedSteps& bounded) {
     const std::size_t count = problem.pull.size();
@@ -204,8 +204,8 @@ std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, c
     const Blocks& steps = bounded.within;
     SequenceProblem problem;
     const RestPull rest_pull(motion);
-    // Which values are active, and so not to be pulled to rest, shows once the sequence has been solved
-    // freely.
+    // Which values are active, and so not pulled to rest, is known once the sequence has been solved without
+    // that pull.
     constexpr int kPasses = 2;
     for (int pass = 0; pass < kPasses; ++pass) {
         problem = make_problem(estimates, steps, motion, pass > 0 ? &rest_pull : nullptr, options);

@@ -50,7 +50,7 @@ void TextureFlow::compare_patches(const cv::Mat1f& reference, const cv::Mat1f& t
     box_mean(product_, aa_);
     cv::multiply(displaced_, displaced_, product_);
     box_mean(product_, bb_);
-    // The contrast floor keeps patches that show nothing from counting as lost.
+    // The contrast floor keeps patches without texture from counting as outliers.
     constexpr float kFloor = 150;
     for (int y = 0; y < texture.rows; ++y) {
         for (int x = 0; x < texture.cols; ++x) {
@@ -58,7 +58,7 @@ void TextureFlow::compare_patches(const cv::Mat1f& reference, const cv::Mat1f& t
                 (correlation_(y, x) + kFloor) / std::sqrt((aa_(y, x) + kFloor) * (bb_(y, x) + kFloor));
         }
     }
-    // What covers the face spoils the flow a little beyond its edge.
+    // An occluder corrupts the flow a little beyond its edge.
     constexpr int kSpoiled = 7;
     cv::erode(correlation_, correlation_, cv::getStructuringElement(cv::MORPH_RECT, {kSpoiled, kSpoiled}));
 }

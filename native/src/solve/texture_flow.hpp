@@ -7,13 +7,13 @@
 
 namespace mimetic {
 
-/// What one sample of a reference texture says about the present frame.
+/// The measurement of one sample of a reference texture in the present frame.
 struct SampleMeasurement {
     const ReferenceSample* sample = nullptr;
     Eigen::Vector2d displacement;  ///< frame pixels from the hypothesis to where the texture is
     Eigen::Matrix2d covariance;    ///< of the flow, frame pixels squared, one independent sample
     float correlation = 0;         ///< of the patch once displaced, -1 to 1
-    float texture = 0;             ///< contrast of the patch, 0 bare to 1
+    float texture = 0;             ///< contrast of the patch, 0 without texture to 1
     float weight = 1;              ///< texture seen head-on in both frames: 1
     double view_angle_sine = 0;    ///< of the turn since the texture was taken
 };

@@ -5,7 +5,7 @@
 
 namespace mimetic {
 
-/// What does not change while a face is followed.
+/// What stays constant while a face is tracked.
 struct TrackedFace {
     TrackedFace(const Camera& camera_in, const TrackedSurface& surface_in, const FaceMotion& motion_in,
                 const TrackerOptions& options_in);
@@ -25,7 +25,7 @@ struct TrackedFace {
     Eigen::MatrixXd rest_pull;  ///< M squared: its information in one frame
 };
 
-/// Throws InvalidInput unless a face can be followed by these.
+/// Throws InvalidInput unless a face can be tracked with these.
 void check_inputs(const Camera& camera, const TrackedSurface& surface, const FaceMotion& motion,
                   const FeatureInputs& features);
 

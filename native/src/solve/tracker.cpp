@@ -63,7 +63,7 @@ FrameEstimate FaceTracker::State::follow(FrameAtHand& frame, const std::optional
     const double held_quality = face.options.held_quality;
     const Expectation expected = predict(face, memory);
     const FaceState start = start_of(expected, frame);
-    // Who gives a guess is in doubt: after a cut another face may be where this one was.
+    // A guess means that the caller is in doubt: after a cut another face may be where this one was.
     Recognition recognition = memory.recognition;
     recognition.begin_frame(memory.is_lost || guess);
     Registration found = registrar.register_face(expected, start, frame, recognition);
@@ -119,7 +119,7 @@ FaceState FaceTracker::State::start_of(const Expectation& expected, FrameAtHand&
     return start;
 }
 
-/// From where the face was last seen, or anywhere: whichever explains more.
+/// From where the face was last seen, or from a search of the whole frame: whichever fits better.
 Registration FaceTracker::State::search_again(const Expectation& expected, const Registration& near,
                                               FrameAtHand& frame,
                                               const std::optional<Eigen::Isometry3d>& guess,
@@ -136,12 +136,11 @@ Registration FaceTracker::State::search_again(const Expectation& expected, const
     if (guess) {
         poses.push_back(*guess);
     }
-    poses.push_back(
-        memory.state.camera_from_head);  // without the flow, which may have followed what covers it
+    poses.push_back(memory.state.camera_from_head);  // without the flow, which may have tracked an occluder
     FaceState best = near.state;
     double best_quality = near.score.quality;
     for (const Eigen::Isometry3d& pose : poses) {
-        // Where the face was says nothing about where it is now.
+        // The last pose gives no information about the present one.
         const FaceState there{pose, Eigen::VectorXd::Zero(face.num_values())};
         frame.prepared.update(frame.gray, 1 / scale_at(there));
         const FaceState start = registrar.register_pose(expected.about(there), there, frame);
@@ -167,7 +166,7 @@ FrameEstimate FaceTracker::State::measured_estimate(const Expectation& expected,
     const JointSolver& solver = registrar.solver();
     FrameEstimate estimate = to_estimate(found.state, found.score);
     if (face.motion.detail_std.size() > 0) {
-        // Not put back into the next frame's warp: flow that falls short would let its errors grow.
+        // Not fed back into the next frame's warp: flow underestimates, and the errors would accumulate.
         estimate.detail = detail_solver.solve(solver, found.measured.samples, found.last_step.flat);
     }
     estimate.covariance =

@@ -30,7 +30,7 @@ struct FaceTracker::State {
     FaceRegistrar registrar;
     FaceSearch search;
     DetailSolver detail_solver;
-    Measured last_measured;  // what the last estimate rests on
+    Measured last_measured;  // the measurements behind the last estimate
 };
 
 }  // namespace mimetic

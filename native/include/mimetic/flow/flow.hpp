@@ -19,12 +19,12 @@ struct FlowOptions {  // defaults suit faces at 320x240 to 1280x720, 8-bit
     double temporal_noise = 1.0;     ///< s2: variance of the smoothed temporal derivative, grey levels^2
     double prior_variance = 2.0;     ///< of the flow at the coarsest level about its start, its pixels^2
     double process_variance = 0.03;  ///< of the flow from one level to the next finer, its pixels^2
-    bool judges_noise = true;        ///< by what is left between the images; false: as temporal_noise says
-    bool first_guess = false;        ///< dis: in a third of the time, no check by the way back, less refined
+    bool judges_noise = true;        ///< estimated from the warped images' residual; false: temporal_noise
+    bool first_guess = false;        ///< dis: in a third of the time, no forward-backward check, less refined
     void check() const;              ///< throws InvalidInput: field, value, limit
 };
 
-/// Where the pixels of one image are in another: x + flow(x), with the uncertainty of each.
+/// Positions of one image's pixels in another, x + flow(x), with a covariance each.
 struct FlowField {
     int rows = 0;
     int cols = 0;
@@ -42,8 +42,8 @@ struct FlowField {
 FlowField compute_flow(const GrayView& from, const GrayView& to, const FlowOptions& options = {},
                        const FlowField* initial = nullptr);
 
-/// A flow shows the motion blurred, by about a Gaussian of this standard deviation, pixels: of a bump of
-/// s.d. s it shows s^2 / (s^2 + blur^2). Measured on faces; the tests measure it on noise.
+/// A flow is the motion blurred, by about a Gaussian of this standard deviation, pixels: a bump of s.d. s
+/// keeps s^2 / (s^2 + blur^2) of its height. Measured on faces; the tests measure it on noise.
 double flow_blur_px(FlowMethod method);
 
 }  // namespace mimetic

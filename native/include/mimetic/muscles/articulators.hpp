@@ -8,7 +8,7 @@ namespace mimetic {
 /// What bone does and skin muscles do not.
 enum class JawMotion { jaw_open, jaw_side, jaw_thrust };
 
-/// The word of a command or a file; throws InvalidInput on another.
+/// The name in a command or a file; throws InvalidInput on another.
 JawMotion jaw_motion(const std::string& name);
 
 /// Points (K x 3) turned about an axis (unit) through a centre by angles (K), radians.
@@ -19,7 +19,7 @@ Points rotate(PointsIn points, const Eigen::RowVector3d& centre, const Eigen::Ro
 double smooth_step(double value);
 
 /// The mandible: turns about the condyles; what is fixed to it follows. Displacements are those at value 1,
-/// where a rotation is taken in full: an open jaw has not grown. Metres, head frame.
+/// exact rotations, not linearised: an open jaw keeps its size. Metres, head frame.
 class Jaw {
 public:
     explicit Jaw(std::shared_ptr<const SkinMesh> mesh);
@@ -85,7 +85,7 @@ public:
     Points turn(VectorIn angle) const;
 
 private:
-    /// Skin turns in full within `full` of the margin, less and less up to `end`, metres on the template.
+    /// Skin turns fully within `full` of the margin, fading to 0 at `end`, metres on the template.
     struct Fade {
         double full, end;
     };

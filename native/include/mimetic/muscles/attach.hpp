@@ -7,7 +7,7 @@
 
 namespace mimetic {
 
-/// What skin is made of, by regions of the template: data/materials.toml.
+/// Material parameters of skin by regions of the template: data/materials.toml.
 struct MaterialTable {
     /// In the order of SkinMaterials: young, poisson, thickness, pre_stress, tangential, normal; its units.
     using Values = std::array<double, 6>;
@@ -18,9 +18,9 @@ struct MaterialTable {
     double lid_attachment = 20;             ///< times both attachments there
 };
 
-/// Skin of a head on its bones: N vertices of its own mesh, S control vertices of which N x S stencils make
-/// them (on a mesh that is not the template's, the vertices themselves), U of them free, which the unknowns
-/// of the model are.
+/// Skin of a head on its bones: N vertices of its own mesh, which N x S stencils make of S control vertices
+/// (on a mesh that is not the template's, of the vertices themselves); the U free ones are the unknowns of
+/// the model.
 class AttachedSkin {
 public:
     /// stencils: N x S; free: S, the others are held. Throws InvalidInput where sizes disagree.
@@ -39,7 +39,7 @@ public:
     MatrixRows respond(MatrixIn forces) const;
     /// The same for loads on the unknowns, 3U x M.
     MatrixRows respond_to_loads(const Eigen::Ref<const Eigen::MatrixXd>& loads) const;
-    /// Unknowns, 3U x M, as displacements of all control vertices, M x 3S.
+    /// Unknowns, 3U x M -> displacements of all control vertices, M x 3S.
     MatrixRows on_control_vertices(const Eigen::Ref<const Eigen::MatrixXd>& unknowns) const;
     /// Forces of the attachment when the bone under the skin moves: M x 3N metres -> M x 3N newtons.
     MatrixRows foundation_forces(MatrixIn displacements) const;
@@ -69,7 +69,7 @@ struct MuscleEntry {
     double normal_share = 0.1;  ///< as in Muscle, likewise those below
     double protrusion = 0;
     double swelling = 0;
-    LandmarkPlace measured_at;  ///< the place by whose motion the strength is known
+    LandmarkPlace measured_at;  ///< the place whose motion sets the strength
     double excursion = 0;       ///< mm on the template, its motion at activation 1
 };
 
@@ -77,7 +77,7 @@ struct MuscleEntry {
 struct PlacedMuscle {
     std::string name;  ///< without side
     Muscle muscle;
-    std::string anchor;  ///< the landmark by which it is measured
+    std::string anchor;  ///< the landmark at which its excursion is measured
     Place measured;
     double excursion = 0;  ///< metres on this head
 };
@@ -91,15 +91,16 @@ std::vector<PlacedMuscle> place_muscles(const SkinMesh& canonical, const SkinMes
 PlacedMuscle place_muscle(const SkinMesh& canonical, const SkinMesh& mesh, const MuscleEntry& entry,
                           char side, const Eigen::RowVector2d& shift_mm);
 
-/// What M muscles do to a skin.
+/// Forces of M muscles on a skin, and its response.
 struct Pulled {
     MatrixRows forces;          ///< M x 3N at unit strength
     MatrixRows responses;       ///< M x 3S, metres, of the control vertices to them
     Eigen::VectorXd strengths;  ///< M, newtons (sphincters: newtons a metre)
 };
 
-/// Each as strong as gives it its excursion. surface: of the skin's mesh; measured: M x S, rows that read the
-/// motion of each muscle's measured place. Throws InvalidInput, naming it, on a place that does not move.
+/// Each with the strength that gives its excursion. surface: of the skin's mesh; measured: M x S, rows that
+/// read the motion of each muscle's measured place. Throws InvalidInput, naming it, on a place that does not
+/// move.
 Pulled pull(const AttachedSkin& skin, const MuscleSurface& surface, const std::vector<PlacedMuscle>& muscles,
             const SparseRows& measured);
 
@@ -116,14 +117,14 @@ void check_measured(const SparseRows& measured, Eigen::Index count, const Attach
 /// Throws InvalidInput, naming both, unless the place by which a muscle is measured moves (metres).
 void check_moves(double moved, const std::string& name, const std::string& anchor);
 
-/// A head as the jaw moves it, of the template's mesh or any other: its attached skin's N vertices, and its
+/// A head for the jaw's motions, of the template's mesh or any other: its attached skin's N vertices, and its
 /// own V.
 struct HeadOnJaw {
     Points skin;                 ///< N x 3
     Eigen::VectorXd influence;   ///< N, of the jaw on the bone under the skin, 0 to 1
     Points vertices;             ///< V x 3
     Eigen::VectorXi moves_with;  ///< V: the skin's control vertex that each goes with, -1 for none
-    std::vector<int> rigid;      ///< of V: what is fixed to the bone, teeth and tongue
+    std::vector<int> rigid;      ///< of V: those fixed to the bone, teeth and tongue
 };
 
 /// That of a head of the template's mesh.
@@ -132,7 +133,7 @@ HeadOnJaw head_on_jaw(const std::shared_ptr<const SkinMesh>& mesh, const Jaw& ja
 /// Displacement of the bone under the skin in the jaw's three motions at value 1, 3 x 3N.
 MatrixRows jaw_under_skin(const Jaw& jaw, const HeadOnJaw& head);
 
-/// Modes of the jaw's three motions over the whole head, 3 x 3V: the attachments' feet move with the bone,
+/// Modes of the jaw's three motions over the whole head, 3 x 3V: the attachments to the bone move with it,
 /// the skin follows.
 MatrixRows jaw_modes(const AttachedSkin& skin, const Jaw& jaw, const HeadOnJaw& head);
 

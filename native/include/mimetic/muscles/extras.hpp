@@ -4,7 +4,7 @@
 
 namespace mimetic {
 
-/// What a face needs beyond its muscles, jaw and lids.
+/// Extras: modes for animating by hand, beyond muscles, jaw and lids.
 enum class ExtraType {
     push,     ///< forwards, and to the line between the lips
     roll,     ///< a couple about a line: at value 1 the lip turns out
@@ -18,10 +18,10 @@ struct ExtraEntry {
     bool paired = false;
     bool upper = false;  ///< roll: of the upper lip
     std::vector<LandmarkPlace> line;
-    double forwards = 0;  ///< push: shares of one force
+    double forwards = 0;  ///< push: components of one force
     double inwards = 0;
     double width = 6;           ///< mm on the template, s.d. across the line
-    LandmarkPlace measured_at;  ///< the place by whose motion the strength is known
+    LandmarkPlace measured_at;  ///< the place whose motion sets the strength
     double excursion = 0;       ///< mm on the template, its motion at value 1
 };
 
@@ -39,7 +39,7 @@ struct PlacedExtra {
 std::vector<PlacedExtra> place_extras(const SkinMesh& canonical, const SkinMesh& mesh,
                                       const std::vector<ExtraEntry>& table);
 
-/// The mouth that extras act about.
+/// The mouth's position and size, for extras.
 struct MouthFrame {
     Eigen::RowVector3d slit = Eigen::RowVector3d::Zero();  ///< the middle between the lips, m
     double size = 1;                                       ///< times as long as the template
@@ -50,9 +50,9 @@ MouthFrame mouth_frame(const SkinMesh& mesh);
 /// Nodal forces, N x 3, of one extra at some strength. surface: the skin that they act on.
 Points extra_forces(const MuscleSurface& surface, const MouthFrame& mouth, const PlacedExtra& extra);
 
-/// Responses of the skin at value 1, E x 3S, each as strong as gives it its excursion. measured: E x S, rows
-/// that read the motion of each measured place. Throws InvalidInput, naming it, on a place that does not
-/// move.
+/// Responses of the skin at value 1, E x 3S, each with the strength that gives its excursion. measured: E x
+/// S, rows that read the motion of each measured place. Throws InvalidInput, naming it, on a place that does
+/// not move.
 MatrixRows extra_responses(const AttachedSkin& skin, const MuscleSurface& surface, const MouthFrame& mouth,
                            const std::vector<PlacedExtra>& extras, const SparseRows& measured);
 

@@ -17,17 +17,17 @@ struct Muscle {
     Points insertion;  ///< linear: 1 point; sheet: its edge, 2 or more; sphincter: the foci, own side first
     Eigen::Vector3d origin = Eigen::Vector3d::Zero();  ///< on the bone; a sphincter has none
     double width = 0.006;  ///< Gaussian s.d. of the footprint along the skin; of a sphincter's ring across
-    double normal_share = 0.1;  ///< how much of the pull across the skin is kept: bone is in the way
+    double normal_share = 0.1;  ///< share of the pull normal to the skin that is kept: bone resists it
     double protrusion = 0;      ///< sphincter: push outwards over pull along the fibres
     double swelling = 0;        ///< sphincter: push across the fibres over pull along them (volume is kept)
 
     void check() const;  ///< throws InvalidInput: field, value, limit
 };
 
-/// The skin that muscles take hold of: a triangle mesh on which distances run along the surface.
+/// The skin that muscles insert into: a triangle mesh with geodesic distances.
 class MuscleSurface {
 public:
-    /// Faces of `carries` false take no force and let no distance pass (mouth cavity, eye sockets).
+    /// Faces of `carries` false take no force, and no distance crosses them (mouth cavity, eye sockets).
     MuscleSurface(PointsIn vertices, TrianglesIn triangles, const std::vector<bool>& carries);
 
     /// Geodesic distance from the nearest of `sources` (each snapped to its nearest carrying vertex and that

@@ -4,23 +4,23 @@
 
 namespace mimetic {
 
-/// What is known of a person's skin and muscles, beside the assumed ones; M muscles, R regions.
+/// A person's skin and muscles relative to the assumed ones; M muscles, R regions.
 struct SkinCalibration {
     Eigen::VectorXd stiffness;  ///< R factors on the attachment to the bone
     Eigen::VectorXd strength;   ///< M factors on the displacement at activation 1
     Points2 insertion_mm;       ///< M x 2, away from the midline and up, on the template
 };
 
-/// Times the attachment at every refined vertex, N; regions blend as the surface does. weights: N x R, how
-/// far each vertex belongs to each region.
+/// Factor on the attachment at every refined vertex, N; regions blend as the surface does. weights: N x R,
+/// membership of each vertex in each region.
 Eigen::VectorXd stiffness_factors(MatrixIn weights, const Eigen::VectorXd& factors);
 
 /// Muscles (strengths included), then jaw and lids: Q modes on the skin's S control vertices.
 struct ResponsiveModes {
     MatrixRows modes;         ///< Q x 3S, metres at the value 1
-    MatrixRows by_stiffness;  ///< RQ x 3S, region by region: with the logarithm of each region's factor
-    /// 2Q x 3S: with each muscle's own insertion away from the midline, then up, a millimetre; 0 where not
-    /// asked for.
+    MatrixRows by_stiffness;  ///< RQ x 3S, region by region: derivatives by the logarithm of the factor
+    /// 2Q x 3S: derivatives by each muscle's insertion away from the midline, then up, per millimetre; 0
+    /// where not requested.
     MatrixRows by_insertion;
 };
 

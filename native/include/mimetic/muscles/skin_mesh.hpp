@@ -15,7 +15,7 @@ Triangles split_quads(PointsIn vertices, QuadsIn quads);
 /// Unit normals of vertices (V x 3): of the quads around each, by their areas; 0 without any.
 Points quad_normals(PointsIn vertices, QuadsIn quads);
 
-/// A value that is made when it is first read, by whichever thread.
+/// A value that is computed when it is first read, thread-safe.
 template <typename Value>
 class Lazy {
 public:
@@ -34,9 +34,9 @@ private:
 /// (they come first), N vertices of the refined skin, T triangles. Metres, head frame.
 class SkinMesh {
 public:
-    /// neutral: V x 3, of the template's mesh. Faces that lie turned over are smoothed (see
-    /// `inverted_faces`). Throws InvalidInput on another number of vertices, NaN, and faces that smoothing
-    /// does not turn back.
+    /// neutral: V x 3, of the template's mesh. Inverted faces are smoothed (see `inverted_faces`).
+    /// Throws InvalidInput on another number of vertices, NaN, and faces that stay inverted after
+    /// smoothing.
     SkinMesh(std::shared_ptr<const TemplateSkin> shared, PointsIn neutral);
 
     const TemplateSkin& shared() const { return *shared_; }
@@ -56,10 +56,10 @@ public:
     const MuscleSurface& surface() const;        ///< the visible skin, on which muscles act
     const MuscleSurface& whole_surface() const;  ///< with mouth cavity and eye sockets
 
-    /// S: how many times as long as the template's this person's skin is, around each vertex. Square root of
+    /// S: scale of this person's skin relative to the template's around each vertex. Square root of
     /// the areas' ratio, averaged with a Gaussian over the template.
     const Eigen::VectorXd& local_scale() const;
-    double size() const { return size_; }  ///< how many times as long as the template's this head is
+    double size() const { return size_; }  ///< scale of this head relative to the template
 
     int landmark(const std::string& name) const { return shared_->landmark(name); }
     Eigen::RowVector3d landmark_place(const std::string& name) const;  ///< of the neutral
@@ -81,7 +81,7 @@ private:
     Lazy<Eigen::VectorXd> local_scale_;
 };
 
-/// A point fixed to a refined vertex: it goes where the vertex goes on another person.
+/// A point fixed to a refined vertex, and so defined on every person.
 struct Place {
     int vertex = 0;
     Eigen::RowVector3d offset =
@@ -89,7 +89,7 @@ struct Place {
     double depth = 0;                ///< inwards from the skin, m on the template
 
     Eigen::RowVector3d position(const SkinMesh& mesh) const;
-    double scale(const SkinMesh& mesh) const;  ///< how many times as long as on the template lengths are here
+    double scale(const SkinMesh& mesh) const;  ///< of lengths here relative to the template
 };
 
 /// The place on the skin that lies x, y millimetres from a landmark as seen from the front, `depth` under it.
@@ -100,7 +100,7 @@ struct LandmarkPlace {
     double depth = 0;    ///< mm, inwards
 };
 
-/// canonical: the template's own skin; side: 'L' or 'R'. Throws InvalidInput on a landmark that there is not.
+/// canonical: the template's own skin; side: 'L' or 'R'. Throws InvalidInput on an unknown landmark.
 Place find_place(const SkinMesh& canonical, const LandmarkPlace& at, char side);
 
 }  // namespace mimetic

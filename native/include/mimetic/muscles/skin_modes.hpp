@@ -4,7 +4,7 @@
 
 namespace mimetic {
 
-/// Shapes into which a skin is easily drawn: what moves much of it for little elastic energy.
+/// Compliant modes of a skin: large displacement for little elastic energy.
 struct SkinModes {
     MatrixRows modes;            ///< K x 3S, metres at the coefficient 1, of the control vertices
     Eigen::VectorXd compliance;  ///< K, falling
@@ -14,7 +14,7 @@ struct SkinModes {
 /// At the coefficient 1 each moves the skin by `unit` metres, root mean square of the weights.
 ///
 /// weight: N x 3, of each vertex's displacement along x, y and z, sums to 1; start: 3U x C with C > count,
-/// columns at random. Throws InvalidInput if the sizes do not fit.
+/// random columns. Throws InvalidInput if the sizes do not fit.
 SkinModes low_energy_modes(const AttachedSkin& skin, PointsIn weight,
                            const Eigen::Ref<const Eigen::MatrixXd>& start, int count, double unit);
 

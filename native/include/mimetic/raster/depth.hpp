@@ -5,7 +5,7 @@
 
 namespace mimetic {
 
-/// How far the nearest surface is behind each pixel: depth in metres along the camera's z.
+/// Depth map: the nearest surface at each pixel, metres along the camera's z.
 struct DepthMap : Raster {
     using Raster::Raster;
 

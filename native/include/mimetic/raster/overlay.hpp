@@ -25,7 +25,7 @@ struct ColorImage {
     std::vector<std::uint8_t> pixels;
 };
 
-/// Draws what was captured over the footage: the mesh where it faces the camera and nothing covers it,
+/// Draws what was captured over the footage: the mesh where it faces the camera and is not occluded,
 /// landmarks, a quality bar and the frame's number.
 class OverlayPainter {
 public:
@@ -46,7 +46,7 @@ private:
     /// Where a vertex is in the enlarged picture.
     struct Place {
         Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
-        bool is_shown = false;  ///< in the picture and not covered
+        bool is_shown = false;  ///< in the picture and not occluded
     };
 
     std::vector<Place> find_places(PointsIn vertices_in_camera) const;

@@ -19,7 +19,7 @@ Scalar doubled_area(const TriangleCorners<Scalar>& corners) {
     return first.x() * second.y() - first.y() * second.x();
 }
 
-/// Shares of the corners in a pixel, sum 1, below 0 outside; false when the triangle has no area.
+/// Barycentric coordinates of a pixel, sum 1, below 0 outside; false when the triangle has no area.
 template <typename Scalar>
 bool barycentric_of(const Eigen::Matrix<Scalar, 2, 1>& pixel, const TriangleCorners<Scalar>& corners,
                     Eigen::Matrix<Scalar, 3, 1>& weights) {
@@ -83,10 +83,10 @@ struct Raster {
     }
 };
 
-/// What each pixel sees of quads that lie flat in the picture.
+/// The quad that each pixel shows, of quads in the plane of the picture.
 struct QuadRaster {
     Raster raster;
-    Rows<float, 4> weights;  ///< a row a pixel: shares of the quad's corners, 0 where there is none
+    Rows<float, 4> weights;  ///< a row a pixel: weights of the quad's corners, 0 where there is none
 };
 
 /// Quads (Q x 4) of corners with a pixel and a height each: where several cover a pixel's centre, the highest

@@ -13,11 +13,11 @@ struct RayHit {
 };
 
 /// Finds the triangle that a ray through a place of a plane meets, among those that face the viewer. They
-/// are kept by where they are seen, so that a ray asks few of them.
+/// are sorted into cells of the plane, so that few are tested per ray.
 class RayCaster {
 public:
     /// Rays through pixels of a camera. vertices_in_camera: V x 3, metres; triangles: T x 3,
-    /// counter-clockwise seen from outside; pixels: those that will be asked for. Throws InvalidInput on an
+    /// counter-clockwise seen from outside; pixels: those that will be queried. Throws InvalidInput on an
     /// index out of range, or a pixel that is not finite.
     RayCaster(const Camera& camera, PointsIn vertices_in_camera, TrianglesIn triangles, Points2In pixels);
 
@@ -29,8 +29,8 @@ public:
     RayHit at(const Eigen::Vector2d& place) const;
 
 private:
-    /// A triangle as it is seen. The ray s r meets its plane where the corners' weights solve s r = u a + v b
-    /// + w c; each is a triple product with the ray, and before scaling they sum to 1 / s. Seen in parallel
+    /// A projected triangle. The ray s r meets its plane where the corners' weights solve s r = u a + v b
+    /// + w c; each is a triple product with the ray, and before scaling they sum to 1 / s. For parallel rays
     /// they sum to 1.
     struct Facet {
         int triangle = 0;
@@ -47,7 +47,7 @@ private:
     Eigen::Vector2d origin_ = Eigen::Vector2d::Zero();
     double side_ = 1;
     Eigen::Index columns_ = 1, rows_ = 1;
-    std::vector<std::vector<int>> cells_;  ///< facets by where they are seen
+    std::vector<std::vector<int>> cells_;  ///< facets by cell of the plane
 };
 
 /// Where the rays of K pixels meet triangles first.
@@ -56,7 +56,7 @@ struct RayHits {
     Points weights;            ///< K x 3, of the triangle's corners; 0 where there is none
 };
 
-/// The nearest triangle under each pixel among those that face the camera and lie before it.
+/// The nearest triangle under each pixel among those that face the camera and are in front of it.
 /// vertices_in_camera: V x 3, metres; triangles: T x 3, counter-clockwise seen from outside. Throws
 /// InvalidInput on an index out of range.
 RayHits cast_rays(const Camera& camera, PointsIn vertices_in_camera, TrianglesIn triangles, Points2In pixels);

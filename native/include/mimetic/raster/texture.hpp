@@ -14,14 +14,14 @@ struct TextureLayout {
     Points2 corners;
     int size = 0;
 
-    /// Throws InvalidInput: a size that no texture has, an index out of range, corners that are missing or
+    /// Throws InvalidInput: an unsupported size, an index out of range, corners that are missing or
     /// not finite.
     void check(Eigen::Index num_vertices) const;
 };
 
 /// Values at the vertices (V x K) as a picture, size^2 x K, first row on top: of each texel the mean over the
-/// places that faces have in it, those that only reach into it too; 0 where none does. Throws InvalidInput on
-/// a layout that does not fit, or that leaves the square.
+/// faces that overlap it, also in part; 0 where none does. Throws InvalidInput on
+/// a layout that does not match, or that leaves the square.
 MatrixRows unwrap_values(const TextureLayout& layout, MatrixIn values);
 
 /// A texture with a frame's colours, and the skin's.
@@ -30,8 +30,8 @@ struct ProjectedTexture {
     Eigen::Vector3d median_colour;  ///< of what the frame shows, 0 to 255
 };
 
-/// Where the frame shows nothing, colours are carried over smoothly from where it does. vertices_in_camera: V
-/// x 3, metres; normals: V x 3, unit; layout: all faces, since each may cover skin; its size is a power of
+/// Where the frame shows nothing, colours are interpolated smoothly from where it does. vertices_in_camera: V
+/// x 3, metres; normals: V x 3, unit; layout: all faces, since each may occlude skin; its size is a power of
 /// two; vertex_weights: V, 0 where the frame's colours are not wanted to 1. Throws InvalidInput if the face
 /// is outside the picture.
 ProjectedTexture project_texture(const Camera& camera, const ColorView& image, PointsIn vertices_in_camera,

@@ -32,10 +32,10 @@ struct PolygonPieces {
 PolygonPieces cut_polygons(PointsIn points, const std::vector<std::int64_t>& starts,
                            const std::vector<std::int64_t>& corners);
 
-/// A mesh of an object put into metres.
+/// An object's mesh in metres.
 struct PlacedMesh {
-    Points vertices;  ///< V x 3
-    LongQuads faces;  ///< turned over if the object is mirrored: such a one shows its faces turned over
+    Points vertices;                   ///< V x 3
+    LongQuads faces;                   ///< reversed if the object is mirrored, which inverts its faces
     Eigen::Matrix3d object_from_head;  ///< of displacements
 };
 
@@ -56,15 +56,15 @@ struct ForeignSkin {
     int num_collapsed = 0;        ///< faces without extent that were left out
 };
 
-/// What is told of a face by places on it.
+/// Landmarks placed on a face.
 struct NamedPlaces {
     std::vector<std::string> names;
     Points places;           ///< L x 3, metres, the mesh's coordinates
-    std::vector<int> front;  ///< of them, those on skin that looks forwards on any face
+    std::vector<int> front;  ///< of them, those whose skin faces forwards on any face
 };
 
 /// Throws InvalidInput, naming face, vertex or landmark as the caller does, on a landmark that lies off the
-/// skin, skin of too many vertices, a face without area, faces that look inwards. points: V x 3, metres.
+/// skin, skin of too many vertices, a face without area, faces oriented inwards. points: V x 3, metres.
 ForeignSkin read_foreign_skin(PointsIn points, const CutFaces& faces, const NamedPlaces& landmarks,
                               const Similarity& user_from_skin);
 

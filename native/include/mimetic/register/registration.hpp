@@ -8,7 +8,7 @@
 
 namespace mimetic {
 
-/// A skin on which nearest points know inside from outside and upper from lower lip.
+/// A skin whose nearest-point search distinguishes inside from outside and upper from lower lip.
 class LippedSurface {
 public:
     /// vertices N x 3, metres, of a head of the template's size; surface: of all its triangles; lips: 2 x 3,
@@ -33,19 +33,19 @@ private:
     NearestPoints nearest_;  // among the vertices that triangles have, by place, normal and lip
 };
 
-/// Points P x 3 moved as sources (K x 3) go to targets; displacements by the kernel -r. Conditionally
-/// positive definite of order 1 [Wendland 2004]: a constant is enough beside it, so what lies far from all
-/// landmarks is neither sheared nor scaled. Throws InvalidInput if two sources are at one place.
+/// Points P x 3 warped so that sources (K x 3) reach their targets; radial basis function -r. Conditionally
+/// positive definite of order 1 [Wendland 2004]: a constant is enough beside it, so points far from all
+/// landmarks are neither sheared nor scaled. Throws InvalidInput if two sources are at one place.
 Points warp_points(PointsIn points, PointsIn source, PointsIn target);
 
-/// Vertices of a head that go with the mean of others: teeth with the lips, an eye with its lids.
+/// Vertices of a head that move with the mean of others: teeth with the lips, an eye with its lids.
 struct Follower {
     std::vector<int> edge;
     std::vector<int> vertices;
 };
 
-/// A head of the template's mesh on its way to another head's skin. V control vertices, S of the skin (they
-/// come first), N of the refined skin, whose vertex i < S is the limit of control vertex i.
+/// A head of the template's mesh during registration to another head's skin. V control vertices, S of the
+/// skin (they come first), N of the refined skin, whose vertex i < S is the limit of control vertex i.
 struct LaidTemplate {
     Points neutral;           ///< V x 3
     LippedSurface skin;       ///< refined

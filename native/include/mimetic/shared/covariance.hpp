@@ -5,12 +5,12 @@
 
 namespace mimetic {
 
-/// The symmetric, positive definite matrix next to a covariance that rounding has spoilt. Judged as
+/// The symmetric, positive definite matrix nearest to a covariance with rounding errors. Compared as
 /// correlations: radians and metres differ by orders of magnitude. least: of the correlations' eigenvalues.
 Eigen::MatrixXd nearest_covariance(const Eigen::MatrixXd& covariance, double least = 1e-9);
 
-/// Whether a covariance is one, but for rounding: finite, mirrored entries at most `asymmetry` apart, and no
-/// correlation's eigenvalue below -1e-6.
+/// Whether a matrix is a covariance up to rounding: finite, mirrored entries at most `asymmetry` apart, and
+/// no correlation's eigenvalue below -1e-6.
 bool is_covariance(const Eigen::MatrixXd& covariance,
                    double asymmetry = std::numeric_limits<double>::infinity());
 

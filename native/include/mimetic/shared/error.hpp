@@ -4,7 +4,7 @@
 
 namespace mimetic {
 
-/// An argument that cannot be worked with; the text says what, where and what to do. ValueError in Python.
+/// An invalid argument; the text says what, where and what to do. ValueError in Python.
 class InvalidInput : public std::invalid_argument {
 public:
     using std::invalid_argument::invalid_argument;

@@ -5,7 +5,7 @@
 
 namespace mimetic {
 
-/// An 8-bit image that somebody else owns: rows x cols x Channels, rows `stride` bytes apart.
+/// A non-owning view of an 8-bit image: rows x cols x Channels, rows `stride` bytes apart.
 template <int Channels>
 struct ImageView {
     const std::uint8_t* data = nullptr;

@@ -4,7 +4,7 @@
 
 namespace mimetic {
 
-/// Called now and then with the fraction done, 0 to 1; false stops the work, which then returns what it has.
+/// Called at intervals with the fraction done, 0 to 1; false stops the work, which then returns what it has.
 using Progress = std::function<bool(double fraction)>;
 
 }  // namespace mimetic

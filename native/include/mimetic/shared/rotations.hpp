@@ -9,11 +9,11 @@
 
 namespace mimetic {
 
-/// Rotations of a clip, one a frame. In the forms that curves hold, neighbours in time stay on one side, so
-/// that curves have no jumps.
+/// Rotations of a clip, one a frame. As quaternions, vectors or angles, neighbours in time take the nearest
+/// of equivalent values, so that curves have no jumps.
 using Rotations = std::vector<Eigen::Matrix3d>;
 
-/// What takes the cross product with v: cross_matrix(v) w = v x w.
+/// The matrix of the cross product with v: cross_matrix(v) w = v x w.
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& v);
 
 /// The rotation about a vector by its length, radians (Rodrigues), or by `most` if that is less.
@@ -33,8 +33,8 @@ Eigen::VectorXd angles_from(const std::vector<Eigen::Isometry3d>& poses, const E
 /// the largest eigenvalue, which has no special cases.
 Rows<double, 4> quaternions(const Rotations& rotations);
 
-/// N x 3 axes times angles, radians, each the one nearest to that before it: whoever turns on past half a
-/// turn gets vectors longer than pi, not a jump.
+/// N x 3 axes times angles, radians, each the one nearest to that before it: a rotation on past half a turn
+/// gives vectors longer than pi, not a jump.
 Points rotation_vectors(const Rotations& rotations);
 
 /// How a rotation vector changes with a small turn put before its rotation: log(exp(d) exp(r)) = r + J d
@@ -48,7 +48,7 @@ Eigen::Matrix3d mean_rotation(const Rotations& rotations);
 Eigen::Matrix3d nearest_rotation(const Eigen::Matrix3d& matrix);
 
 /// N x 3 angles about x, y and z, radians. order: such as "XYZ", the first letter turns first, as in Blender:
-/// "XYZ" is Rz Ry Rx. first: what the first row shall be near to; each later row is near to the one before.
+/// "XYZ" is Rz Ry Rx. first: what the first row is near to; each later row is near to the one before.
 /// Throws InvalidInput for another order.
 Points euler_angles(const Rotations& rotations, const std::string& order,
                     const Eigen::Vector3d& first = Eigen::Vector3d::Zero());

@@ -5,8 +5,8 @@
 
 namespace mimetic {
 
-/// Rows of a table that lie well apart: `first`, then again and again the allowed row farthest from all that
-/// are chosen, until there are `count`, or the farthest is nearer than `least`. Of rows equally far the first
+/// Rows of a table that lie well apart: `first`, then repeatedly the allowed row farthest from all that are
+/// chosen, until there are `count`, or the farthest is nearer than `least`. Of rows equally far the first
 /// is taken. Throws InvalidInput where `first` is empty or names no row, or `allowed` has another length.
 std::vector<int> spread_rows(MatrixIn rows, const std::vector<int>& first, const std::vector<bool>& allowed,
                              int count, double least = 0);

@@ -6,7 +6,7 @@
 namespace mimetic {
 
 /// Vertices of a mesh of quads met by going straight on from a vertex over a neighbour, both included: across
-/// every vertex that four faces share. Ends where that is not so, or before a vertex comes again.
+/// every vertex of valence four. Ends at any other vertex, or before one repeats.
 /// faces: F x 4. Throws InvalidInput unless both are ends of one edge.
 std::vector<int> edge_loop(QuadsIn faces, int from, int over);
 

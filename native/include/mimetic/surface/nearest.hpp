@@ -25,8 +25,8 @@ private:
     void offer(const double* point, int row, Best& best) const;
 
     MatrixRows cloud_;
-    std::vector<int> order_;  // rows; the middle of a range parts it
-    std::vector<int> axis_;   // along which the row there parts its range
+    std::vector<int> order_;  // rows; the middle of a range splits it
+    std::vector<int> axis_;   // along which the row there splits its range
 };
 
 }  // namespace mimetic

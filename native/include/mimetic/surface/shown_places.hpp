@@ -10,7 +10,7 @@ namespace mimetic {
 struct ShownPlaces {
     Points points;              ///< P x 3, metres, camera frame
     Points2 pixels;             ///< P x 2; not a number behind the camera
-    std::vector<bool> visible;  ///< P: in the picture, turned to the camera, not covered
+    std::vector<bool> visible;  ///< P: in the picture, facing the camera, not occluded
 };
 
 /// vertices_in_camera: V x 3, metres; faces: F x 4. Throws InvalidInput on an index out of range.

@@ -5,7 +5,7 @@
 
 namespace mimetic {
 
-/// Vertices of the shortest way along the edges of quads through some vertices in turn, ends included.
+/// Vertices of the shortest path along the edges of quads through some vertices in turn, ends included.
 /// Throws InvalidInput where there is none.
 std::vector<int> shortest_way(QuadsIn quads, PointsIn vertices, const std::vector<int>& stops);
 
