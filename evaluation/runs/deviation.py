@@ -81,7 +81,7 @@ def in_image(truth: Truth, motion: Motion) -> Deviation:
 
 
 def in_space(truth: Truth, motion: Motion) -> Deviation:
-    """Motion in the head frame, each method's own laid on the true one by its first points."""
+    """Motion in the head frame, each method's own aligned with the true one by its first points."""
     is_finite = np.isfinite(motion.points).all((0, 2))
     points, predicted = truth.points[:, is_finite], motion.points[:, is_finite]
     rotation = _core.fit_similarity(predicted[0], points[0]).rotation

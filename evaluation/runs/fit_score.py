@@ -33,7 +33,7 @@ class ShotScore:
     """One picture's errors."""
 
     nodes: NDArray[np.float64]  # of the face's nodes that the camera sees, % of the pupil distance
-    mesh: NDArray[np.float64]  # of the face's nodes in space after laying on, mm
+    mesh: NDArray[np.float64]  # of the face's nodes in space after alignment, mm
     turn: NDArray[np.float64]  # 3, pitch, yaw, roll, signed, degrees, camera axes
     focal: float  # error of the focal length, %
 

@@ -32,7 +32,7 @@ def laid_on_pupils(places: np.ndarray, pupils: np.ndarray) -> np.ndarray:
 
 
 def similarity(source: np.ndarray, target: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Turn with size (2,2) and shift (2) that lay places nearest to others."""
+    """Turn with size (2,2) and shift (2) that align places with others, least squares."""
     middle, aim = source.mean(0), target.mean(0)
     a, b = source - middle, target - aim
     c = (a * b).sum() / (a * a).sum()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What documents about a clip say of it: frames, rate, picture and camera, checked."""
+"""What documents about a clip have in common: frames, rate, picture and camera, checked."""
 
 from __future__ import annotations
 
