@@ -60,7 +60,7 @@ void bind_analyse_comparison(py::module_& m) {
         .def_readonly("faces", &FacesInView::faces)
         .def_readonly("shades", &FacesInView::shades);
     m.def("faces_in_view", &faces_in_view, "vertices"_a, "faces"_a,
-          "Faces seen along -z, back to front, with how much light they catch.");
+          "Faces visible along -z, back to front, with their shading.");
 }
 
 }  // namespace mimetic::bindings

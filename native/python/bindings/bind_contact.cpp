@@ -58,11 +58,11 @@ void bind_slits(py::module_& m) {
             return py::make_tuple(rows_array(vertices), std::move(numbered));
         },
         "slits"_a, "kept"_a,
-        "The slits' vertices that are kept (C,), and slits by their numbers among them.");
+        "The slits' vertices that are kept (C,), and slits by their indices among them.");
 }
 
 void bind_skin_contact(py::module_& m) {
-    py::class_<EyeRest>(m, "EyeRest", "Skin that lies on an eye and slides there; metres, head frame.")
+    py::class_<EyeRest>(m, "EyeRest", "Skin that slides on an eye; metres, head frame.")
         .def(py::init([](const Eigen::Vector3d& centre, const std::vector<int>& vertices, PointsIn rest,
                          const Eigen::VectorXd& share,
                          double sink) { return EyeRest{centre, vertices, rest, share, sink}; }),
@@ -80,7 +80,7 @@ void bind_skin_contact(py::module_& m) {
           "3)\ncontrol vertices; reach: metres along the skin where lids end; size: of the head");
     py::class_<SkinContact>(
         m, "SkinContact",
-        "What lips and lids of a head do to each other: contact without friction, for shapes at rest.\n\n"
+        "Frictionless contact between the lips and between the lids of a head, quasi-static.\n\n"
         "Displacements are in the head frame, or in that of `turned`; metres.")
         .def(py::init(&make_contact), py::kw_only(), "rest"_a, "stencils"_a, "slits"_a, "eyes"_a, "model"_a,
              "free"_a, "moves_with"_a, "read"_a,
@@ -90,25 +90,25 @@ void bind_skin_contact(py::module_& m) {
              "the head's vertex that is\neach base vertex. Raises InvalidInput.")
         .def_property_readonly(
             "vertices", [](const SkinContact& self) { return rows_array(self.vertices()); },
-            "(K,) of the head, that are looked at")
+            "(K,) of the head, that are tested")
         .def_property_readonly(
             "moved", [](const SkinContact& self) { return rows_array(self.moved()); },
-            "(W,) of the head, that yield")
+            "(W,) of the head, that contact may displace")
         .def_property_readonly("num_slits", &SkinContact::num_slits)
         .def("correction", &SkinContact::correction, "displacement"_a, release_gil(),
-             "(W, 3) float32 of `moved` that parts lips and lids; None if nothing touches.\n\n"
+             "(W, 3) float32 of `moved` that separates lips and lids; None if nothing overlaps.\n\n"
              "displacement: (K, 3), of `vertices`")
         .def("relieve", &SkinContact::relieve, "displacement"_a, release_gil(),
-             "The displacement (V, 3) with lips and lids parted; unchanged where nothing touches.")
+             "The displacement (V, 3) with lips and lids separated; unchanged where nothing overlaps.")
         .def("gaps", &SkinContact::gaps, "displacement"_a, release_gil(),
-             "Gaps of what overlaps at a displacement (V, 3), all negative.")
+             "Gaps of the overlaps at a displacement (V, 3), all negative.")
         .def(
             "depth",
             [](const SkinContact& self, PointsIn displacement) {
                 const Eigen::VectorXd gaps = self.gaps(displacement);
                 return gaps.size() ? std::max(0., -gaps.minCoeff()) : 0.;
             },
-            "displacement"_a, release_gil(), "How deep lips or lids lie in each other, metres.")
+            "displacement"_a, release_gil(), "Largest penetration of lips or lids, metres.")
         .def("turned", &SkinContact::turned, "linear"_a,
              "The same contact for displacements in another frame: linear (3, 3) @ those of this.");
     m.def("contact_shapes", &shapes_of_contact, "contact"_a, "parts"_a, "progress"_a = py::none(),
@@ -133,7 +133,7 @@ void bind_skin_contact(py::module_& m) {
 }  // namespace
 
 void bind_contact(py::module_& m) {
-    py::class_<Slit>(m, "Slit", "Two rims across a slit that can touch, by numbers of points.")
+    py::class_<Slit>(m, "Slit", "Two rims across a slit that can touch, by indices of points.")
         .def(py::init([](std::vector<int> upper, std::vector<int> lower, const Triangles& triangles) {
                  return Slit{std::move(upper), std::move(lower), triangles};
              }),

@@ -55,7 +55,7 @@ void bind_fit(py::module_& m) {
                  return view;
              }),
              "features"_a, "pins"_a = std::vector<Feature>{}, "motion"_a = MatrixRows(0, 4),
-             "features: measured; pins: landmarks placed by hand, which are held however far off\n"
+             "features: measured; pins: landmarks placed by hand, without robust weight\n"
              "motion: (K, 4) point of the model, how far it moved right and down since the first view, "
              "standard deviation, pixels")
         .def_readonly("features", &FaceView::features)

@@ -118,7 +118,7 @@ void bind_pictures(py::module_& m) {
             return mirror_correlation(view, seen);
         },
         py::arg("picture").noconvert(), "is_seen"_a,
-        "How alike both halves of a canonical picture (S, S, 3) are, -1 to 1; is_seen: (S, S) bool.");
+        "Correlation of a canonical picture (S, S, 3) with its mirror image, -1 to 1; is_seen: (S, S) bool.");
     m.def(
         "follow_points",
         [](const ImageArray& reference, const ImageArray& view, const Camera& camera,
@@ -146,7 +146,8 @@ void bind_pictures(py::module_& m) {
         "standard\n"
         "deviation, pixels. points: of the model, with places and normals (N, 3) in the head frame; poses: "
         "(4, 4) "
-        "camera\nfrom head; pupil_distance_px: in the view. Points that flow does not lead back to are left "
+        "camera\nfrom head; pupil_distance_px: in the view. Points that fail the forward-backward check are "
+        "left "
         "out.");
 }
 

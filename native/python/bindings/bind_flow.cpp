@@ -56,7 +56,7 @@ void bind_flow(py::module_& m) {
         .def_readwrite("judges_noise", &FlowOptions::judges_noise)
         .def_readwrite("first_guess", &FlowOptions::first_guess)
         .def("check", &FlowOptions::check, "Raises InvalidInput: field, value, limit.");
-    py::class_<FlowField>(m, "FlowField", "Where the pixels of one image are in another.")
+    py::class_<FlowField>(m, "FlowField", "Positions of one image's pixels in another.")
         .def_readonly("rows", &FlowField::rows)
         .def_readonly("cols", &FlowField::cols)
         .def_property_readonly(

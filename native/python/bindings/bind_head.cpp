@@ -17,7 +17,7 @@ void bind_shape(py::module_& m) {
         .value("ellipsoid", HeadModel::ellipsoid, "the paper's")
         .value("plane", HeadModel::plane, "the patch that the paper compares with")
         .value("surface", HeadModel::surface, "the person's own surface");
-    py::class_<MovingPart>(m, "MovingPart", "A part of the face that moves on its own and counts for less.")
+    py::class_<MovingPart>(m, "MovingPart", "A non-rigid part of the face, which is weighted down.")
         .def(
             py::init([](const Eigen::Vector2d& centre, double radius, double share) {
                 return MovingPart{centre, radius, share};
@@ -35,7 +35,7 @@ void bind_shape(py::module_& m) {
           py::arg("faces").noconvert(), py::call_guard<py::gil_scoped_release>(),
           "The model nearest to a head's skin.\n\nvertices: (V, 3) float64, metres; faces: (F, 4) int32 of "
           "the skin that\nis seen. Raises InvalidInput.");
-    py::class_<HeadOptions>(m, "HeadOptions", "How a head is followed; see head.hpp for units.")
+    py::class_<HeadOptions>(m, "HeadOptions", "How a head is tracked; see head.hpp for units.")
         .def(py::init<>())
         .def_readwrite("crop_height", &HeadOptions::crop_height)
         .def_readwrite("sample_spacing", &HeadOptions::sample_spacing)
@@ -49,7 +49,7 @@ void bind_shape(py::module_& m) {
 }
 
 void bind_tracker(py::module_& m) {
-    py::class_<PlacedView>(m, "PlacedView", "Where a reference texture was taken, as two models have it.")
+    py::class_<PlacedView>(m, "PlacedView", "Pose of a reference texture by each of two models.")
         .def(py::init([](const Eigen::Matrix4d& on_model, const Eigen::Matrix4d& on_skin) {
                  return PlacedView{to_isometry(on_model), to_isometry(on_skin)};
              }),
@@ -65,17 +65,17 @@ void bind_tracker(py::module_& m) {
         .def_readonly("covariance", &HeadEstimate::covariance,
                       "(6, 6) of (rotation vector, translation): exp(r) R, t + d; rad, metres")
         .def_readonly("quality", &HeadEstimate::quality, "0 lost to 1 well explained")
-        .def_readonly("held", &HeadEstimate::held, "nothing was measured: the last good pose")
+        .def_readonly("held", &HeadEstimate::held, "nothing was measured: repeats the last good pose")
         .def_readonly("found_again", &HeadEstimate::found_again,
-                      "searched for or guessed, not followed on: it may be another")
+                      "from search or a guess, not tracked: it may be another head")
         .def_readonly("likeness", &HeadEstimate::likeness,
-                      "share of what is in sight that looks as a reference texture has it")
+                      "share of the visible skin that matches a reference texture")
         .def_readonly("num_samples", &HeadEstimate::num_samples)
         .def_readonly("explained", &HeadEstimate::explained)
         .def_readonly("residual_px", &HeadEstimate::residual_px)
         .def_readonly("correlation", &HeadEstimate::correlation)
         .def_readonly("num_views", &HeadEstimate::num_views);
-    py::class_<HeadTracker>(m, "HeadTracker", "Follows a rigid head in 6 degrees of freedom.")
+    py::class_<HeadTracker>(m, "HeadTracker", "Tracks a rigid head in 6 degrees of freedom.")
         .def(py::init([](const Camera& camera, const HeadShape& shape, const ImageArray& image,
                          const Eigen::Matrix4d& camera_from_head, const HeadOptions& options) {
                  const ColorView view = view_image<3>(image, "the reference image");
@@ -102,7 +102,7 @@ void bind_tracker(py::module_& m) {
                 tracker.restart(view_image<3>(image, "the frame"), estimate);
             },
             py::arg("image").noconvert(), "estimate"_a,
-            "Goes back to a frame, to follow the clip the other way; reference textures are kept.")
+            "Goes back to a frame, to track the clip in the other direction; reference textures are kept.")
         .def("relax", &HeadTracker::relax, py::call_guard<py::gil_scoped_release>(),
              "Solves for the poses of the reference textures and the shape anew, from all of them: a clip "
              "followed\n"
@@ -120,7 +120,8 @@ void bind_tracker(py::module_& m) {
             "Moves the reference textures, in their order, to poses (N, 4, 4) and shapes the model so that "
             "it\n"
             "agrees. Raises InvalidInput.")
-        .def_property_readonly("shape", &HeadTracker::shape, "HeadShape as all reference textures say.");
+        .def_property_readonly("shape", &HeadTracker::shape,
+                               "HeadShape estimated from all reference textures.");
 }
 
 void bind_motion(py::module_& m) {
@@ -136,7 +137,7 @@ void bind_motion(py::module_& m) {
             return py::make_tuple(array_of(motion.poses), array_of<6, 6>(motion.covariances));
         },
         "poses"_a, "covariances"_a, "seconds"_a, "measured"_a, "strength"_a,
-        "Rigid motion smoothed forward and backward, so that nothing comes late: (N, 4, 4), (N, 6, 6).\n\n"
+        "Rigid motion smoothed forward and backward, without lag: (N, 4, 4), (N, 6, 6).\n\n"
         "poses: (N, 4, 4), metres; covariances: (N, 6, 6) of (rotation vector, translation):\nexp(d) R, t + "
         "d; seconds: (N,), rising; measured: N, false where a pose is held;\nstrength: what standard "
         "deviations are multiplied by, 0 changes nothing. Raises InvalidInput.");
@@ -146,7 +147,7 @@ void bind_motion(py::module_& m) {
             return array_of(place_poses(poses_of(poses, "poses"), views));
         },
         "poses"_a, "views"_a,
-        "(N, 4, 4): poses by a simple model (N, 4, 4), put where the person's own skin has them.");
+        "(N, 4, 4): poses by a simple model (N, 4, 4), corrected to the person's own surface.");
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ void bind_head_rig_motion(py::module_& m) {
                                          axes, scale));
         },
         "rotations"_a, "shifts"_a, "location"_a, "rotation"_a, "world_from_parent"_a, "axes"_a, "scale"_a,
-        "Rotations (N, 3, 3) and locations (N, 3) of an object that is carried from where it is.");
+        "Rotations (N, 3, 3) and locations (N, 3) of an object that moves from where it is.");
     m.def(
         "place_object",
         [](const DoubleArray& poses, const Eigen::Vector3d& camera, const Eigen::Matrix4d& world_from_parent,

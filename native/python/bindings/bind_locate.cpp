@@ -20,7 +20,7 @@ void bind_locate(py::module_& m) {
         .def_readonly("name", &Feature::name)
         .def_property_readonly("position", [](const Feature& f) { return f.position; })
         .def_readonly("sigma_px", &Feature::sigma_px)
-        .def_readonly("likelihood", &Feature::likelihood, "0 guessed from proportions to 1 plainly seen");
+        .def_readonly("likelihood", &Feature::likelihood, "0 guessed from proportions to 1 clearly visible");
     py::class_<FeatureCurve>(m, "FeatureCurve",
                              "A line of the face in the image; only its place along the normals is measured.")
         .def(py::init([](std::string name, const Points2& points, const Points2& normals,
@@ -32,7 +32,7 @@ void bind_locate(py::module_& m) {
         .def_property_readonly("points", [](const FeatureCurve& c) { return c.points; })
         .def_property_readonly("normals", [](const FeatureCurve& c) { return c.normals; })
         .def_property_readonly("sigma_px", [](const FeatureCurve& c) { return c.sigma_px; });
-    py::class_<FaceFeatures>(m, "FaceFeatures", "What one face shows: box, points and curves, pixels.")
+    py::class_<FaceFeatures>(m, "FaceFeatures", "Measurements of one face: box, points and curves, pixels.")
         .def(py::init([](std::vector<Feature> features, std::vector<FeatureCurve> curves,
                          const Eigen::Vector4d& box, double likelihood) {
                  return FaceFeatures{box, likelihood, 0, 0, std::move(features), std::move(curves)};
@@ -56,7 +56,7 @@ void bind_locate(py::module_& m) {
              }),
              "cascade_directory"_a, "smallest_face"_a = LocateOptions{}.smallest_face,
              "least_likelihood"_a = LocateOptions{}.least_likelihood, "spaces"_a = std::nullopt,
-             "spaces: FaceSpaces to look with beside the cascades")
+             "spaces: FaceSpaces, used beside the cascades")
         .def(
             "locate",
             [](const FaceLocator& locator, const ImageArray& image) {
@@ -70,7 +70,7 @@ void bind_locate(py::module_& m) {
     py::class_<CascadeHit>(m, "CascadeHit", "A window that passed every stage of a cascade.")
         .def_property_readonly(
             "box", [](const CascadeHit& h) { return h.box; }, "left, top, width, height, pixels")
-        .def_readonly("votes", &CascadeHit::votes, "overlapping windows joined into this one");
+        .def_readonly("votes", &CascadeHit::votes, "overlapping windows merged into this one");
     py::class_<CascadeDetector>(m, "CascadeDetector",
                                 "One of OpenCV's boosted cascades by itself, to compare with.")
         .def(py::init<const std::string&>(), "file"_a)
@@ -93,7 +93,7 @@ void bind_locate(py::module_& m) {
                                     mouth_and_jaw ? MeasuredParts::mouth_and_jaw : MeasuredParts::all);
         },
         py::arg("image").noconvert(), "expected"_a, "search"_a = 0.1, "mouth_and_jaw"_a = false,
-        "Measures the features again, near where a fitted model expects them.\n\n"
+        "Measures the features again, near where a fitted model predicts them.\n\n"
         "image: (H, W, 3) uint8 RGB\nexpected: FaceFeatures with pupil.L and pupil.R at least\n"
         "search: half width of the search, interpupillary distances\n"
         "mouth_and_jaw: measure these alone");

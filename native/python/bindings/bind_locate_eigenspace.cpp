@@ -11,8 +11,8 @@ using namespace pybind11::literals;
 namespace {
 
 void bind_space(py::module_& m) {
-    py::class_<Eigenspace>(m, "Eigenspace",
-                           "Gaussian density of image patches in their principal subspace and beside it.")
+    py::class_<Eigenspace>(
+        m, "Eigenspace", "Gaussian density of image patches in their principal subspace and its complement.")
         .def(py::init([](int width, int height, const Eigen::VectorXd& mean, const MatrixRows& basis,
                          const Eigen::VectorXd& eigenvalues, double rho) {
                  Eigenspace space{width, height, mean, basis, eigenvalues, rho};
@@ -59,8 +59,8 @@ void bind_face_spaces(py::module_& m) {
         .def_readonly("other", &ModuleSpace::other)
         .def_readonly("width", &ModuleSpace::width);
     py::class_<FaceSpaces>(m, "FaceSpaces",
-                           "View-based and modular eigenspaces, and those of what is "
-                           "mistaken for them.")
+                           "View-based and modular eigenspaces, and those of "
+                           "false positives.")
         .def(py::init([](std::vector<ViewSpace> views, Eigenspace other, std::vector<ModuleSpace> modules,
                          const Eigen::VectorXd& weights) {
                  FaceSpaces spaces{std::move(views), std::move(other), std::move(modules), weights};
@@ -93,10 +93,10 @@ void bind_locate_eigenspace(py::module_& m) {
              "steps_per_octave"_a = usual.steps_per_octave, "roll"_a = usual.roll,
              "least_probability"_a = usual.least_probability,
              "smallest: two pupil distances, pixels; largest: part of the shorter side; roll: radians");
-    py::class_<FaceHint>(m, "FaceHint", "A square that another finder takes for a face.")
+    py::class_<FaceHint>(m, "FaceHint", "A square that another finder reports as a face.")
         .def(py::init<Eigen::Vector2d, double, double>(), "center"_a, "width"_a, "votes"_a,
              "center, width: of the face's window, pixels");
-    py::class_<FoundFace>(m, "FoundFace", "A face: where, how large, how turned, and what speaks for it.")
+    py::class_<FoundFace>(m, "FoundFace", "A face: place, size, rotation, and the evidence for it.")
         .def_property_readonly("center", [](const FoundFace& f) { return f.center; })
         .def_readonly("width", &FoundFace::width, "of its window, pixels: two pupil distances")
         .def_readonly("roll", &FoundFace::roll, "radians, clockwise in the picture")
@@ -138,7 +138,7 @@ void bind_locate_eigenspace(py::module_& m) {
             return made;
         },
         py::arg("image").noconvert(), "side"_a, "options"_a = usual,
-        "Levels of an image, contrast flattened, as the search sees them: list of (values, window width)");
+        "Levels of an image, contrast flattened, as the search uses them: list of (values, window width)");
     m.def(
         "flat_window",
         [](const ImageArray& image, const Eigen::Vector2d& center, double width, double roll, int cols,

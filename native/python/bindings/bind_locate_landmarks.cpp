@@ -17,7 +17,7 @@ void bind_locate_landmarks(py::module_& m) {
         .def(py::init<double, Points2, Eigen::VectorXd>(), "yaw"_a, "start"_a, "sigma"_a)
         .def_readonly("yaw", &LandmarkView::yaw, "degrees")
         .def_property_readonly("sigma", [](const LandmarkView& v) { return v.sigma; });
-    py::class_<FaceLandmarks>(m, "FaceLandmarks", "What a cascade says of one face.")
+    py::class_<FaceLandmarks>(m, "FaceLandmarks", "A cascade's estimate of one face.")
         .def_property_readonly(
             "places", [](const FaceLandmarks& f) { return f.places; }, "L x 2, pixels")
         .def_property_readonly(
@@ -79,15 +79,14 @@ void bind_locate_landmarks(py::module_& m) {
             return face_detail(view, face);
         },
         py::arg("image").noconvert(), "face"_a,
-        "What a face in an image (H, W, 3) shows beyond smooth shades, grey levels: blur and a stingy "
-        "encoder "
-        "take it away.");
+        "Fine detail of a face in an image (H, W, 3), grey levels: blur and strong compression "
+        "remove it.");
     m.def("expression_of", &expression_of, "face"_a,
           "(6,) heights of brows and mouth corners below the pupils, the lips' height and the mouth's width, "
           "pupil\n"
           "distances; nan where a feature was not found.");
     m.def("usual_expression", &usual_expression, "expressions"_a, "scores"_a,
-          "(F,) how usual each frame's expression (F, 6) is within its clip, 0 to 1. scores: (F,) of "
+          "(F,) how near each frame's expression (F, 6) is to its clip's median, 0 to 1. scores: (F,) of "
           "rest_score; "
           "where\nmost frames are plainly not at rest, the others alone say what is usual.");
     m.def("shared_expression", &shared_expression, "expressions"_a, "weights"_a,

@@ -31,7 +31,7 @@ void bind_feature_noise(py::module_& m) {
             return feature_noise(entry->second, side);
         },
         "feature"_a, "side"_a,
-        "What the networks are off by there.\n\nside: of the crop, pixels\nreturns: FeatureNoise");
+        "Errors of the networks at a feature.\n\nside: of the crop, pixels\nreturns: FeatureNoise");
 }
 
 void bind_locate_networks(py::module_& m) {
@@ -73,7 +73,7 @@ void bind_locate_networks(py::module_& m) {
         .def_property_readonly(
             "irises", [](const MeshPoints& p) { return std::make_pair(p.irises[0], p.irises[1]); },
             "(5, 2) pixels each, left first, as EyePoints'; (0, 2) without the eyes' heads");
-    py::class_<EyePoints>(m, "EyePoints", "What MediaPipe's iris network sees of one eye.")
+    py::class_<EyePoints>(m, "EyePoints", "What MediaPipe's iris network measures of one eye.")
         .def_property_readonly(
             "contour", [](const EyePoints& p) { return p.contour; }, "(71, 2) pixels, of lids and brow")
         .def_property_readonly(
@@ -100,7 +100,7 @@ void bind_locate_networks(py::module_& m) {
             },
             py::arg("image").noconvert(), "crop"_a, "refine_eyes"_a = false,
             "The face in a crop about 1.5 times its size.\n\nimage: (H, W, 3) uint8 RGB\n"
-            "refine_eyes: look at the eyes again too, and say the irises\nreturns: MeshPoints")
+            "refine_eyes: refine the eyes too, and measure the irises\nreturns: MeshPoints")
         .def(
             "eye",
             [](const FeatureNetworks& networks, const ImageArray& image, const FeatureCrop& crop, bool left) {
@@ -117,10 +117,10 @@ void bind_locate_networks(py::module_& m) {
             return network_features(mesh, {left, right});
         },
         "mesh"_a, "left_eye"_a, "right_eye"_a,
-        "FaceFeatures of eyes and mouth, with what the networks usually err by on real faces.");
+        "FaceFeatures of eyes and mouth, with the networks' standard deviations on real faces.");
     m.def("with_network_features", &with_network_features, "landmarks"_a, "seen"_a,
-          "FaceFeatures for a fit: landmarks, and where both have one what the networks see.\n\n"
-          "The landmarks alone where the networks look at something else.");
+          "FaceFeatures for a fit: landmarks, replaced by the networks' where both have one.\n\n"
+          "The landmarks alone where the networks' eyes are elsewhere.");
 }
 
 }  // namespace mimetic::bindings

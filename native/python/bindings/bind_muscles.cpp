@@ -37,7 +37,7 @@ void bind_muscles(py::module_& m) {
         .def_readonly("origin", &Muscle::origin)
         .def_readonly("width", &Muscle::width);
 
-    py::class_<MuscleSurface>(m, "MuscleSurface", "The skin that muscles take hold of.")
+    py::class_<MuscleSurface>(m, "MuscleSurface", "The skin that muscles insert into.")
         .def(py::init<PointsIn, TrianglesIn, const std::vector<bool>&>(), py::arg("vertices").noconvert(),
              py::arg("triangles").noconvert(), "carries"_a,
              "vertices: (N, 3) float64, metres\ntriangles: (T, 3) int32\ncarries: T truth values")
@@ -51,7 +51,7 @@ void bind_muscles(py::module_& m) {
     m.def("insertion_nodes", &insertion_nodes, "muscle"_a,
           "(K, 3) where fibres end in the skin: a point, points along a sheet's edge, a ring's own focus.");
     m.def("muscle_fibres", &muscle_fibres, "muscle"_a, "num_steps"_a,
-          "Fibres in space before they are laid on skin, (num_steps, 3) each, the origin first.");
+          "Fibres in space, before projection onto the skin, (num_steps, 3) each, the origin first.");
     py::class_<MuscleLines>(m, "MuscleLines", "Lines from the bone to the skin; P points, metres.")
         .def(py::init([](const SkinPlaces& places, const Points& rest, const MatrixRows& bone,
                          const Eigen::VectorXd& share) { return MuscleLines{places, rest, bone, share}; }),

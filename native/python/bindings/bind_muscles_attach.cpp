@@ -30,7 +30,8 @@ SparseRows stencils_of(const std::optional<CompressedRows>& stencils, Eigen::Ind
 }
 
 void bind_skin_on_bones(py::module_& m) {
-    py::class_<MaterialTable>(m, "MaterialTable", "What skin is made of, by regions: data/materials.toml.")
+    py::class_<MaterialTable>(m, "MaterialTable",
+                              "Material parameters of skin by regions: data/materials.toml.")
         .def(
             py::init([](const MaterialTable::Values& base,
                         const std::map<std::string, MaterialTable::Values>& regions, double lid_reach,
@@ -112,7 +113,7 @@ void bind_entries(py::module_& m) {
     py::class_<PlacedMuscle>(m, "PlacedMuscle", "A muscle on a head.")
         .def_readonly("name", &PlacedMuscle::name, "without side")
         .def_readonly("muscle", &PlacedMuscle::muscle)
-        .def_readonly("measured", &PlacedMuscle::measured, "Place by whose motion its strength is known")
+        .def_readonly("measured", &PlacedMuscle::measured, "Place whose motion sets its strength")
         .def_readonly("excursion", &PlacedMuscle::excursion, "metres on this head")
         .def(
             "carried",
@@ -125,7 +126,7 @@ void bind_entries(py::module_& m) {
 }
 
 void bind_pull(py::module_& m) {
-    py::class_<Pulled>(m, "Pulled", "What M muscles do to a skin.")
+    py::class_<Pulled>(m, "Pulled", "Forces of M muscles on a skin, and its response.")
         .def_property_readonly(
             "forces", [](const Pulled& p) { return array_of_stack(p.forces); }, "(M, N, 3) at unit strength")
         .def_property_readonly(
@@ -140,7 +141,7 @@ void bind_pull(py::module_& m) {
         [](const AttachedSkin& skin, const MuscleSurface& surface, const std::vector<PlacedMuscle>& muscles,
            const CompressedRows& measured) { return pull(skin, surface, muscles, measured.matrix); },
         "skin"_a, "surface"_a, "muscles"_a, "measured"_a, release_gil(),
-        "Each muscle as strong as gives it its excursion.\n\n"
+        "Each muscle with the strength that gives its excursion.\n\n"
         "measured: CompressedRows (M, S) that read the motion of each muscle's measured place\n"
         "raises InvalidInput, naming it, on a place that does not move");
     m.def(
@@ -160,7 +161,8 @@ void bind_pull(py::module_& m) {
     m.def(
         "followed_vertices", [](const MeshPointer& mesh) { return followed_vertices(mesh); }, "mesh"_a,
         "(V,) of a head of the template's mesh, for `spread`: lashes go with their roots.");
-    py::class_<HeadOnJaw>(m, "HeadOnJaw", "A head as the jaw moves it: its skin's N vertices, and its own V.")
+    py::class_<HeadOnJaw>(m, "HeadOnJaw",
+                          "A head for the jaw's motions: its skin's N vertices, and its own V.")
         .def(py::init([](Points skin, Eigen::VectorXd influence, Points vertices, Eigen::VectorXi moves_with,
                          std::vector<int> rigid) {
                  return HeadOnJaw{std::move(skin), std::move(influence), std::move(vertices),
@@ -183,7 +185,7 @@ void bind_pull(py::module_& m) {
             return array_of_stack(std::move(modes));
         },
         "skin"_a, "jaw"_a, "head"_a,
-        "(3, V, 3): the attachments' feet move with the bone, the skin follows. Raises InvalidInput.");
+        "(3, V, 3): the attachments to the bone move with it, the skin follows. Raises InvalidInput.");
     m.def(
         "lid_modes",
         [](const MeshPointer& mesh) {

@@ -31,7 +31,7 @@ void bind_placed_extras(py::module_& m) {
              "width"_a, "measured_at"_a, "excursion"_a, "width, excursion: mm; upper: roll of the upper lip");
     py::class_<PlacedExtra>(m, "PlacedExtra", "An extra on a head.")
         .def_readonly("line", &PlacedExtra::line, "(K, 3) on the skin, metres")
-        .def_readonly("measured", &PlacedExtra::measured, "Place by whose motion its strength is known")
+        .def_readonly("measured", &PlacedExtra::measured, "Place whose motion sets its strength")
         .def(
             "carried",
             [](PlacedExtra placed, PointsIn line) {
@@ -39,7 +39,7 @@ void bind_placed_extras(py::module_& m) {
                 return placed;
             },
             "line"_a, "The same with its line (K, 3) on another skin.");
-    py::class_<MouthFrame>(m, "MouthFrame", "The mouth that extras act about.")
+    py::class_<MouthFrame>(m, "MouthFrame", "The mouth's position and size, for extras.")
         .def(py::init([](const MeshPointer& mesh) { return mouth_frame(*mesh); }), "mesh"_a)
         .def_readonly("slit", &MouthFrame::slit, "(3,), the middle between the lips")
         .def_readonly("size", &MouthFrame::size, "times as long as the template");
@@ -62,7 +62,7 @@ void bind_placed_extras(py::module_& m) {
             return array_of_stack(std::move(responses));
         },
         "skin"_a, "surface"_a, "mouth"_a, "extras"_a, "measured"_a,
-        "(E, S, 3) at value 1, each as strong as gives it its excursion.\n\n"
+        "(E, S, 3) at value 1, each with the strength that gives its excursion.\n\n"
         "measured: CompressedRows (E, S) that read the motion of each measured place\n"
         "raises InvalidInput, naming it, on a place that does not move");
 }
@@ -80,7 +80,7 @@ void bind_gaze(py::module_& m) {
 void bind_response(py::module_& m) {
     m.def("stiffness_factors", &stiffness_factors, "weights"_a, "factors"_a,
           "(N,) times the attachment at every refined vertex.\n\n"
-          "weights: (N, R), how far each vertex belongs to each region; factors: (R,)");
+          "weights: (N, R), membership of each vertex in each region; factors: (R,)");
     py::class_<SkinResponse>(m, "SkinResponse",
                              "A person's muscles and jaw on the skin, for one calibration after another.")
         .def(py::init([](const MeshPointer& mesh, const MeshPointer& canonical,

@@ -23,10 +23,10 @@ void bind_checks(py::module_& m) {
             return py::make_tuple(std::move(unfolded.vertices), unfolded.inverted, unfolded.farthest);
         },
         py::arg("vertices").noconvert(), "split"_a, "face"_a,
-        "Vertices with no triangle turned over among those around it.\n\n"
+        "Vertices of a mesh without inverted triangles.\n\n"
         "vertices: (N, 3) float64, metres; split: the mesh's triangles for such vertices; face: T, of the "
         "head,\nfor each triangle\n"
-        "returns: vertices, faces that lay turned over (rising), metres by which a vertex was moved at most\n"
+        "returns: vertices, faces that were inverted (rising), metres by which a vertex was moved at most\n"
         "raises InvalidInput, naming a face, if smoothing does not help");
     m.def("check_areas", &check_areas, py::arg("vertices").noconvert(), py::arg("triangles").noconvert(),
           "face"_a, release_gil(),
@@ -70,8 +70,7 @@ void bind_mesh(py::module_& m) {
              "shared"_a, py::arg("neutral").noconvert(), release_gil(),
              "neutral: (V, 3) float64, metres, head frame, of the template's mesh; raises InvalidInput")
         .def_property_readonly("neutral", &SkinMesh::neutral, "(V, 3)")
-        .def_property_readonly("vertices", &SkinMesh::vertices,
-                               "(N, 3); where faces lie turned over, smoothed")
+        .def_property_readonly("vertices", &SkinMesh::vertices, "(N, 3); smoothed where faces were inverted")
         .def_property_readonly("triangles", &SkinMesh::triangles, "(T, 3) int32")
         .def_property_readonly("normals", &SkinMesh::normals, "(N, 3), unit")
         .def_property_readonly(
@@ -90,16 +89,15 @@ void bind_mesh(py::module_& m) {
             "seen_from_front", [](const SkinMesh& self) { return array_of(self.seen_from_front()); },
             "Refined vertices of the outer skin that do not face backwards, rising.")
         .def_property_readonly("inverted_faces", &SkinMesh::inverted_faces,
-                               "Faces of the head that lay turned over and were smoothed.")
+                               "Faces of the head that were inverted, and are smoothed.")
         .def_property_readonly("smoothed_by", &SkinMesh::smoothed_by, "Metres, at most.")
         .def_property_readonly("surface", &SkinMesh::surface,
                                "The outer skin, on which muscles act and distances run.")
         .def_property_readonly("whole_surface", &SkinMesh::whole_surface,
                                "The outer skin with mouth cavity and eye sockets.")
         .def_property_readonly("local_scale", &SkinMesh::local_scale,
-                               "(S,): how many times as long as the template's this skin is there.")
-        .def_property_readonly("size", &SkinMesh::size,
-                               "How many times as long as the template's this head is.")
+                               "(S,): local scale of this skin relative to the template's.")
+        .def_property_readonly("size", &SkinMesh::size, "Scale of this head relative to the template.")
         .def(
             "in_region",
             [](const SkinMesh& self, const std::string& name) { return self.shared().in_region(name); },
@@ -118,7 +116,7 @@ void bind_mesh(py::module_& m) {
         .def_readonly("offset", &Place::offset, "(3,) from the vertex, along the skin, m on the template")
         .def_readonly("depth", &Place::depth, "inwards from the skin, m on the template")
         .def("position", &Place::position, "mesh"_a, "(3,) on a head")
-        .def("scale", &Place::scale, "mesh"_a, "How many times as long as on the template lengths are here.");
+        .def("scale", &Place::scale, "mesh"_a, "Scale of lengths here relative to the template.");
     m.def(
         "find_place",
         [](const SkinMesh& mesh, std::string anchor, double x, double y, double depth, char side) {

@@ -61,7 +61,7 @@ void bind_meshes(py::module_& m) {
                                   placed.object_from_head);
         },
         "points"_a, "faces"_a, "metres_from_object"_a,
-        "An object's mesh in metres: vertices (V, 3), faces (F, 4), turned over if it is mirrored, and "
+        "An object's mesh in metres: vertices (V, 3), faces (F, 4), reversed if it is mirrored, and "
         "(3, 3)\nobject from head, of displacements. Raises InvalidInput if it is scaled to nothing.");
     py::class_<ForeignSkin>(m, "ForeignSkin",
                             "The skin of a head's mesh that is not the template's, in the template's frame.")
@@ -124,7 +124,7 @@ void bind_loose(py::module_& m) {
             "side"_a, "(V,); side: 0 left, 1 right")
         .def_property_readonly(
             "following", [](const LooseParts& self) { return array_of_rows(self.following); },
-            "vertices that go where skin goes")
+            "vertices that move with the skin")
         .def_readonly("roots", &LooseParts::roots, "the skin's vertex of each that follows")
         .def_readonly("num_left", &LooseParts::num_left, "vertices that are too many to follow");
     m.def(
@@ -150,8 +150,9 @@ void bind_loose(py::module_& m) {
 void bind_register(py::module_& m) {
     bind_meshes(m);
     bind_loose(m);
-    py::class_<LippedSurface>(m, "LippedSurface",
-                              "A skin whose nearest points know inside from outside and lip from lip.")
+    py::class_<LippedSurface>(
+        m, "LippedSurface",
+        "A skin whose nearest-point search distinguishes inside from outside, and the lips.")
         .def(py::init<PointsIn, TrianglesIn, const MuscleSurface&, PointsIn>(),
              py::arg("vertices").noconvert(), py::arg("triangles").noconvert(), "surface"_a, "lips"_a,
              release_gil(),

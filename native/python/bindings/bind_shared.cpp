@@ -54,7 +54,7 @@ void bind_rotations(py::module_& m) {
         [](const DoubleArray& r) { return rotation_vectors(matrices_of<3, 3>(r, "rotations")); },
         "rotations"_a,
         "(N, 3) axes times angles, radians, of (N, 3, 3) rotations, each the one nearest to that before "
-        "it:\nwhoever turns on past half a turn gets vectors longer than pi, not a jump.");
+        "it:\na rotation on past half a turn gives vectors longer than pi, not a jump.");
     m.def(
         "from_rotation_vectors",
         [](PointsIn vectors) {
@@ -106,7 +106,7 @@ void bind_similarity(py::module_& m) {
         .def_readonly("rotation", &Similarity::rotation)
         .def_readonly("shift", &Similarity::shift)
         .def_readonly("is_mirror", &Similarity::is_mirror,
-                      "whether the points lie better on a mirror image of themselves")
+                      "whether the points align better with their mirror image")
         .def("apply", &Similarity::apply, "points"_a, "(K, 3)")
         .def(
             "turn",
@@ -124,7 +124,7 @@ void bind_similarity(py::module_& m) {
             "displacements"_a, "(..., 3), without the shift")
         .def("inverse", &Similarity::inverse);
     m.def("fit_similarity", &fit_similarity, "source"_a, "target"_a,
-          "The Similarity that lays points (K, 3) on others (K, 3), in least squares.");
+          "The Similarity that aligns points (K, 3) with others (K, 3), in least squares.");
 }
 
 }  // namespace
@@ -158,12 +158,11 @@ void bind_shared(py::module_& m) {
         "poses"_a, "rounding"_a,
         "(N,) which of (N, 4, 4) turn and shift without scaling or mirroring; rounding: of R R' - 1.");
     m.attr("PUPIL_DISTANCE") = kPupilDistance;
-    m.def(
-        "spread_rows", &spread_rows, "rows"_a, "first"_a, "allowed"_a, "count"_a, "least"_a = 0.0,
-        py::call_guard<py::gil_scoped_release>(),
-        "Rows of a table (N, D) that lie well apart: `first`, then again and again the allowed row farthest "
-        "from all\nthat are chosen, until there are `count`, or the farthest is nearer than `least`.\n\n"
-        "allowed: N booleans. Raises InvalidInput.");
+    m.def("spread_rows", &spread_rows, "rows"_a, "first"_a, "allowed"_a, "count"_a, "least"_a = 0.0,
+          py::call_guard<py::gil_scoped_release>(),
+          "Rows of a table (N, D) that lie well apart: `first`, then repeatedly the allowed row farthest "
+          "from all\nthat are chosen, until there are `count`, or the farthest is nearer than `least`.\n\n"
+          "allowed: N booleans. Raises InvalidInput.");
     m.def(
         "nearest_covariances",
         [](const DoubleArray& covariances) {
@@ -174,7 +173,7 @@ void bind_shared(py::module_& m) {
             return array_of<6, 6>(matrices);
         },
         "covariances"_a,
-        "(N, 6, 6) symmetric and positive definite, next to what rounding has spoilt; judged as "
+        "(N, 6, 6) symmetric and positive definite, nearest to matrices with rounding errors; compared as "
         "correlations.");
 }
 

@@ -20,7 +20,7 @@ namespace {
 void bind_model(py::module_& m) {
     m.def("inverted_faces", &inverted_faces, py::arg("vertices").noconvert(),
           py::arg("triangles").noconvert(), release_gil(),
-          "Triangles that lie turned over among those around them, rising.\n\n"
+          "Triangles that are inverted relative to those around them, rising.\n\n"
           "vertices: (N, 3) float64, metres\ntriangles: (T, 3) int32");
     m.def("check_openings", &check_openings, py::arg("triangles").noconvert(), "num_openings"_a,
           "triangles_per_face"_a = 1, release_gil(),
@@ -175,7 +175,7 @@ void bind_corotational(py::module_& m) {
     py::class_<CorotationalSolution>(m, "CorotationalSolution")
         .def_readonly("unknowns", &CorotationalSolution::unknowns, "(3C,) metres")
         .def_readonly("iterations", &CorotationalSolution::iterations)
-        .def_readonly("residual", &CorotationalSolution::residual, "force left over the load")
+        .def_readonly("residual", &CorotationalSolution::residual, "residual force over the load")
         .def_readonly("converged", &CorotationalSolution::converged);
     py::class_<CorotationalSkin>(
         m, "CorotationalSkin",
@@ -197,8 +197,10 @@ void bind_corotational(py::module_& m) {
             },
             "forces"_a, "max_iterations"_a = CorotationalOptions{}.max_iterations,
             "tolerance"_a = CorotationalOptions{}.tolerance, release_gil(),
-            "Balance with forces that keep their directions, by L-BFGS in the metric of the linear skin.\n\n"
-            "forces: (3N,) float64, newtons, xyz interleaved; tolerance: of the force left over the load\n"
+            "Equilibrium with forces that keep their directions, by L-BFGS in the metric of the linear "
+            "skin.\n\n"
+            "forces: (3N,) float64, newtons, xyz interleaved; tolerance: of the residual force over the "
+            "load\n"
             "returns: CorotationalSolution; raises InvalidInput where nothing holds the skin");
 }
 

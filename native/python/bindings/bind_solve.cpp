@@ -33,7 +33,7 @@ FaceMotion make_motion(Points neutral, const ModesArray& modes, int num_muscles,
 }
 
 void bind_options(py::module_& m) {
-    py::class_<TrackerOptions>(m, "TrackerOptions", "How a face is followed; the defaults suit webcams.")
+    py::class_<TrackerOptions>(m, "TrackerOptions", "How a face is tracked; the defaults suit webcams.")
         .def(py::init<>())
         .def_readwrite("crop_height", &TrackerOptions::crop_height,
                        "pixels of the face in the reference texture")
@@ -65,11 +65,11 @@ void bind_model(py::module_& m) {
             "quickness"_a = py::none(),
             "neutral: (V, 3); modes: (M, V, 3) float64, displacement at the value 1, muscles first; lower, "
             "upper,\n"
-            "prior_std: (M,), how far a value strays from 0; partner: (M,) int32, the value of the other "
+            "prior_std: (M,), s.d. of a value about 0; partner: (M,) int32, the value of the other "
             "side, -1:\n"
             "none. detail_modes: (D, V, 3), for what the values cannot explain; detail_std: (D,). quickness: "
             "(M,),\n"
-            "how many times as fast as a skin muscle a value moves. Raises InvalidInput.")
+            "speed of a value relative to a skin muscle. Raises InvalidInput.")
         .def_readonly("num_muscles", &FaceMotion::num_muscles)
         .def_readonly("lower", &FaceMotion::lower)
         .def_readonly("upper", &FaceMotion::upper);
@@ -90,7 +90,7 @@ void bind_model(py::module_& m) {
             "lines"_a, "facing"_a, "lid_upper"_a = -1, "lid_lower"_a = -1,
             "lines: vertices, of an eye the upper and the lower margin; facing: (3,) head frame; lid_upper,\n"
             "lid_lower: indices among the values, -1: no eye.");
-    py::class_<FeatureInputs>(m, "FeatureInputs", "Where eyes and mouth are on the head, and who sees them.")
+    py::class_<FeatureInputs>(m, "FeatureInputs", "Where eyes and mouth are on the head, and their source.")
         .def(py::init<>())
         .def(py::init([](std::vector<EyeSlit> eyes, std::vector<FeatureOpening> openings,
                          std::optional<const FeatureNetworks*> networks, const Camera& camera,
@@ -130,9 +130,9 @@ void bind_estimate(py::module_& m) {
         .def_property_readonly(
             "detail_std", [](const FrameEstimate& e) { return e.detail.std; }, "(D,)")
         .def_readonly("quality", &FrameEstimate::quality, "0 lost to 1 well explained")
-        .def_readonly("held", &FrameEstimate::held, "nothing was measured: the last good state")
+        .def_readonly("held", &FrameEstimate::held, "nothing was measured: repeats the last good state")
         .def_readonly("found_again", &FrameEstimate::found_again,
-                      "searched for or guessed, not followed on: it may be another face")
+                      "from search or a guess, not tracked: it may be another face")
         .def_readonly("num_samples", &FrameEstimate::num_samples)
         .def_readonly("num_explained", &FrameEstimate::num_explained)
         .def_readonly("residual_px", &FrameEstimate::residual_px)
@@ -143,19 +143,19 @@ void bind_estimate(py::module_& m) {
 
 void bind_observations(py::module_& m) {
     py::class_<SkinObservations>(m, "SkinObservations",
-                                 "Where K points of the skin were seen in one frame, by flow alone.")
+                                 "Measured positions of K points of the skin in one frame, by flow alone.")
         .def_readonly("vertices", &SkinObservations::vertices,
                       "(K, 3) int32, refined vertices around each point")
-        .def_readonly("barycentric", &SkinObservations::barycentric, "(K, 3), their shares")
+        .def_readonly("barycentric", &SkinObservations::barycentric, "(K, 3), barycentric weights")
         .def_readonly("pixels", &SkinObservations::pixels, "(K, 2), in the frame")
         .def_readonly("information", &SkinObservations::information,
-                      "(K, 4), rows of 2 x 2, pixels^-2; neighbours share, outliers have 0");
+                      "(K, 4), rows of 2 x 2, pixels^-2; neighbours share it, outliers have 0");
 }
 
 void bind_tracker(py::module_& m) {
     py::class_<FaceTracker>(
         m, "FaceTracker",
-        "Follows one face: pose, muscles and articulators together, against reference textures.")
+        "Tracks one face: pose, muscles and articulators together, against reference textures.")
         .def(py::init([](const Camera& camera, QuadsIn faces, VectorIn weights, const FaceMotion& motion,
                          const ImageArray& image, const Eigen::Matrix4d& camera_from_head,
                          const FeatureInputs& features, const TrackerOptions& options, int levels) {
@@ -185,14 +185,15 @@ void bind_tracker(py::module_& m) {
             "the head,\n"
             "used when the face was lost.")
         .def("observations", &FaceTracker::observations,
-             "SkinObservations that the last frame's estimate rests on; none where the face was lost.")
+             "SkinObservations behind the last frame's estimate; none where the face was lost.")
         .def(
             "restart",
             [](FaceTracker& tracker, const ImageArray& image, const FrameEstimate& estimate) {
                 tracker.restart(view_image<3>(image, "the frame"), estimate);
             },
             py::arg("image").noconvert(), "estimate"_a,
-            "Goes back to a frame's state, to follow the clip the other way; reference textures are kept.");
+            "Goes back to a frame's state, to track the clip in the other direction; reference textures are "
+            "kept.");
     m.def(
         "smooth",
         [](const std::vector<FrameEstimate>& estimates, const FaceMotion& motion,

@@ -74,7 +74,7 @@ void bind_relief(py::module_& m) {
         },
         "skin"_a, py::arg("components").noconvert(), py::arg("modes").noconvert(), "std"_a, "landmarks"_a,
         "spread"_a, "sightings"_a, "progress"_a = py::none(),
-        "Coefficients (C,) of the components by which the fitted head should differ in depth; empty when "
+        "Coefficients (C,) of the components that correct the fitted head's depth; empty when "
         "progress says\nto stop.\n\n"
         "components: (C, S, 3) float64, metres at a standard deviation; modes: (M, S, 3) and std: (M,), "
         "prior, of "
@@ -86,7 +86,8 @@ void bind_relief(py::module_& m) {
 
 void bind_evidence(py::module_& m) {
     py::class_<WhitenedSighting>(
-        m, "WhitenedSighting", "A sighting free of pose and smooth model error, its noise of unit variance.")
+        m, "WhitenedSighting",
+        "A sighting with pose and smooth model error eliminated, noise of unit variance.")
         .def(py::init([](const FittedSkin& skin, const Sighting& sighting, const ModesArray& modes) {
                  const auto modes_in = view_modes("modes", modes, skin.neutral.rows());
                  const py::gil_scoped_release release;
@@ -95,7 +96,7 @@ void bind_evidence(py::module_& m) {
              "skin"_a, "sighting"_a, py::arg("modes").noconvert(),
              "modes: (M, S, 3) float64, metres, those that the capture used. Raises InvalidInput.");
     py::class_<LinearFrame>(m, "LinearFrame",
-                            "A frame's normal equations in modes and what they change with parameters.")
+                            "A frame's normal equations in the modes and their derivatives by parameters.")
         .def(py::init([](const FittedSkin& skin, const WhitenedSighting& seen, const ModesArray& columns,
                          const Eigen::VectorXd& std, double at_rest) {
                  const auto columns_in = view_modes("columns", columns, skin.neutral.rows());
@@ -103,7 +104,7 @@ void bind_evidence(py::module_& m) {
                  return LinearFrame(skin, seen, columns_in, std, at_rest);
              }),
              "skin"_a, "seen"_a, py::arg("columns").noconvert(), "std"_a, "at_rest"_a,
-             "columns: (A, M, S, 3) float64, metres: the modes, then what they change with each parameter; "
+             "columns: (A, M, S, 3) float64, metres: the modes, then their derivatives by each parameter; "
              "std: "
              "(M,),\n"
              "priors of the values; at_rest: values nearer to 0 in this frame count as 0. Raises "
@@ -119,12 +120,12 @@ void bind_evidence(py::module_& m) {
                  return factors;
              }),
              "num_regions"_a, "strong"_a, "num_values"_a,
-             "strong: indices of the muscles that are seen at work; num_values: muscles and articulators")
+             "strong: indices of the muscles active in the clip; num_values: muscles and articulators")
         .def_property_readonly("strong", [](const SkinFactors& one) { return one.strong; })
         .def_readonly("stiffness_std", &SkinFactors::stiffness_std, "prior, of the logarithm")
         .def_property_readonly("prior_std", &SkinFactors::prior_std, "(P,), about 0")
         .def_readonly_static("INSERTION_UNIT", &SkinFactors::kInsertionUnit, "mm");
-    py::class_<Peak>(m, "Peak", "A maximum: place, standard deviations from the curvature there, height.")
+    py::class_<Peak>(m, "Peak", "A maximum: where, standard deviations from the curvature there, the value.")
         .def_readonly("place", &Peak::place)
         .def_readonly("std", &Peak::std)
         .def_readonly("height", &Peak::height);
@@ -137,8 +138,8 @@ void bind_evidence(py::module_& m) {
             return std::pair(maximise(height, base, bound, progress.value_or(Progress{})), height(base));
         },
         "frames"_a, "factors"_a, "base"_a, "bound"_a, "progress"_a = py::none(), release_gil(),
-        "(Peak, height of base): the factors within `bound` of base that make what was seen most probable, "
-        "priors\nincluded. base: (P,), about which the modes were made linear. Raises InvalidInput.");
+        "(Peak, height of base): the factors within `bound` of base with the largest posterior, "
+        "priors\nincluded. base: (P,), about which the modes were linearised. Raises InvalidInput.");
 }
 
 }  // namespace

@@ -44,7 +44,7 @@ void bind_skin_places(py::module_& m) {
              "corners"_a, "weights"_a)
         .def_readonly("corners", &SkinPlaces::corners, "(P, 3), vertices")
         .def_readonly("weights", &SkinPlaces::weights, "(P, 3), of the corners; they sum to 1")
-        .def_readonly("gaps", &SkinPlaces::gaps, "(P,), metres from what was looked for")
+        .def_readonly("gaps", &SkinPlaces::gaps, "(P,), metres from the query points")
         .def(
             "values",
             [](const SkinPlaces& self, const DoubleArray& at_vertices) -> DoubleArray {
@@ -78,7 +78,7 @@ void bind_skin_places(py::module_& m) {
         },
         "camera"_a, py::arg("vertices_in_camera").noconvert(), py::arg("faces").noconvert(), "places"_a,
         "Where places are: points (P, 3), metres, camera frame; pixels (P, 2), nan behind the camera; and "
-        "which\nare in the picture, turned to the camera and not covered (P,).\n\n"
+        "which\nare in the picture, facing the camera and not occluded (P,).\n\n"
         "vertices_in_camera: (V, 3) float64, metres; faces: (F, 4) int32");
     m.def("nearest_places", &nearest_places, "points"_a, "vertices"_a, "triangles"_a, release_gil(),
           "SkinPlaces nearest to points (P, 3) on triangles (T, 3) of vertices (N, 3).");
@@ -101,13 +101,13 @@ void bind_surface(py::module_& m) {
         "The place on a fitted head's surface that each pixel (K, 2) shows; None if no skin faces the "
         "camera.\n\n"
         "vertices_in_camera: (V, 3) float64, metres, of facets of a millimetre or two; faces: (F, 4) int32\n"
-        "returns: on_face (K,) bool, pixels off it are given the nearest skin all the same; triangle (K,) "
+        "returns: on_face (K,) bool, pixels off it get the nearest skin; triangle (K,) "
         "of\n"
         "triangles_of; weights (K, 3) of its corners; offset (K, 2), pixels from the place to the pixel, 0 "
         "but\nat "
         "outlines. Raises InvalidInput.");
     m.def("shortest_way", &shortest_way, "quads"_a, "vertices"_a, "stops"_a, release_gil(),
-          "Vertices of the shortest way along the edges of quads (F, 4) through some vertices in turn, ends "
+          "Vertices of the shortest path along the edges of quads (F, 4) through some vertices in turn, ends "
           "included.\n\nvertices: (V, 3). Raises InvalidInput.");
     m.def(
         "nearest_sphere",

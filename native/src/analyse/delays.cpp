@@ -59,7 +59,7 @@ int row_of(VectorIn frames, double frame) {
     return std::clamp(row, 0, static_cast<int>(frames.size()) - 1);
 }
 
-/// The curve with its event as the draw has it, as far as the event was fitted.
+/// The curve with its event replaced by the draw, over the rows that were fitted.
 Eigen::VectorXd with_event(VectorIn values, const PhaseFit& fit, const Eigen::VectorXd& event) {
     Eigen::VectorXd drawn = values;
     drawn.segment(fit.first, event.size()) = event;
@@ -84,7 +84,7 @@ Interval lag_interval(VectorIn frames, VectorIn leader, const PhaseFit& leader_f
     const auto at = [&](double share) {
         return lags[static_cast<std::size_t>(share * static_cast<double>(lags.size() - 1))];
     };
-    // The draws say how far a lag strays; they lie about the fitted shapes' lag, which is another
+    // The draws give the spread of a lag; they are centred on the fitted shapes' lag, which differs
     const double spread = std::max(.5 * (at(.975) - at(.025)), std::abs(at(.5) - lag));
     const double half = std::hypot(spread, 1.96 * options.timing_std);
     return {lag, lag - half, lag + half};

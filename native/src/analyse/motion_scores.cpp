@@ -54,7 +54,7 @@ void visit_lengths(TracksIn vectors, SeenIn counted, Visit&& visit) {
     }
 }
 
-/// R2 without a mean, 1 - sum |error|^2 / sum |motion|^2, over what counts; not a number if the motion's root
+/// R2 about zero, 1 - sum |error|^2 / sum |motion|^2, over what counts; not a number if the motion's root
 /// mean square is under `least`: nothing is there to be explained.
 double explained_share(TracksIn error, TracksIn motion, SeenIn counted, int dimensions, double least) {
     double wrong = 0, whole = 0, count = 0;

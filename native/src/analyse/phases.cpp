@@ -57,7 +57,7 @@ PhaseShape shape_of(PhaseModel model, const Parameters& p) {
 
 /// Rows of one event: what is fitted, and with which weight.
 struct Fitted {
-    Eigen::VectorXd frames, values, weights;  // n; a weight of 0 says nothing
+    Eigen::VectorXd frames, values, weights;  // n; a weight of 0 leaves the row out
     EventRows rows;
     const CurveNoise* noise;
 };
@@ -234,10 +234,10 @@ Interval interval_of(double value, std::vector<double> draws, double further_std
     return {value, value - std::max(0.0, below), value + std::max(0.0, above)};
 }
 
-/// Parameters of fits to curves as they might as well have been captured.
+/// Parameters of fits to the parametric bootstrap's curves.
 struct Draws {
     std::vector<double> onset, apex, release, amplitude, exponent;  // of all models that may be right
-    std::vector<double> release_time, relaxation_time, share;  // of the best one: others have no such thing
+    std::vector<double> release_time, relaxation_time, share;       // of the best one: others lack them
 };
 
 void add_draws(const Fitted& data, const ModelFit& model, bool is_best, const PhaseOptions& options,

@@ -12,7 +12,7 @@ namespace mimetic {
 namespace {
 
 constexpr Eigen::Index kBlock = 64;  // responses solved at once
-constexpr float kNoticed = .002f;    // of where a force acts; what moves less is left where it is
+constexpr float kNoticed = .002f;    // of the displacement where a force acts; below, a vertex is not moved
 constexpr double kSink = .0006;  // m; at half closure a lid's chord lies so deep inside its arc, on the eye
 
 using FloatRows = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
@@ -42,7 +42,7 @@ SparseRows compact(const SparseRows& stencils, std::vector<int>& used) {
     return result;
 }
 
-/// How all base vertices move under newtons upwards on some of them: B x 3 a row, xyz interleaved.
+/// Response of all base vertices to unit upward forces on some of them: B x 3 a row, xyz interleaved.
 class Lift {
 public:
     Lift(const YieldingSkin& skin, const std::vector<int>& vertices)

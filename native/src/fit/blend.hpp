@@ -4,7 +4,7 @@
 
 namespace mimetic::fit {
 
-/// A weighted sum of the model's points and of what the modes do to it.
+/// A weighted sum of the model's points, and its displacement by the modes.
 struct Blend {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero();
     Eigen::Matrix3Xd modes;  ///< 3 x I
@@ -12,7 +12,7 @@ struct Blend {
     Eigen::Vector3d at(VectorIn identity) const { return mean + modes * identity; }
 };
 
-/// Gives blends of a model's points; a copy of the modes lies so that one point's are together in memory.
+/// Gives blends of a model's points; a copy of the modes keeps those of one point together in memory.
 class Blender {
 public:
     explicit Blender(const FaceModel& model) : model_(model), by_point_(model.modes.transpose()) {}

@@ -70,7 +70,7 @@ MatrixRows paired_pulls(PointsIn skin, const std::vector<int>& places, const std
         for (int axis = 0; axis < 3; ++axis) {
             const double sign = axis == 0 ? -parity : parity;
             if (sign < 0 && std::abs(middle.x()) < 1e-6) {
-                continue;  // a pull that is its own opposite
+                continue;  // a force that cancels itself
             }
             Points pull = Points::Zero(skin.rows(), 3);
             pull.col(axis) = (own + sign * opposite) / 2;
@@ -95,7 +95,7 @@ MatrixRows elastic_modes(MatrixIn pulls, MatrixIn responses, const std::vector<i
     if (root.info() != Eigen::Success) {
         throw InvalidInput("the responses are none of an elastic skin: pulls gain energy");
     }
-    const MatrixRows likely = root.matrixL().solve(responses);  // a unit of energy each
+    const MatrixRows likely = root.matrixL().solve(responses);  // of unit energy each
     const PrincipalShapes shapes = principal_shapes(likely, face, static_cast<int>(likely.rows()));
     Eigen::Index count = 0;
     while (count < shapes.variances.size() &&

@@ -20,26 +20,26 @@ using Weight = Eigen::Matrix<double, Eigen::Dynamic, 2>;
 
 constexpr double kIpdTolerance = 5e-5;  // metres
 
-/// A curve's stations lie closer than its errors are independent.
+/// A curve's stations lie closer than the correlation length of its errors.
 constexpr double kCurveInflation = 1.8;
 
-/// Interpupillary distances within which a measured line and the model's may belong together.
+/// Interpupillary distances within which a measured line and the model's may be matched.
 constexpr double kReach = 0.35;
 
 /// Interpupillary distances by which a rigid average head may miss a pin.
 constexpr double kRigidPin = 0.03;
 
-/// What features of other views than the first are less trusted by: all views see a face with the same errors
-/// of measurement, and in the first it is most at rest.
+/// Factor on the standard deviations of features in views after the first: all views share the same errors of
+/// measurement, and in the first the face is most at rest.
 constexpr double kElsewhere = 3.0;
 
-/// What a line is less trusted by where a landmark of its name was placed by hand: it was wrong there.
+/// Factor on a line's standard deviation where a landmark of its name was placed by hand: it was wrong there.
 constexpr double kPinnedLine = 4.0;
 
-/// Rounds from an estimate that was good before something small changed.
+/// Rounds from an estimate that was good before a small change.
 constexpr int kRestarted = 3;
 
-/// What the solver moves.
+/// The solver's parameters.
 struct State {
     std::vector<Pose> poses;  // rotation vector and translation of camera_from_head
     double log_focal = 0;
@@ -67,7 +67,7 @@ Pose as_parameters(const Eigen::Isometry3d& camera_from_head) {
     return pose;
 }
 
-/// Upright, facing the camera, where the pupils say.
+/// Initial pose: upright, facing the camera, placed by the pupils.
 Pose first_guess(const FaceModel& model, const FaceFeatures& features, const Camera& camera) {
     const Eigen::Vector2d right = features.find("pupil.R")->position;
     const Eigen::Vector2d left = features.find("pupil.L")->position;
@@ -107,7 +107,7 @@ public:
             state_.identity = Eigen::VectorXd::Zero(model_.modes.rows());
             for (const auto& view : views_)
                 state_.poses.push_back(first_guess(model_, view.features, camera_));
-            // Pose alone first: proportions must not make up for a turned head. The loss starts wide, since
+            // Pose alone first: proportions must not compensate for a rotation. The loss starts wide, since
             // a feature that is far off only because the head is must not be given up.
             robust_scale_ = 8 * options_.robust_scale;
             solve(false, estimate);
@@ -131,7 +131,7 @@ public:
     }
 
 private:
-    /// loss: nullptr for what must be met however far off it is
+    /// loss: nullptr for plain least squares, as of pins
     void add(ceres::Problem& problem, std::size_t view, const Blend& point, const Eigen::Vector2d& observed,
              const Weight& weight, double sigma_px, ceres::LossFunction* loss) {
         problem.AddResidualBlock(new fit::ProjectionResidual(point.mean, point.modes, observed,
@@ -146,7 +146,7 @@ private:
         const FaceFeatures& seen = views_[view].features;
         for (const auto& feature : seen.features) {
             const int index = landmark_index(model_, feature.name);
-            // A curve of the same name says where across it, and claims nothing along it
+            // A curve of the same name measures the position across it only
             if (index < 0 || feature.likelihood < 0.05 || seen.find_curve(feature.name) != nullptr) continue;
             if (is_pinned(view, feature.name)) continue;
             double sigma = distrust(view) * feature.sigma_px;
@@ -165,7 +165,7 @@ private:
         }
     }
 
-    /// What a view's measured standard deviations are multiplied by.
+    /// Factor on a view's measured standard deviations.
     static double distrust(std::size_t view) { return view == 0 ? 1.0 : kElsewhere; }
 
     void add_motion(ceres::Problem& problem, std::size_t view) {

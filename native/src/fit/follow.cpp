@@ -14,8 +14,8 @@ namespace {
 
 constexpr double kLeastCosine = .35;  // between a point's normal and the way to the camera
 constexpr double kMargin = 2;         // pixels to the picture's edge
-// Pupil distances: flow's own error, and what faces do between two frames at rest. Points move alike wrongly,
-// so that smaller values let motion outweigh the landmarks of a good single fit
+// Pupil distances: flow's own error, and what faces do between two frames at rest. The errors are
+// correlated, so that smaller values let motion outweigh the landmarks of a good single fit
 constexpr double kFlowSigma = .036;
 constexpr double kLargestMismatch = .04;  // pupil distances between flow there and back
 constexpr std::size_t kLeastPoints = 12;

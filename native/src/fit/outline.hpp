@@ -13,7 +13,7 @@ struct EdgePoint {
     Eigen::Vector2d normal = Eigen::Vector2d::Zero();  ///< image direction that leaves the face
 };
 
-/// Where the visible surface turns away from the camera: zero crossings of normal . ray on the mesh's edges.
+/// The occluding contour: zero crossings of normal . ray on the mesh's edges.
 std::vector<EdgePoint> outline(const FaceModel& model, const Points& points,
                                const Eigen::Isometry3d& camera_from_head, const Camera& camera);
 

@@ -8,7 +8,7 @@ namespace {
 
 // Along the curve a partner must be near; across it may be far at first
 constexpr double kAcross = 0.3, kBeside = 9;
-constexpr double kAlike = 0.4;  // cosine between the normals of what belongs together
+constexpr double kAlike = 0.4;  // least cosine between the normals of a match
 
 /// The square of the distance from a station, weighed.
 struct Cost {

@@ -12,8 +12,8 @@ struct Station {
     Eigen::Vector2d normal = Eigen::Vector2d::Zero();
 };
 
-/// The point of a line of the model that a station belongs to: anywhere between its points, so that it does
-/// not jump. pixels: P x 2, where the model's points are. None within reach, pixels.
+/// The point of a line of the model that a station is matched to: anywhere between its points, so that it
+/// varies smoothly. pixels: P x 2, where the model's points are. None within reach, pixels.
 std::optional<EdgePoint> partner_on_line(const std::vector<int>& chain, const Points2& pixels,
                                          const Station& station, double reach);
 

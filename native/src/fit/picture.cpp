@@ -48,7 +48,7 @@ Eigen::Matrix<std::uint8_t, 1, 3> rounded(const Eigen::Vector3d& colour) {
     return levels;
 }
 
-/// Mean over squares of 2 reach + 1 pixels; the border counts on.
+/// Mean over squares of 2 reach + 1 pixels; the border is replicated.
 cv::Mat1d box_mean(const cv::Mat1d& values, int reach) {
     cv::Mat1d mean;
     cv::blur(values, mean, {2 * reach + 1, 2 * reach + 1}, {-1, -1}, cv::BORDER_REPLICATE);

@@ -165,7 +165,7 @@ private:
     double tolerance_;
 };
 
-/// A face that is looked at by a camera mostly looks back: prior of pitch and yaw.
+/// Prior of pitch and yaw: a filmed face mostly faces the camera.
 struct FacingResidual {
     double pitch_spread;
     double yaw_spread;

@@ -81,7 +81,7 @@ std::array<cv::Mat, 3> loop_moments(const cv::Mat& forward, const cv::Mat& backw
     return {blur(loops[0].mul(loops[0])), blur(loops[0].mul(loops[1])), blur(loops[1].mul(loops[1]))};
 }
 
-/// What has not gone the way back.
+/// Without the forward-backward check.
 std::array<cv::Mat, 3> no_moments(const cv::Size& size) {
     const cv::Mat none = cv::Mat::zeros(size, CV_32F);
     return {none, none, none};

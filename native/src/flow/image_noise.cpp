@@ -12,14 +12,14 @@ namespace mimetic::flow {
 namespace {
 
 constexpr float kRounding = 1.0f / 6;  // grey levels^2: both images are rounded to whole ones
-constexpr double kSkinSigma = 2;       // pixels: what is finer than this, a flow's window averages
+constexpr double kSkinSigma = 2;       // pixels: finer structure is averaged out by a flow's window
 constexpr float kMostColor = 20;       // of codecs; an image without any fine part has no bound
 constexpr int kBlock = 2;              // pixels: the residual is kept by blocks, for speed
 constexpr int kCell = 4;               // blocks
 constexpr double kSpread = 1;          // cells: the noise is estimated from place to place no finer
 constexpr int kRowsInBand = 16;        // of blocks
 
-/// What a flow leaves between two images, by blocks of 2 x 2 pixels, CV_32F.
+/// Residual of a flow between two images, by blocks of 2 x 2 pixels, CV_32F.
 struct Residual {
     cv::Mat mean;  ///< grey levels
     cv::Mat fine;  ///< what changes its sign along both axes, grey levels, scaled as white noise is

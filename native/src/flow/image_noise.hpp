@@ -5,7 +5,7 @@
 
 namespace mimetic::flow {
 
-/// How far a method errs where two images differ by noise; measured on rendered faces, compressed and not.
+/// Error of a method where two images differ by noise; measured on rendered faces, compressed and not.
 struct NoiseResponse {
     float scale;     ///< of the covariance, at a variance of 1 grey level^2
     float exponent;  ///< with which it grows with the variance: 1 where noise is all that errs
@@ -13,13 +13,13 @@ struct NoiseResponse {
     float white;     ///< `color` of a sensor's noise as the method leaves it
 };
 
-/// Makes a covariance that supposes one and the same noise everywhere own up to that of these two images.
+/// Scales a covariance that assumes uniform noise to the noise of these two images.
 ///
-/// What a flow leaves between them tells: its power at the wave lengths of skin, from place to place, and
-/// for the whole image the `color`, by how much that outweighs the power from pixel to pixel. A sensor's
-/// noise is white and averages out within a window; a codec takes the fine part away and leaves errors as
-/// wide as the window, the codec's own displacements among them, and those show in no difference of the
-/// images.
+/// The noise is estimated from the residual between them: its power at the wave lengths of skin, from place
+/// to place, and for the whole image the `color`, by how much that outweighs the power from pixel to pixel. A
+/// sensor's noise is white and averages out within a window; a codec takes the fine part away and leaves
+/// errors as wide as the window, the codec's own displacements among them, and those show in no difference of
+/// the images.
 void own_up_to_noise(const cv::Mat& from, const cv::Mat& to, const NoiseResponse& response, FlowField& field);
 
 }  // namespace mimetic::flow

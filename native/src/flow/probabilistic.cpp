@@ -124,7 +124,7 @@ void shift(Belief& belief, const std::array<cv::Mat, 2>& by, double sign) {
     cv::scaleAdd(by[1], sign, belief.y, belief.y);
 }
 
-/// What is believed of a level before its images are seen.
+/// Prior of a level, before its images are used.
 void begin_prior(const Belief* coarser, const cv::Size& size, const FlowOptions& options, bool is_measured,
                  Belief& prior) {
     prior.create(size.height, size.width);

@@ -114,7 +114,7 @@ MIMETIC_WIDE void solve_row(int cols, const float* __restrict sums, const float*
         const float dx = -scale * (iyy * bx - ixy * by);
         const float dy = -scale * (ixx * by - ixy * bx);
         // Residual after the step in units of the noise assumed: above 1 the window holds an occlusion, a
-        // highlight or two motions, and the covariance must own up to it.
+        // highlight or two motions, and the covariance must grow.
         const float residual =
             sums[5 * cols + x] + dx * (2 * bx + mxx * dx + 2 * mxy * dy) + dy * (2 * by + myy * dy);
         // the larger of residual and 1, written so that the loop vectorises

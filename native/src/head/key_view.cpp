@@ -9,9 +9,9 @@ namespace {
 
 constexpr float kOutOfSight = -1e6f;
 constexpr float kContrast = 40;          // grey levels of a texture's standard deviation
-constexpr int kLightWindow = 21;         // pixels over which light and contrast are one
+constexpr int kLightWindow = 21;         // pixels over which light and contrast are constant
 constexpr double kFlowPatch = 81;        // pixels that share one measurement of the flow
-constexpr double kLeastVariance = 4e-3;  // pixels^2 of a flow that claims to be better
+constexpr double kLeastVariance = 4e-3;  // pixels^2, added to a flow's variance
 
 GrayView view_of(const cv::Mat1b& image) {
     return {image.data, image.rows, image.cols, static_cast<std::ptrdiff_t>(image.step)};
@@ -24,7 +24,7 @@ Eigen::Matrix2d covariance_at(const FlowField& flow, int y, int x) {
     return covariance;
 }
 
-/// Skin seen aslant shows less and hides more behind the model's error.
+/// Oblique skin has less detail and a larger effect of the model's error.
 double slant_weight(float facing, double least_facing) {
     return (facing - least_facing) / (1 - least_facing);
 }
@@ -36,7 +36,7 @@ FlowOptions flow_options(const HeadOptions& options) {
     return flow;
 }
 
-/// How well each patch of a texture is found again where the flow says, -1 to 1: what covers the head is not.
+/// Correlation of each patch of a texture at the place that the flow gives, -1 to 1: low for occluders.
 cv::Mat1f patch_correlation(const cv::Mat1f& from, const cv::Mat1f& to, const FlowField& flow) {
     cv::Mat2f places(from.size());
     for (int y = 0; y < from.rows; ++y) {

@@ -16,10 +16,10 @@ std::vector<PointMeasurement> measure_flow(const HeadShape& shape, const HeadOpt
 
 /// A frame's texture fetched through a model at a hypothesis.
 struct Stabilised {
-    cv::Mat2f map;           ///< crop pixel of each texture pixel; below -1e5: not in sight
-    cv::Mat1f texture;       ///< light and contrast taken out; 0 where not in sight
+    cv::Mat2f map;           ///< crop pixel of each texture pixel; below -1e5: not visible
+    cv::Mat1f texture;       ///< light and contrast normalised; 0 where not visible
     double correlation = 0;  ///< with the reference texture, -1 to 1
-    double in_sight = 0;     ///< share of the reference texture
+    double in_sight = 0;     ///< visible share of the reference texture
 };
 
 /// The head's texture as one frame showed it, each pixel tied to the model.
@@ -34,10 +34,10 @@ public:
     void measure(const HeadShape& shape, const HeadOptions& options, const Stabilised& stabilised,
                  double share, std::vector<PointMeasurement>& measurements) const;
 
-    /// Of each pixel of the texture: how much it says, 0 where it is not in sight or between samples.
+    /// Weight of each pixel of the texture, 0 where it is not visible or between samples.
     cv::Mat1f weights(const HeadShape& shape, const HeadOptions& options, const Stabilised& stabilised) const;
 
-    /// To where later views say that it was, of a head that is as they say.
+    /// Corrects pose and model to those that later views give.
     void move(const HeadShape& shape, const Eigen::Isometry3d& camera_from_head, const Matrix6& covariance);
 
     const ReferenceTexture& texture() const { return texture_; }

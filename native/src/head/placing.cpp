@@ -10,10 +10,10 @@ namespace mimetic {
 
 namespace {
 
-constexpr double kShare = .15;  // of a turn: s.d. of what it is off by
+constexpr double kShare = .15;  // of a rotation: s.d. of its error
 constexpr double kOwn = .03;    // rad: s.d. beyond that
-constexpr double kReach = .5;   // rad of direction over which that is one
-constexpr double kLever = .1;   // metres that count as a radian
+constexpr double kReach = .5;   // rad of direction: correlation length of that error
+constexpr double kLever = .1;   // metres equivalent to a radian
 
 /// N x M: of the offsets at directions N x 3 and M x 3, rotation vectors from the first one.
 Eigen::MatrixXd covariance(const Points& a, const Points& b) {

@@ -16,9 +16,9 @@ namespace {
 using Vector12 = Eigen::Matrix<double, 12, 1>;
 using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
-constexpr std::size_t kJudgedFrames = 600;  // enough to estimate how lively a head is
+constexpr std::size_t kJudgedFrames = 600;  // enough to estimate how much a head moves
 constexpr double kUnknownRate = 3;          // rad/s and m/s, standard deviation before the first frame
-constexpr double kLeastStd = 1e-6;          // rad and m: a covariance of 0 is a measurement like any other
+constexpr double kLeastStd = 1e-6;          // rad and m: a floor, so that a covariance of 0 can be inverted
 
 /// Densities of angular (rad^2/s^3) and linear (m^2/s^3) acceleration.
 using Liveliness = Eigen::Vector2d;
@@ -54,7 +54,7 @@ Matrix12 ahead(double step) {
     return matrix;
 }
 
-/// What random accelerations add in a step.
+/// Covariance that random accelerations add in a step.
 Matrix12 acceleration(double step, const Liveliness& liveliness) {
     Vector6 density;
     density << Eigen::Vector3d::Constant(liveliness[0]), Eigen::Vector3d::Constant(liveliness[1]);
@@ -72,7 +72,7 @@ Belief predicted(const Belief& belief, double step, const Liveliness& liveliness
             forward * belief.spread * forward.transpose() + acceleration(step, liveliness)};
 }
 
-/// Takes a measurement in; returns the logarithm of its likelihood but for a constant, twice.
+/// Updates with a measurement; returns the logarithm of its likelihood but for a constant, twice.
 double correct(Belief& belief, const Vector6& value, const Matrix6& noise) {
     const Vector6 innovation = value - belief.state.head<6>();
     const Matrix6 expected = belief.spread.topLeftCorner<6, 6>() + noise;
@@ -121,7 +121,7 @@ Liveliness judge_liveliness(const Measurements& measured) {
     return best;
 }
 
-/// Beliefs from the first frame that counts on, by all frames.
+/// Smoothed states from the first measured frame on, given all frames.
 std::vector<Belief> smoothed(const Measurements& measured, const Liveliness& liveliness) {
     std::vector<Belief> beliefs{first_belief(measured)}, expected;
     for (std::size_t i = measured.first + 1; i < measured.values.size(); ++i) {

@@ -6,7 +6,7 @@
 namespace mimetic::head {
 namespace {
 
-constexpr std::array<int, kLevels> kLightWindow{21, 15, 11};  // pixels over which light is one
+constexpr std::array<int, kLevels> kLightWindow{21, 15, 11};  // pixels over which light is constant
 constexpr float kNoise = 9;  // grey levels^2: bare skin is not made into texture
 
 }  // namespace

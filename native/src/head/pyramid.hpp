@@ -19,9 +19,9 @@ using Pyramid = std::array<PyramidLevel, kLevels>;
 
 Pyramid make_pyramid(const HeadCrop& crop);
 
-/// A level less its mean, over its standard deviation, of a window round each pixel: neither light nor
-/// contrast count. Only what is in the mask (1: head, 0: not) enters: the edge to the wall behind does not
-/// turn with the head. 0 outside.
+/// A level less its mean, over its standard deviation, of a window round each pixel, so that it does not
+/// depend on light or contrast. Only what is in the mask (1: head, 0: not) enters: the edge to the wall
+/// behind does not turn with the head. 0 outside.
 cv::Mat1f normalised(const cv::Mat1f& gray, const cv::Mat1f& mask, std::size_t level);
 
 }  // namespace mimetic::head

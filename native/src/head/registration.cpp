@@ -14,11 +14,11 @@ namespace mimetic::head {
 namespace {
 
 constexpr float kBare = .06F;     // of a value's square, that noise alone reaches
-constexpr float kLeastPatch = 5;  // samples of a patch that is judged covered or not
-constexpr float kAlike = .5F;     // correlation of a patch that is what it was
-constexpr double kShared = 2;     // samples that have one error
+constexpr float kLeastPatch = 5;  // samples of a patch that is tested for occlusion
+constexpr float kAlike = .5F;     // correlation from which a patch shows the same skin
+constexpr double kShared = 2;     // samples that share one error
 constexpr double kMaxTurn = .3;   // rad a step
-// s.d. of how far a head goes from where it is expected: keeps turns and shifts apart where a coarse level
+// s.d. of a head's motion from its predicted pose: separates rotation and translation where a coarse level
 // does not
 constexpr std::array<double, kLevels> kPriorRotation{1, .15, .1};       // rad
 constexpr std::array<double, kLevels> kPriorTranslation{.3, .05, .03};  // metres
@@ -38,19 +38,19 @@ struct Compared {
     const Samples* samples = nullptr;
     float share = 0;
     Eigen::VectorXf values;    // of the frame
-    Eigen::VectorXf in_sight;  // the samples' own weights; 0: not in sight
-    Eigen::VectorXf weights;   // of them what is not covered nor far off
+    Eigen::VectorXf in_sight;  // the samples' own weights; 0: not visible
+    Eigen::VectorXf weights;   // those times the robust weights over the variance; 0: occluded, outlier
     Eigen::VectorXf alike;     // correlation by patch
 };
 
-/// Pixels of samples; x below 0: not in sight.
+/// Pixels of samples; x below 0: not visible.
 struct Pixels {
     Eigen::VectorXf x, y;
 };
 
 Pixels project(const Samples& samples, const Camera& camera, const Eigen::Isometry3d& pose,
                const HeadOptions& options) {
-    constexpr float kPast = .8F;  // skin that has turned away a little further is still seen
+    constexpr float kPast = .8F;  // skin turned away slightly further still counts as visible
     const float least_facing = kPast * static_cast<float>(options.least_facing);
     const Eigen::Matrix3f turn = pose.linear().cast<float>();
     const Eigen::Vector3f shift = pose.translation().cast<float>();
@@ -103,7 +103,7 @@ void fetch(const PlainLevel& level, const Eigen::Isometry3d& pose, const HeadOpt
     }
 }
 
-/// Patches that look otherwise than in the reference are covered or have moved on their own.
+/// Patches that differ from the reference are occluded or moved non-rigidly.
 void weigh_patches(Compared& view) {
     const Samples& samples = *view.samples;
     Eigen::Array4Xf sums = Eigen::Array4Xf::Zero(4, samples.num_patches);
@@ -296,7 +296,7 @@ Registration register_views(const ViewShares& views, const Pyramid& now, const E
     for (std::size_t level = kLevels; level-- > 0;) {
         seen[level] = solve_level(views, now, level, start, options, found.camera_from_head);
     }
-    // Noise is half gone on the second level, which says more about whether this is the head.
+    // The second level has half the noise, and so discriminates better whether this is the head.
     judge(compare(views, seen[1], found.camera_from_head, options), found);
     auto compared = compare(views, seen[0], found.camera_from_head, options);
     const float scale = scale_of(compared);

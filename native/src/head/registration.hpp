@@ -6,16 +6,16 @@
 
 namespace mimetic::head {
 
-/// Samples of reference textures with their shares.
+/// Samples of reference textures with their weights.
 using ViewShares = std::vector<std::pair<double, const SampleView*>>;
 
 struct Registration {
     Eigen::Isometry3d camera_from_head = Eigen::Isometry3d::Identity();
     Matrix6 covariance = Matrix6::Zero();  ///< exp(rotation) R, t + translation; model error included
     double correlation = 0;                ///< of samples and frame, -1 to 1
-    double in_sight = 0;                   ///< share of the samples
-    double explained = 0;                  ///< share of the skin that looks as in the references
-    double residual_px = 0;                ///< rms at what is explained, pixels of the finest level
+    double in_sight = 0;                   ///< visible share of the samples
+    double explained = 0;                  ///< share of the skin that matches the references
+    double residual_px = 0;                ///< rms of the inliers, pixels of the finest level
     int num_samples = 0;
 };
 

@@ -13,10 +13,10 @@ namespace mimetic::head {
 namespace {
 
 constexpr int kMaxSteps = 12;
-constexpr double kPatch = 0.025;        // metres over which a model's error is one
+constexpr double kPatch = 0.025;        // metres: correlation length of a model's error
 constexpr double kLeastDepth = 0.05;    // metres
 constexpr double kMaxTurn = 0.7;        // rad a step
-constexpr double kPriorRotation = 2.0;  // rad and metres: s.d. that keep a plane's depth from running away
+constexpr double kPriorRotation = 2.0;  // rad and metres: s.d. that keep a plane's depth from diverging
 constexpr double kPriorTranslation = 0.5;
 
 using Jacobian = Eigen::Matrix<double, 2, 6>;

@@ -12,14 +12,14 @@ struct PointMeasurement {
     Eigen::Vector3d point;        ///< head frame, metres
     Eigen::Vector2d pixel;        ///< of the camera
     Eigen::Matrix2d information;  ///< inverse covariance of the pixel
-    double weight = 1;            ///< how much of it is independent of its neighbours
-    Eigen::Vector3d depth_error;  ///< s.d. of the point along the ray that it was found on, head frame
+    double weight = 1;            ///< share of its information that is independent of its neighbours
+    Eigen::Vector3d depth_error;  ///< s.d. of the point along its viewing ray, head frame
 };
 
 struct RigidMotion {
     Eigen::Isometry3d camera_from_head = Eigen::Isometry3d::Identity();
     Matrix6 covariance = Matrix6::Zero();  ///< exp(rotation) R, t + translation; the model's error included
-    double explained = 0;                  ///< share of the measurements near the model
+    double explained = 0;                  ///< share of inliers among the measurements
     double residual_px = 0;                ///< median
 };
 

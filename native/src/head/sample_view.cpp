@@ -8,12 +8,12 @@ namespace mimetic::head {
 namespace {
 
 constexpr int kBorder = 2;        // pixels
-constexpr int kPatchesAlong = 9;  // of a head's height, that move or are covered as one
+constexpr int kPatchesAlong = 9;  // of a head's height, that move or are occluded as one
 
 constexpr float kNoise = .2F;  // of a value
-constexpr float kOff = .5F;    // pixels that the model puts skin in the wrong place
+constexpr float kOff = .5F;    // pixels: error of the model's reprojection
 
-/// A pixel of a level that is worth a sample.
+/// A candidate pixel of a level for a sample.
 struct Place {
     int x, y;
     Eigen::Vector2f gradient;

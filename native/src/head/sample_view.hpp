@@ -11,8 +11,8 @@ struct Samples {
     PointRows points;   ///< head frame, metres
     PointRows normals;  ///< head frame, outwards
     Eigen::VectorXf values;
-    Eigen::VectorXf spread;                               ///< s.d. of a value: noise, and places that are off
-    Eigen::VectorXf weights;                              ///< by slant and by what moves on its own
+    Eigen::VectorXf spread;                               ///< s.d. of a value: noise, and errors of position
+    Eigen::VectorXf weights;                              ///< by obliqueness and by non-rigid parts
     Eigen::Matrix<float, 2, Eigen::Dynamic> gradients;    ///< of the value, per pixel
     Eigen::Matrix<float, 6, Eigen::Dynamic> jacobian;     ///< by a turn (rad) and shift (m) in the head frame
     Eigen::Matrix<float, 3, Eigen::Dynamic> depth_error;  ///< s.d. along the rays, head frame, metres

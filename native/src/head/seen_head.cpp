@@ -17,7 +17,7 @@ cv::Vec3f to_vec(const Eigen::Vector3d& v) {
     return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
-/// Distance along a ray (origin, direction in the head frame) and the normal there; 0: past the model.
+/// Distance along a ray (origin, direction in the head frame) and the normal there; 0: misses the model.
 double meet_ellipsoid(const HeadShape& shape, const Eigen::Vector3d& origin, const Eigen::Vector3d& ray,
                       Eigen::Vector3d& normal) {
     const Eigen::Matrix3d to_axes = shape.turn.transpose();

@@ -5,7 +5,7 @@
 
 namespace mimetic::head {
 
-/// What each pixel of a camera sees of a model.
+/// The point of a model that each pixel of a camera shows.
 struct SeenHead {
     cv::Mat3f points;   ///< head frame, metres
     cv::Mat3f normals;  ///< head frame, outwards
@@ -14,7 +14,7 @@ struct SeenHead {
 
 SeenHead see_head(const HeadShape& shape, const Camera& camera, const Eigen::Isometry3d& camera_from_head);
 
-/// How much a point counts, by the parts that move on their own.
+/// Weight of a point, lowered by the non-rigid parts.
 double rigidity(const HeadShape& shape, const Eigen::Vector3d& point_in_head);
 
 /// A camera for every `spacing`th pixel of another, from pixel (spacing / 2, spacing / 2) on.

@@ -13,7 +13,7 @@ using head::SampleView;
 
 namespace {
 
-constexpr double kAnchorAngle = 0.6;    // rad up to which the first reference texture is compared too
+constexpr double kAnchorAngle = 0.6;    // rad up to which the first reference texture is registered too
 constexpr double kAnchorShare = 0.5;    // its weight beside the nearest one's
 constexpr double kReferenceStd = 2e-3;  // rad and metres of the first pose: it defines the head frame
 constexpr double kTooVague = 0.12;      // rad: s.d. of a pose that no reference texture is taken at
@@ -26,7 +26,7 @@ double rotation_std(const Matrix6& covariance) {
 
 }  // namespace
 
-/// The estimate goes where its texture comes to stand among the others.
+/// Moves the estimate to the pose that its texture gets among the others.
 void HeadTracker::State::take_view(const cv::Mat1b& gray, HeadEstimate& estimate) {
     const auto part = crop_at(estimate.camera_from_head);
     const auto portrait = portrait_crop_at(estimate.camera_from_head);
@@ -72,8 +72,8 @@ std::vector<std::pair<double, const KeyView*>> HeadTracker::State::views_by_angl
     return order;
 }
 
-/// The nearest reference texture, and the first one, which alone is where it was said to be: a texture taken
-/// at a wrong pose must not confirm itself.
+/// The nearest reference texture, and the first one, whose pose alone is given: a texture taken at a wrong
+/// pose must not confirm itself.
 std::vector<std::pair<double, const KeyView*>> HeadTracker::State::views_for(
     const Eigen::Isometry3d& pose) const {
     const auto order = views_by_angle(pose);
@@ -131,7 +131,7 @@ HeadEstimate HeadTracker::advance(const ColorView& image, const std::optional<Ei
     State& state = *state_;
     const cv::Mat1b gray = state.gray_frame(image);
     ++state.num_frames;
-    // Who gives a guess is in doubt: after a cut another head may be where this one was.
+    // A guess means that the caller is in doubt: after a cut another head may be where this one was.
     state.recognition.begin_frame(state.last.held || guess);
     state.look.reset();
     HeadEstimate found = state.estimate(gray, guess);
@@ -139,7 +139,8 @@ HeadEstimate HeadTracker::advance(const ColorView& image, const std::optional<Ei
     const bool may_ask = !state.options.fast || state.num_frames - state.refused >= kFlowEvery;
     if (may_ask && state.wants_view(found)) {
         if (state.options.fast) {
-            // A reference texture must stand where the surer way says: errors of samples would add up.
+            // A reference texture's pose must come from the more accurate method: errors of samples
+            // accumulate.
             found = state.register_frame(gray, found.camera_from_head).value_or(found);
         }
         if (state.wants_view(found)) {

@@ -19,7 +19,7 @@ namespace {
 constexpr double kStill = 0.3;         // pixels: a stabilised frame that needs no further round
 constexpr double kFoundQuality = .45;  // from which a head counts as found again, or as the one after a cut
 constexpr double kMostNearing = .03;   // of the distance, a frame on the fast path: samples are lost
-constexpr std::size_t kNearViews = 5;  // from which a doubtful frame is tried anew
+constexpr std::size_t kNearViews = 5;  // from which an uncertain frame is registered again
 
 /// Share of the distance by which a head came nearer or went away.
 double nearing(const Eigen::Isometry3d& from, const Eigen::Isometry3d& to) {
@@ -185,7 +185,7 @@ std::optional<HeadEstimate> HeadTracker::State::follow(const cv::Mat1b& gray) co
     if (near && near->quality >= kDoubtful) {
         return near;
     }
-    // Large steps: flow may have gone elsewhere
+    // Large steps: flow may have converged elsewhere
     const auto start = recall(gray, last.camera_from_head * step, kNearViews);
     auto other = start ? register_frame(gray, *start) : std::nullopt;
     return other && (!near || other->quality > near->quality) ? other : near;
@@ -213,7 +213,7 @@ Look HeadTracker::State::look_at(const cv::Mat1b& gray, const Eigen::Isometry3d&
     return best;
 }
 
-/// Other faces' eyes and mouths correlate somewhat, as walls never do: one that is found must be this one.
+/// Other faces correlate somewhat, unlike background: a head that is found must be recognised as this one.
 bool HeadTracker::State::is_this_head(const cv::Mat1b& gray, std::optional<HeadEstimate>& found,
                                       double least_quality) {
     if (!found || found->quality < least_quality || !found->camera_from_head.matrix().allFinite()) {
@@ -258,7 +258,7 @@ HeadEstimate HeadTracker::State::estimate(const cv::Mat1b& gray,
     held.correlation = found ? found->correlation : 0;
     held.likeness = found ? found->likeness : 0;
     held.num_samples = 0;
-    // Nobody knows where a head that is not seen goes: it may turn and move a little every frame.
+    // The pose of an unseen head is uncertain: it may turn and move a little every frame.
     held.covariance.diagonal().head<3>().array() += 1e-3;
     held.covariance.diagonal().tail<3>().array() += 1e-4;
     return held;

@@ -7,7 +7,7 @@
 namespace mimetic {
 
 constexpr double kHeadMargin = 0.25;  // of the head's box: how far it may move from frame to frame
-constexpr long kFlowEvery = 6;        // frames on the fast path: samples alone let the distance run away
+constexpr long kFlowEvery = 6;        // frames on the fast path: samples alone let the distance drift
 constexpr double kFaceHeight = .7;    // of the head's
 constexpr int kPortraitHeight = 286;  // pixels of the head: the face as large as in the capture's textures
 
@@ -21,11 +21,11 @@ struct HeadTracker::State {
     // Between textures a rigid model has less detail than beside one: two thirds, where strangers have a
     // third
     Recognition recognition{.62, .66, .75};
-    std::optional<Look> look;                                // of the frame at hand, where it was looked at
+    std::optional<Look> look;                                // of the present frame, where it was compared
     Eigen::Isometry3d step = Eigen::Isometry3d::Identity();  // of the head in its own frame, frame to frame
-    // Of each view, on the fast path, once it is wanted: relaxing moves all of them
+    // Of each view, on the fast path, made on demand: relaxing moves all of them
     mutable std::vector<std::optional<head::SampleView>> sampled;
-    // What each view shows in the resolution in which people differ, and on the model, once it is wanted
+    // Each view in the resolution in which people differ, and on the model, made on demand
     std::vector<head::HeadCrop> portrait_crops;
     std::vector<std::optional<head::KeyView>> portraits;
     long num_frames = 0;

@@ -13,21 +13,21 @@ using ShapeChange = Eigen::Matrix<double, kShapeSize, 1>;
 
 HeadShape changed(const HeadShape& shape, const ShapeChange& change);
 
-/// Reference textures and where skin of one lies in another. Their poses and the model's shape are solved
-/// together from all of that, so that errors do not add up from texture to texture.
+/// Reference textures and the correspondences between them. Their poses and the model's shape are solved
+/// jointly (bundle adjustment), so that errors do not accumulate from texture to texture.
 class ViewGraph {
 public:
     ViewGraph(const HeadShape& shape, const HeadOptions& options)
         : options_(options), model_{shape, shape.depth_error} {}
 
-    /// The first texture stays where it is said to be.
+    /// The first texture keeps its pose.
     void add(const HeadCrop& crop, const Eigen::Isometry3d& camera_from_head, const Matrix6& covariance);
 
     /// Poses and shape from the correspondences; `anew`: which are measured again first. False: there are
     /// none.
     bool relax(bool anew);
 
-    /// Where the textures are as the head's skin has them; the model's stay. Empty: no correspondences.
+    /// Poses of the textures on the head's own surface; those on the model stay. Empty: no correspondences.
     std::vector<PlacedView> place_on(const HeadShape& skin);
 
     /// Moves the textures and shapes the model so that it agrees.

@@ -12,7 +12,7 @@ namespace mimetic::locate {
 namespace {
 
 constexpr double kMargin = 1.5;   // of a part's box
-constexpr int kCells = 16;        // of the square that a head sees, along a side
+constexpr int kCells = 16;        // of the square that a head reads, along a side
 constexpr double kSaidSide = 64;  // of the square in whose pixels it answers
 
 constexpr std::array kLips{61,  146, 91,  181, 84,  17,  314, 405, 321, 375, 291, 185, 40,  39,  37,  0,

@@ -51,7 +51,7 @@ void measure_brow(const FacePatch& patch, const Expected& expected, const std::s
         const double j = path[static_cast<std::size_t>(i)];
         curve.line.points.row(i) += (j * step - half_width) * search_line.normals.row(i);
         const double here = std::clamp(sample(response, j, i) / unit / 2, 0.0, 1.0);
-        // Where on the ridge the hair grows differs from person to person by more than can be measured
+        // The place of the hair on the ridge differs between people by more than the error of measurement
         curve.sigma.push_back(0.065 + 0.08 * (1 - here));
     }
     curves["brow" + side] = curve;

@@ -11,7 +11,7 @@ namespace {
 // Shares of the face's height: patches as large as an eye have some twenty independent parts after the blur,
 // so that chance alone reaches kAlike in one of a hundred.
 constexpr double kPatch = 21 / 200.;
-constexpr double kBlur = 1.5 / 200;  // forgives what the model cannot follow, a pixel or two
+constexpr double kBlur = 1.5 / 200;  // tolerates errors of the model, a pixel or two
 constexpr float kBare = 100;         // normalised grey squared that noise alone reaches
 
 // Detail: what lies between two blurs, in pixels, as it is the textures' resolution that limits it

@@ -7,7 +7,7 @@ namespace mimetic {
 
 /// How a picture compares with a reference texture.
 struct Look {
-    double alike = 0;   ///< share of the texture in sight that looks the same, patch by patch; 0 to 1
+    double alike = 0;   ///< share of the visible texture that matches, patch by patch; 0 to 1
     double detail = 0;  ///< mean correlation of the finest detail in those patches, -1 to 1
 };
 
@@ -35,10 +35,10 @@ private:
 
 /// How much of what is in sight looks, patch by patch, as the reference texture does in the same place.
 ///
-/// No flow may bend the picture first: with it, grass and other people's faces fit half of any texture, and
-/// covers fit at their edges. Patches are compared one by one, so that what covers the face costs no more
+/// The picture must not be warped by flow first: grass and other people's faces would then fit half of any
+/// texture, and occluders at their edges. Patches are compared one by one, so that an occluder costs no more
 /// than it hides, and by correlation, so that light may change. All faces have eyes, mouth and nose in the
-/// same places; what tells them apart is detail.
+/// same places; they differ in detail.
 class Likeness {
 public:
     /// face_height: pixels of the face in the textures, chin to brows and forehead.

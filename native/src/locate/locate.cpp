@@ -25,7 +25,7 @@ constexpr int kNeighbours = 3;          // windows that have to agree where the 
 constexpr double kWindowPerBox = 0.85;  // the eigenspaces' window, two pupil distances, in widths of a box
 constexpr double kMiddleInBox = 0.61;   // of the box: half way from the eyes to the mouth
 constexpr double kSearchNearModules = 0.12;  // pupil distances
-constexpr double kPlain = 0.75;              // likelihood of a cascade's face that was never wrong
+constexpr double kPlain = 0.75;              // likelihood of a cascade's face, never wrong in tests
 constexpr double kEyesAgree = 0.2;           // pupil distances
 constexpr double kSure = 0.8;                // likelihood above which no other lean is tried
 constexpr double kLean = 0.436;              // radians: what upright searches miss
@@ -123,7 +123,7 @@ bool eyes_agree(const FaceFeatures& a, const FaceFeatures& b) {
            (at(a, "pupil.R") - at(b, "pupil.R")).norm() < kEyesAgree * ipd;
 }
 
-/// The eigenspaces' faces, corrected and completed by what the cascades see plainly: on photographs of
+/// The eigenspaces' faces, corrected and completed by the cascades' sure detections: on photographs of
 /// laughter, which no training picture shows, the cascades err less.
 std::vector<FaceFeatures> together(std::vector<FaceFeatures> by_spaces,
                                    const std::vector<FaceFeatures>& by_cascades) {

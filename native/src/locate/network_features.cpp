@@ -9,7 +9,7 @@ namespace mimetic {
 namespace {
 
 // Standard deviations in interpupillary distances, from faces marked by hand (docs/measured/real-faces.md).
-// A line's error is mostly the person's own and alike all along it: each station says the less.
+// A line's error is mostly the person's own bias, common along it: each station has less weight.
 constexpr double kLid = 0.02, kOuterLip = 0.022, kInnerLip = 0.018;
 constexpr double kEyeCorner = 0.03, kMouthCorner = 0.03;
 /// An eyeball turns while somebody looks about: by some twenty degrees the iris wanders by this.
@@ -24,7 +24,7 @@ constexpr int kMouthCorners[] = {291, 61}, kOuterCorners[] = {263, 33}, kInnerCo
 constexpr std::array kLidUpper{0, 9, 10, 11, 12, 13, 14, 15, 8};
 constexpr std::array kLidLower{0, 1, 2, 3, 4, 5, 6, 7, 8};
 
-/// A line without its ends, where it meets the next one and its direction is anyone's guess.
+/// A line without its ends, where it meets the next one and its direction is undefined.
 FeatureCurve curve_of(const std::string& name, const Points2& places, std::span<const int> line,
                       double sigma_px) {
     const auto count = static_cast<Eigen::Index>(line.size()) - 2;
@@ -50,7 +50,7 @@ const Feature& pupil_of(const FaceFeatures& face, const std::string& name) {
     return *pupil;
 }
 
-/// Both say where it is; each by its certainty.
+/// Both measurements combined by their information.
 Feature both(const Feature& one, const Feature& other) {
     const double a = 1 / (one.sigma_px * one.sigma_px), b = 1 / (other.sigma_px * other.sigma_px);
     return {one.name, (a * one.position + b * other.position) / (a + b), 1 / std::sqrt(a + b),

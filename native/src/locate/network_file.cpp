@@ -35,8 +35,8 @@ std::vector<char> content_of(const std::string& file) {
 std::vector<cv::Mat> outputs_of(cv::dnn::Net& net, const cv::Mat& blob) {
     net.setInput(blob);
     std::vector<cv::Mat> outputs;
-    // In one thread: layers this small lose more by waiting for helpers than they win, a lot more where other
-    // programs keep the processors busy. OpenCV divides no work inside work that it divides.
+    // In one thread: for layers this small synchronising threads costs more than it gains, much more where
+    // other programs keep the processors busy. OpenCV does not nest its parallel loops.
     cv::parallel_for_({0, 1},
                       [&](const cv::Range&) { net.forward(outputs, net.getUnconnectedOutLayersNames()); });
     std::sort(outputs.begin(), outputs.end(),

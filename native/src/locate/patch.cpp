@@ -63,7 +63,7 @@ FacePatch make_patch(ColorView image, const Eigen::Vector2d& pupil_right, const 
     for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
             const cv::Vec3b& pixel = rgb.at<cv::Vec3b>(y, x);
-            const float red = pixel[0] + 12.0f;  // keeps the ratio of dark pixels quiet
+            const float red = pixel[0] + 12.0f;  // damps noise in the ratio of dark pixels
             const float green = pixel[1] + 12.0f;
             const float blue = pixel[2] + 12.0f;
             patch.luminance(y, x) = (0.299f * pixel[0] + 0.587f * pixel[1] + 0.114f * pixel[2]) / 255;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double kStillAlike = .3;   // share to be followed on
 constexpr double kSurelyAlike = .5;  // share to be taken for the face after a loss or a cut
-constexpr int kPatience = 3;         // frames on end without detail that are more than a blur
+constexpr int kPatience = 3;         // consecutive frames without detail that are more than a blur
 constexpr double kUsual = .2;        // share of the frames with less than the usual detail: those that lie
                                      // next to a reference texture have more of it
 constexpr std::size_t kLeastLearnt = 6;   // frames until the usual detail is known

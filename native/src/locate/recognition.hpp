@@ -6,7 +6,7 @@
 
 namespace mimetic {
 
-/// Whether what a tracker sees is the face that it has followed so far.
+/// Whether a tracker still sees the face that it has tracked so far.
 ///
 /// A share of its texture must be alike: of a followed face .7 to .9 is, under a hand that hides half of it
 /// .5; of walls, grass and bars .0 to .15, of a stranger's features laid on this face's mostly below .3. And
@@ -24,7 +24,7 @@ public:
     explicit Recognition(double same_detail = .76, double good_detail = .8, double alike_throughout = 0)
         : same_detail_(same_detail), good_detail_(good_detail), alike_throughout_(alike_throughout) {}
 
-    /// Begins a frame. is_in_doubt: the face was lost, or who follows is not sure that it is still there.
+    /// Begins a frame. is_in_doubt: the face was lost, or the tracker is not sure that it is still there.
     void begin_frame(bool is_in_doubt);
     /// For half a second it must be surely this face: after a loss or a cut another one may be in its place.
     void begin_trial() { trial_ = kTrial; }
@@ -32,8 +32,8 @@ public:
     void end_doubt();
 
     bool accepts(const Look& look) const;
-    /// Whether the frame shows this face so well that it may be a reference texture, which confirms what
-    /// looks like itself.
+    /// Whether the frame shows this face well enough for a reference texture, which would confirm whatever
+    /// looks like it.
     bool may_be_reference(const Look& look) const;
     /// The look of a frame that was accepted.
     void learn(const Look& look);
@@ -48,7 +48,7 @@ private:
 
     double same_detail_, good_detail_, alike_throughout_;
     int trial_ = 0;
-    int num_strange_ = 0;          // frames on end that lacked detail
+    int num_strange_ = 0;          // consecutive frames that lacked detail
     std::vector<double> details_;  // of the last frames that were plainly this face, in a ring
     std::size_t next_ = 0;
     double usual_detail_ = 0;

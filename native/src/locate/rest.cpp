@@ -11,7 +11,7 @@ namespace mimetic {
 
 namespace {
 
-/// What faces at rest stay under, and how fast the score falls beyond (real webcam clips): parts of the
+/// Upper limit for faces at rest, and how fast the score falls beyond it (real webcam clips): relative to the
 /// cheek's brightness.
 struct AtRest {
     double usual;
@@ -28,7 +28,7 @@ constexpr double kSmooth =
 constexpr double kDetailed = .75;      // of a clip's frames have less detail than its detailed ones
 constexpr double kLeastSpread = .015;  // pupil distances by which a still face's features seem to move
 constexpr double kUsual = 1.5;         // spreads
-constexpr double kLeastRest = .1;      // of the best frame's score: below, a face is plainly not at rest
+constexpr double kLeastRest = .1;      // of the best frame's score: below, a face is clearly not at rest
 
 using Window = Eigen::Array<double, 41, 41, Eigen::RowMajor>;
 

@@ -4,7 +4,7 @@
 
 namespace mimetic {
 
-/// Where a point of the template lies on the person, as seen from the middle of control vertices.
+/// A point of the template carried to the person, relative to the mean of control vertices.
 inline Eigen::RowVector3d carried(const SkinMesh& mesh, const Eigen::RowVector3d& point,
                                   const std::vector<int>& vertices) {
     const auto middle = [&](const Points& of) -> Eigen::RowVector3d {

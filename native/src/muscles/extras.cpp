@@ -42,7 +42,7 @@ PlacedExtra place_extra(const SkinMesh& canonical, const SkinMesh& mesh, const E
     return placed;
 }
 
-/// How much each vertex is loaded; the sum is 1.
+/// Share of the load at each vertex; the sum is 1.
 Eigen::VectorXd footprint(const MuscleSurface& surface, const PlacedExtra& extra) {
     const Eigen::VectorXd distance = surface.distances(extra.line, kFootprintLimit * extra.width);
     Eigen::VectorXd weight = Eigen::VectorXd::Zero(distance.size());
@@ -70,8 +70,8 @@ Points push_direction(const MuscleSurface& surface, const MouthFrame& mouth, con
     return direction;
 }
 
-/// A couple about each piece of the lip: free edge forward, outer border back. Forces stand across the lip's
-/// arm from its axis; what they add up to is taken off, so that the lip turns and is not pushed.
+/// A couple about each piece of the lip: free edge forward, outer border back. Forces are perpendicular to
+/// the lever arm from its axis; their sum is subtracted, so that the lip turns and is not pushed.
 Points roll_forces(const MuscleSurface& surface, const MouthFrame& mouth, const PlacedExtra& extra,
                    const Eigen::VectorXd& weight) {
     std::vector<Eigen::Index> order(extra.line.rows());

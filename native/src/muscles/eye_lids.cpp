@@ -13,10 +13,10 @@ namespace mimetic {
 namespace {
 
 constexpr double kLowerRaise = 0.003;
-constexpr double kLowerTarsus = 0.005;    // the lower lid moves as one so far from its margin
-constexpr double kLowerReach = 0.020;     // and less and less to the lower rim of the orbit, without a fold
+constexpr double kLowerTarsus = 0.005;    // the lower lid moves rigidly up to this distance from its margin
+constexpr double kLowerReach = 0.020;     // and fades to the lower rim of the orbit, without a fold
 constexpr double kCornerSharpness = 4.0;  // how soon a lid's motion ends where the other lid is nearer
-constexpr double kFar = 0.03;             // m; ways along the skin are followed so far
+constexpr double kFar = 0.03;             // m; limit of geodesic distances
 
 std::vector<int> without(const std::vector<int>& vertices, const std::vector<int>& others) {
     std::vector<int> kept;

@@ -64,8 +64,8 @@ Points MuscleSurface::pull(const Muscle& muscle) const {
 }
 
 // Fibres run along curves of constant summed distance to the two foci (ellipses, for a flat face). They
-// shorten with the same tension everywhere, which loads the skin with forces in balance: a lip contracts and
-// does not crumple.
+// shorten with the same tension everywhere, which loads the skin with self-equilibrated forces: a lip
+// contracts without buckling.
 Points MuscleSurface::squeeze(const Muscle& muscle) const {
     const Eigen::RowVector3d own = muscle.insertion.row(0);
     const Eigen::RowVector3d other = muscle.insertion.row(1);

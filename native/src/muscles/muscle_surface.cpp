@@ -59,7 +59,7 @@ MuscleSurface::MuscleSurface(PointsIn vertices, TrianglesIn triangles, const std
                 connect(from, to);
             } else {
                 connect(entry->second,
-                        third);  // across the edge: else distances follow the mesh's directions
+                        third);  // across the edge: otherwise distances depend on the mesh's directions
             }
         }
     }

@@ -92,7 +92,7 @@ ResponsiveModes SkinResponse::evaluate(const SkinCalibration& calibration,
 }
 
 // K du / d log factor = K_region (feet - u), K_region the region's share of the attachment: these are its
-// forces on the skin (Q x 3N), whose feet have moved too.
+// forces on the skin (Q x 3N), whose attachment points have moved too.
 MatrixRows SkinResponse::held(const AttachedSkin& skin, const MatrixRows& responses) const {
     MatrixRows stretched = -refined(mesh_->stencils(), responses);
     stretched.bottomRows(bone_.rows()) += bone_;

@@ -23,7 +23,7 @@ constexpr double kSeen = .5;                   // weight from which a texel's co
 /// A square picture of colours, premultiplied by the weight in the last column; size^2 x 4.
 using Weighted = Rows<double, 4>;
 
-/// What each texel shows of the faces that have a vertex of weight above 0.
+/// The point that each texel shows, of the faces that have a vertex of weight above 0.
 QuadRaster lay_out(const TextureLayout& layout, VectorIn vertex_weights) {
     const Eigen::Index count = layout.corners.rows();
     Points2 texels(count, 2);
@@ -50,7 +50,7 @@ double facing_weight(const Eigen::Vector3d& normal, const Eigen::Vector3d& at) {
     return ramp * ramp * (3 - 2 * ramp);
 }
 
-/// Half the size: weights grow by gathering, up to 1.
+/// Half the size: weights are summed, up to 1.
 Weighted halved(const Weighted& fine, Eigen::Index size) {
     const Eigen::Index half = size / 2;
     Weighted coarse(half * half, 4);

@@ -19,7 +19,7 @@ constexpr double kAside = .02;   // m beside the middle where the front is looke
 constexpr double kLevel = .03;   // m above and below the tip of the nose
 constexpr double kInFront = .3;  // how much depth counts beside height and breadth
 
-/// How many of a part's samples lie nearest to what.
+/// Number of a part's samples nearest to each part of the template.
 struct Votes {
     int samples = 0, jaw = 0, still = 0, left = 0, right = 0, near = 0;
 

@@ -12,10 +12,10 @@ namespace {
 
 constexpr double kNormalLength = .008;  // m that opposite normals count as, halved: lips touch back to back
 constexpr double kLipLength = .008;     // m that upper and lower lip count as apart, though they touch
-constexpr double kLipFull = .010;       // m of difference between the ways to the two lips
-constexpr double kFar = .15;            // m; ways along the skin are followed so far
+constexpr double kLipFull = .010;       // m of difference between the geodesic distances to the two lips
+constexpr double kFar = .15;            // m; limit of geodesic distances
 constexpr double kAlike = .3;           // cosine of normals of skin that is drawn to other skin
-constexpr double kAcross = 3e6, kAlong = 1e5, kLoose = 30;  // N/m^3; the membrane evens the pull over 5 mm
+constexpr double kAcross = 3e6, kAlong = 1e5, kLoose = 30;  // N/m^3; the membrane smooths the pull over 5 mm
 constexpr double kLandmark = 1e8;                           // N/m^3
 constexpr double kYoung = 4e4, kThickness = 1.5e-3;         // Pa, m
 
@@ -25,7 +25,7 @@ Eigen::VectorXd lips_of(const MuscleSurface& surface, PointsIn lips) {
     return ((lower - upper) / kLipFull).cwiseMax(-1).cwiseMin(1);
 }
 
-/// P x 7: what has to agree besides the place, as lengths.
+/// P x 7: position, and what else has to agree, scaled to lengths.
 MatrixRows features(PointsIn points, PointsIn normals, VectorIn lip) {
     MatrixRows result(points.rows(), 7);
     result << points, kNormalLength * normals, kLipLength * lip;
@@ -40,7 +40,7 @@ std::vector<bool> on_rim(const Triangles& triangles, Eigen::Index num_vertices) 
     return rim;
 }
 
-/// Where the refined skin is drawn, and how firmly.
+/// Target displacements of the refined skin, and the stiffness of the pull.
 struct Pull {
     Points displacements;                ///< N x 3
     Eigen::VectorXd tangential, normal;  ///< N, N/m^3

@@ -6,7 +6,7 @@
 namespace mimetic {
 
 /// Throws InvalidInput unless the triangles form one connected, consistently oriented manifold with areas,
-/// none turned over, and every vertex belongs to one. Returns true for each vertex on the boundary.
+/// none inverted, and every vertex belongs to one. Returns true for each vertex on the boundary.
 std::vector<bool> check_mesh(PointsIn vertices, TrianglesIn triangles);
 
 }  // namespace mimetic

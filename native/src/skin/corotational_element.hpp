@@ -6,10 +6,10 @@ namespace mimetic {
 
 /// A triangle that has moved: its deformation gradient F = Q S (3 x 2, from its plane at rest).
 struct TurnedTriangle {
-    Eigen::Matrix<double, 3, 2> axes;  ///< Q, columns: where the element's axes have turned
+    Eigen::Matrix<double, 3, 2> axes;  ///< Q, columns: the element's rotated axes
     Eigen::Vector3d normal;            ///< unit
     Eigen::Matrix2d stretch;           ///< S, symmetric
-    bool crushed = false;              ///< no area is left: nothing else holds
+    bool crushed = false;              ///< no area is left: the other fields are undefined
 
     /// `corners`: columns, metres, where those of `rest` are now.
     TurnedTriangle(const SkinTriangle& rest, const Eigen::Matrix3d& corners);

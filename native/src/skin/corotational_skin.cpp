@@ -53,7 +53,7 @@ public:
     void add(Eigen::VectorXd step, Eigen::VectorXd change) {
         const double work = step.dot(change);
         if (!(work > 0)) {
-            return;  // without curvature there is nothing to learn
+            return;  // no positive curvature: the pair is skipped
         }
         pairs_.push_back({std::move(step), std::move(change), work});
         if (pairs_.size() > kKept) {
@@ -307,7 +307,7 @@ CorotationalSolution CorotationalSkin::solve(VectorIn forces, const Corotational
             next = parts_->reach(u + step);
         }
         if (halvings == kMaxHalvings) {
-            return solution;  // as near as rounding lets it come
+            return solution;  // as accurate as rounding allows
         }
         u += step;
         height = next.energy - load.dot(u);

@@ -26,7 +26,7 @@ Eigen::Matrix<double, 3, 9> membrane_strain(const SkinTriangle& triangle);
 /// Constant-strain membrane, N/m.
 Matrix9 membrane_stiffness(const SkinTriangle& triangle, double young, double poisson, double thickness);
 
-/// What an isotropic tension in the plane (N/m: pre-stress times thickness) adds against leaving the plane.
+/// Geometric stiffness of an isotropic tension in the plane (N/m: pre-stress times thickness).
 Matrix9 pre_stress_stiffness(const SkinTriangle& triangle, double tension);
 
 /// Elastic attachment of one vertex: area in m^2, stiffness along and across the skin in N/m^3 -> N/m.
@@ -41,7 +41,8 @@ Eigen::Matrix3d curvature_share(const SkinTriangle& triangle);
 
 /// Change of that curvature along the vertex's normal for displacements of the triangle's corners: the
 /// triangle's share for its corner `i`. Turning the surface turns the vector without bending anything, so
-/// the mean turn of the elements around the vertex is taken off. `curvature`: the vertex's sum of shares.
+/// the mean rotation of the elements around the vertex is subtracted. `curvature`: the vertex's sum of
+/// shares.
 Eigen::Matrix<double, 1, 9> curvature_row(const SkinTriangle& triangle, int i,
                                           const Eigen::RowVector3d& normal,
                                           const Eigen::RowVector3d& curvature, double vertex_area);

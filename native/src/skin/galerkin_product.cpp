@@ -75,7 +75,7 @@ void add_vertex(const std::vector<int>& rows, const std::vector<Eigen::Matrix3d>
     }
 }
 
-/// Both triangles as a matrix of numbers.
+/// Both triangles as a scalar matrix.
 Columns whole(const LowerBlocks& lower) {
     struct Entry {
         int row;

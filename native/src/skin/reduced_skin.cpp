@@ -50,7 +50,7 @@ ReducedSkin::ReducedSkin(const Eigen::SparseMatrix<double>& stiffness,
     const Eigen::Index kept = (weights.array() > kDependent * weights[weights.size() - 1]).count();
     const Eigen::MatrixXd independent = scale.asDiagonal() * metric.eigenvectors().rightCols(kept) *
                                         weights.tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
-    // In this basis the stiffness is one; the mass's eigenvectors part the coordinates.
+    // In this basis the stiffness is the identity; the mass's eigenvectors decouple the coordinates.
     const Eigen::MatrixXd basis = span * independent;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> inertia(basis.transpose() * (mass * basis));
     if (!(inertia.eigenvalues()[0] > 0)) {

@@ -100,8 +100,8 @@ Matrix18 shell_stiffness(const SkinTriangle& triangle, const ShellMaterial& m) {
             stiffness.block<3, 3>(6 * i, 6 * j) += membrane.block<3, 3>(3 * i, 3 * j);
         }
     }
-    // Flat elements leave the turn about the normal free; a stiffness without effect on rigid motion holds
-    // it.
+    // Flat elements have no stiffness against rotation about the normal (drilling); one without effect on
+    // rigid motion is added.
     const Eigen::Matrix3d unlike = 1.5 * Eigen::Matrix3d::Identity() - 0.5 * Eigen::Matrix3d::Ones();
     return stiffness + 1e-3 * m.young * m.thickness * triangle.area * spin_from_shell.transpose() * unlike *
                            spin_from_shell;

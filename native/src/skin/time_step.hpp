@@ -4,7 +4,7 @@
 
 namespace mimetic {
 
-/// What a step of either scheme multiplies. With e the decay of the overstrain p within the step:
+/// Coefficients of a step of either scheme. With e the decay of the overstrain p within the step:
 ///   (mass M + stiffness K) du = f + M (mass_velocity v + mass_acceleration a) + K (stiffness_velocity v - u
 ///   - e p) v <- velocity du + keep_velocity v,  a <- acceleration du + from_velocity v + keep_acceleration
 ///   a, p <- decay p + build_up du            (exact where u changes linearly within the step)

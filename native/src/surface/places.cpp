@@ -10,7 +10,7 @@
 namespace mimetic {
 namespace {
 
-constexpr double kSteep = .2;    // cosine of normal and view below which a ray's place is not to be trusted
+constexpr double kSteep = .2;    // cosine of normal and view below which a ray's intersection is unreliable
 constexpr double kReach = 5e-3;  // metres beside the ray, as seen, within which facing skin is looked for
 constexpr double kBehind =
     3e-3;  // metres deeper than facing skin beside it allows: hidden, were the outline right
@@ -21,7 +21,7 @@ constexpr double kNearest = 1e-3;         // metres
 const double kSteepest =
     std::sqrt(1 / (kSteep * kSteep) - 1);  // depth over breadth of skin that is just not steep
 
-/// A surface in front of the camera, and its vertices that are in sight and not steep.
+/// A surface in front of the camera, and its vertices that are visible and not oblique.
 struct View {
     const Camera& camera;
     PointsIn vertices;
@@ -170,7 +170,8 @@ void settle_outline(const View& view, Points2In pixels, SurfacePlaces& places) {
     if (chosen.empty()) {
         return;
     }
-    std::vector<double> depths;  // of the face, not of the pixels: what others are asked for changes nothing
+    std::vector<double>
+        depths;  // of the face, not of the pixels: a result must not depend on the other pixels
     depths.reserve(view.facing.size());
     for (const int vertex : view.facing) {
         depths.push_back(view.vertices(vertex, 2));

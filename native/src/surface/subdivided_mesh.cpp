@@ -68,7 +68,7 @@ private:
     std::vector<int> face_index_;
     std::vector<Eigen::Vector2d> st_;
     std::map<EdgeKey, int> edges_;
-    std::map<int, int> interior_;  // of the face at hand
+    std::map<int, int> interior_;  // of the present face
 };
 
 void check_levels(QuadsIn faces, int levels) {
