@@ -100,7 +100,7 @@ void find_skin_power(Workspace& work) {
 }
 
 /// Of the image as a whole, by the median, so that what covers a part does not count. Where an image stands
-/// still a codec leaves no difference at all, which says nothing.
+/// still a codec leaves no difference at all, which carries no information.
 float color_of(const cv::Mat& skin, const cv::Mat& pixel) {
     constexpr float kLeast = 2 * kRounding;
     std::vector<float> colors;

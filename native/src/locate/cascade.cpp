@@ -40,7 +40,7 @@ std::vector<CascadeHit> CascadeDetector::detect(ColorView image, double smallest
     const int least = std::max(20, static_cast<int>(smallest * std::min(gray.rows, gray.cols)));
     std::vector<cv::Rect> boxes;
     std::vector<int> votes;
-    // One neighbour, not OpenCV's usual three: whoever compares sets the threshold on the votes.
+    // One neighbour, not OpenCV's usual three: the caller sets the threshold on the votes.
     cascade_->classifier.detectMultiScale(gray, boxes, votes, 1.1, 1, 0, {least, least});
     std::vector<CascadeHit> hits;
     for (std::size_t i = 0; i < boxes.size(); ++i) {

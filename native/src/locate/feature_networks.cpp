@@ -92,7 +92,7 @@ Points2 in_picture(const Points2& shares, const FeatureCrop& crop, bool mirrored
     return (shares * map.leftCols<2>().transpose()).rowwise() + map.col(2).transpose();
 }
 
-/// Points (x, y, z in pixels of the crop) that a network says, in sides of the crop.
+/// Points (x, y, z in pixels of the crop) that a network gives, in sides of the crop.
 Points2 shares_of(const cv::Mat& output, int side) {
     using Spatial = Eigen::Map<const Rows<float, 3>>;
     const Spatial points(output.ptr<float>(), static_cast<Eigen::Index>(output.total() / 3), 3);
@@ -150,7 +150,7 @@ struct FeatureNetworks::Nets {
     cv::dnn::Net mesh, iris, lips;
     std::array<cv::dnn::Net, 2> eyes;
 
-    /// What the head of a part says when it is shown the maps again; sees the part's points anew.
+    /// The output of a part's head on the feature maps: refined places of the part's points.
     std::vector<cv::Mat> refine(cv::dnn::Net& head, const locate::AttentionPart& part, const cv::Mat& maps,
                                 const locate::PartSquare& square, Points2& shares) {
         const std::vector<cv::Mat> outputs = outputs_of(head, locate::seen_in(maps, square));

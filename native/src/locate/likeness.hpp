@@ -33,7 +33,7 @@ private:
     mutable std::optional<FilteredTexture> filtered_;
 };
 
-/// How much of what is in sight looks, patch by patch, as the reference texture does in the same place.
+/// Share of the visible texture that matches, patch by patch, the reference texture in the same place.
 ///
 /// The picture must not be warped by flow first: grass and other people's faces would then fit half of any
 /// texture, and occluders at their edges. Patches are compared one by one, so that an occluder costs no more
@@ -45,7 +45,7 @@ public:
     explicit Likeness(double face_height);
 
     /// present: another texture like the reference; weights: of each pixel, 0 out of sight; all of one size.
-    /// Nothing is alike where nothing is in sight.
+    /// 0 where nothing is visible.
     Look compare(const ReferenceTexture& reference, const cv::Mat1f& present, const cv::Mat1f& weights);
 
     /// Of each pixel of the last comparison: normalised correlation of its patch, -1 to 1.

@@ -8,7 +8,7 @@ namespace mimetic {
 
 /// Whether a tracker still sees the face that it has tracked so far.
 ///
-/// A share of its texture must be alike: of a followed face .7 to .9 is, under a hand that hides half of it
+/// A share of its texture must be alike: of a tracked face .7 to .9 is, under a hand that hides half of it
 /// .5; of walls, grass and bars .0 to .15, of a stranger's features laid on this face's mostly below .3. And
 /// its detail must be as this clip has usually shown it, by which strangers whose features fit are known: how
 /// much detail comes back depends on camera and encoder, but hardly changes within a clip. In what is blurred

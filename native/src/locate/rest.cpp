@@ -118,7 +118,7 @@ double beyond(double value, const AtRest& rest) {
     return std::exp(-.5 * off * off);
 }
 
-/// Which of a clip's frames say what is usual.
+/// Which of a clip's frames determine the usual expression.
 std::vector<int> informative_frames(VectorIn scores) {
     std::vector<int> frames;
     for (int f = 0; f < scores.size(); ++f) {

@@ -74,7 +74,8 @@ public:
     const JointSolver& solver() const { return solver_; }
 
 private:
-    using Covered = std::unordered_set<const ReferenceSample*>;  // they say nothing of the face
+    using Covered =
+        std::unordered_set<const ReferenceSample*>;  // occluded: they carry no information on the face
 
     struct Effort {
         int num_iterations;

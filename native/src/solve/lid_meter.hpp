@@ -13,7 +13,7 @@ struct LidMeasurement {
 };
 
 /// How far an upper lid is lowered, by the appearance of the eye's opening: the lid with its dark margin is a
-/// layer that slides over the open eye of the reference frame. Flow cannot follow a blink: the eye
+/// layer that slides over the open eye of the reference frame. Flow cannot track a blink: the eye
 /// disappears.
 class LidMeter {
 public:

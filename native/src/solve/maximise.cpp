@@ -66,7 +66,7 @@ Peak maximise(const Height& height, VectorIn start, double bound, const Progress
             return peak;
         }
         const auto [gradient, curvature] = derivatives(height, peak.place, peak.height);
-        // Eigenvalues of the wrong sign turned over: a step must lead upwards.
+        // Eigenvalues of the wrong sign change sign: a step must lead upwards.
         const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(-curvature);
         const Eigen::VectorXd along = eigen.eigenvectors().transpose() * gradient;
         double moved = 0;

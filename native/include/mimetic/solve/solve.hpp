@@ -80,7 +80,7 @@ struct FrameEstimate {
     double quality = 0;          ///< 0 lost to 1 well explained
     bool held = false;           ///< nothing was measured: state of the last good frame
     bool found_again = false;    ///< from search or a guess, not tracked: it may be another face
-    int num_samples = 0;         ///< samples in sight
+    int num_samples = 0;         ///< visible samples
     int num_explained = 0;       ///< of them, the inliers
     double residual_px = 0;      ///< median distance of used samples from the model, frame pixels
     double correlation = 0;      ///< mean normalised cross-correlation of the visible samples
