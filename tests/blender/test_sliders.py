@@ -50,7 +50,7 @@ def test_a_face_comes_without_footage(scene, added, head):
     names = [shape.name for shape in (*head.shapes, *head.groups)]
     keys = face.data.shape_keys
     assert [key.name for key in keys.key_blocks] == ["Basis", *names, "contact"]
-    assert keys.key_blocks["lid_upper.L"].slider_min == pytest.approx(-0.4)
+    assert keys.key_blocks["lid_upper.L"].slider_min == -1.0
     assert len(face.data.materials) > 5
     np.testing.assert_allclose(evaluated(face), shape_sum(head, {"jaw_open": 0}), atol=METRES)
 

@@ -67,7 +67,7 @@ def test_a_smile_says_no_more_than_its_numbers():
     words = summary_of(smile)
     assert "left" in words and "after the mouth" in words
     [even] = smiles_of(analyse_timing(smiling(eyes=None), kinds=("group", "side")))
-    assert "No difference between the sides" in summary_of(even)
+    assert "No significant difference between the sides" in summary_of(even)
     assert "No contraction about the eyes" in summary_of(even)
     for word in ("fake", "genuine", "posed", "felt"):
         assert word not in words + summary_of(even)
