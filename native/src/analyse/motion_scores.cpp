@@ -6,6 +6,9 @@
 #include <mimetic/shared/error.hpp>
 #include <mimetic/shared/similarity.hpp>
 #include <numbers>
+#include <utility>
+
+#include "shared/robust.hpp"
 
 namespace mimetic {
 namespace {
@@ -21,11 +24,7 @@ double percentile(std::vector<double> values, double percent) {
     if (values.empty()) {
         return std::numeric_limits<double>::quiet_NaN();
     }
-    std::sort(values.begin(), values.end());
-    const double at = percent / 100 * static_cast<double>(values.size() - 1);
-    const auto low = static_cast<std::size_t>(at);
-    const std::size_t high = std::min(low + 1, values.size() - 1);
-    return values[low] + (at - static_cast<double>(low)) * (values[high] - values[low]);
+    return quantile(std::move(values), percent / 100);
 }
 
 void check_shapes(TracksIn tracks, SeenIn seen, TracksIn other, int dimensions) {

@@ -5,6 +5,8 @@
 #include <mimetic/head/rig_motion.hpp>
 #include <mimetic/shared/error.hpp>
 
+#include "shared/robust.hpp"
+
 namespace mimetic {
 namespace {
 
@@ -22,12 +24,6 @@ Rotations shared(const Rotations& rotations, double share) {
         result.push_back(rotation_from_vector(share * vectors.row(i).transpose()));
     }
     return result;
-}
-
-double median(Eigen::VectorXd values) {
-    std::sort(values.begin(), values.end());
-    const Eigen::Index half = values.size() / 2;
-    return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
 }  // namespace
@@ -175,7 +171,7 @@ Rows<double, 4> still_points(const std::vector<Eigen::Isometry3d>& head_poses,
     for (Eigen::Index i = 0; i < depths.size(); ++i) {
         depths[i] = (head_poses[static_cast<std::size_t>(i)] * kBridge).z();
     }
-    const double usual = median(depths);
+    const double usual = median({depths.begin(), depths.end()});
     Rows<double, 4> points(depths.size(), 4);
     for (Eigen::Index i = 0; i < depths.size(); ++i) {
         const Eigen::Isometry3d& pose = head_poses[static_cast<std::size_t>(i)];

@@ -7,6 +7,8 @@
 #include <mimetic/shared/error.hpp>
 #include <numeric>
 
+#include "shared/robust.hpp"
+
 namespace mimetic {
 
 namespace {
@@ -44,29 +46,6 @@ Eigen::Vector2d place_of(const FaceFeatures& face, const std::string& name) {
         throw InvalidInput("the face has no feature " + name);
     }
     return feature->position;
-}
-
-double median(std::vector<double> values) {
-    if (values.empty()) {
-        return std::numeric_limits<double>::quiet_NaN();
-    }
-    const std::size_t half = values.size() / 2;
-    std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half), values.end());
-    if (values.size() % 2 == 1) {
-        return values[half];
-    }
-    const double below =
-        *std::max_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(half));
-    return (below + values[half]) / 2;
-}
-
-/// Between the two nearest, as numpy's.
-double quantile(std::vector<double> values, double part) {
-    std::sort(values.begin(), values.end());
-    const double at = part * static_cast<double>(values.size() - 1);
-    const auto below = static_cast<std::size_t>(at);
-    const std::size_t above = std::min(below + 1, values.size() - 1);
-    return values[below] + (at - static_cast<double>(below)) * (values[above] - values[below]);
 }
 
 double deviation(const auto& values) { return std::sqrt((values - values.mean()).square().mean()); }

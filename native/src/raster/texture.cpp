@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "shared/colour_at.hpp"
+#include "shared/robust.hpp"
 
 namespace mimetic {
 namespace {
@@ -96,13 +97,6 @@ Points filled(Weighted texture, Eigen::Index size) {
         colours = levels[k].leftCols<3>() + (under.array().colwise() * open).matrix();
     }
     return colours;
-}
-
-/// Sorts the values.
-double median(std::vector<double>& values) {
-    std::sort(values.begin(), values.end());
-    const std::size_t half = values.size() / 2;
-    return values.size() % 2 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
 }  // namespace

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "shared/robust.hpp"
+
 namespace mimetic {
 namespace {
 
@@ -104,12 +106,6 @@ int nearest_shown(const View& view, const Eigen::Vector2d& pixel) {
     };
     return static_cast<int>(std::min_element(view.shown_at.begin(), view.shown_at.end(), nearer) -
                             view.shown_at.begin());
-}
-
-double median(std::vector<double> values) {
-    std::sort(values.begin(), values.end());
-    const std::size_t half = values.size() / 2;
-    return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
 /// Rays about one, pixels, and the share of each under a Gaussian of the standard deviation `error` (pixels).
