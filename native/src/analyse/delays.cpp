@@ -4,6 +4,10 @@
 #include <limits>
 #include <mimetic/analyse/delays.hpp>
 #include <mimetic/shared/checks.hpp>
+#include <optional>
+#include <utility>
+
+#include "drawn_range.hpp"
 
 namespace mimetic {
 namespace {
@@ -77,15 +81,12 @@ Interval lag_interval(VectorIn frames, VectorIn leader, const PhaseFit& leader_f
                              rates_of(with_event(curve, fit, second.col(k))), span, options.max_lag);
         lags.push_back(peak.lag);
     }
-    if (lags.size() < 20) {
+    const std::optional<DrawnRange> range = range_of(std::move(lags));
+    if (!range) {
         return {lag, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
     }
-    std::sort(lags.begin(), lags.end());
-    const auto at = [&](double share) {
-        return lags[static_cast<std::size_t>(share * static_cast<double>(lags.size() - 1))];
-    };
     // The draws give the spread of a lag; they are centred on the fitted shapes' lag, which differs
-    const double spread = std::max(.5 * (at(.975) - at(.025)), std::abs(at(.5) - lag));
+    const double spread = std::max(.5 * (range->upper - range->lower), std::abs(range->median - lag));
     const double half = std::hypot(spread, 1.96 * options.timing_std);
     return {lag, lag - half, lag + half};
 }

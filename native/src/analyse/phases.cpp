@@ -7,8 +7,11 @@
 #include <mimetic/analyse/curve_noise.hpp>
 #include <mimetic/analyse/phases.hpp>
 #include <mimetic/shared/checks.hpp>
+#include <optional>
 #include <random>
+#include <utility>
 
+#include "drawn_range.hpp"
 #include "events.hpp"
 #include "phase_shape.hpp"
 
@@ -222,15 +225,12 @@ ModelFit fit_model(const Fitted& data, PhaseModel model, const PhaseOptions& opt
 
 /// The middle 95 % of draws about an estimate.
 Interval interval_of(double value, std::vector<double> draws, double further_std = 0) {
-    if (draws.size() < 20) {
+    const std::optional<DrawnRange> range = range_of(std::move(draws));
+    if (!range) {
         return {value, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
     }
-    std::sort(draws.begin(), draws.end());
-    const auto at = [&](double share) {
-        return draws[static_cast<std::size_t>(share * static_cast<double>(draws.size() - 1))];
-    };
-    const double below = std::hypot(value - at(.025), 1.96 * further_std);
-    const double above = std::hypot(at(.975) - value, 1.96 * further_std);
+    const double below = std::hypot(value - range->lower, 1.96 * further_std);
+    const double above = std::hypot(range->upper - value, 1.96 * further_std);
     return {value, value - std::max(0.0, below), value + std::max(0.0, above)};
 }
 

@@ -20,9 +20,6 @@ constexpr double kElsewhere = 0.3;  // interpupillary distances between an iris 
 
 // Of the mesh
 constexpr int kMouthCorners[] = {291, 61}, kOuterCorners[] = {263, 33}, kInnerCorners[] = {362, 133};
-// Of an eye's contour, from the outer to the inner corner
-constexpr std::array kLidUpper{0, 9, 10, 11, 12, 13, 14, 15, 8};
-constexpr std::array kLidLower{0, 1, 2, 3, 4, 5, 6, 7, 8};
 
 /// A line without its ends, where it meets the next one and its direction is undefined.
 FeatureCurve curve_of(const std::string& name, const Points2& places, std::span<const int> line,
@@ -88,8 +85,8 @@ FaceFeatures network_features(const MeshPoints& mesh, const std::array<EyePoints
         add("eye_outer" + side, mesh.places, kOuterCorners[e], kEyeCorner);
         add("eye_inner" + side, mesh.places, kInnerCorners[e], kEyeCorner);
         add("mouth_corner" + side, mesh.places, kMouthCorners[e], kMouthCorner);
-        face.curves.push_back(curve_of("lid_upper" + side, eyes[e].contour, kLidUpper, sigma(kLid)));
-        face.curves.push_back(curve_of("lid_lower" + side, eyes[e].contour, kLidLower, sigma(kLid)));
+        face.curves.push_back(curve_of("lid_upper" + side, eyes[e].contour, LidMargins::kUpper, sigma(kLid)));
+        face.curves.push_back(curve_of("lid_lower" + side, eyes[e].contour, LidMargins::kLower, sigma(kLid)));
     }
     face.curves.push_back(curve_of("lip_upper", mesh.places, LipEdges::kOuterUpper, sigma(kOuterLip)));
     face.curves.push_back(curve_of("lip_lower", mesh.places, LipEdges::kOuterLower, sigma(kOuterLip)));

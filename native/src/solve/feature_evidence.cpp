@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "feature_evidence.hpp"
 
+#include <mimetic/shared/scale.hpp>
+
 namespace mimetic {
 
 namespace {
 
-constexpr double kUsualDistance = .063;  // metres between the eyes' middles, where no eyes are given
-
+/// Metres between the eyes' middles; where no eyes are given, the usual distance.
 double interpupillary_of(const std::vector<OpeningEvidence>& openings) {
     std::vector<Eigen::Vector3d> eyes;
     for (const OpeningEvidence& opening : openings) {
@@ -14,15 +15,14 @@ double interpupillary_of(const std::vector<OpeningEvidence>& openings) {
             eyes.push_back(opening.lines().middle());
         }
     }
-    return eyes.size() == 2 ? (eyes[0] - eyes[1]).norm() : kUsualDistance;
+    return eyes.size() == 2 ? (eyes[0] - eyes[1]).norm() : kPupilDistance;
 }
 
 }  // namespace
 
 FeatureEvidence::FeatureEvidence(const TrackedFace& face, const FeatureInputs& inputs, const ColorView& image,
                                  const cv::Mat1b& gray, const FaceState& at_rest)
-    : face_(face),
-      source_(inputs.source),
+    : source_(inputs.source),
       lids_(face, source_ ? std::vector<EyeSlit>() : inputs.eyes, gray, at_rest),
       reference_(at_rest) {
     if (!source_) {

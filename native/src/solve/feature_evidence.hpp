@@ -27,7 +27,6 @@ public:
     FaceState with_lids(FaceState state) const;
 
 private:
-    const TrackedFace& face_;
     FeatureSource source_;
     std::vector<OpeningEvidence> openings_;
     double interpupillary_;

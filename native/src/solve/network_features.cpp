@@ -7,9 +7,6 @@ namespace mimetic {
 
 namespace {
 
-// Of the eye's contour: it begins at the outer corner, runs along the lower lid and back along the upper one.
-constexpr std::array<int, 9> kUpperLid{0, 9, 10, 11, 12, 13, 14, 15, 8};
-constexpr std::array<int, 9> kLowerLid{0, 1, 2, 3, 4, 5, 6, 7, 8};
 template <typename Indices>
 Points2 line_of(const Points2& places, const Indices& indices) {
     return places(std::vector<int>(indices.begin(), indices.end()), Eigen::all);
@@ -26,7 +23,8 @@ FeatureSource see_by_networks(const FeatureNetworks& networks, const Camera& cam
             crops = feature_crops(camera, camera_from_head, places);
             for (std::size_t eye = 0; eye < 2; ++eye) {
                 const EyePoints points = networks.eye(image, crops.eyes[eye], eye == 0);
-                seen[eye].lines = {line_of(points.contour, kUpperLid), line_of(points.contour, kLowerLid)};
+                seen[eye].lines = {line_of(points.contour, LidMargins::kUpper),
+                                   line_of(points.contour, LidMargins::kLower)};
             }
             const MeshPoints mesh = networks.mesh(image, crops.face);
             for (const auto& line : {LipEdges::kOuterUpper, LipEdges::kInnerUpper, LipEdges::kInnerLower,

@@ -66,7 +66,6 @@ std::optional<OpeningOffsets> OpeningLines::compare(const Camera& camera, const 
     result.frontality =
         -(state.camera_from_head.linear() * opening_.facing).dot(middle_in_camera.normalized());
     const Eigen::VectorXf values = state.values.cast<float>();
-    Eigen::Vector2d across = Eigen::Vector2d::Zero();
     Eigen::Index row = 0;
     for (std::size_t l = 0; l < lines_.size(); ++l) {
         Points2 model(static_cast<Eigen::Index>(lines_[l].size()), 2);
@@ -82,7 +81,7 @@ std::optional<OpeningOffsets> OpeningLines::compare(const Camera& camera, const 
             (other.row(other.rows() - 1) - other.row(0)).norm() < kLeastWidth) {
             return {};
         }
-        across = Eigen::Vector2d(-chord.y(), chord.x()).normalized();
+        const Eigen::Vector2d across = Eigen::Vector2d(-chord.y(), chord.x()).normalized();
         for (; row < count && places_[static_cast<std::size_t>(row)].line == static_cast<int>(l); ++row) {
             const double along = places_[static_cast<std::size_t>(row)].along;
             const Stretch here = stretch_at(model, along);

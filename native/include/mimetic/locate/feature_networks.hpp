@@ -54,6 +54,14 @@ struct LipEdges {
     static constexpr Edge kOuterLower{61, 146, 91, 181, 84, 17, 314, 405, 321, 375, 291};
 };
 
+/// The lids' margins among an eye's contour points, from the outer to the inner corner: the contour begins at
+/// the outer corner, runs along the lower lid and back along the upper one.
+struct LidMargins {
+    using Margin = std::array<int, 9>;
+    static constexpr Margin kUpper{0, 9, 10, 11, 12, 13, 14, 15, 8};
+    static constexpr Margin kLower{0, 1, 2, 3, 4, 5, 6, 7, 8};
+};
+
 /// What MediaPipe's iris network measures of one eye.
 struct EyePoints {
     static constexpr int kContour = 71;

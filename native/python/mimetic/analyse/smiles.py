@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 
 from mimetic import _core
+from mimetic.analyse.tables import interval_cells
 from mimetic.analyse.timing import Event, GroupDelay, Timing
 
 MOUTH, EYES = 1, 7  # groups
@@ -178,16 +179,10 @@ def smile_rows(smiles: list[Smile]) -> list[dict[str, object]]:
     for smile in smiles:
         row: dict[str, object] = {"event": smile.event.number}
         for field in ("onset_seconds", "total_seconds", "onset_speed", "asymmetry", "eye_ratio"):
-            estimate = getattr(smile, field)
-            row |= {field: estimate.value, f"{field}_lower": estimate.lower}
-            row[f"{field}_upper"] = estimate.upper
-        lag = smile.eye_delay.delay.lag if smile.eye_delay else None
-        row |= {
-            "eye_delay_frames": lag.value if lag else "",
-            "eye_delay_frames_lower": lag.lower if lag else "",
-            "eye_delay_frames_upper": lag.upper if lag else "",
-            "eye_is_delayed": smile.eye_delay.delay.is_delayed if smile.eye_delay else "",
-        }
+            row |= interval_cells(field, getattr(smile, field))
+        delay = smile.eye_delay.delay if smile.eye_delay else None
+        row |= interval_cells("eye_delay_frames", delay.lag if delay else None)
+        row["eye_is_delayed"] = delay.is_delayed if delay else ""
         rows.append(row)
     return rows
 

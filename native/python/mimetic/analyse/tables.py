@@ -26,11 +26,10 @@ def write_table(path: Path, rows: Iterable[Row], columns: list[str]) -> None:
         stream.write(text.getvalue().encode())
 
 
-def interval_cells(name: str, interval: _core.Interval, known: bool = True) -> dict[str, object]:
-    """An estimate and the ends of its 95 % interval."""
-    values = (interval.value, interval.lower, interval.upper)
-    ends = (name, f"{name}_lower", f"{name}_upper")
-    return {end: value if known else "" for end, value in zip(ends, values, strict=True)}
+def interval_cells(name: str, interval: _core.Interval | None) -> dict[str, object]:
+    """An estimate and the ends of its 95 % interval; empty cells where nothing is known."""
+    values = (interval.value, interval.lower, interval.upper) if interval else ("", "", "")
+    return dict(zip((name, f"{name}_lower", f"{name}_upper"), values, strict=True))
 
 
 def phase_rows(timing: Timing) -> list[dict[str, object]]:
@@ -53,16 +52,16 @@ def _phase_row(event: Event, fps: float) -> dict[str, object]:
         "event": event.number,
         "is_certain": fit.is_certain,
         "model": shape.model.name,
-        **interval_cells("onset_frame", fit.onset, begins),
-        **interval_cells("apex_frame", fit.apex, begins),
-        **interval_cells("release_frame", fit.release, ends),
+        **interval_cells("onset_frame", fit.onset if begins else None),
+        **interval_cells("apex_frame", fit.apex if begins else None),
+        **interval_cells("release_frame", fit.release if ends else None),
         "rise_seconds": shape.rise / fps if begins else "",
         "hold_seconds": shape.hold / fps if begins and ends else "",
         **interval_cells("amplitude", fit.amplitude),
-        **interval_cells("exponent", fit.exponent, begins),
-        **interval_cells("release_frames", fit.release_time, ends),
-        **interval_cells("relaxation_frames", fit.relaxation_time, two),
-        **interval_cells("relaxed_share", fit.relaxed_share, two),
+        **interval_cells("exponent", fit.exponent if begins else None),
+        **interval_cells("release_frames", fit.release_time if ends else None),
+        **interval_cells("relaxation_frames", fit.relaxation_time if two else None),
+        **interval_cells("relaxed_share", fit.relaxed_share if two else None),
         "noise": fit.noise,
         "r2": fit.explained,
         "linear_ramp_r2": fit.linear_explained,
