@@ -13,7 +13,7 @@ import numpy as np
 from mimetic import InvalidInput, _core
 from mimetic.fit.face_model import limit_positions
 from mimetic.fit.fitting import NoFace, find_face
-from mimetic.locate.feature_networks import feature_places
+from mimetic.locate.feature_networks import MESH_POINTS, feature_places
 from mimetic.media.footage import Footage
 from mimetic.muscles.feature_lines import feature_lines
 from mimetic.performance.document import HELD_QUALITY, Performance
@@ -32,11 +32,10 @@ LINES = {
     **{"lip_inner_lower": "lip_lower_inner", "lip_outer_lower": "lip_lower"},
 }
 # Of MediaPipe's mesh with refined landmarks
-MESH_POINTS = {
-    **{"eye_outer.R": 33, "eye_inner.R": 133, "lid_upper.R": 159, "lid_lower.R": 145},
-    **{"eye_outer.L": 263, "eye_inner.L": 362, "lid_upper.L": 386, "lid_lower.L": 374},
-    **{"iris.R": 468, "iris.L": 473, "mouth_corner.R": 61, "mouth_corner.L": 291},
-    **{"lip_outer_upper": 0, "lip_inner_upper": 13, "lip_inner_lower": 14, "lip_outer_lower": 17},
+REFINED_MESH_POINTS = {
+    **MESH_POINTS,
+    **{"lid_upper.R": 159, "lid_lower.R": 145, "lid_upper.L": 386, "lid_lower.L": 374},
+    **{"iris.R": 468, "iris.L": 473},
 }
 
 
@@ -107,7 +106,7 @@ def by_face_mesh(labels: Labels, python: Path) -> NDArray[np.float64]:
         run = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
         )
-        with run, tempfile.TemporaryFile():
+        with run:
             for _, image in footage.frames(1, int(labels.frame[-1])):
                 run.stdin.write(np.ascontiguousarray(image).tobytes())
             run.stdin.close()
@@ -115,7 +114,7 @@ def by_face_mesh(labels: Labels, python: Path) -> NDArray[np.float64]:
         if run.returncode != 0:
             raise InvalidInput(f"the face mesh failed: {' '.join(errors.split()[-40:])}")
         meshes = np.load(out, allow_pickle=False)
-    return meshes[labels.frame - 1][:, [MESH_POINTS[name] for name in POINTS]]
+    return meshes[labels.frame - 1][:, [REFINED_MESH_POINTS[name] for name in POINTS]]
 
 
 def by_networks(

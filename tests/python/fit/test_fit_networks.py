@@ -3,7 +3,6 @@
 
 import numpy as np
 import pytest
-from mimetic import InvalidInput
 from mimetic.fit import network_evidence
 from mimetic.fit.fitting import find_face
 from mimetic.locate.feature_networks import FILES
@@ -12,7 +11,7 @@ from mimetic.muscles.feature_lines import feature_lines
 from mimetic.shared.installed_data import data_folder
 from mimetic.template.face_template import load_template
 
-from evaluation.runs.real_labels import footage_of, read_labels
+from evaluation.runs.real_labels import read_labels
 from evaluation.runs.real_methods import by_fit
 from evaluation.runs.real_score import score_places
 
@@ -44,12 +43,9 @@ def test_lines_run_from_corner_to_corner_on_both_sides_alike():
 
 
 @pytest.fixture(scope="module")
-def marked():
+def marked(fetched_clip):
     """Footage of a real person, and the points that were marked in three frames at rest."""
-    try:
-        footage = Footage(footage_of("single_face"))
-    except InvalidInput:
-        pytest.skip("scripts/fetch_footage was not run")
+    footage = Footage(fetched_clip("single_face.mp4"))
     labels = read_labels("single_face")
     return footage, labels.rows(np.isin(labels.frame, (1, 13, 17)))
 

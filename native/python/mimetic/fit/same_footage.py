@@ -28,7 +28,7 @@ def check_same_footage(fit: FaceFit, image: NDArray[np.uint8], clip: str) -> Non
     places = fit.features
     if not {"pupil.L", "pupil.R"} <= places.keys():
         return
-    candidate = fitting.judge_frame(image, near=_middle(places["pupil.L"], places["pupil.R"]))
+    candidate = fitting.judge_frame(image, near=fit.head_place())
     apart = math.inf if candidate is None else _apart(places, candidate.features)
     if apart > MOST_APART:
         raise InvalidInput(
@@ -45,7 +45,3 @@ def _apart(places: dict[str, tuple[float, float]], face: _core.FaceFeatures) -> 
         if feature.name in places
     ]
     return statistics.median(distances) / math.dist(places["pupil.L"], places["pupil.R"])
-
-
-def _middle(a: tuple[float, float], b: tuple[float, float]) -> tuple[float, float]:
-    return (a[0] + b[0]) / 2, (a[1] + b[1]) / 2
