@@ -7,7 +7,7 @@ import queue
 import threading
 from dataclasses import dataclass, field
 
-from . import native
+from . import editors, native
 
 TICK_SECONDS = 0.05
 
@@ -169,10 +169,7 @@ class Job:
     def _show(self, context) -> None:
         stopping = "stopping" if running.stop.is_set() else "Esc stops"
         context.workspace.status_text_set(f"{running.text()}   |   {stopping}")
-        for window in context.window_manager.windows:
-            for area in window.screen.areas:
-                if area.type in {"CLIP_EDITOR", "VIEW_3D"}:
-                    area.tag_redraw()
+        editors.redraw("CLIP_EDITOR", "VIEW_3D")
 
     def _leave(self, context) -> None:
         global running

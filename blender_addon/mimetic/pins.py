@@ -11,7 +11,7 @@ import time
 
 import bpy
 
-from . import jobs, native, scene_in
+from . import editors, jobs, native, scene_in
 from .scene_out import face_fit, landmarks
 
 WATCH_SECONDS, FOLLOW_SECONDS = 0.15, 0.02
@@ -89,7 +89,7 @@ def _watch(clip) -> bool:
         names = []
     if names:
         last_ms = 1000 * (time.perf_counter() - start)
-        redraw()
+        editors.redraw("CLIP_EDITOR")
     _states[clip.name] = landmarks.state(clip)
     return True
 
@@ -97,13 +97,6 @@ def _watch(clip) -> bool:
 def _is_dragging() -> bool:
     window = bpy.context.window_manager.windows[0] if bpy.context.window_manager.windows else None
     return bool(window and len(window.modal_operators))
-
-
-def redraw() -> None:
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "CLIP_EDITOR":
-                area.tag_redraw()
 
 
 def register() -> None:

@@ -15,7 +15,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from . import compat, writable
+from . import compat, editors, writable
 from .scene_out import contact, rigs
 
 STRAIN_MEASURES = (
@@ -30,18 +30,11 @@ def _is_mesh(self, candidate) -> bool:
 
 
 def _redraw(self, context) -> None:
-    _redraw_editors(context, "VIEW_3D")
+    editors.redraw("VIEW_3D")
 
 
 def _redraw_clips(self, context) -> None:
-    _redraw_editors(context, "CLIP_EDITOR")
-
-
-def _redraw_editors(context, kind: str) -> None:
-    for window in context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == kind:
-                area.tag_redraw()
+    editors.redraw("CLIP_EDITOR")
 
 
 HEAD_MODES = (

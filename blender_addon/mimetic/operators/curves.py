@@ -2,7 +2,7 @@
 from bpy.props import FloatProperty
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out, targets
+from .. import editors, native, scene_in, scene_out, targets
 
 
 class MIMETIC_OT_reduce_keys(Operator):
@@ -34,9 +34,7 @@ class MIMETIC_OT_reduce_keys(Operator):
             f"{summary.keys_after} keys instead of {summary.keys_before}, "
             f"within {summary.error:.3f}",
         )
-        for window in context.window_manager.windows:
-            for area in window.screen.areas:
-                area.tag_redraw()
+        editors.redraw()
         return {"FINISHED"}
 
 

@@ -2,7 +2,7 @@
 import bpy
 from bpy.types import Operator
 
-from .. import native, pins, scene_in, scene_out
+from .. import editors, native, pins, scene_in, scene_out
 from ..jobs import Job
 from ..scene_out import landmarks
 
@@ -25,7 +25,7 @@ class Pinning:
         except native.known_errors() as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
-        pins.redraw()
+        editors.redraw("CLIP_EDITOR")
         self.report({"INFO"}, message)
         return {"FINISHED"}
 

@@ -11,7 +11,7 @@ from contextlib import contextmanager
 
 import bpy
 
-from .. import native, scene_in, writable
+from .. import editors, native, scene_in, writable
 
 CENTRE, ABOVE = scene_in.HELD_BY
 
@@ -61,11 +61,10 @@ def _stabilise_by(clip) -> None:
 
 
 def _show(clip) -> None:
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type == "CLIP_EDITOR" and area.spaces.active.clip == clip:
-                area.spaces.active.show_stable = True
-                area.tag_redraw()
+    for area in editors.open_editors("CLIP_EDITOR"):
+        if area.spaces.active.clip == clip:
+            area.spaces.active.show_stable = True
+            area.tag_redraw()
 
 
 def _call(clip, operator, names) -> None:

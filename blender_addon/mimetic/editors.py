@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Editors that are open in any window."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import bpy
+
+
+def open_editors(*kinds: str) -> Iterator[bpy.types.Area]:
+    """Areas of these types, such as CLIP_EDITOR; of all types if none is given."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if not kinds or area.type in kinds:
+                yield area
+
+
+def redraw(*kinds: str) -> None:
+    """Has these editors drawn anew: Blender draws them only after events of their own."""
+    for area in open_editors(*kinds):
+        area.tag_redraw()
