@@ -100,7 +100,7 @@ PACKAGE_FLOORS = (
     {"character", "score", "fit"},
     {"solve"},
     {"head", "report"},
-    {"analyse"},
+    {"analyse", "batch"},
     {"commands"},
 )
 # The core's stages, each of which includes earlier ones alone

@@ -20,7 +20,7 @@ def test_version_and_help_name_the_commands(capsys):
 
 
 @pytest.mark.parametrize(
-    "name", ["calibrate", "capture", "head", "points", "evaluate", "info", "bake"]
+    "name", ["calibrate", "capture", "head", "points", "evaluate", "info", "bake", "batch"]
 )
 def test_every_command_has_help(name, capsys):
     assert main([name, "--help"]) == 0

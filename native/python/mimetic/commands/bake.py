@@ -40,20 +40,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="RIG.blend:OBJECT",
         help="put the head's motion on this object or armature instead, in a copy of its file",
     )
-    parser.add_argument(
-        "--detail",
-        action="store_true",
-        help="shapes and curves for what the muscles leave unexplained too",
-    )
-    parser.add_argument(
-        "--few-keys",
-        nargs="?",
-        type=float,
-        const=USUAL_TOLERANCE,
-        metavar="TOLERANCE",
-        help="few keys with handles to drag instead of one a frame, within this of each activation "
-        f"(default: {USUAL_TOLERANCE:g})",
-    )
+    add_face_arguments(parser)
     parser.add_argument("--bone", help="the armature's head (default: found by its name)")
     parser.add_argument(
         "--neck", help="the armature's neck (default: found by its name; '' for none)"
@@ -67,6 +54,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=USUAL_STRENGTH,
         help="strength of the smoothing of the head's motion on a target: what the standard "
         "deviations of poses are multiplied by (default: %(default)s; 0 leaves frames as measured)",
+    )
+
+
+def add_face_arguments(parser: argparse.ArgumentParser) -> None:
+    """How a face is baked, and by which Blender."""
+    parser.add_argument(
+        "--detail",
+        action="store_true",
+        help="shapes and curves for what the muscles leave unexplained too",
+    )
+    parser.add_argument(
+        "--few-keys",
+        nargs="?",
+        type=float,
+        const=USUAL_TOLERANCE,
+        metavar="TOLERANCE",
+        help="few keys with handles to drag instead of one a frame, within this of each activation "
+        f"(default: {USUAL_TOLERANCE:g})",
     )
     parser.add_argument(
         "--blender-python",

@@ -42,6 +42,10 @@ COMMANDS = {
         "an expression of a performance beside its action unit of FACS",
     ),
     "evaluate": ("mimetic.commands.evaluate", "score a capture against known truth"),
+    "batch": (
+        "mimetic.commands.batch",
+        "many clips -> a folder each, and a page of them all; here or by a studio's engine",
+    ),
     "info": ("mimetic.commands.info", "what is in a performance"),
 }
 FAILED, BAD_INPUT, INTERRUPTED = 1, 2, 130
@@ -55,21 +59,34 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except SystemExit as request:  # argparse has printed why
         return int(request.code or 0)
     _write_any_name(sys.stdout)
+    status, message = outcome(options)
+    if message:
+        print(f"mimetic: {message}", file=sys.stderr)
+    return status
+
+
+def outcome(options: argparse.Namespace) -> tuple[int, str]:
+    """Runs a command; returns its exit status, and in one line what went wrong, if anything did."""
     try:
         with signals_raised():
-            return options.run(options)
+            return options.run(options), ""
     except (InvalidInput, UnreadableMedia) as error:
-        return _fail(error, BAD_INPUT)
+        return BAD_INPUT, line(error)
     except KeyboardInterrupt as request:
-        return _fail("stopped", getattr(request, "status", INTERRUPTED))
+        return getattr(request, "status", INTERRUPTED), "stopped"
     except BrokenPipeError:  # `mimetic info ... | head`
         sys.stderr.close()
-        return FAILED
+        return FAILED, ""
     except OSError as error:
         name = f"{error.filename}: " if error.filename else ""
-        return _fail(f"{name}{error.strerror or error}", FAILED)
+        return FAILED, line(f"{name}{error.strerror or error}")
     except MemoryError:
-        return _fail("not enough memory; scale the footage down", FAILED)
+        return FAILED, "not enough memory; scale the footage down"
+
+
+def options_of(words: Sequence[str]) -> argparse.Namespace:
+    """The options of a command line that is known to be right, for `outcome`."""
+    return _make_parser(list(words)).parse_args(words)
 
 
 def _make_parser(arguments: list[str]) -> argparse.ArgumentParser:
@@ -98,7 +115,6 @@ def _write_any_name(stream: TextIO) -> None:
         stream.reconfigure(errors="backslashreplace")
 
 
-def _fail(error: object, status: int) -> int:
-    text = shown(" ".join(str(error).split()))
-    print(f"mimetic: {text}", file=sys.stderr)
-    return status
+def line(error: object) -> str:
+    """What may hold names of files, in one line that is safe on a terminal."""
+    return shown(" ".join(str(error).split()))

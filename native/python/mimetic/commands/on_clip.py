@@ -14,6 +14,7 @@ from mimetic import InvalidInput, UnreadableMedia
 from mimetic.commands.console import Console
 from mimetic.fit.fitting import FaceFit
 from mimetic.media.footage import Footage
+from mimetic.media.frame_range import parse_range
 from mimetic.performance.document import Performance
 from mimetic.report.html import check_report_packages
 from mimetic.shared.interrupts import listen_for_interrupt
@@ -52,15 +53,10 @@ def add_clip_arguments(parser: argparse.ArgumentParser, subject: str) -> None:
 
 def parse_frames(text: str) -> tuple[int | None, int | None]:
     """`A:B`, `A:`, `:B` as (first, last); raises argparse.ArgumentTypeError."""
-    match = re.fullmatch(r"(\d{0,9}):(\d{0,9})", text)
-    if not match:
-        raise argparse.ArgumentTypeError(f"{text!r} is not A:B, such as 10:200")
-    first, last = (int(number) if number else None for number in match.groups())
-    if first == 0 or (last is not None and last < (first or 1)):
-        raise argparse.ArgumentTypeError(
-            f"{text!r}: frames count from 1, the first before the last"
-        )
-    return first, last
+    try:
+        return parse_range(text)
+    except InvalidInput as error:
+        raise argparse.ArgumentTypeError(str(error)) from None
 
 
 def parse_place(text: str) -> tuple[float, float]:

@@ -12,6 +12,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
+from mimetic.shared.folder_lock import alone_with
 from mimetic.shared.regular_file import check_folder, check_replaceable, kind_of
 from mimetic.shared.whole_file import HIDDEN
 
@@ -64,7 +65,7 @@ def publish(folder: Path, out: Path, is_finished: bool) -> Path:
     What did not finish replaces no earlier performance: it goes to a folder of its own in `out`.
     Raises OSError, and leaves `out` as it was.
     """
-    with _alone_in(out):
+    with alone_with(out):  # others publish in the same folder
         if not is_finished and (out / PERFORMANCE).exists():
             out = _fresh_folder(out)
         names = {path.name for path in folder.iterdir()}
@@ -99,20 +100,3 @@ def _fresh_folder(out: Path) -> Path:
             fresh.mkdir()
             return fresh
     raise AssertionError
-
-
-@contextlib.contextmanager
-def _alone_in(folder: Path) -> Iterator[None]:
-    """Waits for other processes that publish in the same folder, where the system has locks."""
-    try:
-        import fcntl
-    except ImportError:  # Windows
-        yield
-        return
-    handle = os.open(folder, os.O_RDONLY)
-    try:
-        with contextlib.suppress(OSError):  # some network file systems lock no folders
-            fcntl.flock(handle, fcntl.LOCK_EX)
-        yield
-    finally:
-        os.close(handle)

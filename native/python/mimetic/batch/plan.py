@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A batch: which tasks there are, in a folder with a folder for each."""
+
+from __future__ import annotations
+
+import itertools
+import json
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from mimetic import InvalidInput, UnreadableMedia
+from mimetic.batch.clip_list import MARK, Row
+from mimetic.batch.steps import Settings
+from mimetic.batch.task import LOCK, Task
+from mimetic.shared.json_file import read_json
+from mimetic.shared.shown_text import UNSAFE
+from mimetic.shared.whole_file import whole_file
+
+PLAN = "batch.json"
+PAGE = "index.html"
+SCHEMA = 1
+LARGEST_FILE = 64 << 20  # bytes
+LONGEST_NAME = 80  # characters; folders may have 255 bytes
+FORBIDDEN = re.compile(r'[<>:"/\\|?*%{}]')  # in folders of some system, or to engines
+
+
+@dataclass
+class Batch:
+    """Tasks in the order of the clips, and clips for which there is none, with the reason."""
+
+    out: Path
+    tasks: list[Task]
+    problems: list[Row]
+
+    def save(self) -> None:
+        """Writes batch.json whole, for `load`; raises OSError."""
+        document = {
+            "schema": SCHEMA,
+            "tasks": [task.name for task in self.tasks],
+            "problems": [[row.clip, row.problem] for row in self.problems],
+        }
+        with whole_file(self.out / PLAN) as stream:
+            stream.write(json.dumps(document, indent=1).encode())
+
+
+def prepare(out: Path, rows: Sequence[Row], settings: Settings) -> Batch:
+    """Makes a folder and task.json for each clip in `out`, which must be there; saves the batch.
+
+    What a clip's task has done already stays known. Raises OSError where `out` cannot be written.
+    """
+    batch = Batch(out, [], [])
+    names = {PLAN, PAGE}
+    known = _known_folders(out)
+    for row in rows:
+        if row.problem and not Path(row.clip).is_file():
+            batch.problems.append(row)
+            continue
+        name = known.get(row.identity) or _free_name(out, row, names)
+        names.add(name.lower())
+        batch.tasks.append(_prepared(out / name, row, settings))
+    batch.save()
+    return batch
+
+
+def load(out: Path) -> Batch:
+    """The batch that was prepared in a folder; raises InvalidInput, UnreadableMedia."""
+    document = read_json(out / PLAN, "the plan of a batch", LARGEST_FILE)
+    batch = Batch(out, [], [])
+    try:
+        if not isinstance(document, dict) or document["schema"] != SCHEMA:
+            raise ValueError(f"its schema is not {SCHEMA}")
+        for clip, problem in document["problems"]:
+            batch.problems.append(Row(str(clip), problem=str(problem)))
+        names = [str(name) for name in document["tasks"]]
+    except (KeyError, TypeError, ValueError) as error:
+        raise InvalidInput(f"{out / PLAN}: not the plan of a batch ({error})") from None
+    for name in names:
+        try:
+            batch.tasks.append(Task.load(out / Path(name).name))
+        except (InvalidInput, UnreadableMedia) as error:
+            batch.problems.append(Row(name, problem=str(error)))
+    return batch
+
+
+def _prepared(folder: Path, row: Row, settings: Settings) -> Task:
+    task = Task(folder, row, settings)
+    try:
+        before = Task.load(folder)
+        task.done, task.begun, task.take = before.done, before.begun, before.take
+        task.notes = before.notes
+    except (InvalidInput, UnreadableMedia):  # none yet, or nothing that can be used
+        folder.mkdir(exist_ok=True)
+    task.save()
+    (folder / LOCK).touch()
+    return task
+
+
+def _known_folders(out: Path) -> dict[tuple[str, str, str], str]:
+    """Name of each folder of results by what it is of."""
+    known = {}
+    for path in sorted(out.glob(f"*/{MARK}")):
+        try:
+            known[Task.load(path.parent).row.identity] = path.parent.name
+        except (InvalidInput, UnreadableMedia):
+            continue
+    return known
+
+
+def _free_name(out: Path, row: Row, names: Iterable[str]) -> str:
+    """The clip's own name, with a number where another clip or something else has it.
+
+    Two names that differ by case alone are one to some file systems.
+    """
+    stem = FORBIDDEN.sub("_", UNSAFE.sub("_", Path(row.clip).stem)).strip(". ")[:LONGEST_NAME]
+    stem = stem or "clip"
+    for number in itertools.count(1):
+        name = stem if number == 1 else f"{stem}-{number}"
+        if name.lower() not in names and not (out / name).exists():
+            return name
+    raise AssertionError

@@ -1,0 +1,85 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is done to a clip, command after command, and whether it was done with the same input."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from mimetic import __version__
+from mimetic.batch.clip_list import Row
+from mimetic.media.clip_fingerprint import fingerprint
+from mimetic.shared.results import PERFORMANCE
+
+BAKES = ("blend", "glb")
+CAPTURED = (PERFORMANCE, "fit.json", "overlay.mp4", "report.html")
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What is asked of every clip."""
+
+    bakes: tuple[str, ...] = ()  # of BAKES
+    with_detail: bool = False
+    tolerance: float | None = None  # of few keys; None for a key a frame
+    blender_python: str = ""
+
+
+@dataclass(frozen=True)
+class Step:
+    """A command of Mimetic's that reads `inputs` and writes `outputs` in the clip's folder."""
+
+    name: str
+    words: tuple[str, ...]  # of the command line
+    inputs: tuple[Path, ...]
+    outputs: tuple[str, ...]
+    choices: Mapping[str, object] = field(default_factory=dict)  # what changes the outputs
+
+    def key(self) -> str:
+        """Equal for equal content of the inputs, choices and version, wherever the files are.
+
+        Raises UnreadableMedia where an input is missing.
+        """
+        parts = [self.name, __version__, self.choices, [fingerprint(path) for path in self.inputs]]
+        return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+
+
+def steps_of(row: Row, settings: Settings, folder: Path) -> list[Step]:
+    """The steps of a clip in the order in which they are done."""
+    return [_capture(row, folder), *_bakes(row, settings, folder)]
+
+
+def _capture(row: Row, folder: Path) -> Step:
+    words = ["capture", row.clip, "--out", str(folder)]
+    inputs = [Path(row.clip)]
+    if row.frames:
+        words.append(f"--frames={row.frames}")
+    if row.fit:
+        words += ["--fit", row.fit]
+        inputs.append(Path(row.fit))
+    return Step("capture", tuple(words), tuple(inputs), CAPTURED, {"frames": row.frames})
+
+
+def _bakes(row: Row, settings: Settings, folder: Path) -> Iterable[Step]:
+    performance, clip = folder / PERFORMANCE, Path(row.clip)
+    words = ["bake", str(performance), "--footage", row.clip]
+    if settings.blender_python:
+        words += ["--blender-python", settings.blender_python]
+    face_words = [
+        *(("--detail",) if settings.with_detail else ()),
+        *((f"--few-keys={settings.tolerance:g}",) if settings.tolerance is not None else ()),
+    ]
+    choices = {"detail": settings.with_detail, "tolerance": settings.tolerance}
+    for kind in settings.bakes:
+        out = f"face.{kind}"
+        face = (*words, *face_words, "--out", str(folder / out))
+        yield Step(kind, face, (performance, clip), (out,), choices)
+    if row.character:
+        rig, _, name = row.character.rpartition(":")
+        out = "character.blend"
+        target = (*words, "--target", row.character, "--out", str(folder / out))
+        inputs = (performance, clip, Path(rig))
+        yield Step("character", target, inputs, (out,), {"object": name})

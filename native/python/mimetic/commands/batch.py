@@ -1,0 +1,218 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`mimetic batch`: many clips in; a folder for each and a page of them all out."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import threading
+from collections.abc import Sequence
+from pathlib import Path
+
+from mimetic import InvalidInput
+from mimetic.batch import plan
+from mimetic.batch.clip_list import rows_of
+from mimetic.batch.page import write_page
+from mimetic.batch.plan import PAGE, PLAN, Batch
+from mimetic.batch.pool import Outcome, Pool, num_cores
+from mimetic.batch.steps import BAKES, Settings
+from mimetic.batch.task import run_task
+from mimetic.character.sparse_curves import check_tolerance
+from mimetic.commands import cli
+from mimetic.commands.bake import add_face_arguments
+from mimetic.commands.console import Console
+from mimetic.media.frame_range import parse_range
+from mimetic.report.html import check_report_packages
+from mimetic.shared.interrupts import listen_for_interrupt
+from mimetic.shared.results import prepare_folder
+
+FAILED = 1  # exit status where a clip failed
+PAGE_EVERY = 20  # clips
+
+
+def add_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "clips",
+        type=Path,
+        nargs="*",
+        metavar="CLIPS",
+        help="videos, folders with videos, and CSV tables with the column clip and any of fit, "
+        "character, range, person",
+    )
+    parser.add_argument(
+        "--out", type=Path, required=True, metavar="DIR", help="folder for a folder of each clip"
+    )
+    parser.add_argument(
+        "--frames", default="", metavar="A:B", help="of clips for which no table gives a range"
+    )
+    _add_bakes(parser)
+    _add_running(parser)
+
+
+def _add_bakes(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--bake",
+        nargs="+",
+        choices=BAKES,
+        default=(),
+        metavar="KIND",
+        help="bake each clip's face too: blend, glb or both",
+    )
+    parser.add_argument(
+        "--character",
+        default="",
+        metavar="RIG.blend:OBJECT",
+        help="bake each clip on this character, in a copy of its file, as mimetic bake --target",
+    )
+    add_face_arguments(parser)
+
+
+def _add_running(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--processes",
+        type=int,
+        default=num_cores(),
+        metavar="N",
+        help="clips at a time (default: one a core, %(default)s here)",
+    )
+    parser.add_argument(
+        "--retries",
+        type=int,
+        default=1,
+        metavar="N",
+        help="how often a clip is tried again that failed, unless its input is bad "
+        "(default: %(default)s)",
+    )
+    parser.add_argument(
+        "--summary",
+        action="store_true",
+        help="run nothing: say how the batch in DIR stands, and write its page again",
+    )
+    parser.add_argument(
+        "--task", metavar="NAME", help="run one clip of the batch that was prepared in DIR"
+    )
+    parser.add_argument("--steps", nargs="+", metavar="STEP", default=(), help="of --task alone")
+    parser.add_argument("--end-with-parent", action="store_true", help=argparse.SUPPRESS)
+
+
+def run_batch(arguments: argparse.Namespace) -> int:
+    """Exit status 0 where every clip is done, 1 where one failed."""
+    if arguments.task:
+        return run_one(arguments)
+    if arguments.summary:
+        batch = plan.load(arguments.out)
+        write_page(batch, {})
+        return tell_outcome(batch, {}, 0)
+    if not arguments.clips:
+        raise InvalidInput("give the clips of the batch: videos, folders, CSV tables")
+    return run_here(prepared_batch(arguments), arguments.processes, arguments.retries)
+
+
+def run_one(arguments: argparse.Namespace) -> int:
+    """One task, as engines and the batch itself run it."""
+    if arguments.end_with_parent:
+        threading.Thread(target=_end_with_parent, daemon=True).start()
+    if Path(arguments.task).name != arguments.task:
+        raise InvalidInput(f"--task {arguments.task}: give the name of a clip's folder in DIR")
+
+    def run_command(words: Sequence[str]) -> tuple[int, str]:
+        return cli.outcome(cli.options_of(words))
+
+    status, message = run_task(arguments.out / arguments.task, run_command, arguments.steps)
+    if message:
+        print(f"mimetic: {message}", file=sys.stderr)
+    return status
+
+
+def _end_with_parent() -> None:
+    """Ends this process when its parent is gone, however that was ended."""
+    os.read(0, 1)
+    os._exit(FAILED)
+
+
+def prepared_batch(arguments: argparse.Namespace) -> Batch:
+    """Checks what is asked for and prepares a folder for each clip; raises InvalidInput."""
+    check_report_packages()
+    if arguments.frames:
+        parse_range(arguments.frames)
+    if arguments.few_keys is not None:
+        check_tolerance(arguments.few_keys)
+    if min(arguments.processes, 1 + arguments.retries) < 1:
+        raise InvalidInput("--processes counts from 1, --retries from 0")
+    python = str(arguments.blender_python.absolute()) if arguments.blender_python else ""
+    character = arguments.character
+    if character:
+        rig, _, name = character.rpartition(":")
+        character = f"{os.path.abspath(rig)}:{name}"
+    bakes = tuple(kind for kind in BAKES if kind in arguments.bake)
+    settings = Settings(bakes, arguments.detail, arguments.few_keys, python)
+    out = Path(os.path.abspath(arguments.out))
+    rows = rows_of(arguments.clips, arguments.frames, character)
+    prepare_folder(out, (PLAN, PAGE))
+    return plan.prepare(out, rows, settings)
+
+
+def run_here(batch: Batch, num_processes: int, num_retries: int) -> int:
+    """Runs what is not done yet by processes of this machine."""
+    failures = {task.name: task.row.problem for task in batch.tasks if task.row.problem}
+    with Console() as console, listen_for_interrupt("what is done is kept") as interrupted:
+        console.show(0.0, "looking at what is done")
+        waiting = [
+            task for task in batch.tasks if task.name not in failures and not task.is_all_done()
+        ]
+        num_before = len(batch.tasks) - len(failures) - len(waiting)
+
+        def ended(name: str, outcome: Outcome) -> None:
+            if outcome.status and not interrupted():
+                failures[name] = outcome.message
+                console.tell(f"{name}: {outcome.message}")
+            if len(pool.outcomes) % PAGE_EVERY == 0:
+                write_page(plan.load(batch.out), failures)
+
+        pool = Pool(num_processes, num_retries, interrupted, ended)
+        command = [sys.executable, "-m", "mimetic", "batch", "--end-with-parent"]
+        command += ["--out", str(batch.out), "--task"]
+        pool.run(
+            {task.name: [*command, task.name] for task in waiting},
+            {task.name: _weight(Path(task.row.clip)) for task in waiting},
+            lambda fraction, number: _show(console, fraction, number, len(waiting), failures),
+        )
+    batch.tasks[:] = plan.load(batch.out).tasks
+    write_page(batch, failures)
+    return interrupted.status or tell_outcome(batch, failures, num_before)
+
+
+def _weight(clip: Path) -> float:
+    """What a clip costs beside others: clips of a batch are mostly of one kind."""
+    try:
+        return max(1.0, clip.stat().st_size)
+    except OSError:
+        return 1.0
+
+
+def _show(
+    console: Console, fraction: float, number: int, whole: int, failures: dict[str, str]
+) -> None:
+    failed = f", {len(failures)} failed" if failures else ""
+    console.show(fraction, f"{number} of {whole} clips{failed}")
+
+
+def tell_outcome(batch: Batch, failures: dict[str, str], num_before: int) -> int:
+    """Prints what failed, a line each, and how many are done; returns the exit status."""
+    lines = {}
+    num_done = 0
+    for task in batch.tasks:
+        if reason := failures.get(task.name) or task.row.problem or task.error:
+            lines[task.name] = reason
+        elif all(step.name in task.done for step in task.steps()):
+            num_done += 1
+        else:
+            lines[task.name] = "not done yet"
+    rows = [*lines.items(), *((row.clip, row.problem) for row in batch.problems)]
+    for name, reason in rows:
+        print(cli.line(f"{name}: {reason}"))
+    before = f", {num_before} of them before" if num_before else ""
+    failed = f", {len(rows)} not" if rows else ""
+    print(cli.line(f"{batch.out}: {num_done} clips done{before}{failed}; {PAGE} shows them"))
+    return FAILED if rows else 0

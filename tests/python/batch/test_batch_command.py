@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`mimetic batch` as its users run it, on a few frames of real people."""
+
+import json
+import os
+import re
+import resource
+import shutil
+import subprocess
+import sys
+import time
+
+import pytest
+from clips import ffmpeg, make_clip
+
+MIMETIC = [sys.executable, "-m", "mimetic"]
+
+
+def run(*words, **options):
+    command = [*MIMETIC, *map(str, words)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+
+
+def task_of(folder):
+    path = folder / "task.json"
+    return json.loads(path.read_text()) if path.exists() else {"done": {}}
+
+
+@pytest.fixture(scope="module")
+def clips(fetched_clip, tmp_path_factory):
+    """Two people, and all that can be wrong with clips."""
+    folder = tmp_path_factory.mktemp("clips")
+    for name, footage in (("one", "single_face.mp4"), ("two", "cap13_edit2.mp4")):
+        ffmpeg("-i", fetched_clip(footage), "-frames:v", 8, "-crf", 10, folder / f"{name}.mp4")
+    make_clip(folder / "faceless.mp4", size="160x120", frames=4)
+    (folder / "damaged.mp4").write_bytes((folder / "one.mp4").read_bytes()[:3000])
+    return folder
+
+
+@pytest.fixture(scope="module")
+def resumed(clips, tmp_path_factory):
+    """A batch that was killed after its first clip, and started again: (folder, its run)."""
+    out = tmp_path_factory.mktemp("batch") / "out"
+    words = ["batch", clips, clips.parent / "gone.mp4", "--out", out, "--processes", "1"]
+    first = out / "one"
+    order = [*MIMETIC, *map(str, words)]
+    batch = subprocess.Popen(order, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    while "capture" not in task_of(first)["done"] and batch.poll() is None:
+        time.sleep(0.1)
+    batch.kill()
+    batch.wait()
+    before = (first / "performance.npz").stat().st_mtime_ns
+    ran = run(*words)
+    assert (first / "performance.npz").stat().st_mtime_ns == before
+    return out, ran
+
+
+def test_a_killed_batch_goes_on_where_it_was(resumed):
+    out, ran = resumed
+    assert ran.returncode == 1, ran.stderr
+    for name in ("one", "two"):
+        assert "capture" in task_of(out / name)["done"]
+        assert (out / name / "overlay.mp4").is_file()
+        assert list((out / name).glob(".mimetic*")) == []
+
+
+def test_every_failure_is_a_line_at_the_end(resumed):
+    _, ran = resumed
+    *lines, last = ran.stdout.splitlines()
+    reasons = dict(line.split(": ", 1) for line in lines)
+    assert "no frontal face" in reasons["faceless"]
+    assert "cut off before its index" in reasons["damaged"]
+    assert any("no such file" in reason for reason in reasons.values()) and len(reasons) == 3
+    assert re.search(r"2 clips done, 1 of them before, 3 not; index.html", last)
+
+
+def test_the_page_shows_every_clip_and_needs_nothing_else(resumed):
+    out, _ = resumed
+    page = (out / "index.html").read_text()
+    for name in ("one", "two", "faceless", "damaged", "gone.mp4"):
+        assert f"<h3>{name}</h3>" in page
+    assert page.count("src='data:image/jpeg") == 2 and page.count("<polyline") == 2
+    assert "no frontal face" in page and "href='one/report.html'" in page
+    assert not re.search(r"(src|href)='(https?:|//|/)", page)
+
+
+def test_a_task_gives_the_bytes_that_the_command_gives(resumed, clips, tmp_path):
+    out, _ = resumed
+    assert run("capture", clips / "one.mp4", "--out", tmp_path).returncode == 0
+    for name in ("performance.npz", "fit.json", "overlay.mp4"):
+        assert (tmp_path / name).read_bytes() == (out / "one" / name).read_bytes(), name
+
+
+def test_a_summary_is_told_without_running_anything(resumed):
+    out, _ = resumed
+    (out / "index.html").unlink()
+    ran = run("batch", "--summary", "--out", out)
+    assert ran.returncode == 1 and "2 clips done, 3 not" in ran.stdout
+    assert (out / "index.html").is_file()
+
+
+def test_a_full_disk_fails_the_clip_and_says_so(clips, tmp_path):
+    """A limit of a file's size stands for the disk: a performance is larger."""
+    shutil.copy(clips / "two.mp4", tmp_path)
+    ran = run(
+        *("batch", tmp_path / "two.mp4", clips / "faceless.mp4", "--out", tmp_path / "out"),
+        *("--retries", "0"),
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (100_000, 100_000)),
+        env={**os.environ, "TMPDIR": str(tmp_path)},
+    )
+    assert ran.returncode == 1
+    assert "performance.npz: File too large" in ran.stdout and "0 clips done, 2 not" in ran.stdout
+    assert not (tmp_path / "out" / "two" / "performance.npz").exists()
+
+
+def test_a_batch_of_nothing_and_settings_that_cannot_be_are_bad_input(tmp_path):
+    ran = run("batch", "--out", tmp_path)
+    assert ran.returncode == 2 and "give the clips" in ran.stderr
+    for words in (["--processes", "0"], ["--frames", "9:2"], ["--few-keys", "7"]):
+        ran = run("batch", tmp_path / "a.mp4", "--out", tmp_path / "out", *words)
+        assert ran.returncode == 2 and ran.stderr.count("\n") == 1, ran.stderr
+    assert run("batch", "--task", "../x", "--out", tmp_path).returncode == 2

@@ -1,0 +1,109 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import json
+
+import pytest
+from mimetic import InvalidInput, UnreadableMedia
+from mimetic.batch import plan
+from mimetic.batch.clip_list import Row
+from mimetic.batch.steps import Settings
+from mimetic.batch.task import Task
+
+
+@pytest.fixture
+def rows(tmp_path):
+    """Clips of three folders, two of one name, and one whose name differs by case alone."""
+    made = []
+    for name in ("a/shot.mp4", "b/shot.mp4", "c/SHOT.mov"):
+        path = tmp_path / name
+        path.parent.mkdir()
+        path.write_bytes(name.encode())
+        made.append(Row(str(path)))
+    return made
+
+
+@pytest.fixture
+def out(tmp_path):
+    folder = tmp_path / "out"
+    folder.mkdir()
+    return folder
+
+
+def folders(batch):
+    return {task.row.clip: task.name for task in batch.tasks}
+
+
+def test_two_clips_of_one_name_have_folders_of_their_own(rows, out):
+    batch = plan.prepare(out, rows, Settings())
+    assert [task.name for task in batch.tasks] == ["shot", "shot-2", "SHOT-3"]
+    assert all((task.folder / "task.json").is_file() for task in batch.tasks)
+
+
+def test_a_clip_keeps_its_folder_whatever_others_come_and_go(rows, out):
+    before = folders(plan.prepare(out, rows, Settings()))
+    after = folders(plan.prepare(out, rows[:0:-1], Settings(("glb",))))
+    assert after == {clip: before[clip] for clip in after}
+    assert folders(plan.prepare(out, rows, Settings())) == before
+
+
+def test_ranges_and_characters_of_one_clip_are_takes_of_their_own(rows, out):
+    clip = rows[0].clip
+    takes = [Row(clip, "1:9"), Row(clip, "10:19"), Row(clip, "1:9", character="/r.blend:Head")]
+    assert len({task.name for task in plan.prepare(out, takes, Settings()).tasks}) == 3
+
+
+def test_folders_of_something_else_are_left_alone(rows, out):
+    (out / "shot").mkdir()
+    (out / "shot" / "mine.txt").write_text("mine")
+    batch = plan.prepare(out, rows[:1], Settings())
+    assert batch.tasks[0].name == "shot-2"
+    assert [path.name for path in (out / "shot").iterdir()] == ["mine.txt"]
+
+
+@pytest.mark.parametrize("name", ["batch.json", "index.html", "..", "a:b{c}%", "x" * 200, "\u202e"])
+def test_names_that_would_be_in_the_way_are_changed(tmp_path, out, name):
+    path = tmp_path / f"{name}.mp4"
+    path.write_bytes(b"")
+    (task,) = plan.prepare(out, [Row(str(path))], Settings()).tasks
+    assert task.folder.parent == out and task.folder.is_dir()
+    assert not set(task.name) & set(":{}%\u202e") and len(task.name) <= 84
+
+
+def test_a_batch_is_read_as_it_was_prepared(rows, out):
+    gone = Row("/gone.mp4", problem="there is no such file")
+    batch = plan.prepare(out, [*rows, gone], Settings(("blend",), True, 0.05, "/python"))
+    assert plan.load(out) == batch
+
+
+def test_a_folder_that_is_gone_is_a_problem_of_its_clip_alone(rows, out):
+    batch = plan.prepare(out, rows, Settings())
+    (batch.tasks[1].folder / "task.json").unlink()
+    again = plan.load(out)
+    assert [task.name for task in again.tasks] == ["shot", "SHOT-3"]
+    assert "there is no such file" in again.problems[0].problem
+
+
+def test_files_that_are_no_batch_are_refused(rows, out):
+    with pytest.raises(UnreadableMedia, match="no such file"):
+        plan.load(out)
+    (out / "batch.json").write_text("[]")
+    with pytest.raises(InvalidInput, match="not the plan of a batch"):
+        plan.load(out)
+
+
+@pytest.mark.parametrize(
+    "change",
+    [
+        {"schema": 2},
+        {"clip": {"clip": 3}},
+        {"clip": {"nonsense": "x"}},
+        {"settings": {}},
+        {"done": {"capture": {"key": 1, "files": {}}}},
+        {"take": []},
+    ],
+)
+def test_tasks_of_another_make_are_refused_and_prepared_again(rows, out, change):
+    (task,) = plan.prepare(out, rows[:1], Settings()).tasks
+    path = task.folder / "task.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | change))
+    with pytest.raises(InvalidInput, match="not the task of a batch"):
+        Task.load(task.folder)

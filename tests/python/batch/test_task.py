@@ -1,0 +1,197 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a task does and leaves, with a stand-in for the commands that it runs."""
+
+import os
+import shutil
+import subprocess
+import sys
+import threading
+from pathlib import Path
+
+import pytest
+from clips import make_clip
+from mimetic.batch import plan
+from mimetic.batch.clip_list import Row
+from mimetic.batch.steps import CAPTURED, Settings
+from mimetic.batch.task import Task, run_task
+from sample_performance import make_performance
+
+
+@pytest.fixture(scope="module")
+def clip(tmp_path_factory):
+    return make_clip(tmp_path_factory.mktemp("clip") / "clip.mp4", size="320x240", frames=12)
+
+
+GLB = Settings(("glb",))
+
+
+class Commands:
+    """Writes what the commands would, and notes which were run."""
+
+    def __init__(self) -> None:
+        self.names: list[str] = []
+        self.answers: dict[str, tuple[int, str]] = {}
+
+    def __call__(self, words):
+        name = words[0] if words[0] == "capture" else Path(words[words.index("--out") + 1]).name
+        self.names.append(name)
+        if answer := self.answers.get(name):
+            return answer
+        out = Path(words[words.index("--out") + 1])
+        if name == "capture":
+            for other in CAPTURED:
+                (out / other).write_text(f"{other} of {words}")
+            make_performance().save(out / "performance.npz")
+        else:
+            out.write_text(f"{words}")
+        return 0, ""
+
+
+@pytest.fixture
+def commands():
+    return Commands()
+
+
+@pytest.fixture
+def prepare(tmp_path, clip):
+    """Prepares a task of a copy of the clip, which may then be changed."""
+    copy = Path(shutil.copy(clip, tmp_path / "clip.mp4"))
+    (tmp_path / "out").mkdir()
+
+    def prepared(settings=GLB, **row) -> Path:
+        batch = plan.prepare(tmp_path / "out", [Row(str(copy), **row)], settings)
+        return batch.tasks[0].folder
+
+    prepared.clip = copy
+    return prepared
+
+
+def test_what_is_done_is_not_done_again(prepare, commands):
+    folder = prepare()
+    assert run_task(folder, commands) == (0, "")
+    assert commands.names == ["capture", "face.glb"]
+    assert run_task(folder, commands) == (0, "") and run_task(prepare(), commands) == (0, "")
+    assert commands.names == ["capture", "face.glb"]
+    assert Task.load(folder).is_all_done()
+    assert (folder / "picture.jpg").read_bytes()[:2] == b"\xff\xd8"
+    assert Task.load(folder).take["num_held"] == 2
+
+
+def test_what_changed_is_done_again_and_nothing_else(prepare, commands):
+    folder = prepare()
+    run_task(folder, commands)
+    run_task(prepare(Settings(("glb",), with_detail=True)), commands)
+    assert commands.names[2:] == ["face.glb"]
+    run_task(prepare(Settings(("blend", "glb"), with_detail=True)), commands)
+    assert commands.names[3:] == ["face.blend"]
+    (folder / "face.glb").unlink()
+    run_task(folder, commands)
+    assert commands.names[4:] == ["face.glb"]
+
+
+def test_another_content_of_the_clip_is_captured_anew(prepare, commands):
+    folder = prepare()
+    run_task(folder, commands)
+    make_clip(prepare.clip, size="320x240", frames=13)
+    run_task(folder, commands)
+    assert commands.names == ["capture", "face.glb"] * 2
+    os.utime(prepare.clip, (1, 1))
+    run_task(folder, commands)
+    assert len(commands.names) == 4
+
+
+def test_a_clip_elsewhere_with_its_content_is_done(prepare, commands, tmp_path):
+    folder = prepare()
+    run_task(folder, commands)
+    moved = shutil.move(prepare.clip, tmp_path / "moved.mp4")
+    task = Task.load(folder)
+    task.row = Row(str(moved))
+    assert task.is_all_done()
+
+
+def test_results_that_were_changed_by_hand_are_kept(prepare, commands):
+    folder = prepare()
+    run_task(folder, commands)
+    (folder / "face.glb").write_text("polished for hours")
+    run_task(folder, commands)
+    assert len(commands.names) == 2
+    run_task(prepare(Settings(("glb",), with_detail=True)), commands)
+    assert (folder / "face.kept.glb").read_text() == "polished for hours"
+    assert "--detail" in (folder / "face.glb").read_text()
+    assert "face.kept.glb" in Task.load(folder).notes[0]
+
+
+def test_why_a_task_failed_is_kept_until_it_is_done(prepare, commands):
+    folder = prepare()
+    commands.answers["capture"] = (2, "no face")
+    assert run_task(folder, commands) == (2, "no face")
+    assert Task.load(folder).error == "no face" and commands.names == ["capture"]
+    commands.answers.clear()
+    assert run_task(folder, commands) == (0, "")
+    assert Task.load(folder).error == "" and Task.load(folder).is_all_done()
+
+
+def test_a_task_that_was_stopped_did_not_fail(prepare, commands):
+    folder = prepare()
+    commands.answers["capture"] = (143, "stopped")
+    assert run_task(folder, commands) == (143, "stopped")
+    assert Task.load(folder).error == ""
+
+
+def test_results_of_the_settings_before_outlive_a_bake_that_fails(prepare, commands):
+    folder = prepare()
+    run_task(folder, commands)
+    commands.answers["face.glb"] = (1, "Blender failed")
+    assert run_task(prepare(Settings(("glb",), with_detail=True)), commands)[0] == 1
+    assert (folder / "face.glb").exists()
+    assert run_task(prepare(), commands) == (0, "")
+    assert commands.names == ["capture", "face.glb", "face.glb"]
+
+
+def test_one_step_alone_can_be_run(prepare, commands):
+    folder = prepare()
+    assert run_task(folder, commands, ["capture"]) == (0, "")
+    assert commands.names == ["capture"] and not Task.load(folder).is_all_done()
+    run_task(folder, commands, ["glb"])
+    assert commands.names == ["capture", "face.glb"] and Task.load(folder).is_all_done()
+
+
+def test_a_clip_that_is_gone_fails_alone(prepare, commands):
+    folder = prepare()
+    prepare.clip.unlink()
+    status, message = run_task(folder, commands)
+    assert status == 2 and "no such file" in message and commands.names == []
+
+
+def test_left_over_files_of_a_killed_process_are_removed(prepare, commands):
+    folder = prepare()
+    (folder / ".mimetic-abc").mkdir()
+    (folder / ".mimetic-abc" / "part").write_text("x")
+    (folder / ".mimetic-x.part").write_text("x")
+    run_task(folder, commands)
+    assert [path.name for path in folder.glob(".mimetic*")] == []
+
+
+def test_of_two_who_run_a_task_one_does_it(prepare, commands):
+    folder = prepare()
+    others = [threading.Thread(target=run_task, args=(folder, commands)) for _ in range(3)]
+    for other in others:
+        other.start()
+    for other in others:
+        other.join()
+    assert commands.names == ["capture", "face.glb"]
+
+
+def test_a_killed_process_lets_go_of_its_task(prepare, commands):
+    folder = prepare()
+    code = (
+        "import sys, time; from pathlib import Path; "
+        "from mimetic.batch.task import run_task; "
+        "run_task(Path(sys.argv[1]), lambda words: (print('at work', flush=True), time.sleep(60)))"
+    )
+    child = subprocess.Popen([sys.executable, "-c", code, folder], stdout=subprocess.PIPE)
+    assert child.stdout.readline() == b"at work\n"
+    child.kill()
+    child.wait()
+    assert Task.load(folder).begun == "capture"
+    assert run_task(folder, commands) == (0, "")
