@@ -24,6 +24,9 @@ from mimetic.commands.points import read_points, track_points
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.fitting import landmark_places, refit
 from mimetic.head.smoothing import smoothed
+from mimetic.library.composing import Placing, compose
+from mimetic.library.expression import Expression
+from mimetic.library.preview import expression_picture
 from mimetic.locate import eigenspaces
 from mimetic.locate import landmarks as cascade_file
 from mimetic.media.footage import Footage
@@ -121,6 +124,19 @@ def _read_truth(path: Path) -> None:
     _either(scored)
 
 
+def _read_expression(path: Path) -> None:
+    expression = Expression.load(path)
+    person = samples.performance()
+    placings = [Placing("one", 0.5), Placing("other", 0.5, 0.8, 2.0)]
+    sides = {"one": expression, "other": expression.mirrored()}
+    _either(lambda: compose(placings, sides.__getitem__, person, seconds=1.0))
+    expression_picture(expression, person)
+    again = path.with_suffix(".again")
+    expression.save(again)
+    if Expression.load(again).channels != expression.channels:
+        raise Broken("what was saved again is not what was read")
+
+
 def _read_fit(path: Path) -> None:
     fit = FaceFit.load(path)
     again = path.with_suffix(".again")
@@ -172,6 +188,7 @@ def _read_footage(path: Path) -> None:
 
 READERS = {
     "performance": Reader(samples.performances, _read_performance),
+    "expression": Reader(samples.expressions, _read_expression),
     "truth": Reader(samples.truths, _read_truth),
     "fit": Reader(samples.fits, _read_fit),
     "landmarks": Reader(samples.landmarks, _read_landmarks),

@@ -17,6 +17,7 @@ import numpy as np
 from clips import make_clip
 from mimetic.character.foreign_mesh import REQUIRED
 from mimetic.character.gltf import write_chunks
+from mimetic.library.expression import Expression
 from mimetic.locate.eigenspaces import FILE_NAME as SPACES
 from mimetic.locate.landmarks import FILE_NAME as CASCADE
 from mimetic.shared.installed_data import data_folder
@@ -57,6 +58,15 @@ def performance():
 
 def performances() -> list[Sample]:
     return [_saved(performance(), ".npz", ARRAYS)]
+
+
+def expressions() -> list[Sample]:
+    rows = np.linspace(0, 0.5, 12).reshape(6, 2)
+    names, events = ["lip-corner pullers"], np.array([[1.0, 2, 3, 0.4]])
+    whole = Expression(
+        ["zygomaticus_major.L", "jaw_side"], rows, rows, 25.0, names, events, ["clip.mp4", "1 to 6"]
+    )
+    return [_saved(one, ".npz", ARRAYS) for one in (whole, whole.still())]
 
 
 def truths() -> list[Sample]:

@@ -101,6 +101,7 @@ PACKAGE_FLOORS = (
     {"solve"},
     {"head", "report"},
     {"analyse", "batch"},
+    {"library"},
     {"commands"},
 )
 # The core's stages, each of which includes earlier ones alone

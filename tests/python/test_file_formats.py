@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from mimetic.fit import face_fit, fitted_view
+from mimetic.library import expression
 from mimetic.muscles import calibration
 from mimetic.performance import document
 from mimetic.score import truth
@@ -47,7 +48,12 @@ def test_tables_are_read_as_they_are_written():
 
 
 @pytest.mark.parametrize(
-    ("name", "module"), [("performance-file.md", document), ("truth-file.md", truth)]
+    ("name", "module"),
+    [
+        ("performance-file.md", document),
+        ("truth-file.md", truth),
+        ("expression-file.md", expression),
+    ],
 )
 def test_the_page_of_an_array_file_has_the_keys_types_and_shapes_of_the_code(name, module):
     dtypes = {**module.DTYPES, "U": np.str_}

@@ -5,6 +5,7 @@ namespace mimetic::bindings {
 void bind_shared(pybind11::module_& m);
 void bind_shared_rows(pybind11::module_& m);
 void bind_raster(pybind11::module_& m);
+void bind_raster_portrait(pybind11::module_& m);
 void bind_raster_texture(pybind11::module_& m);
 void bind_surface(pybind11::module_& m);
 void bind_flow(pybind11::module_& m);
@@ -28,6 +29,7 @@ void bind_solve_sightings(pybind11::module_& m);
 void bind_analyse(pybind11::module_& m);
 void bind_analyse_phases(pybind11::module_& m);
 void bind_analyse_comparison(pybind11::module_& m);
+void bind_analyse_composition(pybind11::module_& m);
 }  // namespace mimetic::bindings
 
 PYBIND11_MODULE(_core, m) {
@@ -41,6 +43,7 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_shared(m);
     bindings::bind_shared_rows(m);
     bindings::bind_raster(m);
+    bindings::bind_raster_portrait(m);
     bindings::bind_raster_texture(m);
     bindings::bind_surface(m);
     bindings::bind_flow(m);
@@ -64,4 +67,5 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_analyse(m);
     bindings::bind_analyse_phases(m);
     bindings::bind_analyse_comparison(m);
+    bindings::bind_analyse_composition(m);
 }

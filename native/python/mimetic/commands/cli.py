@@ -41,6 +41,10 @@ COMMANDS = {
         "mimetic.commands.compare",
         "an expression of a performance beside its action unit of FACS",
     ),
+    "library": (
+        "mimetic.commands.library",
+        "expressions kept of performances, mirrored, composed into new ones",
+    ),
     "evaluate": ("mimetic.commands.evaluate", "score a capture against known truth"),
     "batch": (
         "mimetic.commands.batch",

@@ -15,7 +15,7 @@ from mimetic import InvalidInput, _core
 from mimetic.media.clip_fingerprint import is_fingerprint
 from mimetic.performance.clip_keys import check_clip, check_size
 from mimetic.shared.array_document import ArrayDocument
-from mimetic.shared.array_file import check_names, check_shape, is_bounded, open_arrays
+from mimetic.shared.array_file import check_names, is_bounded, open_arrays
 from mimetic.shared.array_writer import write_arrays
 from mimetic.shared.shown_text import shown
 
@@ -183,12 +183,7 @@ class Performance:
 
     def check(self) -> None:
         """Raises InvalidInput: which key, which frame, what is wrong."""
-        lengths: dict[str, int] = {}
-        for key, (_, shape) in (REQUIRED | OPTIONAL).items():
-            value = getattr(self, key)
-            if value is not None:
-                actual = (1,) if key == "fps" else np.shape(value)
-                check_shape(f"performance {key}", actual, shape, lengths, LARGEST)
+        lengths = DOCUMENT.check_shapes(self)
         check_names("performance muscles and articulators", self.muscles + self.articulators)
         if (self.detail_modes is None) != (self.detail_coefficients is None):
             raise InvalidInput(

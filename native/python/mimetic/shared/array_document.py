@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from numpy.typing import DTypeLike
 
 from mimetic import InvalidInput
@@ -51,6 +52,19 @@ class ArrayDocument:
             check_shape(f"{self.what} {key}", header.shape, shape, lengths, dict(self.largest))
             dtypes[key] = self.dtypes.get(kind)
         return archive.read(dtypes)
+
+    def check_shapes(self, document: object) -> dict[str, int]:
+        """The lengths that a document's fields have, which are named as the keys.
+
+        A field that is None is missing. Raises InvalidInput where lengths do not agree.
+        """
+        lengths: dict[str, int] = {}
+        for key, (_, shape) in {**self.required, **self.optional}.items():
+            value = getattr(document, key)
+            if value is not None:
+                actual = np.shape(np.atleast_1d(value))
+                check_shape(f"{self.what} {key}", actual, shape, lengths, dict(self.largest))
+        return lengths
 
     def _check_schema(self, archive: ArrayArchive) -> None:
         header = archive.headers.get("schema")
