@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes a performance in a Blender without a window: what `mimetic bake` starts as a child process.
+"""Writes a file in a Blender without a window: what `mimetic bake` and `mimetic library assets`
+start as a child process.
 
 Run by a Python that has the bpy module. Standard input: a line with a request as JSON; the file it
 names as `answer` gets {"text": ...} or, for bad input, {"error": ...}. Standard input then stays
@@ -75,6 +76,9 @@ def bake(request: dict) -> dict:
                     *(target["settings"], request["footage"]),
                 )
             }
+        if library := request.get("library"):
+            assets = importlib.import_module(f"{extension}.scene_out.asset_file")
+            return {"text": assets.write(library, request["out"])}
         new_file = importlib.import_module(f"{extension}.scene_out.new_file")
         files = (request["performance"], request["out"], request["footage"])
         return {"text": new_file.write(*files, request["with_detail"], request["tolerance"])}

@@ -67,3 +67,33 @@ def new_curve(holder, data_path: str, index: int, group: str) -> bpy.types.FCurv
     curve = holder.fcurves.new(data_path, index=index)
     curve.group = holder.groups.get(group) or holder.groups.new(group)
     return curve
+
+
+def free_action(name: str, id_type: str):
+    """An empty action for data of a type ("KEY"), assigned to nothing; and its holder of curves."""
+    action = bpy.data.actions.new(name)
+    if not ACTIONS_HAVE_SLOTS:
+        action.id_root = id_type
+        return action, action
+    slot = action.slots.new(id_type, name)
+    strip = action.layers.new("Layer").strips.new(type="KEYFRAME")
+    return action, strip.channelbag(slot, ensure=True)
+
+
+def curves_in(action: bpy.types.Action) -> list[bpy.types.FCurve]:
+    """All curves of an action, whatever it is assigned to."""
+    if not ACTIONS_HAVE_SLOTS:
+        return list(action.fcurves)
+    strips = (strip for layer in action.layers for strip in layer.strips)
+    return [curve for strip in strips for bag in strip.channelbags for curve in bag.fcurves]
+
+
+def add_strip(track: bpy.types.NlaTrack, name: str, start: float, action: bpy.types.Action):
+    """A strip that plays an action on what the track belongs to."""
+    strip = track.strips.new(name, int(start), action)
+    if ACTIONS_HAVE_SLOTS and action.slots:
+        strip.action_slot = action.slots[0]
+    length = strip.frame_end - strip.frame_start
+    strip.frame_start = start  # whole frames alone by the call above
+    strip.frame_end = start + length
+    return strip

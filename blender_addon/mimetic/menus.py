@@ -19,7 +19,9 @@ OBJECT = (
     *("capture", "track_head", "load_performance", "find_missing", None),
     *("bake", "reduce_keys", "export_gltf", None),
     *("find_head_bones", "bake_head", None),
-    *("add_face", "rest_face", "add_landmarks", "attach_muscles"),
+    *("add_face", "rest_face", "add_landmarks", "attach_muscles", None),
+    *("keep_expression", "apply_expression", "mirror_expression", "sequence_expression"),
+    *("compose_expressions", "load_expressions", "save_expression"),
 )
 
 

@@ -101,10 +101,40 @@ def clip_fingerprint() -> ModuleType:
     return clip_fingerprint
 
 
+def composing() -> ModuleType:
+    from mimetic.library import composing
+
+    return composing
+
+
 def contact_shapes() -> ModuleType:
     from mimetic.character import contact_shapes
 
     return contact_shapes
+
+
+def expression_cutting() -> ModuleType:
+    from mimetic.library import cutting as expression_cutting
+
+    return expression_cutting
+
+
+def expression_folder() -> ModuleType:
+    from mimetic.library import folder as expression_folder
+
+    return expression_folder
+
+
+def expression_preview() -> ModuleType:
+    from mimetic.library import preview as expression_preview
+
+    return expression_preview
+
+
+def expressions() -> ModuleType:
+    from mimetic.library import expression as expressions
+
+    return expressions
 
 
 def face_template() -> ModuleType:

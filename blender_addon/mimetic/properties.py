@@ -16,7 +16,7 @@ from bpy.props import (
 )
 
 from . import compat, editors, writable
-from .scene_out import contact, rigs
+from .scene_out import contact, expressions, rigs
 
 STRAIN_MEASURES = (
     ("AREA", "Area", "Growth of the skin's area"),
@@ -27,6 +27,10 @@ STRAIN_MEASURES = (
 
 def _is_mesh(self, candidate) -> bool:
     return candidate.type == "MESH"
+
+
+def _is_expression(self, candidate) -> bool:
+    return expressions.is_expression(candidate)
 
 
 def _redraw(self, context) -> None:
@@ -245,6 +249,12 @@ class MimeticScene(bpy.types.PropertyGroup):
         subtype="FILE_PATH",
         options={"ANIMATABLE", *compat.RELATIVE_PATH},
         description="Captured performance (.npz) to bake while the scene has no footage",
+    )
+    expression: PointerProperty(
+        name="Expression",
+        type=bpy.types.Action,
+        poll=_is_expression,
+        description="The kept expression that buttons mean",
     )
     face: PointerProperty(
         name="Face",

@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 
 from . import clips, native, scene_in, writable
-from .scene_out import rigs
+from .scene_out import expression_strips, expressions, rigs
 
 
 def no_bake(context) -> str:
@@ -76,6 +76,38 @@ def no_curves(context) -> str:
     if animation is None or animation.action is None:
         return "The face has no curves yet: bake a performance first"
     return "" if animation.action.library is None else "The face's action is another file's"
+
+
+def no_expression(context) -> str:
+    """Why there is no expression to use."""
+    if reason := scene_in.no_start():
+        return reason
+    asset = getattr(context, "asset", None)
+    if asset is not None:
+        is_one = asset.id_type == "ACTION"
+        return "" if is_one else f"{asset.name} is no expression: choose one that was kept"
+    if not any(map(expressions.is_expression, bpy.data.actions)):
+        return "There is no expression yet: keep one, or load a library"
+    return ""
+
+
+def no_expression_on_face(context) -> str:
+    """Why no expression can be put on the face."""
+    if reason := scene_in.no_face(context) or no_expression(context):
+        return reason
+    face = scene_in.face_of(context)
+    if face.data.shape_keys is None:
+        return f"{face.name} has no sliders"
+    return writable.no_sliders(face)
+
+
+def no_expression_strips(context) -> str:
+    """Why there is nothing to compose."""
+    if reason := scene_in.no_face(context) or writable.no_sliders(scene_in.face_of(context)):
+        return reason
+    if not expression_strips.strips_of(scene_in.face_of(context)):
+        return "Add expression strips to the face first"
+    return ""
 
 
 def no_rest(context) -> str:

@@ -9,6 +9,8 @@ from . import (
     capture,
     clip,
     curves,
+    expression_strips,
+    expressions,
     face,
     foreign,
     gltf,
@@ -31,6 +33,8 @@ CLASSES = (
     missing.MIMETIC_OT_find_missing,
     bake.MIMETIC_OT_bake,
     *curves.CLASSES,
+    *expressions.CLASSES,
+    *expression_strips.CLASSES,
     gltf.MIMETIC_OT_export_gltf,
     *head.CLASSES,
     *stabilise.CLASSES,
@@ -45,9 +49,11 @@ def register() -> None:
     for operator in CLASSES:
         bpy.utils.register_class(operator)
     sliders.register_menu()
+    bpy.types.ASSETBROWSER_MT_context_menu.append(expressions.draw_in_asset_menu)
 
 
 def unregister() -> None:
+    bpy.types.ASSETBROWSER_MT_context_menu.remove(expressions.draw_in_asset_menu)
     sliders.unregister_menu()
     for operator in reversed(CLASSES):
         bpy.utils.unregister_class(operator)

@@ -3,9 +3,9 @@
 
 import bpy
 
-from . import capture, curves, head, muscles
+from . import capture, curves, expressions, head, muscles
 
-CLASSES = (*capture.CLASSES, *head.CLASSES, *muscles.CLASSES, *curves.CLASSES)
+CLASSES = (*capture.CLASSES, *head.CLASSES, *muscles.CLASSES, *curves.CLASSES, *expressions.CLASSES)
 
 
 def register() -> None:

@@ -60,6 +60,11 @@ def look(face) -> dict[str, KeyState]:
     return {shape: _compare(face, entries[shape], key) for shape, key in keys.items()}
 
 
+def keys_now(face) -> dict[str, str]:
+    """Name of the key that is each shape now, also of those that were renamed by hand."""
+    return _keys_of(face, entries_of(face))
+
+
 def entries_of(face) -> dict:
     """What is remembered of each shape, by the name it was given; groups last."""
     own = (*face.mimetic.shapes, *face.mimetic.groups)

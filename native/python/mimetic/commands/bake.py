@@ -4,27 +4,19 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
-import importlib.util
-import json
 import os
-import shutil
-import subprocess
-import sys
-import tempfile
 from pathlib import Path
 
-from mimetic import InvalidInput, UnreadableMedia
+from mimetic import InvalidInput
 from mimetic.character.sparse_curves import USUAL_TOLERANCE, check_tolerance
+from mimetic.commands.blender_process import write_by_blender
 from mimetic.head.smoothing import USUAL_STRENGTH
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.performance.document import Performance
 from mimetic.shared.regular_file import check_input, check_target
 from mimetic.shared.shown_text import shown
-from mimetic.shared.whole_file import file_beside
 
 SUFFIXES = (".glb", ".blend")
-SCRIPT = "headless_bake.py"
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -138,9 +130,6 @@ def bake(
 ) -> str:
     """Writes `out`, whole or not at all; returns a line that says what is in it.
 
-    Blender works in a process of its own on a file beside `out`, and ends when this one ends: only
-    this process puts the file in its place.
-
     blender_python: a Python with the bpy module, this one if None. target: what `parse_target`
     gives, with `settings` for the head's motion on it; None bakes the person's own face.
     with_detail: shapes and curves of the surface that the muscles leave unexplained too.
@@ -158,95 +147,11 @@ def bake(
     if footage is not None:
         check_footage(performance, footage)
     check_target(out, performance, *([] if footage is None else [footage]))
-    python = blender_python or python_with_blender()
-    with (
-        tempfile.TemporaryDirectory(prefix="mimetic-bake-") as folder,
-        file_beside(out, out.suffix) as aside,
-    ):
-        request = {
-            "performance": str(Path(performance).absolute()),
-            "out": str(aside),
-            "footage": None if footage is None else str(Path(footage).absolute()),
-            "package_folder": str(Path(__file__).absolute().parents[2]),
-            "target": target,
-            "with_detail": with_detail,
-            "tolerance": tolerance or 0.0,
-            "answer": str(Path(folder, "answer.json")),
-        }
-        try:
-            answer = _ask(python, request, Path(folder))
-        finally:
-            _remove_left_beside(aside)
-        if "error" in answer:
-            raise InvalidInput(answer["error"].replace(str(aside), str(out)))
-    return answer["text"]
-
-
-def python_with_blender() -> str:
-    """This Python, if it has the bpy module; raises InvalidInput if not."""
-    if importlib.util.find_spec("bpy") is None:
-        raise InvalidInput(
-            "Blender as a Python module (bpy) is missing here: pip install 'mimetic[blender]', "
-            "or name a Python that has it by --blender-python"
-        )
-    return sys.executable
-
-
-def extension_folder() -> Path:
-    """Where the extension's sources are: beside this file when installed, else in the checkout."""
-    here = Path(__file__).absolute()
-    for folder in (here.parents[1] / "blender_addon", here.parents[4] / "blender_addon"):
-        if (folder / SCRIPT).is_file():
-            return folder
-    raise UnreadableMedia(f"{here.parent}: the Blender extension is missing; install Mimetic again")
-
-
-def _remove_left_beside(aside: Path) -> None:
-    """Removes what a Blender that was ended left: files and folders named after `aside`."""
-    for left in aside.parent.glob(f".{aside.stem}.*"):
-        if left.is_dir():
-            shutil.rmtree(left, ignore_errors=True)
-        else:
-            left.unlink(missing_ok=True)
-
-
-def _ask(python: os.PathLike[str] | str, request: dict, folder: Path) -> dict:
-    """Runs the child, with `folder` for all that it keeps for a while; returns its answer."""
-    # Isolated (-I): nothing of the caller's environment or folder changes what is imported
-    command = [os.fspath(python), "-I", str(extension_folder() / SCRIPT)]
-    log = folder / "blender.log"
-    try:
-        with open(log, "wb") as stream:
-            process = subprocess.Popen(
-                command,
-                stdin=subprocess.PIPE,
-                stdout=stream,
-                stderr=subprocess.STDOUT,
-                env={**os.environ, "TMPDIR": str(folder)},
-                start_new_session=True,  # Ctrl-C is ours to handle
-            )
-    except OSError as error:
-        raise UnreadableMedia(f"--blender-python {python}: {error.strerror}") from None
-    requests = process.stdin
-    assert requests is not None  # a pipe, as requested
-    try:
-        # Standard input stays open while this process lives: the child ends when it closes
-        with contextlib.suppress(BrokenPipeError):
-            requests.write(json.dumps(request).encode() + b"\n")
-            requests.flush()
-        process.wait()
-    finally:
-        process.kill()
-        process.wait()
-        with contextlib.suppress(BrokenPipeError):
-            requests.close()
-    answer = Path(request["answer"])
-    if process.returncode == 0 and answer.exists():
-        return json.loads(answer.read_text(encoding="utf-8"))
-    output = log.read_text(encoding="utf-8", errors="replace")
-    if "No module named 'bpy'" in output:
-        raise InvalidInput(
-            f"--blender-python {python} has no Blender module: pip install bpy in it"
-        )
-    last_lines = "\n".join(output.strip().splitlines()[-12:])
-    raise OSError(f"Blender failed (exit status {process.returncode}):\n{last_lines}")
+    request = {
+        "performance": str(Path(performance).absolute()),
+        "footage": None if footage is None else str(Path(footage).absolute()),
+        "target": target,
+        "with_detail": with_detail,
+        "tolerance": tolerance or 0.0,
+    }
+    return write_by_blender(request, out, blender_python)

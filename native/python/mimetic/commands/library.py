@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 
 import numpy as np
 
 from mimetic import InvalidInput, _core
 from mimetic.analyse.timing import analyse_timing
+from mimetic.commands.blender_process import write_by_blender
 from mimetic.commands.console import Console
 from mimetic.commands.on_clip import parse_frames
 from mimetic.library.composing import USUAL_FPS, canonical_person, compose, parse_placing
@@ -33,7 +35,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     mirrored.add_argument("name", help="the expression to mirror")
     mirrored.add_argument("--as", dest="new_name", required=True, help="name of the new one")
     mirrored.add_argument("--replace", action="store_true", help="even if the library has it")
+    _add_assets(
+        actions.add_parser("assets", help="a .blend of assets, for Blender's Asset Browser")
+    )
     _add_compose(actions.add_parser("compose", help="a new performance of kept expressions alone"))
+
+
+def _add_assets(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("library", type=Path, help="folder of expressions")
+    parser.add_argument("--out", type=Path, required=True, help="ASSETS.blend to write")
+    parser.add_argument(
+        "--blender-python",
+        type=Path,
+        metavar="PYTHON",
+        help="a Python that has the bpy module (default: this one)",
+    )
 
 
 def _add_keep(parser: argparse.ArgumentParser) -> None:
@@ -98,7 +114,8 @@ def _add_compose(parser: argparse.ArgumentParser) -> None:
 
 
 def run_library(arguments: argparse.Namespace) -> int:
-    run = {"keep": _keep, "list": _list, "mirror": _mirror, "compose": _compose}
+    run = {"keep": _keep, "list": _list, "mirror": _mirror}
+    run |= {"compose": _compose, "assets": _assets}
     return run[arguments.action](arguments)
 
 
@@ -145,6 +162,18 @@ def _mirror(arguments: argparse.Namespace) -> int:
     picture = expression_picture(expression, canonical_person())
     path = library.keep(arguments.new_name, expression, picture)
     print(f"{shown(path)}: {describe(expression)}")
+    return 0
+
+
+def _assets(arguments: argparse.Namespace) -> int:
+    out = Path(os.path.realpath(arguments.out))
+    if out.suffix != ".blend":
+        raise InvalidInput(f"--out {out.name}: assets are written as .blend")
+    if not Library(arguments.library).names():
+        raise InvalidInput(f"{shown(arguments.library)} has no expression (`mimetic library keep`)")
+    check_target(out)
+    request = {"library": str(arguments.library.absolute())}
+    print(f"{shown(arguments.out)}: {write_by_blender(request, out, arguments.blender_python)}")
     return 0
 
 

@@ -11,6 +11,7 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.library.expression import Expression, columns_in, limits_of
@@ -21,6 +22,7 @@ from mimetic.template.face_template import load_template
 USUAL_FPS = 30.0
 STILL_SECONDS = 1.2
 STILL_RISE, STILL_FALL = 0.25, 0.4  # shares of a still's length in which it comes and goes
+STILL_FINER = 4  # rows of a still's motion for each frame
 MOST_SECONDS = 3600.0
 PICTURE, FOCAL, DISTANCE = (640, 480), 900.0, 0.75  # pixels; metres of the head from the camera
 NUMBER = r"[-+]?\d+(?:\.\d+)?"
@@ -74,23 +76,12 @@ def compose(
     Where expressions move the same muscle, `_core.CompositionOptions` says which prevails. Raises
     InvalidInput.
     """
-    expressions = [expression_of(placing.name) for placing in placings]
-    if not expressions:
-        raise InvalidInput("name an expression to compose")
+    pairs = [(placing, expression_of(placing.name)) for placing in placings]
     head = _head_of(canonical_person() if person is None else person)
     names = [*head["muscles"], *head["articulators"]]
-    pairs = list(zip(placings, expressions, strict=True))
-    whole = max(_end(placing, expression) for placing, expression in pairs)
-    stretch = 1.0 if seconds is None else seconds / whole
-    if not 0 < whole * stretch <= MOST_SECONDS:
-        raise InvalidInput(
-            f"the composition would last {whole * stretch:.6g} seconds; it must be above 0"
-        )
-    parts = [_part(placing, expression, names, stretch, fps) for placing, expression in pairs]
-    num_frames = max(2, round(whole * stretch * fps) + 1)
-    times = np.arange(num_frames) / fps
-    values, stds = _core.compose_expressions(parts, times, options or _core.CompositionOptions())
+    values, stds = play(pairs, names, fps, seconds, options)
     values = np.clip(values, *limits_of(names, head["muscles"]))
+    num_frames = len(values)
     num_muscles = len(head["muscles"])
     return Performance(
         frame=np.arange(1, num_frames + 1),
@@ -105,6 +96,31 @@ def compose(
         notes=list(_notes(pairs, names)),
         **head,
     )
+
+
+def play(
+    pairs: Sequence[tuple[Placing, Expression]],
+    names: list[str],
+    fps: float,
+    seconds: float | None = None,
+    options: _core.CompositionOptions | None = None,
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Values and s.d. (N x len(names) each) of muscles and articulators, frame by frame from 0 s.
+
+    seconds: that the whole lasts, starts and lengths being stretched. Raises InvalidInput.
+    """
+    if not pairs:
+        raise InvalidInput("name an expression to compose")
+    whole = max(_end(placing, expression) for placing, expression in pairs)
+    stretch = 1.0 if seconds is None else seconds / whole
+    if not 0 < whole * stretch <= MOST_SECONDS:
+        raise InvalidInput(
+            f"the composition would last {whole * stretch:.6g} seconds; it must be above 0 and at "
+            f"most {MOST_SECONDS:g}"
+        )
+    parts = [_part(placing, expression, names, stretch, fps) for placing, expression in pairs]
+    times = np.arange(max(2, round(whole * stretch * fps) + 1)) / fps
+    return _core.compose_expressions(parts, times, options or _core.CompositionOptions())
 
 
 def _onset(placing: Placing, expression: Expression) -> float:
@@ -130,11 +146,25 @@ def _part(
     values, stds = columns_in(expression, names)
     length = stretch * _length(placing, expression)
     if expression.is_still:
-        num_rows = max(5, math.ceil(4 * fps * length))  # finer than frames, against corners
-        shares = ((num_rows - 1) * STILL_RISE, (num_rows - 1) * STILL_FALL)
-        values, stds = (_core.still_motion(rows[0], num_rows, *shares) for rows in (values, stds))
+        values, stds = (_still_rows(rows[0], length, fps) for rows in (values, stds))
     start = stretch * (placing.start - _onset(placing, expression))
     return _core.ExpressionPart(values, stds, start, length, placing.strength)
+
+
+def motion_of_still(still: Expression, fps: float) -> Expression:
+    """A still as a motion of STILL_SECONDS, from rest to rest."""
+    values, stds = (
+        _still_rows(rows[0], STILL_SECONDS, fps / STILL_FINER)
+        for rows in (still.values, still.stds)
+    )
+    rate = (len(values) - 1) / STILL_SECONDS
+    return Expression(still.channels, values, stds, rate, source=still.source)
+
+
+def _still_rows(values: NDArray[np.float64], seconds: float, fps: float) -> NDArray[np.float64]:
+    num_rows = max(5, math.ceil(STILL_FINER * fps * seconds))  # finer than frames, against corners
+    shares = ((num_rows - 1) * STILL_RISE, (num_rows - 1) * STILL_FALL)
+    return _core.still_motion(values, num_rows, *shares)
 
 
 def _notes(pairs: list[tuple[Placing, Expression]], names: list[str]) -> Any:

@@ -47,18 +47,37 @@ def cut_motion(
             "is missing"
         )
     channels, values, stds = _channels(performance, slice(first, last + 1), only)
-    if is_from_rest:
-        values = _core.from_rest(values)
-    values = np.clip(values, *limits_of(channels, performance.muscles))
-    moving = np.abs(values).max(axis=0) >= LEAST_VALUE
-    if not moving.any():
+    kept, moving = _moving(channels, values, performance.muscles, is_from_rest)
+    if not kept:
         raise InvalidInput(f"nothing moves from frame {numbers[0]} to {numbers[-1]}")
-    kept = [name for name, moves in zip(channels, moving, strict=True) if moves]
     names, events = _phases(timing, first, last, only)
     name = performance.footage[0] if performance.footage else ""
     source = [name, f"{numbers[0]} to {numbers[-1]}"]
     fps = performance.fps
-    return Expression(kept, values[:, moving], stds[:, moving], fps, names, events, source)
+    kept_stds = stds[:, [channels.index(name) for name in kept]]
+    return Expression(kept, moving, kept_stds, fps, names, events, source)
+
+
+def from_curves(
+    channels: list[str], values: NDArray[np.float64], fps: float, muscles: list[str]
+) -> Expression:
+    """A motion (N x C) or a still (1 x C) of what sliders do; raises InvalidInput if none moves."""
+    is_motion = len(values) > 1
+    kept, moving = _moving(channels, np.asarray(values, dtype=np.float64), muscles, is_motion)
+    if not kept:
+        raise InvalidInput("no slider is moved: there is no expression to keep")
+    return Expression(kept, moving, np.zeros_like(moving), fps)
+
+
+def _moving(
+    channels: list[str], values: NDArray[np.float64], muscles: list[str], is_from_rest: bool
+) -> tuple[list[str], NDArray[np.float64]]:
+    """The channels that leave rest, and their values."""
+    if is_from_rest:
+        values = _core.from_rest(values)
+    values = np.clip(values, *limits_of(channels, muscles))
+    moves = np.abs(values).max(axis=0) >= LEAST_VALUE
+    return [name for name, one in zip(channels, moves, strict=True) if one], values[:, moves]
 
 
 def _event(timing: Timing, group: int | None, number: int | None) -> Event:

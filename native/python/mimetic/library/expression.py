@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 import numpy as np
@@ -157,6 +158,11 @@ def mirrored_name(name: str) -> str:
 def mirrored_sign(name: str) -> float:
     """What a value is multiplied by when it changes sides."""
     return -1.0 if name.removesuffix(LEFT).removesuffix(RIGHT) in TURNED else 1.0
+
+
+def mirrored_values(values: Mapping[str, float]) -> dict[str, float]:
+    """Values by muscle or articulator, with the sides changed."""
+    return {mirrored_name(name): mirrored_sign(name) * value for name, value in values.items()}
 
 
 def limits_of(names: list[str], muscles: list[str]) -> NDArray[np.float64]:

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which expression a button means: one by name, the Asset Browser's, or the panel's."""
+
+import bpy
+
+from .. import native, scene_out
+
+
+def chosen(context, name: str) -> bpy.types.Action:
+    """The expression as an action of this file, appended if need be; raises InvalidInput."""
+    asset = getattr(context, "asset", None)
+    if name:
+        action = bpy.data.actions.get(name)
+    elif asset is not None:
+        action = asset.local_id if asset.local_id is not None else _appended(asset)
+    else:
+        action = context.scene.mimetic.expression
+    if not isinstance(action, bpy.types.Action) or not scene_out.expressions.is_expression(action):
+        what = name or (asset.name if asset else "")
+        raise native.invalid_input(
+            f"{what} is no expression: choose one that was kept" if what else "Choose an expression"
+        )
+    return action
+
+
+def _appended(asset) -> bpy.types.Action | None:
+    """The asset of another file; what was appended before is used again."""
+    if asset.id_type != "ACTION":
+        return None
+    if (known := bpy.data.actions.get(asset.name)) and scene_out.expressions.is_expression(known):
+        return known
+    try:
+        with bpy.data.libraries.load(asset.full_library_path, link=False) as (there, here):
+            here.actions = [name for name in there.actions if name == asset.name]
+    except OSError as error:
+        raise native.invalid_input(f"{asset.name} cannot be read: {error}") from None
+    return here.actions[0] if here.actions else None

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Expressions in the NLA of a face: one after the other, over each other, and as one."""
+
+from bpy.props import BoolProperty, FloatProperty, StringProperty
+from bpy.types import Operator
+
+from .. import native, scene_in, scene_out, targets
+from .chosen_expression import chosen
+
+
+class MIMETIC_OT_sequence_expression(Operator):
+    """Add an expression to the face's NLA: it begins to move in the current frame"""
+
+    bl_idname = "mimetic.sequence_expression"
+    bl_label = "Add Expression Strip"
+    bl_options = {"REGISTER", "UNDO"}
+
+    action: StringProperty(options={"SKIP_SAVE"}, description="Expression; the chosen one if empty")
+    is_mirrored: BoolProperty(name="Mirrored", description="The other side's")
+    strength: FloatProperty(name="Strength", default=1.0, min=0.0, max=1.0, subtype="FACTOR")
+
+    @classmethod
+    def poll(cls, context):
+        if reason := targets.no_expression_on_face(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context):
+        scene, face = context.scene, scene_in.face_of(context)
+        rate = scene_in.timing(scene, None).scene_rate
+        try:
+            action = chosen(context, self.action)
+            added = scene_out.expression_strips.sequence(
+                *(face, action, scene.frame_current, rate), self.is_mirrored, self.strength
+            )
+        except native.known_errors() as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        text = f"{action.name} from frame {added.first:.6g} to {added.last:.6g} on {face.name}"
+        if added.pushed_down:
+            text += f"; {added.pushed_down} is a strip under it now"
+        self.report({"INFO"}, text)
+        return {"FINISHED"}
+
+
+class MIMETIC_OT_compose_expressions(Operator):
+    """Make one new expression of the face's strips: where several move a muscle the one nearer to
+    its peak prevails. The strips are muted"""
+
+    bl_idname = "mimetic.compose_expressions"
+    bl_label = "Compose Strips"
+    bl_options = {"REGISTER", "UNDO"}
+
+    name: StringProperty(name="Name", default="Composition")
+
+    @classmethod
+    def poll(cls, context):
+        if reason := targets.no_expression_strips(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context):
+        face = scene_in.face_of(context)
+        rate = scene_in.timing(context.scene, None).scene_rate
+        strips = scene_out.expression_strips
+        count = len(strips.strips_of(face))
+        try:
+            added = strips.compose(face, self.name, rate)
+        except native.known_errors() as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self.report(
+            {"INFO"},
+            f"{count} strips are {self.name}, from frame {added.first:.6g} to {added.last:.6g}",
+        )
+        return {"FINISHED"}
+
+
+CLASSES = (MIMETIC_OT_sequence_expression, MIMETIC_OT_compose_expressions)

@@ -1,0 +1,322 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Expressions kept as assets, put on a face, mirrored and saved; `sequence` has the NLA's."""
+
+from pathlib import Path
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.types import Operator
+
+from .. import editors, native, scene_in, scene_out, targets
+from ..jobs import Job
+from .chosen_expression import chosen
+
+PIXELS_OF_DRAG = 300  # that the mouse moves from rest to the whole expression
+
+
+def show(scene, action: bpy.types.Action) -> None:
+    """Makes an expression the one that buttons mean."""
+    scene.mimetic.expression = action
+
+
+class MIMETIC_OT_keep_expression(Operator):
+    """Keep what the face does as an asset: as it is now, or its curves over some frames"""
+
+    bl_idname = "mimetic.keep_expression"
+    bl_label = "Keep Expression"
+    bl_options = {"REGISTER", "UNDO"}
+
+    name: StringProperty(name="Name", default="Expression")
+    kind: EnumProperty(
+        name="Keep",
+        items=(
+            ("STILL", "Still", "What the sliders are at now"),
+            ("MOTION", "Motion", "What the curves do over some frames, from rest to rest"),
+        ),
+    )
+    frame_first: IntProperty(name="First", description="Scene frame at which it begins")
+    frame_last: IntProperty(name="Last", description="Scene frame at which it ends")
+
+    @classmethod
+    def poll(cls, context):
+        if reason := scene_in.no_face(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def invoke(self, context, event):
+        scene = context.scene
+        if self.frame_first == self.frame_last:
+            preview = scene.use_preview_range
+            self.frame_first = scene.frame_preview_start if preview else scene.frame_start
+            self.frame_last = scene.frame_preview_end if preview else scene.frame_end
+        return context.window_manager.invoke_props_dialog(self)
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.prop(self, "name")
+        layout.prop(self, "kind", expand=True)
+        column = layout.column(align=True)
+        column.active = self.kind == "MOTION"
+        column.prop(self, "frame_first")
+        column.prop(self, "frame_last")
+
+    def execute(self, context):
+        face, rate = scene_in.face_of(context), scene_in.timing(context.scene, None).scene_rate
+        expressions = scene_out.expressions
+        try:
+            if self.kind == "STILL":
+                document = expressions.keep_still(face, rate)
+            else:
+                first, last = self.frame_first, self.frame_last
+                document = expressions.keep_motion(face, first, last, rate)
+        except native.known_errors() as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        action = expressions.new_asset(
+            self.name, document, rate, scene_out.expressions.picture_of(document)
+        )
+        show(context.scene, action)
+        self.report({"INFO"}, f"{action.name}: {expressions.description(document)}")
+        return {"FINISHED"}
+
+
+class MIMETIC_OT_apply_expression(Operator):
+    """Put the face into an expression; drag to blend from what it is, M mirrors, Esc leaves it"""
+
+    bl_idname = "mimetic.apply_expression"
+    bl_label = "Blend Expression"
+    bl_options = {"REGISTER", "UNDO", "BLOCKING", "GRAB_CURSOR"}
+
+    action: StringProperty(options={"SKIP_SAVE"}, description="Expression; the chosen one if empty")
+    share: FloatProperty(
+        name="Blend",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        description="From what the face is, 0, to the expression, 1",
+    )
+    is_mirrored: BoolProperty(name="Mirrored", description="The other side's")
+    use_key: BoolProperty(
+        name="Key",
+        options={"SKIP_SAVE"},
+        description="Key its sliders in this frame, as auto keying does",
+    )
+
+    @classmethod
+    def poll(cls, context):
+        if reason := targets.no_expression_on_face(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context):
+        if not self._begin(context):
+            return {"CANCELLED"}
+        self._blend()
+        return self._finish(context)
+
+    def invoke(self, context, event):
+        if context.window is None:
+            return self.execute(context)
+        if not self._begin(context):
+            return {"CANCELLED"}
+        self.share, self._mouse = 0.0, event.mouse_x
+        context.window_manager.modal_handler_add(self)
+        self._show(context)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if event.type == "MOUSEMOVE":
+            self.share = min(max((event.mouse_x - self._mouse) / PIXELS_OF_DRAG, 0.0), 1.0)
+        elif event.type == "M" and event.value == "PRESS":
+            self._restore()
+            self.is_mirrored = not self.is_mirrored
+            self._read(context)
+        elif event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS":
+            self._restore()
+            context.workspace.status_text_set(None)
+            return {"CANCELLED"}
+        elif event.type in {"LEFTMOUSE", "RET"} and event.value == "PRESS":
+            context.workspace.status_text_set(None)
+            return self._finish(context)
+        else:
+            return {"RUNNING_MODAL"}
+        self._blend()
+        self._show(context)
+        return {"RUNNING_MODAL"}
+
+    def _begin(self, context) -> bool:
+        try:
+            self._chosen = chosen(context, self.action)
+        except native.known_errors() as error:
+            self.report({"ERROR"}, str(error))
+            return False
+        self.action = self._chosen.name
+        self._face_name = scene_in.face_of(context).name
+        return self._read(context)
+
+    def _read(self, context) -> bool:
+        """What the sliders are, and what the expression makes of them."""
+        expressions = scene_out.expressions
+        face = bpy.data.objects[self._face_name]
+        values = expressions.peak_values(bpy.data.actions[self.action], self.is_mirrored)
+        self._target = expressions.sliders_for(face, values)
+        blocks = face.data.shape_keys.key_blocks
+        self._start = {name: blocks[name].value for name in self._target}
+        if not self._target:
+            self.report({"ERROR"}, f"{face.name} has none of the muscles that {self.action} moves")
+        return bool(self._target)
+
+    def _blend(self) -> None:
+        values = scene_out.expressions.blended(self._start, self._target, self.share)
+        scene_out.sliders.set_values(bpy.data.objects[self._face_name], values)
+
+    def _restore(self) -> None:
+        scene_out.sliders.set_values(bpy.data.objects[self._face_name], self._start)
+
+    def _finish(self, context):
+        face, scene = bpy.data.objects[self._face_name], context.scene
+        has_keys = self.use_key or scene.tool_settings.use_keyframe_insert_auto
+        if has_keys:
+            scene_out.expressions.key_sliders(face, self._target, scene.frame_current)
+        text = f"{self.action} at {self.share:.0%} on {face.name}"
+        self.report({"INFO"}, f"{text}, keyed" if has_keys else f"{text}; auto keying is off")
+        return {"FINISHED"}
+
+    def _show(self, context) -> None:
+        mirrored = ", mirrored" if self.is_mirrored else ""
+        context.workspace.status_text_set(
+            f"{self.action}{mirrored}: {self.share:.0%}   |   drag blends, M mirrors, click keeps, "
+            "Esc leaves the face as it was"
+        )
+        editors.redraw("VIEW_3D")
+
+
+class MIMETIC_OT_mirror_expression(Operator):
+    """Keep an expression of the other side as a new asset"""
+
+    bl_idname = "mimetic.mirror_expression"
+    bl_label = "Mirror Expression"
+    bl_options = {"REGISTER", "UNDO"}
+
+    action: StringProperty(options={"SKIP_SAVE"}, description="Expression; the chosen one if empty")
+
+    @classmethod
+    def poll(cls, context):
+        if reason := targets.no_expression(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context):
+        expressions = scene_out.expressions
+        try:
+            action = chosen(context, self.action)
+            document = expressions.document_of(action).mirrored()
+        except native.known_errors() as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        name, rate = f"{action.name} mirrored", float(action[expressions.RATE])
+        show(
+            context.scene,
+            expressions.new_asset(name, document, rate, scene_out.expressions.picture_of(document)),
+        )
+        self.report({"INFO"}, f"{name} is kept")
+        return {"FINISHED"}
+
+
+class MIMETIC_OT_load_expressions(Job, Operator):
+    """Make an asset of every expression in a library's folder, which `mimetic library` writes"""
+
+    bl_idname = "mimetic.load_expressions"
+    bl_label = "Load Library"
+    bl_options = {"REGISTER", "UNDO"}
+
+    directory: StringProperty(name="Folder", subtype="DIR_PATH")
+    filter_folder: BoolProperty(default=True, options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, context):
+        if reason := scene_in.no_start():
+            cls.poll_message_set(reason)
+        return not reason
+
+    def invoke(self, context, event):
+        if self.directory or context.window is None:
+            return super().invoke(context, event)
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def read(self, context):
+        return bpy.path.abspath(self.directory)
+
+    def work(self, inputs, progress):
+        library = native.expression_folder().Library(Path(inputs))
+        names, loaded = library.names(), []
+        for i, name in enumerate(names):
+            if not progress(i / len(names), name):
+                break
+            document = library.load(name)
+            loaded.append((name, document, scene_out.expressions.picture_of(document)))
+        return loaded
+
+    def write(self, context, result):
+        rate = scene_in.timing(context.scene, None).scene_rate
+        for name, document, picture in result:
+            show(context.scene, scene_out.expressions.new_asset(name, document, rate, picture))
+        return f"{len(result)} expressions are assets now: {', '.join(name for name, *_ in result)}"
+
+
+class MIMETIC_OT_save_expression(Operator):
+    """Write an expression to a library's folder, for `mimetic library` and other files"""
+
+    bl_idname = "mimetic.save_expression"
+    bl_label = "Save to Library"
+
+    action: StringProperty(options={"SKIP_SAVE"}, description="Expression; the chosen one if empty")
+    directory: StringProperty(name="Folder", subtype="DIR_PATH")
+    filter_folder: BoolProperty(default=True, options={"HIDDEN"})
+    use_replace: BoolProperty(name="Replace", description="Even if the folder has one of its name")
+
+    @classmethod
+    def poll(cls, context):
+        if reason := targets.no_expression(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def invoke(self, context, event):
+        if self.directory or context.window is None:
+            return self.execute(context)
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+    def execute(self, context):
+        try:
+            action = chosen(context, self.action)
+            document = scene_out.expressions.document_of(action)
+            library = native.expression_folder().Library(Path(bpy.path.abspath(self.directory)))
+            library.check_new(action.name, self.use_replace)
+            path = library.keep(action.name, document, scene_out.expressions.picture_of(document))
+        except native.known_errors() as error:
+            self.report({"ERROR"}, str(error).replace("--replace", "tick Replace"))
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"{path} is written")
+        return {"FINISHED"}
+
+
+def draw_in_asset_menu(menu, context) -> None:
+    """In the Asset Browser: what an expression there can be used for."""
+    layout = menu.layout
+    layout.separator()
+    layout.operator(MIMETIC_OT_apply_expression.bl_idname, icon="USER")
+    layout.operator("mimetic.sequence_expression", icon="NLA")
+    layout.operator(MIMETIC_OT_mirror_expression.bl_idname, icon="MOD_MIRROR")
+
+
+CLASSES = (
+    MIMETIC_OT_keep_expression,
+    MIMETIC_OT_apply_expression,
+    MIMETIC_OT_mirror_expression,
+    MIMETIC_OT_load_expressions,
+    MIMETIC_OT_save_expression,
+)

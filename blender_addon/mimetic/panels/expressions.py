@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Expressions that were kept: chosen by their pictures, blended on the face, put in sequence."""
+
+from bpy.types import Panel
+
+from .. import native
+from .muscles import Muscles
+
+
+class MIMETIC_PT_expressions(Muscles, Panel):
+    bl_idname = "MIMETIC_PT_expressions"
+    bl_label = "Expressions"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return not native.problem()
+
+    def draw(self, context):
+        layout = self.layout
+        settings = context.scene.mimetic
+        layout.template_ID_preview(settings, "expression", rows=3, cols=5, hide_buttons=True)
+        row = layout.row(align=True)
+        row.operator("mimetic.apply_expression", text="Blend", icon="MOUSE_MOVE")
+        row.operator_context = "EXEC_DEFAULT"
+        row.operator("mimetic.apply_expression", text="Apply", icon="CHECKMARK").share = 1.0
+        row.operator("mimetic.mirror_expression", text="", icon="MOD_MIRROR")
+        column = layout.column(align=True)
+        column.operator("mimetic.sequence_expression", icon="NLA")
+        column.operator("mimetic.compose_expressions", icon="NODE_COMPOSITING")
+        column = layout.column(align=True)
+        column.operator("mimetic.keep_expression", icon="ADD")
+        column.operator("mimetic.load_expressions", icon="IMPORT")
+        column.operator("mimetic.save_expression", icon="EXPORT")
+
+
+CLASSES = (MIMETIC_PT_expressions,)

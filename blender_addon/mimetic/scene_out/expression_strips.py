@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Expressions one after the other and over each other: strips in the NLA of a face's sliders."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+
+from .. import compat, native
+from . import by_hand, expressions
+
+TRACK = "Expressions"
+
+
+@dataclass(frozen=True)
+class Sequenced:
+    first: float  # scene frames
+    last: float
+    pushed_down: str = ""  # the take that became a strip under the expressions
+
+
+def sequence(
+    obj: bpy.types.Object,
+    action: bpy.types.Action,
+    frame: float,
+    rate: float,
+    is_mirrored: bool = False,
+    strength: float = 1.0,
+) -> Sequenced:
+    """A strip in which the expression begins to move at a scene frame.
+
+    Curves of the face's own become a strip under it, as Push Down does, or they would hide it.
+    Raises InvalidInput where no key of the face is moved.
+    """
+    placed = _action_for(obj, action, rate, is_mirrored)
+    animation = obj.data.shape_keys.animation_data or obj.data.shape_keys.animation_data_create()
+    pushed_down = _push_down(animation)
+    stretch = rate / float(placed[expressions.RATE])
+    length = stretch * _length(placed)
+    start = frame - stretch * float(placed[expressions.ONSET])
+    track = _free_track(animation, start, start + length)
+    strip = compat.add_strip(track, action.name, start, placed)
+    strip.scale = stretch
+    strip.extrapolation = "NOTHING"
+    if strength != 1:
+        strip.use_animated_influence = True  # makes the curve that is keyed here
+        strip.fcurves.find("influence").keyframe_points.insert(start, strength)
+    return Sequenced(strip.frame_start, strip.frame_end, pushed_down)
+
+
+def strips_of(obj: bpy.types.Object) -> list[bpy.types.NlaStrip]:
+    """The face's expression strips that play, in the order of time."""
+    animation = obj.data.shape_keys.animation_data if obj.data.shape_keys else None
+    strips = [
+        strip
+        for track in (animation.nla_tracks if animation else ())
+        if not track.mute
+        for strip in track.strips
+        if not strip.mute and strip.action and expressions.is_expression(strip.action)
+    ]
+    return sorted(strips, key=lambda strip: strip.frame_start)
+
+
+def compose(obj: bpy.types.Object, name: str, rate: float) -> Sequenced:
+    """A new expression of all that the strips play together, on a track above; theirs are muted.
+
+    Where strips move the same muscle the one nearer to its peak prevails, and nothing adds up, as
+    `mimetic library compose` does it.
+    """
+    strips = strips_of(obj)
+    first = strips[0].frame_start
+    composing, pairs = native.composing(), []
+    for strip in strips:
+        document = _own_names(obj, expressions.document_of(strip.action))
+        onset = (strip.frame_start - first) / rate + document.onset_seconds * strip.scale * (
+            float(strip.action[expressions.RATE]) / rate
+        )
+        seconds = (strip.frame_end - strip.frame_start) / rate
+        placing = composing.Placing(strip.name, onset, _strength(strip), seconds)
+        pairs.append((placing, document))
+    names = list(dict.fromkeys(name for _, one in pairs for name in one.channels))
+    values, stds = composing.play(pairs, names, rate)
+    document = native.expressions().Expression(names, values, stds, rate)
+    action = expressions.new_asset(name, document, rate, expressions.picture_of(document))
+    for track in obj.data.shape_keys.animation_data.nla_tracks:
+        if any(strip in strips for strip in track.strips):
+            track.mute = True
+    return sequence(obj, action, first, rate)
+
+
+def _own_names(obj: bpy.types.Object, document):
+    """A strip's document by the names of shapes, of keys that were renamed on the face."""
+    shape_of = {key: shape for shape, key in by_hand.keys_now(obj).items()}
+    document.channels = [shape_of.get(name, name) for name in document.channels]
+    return document
+
+
+def _action_for(
+    obj: bpy.types.Object, action: bpy.types.Action, rate: float, is_mirrored: bool
+) -> bpy.types.Action:
+    """The asset itself where it fits the face, else an action of the face's own."""
+    names = by_hand.keys_now(obj)
+    document = expressions.document_of(action)
+    if is_mirrored:
+        document = document.mirrored()
+    if not any(name in names for name in document.channels):
+        raise native.invalid_input(f"{obj.name} has none of the muscles that {action.name} moves")
+    is_renamed = any(names.get(name, name) != name for name in document.channels)
+    if not (is_mirrored or is_renamed or document.is_still):
+        return action
+    if document.is_still:
+        document = native.composing().motion_of_still(document, rate)
+    return expressions.new_action(f"{action.name} on {obj.name}", document, rate, names)
+
+
+def _strength(strip: bpy.types.NlaStrip) -> float:
+    """The strip's influence in its middle."""
+    curve = strip.fcurves.find("influence") if strip.use_animated_influence else None
+    return 1.0 if curve is None else curve.evaluate(0.5 * (strip.frame_start + strip.frame_end))
+
+
+def _length(action: bpy.types.Action) -> float:
+    return max(float(curve.range()[1]) for curve in compat.curves_in(action))
+
+
+def _push_down(animation: bpy.types.AnimData) -> str:
+    """Makes the action a strip of the lowest track; returns its name, "" without one."""
+    action = animation.action
+    if action is None:
+        return ""
+    track = animation.nla_tracks.new()
+    track.name = action.name
+    compat.add_strip(track, action.name, action.frame_range[0], action)
+    animation.action = None
+    return action.name
+
+
+def _free_track(animation: bpy.types.AnimData, start: float, end: float) -> bpy.types.NlaTrack:
+    for track in animation.nla_tracks:
+        is_free = all(s.frame_end <= start or s.frame_start >= end for s in track.strips)
+        if track.name.split(".")[0] == TRACK and is_free and not track.mute and not track.lock:
+            return track
+    track = animation.nla_tracks.new()
+    track.name = TRACK
+    return track
