@@ -19,7 +19,10 @@ class MIMETIC_PT_expressions(Muscles, Panel):
     def draw(self, context):
         layout = self.layout
         settings = context.scene.mimetic
-        layout.template_ID_preview(settings, "expression", rows=3, cols=5, hide_buttons=True)
+        layout.prop(settings, "expression", text="")
+        if settings.expression is not None:
+            # Blender's template for data with previews shows none of an action's
+            layout.template_icon(settings.expression.preview_ensure().icon_id, scale=6)
         row = layout.row(align=True)
         row.operator("mimetic.apply_expression", text="Blend", icon="MOUSE_MOVE")
         row.operator_context = "EXEC_DEFAULT"
