@@ -121,7 +121,7 @@ public:
         for (int round = 0; round < most; ++round) {
             const State before = state_;
             robust_scale_ = std::max(1.0, std::exp2(fewest - round)) * options_.robust_scale;
-            solve(true, estimate);
+            solve(options_.shape_free, estimate);
             if (round >= fewest && state_.moved_from(before) < 2e-4) break;
         }
         for (const auto& pose : state_.poses) estimate.camera_from_head.push_back(as_transform(pose));

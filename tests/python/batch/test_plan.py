@@ -59,7 +59,10 @@ def test_folders_of_something_else_are_left_alone(rows, out):
     assert [path.name for path in (out / "shot").iterdir()] == ["mine.txt"]
 
 
-@pytest.mark.parametrize("name", ["batch.json", "index.html", "..", "a:b{c}%", "x" * 200, "\u202e"])
+@pytest.mark.parametrize(
+    "name",
+    ["batch.json", "index.html", "people", "template.json", "..", "a:b{c}%", "x" * 200, "\u202e"],
+)
 def test_names_that_would_be_in_the_way_are_changed(tmp_path, out, name):
     path = tmp_path / f"{name}.mp4"
     path.write_bytes(b"")

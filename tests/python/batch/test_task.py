@@ -12,9 +12,9 @@ import pytest
 from clips import make_clip
 from mimetic.batch import plan
 from mimetic.batch.clip_list import Row
-from mimetic.batch.steps import CAPTURED, Settings
+from mimetic.batch.steps import Settings
 from mimetic.batch.task import Task, run_task
-from sample_performance import make_performance
+from stand_in import Commands
 
 
 @pytest.fixture(scope="module")
@@ -23,28 +23,6 @@ def clip(tmp_path_factory):
 
 
 GLB = Settings(("glb",))
-
-
-class Commands:
-    """Writes what the commands would, and notes which were run."""
-
-    def __init__(self) -> None:
-        self.names: list[str] = []
-        self.answers: dict[str, tuple[int, str]] = {}
-
-    def __call__(self, words):
-        name = words[0] if words[0] == "capture" else Path(words[words.index("--out") + 1]).name
-        self.names.append(name)
-        if answer := self.answers.get(name):
-            return answer
-        out = Path(words[words.index("--out") + 1])
-        if name == "capture":
-            for other in CAPTURED:
-                (out / other).write_text(f"{other} of {words}")
-            make_performance().save(out / "performance.npz")
-        else:
-            out.write_text(f"{words}")
-        return 0, ""
 
 
 @pytest.fixture

@@ -27,6 +27,7 @@ struct FaceModel {
 
 struct FitOptions {
     bool focal_free = false;     ///< whether the focal length is estimated as well
+    bool shape_free = true;      ///< whether the proportions are estimated; if not, those of `start` are kept
     double focal_spread = 0.2;   ///< prior standard deviation of its logarithm
     double pitch_spread = 0.12;  ///< prior standard deviation of the head's pitch to the camera, rad:
                                  ///< features hardly separate it from long or short proportions

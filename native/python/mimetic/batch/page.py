@@ -77,7 +77,7 @@ def _why(task: Task, failures: Mapping[str, str]) -> str | None:
     """Why a task failed, the empty string if it is done, None if it is yet to be done."""
     if reason := failures.get(task.name) or task.row.problem:
         return reason
-    if all(step.name in task.done for step in task.steps()):
+    if task.has_all():
         return ""
     return task.error or None
 

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.batch.clip_list import MARK, Row
+from mimetic.batch.person import FOLDER, prepare_people
 from mimetic.batch.steps import Settings
 from mimetic.batch.task import LOCK, Task
 from mimetic.shared.json_file import read_json
@@ -20,6 +21,7 @@ from mimetic.shared.whole_file import whole_file
 
 PLAN = "batch.json"
 PAGE = "index.html"
+TEMPLATE = "template.json"  # of Open Job Description
 SCHEMA = 1
 LARGEST_FILE = 64 << 20  # bytes
 LONGEST_NAME = 80  # characters; folders may have 255 bytes
@@ -51,7 +53,8 @@ def prepare(out: Path, rows: Sequence[Row], settings: Settings) -> Batch:
     What a clip's task has done already stays known. Raises OSError where `out` cannot be written.
     """
     batch = Batch(out, [], [])
-    names = {PLAN, PAGE}
+    names = {PLAN, PAGE, FOLDER, TEMPLATE}
+    prepare_people(out, rows)
     known = _known_folders(out)
     for row in rows:
         if row.problem and not Path(row.clip).is_file():

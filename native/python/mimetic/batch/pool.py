@@ -160,7 +160,7 @@ class Pool:
         with contextlib.suppress(BrokenPipeError):
             process.stdin.close()
         process.stderr.close()
-        return Outcome(status, "" if status == 0 else _message(status, lines))
+        return outcome_of(status, lines)
 
 
 def num_cores() -> int:
@@ -180,6 +180,11 @@ def _read(stream: IO[bytes], job: _Job) -> list[str]:
         elif text:
             last.append(text)
     return list(last)
+
+
+def outcome_of(status: int, lines: Sequence[str]) -> Outcome:
+    """How a process ended that wrote these lines last."""
+    return Outcome(status, "" if status == 0 else _message(status, lines))
 
 
 def _message(status: int, lines: Sequence[str]) -> str:

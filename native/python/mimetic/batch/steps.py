@@ -11,6 +11,7 @@ from pathlib import Path
 
 from mimetic import __version__
 from mimetic.batch.clip_list import Row
+from mimetic.batch.person import Person
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.shared.results import PERFORMANCE
 
@@ -47,20 +48,24 @@ class Step:
         return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
 
-def steps_of(row: Row, settings: Settings, folder: Path) -> list[Step]:
-    """The steps of a clip in the order in which they are done."""
-    return [_capture(row, folder), *_bakes(row, settings, folder)]
+def steps_of(
+    row: Row, settings: Settings, folder: Path, person: Person | None = None
+) -> list[Step]:
+    """The steps of a clip in the order in which they are done; person: whose fit it shares."""
+    return [_capture(row, folder, person), *_bakes(row, settings, folder)]
 
 
-def _capture(row: Row, folder: Path) -> Step:
+def _capture(row: Row, folder: Path, person: Person | None) -> Step:
     words = ["capture", row.clip, "--out", str(folder)]
-    inputs = [Path(row.clip)]
     if row.frames:
         words.append(f"--frames={row.frames}")
-    if row.fit:
-        words += ["--fit", row.fit]
-        inputs.append(Path(row.fit))
-    return Step("capture", tuple(words), tuple(inputs), CAPTURED, {"frames": row.frames})
+    option, fit = "--fit", row.fit
+    if person is not None and not row.fit:
+        option, fit = ("--fit" if person.is_of(row.clip) else "--person"), person.fit
+    words += [option, fit] if fit else []
+    inputs = (Path(row.clip), *([Path(fit)] if fit else []))
+    choices = {"frames": row.frames, "fit": option if fit else ""}
+    return Step("capture", tuple(words), inputs, CAPTURED, choices)
 
 
 def _bakes(row: Row, settings: Settings, folder: Path) -> Iterable[Step]:

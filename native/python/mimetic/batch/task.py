@@ -17,6 +17,7 @@ from typing import Any
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.batch.clip_list import MARK, Row
+from mimetic.batch.person import Person, folder_of
 from mimetic.batch.steps import BAKES, Settings, Step, steps_of
 from mimetic.batch.take_summary import summarise
 from mimetic.media.clip_fingerprint import fingerprint
@@ -50,8 +51,19 @@ class Task:
     def name(self) -> str:
         return self.folder.name
 
-    def steps(self) -> list[Step]:
-        return steps_of(self.row, self.settings, self.folder)
+    @property
+    def person(self) -> Person | None:
+        """Whose fit the clip shares; raises UnreadableMedia, InvalidInput."""
+        if not self.row.person or self.row.fit:
+            return None
+        return Person.load(folder_of(self.folder.parent, self.row.person))
+
+    def steps(self, person: Person | None = None) -> list[Step]:
+        return steps_of(self.row, self.settings, self.folder, person)
+
+    def has_all(self) -> bool:
+        """Whether every step was done, whatever has become of its input since."""
+        return all(step.name in self.done for step in self.steps())
 
     def save(self) -> None:
         """Writes task.json whole; raises OSError."""
@@ -92,7 +104,13 @@ class Task:
             return False
 
     def is_all_done(self) -> bool:
-        return not self.row.problem and all(map(self.is_done, self.steps()))
+        try:
+            person = self.person
+        except (InvalidInput, UnreadableMedia):
+            return False
+        if self.row.problem or (person and not person.is_known()):
+            return False
+        return all(map(self.is_done, self.steps(person)))
 
 
 def _checked_fields(document: Any) -> dict[str, Any]:
@@ -145,7 +163,10 @@ def run_task(folder: Path, run_command: RunCommand, only: Sequence[str] = ()) ->
 def _run_steps(task: Task, run_command: RunCommand, only: Sequence[str]) -> tuple[int, str]:
     if task.row.problem:
         raise InvalidInput(task.row.problem)
-    for step in task.steps():
+    person = task.person
+    if person and (reason := person.find(run_command)):
+        raise InvalidInput(f"no fit of {task.row.person}: {reason}")
+    for step in task.steps(person):
         if (only and step.name not in only) or task.is_done(step):
             continue
         status, message = _run_step(task, step, run_command)

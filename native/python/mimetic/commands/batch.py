@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from mimetic import InvalidInput
-from mimetic.batch import plan
+from mimetic.batch import flamenco, on_dask, open_job, plan
 from mimetic.batch.clip_list import rows_of
 from mimetic.batch.page import write_page
 from mimetic.batch.plan import PAGE, PLAN, Batch
@@ -85,6 +85,24 @@ def _add_running(parser: argparse.ArgumentParser) -> None:
         "(default: %(default)s)",
     )
     parser.add_argument(
+        "--submit",
+        choices=("flamenco", "openjd", "dask"),
+        help="hand the batch to an engine instead: prepare DIR, which all its workers must share, "
+        "and submit it",
+    )
+    parser.add_argument(
+        "--address",
+        metavar="URL",
+        help="of Flamenco's Manager (http://manager:8080), of Dask's scheduler "
+        "(tcp://scheduler:8786); nothing is reached without it",
+    )
+    parser.add_argument(
+        "--mimetic",
+        default="mimetic",
+        metavar="PROGRAM",
+        help="how workers call Mimetic (default: %(default)s)",
+    )
+    parser.add_argument(
         "--summary",
         action="store_true",
         help="run nothing: say how the batch in DIR stands, and write its page again",
@@ -106,7 +124,37 @@ def run_batch(arguments: argparse.Namespace) -> int:
         return tell_outcome(batch, {}, 0)
     if not arguments.clips:
         raise InvalidInput("give the clips of the batch: videos, folders, CSV tables")
-    return run_here(prepared_batch(arguments), arguments.processes, arguments.retries)
+    if arguments.submit == "dask" and not arguments.address:
+        raise InvalidInput("--submit dask needs the scheduler's --address, tcp://scheduler:8786")
+    if arguments.address and arguments.submit not in ("flamenco", "dask"):
+        raise InvalidInput("--address is of --submit flamenco or dask")
+    batch = prepared_batch(arguments)
+    if arguments.submit in ("flamenco", "openjd"):
+        return submit(batch, arguments)
+    return run(batch, arguments)
+
+
+def submit(batch: Batch, arguments: argparse.Namespace) -> int:
+    """Hands the batch to an engine that goes on without us; returns the exit status."""
+    if not batch.tasks:
+        tell_outcome(batch, {}, 0)
+        raise InvalidInput("there is no clip to submit")
+    for row in batch.problems:
+        print(cli.line(f"{row.clip}: {row.problem}"))
+    told = (
+        f"{len(batch.tasks)} clips; when they are done: mimetic batch --summary --out {batch.out}"
+    )
+    if arguments.submit == "openjd":
+        path = open_job.write_template(batch, arguments.mimetic)
+        print(cli.line(f"{path}: {told}"))
+        print(cli.line(f"submit it: deadline bundle submit {path.parent}"))
+    elif arguments.address:
+        job = flamenco.submit(batch, arguments.address, arguments.mimetic)
+        print(cli.line(f"{arguments.address}: job {job}, {told}"))
+    else:
+        print(cli.line(f"{batch.out}: prepared, {told}"))
+        print(cli.line(f"the job type for Flamenco's Manager: {flamenco.SCRIPT}"))
+    return FAILED if batch.problems else 0
 
 
 def run_one(arguments: argparse.Namespace) -> int:
@@ -153,8 +201,8 @@ def prepared_batch(arguments: argparse.Namespace) -> Batch:
     return plan.prepare(out, rows, settings)
 
 
-def run_here(batch: Batch, num_processes: int, num_retries: int) -> int:
-    """Runs what is not done yet by processes of this machine."""
+def run(batch: Batch, arguments: argparse.Namespace) -> int:
+    """Runs what is not done yet, by processes of this machine or workers of Dask."""
     failures = {task.name: task.row.problem for task in batch.tasks if task.row.problem}
     with Console() as console, listen_for_interrupt("what is done is kept") as interrupted:
         console.show(0.0, "looking at what is done")
@@ -162,22 +210,29 @@ def run_here(batch: Batch, num_processes: int, num_retries: int) -> int:
             task for task in batch.tasks if task.name not in failures and not task.is_all_done()
         ]
         num_before = len(batch.tasks) - len(failures) - len(waiting)
+        ends: list[str] = []
 
         def ended(name: str, outcome: Outcome) -> None:
+            ends.append(name)
             if outcome.status and not interrupted():
                 failures[name] = outcome.message
                 console.tell(f"{name}: {outcome.message}")
-            if len(pool.outcomes) % PAGE_EVERY == 0:
+            if len(ends) % PAGE_EVERY == 0:
                 write_page(plan.load(batch.out), failures)
 
-        pool = Pool(num_processes, num_retries, interrupted, ended)
-        command = [sys.executable, "-m", "mimetic", "batch", "--end-with-parent"]
-        command += ["--out", str(batch.out), "--task"]
-        pool.run(
-            {task.name: [*command, task.name] for task in waiting},
-            {task.name: _weight(Path(task.row.clip)) for task in waiting},
-            lambda fraction, number: _show(console, fraction, number, len(waiting), failures),
-        )
+        def show(fraction: float, number: int) -> None:
+            failed = f", {len(failures)} failed" if failures else ""
+            console.show(fraction, f"{number} of {len(waiting)} clips{failed}")
+
+        weights = {task.name: _weight(Path(task.row.clip)) for task in waiting}
+        if arguments.submit == "dask":
+            cluster = on_dask.Cluster(arguments.address, arguments.retries, interrupted, ended)
+            cluster.run(batch.out, weights, show)
+        else:
+            pool = Pool(arguments.processes, arguments.retries, interrupted, ended)
+            command = [sys.executable, "-m", "mimetic", "batch", "--end-with-parent"]
+            command += ["--out", str(batch.out), "--task"]
+            pool.run({name: [*command, name] for name in weights}, weights, show)
     batch.tasks[:] = plan.load(batch.out).tasks
     write_page(batch, failures)
     return interrupted.status or tell_outcome(batch, failures, num_before)
@@ -191,13 +246,6 @@ def _weight(clip: Path) -> float:
         return 1.0
 
 
-def _show(
-    console: Console, fraction: float, number: int, whole: int, failures: dict[str, str]
-) -> None:
-    failed = f", {len(failures)} failed" if failures else ""
-    console.show(fraction, f"{number} of {whole} clips{failed}")
-
-
 def tell_outcome(batch: Batch, failures: dict[str, str], num_before: int) -> int:
     """Prints what failed, a line each, and how many are done; returns the exit status."""
     lines = {}
@@ -205,7 +253,7 @@ def tell_outcome(batch: Batch, failures: dict[str, str], num_before: int) -> int
     for task in batch.tasks:
         if reason := failures.get(task.name) or task.row.problem or task.error:
             lines[task.name] = reason
-        elif all(step.name in task.done for step in task.steps()):
+        elif task.has_all():
             num_done += 1
         else:
             lines[task.name] = "not done yet"

@@ -13,6 +13,7 @@ from pathlib import Path
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.commands.console import Console
 from mimetic.fit.fitting import FaceFit
+from mimetic.fit.person import with_person
 from mimetic.media.footage import Footage
 from mimetic.media.frame_range import parse_range
 from mimetic.performance.document import Performance
@@ -42,6 +43,13 @@ def add_clip_arguments(parser: argparse.ArgumentParser, subject: str) -> None:
     )
     parser.add_argument(
         "--fit", type=Path, metavar="FIT.json", help="a face fit, instead of finding one"
+    )
+    parser.add_argument(
+        "--person",
+        type=Path,
+        metavar="FIT.json",
+        help="a fit of the same person in other footage: its head shape and calibration are kept, "
+        "where the head is gets found here",
     )
     parser.add_argument(
         "--face",
@@ -77,12 +85,9 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
     check_report_packages()
     out = arguments.out
     footage = Footage(arguments.footage)
-    if arguments.fit and arguments.face:
-        raise InvalidInput(
-            "--face chooses a face to find, --fit says where it is: give one of them"
-        )
+    fit, person = _given_fits(arguments)
+    is_found_first = bool(arguments.face or person)
     first, last = check_range(arguments.frames, footage)
-    fit = FaceFit.load(arguments.fit) if arguments.fit else None
     prepare_folder(out, OF_A_CLIP, footage.path)
     summary = CaptureSummary()
     with staging(out) as folder, Console() as console, listen_for_interrupt() as interrupted:
@@ -96,15 +101,16 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
         following_cost = costs.followed_once + num_frames * costs.followed_each
         finding, following, drawing, _ = stages(
             show,
-            search_cost if arguments.face else 0.0,
-            following_cost if arguments.face else search_cost + following_cost,
+            search_cost if is_found_first else 0.0,
+            following_cost if is_found_first else search_cost + following_cost,
             num_frames * costs.drawn_each,
             costs.written,
         )
         try:
-            if arguments.face:
+            if is_found_first:
                 frames, near = arguments.frames, arguments.face
                 fit = find_face(footage.path, frames=frames, near=near, progress=finding)
+                fit = with_person(fit, person) if person else fit
             performance = follow(fit, following, summary)
         except (InvalidInput, UnreadableMedia):
             if interrupted():  # before there was anything to keep
@@ -127,6 +133,18 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
         if failure:
             raise failure
     return interrupted.status
+
+
+def _given_fits(arguments: argparse.Namespace) -> tuple[FaceFit | None, FaceFit | None]:
+    """A fit of this footage, and one of the person in other footage."""
+    if arguments.fit and (arguments.face or arguments.person):
+        raise InvalidInput(
+            "--face and --person are of a face to find, --fit says where it is: give one of them"
+        )
+    fit, person = (
+        FaceFit.load(path) if path else None for path in (arguments.fit, arguments.person)
+    )
+    return fit, person
 
 
 def save_performance(performance: Performance, path: Path, tell: Callable[[str], None]) -> None:

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A person's fit, which all clips of that person share.
+
+It comes from the first of the person's lines in which a fit is named or a face is found. Whichever
+of their tasks comes first finds it, the others wait; it is the same whoever that is.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from mimetic import InvalidInput, UnreadableMedia, __version__
+from mimetic.batch.clip_list import Row
+from mimetic.media.clip_fingerprint import fingerprint
+from mimetic.shared.folder_lock import alone_with
+from mimetic.shared.json_file import read_json
+from mimetic.shared.shown_text import shortened
+from mimetic.shared.whole_file import whole_file
+
+FOLDER = "people"  # beside the clips' folders
+MARK = "person.json"
+LOCK = ".lock"
+SCHEMA = 1
+LARGEST_FILE = 16 << 20  # bytes
+RunCommand = Callable[[Sequence[str]], tuple[int, str]]
+Source = tuple[str, str, str]  # a clip, its range of frames, a fit of it
+
+
+@dataclass
+class Person:
+    folder: Path
+    sources: list[Source] = field(default_factory=list)
+    key: str = ""  # of what the fit was found in
+    fit: str = ""  # the file
+    footage: str = ""  # fingerprint of the clip that the fit is of
+
+    def save(self) -> None:
+        """Writes person.json whole; raises OSError."""
+        document = {
+            "schema": SCHEMA,
+            "sources": self.sources,
+            "key": self.key,
+            "fit": self.fit,
+            "footage": self.footage,
+        }
+        with whole_file(self.folder / MARK) as stream:
+            stream.write(json.dumps(document, indent=1).encode())
+
+    @classmethod
+    def load(cls, folder: Path) -> Person:
+        """Raises UnreadableMedia where there is no person, InvalidInput for what is none."""
+        path = folder / MARK
+        document: Any = read_json(path, "a person of a batch", LARGEST_FILE)
+        try:
+            if document["schema"] != SCHEMA:
+                raise ValueError(f"schema {document['schema']}, this Mimetic knows {SCHEMA}")
+            sources = [(str(clip), str(r), str(fit)) for clip, r, fit in document["sources"]]
+            texts = (str(document[name]) for name in ("key", "fit", "footage"))
+            return cls(folder, sources, *texts)
+        except (KeyError, TypeError, ValueError) as error:
+            raise InvalidInput(f"{path}: not a person of a batch ({shortened(error)})") from None
+
+    def is_of(self, clip: str) -> bool:
+        """Whether the fit is of this very footage."""
+        return self.footage == _content(clip)
+
+    def is_known(self) -> bool:
+        """Whether the fit is there and was found in what the sources still are."""
+        return bool(self.key) and Path(self.fit).is_file() and self._key_of(self.fit) == self.key
+
+    def find(self, run_command: RunCommand) -> str:
+        """Finds the fit where it is not known; returns why there is none, or nothing.
+
+        Another process that looks for it is waited for. Raises OSError.
+        """
+        with alone_with(self.folder / LOCK):
+            now = Person.load(self.folder)
+            reason = "" if now.is_known() else now._search(run_command)
+        self.key, self.fit, self.footage = now.key, now.fit, now.footage
+        return reason
+
+    def _search(self, run_command: RunCommand) -> str:
+        reason = "no clip shows the person"
+        for clip, frames, given_fit in self.sources:
+            words = ["fit", clip, "--out", str(self.folder)]
+            words += [f"--frames={frames}"] if frames else []
+            fit = given_fit or str(self.folder / "fit.json")
+            status, message = (0, "") if given_fit else run_command(words)
+            if status > 2:
+                raise KeyboardInterrupt
+            if status == 0 and (mark := _content(clip)):
+                self.fit, self.footage = fit, mark
+                self.key = self._key_of(fit)
+                self.save()
+                return ""
+            reason = message or reason
+        return reason
+
+    def _key_of(self, fit: str) -> str:
+        """Of all that decides on the fit: the sources up to the one that gave it."""
+        parts: list[object] = [__version__]
+        for clip, frames, given_fit in self.sources:
+            mark = _content(clip)
+            parts.append([mark, frames, _content(given_fit) if given_fit else ""])
+            if mark == self.footage and fit in (given_fit, str(self.folder / "fit.json")):
+                break
+        return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
+
+
+def prepare_people(out: Path, rows: Iterable[Row]) -> None:
+    """A folder for each person of a batch, with the clips that may give the fit. Raises OSError."""
+    sources: dict[Path, list[Source]] = {}
+    for row in rows:
+        if row.person and not row.problem:
+            folder = folder_of(out, row.person)
+            sources.setdefault(folder, []).append((row.clip, row.frames, row.fit))
+    for folder, clips in sources.items():
+        folder.mkdir(parents=True, exist_ok=True)
+        try:
+            person = Person.load(folder)
+        except (InvalidInput, UnreadableMedia):  # none yet, or nothing that can be used
+            person = Person(folder)
+        person.sources = clips
+        person.save()
+        (folder / LOCK).touch()
+
+
+def folder_of(out: Path, person: str) -> Path:
+    """Where a person's fit is: named by a hash where the name cannot be a folder's."""
+    name = person.strip().casefold()
+    if not name.isalnum() or len(name) > 80:
+        name = hashlib.sha256(name.encode()).hexdigest()[:16]
+    return out / FOLDER / name
+
+
+def _content(path: str) -> str:
+    try:
+        return fingerprint(path)
+    except (OSError, UnreadableMedia):
+        return ""

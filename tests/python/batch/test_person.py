@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Clips of one person share that person's fit, with a stand-in for the commands."""
+
+import threading
+
+import pytest
+from clips import make_clip
+from mimetic.batch import plan
+from mimetic.batch.clip_list import Row
+from mimetic.batch.steps import Settings
+from mimetic.batch.task import Task, run_task
+from stand_in import Commands
+
+
+@pytest.fixture(scope="module")
+def clips(tmp_path_factory):
+    """Three clips of other content."""
+    folder = tmp_path_factory.mktemp("clips")
+    return [
+        make_clip(folder / f"{number}.mp4", size="320x240", frames=12 + number)
+        for number in range(3)
+    ]
+
+
+@pytest.fixture
+def commands():
+    return Commands()
+
+
+@pytest.fixture
+def out(tmp_path):
+    folder = tmp_path / "out"
+    folder.mkdir()
+    return folder
+
+
+def folders(out, *rows):
+    return [task.folder for task in plan.prepare(out, rows, Settings()).tasks]
+
+
+def fit_option(words):
+    return next(
+        (
+            (option, words[words.index(option) + 1])
+            for option in ("--fit", "--person")
+            if option in words
+        ),
+        None,
+    )
+
+
+def test_the_fit_is_found_once_in_the_first_clip_whoever_comes_first(clips, out, commands):
+    one, two, _ = folders(out, *(Row(str(clip), person="Anna") for clip in clips))
+    assert run_task(two, commands) == (0, "") and run_task(one, commands) == (0, "")
+    assert commands.names == ["fit", "capture", "capture"]
+    fit = str(out / "people" / "anna" / "fit.json")
+    assert commands.words[0][1] == str(clips[0])
+    assert fit_option(commands.words[1]) == ("--person", fit)
+    assert fit_option(commands.words[2]) == ("--fit", fit)
+    assert Task.load(one).is_all_done() and Task.load(two).is_all_done()
+
+
+def test_ranges_of_one_footage_share_the_fit_as_it_is(clips, out, commands):
+    rows = [Row(str(clips[0]), frames, person="anna") for frames in ("1:5", "6:12")]
+    for folder in folders(out, *rows):
+        run_task(folder, commands)
+    assert "--frames=1:5" in commands.words[0]
+    assert [fit_option(words)[0] for words in commands.words[1:]] == ["--fit", "--fit"]
+
+
+def test_where_the_first_clip_shows_no_face_the_next_gives_the_fit(clips, out, commands):
+    commands.answers["0.mp4"] = (2, "no face")
+    one, two, _ = folders(out, *(Row(str(clip), person="anna") for clip in clips))
+    assert run_task(two, commands) == (0, "") and run_task(one, commands)[0] == 2
+    assert commands.names == ["fit", "fit", "capture", "capture"]
+    assert fit_option(commands.words[2])[0] == "--fit"
+
+
+def test_a_person_in_no_clip_fails_each_of_them_with_the_reason(clips, out, commands):
+    commands.answers["fit"] = (2, "no face")
+    for folder in folders(out, *(Row(str(clip), person="anna") for clip in clips)):
+        assert run_task(folder, commands) == (2, "no fit of anna: no face")
+
+
+def test_a_fit_in_the_table_is_the_persons(clips, out, commands, tmp_path):
+    (tmp_path / "anna.json").write_text("calibrated")
+    fit = str(tmp_path / "anna.json")
+    one, two, three = folders(
+        out,
+        Row(str(clips[0]), person="anna", fit=fit),
+        Row(str(clips[1]), person="anna"),
+        Row(str(clips[2]), person="ben"),
+    )
+    for folder in (one, two, three):
+        run_task(folder, commands)
+    assert commands.names == ["capture", "capture", "fit", "capture"]
+    assert fit_option(commands.words[0]) == ("--fit", fit)
+    assert fit_option(commands.words[1]) == ("--person", fit)
+    assert fit_option(commands.words[3])[1] == str(out / "people" / "ben" / "fit.json")
+
+
+def test_another_first_clip_is_another_fit_and_other_captures(clips, out, commands):
+    rows = [Row(str(clip), person="anna") for clip in clips]
+    for folder in folders(out, *rows[:2]):
+        run_task(folder, commands)
+    for folder in folders(out, *rows):
+        run_task(folder, commands)
+    assert commands.names == ["fit", "capture", "capture", "capture"]
+    for folder in folders(out, *rows[::-1]):
+        assert not Task.load(folder).is_all_done()
+        run_task(folder, commands)
+    assert commands.names[4:] == ["fit", "capture", "capture", "capture"]
+
+
+def test_of_many_who_need_the_fit_one_finds_it(clips, out, commands):
+    works = [
+        threading.Thread(target=run_task, args=(folder, commands))
+        for folder in folders(out, *(Row(str(clip), person="anna") for clip in clips))
+    ]
+    for work in works:
+        work.start()
+    for work in works:
+        work.join()
+    assert commands.names.count("fit") == 1 and commands.names.count("capture") == 3
+
+
+@pytest.mark.parametrize("name", ["../x", "Anna / Ben", "x" * 300, "."])
+def test_names_of_people_that_are_no_folders_names(clips, out, commands, name):
+    (folder,) = folders(out, Row(str(clips[0]), person=name))
+    assert run_task(folder, commands) == (0, "")
+    (person,) = (out / "people").iterdir()
+    assert person.name.isalnum() and len(person.name) <= 80
