@@ -6,6 +6,7 @@ from . import (
     jobs,
     menus,
     operators,
+    outcome,
     overlay,
     panels,
     pins,
@@ -15,7 +16,7 @@ from . import (
 )
 
 # In this order: panels and operators refer to the properties
-PARTS = (preferences, properties, operators, menus, panels, overlay, contact, pins, takes)
+PARTS = (preferences, properties, outcome, operators, menus, panels, overlay, contact, pins, takes)
 
 
 def register() -> None:

@@ -7,7 +7,7 @@ import queue
 import threading
 from dataclasses import dataclass, field
 
-from . import editors, native
+from . import editors, native, outcome
 
 TICK_SECONDS = 0.05
 
@@ -86,32 +86,29 @@ class Job:
     """
 
     keeps_part = False  # what a stopped job has done so far
+    made: dict | None = None  # what scripts are told `write` made, besides its message
     _timer = None
 
     def execute(self, context):
         """Blocks until done: scripts, batch and tests."""
         if reason := busy():
-            self.report({"ERROR"}, reason)
-            return {"CANCELLED"}
+            return outcome.cancelled(self, context, reason)
         try:
             result = self.work(self.read(context), lambda fraction, what="": True)
             return self._write(context, result, False)
         except native.known_errors() as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return outcome.cancelled(self, context, str(error))
 
     def invoke(self, context, event):
         global running
         if context.window is None:
             return self.execute(context)
         if reason := busy():
-            self.report({"ERROR"}, reason)
-            return {"CANCELLED"}
+            return outcome.cancelled(self, context, reason)
         try:
             inputs = self.read(context)
         except native.known_errors() as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return outcome.cancelled(self, context, str(error))
         running = Run(self.bl_label, self.keeps_part)
         running.start(self.work, inputs)
         manager = context.window_manager
@@ -153,18 +150,17 @@ class Job:
         except native.known_errors() as error:
             if run.error and run.stop.is_set():  # it had nothing yet to keep
                 return self._write(context, None, True)
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return outcome.cancelled(self, context, str(error))
 
     def _write(self, context, result, is_stopped: bool):
         if result is None:
-            self.report({"WARNING"}, "Stopped; nothing was changed")
-            return {"CANCELLED"}
+            return outcome.cancelled(self, context, "Stopped; nothing was changed", "WARNING")
+        self.made = {}
         message = self.write(context, result)
-        self.report(
-            {"WARNING" if is_stopped else "INFO"}, f"Stopped. {message}" if is_stopped else message
-        )
-        return {"FINISHED"}
+        made = {**self.made, "is_stopped": is_stopped}
+        if is_stopped:
+            return outcome.finished(self, context, f"Stopped. {message}", "WARNING", **made)
+        return outcome.finished(self, context, message, **made)
 
     def _show(self, context) -> None:
         stopping = "stopping" if running.stop.is_set() else "Esc stops"

@@ -45,9 +45,14 @@ def no_update(scene: bpy.types.Scene) -> str:
     return ""
 
 
+def no_head_take(context) -> str:
+    """Why there is no head motion to key."""
+    return scene_in.no_take(context, "capture it, track its head")
+
+
 def no_head_target(context) -> str:
     """Why the head's motion cannot be keyed on what is chosen."""
-    if reason := scene_in.no_take(context, "capture it, track its head"):
+    if reason := no_head_take(context):
         return reason
     settings = context.scene.mimetic
     target = settings.head.target

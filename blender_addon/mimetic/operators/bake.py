@@ -116,6 +116,7 @@ class MIMETIC_OT_bake(Job, Operator):
             tolerance=self.tolerance if self.use_few_keys else 0.0,
         )
         face = context.scene.mimetic.face
+        self.made = {"object": face.name, "camera": context.scene.camera.name, **_made(summary)}
         message = (
             f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
             f"on {face.name}"
@@ -132,6 +133,7 @@ class MIMETIC_OT_bake(Job, Operator):
     def write_bound(self, scene, performance, take, head, clip):
         """On a character's own head; the message names all that it cannot play."""
         summary = scene_out.bound.bake(scene, performance, take, head, clip, self.use_head_motion)
+        self.made = {"object": head.name, "left_out": list(summary.left_out), **_made(summary)}
         for remark in summary.left_out:
             self.report({"WARNING"}, remark)
         if summary.untouched:
@@ -143,3 +145,7 @@ class MIMETIC_OT_bake(Job, Operator):
         if performance.detail_modes is not None and self.use_detail:
             message += "; detail is the performer's own skin's and was left out"
         return message if summary.has_motion else f"{message}; the object was not moved"
+
+
+def _made(summary) -> dict:
+    return {"num_curves": summary.num_curves, "scene_frames": [summary.first, summary.last]}

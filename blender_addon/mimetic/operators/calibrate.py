@@ -4,9 +4,10 @@ from bpy.types import Operator
 
 from .. import native, scene_in, scene_out
 from ..jobs import Job
+from . import arguments
 
 
-class MIMETIC_OT_calibrate(Job, Operator):
+class MIMETIC_OT_calibrate(arguments.FrameRange, Job, Operator):
     """Learn from the clip, best a few seconds with every expression, how firmly this person's \
 skin is held and how strong the muscles are; the fit keeps it for every capture"""
 
@@ -22,7 +23,7 @@ skin is held and how strong the muscles are; the fit keeps it for every capture"
 
     def read(self, context):
         clip = scene_in.clip_of(context)
-        frames = scene_in.frame_range(context.scene)
+        frames = arguments.frame_range(self, context)
         most = native.calibration_run().MOST_FRAMES
         if frames is None and clip.frame_duration > most:
             raise native.invalid_input(
@@ -43,4 +44,5 @@ skin is held and how strong the muscles are; the fit keeps it for every capture"
     def write(self, context, result):
         clip_name, fit = result
         scene_out.face_fit.keep(bpy.data.movieclips[clip_name], fit)
+        self.made = {"clip": clip_name, "frames": list(fit.calibration.frames)}
         return f"Calibrated: {fit.calibration.described()}"

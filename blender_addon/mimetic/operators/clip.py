@@ -4,7 +4,7 @@ from bpy.props import StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ImportHelper
 
-from .. import clips, native, scene_in, scene_out, takes
+from .. import clips, native, outcome, scene_in, scene_out, takes
 
 
 class MIMETIC_OT_load_clip(Operator, ImportHelper):
@@ -27,8 +27,7 @@ class MIMETIC_OT_load_clip(Operator, ImportHelper):
         try:
             footage = native.footage().Footage(path)
         except native.known_errors() as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return outcome.cancelled(self, context, str(error))
         clip = scene_out.clip.load(context.scene, path)
         scene_out.clip.show_pixels(clip, footage.pixel_aspect)
         scene_out.clip.show(context, clip)
@@ -36,5 +35,7 @@ class MIMETIC_OT_load_clip(Operator, ImportHelper):
         width, height = footage.size
         messages = [f"{clip.name}: {width} x {height}, {float(footage.fps):.6g} frames/s"]
         warnings = [*footage.warnings, *filter(None, [clips.change_of(clip)])]
-        self.report({"WARNING" if warnings else "INFO"}, "; ".join(messages + warnings))
-        return {"FINISHED"}
+        level = "WARNING" if warnings else "INFO"
+        made = {"clip": clip.name, "size": [width, height], "fps": float(footage.fps)}
+        made["num_frames"] = footage.num_frames
+        return outcome.finished(self, context, "; ".join(messages + warnings), level, **made)

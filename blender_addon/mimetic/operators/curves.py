@@ -2,7 +2,7 @@
 from bpy.props import FloatProperty
 from bpy.types import Operator
 
-from .. import editors, native, scene_in, scene_out, targets
+from .. import editors, native, outcome, scene_in, scene_out, targets
 
 
 class MIMETIC_OT_reduce_keys(Operator):
@@ -28,14 +28,16 @@ class MIMETIC_OT_reduce_keys(Operator):
         return not reason
 
     def execute(self, context):
-        summary = scene_out.few_keys.reduce(scene_in.face_of(context), self.tolerance)
-        self.report(
-            {"INFO"},
+        face = scene_in.face_of(context)
+        summary = scene_out.few_keys.reduce(face, self.tolerance)
+        message = (
             f"{summary.keys_after} keys instead of {summary.keys_before}, "
-            f"within {summary.error:.3f}",
+            f"within {summary.error:.3f}"
         )
+        made = {"num_keys": summary.keys_after, "num_keys_before": summary.keys_before}
+        made |= {"object": face.name, "error": float(summary.error)}
         editors.redraw()
-        return {"FINISHED"}
+        return outcome.finished(self, context, message, **made)
 
 
 CLASSES = (MIMETIC_OT_reduce_keys,)

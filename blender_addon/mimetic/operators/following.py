@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+import statistics
+
 import bpy
 from bpy.props import StringProperty
 
-from .. import scene_in, scene_out, takes
+from .. import native, scene_in, scene_out, takes
 from ..jobs import Job
+from . import arguments
 
 
-class Following(Job):
+class Following(arguments.FrameRange, Job):
     """Mixin of operators that make a performance from the clip; stopping keeps what is done.
 
     Subclasses give `follow(option, footage_path, frames, fit, progress)`, which runs without bpy
@@ -35,20 +38,30 @@ class Following(Job):
     def read(self, context):
         footage = scene_in.footage(context)
         paths = (
-            self.filepath or takes.capture_path(footage.clip_name),
+            bpy.path.abspath(self.filepath) or takes.capture_path(footage.clip_name),
             takes.spare_path(footage.clip_name),
         )
         fit = scene_out.face_fit.of_clip(scene_in.clip_of(context))
-        return footage, scene_in.frame_range(context.scene), fit, paths, self.option(context)
+        return footage, arguments.frame_range(self, context), fit, paths, self.option(context)
 
     def work(self, inputs, progress):
         footage, frames, fit, paths, option = inputs
         performance = self.follow(option, footage.path, frames, fit, progress)
         path, remarks = takes.save(performance, *paths)
-        message = self.message.format(first=performance.frame[0], last=performance.frame[-1])
-        return footage.clip_name, path, "; ".join([message, *remarks])
+        first, last = int(performance.frame[0]), int(performance.frame[-1])
+        message = self.message.format(first=first, last=last)
+        quality, held = performance.quality.tolist(), native.performances().HELD_QUALITY
+        made = {
+            "clip": footage.clip_name,
+            "performance": path,
+            "footage_frames": [first, last],
+            "quality": round(statistics.median(quality), 3),
+            "num_held": sum(one < held for one in quality),
+        }
+        return made, "; ".join([message, *remarks])
 
     def write(self, context, result):
-        clip_name, path, message = result
-        takes.keep(context.scene, bpy.data.movieclips[clip_name], path)
+        self.made, message = result
+        clip = bpy.data.movieclips[self.made["clip"]]
+        takes.keep(context.scene, clip, self.made["performance"])
         return message

@@ -3,7 +3,7 @@ import bpy
 from bpy.props import StringProperty
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out
+from .. import native, outcome, scene_in, scene_out
 from ..jobs import Job
 
 
@@ -23,19 +23,16 @@ class MIMETIC_OT_add_landmarks(Operator):
     def execute(self, context):
         head = context.active_object
         if empties := scene_in.landmark_empties(context.scene, head):
-            self.report({"ERROR"}, f"There are landmarks for {head.name}: {', '.join(empties)}")
-            return {"CANCELLED"}
+            message = f"There are landmarks for {head.name}: {', '.join(empties)}"
+            return outcome.cancelled(self, context, message)
         parts = native.foreign_face()
         try:
             places = parts.guess_landmarks(scene_in.world_points(head))
         except native.known_errors() as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return outcome.cancelled(self, context, str(error))
         scene_out.foreign.add(context.collection, head, places)
-        self.report(
-            {"INFO"}, f"{len(places)} landmarks: put each in its place, then Attach Muscles"
-        )
-        return {"FINISHED"}
+        message = f"{len(places)} landmarks: put each in its place, then Attach Muscles"
+        return outcome.finished(self, context, message, object=head.name, landmarks=sorted(places))
 
 
 class MIMETIC_OT_attach_muscles(Job, Operator):
@@ -89,6 +86,7 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
         for note in face.notes:
             self.report({"WARNING"}, f"{head.name}: {note}")
         num_sliders = len(face.shapes) + len(face.groups)
+        self.made = {"object": head.name, "num_sliders": num_sliders, "notes": list(face.notes)}
         message = f"{head.name} has {num_sliders} sliders: sidebar, Mimetic, Muscles"
         return "; ".join(filter(None, (message, hand_changes)))
 

@@ -4,7 +4,7 @@ from bpy.props import StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ExportHelper
 
-from .. import native, scene_in, scene_out
+from .. import native, outcome, scene_in, scene_out
 
 
 class MIMETIC_OT_export_gltf(Operator, ExportHelper):
@@ -27,7 +27,5 @@ class MIMETIC_OT_export_gltf(Operator, ExportHelper):
         try:
             scene_out.gltf.export(context.scene, path, scene_in.face_of(context))
         except native.known_errors() as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self.report({"INFO"}, f"Wrote {path}")
-        return {"FINISHED"}
+            return outcome.cancelled(self, context, str(error))
+        return outcome.finished(self, context, f"Wrote {path}", file=path)

@@ -2,17 +2,26 @@
 """The head alone: following it, and putting its motion on characters."""
 
 import bpy
-from bpy.props import EnumProperty
+from bpy.props import EnumProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out, takes, targets
+from .. import native, outcome, scene_in, scene_out, takes, targets
 from ..jobs import Job
+from ..properties import MimeticHead
+from . import arguments
 from .following import Following
 
 MODELS = (
     ("SURFACE", "Surface", "The person's fitted surface: the most accurate"),
     ("ELLIPSOID", "Ellipsoid", "An ellipsoid around the head"),
     ("PLANE", "Plane", "A planar patch on the face; loses heads that turn far"),
+)
+
+
+# Of the panel, which a call may give
+HEAD_SETTINGS = (
+    *("bone", "neck", "neck_share", "mode", "rest_frame", "facing"),
+    *("use_translation", "translation_scale", "pivot", "smoothing"),
 )
 
 
@@ -54,11 +63,10 @@ class MIMETIC_OT_find_head_bones(Operator):
         settings = context.scene.mimetic.head
         bones = scene_out.rigs.head_bones(settings.target)
         if not bones.head:
-            self.report({"ERROR"}, bones.remark)
-            return {"CANCELLED"}
+            return outcome.cancelled(self, context, bones.remark)
         settings.bone, settings.neck = bones.head, bones.neck
-        self.report({"INFO"}, f"Head {bones.head}, neck {bones.neck or 'none'}")
-        return {"FINISHED"}
+        message = f"Head {bones.head}, neck {bones.neck or 'none'}"
+        return outcome.finished(self, context, message, bone=bones.head, neck=bones.neck)
 
 
 class MIMETIC_OT_set_rest_frame(Operator):
@@ -68,6 +76,13 @@ class MIMETIC_OT_set_rest_frame(Operator):
     bl_label = "Rest at Shown Frame"
     bl_options = {"REGISTER", "UNDO"}
 
+    frame: IntProperty(
+        name="Frame",
+        min=0,
+        options=arguments.OF_ONE_CALL,
+        description="Footage frame; 0: the one on show",
+    )
+
     @classmethod
     def poll(cls, context):
         if reason := scene_in.no_clip(context):
@@ -75,10 +90,10 @@ class MIMETIC_OT_set_rest_frame(Operator):
         return not reason
 
     def execute(self, context):
-        frame = scene_in.shown_frame(context)
+        frame = self.frame or scene_in.shown_frame(context)
         context.scene.mimetic.head.rest_frame = frame
-        self.report({"INFO"}, f"Footage frame {frame} is the character's pose at rest")
-        return {"FINISHED"}
+        message = f"Footage frame {frame} is the character's pose at rest"
+        return outcome.finished(self, context, message, frame=frame)
 
 
 class MIMETIC_OT_bake_head(Job, Operator):
@@ -88,14 +103,41 @@ class MIMETIC_OT_bake_head(Job, Operator):
     bl_label = "Bake Head"
     bl_options = {"REGISTER", "UNDO"}
 
+    target: StringProperty(
+        name="Target",
+        options=arguments.OF_ONE_CALL,
+        description="Name of the object, empty or armature that the head's motion goes to",
+    )
+    bone: arguments.like(MimeticHead, "bone")
+    neck: arguments.like(MimeticHead, "neck")
+    neck_share: arguments.like(MimeticHead, "neck_share")
+    mode: arguments.like(MimeticHead, "mode")
+    rest_frame: arguments.like(MimeticHead, "rest_frame")
+    facing: arguments.like(MimeticHead, "facing")
+    use_translation: arguments.like(MimeticHead, "use_translation")
+    translation_scale: arguments.like(MimeticHead, "translation_scale")
+    pivot: arguments.like(MimeticHead, "pivot")
+    smoothing: arguments.like(MimeticHead, "smoothing")
+
     @classmethod
     def poll(cls, context):
-        if reason := targets.no_head_target(context):
+        # A script may name the target in its call, which is not known here
+        is_named_later = bpy.app.background and context.scene.mimetic.head.target is None
+        check = targets.no_head_take if is_named_later else targets.no_head_target
+        reason = check(context)
+        if reason:
             cls.poll_message_set(reason)
         return not reason
 
     def read(self, context):
         settings = context.scene.mimetic.head
+        if self.target:
+            settings.target = _named(context.scene, self.target)
+        for name in HEAD_SETTINGS:
+            if arguments.is_given(self, name):
+                setattr(settings, name, getattr(self, name))
+        if reason := targets.no_head_target(context):
+            raise native.invalid_input(reason)
         return scene_in.take(context), settings.smoothing, _target(settings)
 
     def work(self, inputs, progress):
@@ -110,10 +152,19 @@ class MIMETIC_OT_bake_head(Job, Operator):
         performance, target, name, clip_name = result
         clip = bpy.data.movieclips.get(clip_name)
         summary = scene_out.head.bake(context.scene, performance, name, target, clip)
+        frames = [summary.first, summary.last]
+        self.made = {"num_curves": summary.num_curves, "scene_frames": frames}
+        self.made |= {"object": target.name, "bone": target.bone, "neck": target.neck}
         return (
             f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
             f"on {summary.where}"
         )
+
+
+def _named(scene: bpy.types.Scene, name: str) -> bpy.types.Object:
+    if name not in scene.objects:
+        raise native.invalid_input(f"the scene has no object {name}")
+    return scene.objects[name]
 
 
 def _target(settings) -> scene_out.head.Target:

@@ -5,7 +5,7 @@ import bpy
 from bpy.props import StringProperty
 from bpy.types import Operator
 
-from .. import clips, native, scene_in, scene_out, takes
+from .. import clips, native, outcome, scene_in, scene_out, takes
 
 DEPTH = 16  # folders in folders, as Blender's own search
 
@@ -38,18 +38,20 @@ performances by name, footage by its content, whatever it is called now"""
     def execute(self, context):
         folder = Path(bpy.path.abspath(self.directory))
         if not folder.is_dir():
-            self.report({"ERROR"}, f"{folder}: there is no such folder; choose another")
-            return {"CANCELLED"}
+            message = f"{folder}: there is no such folder; choose another"
+            return outcome.cancelled(self, context, message)
         lines = [*_find_clips(folder), *_find_takes(folder)]
         absent = [clip.name for clip in _missing_clips()] + list(
             map(takes.name_of, takes.missing())
         )
+        absent = list(dict.fromkeys(absent))
+        left = f"{', '.join(absent)}: not in {folder} nor in a folder in it"
+        if not lines:
+            return outcome.cancelled(self, context, left, "WARNING")
         if absent:
-            names = ", ".join(dict.fromkeys(absent))
-            self.report({"WARNING"}, f"{names}: not in {folder} nor in a folder in it")
-        if lines:
-            self.report({"INFO"}, f"Found {', '.join(lines)}")
-        return {"FINISHED"} if lines else {"CANCELLED"}
+            self.report({"WARNING"}, left)
+        message = f"Found {', '.join(lines)}"
+        return outcome.finished(self, context, message, files=lines, missing=absent)
 
 
 def _missing_clips() -> list[bpy.types.MovieClip]:

@@ -6,7 +6,7 @@ from bpy.props import StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ImportHelper
 
-from .. import clips, native, scene_in, scene_out, takes
+from .. import clips, native, outcome, scene_in, scene_out, takes
 
 
 class MIMETIC_OT_load_performance(Operator, ImportHelper):
@@ -31,8 +31,7 @@ class MIMETIC_OT_load_performance(Operator, ImportHelper):
             performance = native.performances().Performance.load(path)
             clip = _clip_of(context, performance, path)
         except native.known_errors() as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return outcome.cancelled(self, context, str(error))
         first, last = performance.frame[0], performance.frame[-1]
         messages = [f"Frames {first} to {last} at {performance.fps:.6g} frames/s"]
         if clip is not None and clip != scene_in.clip_of(context):
@@ -42,8 +41,10 @@ class MIMETIC_OT_load_performance(Operator, ImportHelper):
             messages.append(f"{performance.footage[0]}, which it is of, is not found: no footage")
         takes.keep(context.scene, clip, path)
         messages += performance.notes or []
-        self.report({"WARNING" if performance.notes else "INFO"}, "; ".join(messages))
-        return {"FINISHED"}
+        level = "WARNING" if performance.notes else "INFO"
+        made = {"performance": path, "clip": clip.name if clip else ""}
+        made["footage_frames"] = [int(first), int(last)]
+        return outcome.finished(self, context, "; ".join(messages), level, **made)
 
 
 def _clip_of(context, performance, path: str) -> bpy.types.MovieClip | None:

@@ -2,7 +2,7 @@
 import bpy
 from bpy.types import Operator
 
-from .. import editors, native, pins, scene_in, scene_out
+from .. import editors, native, outcome, pins, scene_in, scene_out
 from ..jobs import Job
 from ..scene_out import landmarks
 
@@ -23,11 +23,9 @@ class Pinning:
         try:
             message = self.change(context, scene_in.clip_of(context))
         except native.known_errors() as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return outcome.cancelled(self, context, str(error))
         editors.redraw("CLIP_EDITOR")
-        self.report({"INFO"}, message)
-        return {"FINISHED"}
+        return outcome.finished(self, context, message)
 
 
 class MIMETIC_OT_pin(Pinning, Operator):
@@ -94,6 +92,7 @@ class MIMETIC_OT_show_landmarks(Job, Operator):
     def write(self, context, result):
         clip_name, fit, frame = result
         scene_out.face_fit.store(bpy.data.movieclips[clip_name], fit)
+        self.made = {"clip": clip_name, "frames": [view.frame for view in fit.views]}
         return f"The face is fitted to {len(fit.views)} frames now, frame {frame} among them"
 
 

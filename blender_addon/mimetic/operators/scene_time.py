@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from bpy.types import Operator
 
-from .. import clip_time, scene_in
+from .. import clip_time, outcome, scene_in
 
 
 class MIMETIC_OT_scene_as_clip(Operator):
@@ -33,5 +33,5 @@ class MIMETIC_OT_scene_as_clip(Operator):
         message = f"{rate:.6g} frames/s, frames {scene.frame_start} to {scene.frame_end}"
         if not had_rate:
             message += "; what was baked keeps its frames: bake it again"
-        self.report({"INFO"}, message)
-        return {"FINISHED"}
+        frames = [scene.frame_start, scene.frame_end]
+        return outcome.finished(self, context, message, fps=rate, scene_frames=frames)

@@ -3,7 +3,7 @@ import bpy
 from bpy.props import IntProperty
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out, targets
+from .. import native, outcome, scene_in, scene_out, targets
 from ..jobs import Job
 
 
@@ -39,6 +39,7 @@ class MIMETIC_OT_add_face(Job, Operator):
         )
         scene_out.canonical.select_only(context.view_layer, face)
         num_sliders = len(head.shapes) + len(head.groups)
+        self.made = {"object": face.name, "num_sliders": num_sliders}
         return f"{face.name} has {num_sliders} sliders: sidebar, Mimetic, Muscles"
 
 
@@ -56,8 +57,9 @@ class MIMETIC_OT_rest_face(Operator):
         return not reason
 
     def execute(self, context):
-        scene_out.sliders.rest(scene_in.face_of(context))
-        return {"FINISHED"}
+        face = scene_in.face_of(context)
+        scene_out.sliders.rest(face)
+        return outcome.finished(self, context, "", object=face.name)
 
 
 def draw_in_menu(menu, context) -> None:

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import bpy
+from bpy.props import FloatProperty
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out, takes, writable
+from .. import native, outcome, scene_in, scene_out, takes, writable
 from ..jobs import Job
+from . import arguments
 
 
 class MIMETIC_OT_hold_head_still(Job, Operator):
@@ -13,6 +15,13 @@ class MIMETIC_OT_hold_head_still(Job, Operator):
     bl_label = "Hold Head Still"
     bl_options = {"REGISTER", "UNDO"}
 
+    smoothing: FloatProperty(
+        name="Smoothing",
+        min=0.0,
+        options=arguments.OF_ONE_CALL,
+        description="Strength of smoothing; not given: as the panel Head has it",
+    )
+
     @classmethod
     def poll(cls, context):
         if reason := scene_in.no_stabilising(context):
@@ -20,7 +29,8 @@ class MIMETIC_OT_hold_head_still(Job, Operator):
         return not reason
 
     def read(self, context):
-        return scene_in.take(context), context.scene.mimetic.head.smoothing
+        smoothing = arguments.chosen(self, "smoothing", context.scene.mimetic.head)
+        return scene_in.take(context), smoothing
 
     def work(self, inputs, progress):
         take, smoothing = inputs
@@ -33,6 +43,7 @@ class MIMETIC_OT_hold_head_still(Job, Operator):
         performance, clip_name = result
         clip = bpy.data.movieclips[clip_name]
         num_frames = scene_out.stabilised.hold_still(clip, performance)
+        self.made = {"clip": clip_name, "num_frames": num_frames}
         return f"The head is held still in {num_frames} frames of {clip.name}"
 
 
@@ -54,8 +65,9 @@ class MIMETIC_OT_release_head(Operator):
         return not reason
 
     def execute(self, context):
-        scene_out.stabilised.release(scene_in.clip_of(context))
-        return {"FINISHED"}
+        clip = scene_in.clip_of(context)
+        scene_out.stabilised.release(clip)
+        return outcome.finished(self, context, "", clip=clip.name)
 
 
 CLASSES = (MIMETIC_OT_hold_head_still, MIMETIC_OT_release_head)

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How an operator ended and what it made: a line for the user, and for scripts
+`bpy.context.window_manager.mimetic_result`, a JSON object (docs/guide/scripting.md)."""
+
+import json
+
+import bpy
+
+
+def finished(operator, context, message: str, level: str = "INFO", **made) -> set[str]:
+    """Reports and keeps what was made, values that JSON has; returns what `execute` returns."""
+    return _told(operator, context, "FINISHED", level, message, made)
+
+
+def cancelled(operator, context, message: str, level: str = "ERROR") -> set[str]:
+    """The same where nothing was made; of level ERROR, `bpy.ops` raises RuntimeError."""
+    return _told(operator, context, "CANCELLED", level, message, {})
+
+
+def _told(operator, context, status: str, level: str, message: str, made: dict) -> set[str]:
+    if message:
+        operator.report({level}, message)
+    result = {
+        "operator": ".".join(operator.bl_idname.split("_OT_", 1)).lower(),
+        "status": status,
+        "message": message,
+        **made,
+    }
+    context.window_manager.mimetic_result = json.dumps(result)
+    return {status}
+
+
+def register() -> None:
+    bpy.types.WindowManager.mimetic_result = bpy.props.StringProperty(
+        name="Mimetic's Result",
+        options={"HIDDEN", "SKIP_SAVE"},
+        description="How Mimetic's last operator ended and what it made, as JSON",
+    )
+
+
+def unregister() -> None:
+    del bpy.types.WindowManager.mimetic_result
