@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`mimetic bake` as a process of its own."""
 
+import dataclasses
 import os
 import shutil
 import signal
@@ -148,6 +149,31 @@ def test_a_target_gets_the_heads_motion_and_its_file_stays(performance_file, rig
         bpy.context.scene.frame_set(frame)
         turned.append(np.array(head.matrix_basis))
     assert np.abs(turned[0] - turned[1]).max() > 0.1
+
+
+def test_a_target_with_sliders_plays_the_muscles(performance, extension, tmp_path):
+    from mimetic.character.canonical_head import make_head
+    from mimetic.muscles.articulators import ARTICULATORS
+
+    names = [shape.name for shape in make_head().shapes[:36]]
+    lowest, highest = np.array([ARTICULATORS[name] for name in performance.articulators]).T
+    values = np.clip(performance.articulator_values, lowest, highest)
+    acted = dataclasses.replace(performance, muscles=names, articulator_values=values)
+    acted.save(tmp_path / "acted.npz")
+    bpy.ops.mimetic.add_face()
+    name = bpy.context.active_object.name
+    rig, out = tmp_path / "character.blend", tmp_path / "played.blend"
+    bpy.context.scene.render.fps = 25
+    bpy.ops.wm.save_as_mainfile(filepath=str(rig))
+    ran = run_bake(tmp_path / "acted.npz", "--out", out, "--target", f"{rig}:{name}")
+    assert ran.returncode == 0, ran.stderr
+    assert f"curves on {name}" in ran.stdout
+    bpy.ops.wm.open_mainfile(filepath=str(out))
+    face = bpy.data.objects[name]
+    bpy.context.scene.frame_set(24)
+    value = face.data.shape_keys.key_blocks[names[3]].value
+    assert value == pytest.approx(acted.activations[23, 3], abs=1e-5)
+    assert len(extension("compat").curves(face).fcurves) >= 6  # it moves as the actor's head
 
 
 @pytest.mark.parametrize(

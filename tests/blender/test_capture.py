@@ -166,7 +166,8 @@ def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, t
     path = str(tmp_path / "part.npz")
     footage = extension("scene_in").footage(bpy.context)
     inputs = (footage, (1, 40), fit, (path, path), None)
-    assert operator.work(operator, inputs, progress)[:2] == (footage.clip_name, path)
+    made, _ = operator.work(operator, inputs, progress)
+    assert (made["clip"], made["performance"]) == (footage.clip_name, path)
     from mimetic.performance.document import Performance
 
     part = Performance.load(path)
@@ -194,6 +195,7 @@ def test_esc_before_the_first_result_changes_nothing(extension, scene, with_clip
         """The operator as Blender makes it, which only Blender can."""
 
         write, _write, _end, _timer = pressed.write, jobs.Job._write, jobs.Job._end, None
+        bl_idname = operator
 
         def report(self, kind, text):
             output.append((kind, text))
@@ -208,6 +210,7 @@ def test_esc_before_the_first_result_changes_nothing(extension, scene, with_clip
     assert run.is_done()
     assert Pressed()._end(bpy.context) == {"CANCELLED"}
     assert output == [({"WARNING"}, "Stopped; nothing was changed")]
+    assert '"CANCELLED"' in bpy.context.window_manager.mimetic_result
     assert kept.performance_path == "before.npz"
     assert list(tmp_path.iterdir()) == []
 

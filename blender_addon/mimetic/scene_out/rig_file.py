@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A performance's head motion in a copy of someone's .blend: what `mimetic bake --target` calls."""
+"""A performance on a character in a copy of a .blend: what `mimetic bake --target` calls."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from pathlib import Path
 
 import bpy
 
-from .. import native
-from . import actions, clip, head, rigs
+from .. import native, scene_in
+from . import actions, bound, clip, head, rigs
 
 
 def write(
@@ -20,23 +20,35 @@ def write(
     settings: dict,
     footage_path: str | None = None,
 ) -> str:
-    """Opens `rig_path`, keys the head's motion on its object `name`, and writes `out` whole.
+    """Opens `rig_path`, keys the performance on its object `name`, and writes `out` whole.
 
-    settings: bone and neck, found by name where None; neck_share; smoothing. The file keeps its own
-    rate, range and everything else; its scripts do not run. Returns what was written.
+    A head that has the muscles' sliders plays them; any other object, or an armature's bones, gets
+    the head's motion. settings: bone and neck, found by name where None; neck_share; smoothing, of
+    the head's motion alone. The file keeps its own rate, range and everything else; its scripts do
+    not run. Returns what was written.
     """
     performance = native.performances().Performance.load(performance_path)
-    performance = native.head_smoothing().smoothed(performance, settings["smoothing"])
     try:
         bpy.ops.wm.open_mainfile(filepath=rig_path, load_ui=False, use_scripts=False)
     except RuntimeError as error:
         raise native.invalid_input(f"--target {rig_path}: {error}") from None
     scene = bpy.context.scene
-    target = _target(scene, rig_path, name, settings)
+    where = f"--target {Path(rig_path).name}"
+    obj = _object(scene, where, name, settings)
     footage = clip.load(scene, footage_path) if footage_path else None
     take = actions.take_name(footage_path or performance_path)
-    summary = head.bake(scene, performance, take, target, footage)
-    path = Path(out).absolute()
+    if scene_in.is_face(obj):
+        text = _play(scene, performance, take, obj, footage)
+    else:
+        performance = native.head_smoothing().smoothed(performance, settings["smoothing"])
+        target = _target(obj, where, settings)
+        summary = head.bake(scene, performance, take, target, footage)
+        text = f"{summary.num_curves} curves on {summary.where}, {_frames(summary)}"
+    _save(Path(out).absolute())
+    return text
+
+
+def _save(path: Path) -> None:
     # Beside `out`, so that relative paths hold once it has its name
     aside = path.with_name(f".{path.stem}.{os.getpid()}.blend")
     try:
@@ -46,12 +58,20 @@ def write(
         os.replace(aside, path)
     finally:
         aside.unlink(missing_ok=True)
-    frames = f"{summary.first:.6g} to {summary.last:.6g}"
-    return f"{summary.num_curves} curves on {summary.where}, frames {frames}"
 
 
-def _target(scene: bpy.types.Scene, rig_path: str, name: str, settings: dict) -> head.Target:
-    where = f"--target {Path(rig_path).name}"
+def _frames(summary) -> str:
+    return f"frames {summary.first:.6g} to {summary.last:.6g}"
+
+
+def _play(scene: bpy.types.Scene, performance, take: str, face, footage) -> str:
+    """The performance on a head's own sliders, as the button Bake puts it there."""
+    summary = bound.bake(scene, performance, take, face, footage)
+    remarks = "".join(f"; {remark}" for remark in summary.left_out)
+    return f"{summary.num_curves} curves on {face.name}, {_frames(summary)}{remarks}"
+
+
+def _object(scene: bpy.types.Scene, where: str, name: str, settings: dict) -> bpy.types.Object:
     if name not in scene.objects:
         names = ", ".join(sorted(other.name for other in scene.objects)[:12])
         raise native.invalid_input(f"{where} has no object {name}; it has {names or 'none'}")
@@ -61,11 +81,17 @@ def _target(scene: bpy.types.Scene, rig_path: str, name: str, settings: dict) ->
             raise native.invalid_input(
                 f"{where}:{name} is no armature; leave --bone and --neck out"
             )
-        return head.Target(name)
-    if obj.mode == "EDIT":
+    elif obj.mode == "EDIT":
         raise native.invalid_input(
             f"{where}:{name} was saved in edit mode; leave it and save again"
         )
+    return obj
+
+
+def _target(obj: bpy.types.Object, where: str, settings: dict) -> head.Target:
+    name = obj.name
+    if obj.type != "ARMATURE":
+        return head.Target(name)
     by_name = rigs.head_bones(obj)
     bone = settings["bone"] or by_name.head
     neck = by_name.neck if settings["neck"] is None else settings["neck"]

@@ -8,6 +8,7 @@ import time
 
 import pytest
 from clips import ffmpeg, make_clip
+from sample_fit import make_fit
 
 MIMETIC = [sys.executable, "-m", "mimetic"]
 
@@ -36,6 +37,7 @@ def clips(fetched_clip, tmp_path_factory):
         ffmpeg("-i", fetched_clip(footage), "-frames:v", 8, "-crf", 10, folder / f"{name}.mp4")
     make_clip(folder / "faceless.mp4", size="160x120", frames=4)
     (folder / "damaged.mp4").write_bytes((folder / "one.mp4").read_bytes()[:3000])
+    make_fit().save(folder / "large.json")
     return folder
 
 
@@ -43,7 +45,9 @@ def clips(fetched_clip, tmp_path_factory):
 def resumed(clips, mimetic, tmp_path_factory):
     """A batch that was killed after its first clip, and started again: (folder, its run)."""
     out = tmp_path_factory.mktemp("batch") / "out"
-    words = ["batch", clips, clips.parent / "gone.mp4", "--out", out, "--processes", "1"]
+    table = out.parent / "table.csv"
+    table.write_text(f"clip,fit\n{clips / 'two.mp4'},{clips / 'large.json'}\n")
+    words = ["batch", clips, table, clips.parent / "gone.mp4", "--out", out, "--processes", "1"]
     first = out / "one"
     order = [*MIMETIC, *map(str, words)]
     batch = subprocess.Popen(order, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)

@@ -23,8 +23,9 @@ def test_every_failure_is_a_line_at_the_end(resumed):
     reasons = dict(line.split(": ", 1) for line in lines)
     assert "no frontal face" in reasons["faceless"]
     assert "cut off before its index" in reasons["damaged"]
-    assert any("no such file" in reason for reason in reasons.values()) and len(reasons) == 3
-    assert re.search(r"2 clips done, 1 of them before, 3 not; index.html", last)
+    assert any("no such file" in reason for reason in reasons.values()) and len(reasons) == 4
+    assert "the face fit is for pictures of 320 x 240" in reasons["two-2"]
+    assert re.search(r"2 clips done, 1 of them before, 4 not; index.html", last)
 
 
 def test_the_page_shows_every_clip_and_needs_nothing_else(resumed):
@@ -48,7 +49,7 @@ def test_a_summary_is_told_without_running_anything(mimetic, resumed):
     out, _ = resumed
     (out / "index.html").unlink()
     ran = mimetic("batch", "--summary", "--out", out)
-    assert ran.returncode == 1 and "2 clips done, 3 not" in ran.stdout
+    assert ran.returncode == 1 and "2 clips done, 4 not" in ran.stdout
     assert (out / "index.html").is_file()
 
 

@@ -1,10 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
+import shutil
 
 import pytest
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.batch import plan
 from mimetic.batch.clip_list import Row
+from mimetic.batch.page import write_page
 from mimetic.batch.steps import Settings
 from mimetic.batch.task import Task
 
@@ -51,6 +53,13 @@ def test_ranges_and_characters_of_one_clip_are_takes_of_their_own(rows, out):
     assert len({task.name for task in plan.prepare(out, takes, Settings()).tasks}) == 3
 
 
+def test_one_clip_with_several_fits_has_a_folder_for_each(rows, out, tmp_path):
+    takes = [Row(rows[0].clip, fit=str(tmp_path / name)) for name in ("a.json", "b.json")]
+    before = plan.prepare(out, takes, Settings())
+    assert [task.name for task in before.tasks] == ["shot", "shot-2"]
+    assert plan.prepare(out, takes, Settings()) == before
+
+
 def test_folders_of_something_else_are_left_alone(rows, out):
     (out / "shot").mkdir()
     (out / "shot" / "mine.txt").write_text("mine")
@@ -85,6 +94,15 @@ def test_a_folder_that_is_gone_is_a_problem_of_its_clip_alone(rows, out):
     assert "there is no such file" in again.problems[0].problem
 
 
+def test_a_folder_that_vanishes_while_the_batch_runs_is_its_clips_failure(rows, out):
+    batch = plan.prepare(out, rows, Settings())
+    shutil.rmtree(batch.tasks[0].folder)
+    failures = plan.reload(batch)
+    assert list(failures) == ["shot"] and "no such file" in failures["shot"]
+    write_page(batch, failures)
+    assert "no such file" in (out / "index.html").read_text()
+
+
 def test_files_that_are_no_batch_are_refused(rows, out):
     with pytest.raises(UnreadableMedia, match="no such file"):
         plan.load(out)
@@ -102,6 +120,8 @@ def test_files_that_are_no_batch_are_refused(rows, out):
         {"settings": {}},
         {"done": {"capture": {"key": 1, "files": {}}}},
         {"take": []},
+        {"take": {"frames": "x"}},
+        {"notes": [3]},
     ],
 )
 def test_tasks_of_another_make_are_refused_and_prepared_again(rows, out, change):

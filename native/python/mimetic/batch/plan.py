@@ -60,7 +60,8 @@ def prepare(out: Path, rows: Sequence[Row], settings: Settings) -> Batch:
         if row.problem and not Path(row.clip).is_file():
             batch.problems.append(row)
             continue
-        name = known.get(row.identity) or _free_name(out, row, names)
+        before = known.get(row.identity)  # of rows that differ by their fit alone there are more
+        name = before.pop(0) if before else _free_name(out, row, names)
         names.add(name.lower())
         batch.tasks.append(_prepared(out / name, row, settings))
     batch.save()
@@ -100,12 +101,23 @@ def _prepared(folder: Path, row: Row, settings: Settings) -> Task:
     return task
 
 
-def _known_folders(out: Path) -> dict[tuple[str, str, str], str]:
-    """Name of each folder of results by what it is of."""
-    known = {}
-    for path in sorted(out.glob(f"*/{MARK}")):
+def reload(batch: Batch) -> dict[str, str]:
+    """Reads again what the tasks have done; returns, by name, why one cannot be read."""
+    failures = {}
+    for i, task in enumerate(batch.tasks):
         try:
-            known[Task.load(path.parent).row.identity] = path.parent.name
+            batch.tasks[i] = Task.load(task.folder)
+        except (InvalidInput, UnreadableMedia) as error:
+            failures[task.name] = str(error)
+    return failures
+
+
+def _known_folders(out: Path) -> dict[tuple[str, str, str], list[str]]:
+    """Names of the folders of results by what they are of, in the order of their numbers."""
+    known: dict[tuple[str, str, str], list[str]] = {}
+    for path in sorted(out.glob(f"*/{MARK}"), key=lambda path: (len(path.parent.name), path)):
+        try:
+            known.setdefault(Task.load(path.parent).row.identity, []).append(path.parent.name)
         except (InvalidInput, UnreadableMedia):
             continue
     return known

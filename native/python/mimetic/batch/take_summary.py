@@ -55,3 +55,20 @@ def _write_picture(performance: Performance, footage: Footage, i: int, path: Pat
     picture.thumbnail((WIDTH, WIDTH))
     with whole_file(path) as stream:
         picture.save(stream, "jpeg", quality=85)
+
+
+def is_summary(value: object) -> bool:
+    """Whether a value from a file is what `summarise` gives, or {} for none."""
+    if not isinstance(value, dict) or not value:
+        return value == {}
+    numbers = [value.get(name) for name in ("num_held", "median", "lowest", "shown")]
+    lists = [value.get("frames"), value.get("curve")]
+    if not all(isinstance(one, list) for one in lists) or len(lists[0] or ()) != 2:
+        return False
+    numbers += [*(lists[0] or ()), *(lists[1] or ())]
+    notes = value.get("notes")
+    return (
+        all(isinstance(one, int | float) for one in numbers)
+        and isinstance(notes, list)
+        and all(isinstance(note, str) for note in notes)
+    )

@@ -19,7 +19,7 @@ from mimetic import InvalidInput, UnreadableMedia
 from mimetic.batch.clip_list import MARK, Row
 from mimetic.batch.person import Person, folder_of
 from mimetic.batch.steps import BAKES, Settings, Step, steps_of
-from mimetic.batch.take_summary import summarise
+from mimetic.batch.take_summary import is_summary, summarise
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.shared.folder_lock import alone_with
 from mimetic.shared.json_file import read_json
@@ -129,8 +129,10 @@ def _checked_fields(document: Any) -> dict[str, Any]:
     for record in document["done"].values():
         if not isinstance(record["key"], str) or not isinstance(record["files"], dict):
             raise TypeError("done holds what is no step")
-    if not isinstance(document["error"], str) or not isinstance(document["take"], dict):
+    if not isinstance(document["error"], str) or not is_summary(document["take"]):
         raise TypeError("error or take of another type")
+    if not all(isinstance(note, str) for note in document["notes"]):
+        raise TypeError("notes of another type")
     names = ("done", "begun", "error", "take", "notes")
     return {"row": row, "settings": Settings(**settings)} | {n: document[n] for n in names}
 

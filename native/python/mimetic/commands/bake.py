@@ -30,7 +30,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--target",
         metavar="RIG.blend:OBJECT",
-        help="put the head's motion on this object or armature instead, in a copy of its file",
+        help="put the performance on this character instead, in a copy of its file: its muscles on "
+        "a head that has them attached, the head's motion on any other object or an armature",
     )
     add_face_arguments(parser)
     parser.add_argument("--bone", help="the armature's head (default: found by its name)")

@@ -7,7 +7,7 @@ import argparse
 import os
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from mimetic import InvalidInput
@@ -218,7 +218,7 @@ def run(batch: Batch, arguments: argparse.Namespace) -> int:
                 failures[name] = outcome.message
                 console.tell(f"{name}: {outcome.message}")
             if len(ends) % PAGE_EVERY == 0:
-                write_page(plan.load(batch.out), failures)
+                _refresh(batch, failures, console.tell)
 
         def show(fraction: float, number: int) -> None:
             failed = f", {len(failures)} failed" if failures else ""
@@ -233,9 +233,18 @@ def run(batch: Batch, arguments: argparse.Namespace) -> int:
             command = [sys.executable, "-m", "mimetic", "batch", "--end-with-parent"]
             command += ["--out", str(batch.out), "--task"]
             pool.run({name: [*command, name] for name in weights}, weights, show)
-    batch.tasks[:] = plan.load(batch.out).tasks
-    write_page(batch, failures)
+    _refresh(batch, failures, lambda text: print(cli.line(text)))
     return interrupted.status or tell_outcome(batch, failures, num_before)
+
+
+def _refresh(batch: Batch, failures: dict[str, str], tell: Callable[[str], None]) -> None:
+    """Reads what is done and writes the page; where that fails the batch goes on."""
+    for name, reason in plan.reload(batch).items():
+        failures.setdefault(name, reason)
+    try:
+        write_page(batch, failures)
+    except OSError as error:
+        tell(f"{batch.out / PAGE} cannot be written: {error.strerror or error}")
 
 
 def _weight(clip: Path) -> float:
