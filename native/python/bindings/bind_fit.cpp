@@ -95,7 +95,8 @@ void bind_fit(py::module_& m) {
         "model"_a, "views"_a, "camera"_a, "focal_free"_a = false, "start"_a = py::none(),
         "shape_free"_a = true, py::call_guard<py::gil_scoped_release>(),
         "Pose of every view and the proportions and focal length that they share.\n\n"
-        "start: FaceEstimate of the same views to go on from\nshape_free: whether proportions are estimated, or "
+        "start: FaceEstimate of the same views to go on from\nshape_free: whether proportions are estimated, "
+        "or "
         "kept as start has them\nreturns: FaceEstimate, metres and pixels");
     m.def("project_features", &project_features, "model"_a, "estimate"_a, "camera"_a, "view"_a = 0,
           py::call_guard<py::gil_scoped_release>(),
