@@ -167,6 +167,12 @@ def footage() -> ModuleType:
     return footage
 
 
+def gaze_shapes() -> ModuleType:
+    from mimetic.character import gaze_shapes
+
+    return gaze_shapes
+
+
 def foreign_face() -> ModuleType:
     from mimetic.character import foreign_face
 

@@ -16,7 +16,7 @@ from bpy.props import (
 )
 
 from . import compat, editors, writable
-from .scene_out import contact, expressions, rigs
+from .scene_out import contact, expressions, gaze, rigs
 
 STRAIN_MEASURES = (
     ("AREA", "Area", "Growth of the skin's area"),
@@ -156,7 +156,38 @@ class MimeticLandmark(bpy.types.PropertyGroup):
     place: FloatVectorProperty(size=3, precision=6, description="Where it is in metres, else")
 
 
+YAWS, PITCHES = (-0.873, 0.873), (-0.873, 0.698)  # radians: 50 and 40 degrees
+
+
+def _gaze_slider(name: str, side: str, axis: int, lowest: float, highest: float):
+    """A slider, shown in degrees, for an eye, which five shape keys turn."""
+
+    def get(self) -> float:
+        return gaze.angles(self.id_data, side)[axis]
+
+    def turn(self, value: float) -> None:
+        angles = list(gaze.angles(self.id_data, side))
+        angles[axis] = value
+        gaze.set_angles(self.id_data, side, *angles)
+
+    return FloatProperty(
+        name=name,
+        subtype="ANGLE",
+        min=lowest,
+        max=highest,
+        get=get,
+        set=turn,
+        options={"SKIP_SAVE"},
+        description="Turns the eyeball rigidly, by the shape keys eye_down, eye_left and their "
+        "products, on which curves are keyed; the lid stays",
+    )
+
+
 class MimeticFace(bpy.types.PropertyGroup):
+    gaze_yaw_left: _gaze_slider("Left Eye to the Left", "L", 0, *YAWS)
+    gaze_pitch_left: _gaze_slider("Left Eye Up", "L", 1, *PITCHES)
+    gaze_yaw_right: _gaze_slider("Right Eye to the Left", "R", 0, *YAWS)
+    gaze_pitch_right: _gaze_slider("Right Eye Up", "R", 1, *PITCHES)
     landmark: StringProperty(name="Landmark", description="What an empty stands for on a head")
     footage: StringProperty(
         name="Footage", description="Fingerprint of the footage that the face was baked from"

@@ -24,6 +24,7 @@ from evaluation.runs import (
     expressions,
     fit,
     flow,
+    gaze,
     head,
     locate,
     real,
@@ -51,14 +52,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "(docs/measured/calibration.md), `rest` how often the frame that is taken for the neutral "
         "face shows it (docs/guide/fitting.md), `real` how near eyes and lips come to points "
         "marked by hand on real faces (docs/measured/real-faces.md), `timing` how well the "
-        "times at which muscles fire are recovered (docs/measured/timing.md)."
+        "times at which muscles fire are recovered (docs/measured/timing.md), `gaze` how well the "
+        "eyes of rendered people are followed (docs/measured/gaze.md)."
     )
     parser.add_argument(
         "what",
         nargs="?",
         choices=(
-            *("ablations", "abuse", "calibration", "capture", "fit", "flow", "head", "locate"),
-            *("real", "rest", "timing"),
+            *("ablations", "abuse", "calibration", "capture", "fit", "flow", "gaze"),
+            *("head", "locate", "real", "rest", "timing"),
         ),
         default="capture",
         help="what to score (default: capture)",
@@ -128,6 +130,7 @@ def run_tables(options: argparse.Namespace) -> int:
         "abuse": _run_abuse,
         "real": _run_real,
         "rest": _run_rest,
+        "gaze": _run_gaze,
         "head": _run_head,
         "fit": _run_fit,
         "flow": _run_flow,
@@ -193,6 +196,18 @@ def _run_flow(options: argparse.Namespace) -> int:
 def _run_rest(options: argparse.Namespace) -> int:
     _refuse(options, "out")
     return _show(options, rest.score_rest(options.set, _to_stderr), rest.as_json, rest.as_text)
+
+
+def _run_gaze(options: argparse.Namespace) -> int:
+    _refuse(options, "out")
+    if options.set not in gaze.SETS:
+        raise InvalidInput(f"--set {options.set} does not go with `gaze`")
+    all_scores = []
+    for scores in gaze.score_gaze(options.set, _to_stderr):
+        all_scores += scores
+        if not options.json:
+            print(gaze.clip_text(scores), end="\n\n", flush=True)
+    return _show(options, all_scores, gaze.as_json, gaze.as_text)
 
 
 def _run_timing(options: argparse.Namespace) -> int:

@@ -15,8 +15,10 @@ from mimetic.fit.face_model import limit_positions
 from mimetic.fit.fitting import NoFace, find_face
 from mimetic.locate.feature_networks import MESH_POINTS, feature_places
 from mimetic.media.footage import Footage
+from mimetic.muscles.eyeballs import eye_geometry
 from mimetic.muscles.feature_lines import feature_lines
 from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.performance.gaze import has_gaze, iris_circles
 from mimetic.performance.places import RefinedSurface
 from mimetic.template.face_template import FaceTemplate, load_template
 from numpy.typing import NDArray
@@ -38,6 +40,9 @@ REFINED_MESH_POINTS = {
     **{"iris.R": 468, "iris.L": 473},
 }
 
+IRISES = [POINTS.index("iris.L"), POINTS.index("iris.R")]
+ON_SKIN = [i for i in range(len(POINTS)) if i not in IRISES]
+
 
 def by_capture(labels: Labels, performance: Performance) -> NDArray[np.float64]:
     """N x POINTS x 2 on the limit surface; nan in frames that are held."""
@@ -46,11 +51,16 @@ def by_capture(labels: Labels, performance: Performance) -> NDArray[np.float64]:
     refined = np.searchsorted(
         surface.used, head_points(template)
     )  # limits of the control vertices come first
+    at_rest = iris_fronts(performance.neutral_vertices, template)
     places = np.full((len(labels.frame), len(POINTS), 2), np.nan)
     for row, frame in enumerate(labels.frame):
         i = performance.index_of(int(frame))
         if performance.quality[i] >= HELD_QUALITY:
-            places[row] = performance.project(surface.in_camera(i)[refined])
+            places[row, ON_SKIN] = performance.project(surface.in_camera(i)[refined])
+            turned = has_gaze(performance)
+            irises = iris_circles(performance, i)[:, 0] if turned else at_rest
+            pose = performance.head_pose[i]
+            places[row, IRISES] = performance.project(irises @ pose[:3, :3].T + pose[:3, 3])
     return places
 
 
@@ -63,21 +73,27 @@ def by_fit(labels: Labels, footage: Footage) -> NDArray[np.float64]:
         with contextlib.suppress(NoFace):
             fit = find_face(np.ascontiguousarray(footage.read(int(frame))), int(frame))
             head = fit.neutral_vertices(template)
+            irises = iris_fronts(head, template)
             head[:skin] = on_limit(head[:skin])
-            places[row] = fit.camera.pixels(head[head_points(template)], fit.head_pose)
+            places[row, ON_SKIN] = fit.camera.pixels(head[head_points(template)], fit.head_pose)
+            places[row, IRISES] = fit.camera.pixels(irises, fit.head_pose)
     return places
 
 
 def head_points(template: FaceTemplate) -> list[int]:
-    """The canonical head's control vertices at POINTS; the iris is the front of the eyeball."""
+    """The canonical head's control vertices at the POINTS that are on skin."""
     return [
-        _pupil(template, name[-1])
-        if name.startswith("iris")
-        else _middle(template, LINES[name])
-        if name in LINES
-        else template.landmark(name)
-        for name in POINTS
+        _middle(template, LINES[name]) if name in LINES else template.landmark(name)
+        for name in (POINTS[i] for i in ON_SKIN)
     ]
+
+
+def iris_fronts(vertices: NDArray[np.float64], template: FaceTemplate) -> NDArray[np.float64]:
+    """2 x 3, left first: where eyes that look straight ahead have the middles of their irises.
+
+    The eyeballs have no vertex there: the foremost lies 3 mm aside.
+    """
+    return eye_geometry(vertices, template).fronts()
 
 
 def _middle(template: FaceTemplate, line: str) -> int:
@@ -87,18 +103,21 @@ def _middle(template: FaceTemplate, line: str) -> int:
     return min(feature_lines(template)[line], key=lambda v: abs(x[v] - middle))
 
 
-def _pupil(template: FaceTemplate, side: str) -> int:
-    """The vertex in the middle of an eye's front."""
-    vertices = template.part_vertices(f"eye.{side}")
-    return int(vertices[np.argmax(template.vertices[vertices, 2])])
-
-
 def by_face_mesh(labels: Labels, python: Path) -> NDArray[np.float64]:
     """N x POINTS x 2 of MediaPipe, which is shown the clip as video; nan where it sees no face.
 
     python: of scripts/face_mesh_env. Raises InvalidInput.
     """
     footage = Footage(footage_of(labels.clip))
+    meshes = run_face_mesh(footage, python, int(labels.frame[-1]))
+    return meshes[labels.frame - 1][:, [REFINED_MESH_POINTS[name] for name in POINTS]]
+
+
+def run_face_mesh(footage: Footage, python: Path, last: int | None = None) -> NDArray[np.float64]:
+    """N x 478 x 2 pixels of MediaPipe's refined mesh, shown the clip as video up to frame `last`.
+
+    python: of scripts/face_mesh_env. Raises InvalidInput.
+    """
     script = CHECKOUT / "evaluation" / "real" / "face_mesh_landmarks.py"
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "out.npy"
@@ -106,15 +125,14 @@ def by_face_mesh(labels: Labels, python: Path) -> NDArray[np.float64]:
         run = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
         )
-        with run:
-            for _, image in footage.frames(1, int(labels.frame[-1])):
+        with run, tempfile.TemporaryFile():
+            for _, image in footage.frames(1, last or footage.num_frames):
                 run.stdin.write(np.ascontiguousarray(image).tobytes())
             run.stdin.close()
             errors = run.stderr.read().decode(errors="replace")
         if run.returncode != 0:
             raise InvalidInput(f"the face mesh failed: {' '.join(errors.split()[-40:])}")
-        meshes = np.load(out, allow_pickle=False)
-    return meshes[labels.frame - 1][:, [REFINED_MESH_POINTS[name] for name in POINTS]]
+        return np.load(out, allow_pickle=False)
 
 
 def by_networks(

@@ -17,6 +17,8 @@ from .clips import CannotRender, Clip, clip
 from .expressions.films import long_clip, take_clip
 from .expressions.recipes import SETS as EXPRESSIONS
 from .expressions.recipes import some_of
+from .gaze.films import gaze_clip
+from .gaze.recipes import SETS as GAZES
 from .heads.films import head_clip
 from .heads.recipes import SETS as HEADS
 from .photographs.real import real_stills
@@ -46,6 +48,7 @@ def main(arguments: list[str] | None = None) -> int:
     which.add_argument("--abuse", choices=ABUSE, help="faces covered, cut, darkened; see --heads")
     which.add_argument("--expressions", choices=EXPRESSIONS, help="nine expressions by many people")
     which.add_argument("--portraits", choices=PORTRAITS, help="portraits; prints the .npz")
+    which.add_argument("--gaze", choices=GAZES, help="people who look about; prints paths")
     which.add_argument("--rest", choices=RESTS, help="short clips, at rest first or last")
     parser.add_argument("--people", type=int, help="with --expressions: so many, evenly chosen")
     parser.add_argument("--out", type=Path, help="copy the clips into this folder")
@@ -62,15 +65,16 @@ def main(arguments: list[str] | None = None) -> int:
             print(made(_to_stderr))
             return 0
         if options.heads:
-            for wanted in HEADS[options.heads]:
-                head = head_clip(wanted, template, _to_stderr)
-                print(wanted.kind, wanted.name, head.footage, head.truth, sep="\t", flush=True)
+            _print_heads(HEADS[options.heads], template)
             return 0
         if options.abuse:
             _print_abused(ABUSE[options.abuse], template)
             return 0
         if options.rest:
             _print_rests(RESTS[options.rest], template)
+            return 0
+        if options.gaze:
+            _print_gazes(GAZES[options.gaze], template)
             return 0
         if options.portraits:
             print(portraits(options.portraits, template, _to_stderr))
@@ -89,6 +93,20 @@ def main(arguments: list[str] | None = None) -> int:
     except KeyboardInterrupt:
         return 130
     return 0
+
+
+def _print_heads(clips, template) -> None:
+    for wanted in clips:
+        head = head_clip(wanted, template, _to_stderr)
+        print(wanted.kind, wanted.name, head.footage, head.truth, sep="\t", flush=True)
+
+
+def _print_gazes(clips, template) -> None:
+    """Width of the eyes, what the head and the eyes do, name and paths of each clip."""
+    for looking in clips:
+        made = gaze_clip(looking, template, _to_stderr)
+        row = (looking.eye_px, looking.head, looking.gaze)
+        print(*row, made.name, made.footage, made.truth, sep="\t", flush=True)
 
 
 def _print_rests(people, template) -> None:

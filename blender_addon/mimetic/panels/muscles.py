@@ -5,7 +5,10 @@ from bpy.types import Panel
 
 from .. import contact, native, scene_in, writable
 from ..overlay import live
+from ..scene_out import gaze
 from .capture import wrapped
+
+GAZE_SLIDERS = ("gaze_yaw_left", "gaze_pitch_left", "gaze_yaw_right", "gaze_pitch_right")
 
 
 class Muscles:
@@ -50,7 +53,7 @@ class MIMETIC_PT_muscles(Muscles, Panel):
             if shape.name in keys:
                 sliders.setdefault(shape.group, []).append(keys[shape.name])
         for group, blocks in groups.items():
-            self.draw_group(layout, group, sliders.get(group, []), blocks)
+            self.draw_group(layout, face, group, sliders.get(group, []), blocks)
 
     def draw_attaching(self, layout, context):
         active = context.active_object
@@ -60,7 +63,7 @@ class MIMETIC_PT_muscles(Muscles, Panel):
         column.operator("mimetic.add_landmarks", icon="EMPTY_DATA")
         column.operator("mimetic.attach_muscles", icon="SHAPEKEY_DATA")
 
-    def draw_group(self, layout, group, sliders, blocks):
+    def draw_group(self, layout, face, group, sliders, blocks):
         """A group's own slider in the header; its sides and its muscles below."""
         header, body = layout.panel(f"mimetic_{group}", default_closed=True)
         both = next((block for block in sliders if block.name == group), None)
@@ -75,6 +78,10 @@ class MIMETIC_PT_muscles(Muscles, Panel):
             for block in sides:
                 row.prop(block, "value", text=block.name.rpartition(".")[2], slider=True)
         column = body.column(align=True)
+        if group == "Gaze" and gaze.turns(face):
+            for name in GAZE_SLIDERS:
+                column.prop(face.mimetic, name, slider=True)
+            return
         for block in blocks:
             column.prop(block, "value", text=block.name, slider=True)
 

@@ -43,7 +43,7 @@ def bake(
     """
     writable.check(writable.no_sliders(head_object))
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
-    shapes = native.shapes().shapes_of(performance.without_detail())
+    shapes = native.shapes().slider_shapes_of(performance)
     keys = head_object.data.shape_keys
     sliders = _sliders(head_object, shapes)
     driven_keys = _driven(keys)

@@ -13,12 +13,12 @@ using namespace pybind11::literals;
 namespace {
 
 ImageArray paint(const OverlayPainter& painter, const ImageArray& image, PointsIn vertices, double quality,
-                 int frame) {
+                 int frame, const std::vector<Points>& rings) {
     const ColorView view = view_image<3>(image, "the picture");
     ColorImage painted;
     {
         const py::gil_scoped_release release;
-        painted = painter.paint(view, vertices, quality, frame);
+        painted = painter.paint(view, vertices, quality, frame, rings);
     }
     ImageArray array({painted.rows, painted.cols, 3});
     std::memcpy(array.mutable_data(), painted.pixels.data(), painted.pixels.size());
@@ -56,8 +56,9 @@ void bind_raster(py::module_& m) {
              "num_vertices"_a, py::arg("faces").noconvert(), "landmarks"_a, "options"_a = OverlayOptions{},
              "faces: (F, 4) int32; landmarks: vertices drawn as dots; raises InvalidInput")
         .def("paint", &paint, py::arg("image").noconvert(), py::arg("vertices_in_camera").noconvert(),
-             "quality"_a, "frame"_a,
-             "image: (H, W, 3) uint8; vertices_in_camera: (V, 3) float64, metres; quality: 0 to 1\n"
+             "quality"_a, "frame"_a, "rings"_a = std::vector<Points>{},
+             "image: (H, W, 3) uint8; vertices_in_camera: (V, 3) float64, metres; quality: 0 to 1; rings: of "
+             "the\nirises, (K, 3) each, metres in the camera frame\n"
              "returns: (H * scale, W * scale, 3) uint8");
 }
 

@@ -129,6 +129,17 @@ void bind_estimate(py::module_& m) {
             "(D,) of the detail modes")
         .def_property_readonly(
             "detail_std", [](const FrameEstimate& e) { return e.detail.std; }, "(D,)")
+        .def_property_readonly(
+            "irises",
+            [](const FrameEstimate& e) {
+                Eigen::Matrix<double, 2, 5, Eigen::RowMajor> rows;
+                for (int eye = 0; eye < 2; ++eye) {
+                    const SeenIris& iris = e.irises[static_cast<std::size_t>(eye)];
+                    rows.row(eye) << iris.center.transpose(), iris.side, iris.opening, iris.presence;
+                }
+                return rows;
+            },
+            "(2, 5), left first: x, y, pixels; side of the crop, 0 if not seen; opening; presence")
         .def_readonly("quality", &FrameEstimate::quality, "0 lost to 1 well explained")
         .def_readonly("held", &FrameEstimate::held, "nothing was measured: repeats the last good state")
         .def_readonly("found_again", &FrameEstimate::found_again,

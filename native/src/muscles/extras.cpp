@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mimetic/muscles/extras.hpp>
+#include <mimetic/muscles/eyeballs.hpp>
 #include <mimetic/shared/error.hpp>
 #include <numeric>
 
@@ -16,10 +17,7 @@ constexpr double kLineSpacing = 0.0015;  // m, of the points that stand for a li
 constexpr double kFootprintLimit = 3;    // standard deviations
 constexpr double kSlitFade = 0.003;      // m; the push to the slit fades where the lips meet
 constexpr double kLipDepth = 0.003;      // m; the lip's core lies so far under its skin
-// Of the eye's turn up and down, at the middle of the upper and the lower lid. The upper one goes nearly as
-// far as the eye (Becker and Fuchs 1988, J. Neurophysiology 60); the shares are assumed.
-constexpr double kUpperFollows = 0.8;
-constexpr double kLowerFollows = 0.3;
+constexpr double kLowerFollows = 0.3;    // of the eye's turn up and down, at the lower lid's middle; assumed
 
 PlacedExtra place_extra(const SkinMesh& canonical, const SkinMesh& mesh, const ExtraEntry& entry,
                         const std::string& sides) {

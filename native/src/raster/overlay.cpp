@@ -13,6 +13,8 @@ namespace {
 
 constexpr int kSubpixelBits = 4;
 const cv::Scalar kWhite(255, 255, 255);
+const cv::Vec3f kIris(255, 120, 200);
+constexpr double kUnderLid = 1e-3;  // metres behind the skin at which an iris is covered
 
 cv::Point to_fixed(const Eigen::Vector2d& pixel) {
     constexpr double kFar = 32000;  // OpenCV's fixed point ends beyond
@@ -120,13 +122,14 @@ OverlayPainter::OverlayPainter(const Camera& camera, int num_vertices, QuadsIn f
     }
 }
 
-std::vector<OverlayPainter::Place> OverlayPainter::find_places(PointsIn vertices_in_camera) const {
-    const DepthMap depth = render_depth(camera_, vertices_in_camera, faces_);
-    std::vector<Place> places(static_cast<std::size_t>(num_vertices_));
-    for (int i = 0; i < num_vertices_; ++i) {
-        const Eigen::Vector3d point = vertices_in_camera.row(i);
+std::vector<OverlayPainter::Place> OverlayPainter::find_places(PointsIn points_in_camera,
+                                                               const DepthMap& depth,
+                                                               double tolerance) const {
+    std::vector<Place> places(static_cast<std::size_t>(points_in_camera.rows()));
+    for (Eigen::Index i = 0; i < points_in_camera.rows(); ++i) {
+        const Eigen::Vector3d point = points_in_camera.row(i);
         Place& place = places[static_cast<std::size_t>(i)];
-        place.is_shown = depth.shows(camera_, point, options_.depth_tolerance);
+        place.is_shown = depth.shows(camera_, point, tolerance);
         if (place.is_shown) {
             place.pixel = camera_.project(point);
         }
@@ -144,7 +147,7 @@ bool OverlayPainter::is_turned_to_camera(int face, PointsIn vertices_in_camera) 
 }
 
 ColorImage OverlayPainter::paint(const ColorView& image, PointsIn vertices_in_camera, double quality,
-                                 int frame) const {
+                                 int frame, const std::vector<Points>& rings) const {
     if (image.cols * options_.scale != camera_.width || image.rows * options_.scale != camera_.height) {
         throw InvalidInput("the picture and the camera differ in size");
     }
@@ -160,7 +163,8 @@ ColorImage OverlayPainter::paint(const ColorView& image, PointsIn vertices_in_ca
                          static_cast<std::size_t>(image.stride));
     cv::resize(source, canvas, canvas.size(), 0, 0, cv::INTER_CUBIC);
 
-    const std::vector<Place> places = find_places(vertices_in_camera);
+    const DepthMap depth = render_depth(camera_, vertices_in_camera, faces_);
+    const std::vector<Place> places = find_places(vertices_in_camera, depth, options_.depth_tolerance);
     cv::Mat mask = cv::Mat::zeros(canvas.size(), CV_8U);
     for (const Edge& edge : edges_) {
         const Place& first = places[static_cast<std::size_t>(edge.first)];
@@ -185,6 +189,18 @@ ColorImage OverlayPainter::paint(const ColorView& image, PointsIn vertices_in_ca
         }
     }
     tint(canvas, mask, {255, 235, 90}, 0.95);
+    mask.setTo(0);
+    for (const Points& ring : rings) {
+        const std::vector<Place> rim = find_places(ring, depth, kUnderLid);
+        for (std::size_t i = 0; i < rim.size(); ++i) {
+            const Place &from = rim[i], &to = rim[(i + 1) % rim.size()];
+            if (from.is_shown && to.is_shown) {
+                cv::line(mask, to_fixed(from.pixel), to_fixed(to.pixel), kWhite, 1, cv::LINE_AA,
+                         kSubpixelBits);
+            }
+        }
+    }
+    tint(canvas, mask, kIris, held ? 0.4 : 0.95);
     draw_gauge(canvas, quality, frame, held, colour);
     return painted;
 }

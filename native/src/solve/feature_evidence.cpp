@@ -62,6 +62,17 @@ StepPrior FeatureEvidence::terms(const FaceState& state) const {
     return sum;
 }
 
+std::array<SeenIris, 2> FeatureEvidence::irises() const {
+    std::array<SeenIris, 2> irises;
+    std::size_t eye = 0;
+    for (std::size_t i = 0; i < seen_.size() && eye < irises.size(); ++i) {
+        if (openings_[i].lines().opening().lid_upper >= 0) {
+            irises[eye++] = seen_[i].iris;
+        }
+    }
+    return irises;
+}
+
 FaceState FeatureEvidence::with_lids(FaceState state) const {
     state = lids_.with_lids(std::move(state));
     for (std::size_t i = 0; i < openings_.size(); ++i) {

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <array>
+
 #include "lid_reader.hpp"
 #include "opening_evidence.hpp"
 
@@ -22,6 +24,9 @@ public:
 
     /// The evidence, linearised at a state.
     StepPrior terms(const FaceState& state) const;
+
+    /// The irises of the last look, the left first.
+    std::array<SeenIris, 2> irises() const;
 
     /// The state with the lids where they were seen: a blink is over before flow could follow it.
     FaceState with_lids(FaceState state) const;

@@ -12,6 +12,21 @@ Points2 line_of(const Points2& places, const Indices& indices) {
     return places(std::vector<int>(indices.begin(), indices.end()), Eigen::all);
 }
 
+SeenIris iris_of(const EyePoints& points, const FeatureCrop& crop) {
+    // Across, from side to side: lids cover the rim above and below
+    const double diameter = (points.iris.row(1) - points.iris.row(3)).norm();
+    constexpr std::size_t kMiddle = 4;
+    static_assert(LidMargins::kUpper.size() == 2 * kMiddle + 1 &&
+                  LidMargins::kLower.size() == 2 * kMiddle + 1);
+    const double opening =
+        (points.contour.row(LidMargins::kUpper[kMiddle]) - points.contour.row(LidMargins::kLower[kMiddle]))
+            .norm();
+    if (!(diameter > 0)) {
+        return {};
+    }
+    return {points.iris.row(0).transpose(), crop.side, opening / diameter, 0};
+}
+
 }  // namespace
 
 FeatureSource see_by_networks(const FeatureNetworks& networks, const Camera& camera, PointsIn anchors) {
@@ -25,6 +40,7 @@ FeatureSource see_by_networks(const FeatureNetworks& networks, const Camera& cam
                 const EyePoints points = networks.eye(image, crops.eyes[eye], eye == 0);
                 seen[eye].lines = {line_of(points.contour, LidMargins::kUpper),
                                    line_of(points.contour, LidMargins::kLower)};
+                seen[eye].iris = iris_of(points, crops.eyes[eye]);
             }
             const MeshPoints mesh = networks.mesh(image, crops.face);
             for (const auto& line : {LipEdges::kOuterUpper, LipEdges::kInnerUpper, LipEdges::kInnerLower,
@@ -32,7 +48,7 @@ FeatureSource see_by_networks(const FeatureNetworks& networks, const Camera& cam
                 seen[2].lines.push_back(line_of(mesh.places, line));
             }
             for (SeenOpening& opening : seen) {
-                opening.presence = mesh.presence;
+                opening.presence = opening.iris.presence = mesh.presence;
             }
         } catch (const InvalidInput&) {
             return std::vector<SeenOpening>(3);  // a crop beside the picture: nothing is seen

@@ -84,6 +84,7 @@ FrameEstimate FaceTracker::State::follow(FrameAtHand& frame, const std::optional
     now.velocity = FaceStep::none(face.num_values());
     now.is_lost = is_lost;
     if (!is_lost) {
+        estimate.irises = features.irises();
         estimate.found_again = recognition.has_trial_begun();
         now.state = {estimate.camera_from_head, estimate.values};
         now.covariance = estimate.covariance;

@@ -25,6 +25,8 @@ struct ColorImage {
     std::vector<std::uint8_t> pixels;
 };
 
+class DepthMap;
+
 /// Draws what was captured over the footage: the mesh where it faces the camera and is not occluded,
 /// landmarks, a quality bar and the frame's number.
 class OverlayPainter {
@@ -34,8 +36,10 @@ public:
     OverlayPainter(const Camera& camera, int num_vertices, QuadsIn faces, std::vector<int> landmarks,
                    const OverlayOptions& options = {});
 
-    /// vertices_in_camera: V x 3, metres; quality: 0 to 1; the image has the camera's size.
-    ColorImage paint(const ColorView& image, PointsIn vertices_in_camera, double quality, int frame) const;
+    /// vertices_in_camera: V x 3, metres; quality: 0 to 1; the image has the camera's size. rings: closed
+    /// lines (K x 3, metres, camera), the irises' rims, drawn where no skin covers them.
+    ColorImage paint(const ColorView& image, PointsIn vertices_in_camera, double quality, int frame,
+                     const std::vector<Points>& rings = {}) const;
 
 private:
     struct Edge {
@@ -49,7 +53,7 @@ private:
         bool is_shown = false;  ///< in the picture and not occluded
     };
 
-    std::vector<Place> find_places(PointsIn vertices_in_camera) const;
+    std::vector<Place> find_places(PointsIn points_in_camera, const DepthMap& depth, double tolerance) const;
     bool is_turned_to_camera(int face, PointsIn vertices_in_camera) const;
 
     Camera camera_;  ///< of the enlarged picture

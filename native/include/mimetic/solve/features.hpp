@@ -29,10 +29,19 @@ struct FeatureOpening {
     Eigen::Vector3d facing = Eigen::Vector3d::UnitZ();
 };
 
+/// An iris as it was seen in a frame.
+struct SeenIris {
+    Eigen::Vector2d center = Eigen::Vector2d::Zero();  ///< pixels
+    double side = 0;                                   ///< of the network's crop, pixels; 0: no iris was seen
+    double opening = 0;   ///< between the lids' middles, in diameters of the iris
+    double presence = 0;  ///< 0 to 1: probability that the eye is there at all
+};
+
 /// Where the same lines were seen in a frame.
 struct SeenOpening {
     std::vector<Points2> lines;  ///< pixels, from the first corner to the second; empty: not seen
     double presence = 1;         ///< 0 to 1: probability that the opening is there at all
+    SeenIris iris = {};          ///< of an eye
 };
 
 /// Measures the openings of a face, in their order, in a frame in which the head is near a pose.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <Eigen/Geometry>
+#include <array>
 #include <memory>
 #include <mimetic/flow/flow.hpp>
 #include <mimetic/shared/camera.hpp>
@@ -86,9 +87,10 @@ struct FrameEstimate {
     double correlation = 0;      ///< mean normalised cross-correlation of the visible samples
     int num_views = 0;           ///< reference textures used
     StageTimes times;
-    Eigen::MatrixXd information;  ///< (6 + M) squared: of this frame's measurement alone
-    Eigen::VectorXd gradient;     ///< 6 + M: of this frame's measurement, at the estimate
-    DetailEstimate detail;        ///< empty without detail modes
+    Eigen::MatrixXd information;          ///< (6 + M) squared: of this frame's measurement alone
+    Eigen::VectorXd gradient;             ///< 6 + M: of this frame's measurement, at the estimate
+    DetailEstimate detail;                ///< empty without detail modes
+    std::array<SeenIris, 2> irises = {};  ///< the left first; `follow_gaze` turns the eyes by them
     Matrix6 pose_cov() const { return covariance.topLeftCorner<6, 6>(); }
     Eigen::VectorXd values_std() const {
         return covariance.diagonal().tail(values.size()).cwiseMax(0).cwiseSqrt();

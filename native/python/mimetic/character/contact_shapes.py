@@ -16,6 +16,7 @@ from mimetic import InvalidInput, _core
 from mimetic.character.shapes import CONTACT, Shape
 from mimetic.muscles.contact import contact_on
 from mimetic.performance.document import Performance
+from mimetic.performance.gaze import seen_articulators
 from mimetic.template.face_template import load_template
 
 NAME = "contact."
@@ -67,7 +68,7 @@ def _motion(performance: Performance, vertices: NDArray[np.int32]) -> list[tuple
     """Values (N x M) of a performance's modes and these at vertices (M x 3K)."""
     parts = [
         (performance.activations, performance.muscle_modes),
-        (performance.articulator_values, performance.articulator_modes),
+        (seen_articulators(performance), performance.articulator_modes),
         (performance.detail_coefficients, performance.detail_modes),
     ]
     return [

@@ -4,15 +4,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from mimetic.character.gaze_shapes import gaze_shapes, gaze_sliders
+from mimetic.character.shape import Shape, shape_of_values
 from mimetic.muscles.anatomy import Anatomy
 from mimetic.muscles.articulators import ARTICULATORS
 from mimetic.muscles.extras import Extras
 from mimetic.performance.document import Performance
+from mimetic.performance.gaze import GAZE, seen_articulators
 
 GROUPS = {
     1: "Lip Corners",
@@ -34,18 +36,6 @@ def group_name(group: int, side: str = "") -> str:
     return GROUPS[group] + side
 
 
-@dataclass(frozen=True)
-class Shape:
-    """One shape: V control vertices, N frames."""
-
-    name: str
-    group: str  # what curves are listed under
-    offsets: NDArray[np.float64]  # V x 3, metres in the head frame at value 1
-    values: NDArray[np.float64]  # N; none for a slider without a curve
-    lowest: float  # range of the values' slider; every value lies inside
-    highest: float
-
-
 def shapes_of(performance: Performance) -> list[Shape]:
     """Muscles, articulators and detail of a performance, in this order.
 
@@ -53,7 +43,7 @@ def shapes_of(performance: Performance) -> list[Shape]:
     `performance.surface(i)`; without detail, give `performance.without_detail()`.
     """
     shapes = [
-        _shape(name, GROUPS[int(group)], modes, values, 0.0)
+        shape_of_values(name, GROUPS[int(group)], modes, values, 0.0)
         for name, group, modes, values in zip(
             performance.muscles,
             performance.groups,
@@ -64,14 +54,16 @@ def shapes_of(performance: Performance) -> list[Shape]:
     ]
     if performance.articulator_modes is not None:
         shapes += [
-            _shape(name, JAW_AND_LIDS, modes, values, *ARTICULATORS.get(name, (-1.0, 1.0)))
+            shape_of_values(name, JAW_AND_LIDS, modes, values, *ARTICULATORS.get(name, (-1.0, 1.0)))
             for name, modes, values in zip(
                 performance.articulators,
                 performance.articulator_modes,
-                performance.articulator_values.T,
+                seen_articulators(performance).T,
                 strict=True,
             )
+            if name not in GAZE
         ]
+    shapes += gaze_shapes(performance)
     if performance.detail_modes is not None and performance.detail_coefficients is not None:
         shapes += [
             _detail(i, modes, values)
@@ -80,6 +72,17 @@ def shapes_of(performance: Performance) -> list[Shape]:
             )
         ]
     return shapes
+
+
+def slider_shapes_of(performance: Performance) -> list[Shape]:
+    """The same for a head with the muscles' sliders (`shapes_of_anatomy`, `shapes_of_extras`).
+
+    Its eyes turn by the gaze's sliders, which move the lids, too.
+    """
+    shapes = shapes_of(performance.without_detail())
+    names = [shape.name for shape in gaze_shapes(performance)]
+    kept = [shape for shape in shapes if shape.name not in names]
+    return gaze_sliders(performance, kept)
 
 
 def groups_of(performance: Performance) -> list[Shape]:
@@ -131,25 +134,7 @@ def _slider(name: str, group: str, offsets: NDArray, lowest: float, highest: flo
     return Shape(name, group, offsets, np.empty(0), float(lowest), float(highest))
 
 
-def _shape(
-    name: str,
-    group: str,
-    offsets: NDArray,
-    values: NDArray[np.float64],
-    lowest: float,
-    highest: float = 1.0,
-) -> Shape:
-    return Shape(
-        name,
-        group,
-        np.asarray(offsets, dtype=np.float64),
-        values,
-        min(lowest, float(values.min())),
-        max(highest, float(values.max())),
-    )
-
-
 def _detail(i: int, offsets: NDArray, values: NDArray[np.float64]) -> Shape:
     # Coefficients have any size; a slider's range is -1 to 1
     scale = float(np.abs(values).max()) or 1.0
-    return _shape(f"detail.{i:03d}", DETAIL, offsets * scale, values / scale, -1.0)
+    return shape_of_values(f"detail.{i:03d}", DETAIL, offsets * scale, values / scale, -1.0)

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.performance.gaze import gaze_range, has_gaze
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -43,6 +44,12 @@ def describe(performance: Performance) -> str:
         f"quality      median {np.median(performance.quality):.2f}, "
         f"lowest {performance.quality.min():.2f}, {num_held} frames held",
     ]
+    if has_gaze(performance):
+        yaw, pitch = gaze_range(performance)
+        lines.append(
+            f"gaze         {yaw[0]:.0f} to {yaw[1]:.0f} degrees to the left, "
+            f"{pitch[0]:.0f} to {pitch[1]:.0f} up"
+        )
     if performance.detail_modes is not None:
         lines.append(f"detail       {len(performance.detail_modes)} modes")
     lines += [f"note         {note}" for note in performance.notes or ()]

@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core
 from mimetic.library.expression import Expression, columns_in, limits_of
 from mimetic.muscles.anatomy import attach_skin, modes_of
+from mimetic.muscles.eyeballs import eye_geometry
 from mimetic.performance.document import Performance
+from mimetic.performance.gaze import EYE_KEYS, GAZE
 from mimetic.template.face_template import load_template
 
 USUAL_FPS = 30.0
@@ -187,6 +189,7 @@ def _head_of(person: Performance) -> dict[str, Any]:
     keys = (
         *("muscles", "muscle_modes", "groups", "articulators", "articulator_modes"),
         *("neutral_vertices", "faces", "image_size", "intrinsics"),
+        *EYE_KEYS,
     )
     return {key: getattr(person, key) for key in keys}
 
@@ -198,7 +201,9 @@ def canonical_person() -> Performance:
     anatomy = modes_of(attach_skin(template.vertices, template))
     width, height = PICTURE
     middle = [(width - 1) / 2, (height - 1) / 2]
-    num_muscles, num_bones = len(anatomy.muscle_names), len(anatomy.articulator_names)
+    num_muscles = len(anatomy.muscle_names)
+    eyes, modes = eye_geometry(template.vertices, template), anatomy.articulator_modes
+    articulators = [*anatomy.articulator_names, *GAZE]
     return Performance(
         frame=np.array([1]),
         fps=USUAL_FPS,
@@ -211,10 +216,14 @@ def canonical_person() -> Performance:
         groups=anatomy.groups,
         activations=np.zeros((1, num_muscles)),
         activations_std=np.zeros((1, num_muscles)),
-        articulators=list(anatomy.articulator_names),
-        articulator_values=np.zeros((1, num_bones)),
-        articulator_modes=anatomy.articulator_modes,
+        articulators=articulators,
+        articulator_values=np.zeros((1, len(articulators))),
+        articulator_modes=np.concatenate([modes, np.zeros_like(modes[: len(GAZE)])]),
         neutral_vertices=template.vertices,
         faces=template.faces.astype(np.int64),
         quality=np.ones(1),
+        eye_centers=eyes.centers,
+        iris_centers=eyes.fronts(),
+        eye_of_vertex=eyes.eye_of_vertex,
+        lid_following=np.array([(share, 0.0) for share in eyes.lid_per_degree]),
     )

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core
 from mimetic.media.clip_fingerprint import is_fingerprint
 from mimetic.performance.clip_keys import check_clip, check_size
+from mimetic.performance.gaze import check_eyes, seen_articulators, with_eyes_turned
 from mimetic.shared.array_document import ArrayDocument
 from mimetic.shared.array_file import check_names, is_bounded, open_arrays
 from mimetic.shared.array_writer import write_arrays
@@ -52,6 +53,10 @@ OPTIONAL: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "notes": ("U", ("K",)),
     "stored_size": ("i", (2,)),
     "footage": ("U", (2,)),
+    "eye_centers": ("f", (2, 3)),
+    "eye_of_vertex": ("i", ("V",)),
+    "iris_centers": ("f", (2, 3)),
+    "lid_following": ("f", (2, 2)),
 }
 # Modes are kept in single precision: 1e-7 of a displacement of centimetres, at half the memory.
 DTYPES = {"f": np.float64, "m": np.float32, "i": np.int64}
@@ -104,6 +109,12 @@ class Performance:
     stored_size: NDArray[np.int64] | None = None
     # Of the clip it was captured from: file name, and `clip_fingerprint` of its content
     footage: list[str] | None = None
+    # Of eyes that turn, the left first; all of these or none
+    eye_centers: NDArray[np.float64] | None = None  # 2 x 3, of the neutral's eyeballs
+    iris_centers: NDArray[np.float64] | None = None  # 2 x 3, on them
+    eye_of_vertex: NDArray[np.int64] | None = None  # V, 0 none, 1 left, 2 right
+    # 2 x 2: closure of the upper lid a degree downwards, the pitch at which it is not carried
+    lid_following: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         for key, (kind, shape) in (REQUIRED | OPTIONAL).items():
@@ -154,12 +165,12 @@ class Performance:
         shape = (-1, self.neutral_vertices.size)
         displacement = self.activations[i].astype(np.float32) @ self.muscle_modes.reshape(shape)
         if self.articulator_modes is not None and len(self.articulators):
-            values = self.articulator_values[i].astype(np.float32)
+            values = seen_articulators(self, slice(i, i + 1))[0].astype(np.float32)
             displacement += values @ self.articulator_modes.reshape(shape)
         if self.detail_modes is not None and self.detail_coefficients is not None:
             coefficients = self.detail_coefficients[i].astype(np.float32)
             displacement += coefficients @ self.detail_modes.reshape(shape)
-        return self.neutral_vertices + displacement.reshape(-1, 3)
+        return with_eyes_turned(self, i, self.neutral_vertices + displacement.reshape(-1, 3))
 
     def is_of(self, fingerprint: str) -> bool:
         """Whether it is of the footage with a fingerprint; true if either is unknown."""
@@ -195,6 +206,7 @@ class Performance:
             raise InvalidInput("performance has no frames, no faces or no muscles")
         self._check_finite()
         self._check_ranges()
+        check_eyes(self, lengths["V"])
 
     def _check_finite(self) -> None:
         for key, (kind, shape) in (REQUIRED | OPTIONAL).items():

@@ -8,6 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.performance.document import Performance
+from mimetic.performance.gaze import expression_of
 from mimetic.shared.picture import picture_coordinates, picture_pixels
 from mimetic.shared.pinhole import camera_of
 from mimetic.skin.mesh import quad_normals
@@ -16,9 +17,7 @@ from mimetic.skin.mesh import quad_normals
 def reference_index(performance: Performance) -> int:
     """Index of the frame to take colours from: well explained, facing the camera, at rest."""
     facing = -performance.head_pose[:, 2, 2]  # cosine between the face and the way to the camera
-    motion = performance.activations.sum(axis=1) + np.abs(performance.articulator_values).sum(
-        axis=1
-    )
+    motion = performance.activations.sum(axis=1) + np.abs(expression_of(performance)).sum(axis=1)
     return int(np.argmax(performance.quality * np.maximum(facing, 0) ** 2 / (1 + motion)))
 
 

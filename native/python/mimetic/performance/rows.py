@@ -32,6 +32,7 @@ class Rows:
     detail: list[NDArray[np.float64]] = field(default_factory=list)
     detail_std: list[NDArray[np.float64]] = field(default_factory=list)
     quality: list[float] = field(default_factory=list)
+    irises: list[NDArray[np.float64]] = field(default_factory=list)  # 2 x 5, as the estimate's
 
     def append(self, state: State) -> None:
         # Copies: a view would keep all the estimate, a tenth of a megabyte a frame.
@@ -44,6 +45,7 @@ class Rows:
         self.detail.append(np.array(estimate.detail))
         self.detail_std.append(np.array(estimate.detail_std))
         self.quality.append(0.0 if state.held else estimate.quality)
+        self.irises.append(np.array(estimate.irises) * (not state.held))
 
     def reversed(self) -> Self:
         return type(self)(*(getattr(self, column.name)[::-1] for column in fields(self)))

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, __version__, _core
 from mimetic.media.footage import Footage
 from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.performance.gaze import expression_of, gaze_range, has_gaze
 from mimetic.report.overlay import FaceDrawing
 from mimetic.shared.shown_text import shown
 from mimetic.shared.whole_file import whole_file
@@ -111,7 +112,9 @@ def _parts(performance: Performance, footage: Footage, summary: CaptureSummary) 
     yield "left, dashed: right. Bands: one standard deviation. Grey: held frames, in which "
     yield "nothing was measured.</p>"
     if performance.articulators:
-        yield "<h2>Jaw and lids</h2>" + _plot(_articulator_figure(performance), "articulators")
+        yield "<h2>Jaw, lids and gaze</h2>" + _plot(
+            _articulator_figure(performance), "articulators"
+        )
     yield _times(performance, summary) + _settings(performance, footage, summary)
     yield "</body></html>\n"
 
@@ -139,6 +142,9 @@ def _facts(performance: Performance, summary: CaptureSummary) -> str:
         (f"{int((performance.quality < HELD_QUALITY).sum())}", "frames held"),
         (f"{names[peak.argmax()].replace('_', ' ')}", f"strongest muscle, {peak.max():.2f}"),
     ]
+    if has_gaze(performance):
+        low, high = gaze_range(performance)[0]
+        facts.append((f"{low:.0f}° to {high:.0f}°", "gaze, to the subject's left"))
     if total > 0:
         facts.append((f"{performance.num_frames / total:.1f}", "frames captured a second"))
     cells = "".join(f"<div><b>{_html(b)}</b><span>{text}</span></div>" for b, text in facts)
@@ -161,7 +167,7 @@ def _distinct(performance: Performance) -> NDArray[np.int64]:
     state = np.hstack(
         [
             performance.activations,
-            performance.articulator_values,
+            expression_of(performance),
             3 * performance.head_pose[:, :3, 2],
         ]
     )
@@ -259,7 +265,8 @@ def _articulator_figure(performance: Performance) -> Figure:
                 *(panel, performance.frame, values, None if std is None else std[:, i]),
                 *(COLOURS[0], {"L": "left", "R": "right"}.get(side), "--" if side == "R" else "-"),
             )
-        panel.set_title(stem.replace("_", " "), fontweight="bold")
+        unit = ", degrees" if stem.startswith("gaze") else ""
+        panel.set_title(stem.replace("_", " ") + unit, fontweight="bold")
         panel.set(xmargin=0.01)
         if len(members) > 1:
             panel.legend(loc="upper right", fontsize=7.5, frameon=False)

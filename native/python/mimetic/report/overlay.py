@@ -22,6 +22,7 @@ from mimetic import _core
 from mimetic.media.ffmpeg import ffmpeg_program
 from mimetic.media.footage import Footage
 from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.performance.gaze import has_gaze, iris_circles
 from mimetic.shared.pinhole import camera_of
 from mimetic.shared.progress import Progress
 from mimetic.shared.whole_file import file_beside
@@ -82,7 +83,19 @@ class FaceDrawing:
         points = self.mesh.positions(np.ascontiguousarray(control))[: len(self.vertices)]
         quality = float(self.performance.quality[i])
         frame = int(self.performance.frame[i])
-        return self.painter.paint(image, np.ascontiguousarray(points), quality, frame)
+        return self.painter.paint(
+            image, np.ascontiguousarray(points), quality, frame, self._rims(i)
+        )
+
+    def _rims(self, i: int) -> list[NDArray[np.float64]]:
+        """The irises' rims in the camera frame, where the performance has gaze."""
+        if not has_gaze(self.performance):
+            return []
+        pose = self.performance.head_pose[i]
+        return [
+            np.ascontiguousarray(circle[1:] @ pose[:3, :3].T + pose[:3, 3])
+            for circle in iris_circles(self.performance, i)
+        ]
 
 
 def write_overlay(

@@ -42,6 +42,7 @@ from mimetic.solve import smoothing, tracking
 from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_performance import clip_performance
 from mimetic.solve.find_face import Rest, find_rest, joined_with_others
+from mimetic.solve.gaze import ClipGaze
 from mimetic.solve.walk import ClipWalk, Image, Pose, proved
 from mimetic.template.face_template import load_template
 
@@ -271,14 +272,20 @@ class ClipCapture:
         poses = rows.rigid_poses()
         pose_cov = rows.pose_covariances()
         pose_cov[:, :3, :3] += _of_the_turn(poses, fit.head_pose)
+        fps = float(self.walk.footage.fps)
+        gaze = ClipGaze(fit, self.template, rows, poses, rows.pose_covariances(), fps)
         return clip_performance(
             *(rows, self.walk.footage, fit, self.template, self.anatomy),
             head_pose=poses,
             head_pose_cov=pose_cov,
             activations=np.clip(values[:, :num_muscles], 0, 1),
             activations_std=std[:, :num_muscles],
-            articulator_values=values[:, num_muscles:],
-            articulator_values_std=std[:, num_muscles:],
+            **gaze.fields(
+                list(self.anatomy.articulator_names),
+                values[:, num_muscles:],
+                std[:, num_muscles:],
+                self.anatomy.articulator_modes,
+            ),
             detail_modes=self.detail.modes,
             detail_coefficients=np.array(rows.detail),
             detail_coefficients_std=np.array(rows.detail_std),

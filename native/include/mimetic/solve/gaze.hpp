@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <array>
+#include <mimetic/muscles/eyeballs.hpp>
+#include <mimetic/solve/solve.hpp>
+#include <vector>
+
+namespace mimetic {
+
+/// The eyeballs of a fitted head, the left first: head frame, metres.
+struct Eyeballs {
+    std::array<Eigen::Vector3d, 2> centres;
+    std::array<double, 2> radii = {};            ///< from the centre to the front of the iris
+    std::array<Eigen::Vector3d, 2> facing = {};  ///< of any length: which way the eyes' openings face
+    void check() const;                          ///< throws InvalidInput
+};
+
+/// What is known of the eyes in one frame.
+struct GazeFrame {
+    Eigen::Isometry3d camera_from_head = Eigen::Isometry3d::Identity();  ///< metres
+    Matrix6 pose_cov = Matrix6::Zero();                                  ///< (rotation vector, translation)
+    std::array<SeenIris, 2> irises = {};                                 ///< the left first
+};
+
+/// One iris as a turn of its eyeball; degrees.
+struct IrisTurn {
+    bool is_seen = false;
+    EyeAngles angles;
+    Eigen::Matrix2d jitter = Eigen::Matrix2d::Zero();   ///< covariance, independent between frames
+    Eigen::Matrix2d lasting = Eigen::Matrix2d::Zero();  ///< of errors that stay while pose and lids do
+};
+
+/// The turn that puts the eye's iris where it was seen. Not seen: lids shut, the eye beyond the nose or the
+/// face's outline. Lids that cover much of an iris, and a face that turns away, add to the covariance.
+IrisTurn iris_turn(const Camera& camera, const Eyeballs& eyes, const GazeFrame& frame, int eye);
+
+/// A clip's gaze; N x 4 degrees: yaw and pitch of the left, then of the right eye.
+struct GazeTrack {
+    MatrixRows angles;
+    MatrixRows std;
+    /// How the eyes stand on this head at gaze 0: the person's own (the angle kappa), the fit's and the
+    /// network's error together, which no frame tells apart.
+    std::array<EyeAngles, 2> rest = {};
+    Eigen::Vector4d rest_std = Eigen::Vector4d::Zero();
+};
+
+/// Gaze is still or drifts, and jumps: saccades are followed within a frame, fixations are smoothed, by
+/// increments of a heavy-tailed distribution (iteratively reweighted least squares). The eyes turn together,
+/// but for vergence. Frames without an iris are bridged, and their standard deviations grow.
+/// fps: frames a second. Throws InvalidInput.
+GazeTrack follow_gaze(const Camera& camera, const Eyeballs& eyes, const std::vector<GazeFrame>& frames,
+                      double fps);
+
+}  // namespace mimetic

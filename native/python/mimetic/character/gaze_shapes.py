@@ -1,0 +1,101 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Eyes that turn, as shapes: linear ones whose sum is a rigid turn, and sliders of heads.
+
+A shape key or morph target cannot rotate; five of them an eye can, as a turn is linear in the
+sine of its angle and its products. So eyes turn in every engine that knows morph targets, in the
+face's own mesh, without nodes or bones that an exchange may lose.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import _core
+from mimetic.character.shape import Shape, shape_of_values
+from mimetic.muscles.extras import gaze_rows
+from mimetic.performance.document import Performance
+from mimetic.performance.gaze import SIDES, gaze_of, has_gaze, seen_articulators
+
+GAZE_GROUP = "Gaze"
+# Of `_core.eye_turn_modes`: sines of the turn down and to the left, then their products
+TURNS = ("eye_down", "eye_left", "eye_down_down", "eye_down_left", "eye_left_left")
+
+
+def gaze_shapes(performance: Performance) -> list[Shape]:
+    """Five shapes an eye, whose values turn it rigidly; none where the performance has no gaze."""
+    if not has_gaze(performance):
+        return []
+    shapes = []
+    angles = gaze_of(performance)
+    for eye, side in enumerate(SIDES):
+        on_eye = np.asarray(performance.eye_of_vertex) == eye + 1
+        offsets = np.zeros((len(TURNS), *performance.neutral_vertices.shape))
+        offsets[:, on_eye] = _core.eye_turn_modes(
+            performance.neutral_vertices[on_eye], performance.eye_centers[eye]
+        )
+        weights = turn_weights(angles[:, 2 * eye], angles[:, 2 * eye + 1])
+        shapes += [
+            shape_of_values(f"{name}.{side}", GAZE_GROUP, mode, values, -1.0)
+            for name, mode, values in zip(TURNS, offsets, weights.T, strict=True)
+        ]
+    return shapes
+
+
+def turn_weights(yaw: NDArray[np.float64], pitch: NDArray[np.float64]) -> NDArray[np.float64]:
+    """N x TURNS: values of an eye's shapes; degrees, to the subject's left and up."""
+    return _core.eye_turn_weights(np.ascontiguousarray(yaw), np.ascontiguousarray(pitch))
+
+
+def turned_keys(side: str, yaw: float, pitch: float) -> dict[str, float]:
+    """The values of one eye's shapes by name; radians."""
+    weights = turn_weights(np.degrees([yaw]), np.degrees([pitch]))[0]
+    return {f"{name}.{side}": float(w) for name, w in zip(TURNS, weights, strict=True)}
+
+
+def angles_of_keys(side: str, values: Mapping[str, float]) -> tuple[float, float]:
+    """Yaw and pitch, radians, of one eye whose shapes have these values."""
+    down, left = (np.clip(values.get(f"{name}.{side}", 0.0), -1, 1) for name in TURNS[:2])
+    pitch = -np.arcsin(down)
+    yaw = np.arcsin(np.clip(left / max(float(np.cos(pitch)), 1e-6), -1, 1))
+    return float(yaw), float(pitch)
+
+
+def gaze_sliders(performance: Performance, shapes: Sequence[Shape]) -> list[Shape]:
+    """The shapes for a head whose sliders look up, down, in and out turn its eyes.
+
+    Those that look up and down carry the lids in proportion, which is taken from the lids' values.
+    """
+    if not has_gaze(performance):
+        return list(shapes)
+    degrees = {row["name"]: float(row["degrees"]) for row in gaze_rows()}
+    angles, seen = gaze_of(performance), seen_articulators(performance)
+    lids, looks = {}, []
+    for eye, (side, following) in enumerate(
+        zip(SIDES, np.asarray(performance.lid_following), strict=True)
+    ):
+        yaw, pitch = angles[:, 2 * eye], angles[:, 2 * eye + 1]
+        outwards = yaw if side == "L" else -yaw
+        name = f"lid_upper.{side}"
+        if name in performance.articulators:
+            lids[name] = seen[:, performance.articulators.index(name)] + following[0] * pitch
+        looks += [
+            shape_of_values(
+                f"{look}.{side}",
+                GAZE_GROUP,
+                np.zeros((0, 3)),
+                np.maximum(way, 0) / degrees[look],
+                0.0,
+            )
+            for look, way in (
+                ("look_up", pitch),
+                ("look_down", -pitch),
+                ("look_in", -outwards),
+                ("look_out", outwards),
+            )
+        ]
+    own = [replace(s, values=lids[s.name]) if s.name in lids else s for s in shapes]
+    return [*own, *looks]

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Gaze of a clip, from the irises that the networks saw in its frames.
+
+It comes after head and muscles and has no part in them: an iris that moves turns no head. What it
+says of the lids is how much of their closure is the gaze's.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import _core
+from mimetic.fit.face_fit import FaceFit
+from mimetic.muscles.eyeballs import SIDES, eye_geometry
+from mimetic.performance.gaze import GAZE
+from mimetic.performance.rows import Rows
+from mimetic.solve.features import EYE_FACES
+from mimetic.template.face_template import FaceTemplate
+
+FACING = np.array([[EYE_FACES, 0.0, 1.0], [-EYE_FACES, 0.0, 1.0]])
+
+
+class ClipGaze:
+    """Fields of the performance for eyes that turn; made from what was followed of a clip.
+
+    poses: N x 4 x 4, camera from head; pose_covariances: N x 6 x 6.
+    """
+
+    def __init__(
+        self,
+        fit: FaceFit,
+        template: FaceTemplate,
+        rows: Rows,
+        poses: NDArray[np.float64],
+        pose_covariances: NDArray[np.float64],
+        fps: float,
+    ) -> None:
+        neutral = fit.neutral_vertices(template)
+        self.eyes = eye_geometry(neutral, template)
+        self.track = _core.follow_gaze(
+            fit.camera,
+            _core.Eyeballs(self.eyes.centers, self.eyes.radii, FACING),
+            np.ascontiguousarray(poses),
+            np.ascontiguousarray(pose_covariances),
+            np.array(rows.irises),
+            fps,
+        )
+        # At gaze 0 an eye stands as this person's does
+        rest = np.array(self.track.rest)
+        self.neutral, self.iris_centers = (
+            _core.turned_eyeballs(points, of_eye, self.eyes.centers, rest)
+            for points, of_eye in (
+                (neutral, self.eyes.eye_of_vertex),
+                (self.eyes.fronts(), np.array([1, 2], dtype=np.int32)),
+            )
+        )
+        # The fitted head has its lids as they are at the gaze of the fitted frame
+        fitted = int(np.argmin(np.abs(np.array(rows.frame) - fit.frame)))
+        pitches = self.track.angles[fitted, 1::2].tolist()
+        self.following = [
+            _core.LidFollowing(per_degree, pitch)
+            for per_degree, pitch in zip(self.eyes.lid_per_degree, pitches, strict=True)
+        ]
+
+    def fields(
+        self,
+        names: list[str],
+        values: NDArray[np.float64],
+        std: NDArray[np.float64],
+        modes: NDArray[np.float32],
+    ) -> dict[str, Any]:
+        """Keys of the performance. names: A articulators; values, std: N x A; modes: A x V x 3."""
+        own, own_std = values.copy(), std.copy()
+        # How the eyes rest is the same in the fitted frame, and so no error of a lid
+        of_frame = np.sqrt(np.maximum(self.track.std**2 - np.square(self.track.rest_std), 0))
+        for eye, (side, follow) in enumerate(zip(SIDES, self.following, strict=True)):
+            lid, pitch = names.index(f"lid_upper.{side}"), 2 * eye + 1
+            own[:, lid] = follow.own(values[:, lid], self.track.angles[:, pitch])
+            own_std[:, lid] = np.hypot(std[:, lid], follow.per_degree * of_frame[:, pitch])
+        return {
+            "articulators": [*names, *GAZE],
+            "articulator_values": np.hstack([own, self.track.angles]),
+            "articulator_values_std": np.hstack([own_std, self.track.std]),
+            "articulator_modes": np.concatenate([modes, np.zeros_like(modes[: len(GAZE)])]),
+            "neutral_vertices": self.neutral,
+            "eye_centers": self.eyes.centers,
+            "iris_centers": self.iris_centers,
+            "eye_of_vertex": self.eyes.eye_of_vertex,
+            "lid_following": np.array([[f.per_degree, f.rest_pitch] for f in self.following]),
+        }

@@ -1,0 +1,100 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Eyes turn in Blender and in glTF as they turn in the performance."""
+
+import dataclasses
+
+import bpy
+import numpy as np
+import pytest
+from test_bake import METRES, evaluated_vertices, world_from_camera_points
+
+TOLERANCE = 2e-3  # of a weight that the exporter samples
+
+
+@pytest.fixture
+def looking(performance):
+    """The performance with eyes that look about by up to 35 degrees."""
+    from mimetic.performance.gaze import GAZE
+    from mimetic.template.face_template import load_template
+
+    template = load_template()
+    centers, radius = template.eye_spheres(template.vertices)
+    eye_of = np.zeros(len(template.vertices), int)
+    for eye, side in enumerate("LR"):
+        eye_of[template.part_vertices(f"eye.{side}")] = eye + 1
+    t = np.linspace(0, 6, performance.num_frames)
+    angles = np.stack([35 * np.sin(t), 20 * np.cos(t), 33 * np.sin(t), 20 * np.cos(t)], axis=1)
+    modes = performance.articulator_modes
+    return dataclasses.replace(
+        performance,
+        articulators=[*performance.articulators, *GAZE],
+        articulator_values=np.hstack([performance.articulator_values, angles]),
+        articulator_modes=np.concatenate([modes, np.zeros_like(modes[:4])]),
+        eye_centers=centers,
+        iris_centers=centers + np.array([0, 0, radius]),
+        eye_of_vertex=eye_of,
+        lid_following=np.tile([0.02, 1.0], (2, 1)),
+    )
+
+
+def test_eyes_turn_as_captured(extension, scene, looking):
+    scene.render.fps, scene.render.fps_base = 25, 1.0
+    extension("scene_out").bake(scene, looking, "take")
+    for i in (0, 9, 25, 39):
+        expected = world_from_camera_points(looking.surface_in_camera(i))
+        actual = evaluated_vertices(scene.mimetic.face, looking.frame[i])
+        assert np.abs(actual - expected).max() < METRES
+
+
+def test_sliders_in_degrees_read_and_turn_an_eye(extension, scene, looking):
+    scene.render.fps, scene.render.fps_base = 25, 1.0
+    extension("scene_out").bake(scene, looking, "take")
+    face = scene.mimetic.face
+    scene.frame_set(int(looking.frame[9]))
+    yaw, pitch = np.radians(looking.articulator_values[9, -4:-2])
+    assert face.mimetic.gaze_yaw_left == pytest.approx(yaw, abs=1e-4)
+    assert face.mimetic.gaze_pitch_left == pytest.approx(pitch, abs=1e-4)
+    face.mimetic.gaze_yaw_left = 0.3
+    assert face.mimetic.gaze_yaw_left == pytest.approx(0.3, abs=1e-5)
+    assert face.mimetic.gaze_pitch_left == pytest.approx(pitch, abs=1e-4)
+    keys = face.data.shape_keys.key_blocks
+    assert keys["eye_left.L"].value == pytest.approx(np.sin(0.3) * np.cos(pitch), abs=1e-5)
+
+
+def test_a_face_without_gaze_has_sliders_at_rest(extension, scene, performance):
+    extension("scene_out").bake(scene, performance, "take")
+    face = scene.mimetic.face
+    assert face.mimetic.gaze_yaw_left == 0
+    face.mimetic.gaze_yaw_left = 0.3
+    assert face.mimetic.gaze_yaw_left == 0
+
+
+def test_gltf_turns_the_eyes_by_morph_targets(extension, scene, looking, tmp_path):
+    from mimetic.character import gltf
+    from mimetic.character.gaze_shapes import TURNS, turn_weights
+
+    scene.render.fps, scene.render.fps_base = 25, 1.0
+    extension("scene_out").bake(scene, looking, "take")
+    extension("scene_out.gltf").export(scene, tmp_path / "face.glb")
+    seconds, weights, names = gltf.read_weights((tmp_path / "face.glb").read_bytes())
+    frames = np.round(seconds * 25).astype(int)
+    angles = np.ascontiguousarray(looking.articulator_values[:, -4:][frames])
+    expected = turn_weights(angles[:, 0], angles[:, 1])
+    for name, values in zip(TURNS, expected.T, strict=True):
+        actual = weights[:, names.index(f"{name}.L")].copy()
+        if f"{name}.L.negative" in names:
+            actual -= weights[:, names.index(f"{name}.L.negative")]
+        np.testing.assert_allclose(actual, values, atol=TOLERANCE)
+
+
+def test_a_canonical_head_looks_by_its_own_sliders(extension, scene, looking):
+    scene.render.fps, scene.render.fps_base = 25, 1.0
+    out = extension("scene_out")
+    bpy.ops.mimetic.add_face()
+    head = bpy.context.active_object
+    summary = out.bound.bake(scene, looking, "take", head)
+    assert not any("look_" in remark for remark in summary.left_out)
+    scene.frame_set(int(looking.frame[9]))
+    yaw = looking.articulator_values[9, -4]
+    look = head.data.shape_keys.key_blocks["look_out.L" if yaw > 0 else "look_in.L"]
+    assert look.value == pytest.approx(min(1.0, abs(yaw) / 35), abs=1e-3)

@@ -1,0 +1,150 @@
+"""Gaze from irises: saccades, fixations, blinks, eyes that are not seen, lids that go along."""
+
+import numpy as np
+import pytest
+from mimetic import InvalidInput, _core
+
+CAMERA = _core.Camera(600.0, 600.0, 319.5, 239.5, 640, 480)
+CENTERS = np.array([[0.0315, 0.028, 0.071], [-0.0315, 0.028, 0.071]])
+RADIUS = 0.0168
+FACING = np.array([[0.3, 0, 1.0], [-0.3, 0, 1.0]])
+SIDE = 70.0  # pixels of the network's crop
+FPS = 30.0
+
+
+def pose_of(yaw=0.0):
+    """Camera from head, turned to the subject's left by degrees."""
+    c, s = np.cos(np.radians(yaw)), np.sin(np.radians(yaw))
+    pose = np.eye(4)
+    pose[:3, :3] = np.diag([1.0, -1, -1]) @ [[c, 0, s], [0, 1, 0], [-s, 0, c]]
+    pose[2, 3] = 0.7
+    return pose
+
+
+def irises_of(angles, poses, opening=0.8):
+    """N x 2 x 5 as the tracker gives them, of gazes N x 4."""
+    angles = shown(angles)
+    rows = np.zeros((len(angles), 2, 5))
+    for t, pose in enumerate(poses):
+        for eye in (0, 1):
+            front = _core.gaze_direction(*angles[t, 2 * eye : 2 * eye + 2])
+            point = pose[:3, :3] @ (CENTERS[eye] + RADIUS * front) + pose[:3, 3]
+            pixel = np.array(CAMERA.pixels((CENTERS[eye] + RADIUS * front)[None], pose))[0]
+            assert point[2] > 0
+            rows[t, eye] = [*pixel, SIDE, opening, 1.0]
+    return rows
+
+
+def shown(angles):
+    """What the network shows of turns (N x 4) about where the eyes usually are."""
+    about = np.sort(angles, axis=0)[len(angles) // 2]
+    return about + (angles - about) * np.array([0.9, 0.8, 0.9, 0.8])
+
+
+def eyes_looking(yaw, pitch, vergence=2.0):
+    """N x 4: both eyes at these (N), crossed by the usual vergence."""
+    yaw, pitch = np.broadcast_arrays(np.asarray(yaw, float), np.asarray(pitch, float))
+    return np.stack([yaw - vergence / 2, pitch, yaw + vergence / 2, pitch], axis=1)
+
+
+def follow(irises, poses, covariance=1e-9):
+    count = len(irises)
+    covariances = np.tile(covariance * np.eye(6), (count, 1, 1))
+    eyes = _core.Eyeballs(CENTERS, np.full(2, RADIUS), FACING)
+    return _core.follow_gaze(CAMERA, eyes, np.ascontiguousarray(poses), covariances, irises, FPS)
+
+
+def seen(track):
+    """Gaze and rest together: what the pictures show."""
+    return track.angles + track.rest
+
+
+def test_a_saccade_is_followed_in_its_frame():
+    yaw = np.where(np.arange(60) < 30, -10.0, 10.0)
+    angles, poses = eyes_looking(yaw, 0.0), np.tile(pose_of(), (60, 1, 1))
+    track = follow(irises_of(angles, poses), poses)
+    np.testing.assert_allclose(seen(track), angles, atol=1.0)
+    moved = np.diff(track.angles[:, 0])
+    assert moved[29] == pytest.approx(20, abs=1)
+    assert np.abs(np.delete(moved, 29)).max() < 0.5
+
+
+def test_a_fixation_does_not_jitter():
+    rng = np.random.default_rng(3)
+    angles, poses = eyes_looking(np.full(90, 6.0), -4.0), np.tile(pose_of(), (90, 1, 1))
+    irises = irises_of(angles, poses)
+    irises[..., :2] += rng.normal(0, 0.0009 * SIDE, (90, 2, 2))  # the networks' own
+    measured = np.diff(follow(irises[:1].repeat(90, 0), poses).angles[:, 0])
+    assert np.abs(measured).max() < 1e-6
+    track = follow(irises, poses)
+    assert np.diff(track.angles, axis=0).std() < 0.06  # degrees a frame
+    np.testing.assert_allclose(seen(track).mean(axis=0), angles[0], atol=0.2)
+
+
+def test_a_blink_is_no_look_downwards():
+    angles, poses = eyes_looking(np.zeros(40), 0.0), np.tile(pose_of(), (40, 1, 1))
+    irises = irises_of(angles, poses)
+    irises[18:22, :, 1] += 8  # what is left of an iris under a closing lid is its lower part
+    irises[18:22, :, 3] = 0.1
+    track = follow(irises, poses)
+    assert np.abs(track.angles[:, 1] - track.angles[5, 1]).max() < 0.5
+    assert track.std[20, 1] > track.std[5, 1] + 0.02
+
+
+def test_a_head_that_turns_does_not_turn_the_eyes():
+    yaw = 30 * np.sin(np.linspace(0, 2 * np.pi, 80))
+    poses = np.stack([pose_of(y) for y in yaw])
+    angles = eyes_looking(np.zeros(80), 0.0)
+    track = follow(irises_of(angles, poses), poses)
+    assert np.ptp(track.angles, axis=0).max() < 0.3
+
+
+def test_eyes_that_look_into_the_camera_keep_it_while_the_head_turns():
+    head = np.linspace(-20, 20, 60)
+    poses = np.stack([pose_of(y) for y in head])
+    angles = eyes_looking(-head, 0.0)
+    track = follow(irises_of(angles, poses), poses)
+    in_world = track.angles[:, [0, 2]].mean(axis=1) + head
+    assert np.ptp(in_world) < 1.2  # the first and the last frame have one neighbour
+
+
+def test_what_the_eyes_usually_show_is_mostly_their_rest():
+    """A fitted eyeball a millimetre off would else be a look aside through the whole clip."""
+    angles, poses = eyes_looking(np.full(300, 5.0), -6.0), np.tile(pose_of(), (300, 1, 1))
+    track = follow(irises_of(angles, poses), poses)
+    assert abs(track.angles[:, 0].mean()) < 3
+    np.testing.assert_allclose(seen(track), angles, atol=0.3)
+    assert (track.std > track.rest_std - 1e-9).all()
+    assert (track.rest_std > 1).all()  # it is told that it is not known
+
+
+def test_an_eye_beyond_the_nose_is_not_measured_and_goes_with_the_other():
+    poses = np.tile(pose_of(65), (30, 1, 1))
+    angles = eyes_looking(np.zeros(30), 0.0)
+    irises = irises_of(angles, poses)
+    irises[:, 0, 0] += 40  # nonsense at the far eye
+    near, far = irises.copy(), irises
+    near[:, 0, 2] = 0
+    np.testing.assert_allclose(follow(far, poses).angles, follow(near, poses).angles, atol=1e-9)
+
+
+def test_without_an_iris_nothing_is_claimed():
+    poses = np.tile(pose_of(), (20, 1, 1))
+    track = follow(np.zeros((20, 2, 5)), poses)
+    np.testing.assert_allclose(track.angles, eyes_looking(np.zeros(20), 0.0), atol=1e-6)
+    assert (track.std > 8).all()
+
+
+def test_gaze_needs_as_many_irises_as_poses():
+    poses = np.tile(pose_of(), (20, 1, 1))
+    with pytest.raises(InvalidInput, match="same number"):
+        follow(np.zeros((19, 2, 5)), np.ascontiguousarray(poses[:20]))
+
+
+def test_lids_that_go_along_are_open_and_shut_lids_are_shut():
+    lid = _core.LidFollowing(0.02, 0.0)
+    down = np.array([0.0, -20.0, -20.0, 20.0])
+    closure = np.array([0.0, 0.4, 1.0, 1.0])
+    own = lid.own(closure, down)
+    np.testing.assert_allclose(own, [0, 0, 1, 1], atol=1e-12)
+    np.testing.assert_allclose(lid.seen(own, down), closure, atol=1e-12)
