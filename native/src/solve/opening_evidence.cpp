@@ -8,15 +8,17 @@ namespace mimetic {
 namespace {
 
 // In interpupillary distances. Measured on real frames marked by hand (docs/measured/real-faces.md): once a
-// person's constant offset is known, lids are .5 % off and lips 1 to 3 %; neighbouring frames err alike, so
+// person's constant offset is known, lids are .5 % off and lips about 1 %; neighbouring frames err alike, so
 // that each counts for less than one.
-constexpr OpeningNoise kLidNoise{.010, .007, .006, .006, .3};
-constexpr OpeningNoise kLipNoise{.020, .018, .012, .010, .3};
+constexpr OpeningNoise kLidNoise{.010, .007, .006, .006, .3, 0, 0};
+// A slit's two edges err alike: shut lips are seen to touch within half a per cent, and open ones a tenth too
+// far apart.
+constexpr OpeningNoise kLipNoise{.015, .012, .009, .003, .3, .99, .12};
 // How far a person's lines lie from the fitted head's, and the networks' from the person's
-constexpr OpeningNoise kLidBias{.04, .012, .012, .004, 0};
-constexpr OpeningNoise kLipBias{.05, .015, .015, .005, 0};
+constexpr OpeningNoise kLidBias{.04, .012, .012, .004, 0, 0, 0};
+constexpr OpeningNoise kLipBias{.05, .020, .015, .002, 0, .995, 0};
 
-constexpr double kLidAtRest = .3;      // s.d. of upper lids in the reference frame: a person may be sleepy
+constexpr double kShutAtRest = .3;     // s.d. in the reference frame of what shuts: a person may be sleepy
 constexpr double kOtherAtRest = .02;   // of all other values
 constexpr double kHidden = .3;         // cosine: below, an opening is too oblique to measure
 constexpr double kFrontal = .8;        // cosine: above, as from the front
@@ -41,6 +43,7 @@ std::optional<OpeningEvidence::Rows> OpeningEvidence::rows_at(const FaceState& s
     const double factor = std::min(kLargestFactor, 1 / sight);
     const OpeningNoise& noise = is_eye() ? kLidNoise : kLipNoise;
     Rows rows{found->offsets, found->by_values, covariance_of(noise, lines_.places(), found->pixel, factor)};
+    rows.covariance += std::pow(noise.width * factor, 2) * found->from_slit * found->from_slit.transpose();
     const Eigen::Index count = rows.offsets.size();
     Eigen::MatrixXd share = Eigen::MatrixXd::Identity(count, count);  // of each offset at this state
     if (is_eye()) {
@@ -66,17 +69,16 @@ FaceState OpeningEvidence::learn(const FaceState& at_rest, const SeenOpening& se
         return state;
     }
     Eigen::VectorXd variance = Eigen::VectorXd::Constant(state.values.size(), kOtherAtRest * kOtherAtRest);
-    if (is_eye()) {
-        variance[lines_.opening().lid_upper] = kLidAtRest * kLidAtRest;
+    for (const int value : lines_.opening().shutting) {
+        variance[value] = kShutAtRest * kShutAtRest;
     }
     const Eigen::MatrixXd to_values = variance.asDiagonal() * rows->by_values.transpose();
     const Eigen::LLT<Eigen::MatrixXd> total(rows->covariance + rows->by_values * to_values);
     const Eigen::VectorXd explained = total.solve(rows->offsets);
-    if (is_eye()) {
-        const int lid = lines_.opening().lid_upper;
-        state.values[lid] += to_values.row(lid).dot(explained);
-        state.keep_within(face_.motion);
+    for (const int value : lines_.opening().shutting) {
+        state.values[value] += to_values.row(value).dot(explained);
     }
+    state.keep_within(face_.motion);
     const Eigen::MatrixXd prior = bias_covariance_;
     bias_ += prior * explained;
     bias_covariance_ -= prior * total.solve(prior);

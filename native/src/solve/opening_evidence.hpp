@@ -13,7 +13,7 @@ class OpeningEvidence {
 public:
     OpeningEvidence(const TrackedFace& face, const FeatureOpening& opening);
 
-    /// The reference frame: learns the offset, and returns the state with the lids as they are there.
+    /// The reference frame: learns the offset, and returns the state with what shuts as it is there.
     FaceState learn(const FaceState& at_rest, const SeenOpening& seen, double interpupillary);
 
     /// Information and right-hand side of the measurement; zero without one. The pose has no part in it.

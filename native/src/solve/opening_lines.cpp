@@ -34,17 +34,37 @@ Eigen::Vector2d point_at(const Points2& line, const Stretch& stretch) {
            stretch.share * line.row(stretch.first + 1).transpose();
 }
 
+/// Each place's distance from the middle of those of the meeting lines that are as far along; 0 of others.
+Eigen::VectorXd from_middle(const Eigen::VectorXd& heights, const std::vector<LinePlace>& places) {
+    Eigen::VectorXd distances = Eigen::VectorXd::Zero(heights.size());
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        double sum = 0, number = 0;
+        for (std::size_t j = 0; j < places.size(); ++j) {
+            if (places[j].meets && places[j].along == places[i].along) {
+                sum += heights[static_cast<Eigen::Index>(j)];
+                ++number;
+            }
+        }
+        if (places[i].meets) {
+            distances[static_cast<Eigen::Index>(i)] = heights[static_cast<Eigen::Index>(i)] - sum / number;
+        }
+    }
+    return distances;
+}
+
 }  // namespace
 
 OpeningLines::OpeningLines(const FaceSurface& surface, const FeatureOpening& opening) : opening_(opening) {
     opening_.facing.normalize();
+    const bool is_slit = opening.lines.size() == 2;
     for (const std::vector<int>& line : opening.lines) {
         std::vector<SkinPoint>& points = lines_.emplace_back();
         for (const int vertex : line) {
             points.push_back(surface.at_vertex(vertex));
         }
         for (const double along : {-.32, -.16, 0., .16, .32}) {
-            places_.push_back({static_cast<int>(lines_.size()) - 1, along});
+            const int number = static_cast<int>(lines_.size()) - 1;
+            places_.push_back({number, along, is_slit || number == 1 || number == 2});
         }
     }
 }
@@ -62,7 +82,8 @@ std::optional<OpeningOffsets> OpeningLines::compare(const Camera& camera, const 
     }
     const auto count = static_cast<Eigen::Index>(places_.size());
     const double pixels = .5 * (camera.fx + camera.fy) / middle_in_camera.z() * interpupillary;
-    OpeningOffsets result{Eigen::VectorXd(count), Eigen::MatrixXd(count, state.values.size()), 1 / pixels, 0};
+    OpeningOffsets result{Eigen::VectorXd(count), Eigen::MatrixXd(count, state.values.size()),
+                          Eigen::VectorXd::Zero(count), 1 / pixels, 0};
     result.frontality =
         -(state.camera_from_head.linear() * opening_.facing).dot(middle_in_camera.normalized());
     const Eigen::VectorXf values = state.values.cast<float>();
@@ -85,8 +106,9 @@ std::optional<OpeningOffsets> OpeningLines::compare(const Camera& camera, const 
         for (; row < count && places_[static_cast<std::size_t>(row)].line == static_cast<int>(l); ++row) {
             const double along = places_[static_cast<std::size_t>(row)].along;
             const Stretch here = stretch_at(model, along);
-            result.offsets[row] =
-                across.dot(point_at(other, stretch_at(other, along)) - point_at(model, here)) / pixels;
+            const Eigen::Vector2d place_seen = point_at(other, stretch_at(other, along));
+            result.offsets[row] = across.dot(place_seen - point_at(model, here)) / pixels;
+            result.from_slit[row] = across.dot(place_seen) / pixels;
             result.by_values.row(row).setZero();
             for (const auto& [index, share] :
                  {std::pair{here.first, 1 - here.share}, std::pair{here.first + 1, here.share}}) {
@@ -97,6 +119,7 @@ std::optional<OpeningOffsets> OpeningLines::compare(const Camera& camera, const 
             }
         }
     }
+    result.from_slit = from_middle(result.from_slit, places_);
     return result;
 }
 

@@ -10,6 +10,7 @@ namespace mimetic {
 struct LinePlace {
     int line;
     double along;  ///< -.5 at the first corner to .5 at the second
+    bool meets;    ///< the line meets another where the opening is shut
 };
 
 /// Differences between a measured opening and the model at a state, across the opening alone: along a line
@@ -17,8 +18,10 @@ struct LinePlace {
 struct OpeningOffsets {
     Eigen::VectorXd offsets;    ///< K: from the model to what was seen
     Eigen::MatrixXd by_values;  ///< K x M: how the model moves
-    double pixel = 0;           ///< one pixel
-    double frontality = 1;      ///< cosine between the way the opening faces and the way to the camera
+    Eigen::VectorXd
+        from_slit;          ///< K: of lines that meet, from the middle between them as it was seen; else 0
+    double pixel = 0;       ///< one pixel
+    double frontality = 1;  ///< cosine between the way the opening faces and the way to the camera
 };
 
 /// The lines of one opening on the limit surface.

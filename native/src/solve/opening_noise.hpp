@@ -15,6 +15,8 @@ struct OpeningNoise {
     double stretch = 0;  ///< smooth along a line
     double point = 0;    ///< independent for each point
     double pixels = 0;   ///< of each point, of the footage's grid
+    double meeting = 0;  ///< correlation of line and stretch between lines that meet
+    double width = 0;    ///< share of the distance between lines that meet: its own error
 };
 
 /// K squared, of an opening's places. pixel: one, in interpupillary distances; factor: of all deviations.
@@ -29,10 +31,9 @@ inline Eigen::MatrixXd covariance_of(const OpeningNoise& noise, const std::vecto
             const LinePlace &a = places[static_cast<std::size_t>(i)],
                             &b = places[static_cast<std::size_t>(j)];
             double sum = square(noise.opening);
-            if (a.line == b.line) {
-                sum += square(noise.line) +
-                       square(noise.stretch) * std::exp(-.5 * square((a.along - b.along) / kStretch));
-            }
+            const double alike = a.line == b.line ? 1 : a.meets && b.meets ? noise.meeting : 0;
+            sum += alike * (square(noise.line) +
+                            square(noise.stretch) * std::exp(-.5 * square((a.along - b.along) / kStretch)));
             if (i == j) {
                 sum += square(noise.point) + square(noise.pixels * pixel);
             }

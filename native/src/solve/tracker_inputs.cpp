@@ -35,6 +35,12 @@ void check_opening(const FeatureOpening& opening, Eigen::Index num_vertices, Eig
         }
     }
     const bool is_eye = opening.lid_upper >= 0;
+    for (const int value : opening.shutting) {
+        if (value < 0 || value >= num_values) {
+            fail("an opening is shut by value " + std::to_string(value) + "; there are " +
+                 std::to_string(num_values));
+        }
+    }
     if (opening.lines.empty() || (is_eye && opening.lines.size() != 2) ||
         std::max(opening.lid_upper, opening.lid_lower) >= num_values) {
         fail("an eye needs two lines and lids among the " + std::to_string(num_values) +

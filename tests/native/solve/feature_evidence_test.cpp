@@ -140,6 +140,76 @@ TEST(FeatureEvidence, SaysNothingOfThePose) {
     EXPECT_EQ(terms.information.topRows<6>().norm(), 0);
 }
 
+/// A mouth of four lines, of which the fitted head's inner ones stand 2 mm apart at rest; values: what shuts
+/// it (down with the upper, up with the lower inner line, 4 mm each), and a jaw that takes the lower lip
+/// down.
+struct Mouth {
+    static constexpr int kPoints = 9;
+    FeatureScene scene;  // for its camera
+
+    Mouth() {
+        FeatureOpening mouth;
+        mouth.shutting = {0};
+        scene.motion = {};
+        scene.motion.neutral.resize(4 * kPoints, 3);
+        scene.motion.modes.setZero(2, 3 * scene.motion.neutral.rows());
+        for (int line = 0; line < 4; ++line) {
+            std::vector<int>& vertices = mouth.lines.emplace_back();
+            for (int i = 0; i < kPoints; ++i) {
+                const int vertex = line * kPoints + i;
+                const double along = 2. * i / (kPoints - 1) - 1, arch = 1 - along * along;
+                const double height = std::array{.008, .001, -.001, -.009}[static_cast<std::size_t>(line)];
+                scene.motion.neutral.row(vertex) << .025 * along, height * arch, 0;
+                scene.motion.modes(0, 3 * vertex + 1) = (line == 1 ? -.004 : line == 2 ? .004 : 0) * arch;
+                scene.motion.modes(1, 3 * vertex + 1) = (line > 1 ? -.02 : 0) * arch;
+                vertices.push_back(vertex);
+            }
+        }
+        scene.surface.quads.resize(kPoints - 1, 4);
+        for (int i = 0; i + 1 < kPoints; ++i) {
+            scene.surface.quads.row(i) << i, i + kPoints, i + kPoints + 1, i + 1;
+        }
+        scene.surface.stencils.resize(4 * kPoints, 4 * kPoints);
+        scene.surface.stencils.setIdentity();
+        scene.surface.weights = Eigen::VectorXd::Ones(4 * kPoints);
+        scene.motion.lower = Eigen::VectorXd::Zero(2);
+        scene.motion.upper = Eigen::VectorXd::Ones(2);
+        scene.motion.prior_std = Eigen::VectorXd::Constant(2, .3);
+        scene.inputs.openings = {mouth};
+    }
+};
+
+TEST(FeatureEvidence, ShutsLipsThatTouchInTheReferenceFrame) {
+    Mouth mouth;
+    const std::vector<SeenOpening> touching = mouth.scene.see(Eigen::Vector2d(.25, 0));
+    mouth.scene.inputs.source = [&](const ColorView&, const Eigen::Isometry3d&) { return touching; };
+    const TrackedFace face(mouth.scene.camera, mouth.scene.surface, mouth.scene.motion, TrackerOptions{});
+    const FaceState rest{mouth.scene.camera_from_head, Eigen::VectorXd::Zero(2)};
+    const FeatureEvidence evidence(face, mouth.scene.inputs, ColorView{}, cv::Mat1b(), rest);
+    EXPECT_NEAR(evidence.reference().values[0], .25, .06);  // not the person's offset
+    EXPECT_EQ(evidence.reference().values[1], 0);           // the jaw is at rest
+}
+
+/// Standard deviation of the slit's width by the lines alone, when lips are at `values`, in pupil distances.
+double slit_std(const Eigen::Vector2d& values) {
+    Mouth mouth;
+    std::vector<SeenOpening> seen = mouth.scene.see(Eigen::Vector2d(.25, 0));
+    mouth.scene.inputs.source = [&](const ColorView&, const Eigen::Isometry3d&) { return seen; };
+    const TrackedFace face(mouth.scene.camera, mouth.scene.surface, mouth.scene.motion, TrackerOptions{});
+    const FaceState rest{mouth.scene.camera_from_head, Eigen::VectorXd::Zero(2)};
+    FeatureEvidence evidence(face, mouth.scene.inputs, ColorView{}, cv::Mat1b(), rest);
+    seen = mouth.scene.see(values);
+    const FaceState state{mouth.scene.camera_from_head, values};
+    evidence.look(ColorView{}, cv::Mat1b(), state);
+    constexpr double kByShutting = .008 / .063;
+    return kByShutting / std::sqrt(evidence.terms(state).information(6, 6));
+}
+
+TEST(FeatureEvidence, KnowsASlitThatIsShutFarBetterThanAnOpenOne) {
+    EXPECT_LT(slit_std({.25, 0}), .006);  // else flow lets lips pass through each other
+    EXPECT_GT(slit_std({.25, .5}), .015);
+}
+
 TEST(FaceTracker, KeepsItsPoseWhenLinesAtTheMouthMoveTogether) {
     const FaceScene scene;
     FeatureInputs inputs;

@@ -30,6 +30,7 @@ struct FeatureScene {
             opening.lines.resize(2);
             opening.lid_upper = eye == 0 ? upper_left : upper_right;
             opening.lid_lower = eye == 0 ? lower_left : lower_right;
+            opening.shutting = {opening.lid_upper};
             for (int i = 0; i < kPoints; ++i) {
                 add_pair(eye, i, opening);
             }
@@ -60,7 +61,7 @@ struct FeatureScene {
         std::vector<SeenOpening> seen;
         for (const FeatureOpening& opening : inputs.openings) {
             SeenOpening& one = seen.emplace_back();
-            for (std::size_t line = 0; line < 2; ++line) {
+            for (std::size_t line = 0; line < opening.lines.size(); ++line) {
                 Points2& pixels = one.lines.emplace_back(kPoints, 2);
                 for (int i = 0; i < kPoints; ++i) {
                     Eigen::Vector3d point = moved.row(opening.lines[line][static_cast<std::size_t>(i)]);

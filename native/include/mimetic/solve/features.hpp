@@ -22,9 +22,12 @@ struct EyeSlit {
 
 /// An opening of the face, an eye or the mouth: the lines that run on the skin from one corner to the other.
 struct FeatureOpening {
-    std::vector<std::vector<int>> lines;  ///< control vertices; of an eye the upper and the lower margin
+    std::vector<std::vector<int>> lines;  ///< control vertices; of an eye the upper and the lower margin;
+                                          ///< of a mouth four, of which the two in the middle meet
     int lid_upper = -1;                   ///< index among the values, -1: no eye
     int lid_lower = -1;
+    /// Values by which it shuts: they need not be 0 in the reference frame.
+    std::vector<int> shutting;
     /// Head frame, of any length: which way it faces. An opening seen from the side constrains little.
     Eigen::Vector3d facing = Eigen::Vector3d::UnitZ();
 };

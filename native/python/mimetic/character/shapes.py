@@ -12,7 +12,7 @@ from mimetic.character.gaze_shapes import gaze_shapes, gaze_sliders
 from mimetic.character.shape import Shape, shape_of_values
 from mimetic.muscles.anatomy import Anatomy
 from mimetic.muscles.articulators import ARTICULATORS
-from mimetic.muscles.extras import Extras
+from mimetic.muscles.extras import Extras, lip_rows
 from mimetic.performance.document import Performance
 from mimetic.performance.gaze import GAZE, seen_articulators
 
@@ -54,9 +54,9 @@ def shapes_of(performance: Performance) -> list[Shape]:
     ]
     if performance.articulator_modes is not None:
         shapes += [
-            shape_of_values(name, JAW_AND_LIDS, modes, values, *ARTICULATORS.get(name, (-1.0, 1.0)))
-            for name, modes, values in zip(
-                performance.articulators,
+            shape_of_values(name, group, modes, values, lowest, highest)
+            for (name, group, lowest, highest), modes, values in zip(
+                map(_listed, performance.articulators),
                 performance.articulator_modes,
                 seen_articulators(performance).T,
                 strict=True,
@@ -72,6 +72,14 @@ def shapes_of(performance: Performance) -> list[Shape]:
             )
         ]
     return shapes
+
+
+def _listed(articulator: str) -> tuple[str, str, float, float]:
+    """Its name, what it is listed under, and the range of its slider."""
+    for row in lip_rows():
+        if row["name"] == articulator:
+            return articulator, row["group"], *row["limits"]
+    return articulator, JAW_AND_LIDS, *ARTICULATORS.get(articulator, (-1.0, 1.0))
 
 
 def slider_shapes_of(performance: Performance) -> list[Shape]:

@@ -1,20 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a face needs beyond its muscles, jaw and lids: lips in parts, air, gaze.
 
-They are set by hand and not estimated by capture. Data: data/extras.toml, with its sources.
+They are set by hand; a capture estimates LIP_SHAPES and the gaze alone. Data: data/extras.toml,
+with its sources.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
-from mimetic.muscles.anatomy import SIDES, AttachedSkin, load_table
+from mimetic.muscles.anatomy import SIDES, Anatomy, AttachedSkin, load_table
 from mimetic.muscles.articulators import EyeLids, eye_frames
 from mimetic.skin.mesh import SkinMesh, canonical_skin
+
+# Each moves one lip to the slit, or off it where the other pushes
+LIP_CLOSING = ("oris_close_upper", "oris_close_lower")
+# Of the extras what the lips' edges show: articulators of a capture
+LIP_SHAPES = (*LIP_CLOSING, "lip_roll_upper", "lip_roll_lower")
 
 
 @dataclass(frozen=True)
@@ -54,6 +60,30 @@ def attach_extras(skin: AttachedSkin) -> Extras:
             mode[eye] = _core.turned_eye(frame, gaze, mesh.neutral[eye])
             modes[f"{row['name']}.{frame.side}"] = mode
     return collect(modes)
+
+
+def with_lip_shapes(anatomy: Anatomy, skin: AttachedSkin) -> Anatomy:
+    """The anatomy with LIP_SHAPES among its articulators."""
+    mesh = skin.mesh
+    every = dict(zip(loading_names(), place_extras(mesh), strict=True))
+    placed = [every[name] for name in LIP_SHAPES]
+    measured = mesh.stencil_rows_at([extra.measured.vertex for extra in placed])
+    mouth = _core.MouthFrame(mesh)
+    responses = _core.extra_responses(skin, mesh.surface, mouth, placed, measured)
+    return replace(
+        anatomy,
+        articulator_names=(*anatomy.articulator_names, *LIP_SHAPES),
+        articulator_modes=np.concatenate([anatomy.articulator_modes, skin.spread(responses)]),
+        articulator_limits=np.vstack(
+            [anatomy.articulator_limits, [row["limits"] for row in lip_rows()]]
+        ),
+    )
+
+
+def lip_rows() -> list[dict]:
+    """The entries of LIP_SHAPES, in their order."""
+    rows = {row["name"]: row for row in extras_table()}
+    return [rows[name] for name in LIP_SHAPES]
 
 
 def collect(modes: dict[str, NDArray[np.float64]]) -> Extras:

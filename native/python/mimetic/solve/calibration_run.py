@@ -11,6 +11,7 @@ import numpy as np
 from mimetic import InvalidInput, _core
 from mimetic.fit.fitting import FaceFit
 from mimetic.media.footage import Footage
+from mimetic.muscles.anatomy import Anatomy, AttachedSkin, modes_of
 from mimetic.muscles.calibration import Calibration
 from mimetic.shared.progress import ATTACHED, SEARCHED, Progress, stages
 from mimetic.skin.mesh import SkinMesh
@@ -29,6 +30,9 @@ class _ObservedCapture(ClipCapture):
     """A capture that keeps where the skin was seen in every frame that was followed."""
 
     sightings: list[_core.Sighting]
+
+    def attach(self, skin: AttachedSkin) -> Anatomy:
+        return modes_of(skin)  # what is calibrated
 
     def advance(
         self, tracker: _core.FaceTracker, frame: int, image: Image, guess: Pose | None = None

@@ -21,9 +21,11 @@ from mimetic.fit import fitting
 from mimetic.fit.fitting import FaceFit, NoFace
 from mimetic.fit.same_footage import check_same_footage
 from mimetic.fit.upright import check_upright
+from mimetic.locate.feature_networks import installed_networks
 from mimetic.media.footage import Footage
-from mimetic.muscles.anatomy import attach_skin, modes_of
+from mimetic.muscles.anatomy import Anatomy, AttachedSkin, attach_skin, modes_of
 from mimetic.muscles.detail import detail_of
+from mimetic.muscles.extras import with_lip_shapes
 from mimetic.performance.document import Performance
 from mimetic.performance.projection import rescaled
 from mimetic.performance.rows import Rows, State
@@ -211,10 +213,15 @@ class ClipCapture:
         self.template = load_template()
         self.neutral = fit.neutral_vertices(self.template)
         skin = attach_skin(self.neutral, self.template, calibration=fit.calibration)
-        self.anatomy = modes_of(skin)
+        self.anatomy = self.attach(skin)
         self.detail = detail_of(skin, tracking.UNMEASURED)
         self.motion = tracking.face_motion(self.neutral, self.template, self.anatomy, self.detail)
         summary.add("attach the muscles", time.perf_counter() - start)
+
+    def attach(self, skin: AttachedSkin) -> Anatomy:
+        """What moves the skin: the lips' shapes too, where the networks see their edges."""
+        anatomy = modes_of(skin)
+        return with_lip_shapes(anatomy, skin) if installed_networks() else anatomy
 
     def run(self) -> Performance:
         reference_frame, (first, last) = self.walk.fit.frame, self.walk.frames

@@ -9,6 +9,7 @@ from mimetic import _core
 from mimetic.fit.fitting import FaceFit
 from mimetic.locate.feature_networks import feature_anchors, installed_networks
 from mimetic.muscles.anatomy import Anatomy
+from mimetic.muscles.extras import LIP_CLOSING
 from mimetic.muscles.feature_lines import feature_lines
 from mimetic.template.face_template import FaceTemplate
 
@@ -26,8 +27,10 @@ def feature_inputs(fit: FaceFit, template: FaceTemplate, anatomy: Anatomy) -> _c
     for side, lines in zip(SIDES, lid_lines(template), strict=True):
         facing = np.array([EYE_FACES if side == "L" else -EYE_FACES, 0.0, 1.0])
         upper, lower = (first + names.index(f"lid_{lid}.{side}") for lid in ("upper", "lower"))
-        openings.append(_core.FeatureOpening(lines, facing, upper, lower))
-    openings.append(_core.FeatureOpening(lip_lines(template), np.array([0.0, 0.0, 1.0])))
+        openings.append(_core.FeatureOpening(lines, facing, [upper], upper, lower))
+    closing = [first + names.index(name) for name in LIP_CLOSING if name in names]
+    ahead = np.array([0.0, 0.0, 1.0])
+    openings.append(_core.FeatureOpening(lip_lines(template), ahead, closing))
     anchors = feature_anchors(fit.neutral_vertices(template), template)
     return _core.FeatureInputs(
         eye_slits(template, anatomy),

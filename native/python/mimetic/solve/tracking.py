@@ -25,6 +25,11 @@ ARTICULATOR_STD = {
     "jaw_thrust": 0.1,
     "lid_upper": 0.5,
     "lid_lower": 0.15,
+    # Lips push each other off the slit: that force is there whenever they meet, so no sparse prior
+    "oris_close_upper": 0.45,
+    "oris_close_lower": 0.45,
+    "lip_roll_upper": 0.2,
+    "lip_roll_lower": 0.2,
 }
 # How many times as fast as a skin muscle: a blink is shut in two frames
 QUICKNESS = {"lid_upper": 8.0, "lid_lower": 4.0}
