@@ -113,3 +113,16 @@ def test_results_are_not_kept_in_files(scene, footage, tmp_path):
     bpy.context.window_manager.mimetic_result = ""
     bpy.ops.wm.open_mainfile(filepath=path)
     assert bpy.context.window_manager.mimetic_result == ""
+
+
+def test_expressions_tell_their_actions(scene):
+    bpy.ops.mimetic.add_face()
+    assert result()["object"] == bpy.context.active_object.name
+    face = bpy.context.active_object
+    keys = [key for key in face.data.shape_keys.key_blocks if key.name.startswith("zygomaticus")]
+    for key in keys:
+        key.value = 0.5
+    bpy.ops.mimetic.keep_expression(name="Smile")
+    assert bpy.data.actions[result()["action"]].name == "Smile"
+    bpy.ops.mimetic.apply_expression(action="Smile", share=0.5)
+    assert (result()["object"], result()["action"]) == (face.name, "Smile")

@@ -4,7 +4,7 @@
 from bpy.props import BoolProperty, FloatProperty, StringProperty
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out, targets
+from .. import native, outcome, scene_in, scene_out, targets
 from .chosen_expression import chosen
 
 
@@ -34,13 +34,13 @@ class MIMETIC_OT_sequence_expression(Operator):
                 *(face, action, scene.frame_current, rate), self.is_mirrored, self.strength
             )
         except native.known_errors() as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return outcome.cancelled(self, context, str(error))
         text = f"{action.name} from frame {added.first:.6g} to {added.last:.6g} on {face.name}"
         if added.pushed_down:
             text += f"; {added.pushed_down} is a strip under it now"
-        self.report({"INFO"}, text)
-        return {"FINISHED"}
+        made = {"action": action.name, "object": face.name}
+        made["scene_frames"] = [added.first, added.last]
+        return outcome.finished(self, context, text, **made)
 
 
 class MIMETIC_OT_compose_expressions(Operator):
@@ -67,13 +67,10 @@ class MIMETIC_OT_compose_expressions(Operator):
         try:
             added = strips.compose(face, self.name, rate)
         except native.known_errors() as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
-        self.report(
-            {"INFO"},
-            f"{count} strips are {self.name}, from frame {added.first:.6g} to {added.last:.6g}",
-        )
-        return {"FINISHED"}
+            return outcome.cancelled(self, context, str(error))
+        frames = [added.first, added.last]
+        text = f"{count} strips are {self.name}, from frame {added.first:.6g} to {added.last:.6g}"
+        return outcome.finished(self, context, text, object=face.name, scene_frames=frames)
 
 
 CLASSES = (MIMETIC_OT_sequence_expression, MIMETIC_OT_compose_expressions)

@@ -7,7 +7,7 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from .. import editors, native, scene_in, scene_out, targets
+from .. import editors, native, outcome, scene_in, scene_out, targets
 from ..jobs import Job
 from .chosen_expression import chosen
 
@@ -71,14 +71,13 @@ class MIMETIC_OT_keep_expression(Operator):
                 first, last = self.frame_first, self.frame_last
                 document = expressions.keep_motion(face, first, last, rate)
         except native.known_errors() as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return outcome.cancelled(self, context, str(error))
         action = expressions.new_asset(
             self.name, document, rate, scene_out.expressions.picture_of(document)
         )
         show(context.scene, action)
-        self.report({"INFO"}, f"{action.name}: {expressions.description(document)}")
-        return {"FINISHED"}
+        message = f"{action.name}: {expressions.description(document)}"
+        return outcome.finished(self, context, message, action=action.name)
 
 
 class MIMETIC_OT_apply_expression(Operator):
@@ -150,7 +149,7 @@ class MIMETIC_OT_apply_expression(Operator):
         try:
             self._chosen = chosen(context, self.action)
         except native.known_errors() as error:
-            self.report({"ERROR"}, str(error))
+            outcome.cancelled(self, context, str(error))
             return False
         self.action = self._chosen.name
         self._face_name = scene_in.face_of(context).name
@@ -165,7 +164,8 @@ class MIMETIC_OT_apply_expression(Operator):
         blocks = face.data.shape_keys.key_blocks
         self._start = {name: blocks[name].value for name in self._target}
         if not self._target:
-            self.report({"ERROR"}, f"{face.name} has none of the muscles that {self.action} moves")
+            message = f"{face.name} has none of the muscles that {self.action} moves"
+            outcome.cancelled(self, context, message)
         return bool(self._target)
 
     def _blend(self) -> None:
@@ -181,8 +181,9 @@ class MIMETIC_OT_apply_expression(Operator):
         if has_keys:
             scene_out.expressions.key_sliders(face, self._target, scene.frame_current)
         text = f"{self.action} at {self.share:.0%} on {face.name}"
-        self.report({"INFO"}, f"{text}, keyed" if has_keys else f"{text}; auto keying is off")
-        return {"FINISHED"}
+        text += ", keyed" if has_keys else "; auto keying is off"
+        made = {"action": self.action, "object": face.name, "is_keyed": has_keys}
+        return outcome.finished(self, context, text, **made)
 
     def _show(self, context) -> None:
         mirrored = ", mirrored" if self.is_mirrored else ""
@@ -214,15 +215,12 @@ class MIMETIC_OT_mirror_expression(Operator):
             action = chosen(context, self.action)
             document = expressions.document_of(action).mirrored()
         except native.known_errors() as error:
-            self.report({"ERROR"}, str(error))
-            return {"CANCELLED"}
+            return outcome.cancelled(self, context, str(error))
         name, rate = f"{action.name} mirrored", float(action[expressions.RATE])
-        show(
-            context.scene,
-            expressions.new_asset(name, document, rate, scene_out.expressions.picture_of(document)),
-        )
-        self.report({"INFO"}, f"{name} is kept")
-        return {"FINISHED"}
+        picture = scene_out.expressions.picture_of(document)
+        mirrored = expressions.new_asset(name, document, rate, picture)
+        show(context.scene, mirrored)
+        return outcome.finished(self, context, f"{name} is kept", action=mirrored.name)
 
 
 class MIMETIC_OT_load_expressions(Job, Operator):
@@ -298,10 +296,9 @@ class MIMETIC_OT_save_expression(Operator):
             library.check_new(action.name, self.use_replace)
             path = library.keep(action.name, document, scene_out.expressions.picture_of(document))
         except native.known_errors() as error:
-            self.report({"ERROR"}, str(error).replace("--replace", "tick Replace"))
-            return {"CANCELLED"}
-        self.report({"INFO"}, f"{path} is written")
-        return {"FINISHED"}
+            message = str(error).replace("--replace", "tick Replace")
+            return outcome.cancelled(self, context, message)
+        return outcome.finished(self, context, f"{path} is written", file=str(path))
 
 
 def draw_in_asset_menu(menu, context) -> None:

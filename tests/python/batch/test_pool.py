@@ -121,3 +121,18 @@ Pool(1, 0).run({{'clip': [sys.executable, '-c', {child!r}, sys.argv[1]]}}, {{'cl
                 return
         time.sleep(0.05)
     raise AssertionError("it works on")
+
+
+def test_four_hundred_tasks_leave_nothing_open_and_need_no_more_memory():
+    """What each task would leave behind shows as growth between the first and the last of them."""
+    states = []
+
+    def note(_name, _outcome):
+        with open("/proc/self/statm") as file:
+            pages = int(file.read().split()[1])
+        states.append((len(os.listdir("/proc/self/fd")), pages * os.sysconf("SC_PAGE_SIZE") / 1e6))
+
+    outcomes = run(Pool(4, 0, ended=note), {str(i): ["/bin/true"] for i in range(400)})
+    assert len(outcomes) == 400 and not any(outcome.status for outcome in outcomes.values())
+    (first_files, first_mb), (last_files, last_mb) = states[100], states[-1]
+    assert last_files <= first_files + 8 and last_mb < first_mb + 3
