@@ -81,7 +81,8 @@ def bake(request: dict) -> dict:
             return {"text": assets.write(library, request["out"])}
         new_file = importlib.import_module(f"{extension}.scene_out.new_file")
         files = (request["performance"], request["out"], request["footage"])
-        return {"text": new_file.write(*files, request["with_detail"], request["tolerance"])}
+        options = (request["with_detail"], request["tolerance"], request["with_units"])
+        return {"text": new_file.write(*files, *options)}
     except native.known_errors() as error:
         return {"error": str(error)}
 

@@ -161,6 +161,12 @@ def fitting() -> ModuleType:
     return fitting
 
 
+def expression_units() -> ModuleType:
+    from mimetic.library import units as expression_units
+
+    return expression_units
+
+
 def footage() -> ModuleType:
     from mimetic.media import footage
 

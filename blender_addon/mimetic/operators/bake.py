@@ -54,6 +54,11 @@ class MIMETIC_OT_bake(Job, Operator):
         precision=3,
         description="By how much few keys may miss an activation, of which 1 is full",
     )
+    use_units: BoolProperty(
+        name="Action Units",
+        default=False,
+        description="Sliders of FACS's action units too, left and right, and an asset of each",
+    )
     reset_hand_changes: BoolProperty(
         name="Reset Hand Changes",
         default=False,
@@ -114,6 +119,7 @@ class MIMETIC_OT_bake(Job, Operator):
             contact_shapes=contact,
             is_reset=self.reset_hand_changes,
             tolerance=self.tolerance if self.use_few_keys else 0.0,
+            with_units=self.use_units,
         )
         face = context.scene.mimetic.face
         self.made = {"object": face.name, "camera": context.scene.camera.name, **_made(summary)}

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import bpy
-from bpy.props import IntProperty
+from bpy.props import BoolProperty, IntProperty
 from bpy.types import Operator
 
 from .. import native, outcome, scene_in, scene_out, targets
@@ -17,6 +17,10 @@ class MIMETIC_OT_add_face(Job, Operator):
     subdivision: IntProperty(
         name="Subdivision", default=1, min=0, max=3, description="Levels in the viewport"
     )
+    use_units: BoolProperty(
+        name="Action Units",
+        description="Sliders of FACS's action units too, left and right, and an asset of each",
+    )
 
     @classmethod
     def poll(cls, context):
@@ -28,17 +32,22 @@ class MIMETIC_OT_add_face(Job, Operator):
         return not reason
 
     def read(self, context):
-        return None
+        return self.use_units
 
     def work(self, inputs, progress):
-        return native.canonical_head().make_head()
+        head = native.canonical_head().make_head()
+        return head, native.shapes().shapes_of_units(head.vertices) if inputs else []
 
-    def write(self, context, head):
+    def write(self, context, result):
+        head, units = result
         face = scene_out.canonical.add(
-            context.collection, head, context.scene.cursor.location, self.subdivision
+            context.collection, head, context.scene.cursor.location, self.subdivision, units
         )
+        if units:
+            rate = scene_in.timing(context.scene, None).scene_rate
+            scene_out.expressions.ensure_units(rate)
         scene_out.canonical.select_only(context.view_layer, face)
-        num_sliders = len(head.shapes) + len(head.groups)
+        num_sliders = len(head.shapes) + len(units) + len(head.groups)
         self.made = {"object": face.name, "num_sliders": num_sliders}
         return f"{face.name} has {num_sliders} sliders: sidebar, Mimetic, Muscles"
 

@@ -69,6 +69,7 @@ def bake(
     contact_shapes: list | None = None,
     is_reset: bool = False,
     tolerance: float = 0.0,
+    with_units: bool = False,
 ) -> BakeSummary:
     """Puts the face, its curves, its camera and the footage behind it into the scene.
 
@@ -78,7 +79,8 @@ def bake(
     its groups of muscles too; contact_shapes: of mimetic.contact_shapes; given, even if empty, lips
     and lids are kept apart when sliders are moved afterwards too, and no longer if not given;
     is_reset: what was changed by hand on a face that was there is undone instead of kept;
-    tolerance: by how much few keys with handles may miss the shapes' values, 0 for a key a frame.
+    tolerance: by how much few keys with handles may miss the shapes' values, 0 for a key a frame;
+    with_units: sliders of FACS's action units, and an action asset each, beside the muscles.
     The scene's rate, frame range and resolution stay as they are. Raises InvalidInput, and changes
     nothing then, where face or camera are linked from another file.
     """
@@ -93,13 +95,16 @@ def bake(
     timing = scene_in.timing(scene, footage)
     frames = scene_in.scene_frames(performance, timing)
     parts = native.shapes()
-    shapes = [*parts.shapes_of(performance), *(contact_shapes or ())]
+    units = parts.shapes_of_units(performance.neutral_vertices) if with_units else []
+    shapes = [*parts.shapes_of(performance), *units, *(contact_shapes or ())]
     groups = parts.groups_of(performance) if with_groups else []
     obj, hand_changes = face.ensure(scene, performance, shapes, groups, subdivision, is_reset)
     obj.mimetic.use_contact = contact_shapes is not None
     if appearance is not None:
         has_paint = materials.dress(obj, appearance, is_reset)
         hand_changes.things += [f"the picture of {name}" for name in has_paint]
+    if with_units:
+        expressions.ensure_units(timing.scene_rate)
     motion = placement.head_motion(performance, world_from_camera)
     num_curves = actions.key_shapes(obj, take, frames, shapes, face.key_names(obj), tolerance)
     num_curves += actions.key_motion(obj, take, frames, motion)

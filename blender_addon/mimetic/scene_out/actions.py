@@ -26,7 +26,8 @@ def key_shapes(
     """
     keys = face.data.shape_keys
     holder = new_take(keys, f"{take} muscles")
-    for shape in shapes:
+    moving_shapes = [shape for shape in shapes if len(shape.values)]
+    for shape in moving_shapes:
         path = f'key_blocks["{bpy.utils.escape_identifier(key_names[shape.name])}"].value'
         curve = compat.new_curve(holder, path, 0, shape.group)
         if tolerance > 0:
@@ -34,7 +35,7 @@ def key_shapes(
             fill_sparse(curve, keys_of_shape)
         else:
             fill(curve, frames, shape.values, LINEAR)
-    return len(shapes)
+    return len(moving_shapes)
 
 
 def key_motion(face, take: str, frames, motion) -> int:

@@ -8,12 +8,17 @@ import bpy
 from . import face, materials
 
 
-def add(collection: bpy.types.Collection, head, location, subdivision: int) -> bpy.types.Object:
-    """Puts a `mimetic.canonical_head.Head` into a collection, at rest; location: in the world."""
+def add(
+    collection: bpy.types.Collection, head, location, subdivision: int, units=()
+) -> bpy.types.Object:
+    """Puts a `mimetic.canonical_head.Head` into a collection, at rest.
+
+    location: in the world; units: further shapes, of action units.
+    """
     obj = face.new(head.vertices, head.faces)
     collection.objects.link(obj)
     obj.mimetic.use_contact = True
-    face.set_shapes(obj, head.vertices, head.shapes, head.groups)
+    face.set_shapes(obj, head.vertices, [*head.shapes, *units], head.groups)
     face.subdivide(obj, subdivision)
     materials.dress(obj, head.appearance)
     obj.location = location

@@ -38,6 +38,15 @@ def new_asset(name: str, expression, rate: float, picture=None) -> bpy.types.Act
     return action
 
 
+def ensure_units(rate: float) -> None:
+    """An asset of each of FACS's action units that the file has none of."""
+    units = native.expression_units()
+    for name in units.unit_meanings():
+        known = bpy.data.actions.get(name)
+        if known is None or not is_expression(known):
+            new_asset(name, units.unit_expression(name), rate, units.unit_picture(name))
+
+
 def new_action(name: str, expression, rate: float, key_names: dict[str, str]) -> bpy.types.Action:
     """An action that no data has yet; key_names: of a face's shapes whose keys are called so."""
     action, holder = compat.free_action(name, KEY_TYPE)

@@ -19,13 +19,14 @@ def write(
     footage_path: str | None,
     with_detail: bool = False,
     tolerance: float = 0.0,
+    with_units: bool = False,
 ) -> str:
     """Bakes into the scene that is open, which must be empty, and writes it whole or not at all.
 
     Unlike baking into a user's scene this sets the scene's rate, range and resolution to the
     footage's. with_detail: shapes for what the muscles leave unexplained too. tolerance: of few
-    keys with handles, 0 for a key a frame. Returns what was
-    written; raises what the package raises for bad input, and OSError.
+    keys with handles, 0 for a key a frame. with_units: sliders of action units too.
+    Returns what was written; raises what the package raises for bad input, and OSError.
     """
     performance = native.performances().Performance.load(performance_path)
     if not with_detail:
@@ -46,6 +47,7 @@ def write(
         with_groups=is_blend,
         contact_shapes=contact,
         tolerance=tolerance,
+        with_units=with_units,
     )
     takes.keep(scene, footage, performance_path)
     scene.frame_set(scene.frame_start)

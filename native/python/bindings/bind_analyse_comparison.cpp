@@ -20,6 +20,8 @@ void bind_action_units(py::module_& m) {
           "radius"_a, "A field (V, 3) that moves skin about places (K, 3), metres. Raises InvalidInput.");
     m.def("nearness_to", &nearness_to, "vertices"_a, "is_skin"_a, "places"_a, "radius"_a,
           "How near each vertex (V,) is to any of the places (K, 3), 0 to 1. Raises InvalidInput.");
+    m.def("left_share", &left_share, "vertices"_a, "margin"_a,
+          "How much each vertex (V,) belongs to the left side, 0 to 1; metres.");
 }
 
 }  // namespace

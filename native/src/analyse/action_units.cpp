@@ -2,6 +2,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <mimetic/analyse/action_units.hpp>
+#include <mimetic/muscles/articulators.hpp>
 #include <mimetic/shared/checks.hpp>
 
 namespace mimetic {
@@ -75,6 +76,15 @@ Eigen::VectorXd nearness_to(PointsIn vertices, const std::vector<bool>& is_skin,
     check_field(vertices, is_skin, radius);
     require(places.rows() > 0, "nearness needs a place");
     return nearness(vertices, is_skin, places, radius).rowwise().maxCoeff();
+}
+
+Eigen::VectorXd left_share(PointsIn vertices, double margin) {
+    check_range("margin between the sides", margin, 1e-6, 1);
+    Eigen::VectorXd shares(vertices.rows());
+    for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
+        shares[v] = smooth_step(.5 + .5 * vertices(v, 0) / margin);
+    }
+    return shares;
 }
 
 }  // namespace mimetic

@@ -29,4 +29,8 @@ Points displacement_about(PointsIn vertices, const std::vector<bool>& is_skin, P
 Eigen::VectorXd nearness_to(PointsIn vertices, const std::vector<bool>& is_skin, PointsIn places,
                             double radius);
 
+/// How much each vertex belongs to the left side, x above 0: half in the middle, all of it a margin (metres,
+/// above 0) aside, smooth between, so that the two sides add up to the whole.
+Eigen::VectorXd left_share(PointsIn vertices, double margin);
+
 }  // namespace mimetic

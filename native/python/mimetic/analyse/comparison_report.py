@@ -16,6 +16,7 @@ from mimetic.analyse.comparison_figures import (
     motion_lengths,
     neutral_figure,
 )
+from mimetic.analyse.motion_fields import COLUMNS, MotionFields, motion_figure, motion_rows
 from mimetic.analyse.tables import write_table
 from mimetic.analyse.timing import Timing
 from mimetic.analyse.timing_figures import group_figure
@@ -24,13 +25,23 @@ from mimetic.template.face_template import FaceTemplate
 
 FIGURES = ("neutral", "courses", "difference", "groups")
 TABLES = ("comparison.csv", "places.csv", "courses.csv", "difference.csv", "course.csv")
+# Only where footage is given
+MOTION_FILES = ("motion.csv", "motion.png", "motion.svg")
 FILES = (*TABLES, "report.html", *(f"{name}.{k}" for name in FIGURES for k in ("png", "svg")))
 
 
 def write_comparison(
-    comparison: Comparison, timing: Timing, template: FaceTemplate, folder: Path, name: str
+    comparison: Comparison,
+    timing: Timing,
+    template: FaceTemplate,
+    folder: Path,
+    name: str,
+    fields: MotionFields | None = None,
 ) -> None:
-    """FILES into the folder; name: what was compared. Raises OSError."""
+    """FILES into the folder, and MOTION_FILES of motion fields; name: what was compared.
+
+    Raises OSError.
+    """
     _write_tables(comparison, template, folder)
     figures = {
         "neutral": neutral_figure(comparison, template),
@@ -38,6 +49,9 @@ def write_comparison(
         "difference": difference_figure(comparison, template),
         "groups": group_figure(timing),
     }
+    if fields is not None:
+        figures["motion"] = motion_figure(fields, comparison, template)
+        write_table(folder / "motion.csv", motion_rows(fields), COLUMNS)
     pictures = {key: drawing.write_figure(figure, folder, key) for key, figure in figures.items()}
     unit, event = comparison.unit, comparison.event
     lead = (
@@ -154,7 +168,16 @@ def _parts(comparison: Comparison, pictures: dict[str, bytes]) -> Iterator[str]:
             "first frame.",
         ),
         ("groups", "Seven groups", "As the paper's Fig. 10, of the whole performance."),
+        (
+            "motion",
+            "Motion fields",
+            "As the paper's Fig. 6, from the event's first frame to its peak: (a) optical flow, "
+            "followed frame by frame, (b) the captured surface's motion in the picture, head and "
+            "skin, (c) the skin's motion in space, in the head's own frame.",
+        ),
     ):
+        if key not in pictures:
+            continue
         figure = drawing.picture(pictures[key], heading)
         yield drawing.section(heading, figure, drawing.paragraph(caption, "caption"))
     yield drawing.section(

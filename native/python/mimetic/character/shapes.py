@@ -10,11 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 
 from mimetic.character.gaze_shapes import gaze_shapes, gaze_sliders
 from mimetic.character.shape import Shape, shape_of_values
+from mimetic.muscles.action_units import HIGHEST, unit_sides
 from mimetic.muscles.anatomy import Anatomy
 from mimetic.muscles.articulators import ARTICULATORS
 from mimetic.muscles.extras import Extras, lip_rows
 from mimetic.performance.document import Performance
 from mimetic.performance.gaze import GAZE, seen_articulators
+from mimetic.template.face_template import load_template
 
 GROUPS = {
     1: "Lip Corners",
@@ -29,6 +31,7 @@ SIDES = ("", ".L", ".R")  # both, the subject's left, right
 JAW_AND_LIDS = "Jaw and Lids"
 DETAIL = "Detail"
 CONTACT = "Contact"
+ACTION_UNITS = "Action Units"
 
 
 def group_name(group: int, side: str = "") -> str:
@@ -134,6 +137,15 @@ def shapes_of_extras(extras: Extras) -> list[Shape]:
     """Lips in parts, air and gaze: set by hand; no take moves them."""
     entries = zip(extras.names, extras.groups, extras.modes, extras.limits, strict=True)
     return [_slider(name, group, modes, *limits) for name, group, modes, limits in entries]
+
+
+def shapes_of_units(neutral: NDArray[np.float64]) -> list[Shape]:
+    """Action units of FACS on a canonical head's neutral vertices (V x 3): set by hand.
+
+    Raises InvalidInput on another mesh.
+    """
+    modes = unit_sides(neutral, load_template())
+    return [_slider(name, ACTION_UNITS, mode, 0.0, HIGHEST) for name, mode in modes.items()]
 
 
 def _slider(name: str, group: str, offsets: NDArray, lowest: float, highest: float) -> Shape:

@@ -34,6 +34,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "a head that has them attached, the head's motion on any other object or an armature",
     )
     add_face_arguments(parser)
+    parser.add_argument(
+        "--action-units",
+        action="store_true",
+        help="sliders of FACS's action units too, left and right, and in a .blend an action each",
+    )
     parser.add_argument("--bone", help="the armature's head (default: found by its name)")
     parser.add_argument(
         "--neck", help="the armature's neck (default: found by its name; '' for none)"
@@ -86,6 +91,8 @@ def run_bake(arguments: argparse.Namespace) -> int:
         }
         if arguments.detail:
             raise InvalidInput("--detail is of the person's own face; a --target takes the head")
+        if arguments.action_units:
+            raise InvalidInput("--action-units are the face's; a --target takes the head")
         if arguments.few_keys is not None:
             raise InvalidInput("--few-keys are the face's; a --target takes the head")
     elif arguments.bone or arguments.neck:
@@ -95,6 +102,7 @@ def run_bake(arguments: argparse.Namespace) -> int:
         target,
         arguments.detail,
         arguments.few_keys,
+        arguments.action_units,
     )
     print(f"{arguments.out}: {text}")
     return 0
@@ -128,6 +136,7 @@ def bake(
     target: dict | None = None,
     with_detail: bool = False,
     tolerance: float | None = None,
+    with_units: bool = False,
 ) -> str:
     """Writes `out`, whole or not at all; returns a line that says what is in it.
 
@@ -135,6 +144,7 @@ def bake(
     gives, with `settings` for the head's motion on it; None bakes the person's own face.
     with_detail: shapes and curves of the surface that the muscles leave unexplained too.
     tolerance: by how much few keys with handles may miss an activation; None keys every frame.
+    with_units: sliders of FACS's action units, which need the canonical mesh.
     Raises InvalidInput, UnreadableMedia, and OSError where `out` cannot be written.
     """
     if tolerance is not None:
@@ -154,5 +164,6 @@ def bake(
         "target": target,
         "with_detail": with_detail,
         "tolerance": tolerance or 0.0,
+        "with_units": with_units,
     }
     return write_by_blender(request, out, blender_python)

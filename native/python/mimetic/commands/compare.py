@@ -8,9 +8,12 @@ from pathlib import Path
 
 from mimetic import InvalidInput
 from mimetic.analyse.comparison import compare
-from mimetic.analyse.comparison_report import FILES, write_comparison
+from mimetic.analyse.comparison_report import FILES, MOTION_FILES, write_comparison
+from mimetic.analyse.motion_fields import motion_fields
 from mimetic.analyse.timing import analyse_timing
+from mimetic.commands.bake import check_footage
 from mimetic.commands.console import Console
+from mimetic.media.footage import Footage
 from mimetic.muscles.action_units import check_mesh, unit_names
 from mimetic.performance.document import Performance
 from mimetic.report.html import check_report_packages
@@ -37,6 +40,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="which event of the unit's muscle group, counted from 1 as in phases.csv (default: "
         "the strongest that begins within the clip)",
     )
+    parser.add_argument(
+        "--footage", type=Path, help="the captured clip: draws the motion fields too (Fig. 6)"
+    )
     parser.add_argument("--out", type=Path, required=True, help="folder for tables and figures")
 
 
@@ -48,15 +54,22 @@ def run_compare(arguments: argparse.Namespace) -> int:
         )
     check_input(arguments.performance, "a performance (the performance.npz of a capture)")
     out = arguments.out
-    prepare_folder(out, FILES, arguments.performance)
+    footage = None
+    if arguments.footage is not None:
+        check_footage(arguments.performance, arguments.footage)
+        footage = Footage(arguments.footage)
+    inputs = [arguments.performance, *([arguments.footage] if footage else [])]
+    prepare_folder(out, (*FILES, *(MOTION_FILES if footage else ())), *inputs)
     performance, template = Performance.load(arguments.performance), load_template()
     check_mesh(performance.neutral_vertices, template)
     with Console() as console, staging(out) as folder:
         timing = analyse_timing(performance, console.show, kinds=("group",))
         comparison = compare(timing, arguments.expression, template, arguments.event)
+        console.show(0.92, "following the flow" if footage else "drawing")
+        fields = motion_fields(comparison, template, footage) if footage else None
         console.show(0.95, "drawing")
         name = performance.footage[0] if performance.footage else arguments.performance.name
-        write_comparison(comparison, timing, template, folder, name)
+        write_comparison(comparison, timing, template, folder, name, fields)
         publish(folder, out, is_finished=True)
     spatial, temporal = comparison.spatial, comparison.temporal
     print(

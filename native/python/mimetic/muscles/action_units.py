@@ -18,6 +18,9 @@ from mimetic.template.face_template import FaceTemplate
 
 OFF_THE_FACE = ("neck", "scalp", "ear", "mouth_cavity", "eye_socket")
 PLACE_RADIUS = 0.016  # metres
+UNSIDED = ("AU26",)  # jaws drop as a whole
+SIDE_MARGIN = 0.012  # metres aside of the middle where a unit of one side has all of its motion
+HIGHEST = 2.0  # intensity of a slider: 1 is CANDIDE's full, and real faces go beyond
 
 
 @dataclass(frozen=True)
@@ -33,7 +36,13 @@ class ActionUnit:
 
 def unit_names() -> list[str]:
     """AU1, AU2 and so on, as they may be asked for."""
-    return [entry["name"] for entry in (*_table()["unit"], *_table()["sum"])]
+    return list(unit_meanings())
+
+
+def unit_meanings() -> dict[str, str]:
+    """What each unit does, by its name."""
+    entries = (*_table()["unit"], *_table()["sum"])
+    return {entry["name"]: entry["meaning"] for entry in entries}
 
 
 def action_unit(name: str, neutral: NDArray[np.float64], template: FaceTemplate) -> ActionUnit:
@@ -58,6 +67,25 @@ def action_unit(name: str, neutral: NDArray[np.float64], template: FaceTemplate)
         mode += share * _core.displacement_about(neutral, is_skin, places, moved, radius)
         reach = np.maximum(reach, _core.nearness_to(neutral, is_skin, places, radius))
     return ActionUnit(wanted, entry["meaning"], entry["group"], mode, reach)
+
+
+def unit_sides(
+    neutral: NDArray[np.float64], template: FaceTemplate
+) -> dict[str, NDArray[np.float64]]:
+    """Modes (V x 3, metres at intensity 1) of AU1.L, AU1.R and so on; of AU26, the jaw's, as one.
+
+    The two sides of a unit add up to it. Raises InvalidInput on another mesh than the canonical.
+    """
+    check_mesh(neutral, template)
+    left = _core.left_share(neutral, SIDE_MARGIN)[:, None]
+    modes = {}
+    for name in unit_names():
+        mode = action_unit(name, neutral, template).mode
+        if name in UNSIDED:
+            modes[name] = mode
+        else:
+            modes |= {f"{name}.L": left * mode, f"{name}.R": (1 - left) * mode}
+    return modes
 
 
 def named_places(
