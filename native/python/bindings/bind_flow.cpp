@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/flow/dissolve.hpp>
 #include <mimetic/flow/flow.hpp>
 #include <optional>
 
@@ -74,6 +75,24 @@ void bind_flow(py::module_& m) {
           "Flow of every pixel of one image to another, with its 2x2 covariance.\n\n"
           "from_image, to_image: (H, W) uint8 of one size; initial: (H, W, 2) float32, pixels, or None\n"
           "returns: FlowField; raises InvalidInput on images that do not match");
+    py::class_<DissolveWatch>(m, "DissolveWatch",
+                              "Detects where one scene dissolves into another; see dissolve.hpp.")
+        .def(py::init<>())
+        .def_property_readonly_static(
+            "longest", [](const py::object&) { return DissolveWatch::kLongest; },
+            "frames: how far back from the last one added a dissolve may begin")
+        .def(
+            "add",
+            [](DissolveWatch& watch, const ImageArray& image) -> std::optional<std::pair<int, int>> {
+                const ColorView view = view_image<3>(image, "the frame");
+                const py::gil_scoped_release unlocked;
+                const auto mixed = watch.add(view);
+                return mixed ? std::optional(std::pair(mixed->first, mixed->last)) : std::nullopt;
+            },
+            py::arg("image").noconvert(),
+            "The next frame; returns which frames mix two scenes, or None.\n\n"
+            "image: (H, W, 3) uint8, all of one size; returns: (first, last), frames back from this one.\n"
+            "Raises InvalidInput.");
 }
 
 }  // namespace mimetic::bindings

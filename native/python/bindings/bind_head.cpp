@@ -96,6 +96,8 @@ void bind_tracker(py::module_& m) {
             py::arg("image").noconvert(), "guess"_a = py::none(),
             "HeadEstimate of the next frame.\n\nimage: (H, W, 3) uint8; guess: (4, 4) where a detector sees "
             "the head,\ntried when it was lost.")
+        .def("forget", &HeadTracker::forget, "num_last"_a, py::call_guard<py::gil_scoped_release>(),
+             "Drops the reference textures of the last frames: these show something else.")
         .def(
             "restart",
             [](HeadTracker& tracker, const ImageArray& image, const HeadEstimate& estimate) {

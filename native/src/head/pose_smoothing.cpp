@@ -18,6 +18,7 @@ using Matrix12 = Eigen::Matrix<double, 12, 12>;
 
 constexpr std::size_t kJudgedFrames = 600;  // enough to estimate how much a head moves
 constexpr double kUnknownRate = 3;          // rad/s and m/s, standard deviation before the first frame
+constexpr double kLongestGap = .5;          // seconds: what comes later says nothing of the motion before
 constexpr double kLeastStd = 1e-6;          // rad and m: a floor, so that a covariance of 0 can be inverted
 
 /// Densities of angular (rad^2/s^3) and linear (m^2/s^3) acceleration.
@@ -29,21 +30,40 @@ struct Measurements {
     std::vector<Matrix6> noise;
     std::vector<double> seconds;
     std::vector<bool> counts;
-    std::size_t first = 0;  // that counts
 
     double step(std::size_t i) const { return seconds[i] - seconds[i - 1]; }
 };
+
+/// Frames from one that counts to another, without a long gap between.
+struct Stretch {
+    std::size_t first, last;
+};
+
+std::vector<Stretch> stretches_of(const Measurements& measured) {
+    std::vector<Stretch> stretches;
+    for (std::size_t i = 0; i < measured.counts.size(); ++i) {
+        if (!measured.counts[i]) {
+            continue;
+        }
+        if (stretches.empty() ||
+            measured.seconds[i] - measured.seconds[stretches.back().last] > kLongestGap) {
+            stretches.push_back({i, i});
+        }
+        stretches.back().last = i;
+    }
+    return stretches;
+}
 
 struct Belief {
     Vector12 state;
     Matrix12 spread;
 };
 
-Belief first_belief(const Measurements& measured) {
+Belief first_belief(const Measurements& measured, std::size_t first) {
     Belief belief;
-    belief.state << measured.values[measured.first], Vector6::Zero();
+    belief.state << measured.values[first], Vector6::Zero();
     belief.spread = kUnknownRate * kUnknownRate * Matrix12::Identity();
-    belief.spread.topLeftCorner<6, 6>() = measured.noise[measured.first];
+    belief.spread.topLeftCorner<6, 6>() = measured.noise[first];
     return belief;
 }
 
@@ -87,12 +107,14 @@ double correct(Belief& belief, const Vector6& value, const Matrix6& noise) {
 
 double log_likelihood(const Measurements& measured, const Liveliness& liveliness) {
     const std::size_t end = std::min(measured.values.size(), kJudgedFrames);
-    Belief belief = first_belief(measured);
     double total = 0;
-    for (std::size_t i = measured.first + 1; i < end; ++i) {
-        belief = predicted(belief, measured.step(i), liveliness);
-        if (measured.counts[i]) {
-            total += correct(belief, measured.values[i], measured.noise[i]);
+    for (const Stretch& stretch : stretches_of(measured)) {
+        Belief belief = first_belief(measured, stretch.first);
+        for (std::size_t i = stretch.first + 1; i <= stretch.last && i < end; ++i) {
+            belief = predicted(belief, measured.step(i), liveliness);
+            if (measured.counts[i]) {
+                total += correct(belief, measured.values[i], measured.noise[i]);
+            }
         }
     }
     return total;
@@ -103,7 +125,7 @@ Liveliness judge_liveliness(const Measurements& measured) {
     constexpr int kNumDensities = 9;
     constexpr std::array<int, 2> kLeastPower{-5, -7};
     Liveliness best(.1, 1e-3);
-    if (measured.first + 1 >= kJudgedFrames) {
+    if (stretches_of(measured).front().first + 1 >= kJudgedFrames) {
         return best;
     }
     for (const int axis : {0, 1, 0}) {
@@ -121,10 +143,11 @@ Liveliness judge_liveliness(const Measurements& measured) {
     return best;
 }
 
-/// Smoothed states from the first measured frame on, given all frames.
-std::vector<Belief> smoothed(const Measurements& measured, const Liveliness& liveliness) {
-    std::vector<Belief> beliefs{first_belief(measured)}, expected;
-    for (std::size_t i = measured.first + 1; i < measured.values.size(); ++i) {
+/// Smoothed states of a stretch's frames.
+std::vector<Belief> smoothed(const Measurements& measured, const Stretch& stretch,
+                             const Liveliness& liveliness) {
+    std::vector<Belief> beliefs{first_belief(measured, stretch.first)}, expected;
+    for (std::size_t i = stretch.first + 1; i <= stretch.last; ++i) {
         expected.push_back(predicted(beliefs.back(), measured.step(i), liveliness));
         beliefs.push_back(expected.back());
         if (measured.counts[i]) {
@@ -132,13 +155,29 @@ std::vector<Belief> smoothed(const Measurements& measured, const Liveliness& liv
         }
     }
     for (std::size_t i = beliefs.size() - 1; i-- > 0;) {
-        const Matrix12 forward = ahead(measured.step(measured.first + i + 1));
+        const Matrix12 forward = ahead(measured.step(stretch.first + i + 1));
         const Matrix12 gain =
             beliefs[i].spread * forward.transpose() * expected[i].spread.partialPivLu().inverse();
         beliefs[i].state += gain * (beliefs[i + 1].state - expected[i].state);
         beliefs[i].spread += gain * (beliefs[i + 1].spread - expected[i].spread) * gain.transpose();
     }
     return beliefs;
+}
+
+/// Between stretches evenly from one to the next; before the first and after the last one the head stays.
+void bridge_gaps(const std::vector<Stretch>& stretches, const std::vector<double>& seconds,
+                 std::vector<Vector6>& states) {
+    std::fill(states.begin(), states.begin() + static_cast<std::ptrdiff_t>(stretches.front().first),
+              states[stretches.front().first]);
+    std::fill(states.begin() + static_cast<std::ptrdiff_t>(stretches.back().last), states.end(),
+              Vector6(states[stretches.back().last]));
+    for (std::size_t k = 0; k + 1 < stretches.size(); ++k) {
+        const std::size_t from = stretches[k].last, to = stretches[k + 1].first;
+        for (std::size_t i = from + 1; i < to; ++i) {
+            const double share = (seconds[i] - seconds[from]) / (seconds[to] - seconds[from]);
+            states[i] = (1 - share) * states[from] + share * states[to];
+        }
+    }
 }
 
 void check(const PoseSequence& motion, VectorIn seconds, const std::vector<bool>& measured, double strength) {
@@ -181,7 +220,6 @@ Measurements about(const PoseSequence& motion, const Eigen::Matrix3d& reference,
     }
     measured.seconds.assign(seconds.begin(), seconds.end());
     measured.counts = counts;
-    measured.first = static_cast<std::size_t>(std::find(counts.begin(), counts.end(), true) - counts.begin());
     return measured;
 }
 
@@ -201,18 +239,25 @@ PoseSequence smooth_poses(const PoseSequence& motion, VectorIn seconds, const st
     }
     const Eigen::Matrix3d reference = mean_rotation(counted);
     const Measurements values = about(motion, reference, seconds, measured, strength);
-    const std::vector<Belief> beliefs = smoothed(values, judge_liveliness(values));
+    const Liveliness liveliness = judge_liveliness(values);
     PoseSequence result = motion;
+    std::vector<Vector6> states(motion.poses.size());
+    const std::vector<Stretch> stretches = stretches_of(values);
+    for (const Stretch& stretch : stretches) {
+        const std::vector<Belief> beliefs = smoothed(values, stretch, liveliness);
+        for (std::size_t i = stretch.first; i <= stretch.last; ++i) {
+            const Belief& belief = beliefs[i - stretch.first];
+            states[i] = belief.state.head<6>();
+            Matrix6 back = Matrix6::Identity();
+            back.topLeftCorner<3, 3>() = inverse_left_jacobian(states[i].head<3>()).inverse();
+            const Matrix6 spread = back * belief.spread.topLeftCorner<6, 6>() * back.transpose();
+            result.covariances[i] = .5 * (spread + spread.transpose());
+        }
+    }
+    bridge_gaps(stretches, values.seconds, states);
     for (std::size_t i = 0; i < result.poses.size(); ++i) {
-        // Before the first measured frame the head is held, as it was captured
-        const Belief& belief = beliefs[i < values.first ? 0 : i - values.first];
-        const Eigen::Vector3d vector = belief.state.head<3>();
-        result.poses[i].linear() = rotation_from_vector(vector) * reference;
-        result.poses[i].translation() = belief.state.segment<3>(3);
-        Matrix6 back = Matrix6::Identity();
-        back.topLeftCorner<3, 3>() = inverse_left_jacobian(vector).inverse();
-        const Matrix6 spread = back * belief.spread.topLeftCorner<6, 6>() * back.transpose();
-        result.covariances[i] = .5 * (spread + spread.transpose());
+        result.poses[i].linear() = rotation_from_vector(states[i].head<3>()) * reference;
+        result.poses[i].translation() = states[i].tail<3>();
         if (!result.poses[i].matrix().allFinite() || !is_covariance(result.covariances[i])) {
             throw InvalidInput(
                 "the head's motion cannot be smoothed: its covariances or its times are beyond what a "

@@ -33,6 +33,7 @@ void HeadTracker::State::take_view(const cv::Mat1b& gray, HeadEstimate& estimate
     if (part && portrait) {
         graph.add(head::cut(gray, camera, *part), estimate.camera_from_head, estimate.covariance);
         portrait_crops.push_back(head::cut(gray, camera, *portrait));
+        taken_in.push_back(num_frames);
         relax(false);
         estimate.camera_from_head = views().back().camera_from_head();
     }
@@ -155,6 +156,22 @@ HeadEstimate HeadTracker::advance(const ColorView& image, const std::optional<Ei
                             : state.last.camera_from_head.inverse() * found.camera_from_head;
     state.last = found;
     return found;
+}
+
+void HeadTracker::forget(int num_last) {
+    State& state = *state_;
+    state.recognition.forget(num_last);
+    const auto kept =
+        static_cast<std::size_t>(std::count_if(state.taken_in.begin(), state.taken_in.end(), [&](long frame) {
+            return frame <= state.num_frames - num_last;
+        }));
+    // The first one is given, whenever that was
+    if (const std::size_t count = std::max<std::size_t>(1, kept); count < state.views().size()) {
+        state.graph.keep(count);
+        state.portrait_crops.resize(count);
+        state.taken_in.resize(count);
+        state.forget_places();
+    }
 }
 
 bool HeadTracker::relax() { return state_->relax(true); }

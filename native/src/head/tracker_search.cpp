@@ -19,6 +19,10 @@ namespace {
 constexpr double kStill = 0.3;         // pixels: a stabilised frame that needs no further round
 constexpr double kFoundQuality = .45;  // from which a head counts as found again, or as the one after a cut
 constexpr double kMostNearing = .03;   // of the distance, a frame on the fast path: samples are lost
+constexpr double kMostTurn = .5;  // rad from frame to frame: no head turns faster, one is found elsewhere
+/// Share of a texture that is in sight in all but one of a hundred frames: of a head that is mostly out of
+/// the picture the strip that is left is alike at many poses.
+constexpr double kUsuallyInSight = .7;
 constexpr std::size_t kNearViews = 5;  // from which an uncertain frame is registered again
 
 /// Share of the distance by which a head came nearer or went away.
@@ -207,7 +211,8 @@ Look HeadTracker::State::look_at(const cv::Mat1b& gray, const Eigen::Isometry3d&
             const auto stabilised = portrait.stabilise(now, pose);
             const cv::Mat1f weights = portrait.weights(shape(), options, stabilised);
             const Look one = likeness.compare(portrait.texture(), stabilised.texture, weights);
-            best = {std::max(best.alike, one.alike), std::max(best.detail, one.detail)};
+            const double in_sight = std::min(1., stabilised.in_sight / kUsuallyInSight);
+            best = {std::max(best.alike, one.alike * in_sight), std::max(best.detail, one.detail)};
         }
     }
     return best;
@@ -239,6 +244,9 @@ HeadEstimate HeadTracker::State::estimate(const cv::Mat1b& gray,
         is_found = is_this_head(gray, found, options.held_quality);
     } else if (!last.held && !guess) {
         found = follow(gray);
+        if (found && angle_between(last.camera_from_head, found->camera_from_head) > kMostTurn) {
+            recognition.begin_trial();
+        }
         is_found = is_this_head(gray, found, options.held_quality);
     }
     if (!is_found && !views().empty()) {

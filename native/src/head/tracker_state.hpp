@@ -28,6 +28,7 @@ struct HeadTracker::State {
     // Each view in the resolution in which people differ, and on the model, made on demand
     std::vector<head::HeadCrop> portrait_crops;
     std::vector<std::optional<head::KeyView>> portraits;
+    std::vector<long> taken_in;  // frame of each view
     long num_frames = 0;
     long refused = -kFlowEvery;  // frame in which flow did not confirm a texture
 

@@ -108,6 +108,17 @@ void ViewGraph::add(const HeadCrop& crop, const Eigen::Isometry3d& camera_from_h
     }
 }
 
+void ViewGraph::keep(std::size_t count) {
+    if (count >= model_.views.size()) {
+        return;
+    }
+    model_.views.erase(model_.views.begin() + static_cast<std::ptrdiff_t>(count), model_.views.end());
+    std::erase_if(pairs_, [&](const Pair& pair) { return std::max(pair.from, pair.to) >= count; });
+    for (int k = 0; k < 2 * kSteps; ++k) {
+        step(model_, Free::all);  // the prior takes the shape back where no correspondence is left
+    }
+}
+
 void ViewGraph::match(const Body& body, std::size_t from, std::size_t to) {
     const KeyView &first = body.views[from], &second = body.views[to];
     const Stabilised stabilised = first.stabilise(second.crop(), second.camera_from_head());

@@ -23,6 +23,9 @@ public:
     /// The first texture keeps its pose.
     void add(const HeadCrop& crop, const Eigen::Isometry3d& camera_from_head, const Matrix6& covariance);
 
+    /// Drops all but the first `count` textures, and what the others did to the shape.
+    void keep(std::size_t count);
+
     /// Poses and shape from the correspondences; `anew`: which are measured again first. False: there are
     /// none.
     bool relax(bool anew);

@@ -2,6 +2,7 @@
 #include "recognition.hpp"
 
 #include <algorithm>
+#include <vector>
 
 namespace mimetic {
 
@@ -17,7 +18,10 @@ constexpr std::size_t kMostLearnt = 250;  // frames, ten seconds, from which it 
 
 }  // namespace
 
-void Recognition::begin_frame(bool is_in_doubt) { trial_ = is_in_doubt ? kTrial : std::max(0, trial_ - 1); }
+void Recognition::begin_frame(bool is_in_doubt) {
+    trial_ = is_in_doubt ? kTrial : std::max(0, trial_ - 1);
+    ++frame_;
+}
 
 void Recognition::end_doubt() {
     trial_ = 0;
@@ -26,15 +30,17 @@ void Recognition::end_doubt() {
 
 bool Recognition::lacks_detail(const Look& look, double least_share) const {
     const double whole = look.alike < alike_throughout_ ? look.alike / alike_throughout_ : 1;
-    return details_.size() >= kLeastLearnt && whole * look.detail < least_share * usual_detail_;
+    return learnt_.size() >= kLeastLearnt && whole * look.detail < least_share * usual_detail_;
 }
 
 bool Recognition::accepts(const Look& look) const {
     if (look.alike < (is_on_trial() ? kSurelyAlike : kStillAlike)) {
         return false;
     }
-    const bool has_been_strange = is_on_trial() || num_strange_ + 1 >= kPatience;
-    return !(has_been_strange && lacks_detail(look, same_detail_));
+    if (is_on_trial()) {
+        return !lacks_detail(look, good_detail_);
+    }
+    return num_strange_ + 1 < kPatience || !lacks_detail(look, same_detail_);
 }
 
 bool Recognition::may_be_reference(const Look& look) const {
@@ -46,12 +52,28 @@ void Recognition::learn(const Look& look) {
     if (num_strange_ > 0 || is_on_trial() || look.alike < kPlain) {
         return;
     }
-    if (details_.size() < kMostLearnt) {
-        details_.push_back(look.detail);
-    } else {
-        details_[next_++ % kMostLearnt] = look.detail;
+    learnt_.push_back({frame_, look.detail});
+    if (learnt_.size() > kMostLearnt) {
+        learnt_.pop_front();
     }
-    std::vector<double> ordered = details_;
+    know_usual_detail();
+}
+
+void Recognition::forget(int num_last) {
+    while (!learnt_.empty() && learnt_.back().frame > frame_ - num_last) {
+        learnt_.pop_back();
+    }
+    know_usual_detail();
+}
+
+void Recognition::know_usual_detail() {
+    if (learnt_.empty()) {
+        return;
+    }
+    std::vector<double> ordered;
+    for (const Learnt& one : learnt_) {
+        ordered.push_back(one.detail);
+    }
     const auto usual = ordered.begin() + static_cast<std::ptrdiff_t>(kUsual * double(ordered.size()));
     std::nth_element(ordered.begin(), usual, ordered.end());
     usual_detail_ = *usual;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <vector>
+#include <deque>
 
 #include "likeness.hpp"
 
@@ -37,6 +37,8 @@ public:
     bool may_be_reference(const Look& look) const;
     /// The look of a frame that was accepted.
     void learn(const Look& look);
+    /// Forgets the looks of the last `num_last` frames: they showed something else.
+    void forget(int num_last);
 
     bool is_on_trial() const { return trial_ > 0; }
     /// The trial began in this frame.
@@ -48,9 +50,15 @@ private:
 
     double same_detail_, good_detail_, alike_throughout_;
     int trial_ = 0;
-    int num_strange_ = 0;          // consecutive frames that lacked detail
-    std::vector<double> details_;  // of the last frames that were plainly this face, in a ring
-    std::size_t next_ = 0;
+    int num_strange_ = 0;  // consecutive frames that lacked detail
+    struct Learnt {
+        long frame;
+        double detail;
+    };
+    void know_usual_detail();
+
+    long frame_ = 0;
+    std::deque<Learnt> learnt_;  // of the last frames that were plainly this face
     double usual_detail_ = 0;
 };
 

@@ -171,6 +171,31 @@ TEST(HeadTracker, HoldsAHeadThatOnlyResemblesTheOneItReplaced) {
     EXPECT_FALSE(held[10] || held[11]);
 }
 
+TEST(HeadTracker, ForgetsTexturesOfTheLastFrames) {
+    const HeadScene scene(false);
+    const auto reference = scene.render(HeadScene::motion(0));
+    HeadTracker tracker(scene.camera, shape_of(scene, HeadModel::ellipsoid), scene.view(reference),
+                        HeadScene::motion(0));
+    const Eigen::Vector3d given = tracker.shape().half_axes;
+    HeadEstimate estimate;
+    int views_at_ten = 0;
+    for (int frame = 1; frame <= 20; ++frame) {
+        const auto image = scene.render(HeadScene::motion(frame), static_cast<unsigned>(frame));
+        estimate = tracker.advance(scene.view(image));
+        views_at_ten = frame == 10 ? estimate.num_views : views_at_ten;
+    }
+    ASSERT_GT(estimate.num_views, views_at_ten);
+    tracker.forget(10);
+    auto image = scene.render(HeadScene::motion(10), 10);
+    EXPECT_EQ(tracker.advance(scene.view(image)).num_views, views_at_ten);
+    tracker.forget(100);  // the first one stays, and the shape is as it was given
+    EXPECT_LT((tracker.shape().half_axes - given).norm(), 1e-4);
+    image = scene.render(HeadScene::motion(2), 2);
+    estimate = tracker.advance(scene.view(image), HeadScene::motion(1));
+    EXPECT_FALSE(estimate.held);
+    EXPECT_LT(degrees_between(estimate.camera_from_head, HeadScene::motion(2)), 1.5);
+}
+
 TEST(HeadTracker, GoesBackToAFrame) {
     const HeadScene scene(true);
     const auto reference = scene.render(HeadScene::motion(0));

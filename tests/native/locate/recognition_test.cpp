@@ -80,6 +80,33 @@ TEST_F(RecognitionTest, DoesNotLearnFromWhatItDoubts) {
     EXPECT_TRUE(recognition.may_be_reference(kPlainly));
 }
 
+TEST_F(RecognitionTest, ForgetsWhatOthersLookedLike) {
+    constexpr Look kMixture{.8, .39};
+    follow(20);
+    for (int k = 0; k < 20; ++k) {
+        EXPECT_TRUE(see(kMixture));
+    }
+    EXPECT_TRUE(see(kStranger, true));
+    Recognition other;
+    std::swap(recognition, other);
+    follow(20);
+    for (int k = 0; k < 20; ++k) {
+        see(kMixture);
+    }
+    recognition.forget(20);
+    EXPECT_FALSE(see(kStranger, true));
+    EXPECT_TRUE(see(kPlainly, true));
+}
+
+TEST_F(RecognitionTest, AsksForAReferencesDetailAfterALoss) {
+    constexpr Look kBetween{.8, .39};  // .78 of the usual
+    follow(20);
+    EXPECT_TRUE(see(kBetween));
+    EXPECT_TRUE(see(kBetween));
+    EXPECT_TRUE(see(kBetween));
+    EXPECT_FALSE(see(kBetween, true));
+}
+
 // Two faces that dissolve into each other: less of it is alike, and that has less detail.
 TEST_F(RecognitionTest, CountsDetailForLessTheLessOfTheFaceIsAlike) {
     constexpr Look kMixture{.55, .4}, kUnderAHand{.6, .5};

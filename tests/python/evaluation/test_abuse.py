@@ -116,6 +116,26 @@ def cut_to_another(fetched_clip):
 
 
 @pytest.mark.parametrize("method", METHODS)
+def test_a_dissolve_between_scenes_is_held_and_noted(fetched_clip, method, tmp_path):
+    clips = [fetched_clip(source.footage) for source in (CAP12, SINGLE)]
+    own, other = ([image for _, image in Footage(clip).frames(1, 70)] for clip in clips)
+    height, width = own[0].shape[:2]
+    share = np.clip(np.minimum(np.arange(70) - 16, 60 - np.arange(70)) / 16, 0, 1)  # of the other
+    frames = []
+    for mine, its, part in zip(own, other, share, strict=True):
+        its = np.asarray(Image.fromarray(its).resize((width, height)), dtype=float)
+        frames.append(np.round((1 - part) * mine + part * its).astype(np.uint8))
+    path = tmp_path / "dissolve.mp4"
+    encode(np.stack(frames), path, replace(TEST, fps=CAP12.fps, crf=17))
+    result = METHODS[method](path, clip_capture.find_face(path, frame=4))
+    is_followed = result.quality >= HELD_QUALITY
+    assert is_followed[share == 0].all()
+    assert not is_followed[share > 0.2].any()
+    notes = [note for note in result.notes if "dissolve from one scene into another" in note]
+    assert len(notes) == 2
+
+
+@pytest.mark.parametrize("method", METHODS)
 def test_a_cut_to_another_person_is_held_and_noted(cut_to_another, method, tmp_path):
     path = tmp_path / "cut.mp4"
     encode(cut_to_another, path, replace(TEST, fps=CAP12.fps, crf=17))

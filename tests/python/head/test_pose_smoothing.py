@@ -8,6 +8,7 @@ import pytest
 from mimetic import InvalidInput
 from mimetic._core import from_rotation_vectors, rotation_vectors
 from mimetic.head.smoothing import smooth_poses, smoothed, smoothed_scenes
+from mimetic.performance.document import HELD_QUALITY
 from sample_performance import make_performance
 
 FPS = 30.0
@@ -110,6 +111,31 @@ def test_frames_that_were_not_measured_are_bridged():
     assert spreads[65, 1, 1] > 2 * spreads[50, 1, 1]
 
 
+def test_what_comes_after_a_long_loss_says_nothing_of_the_motion_before():
+    true, measured, covariances, t = turning_head(120)
+    seen = np.ones(120, bool)
+    seen[50:80] = False
+    measured[50:80] = measured[49]
+    poses, _ = smooth_poses(measured, covariances, t, seen, 1.0)
+    before, _ = smooth_poses(measured[:50], covariances[:50], t[:50], seen[:50], 1.0)
+    others = measured.copy()
+    others[80:] = true[[0]]
+    changed, _ = smooth_poses(others, covariances, t, seen, 1.0)
+    # How lively the head is, is judged from all of the clip
+    assert np.abs(pose_errors(poses[:50], before)).max() < 0.01
+    assert np.abs(pose_errors(changed[:50], poses[:50])).max() < 0.01
+    # Between them evenly, and no further than either end
+    turns = np.linalg.norm(pose_errors(poses[49:81], poses[[49]].repeat(32, axis=0))[:, :3], axis=1)
+    assert (np.diff(turns) > -1e-9).all()
+
+
+def test_a_head_that_is_lost_for_good_stays():
+    _, measured, covariances, t = turning_head(80)
+    seen = np.arange(80) < 50
+    poses, _ = smooth_poses(measured, covariances, t, seen, 1.0)
+    assert np.abs(pose_errors(poses[50:], poses[[49]].repeat(30, axis=0))).max() < 1e-12
+
+
 def test_a_cut_is_not_smoothed_over():
     performance = make_performance(20)
     jittered = performance.head_pose.copy()
@@ -150,7 +176,8 @@ def test_a_performance_keeps_everything_else():
     result = smoothed(performance)
     result.check()
     assert result.activations is performance.activations
-    assert np.abs(result.head_pose - performance.head_pose).max() < 0.05
+    moved = np.abs(result.head_pose - performance.head_pose)
+    assert moved[performance.quality >= HELD_QUALITY].max() < 0.05
 
 
 def test_covariances_that_leave_nothing_to_solve_are_refused():

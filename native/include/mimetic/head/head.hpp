@@ -89,6 +89,9 @@ public:
     /// The next frame. guess: where a detector sees the head, tried when the head was lost.
     HeadEstimate advance(const ColorView& image, const std::optional<Eigen::Isometry3d>& guess = {});
 
+    /// Drops the reference textures of the last `num_last` frames: these show something else.
+    void forget(int num_last);
+
     /// Goes back to a frame, to track the clip in the other direction; reference textures are kept.
     void restart(const ColorView& image, const HeadEstimate& estimate);
 

@@ -16,9 +16,9 @@ struct PoseSequence {
 /// Tung, Striebel 1965]. State: rotation vector from the clip's mean pose and translation, and their rates,
 /// which take random accelerations. How much the head moves is estimated from the clip: the accelerations
 /// under which its poses are most likely. seconds: N, rising; measured: N, false where a pose is held: it
-/// does not count; strength: what the standard deviations are multiplied by, 0 leaves the motion alone.
-/// Throws InvalidInput for a strength below 0, for lengths that differ, for times that do not rise and where
-/// rounding leaves nothing to solve.
+/// does not count, and after half a second of such frames another motion begins; strength: what the standard
+/// deviations are multiplied by, 0 leaves the motion alone. Throws InvalidInput for a strength below 0, for
+/// lengths that differ, for times that do not rise and where rounding leaves nothing to solve.
 PoseSequence smooth_poses(const PoseSequence& motion, VectorIn seconds, const std::vector<bool>& measured,
                           double strength);
 

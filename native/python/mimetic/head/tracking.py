@@ -186,7 +186,7 @@ class _HeadMotion:
         def advance(_frame: int, image: Image, guess: Pose | None) -> _core.HeadEstimate:
             return tracker.advance(image, guess)
 
-        return self.walk.follow(end, advance, across_scenes=True)
+        return self.walk.follow(end, advance, across_scenes=True, forget=tracker.forget)
 
     def _performance(self, rows: Rows) -> Performance:
         self.walk.check_any_done(rows)

@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import contextlib
 import time
+from collections import deque
 from collections.abc import Callable, Iterable, Iterator
 from typing import Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import UnreadableMedia
+from mimetic import UnreadableMedia, _core
 from mimetic.fit import fitting
 from mimetic.fit.fitting import FaceFit, NoFace
 from mimetic.media.backward import frames_away
@@ -41,6 +42,7 @@ class Followed(Protocol):
 Estimate = TypeVar("Estimate", bound=Followed)
 # Takes a tracker to the next frame; the last: where the detector sees the head, if it ran
 Advance = Callable[[int, Image, Pose | None], Estimate]
+Forget = Callable[[int], None]  # what was learnt in so many of the last frames
 
 
 class ClipWalk:
@@ -61,11 +63,17 @@ class ClipWalk:
     ) -> None:
         self.footage, self.fit, self.frames = footage, fit, frames
         self.progress, self.summary, self.followed = progress, summary, followed
-        self.scene_starts: set[int] = set()
+        self._cuts: set[int] = set()
+        self.mixed: set[int] = set()  # frames in which two scenes dissolve into each other
         self.strangers: list[int] = []  # frames in which a face was seen that is not this one
         first, last = frames
         self.num_needed = num_passes * (1 + max(fit.frame, last) - min(fit.frame, first))
         self.num_done = 0
+
+    @property
+    def scene_starts(self) -> set[int]:
+        """Frames after a cut or a dissolve."""
+        return self._cuts | {1 + frame for frame in self.mixed if 1 + frame not in self.mixed}
 
     def images(self, end: int) -> Iterator[tuple[int, Image]]:
         """From the fit's frame, which is left out, to `end`; fewer when the user stops."""
@@ -82,19 +90,47 @@ class ClipWalk:
             start = time.perf_counter()
 
     def follow(
-        self, end: int, advance: Advance[Estimate], across_scenes: bool = False
+        self,
+        end: int,
+        advance: Advance[Estimate],
+        across_scenes: bool = False,
+        forget: Forget | None = None,
     ) -> Iterator[tuple[int, Estimate | None]]:
         """Estimates frame by frame to `end`; advance: of a frame, and where a lost head may be.
 
         After a cut nothing is read into another scene, and its frames are None, until the detector
-        sees a head; across_scenes: whoever advances recognises by itself what it sees there.
+        sees a head; across_scenes: whoever advances recognises by itself what it sees there. Frames
+        in which two scenes dissolve into each other are None too; forget: told how many frames
+        back that began, as soon as it is known.
         """
+        waiting: deque[tuple[int, Estimate | None]] = deque()
+        for seen in self._advance_through(end, advance, across_scenes, forget):
+            waiting.append(seen)
+            if len(waiting) > _core.DissolveWatch.longest:
+                yield self._unless_mixed(*waiting.popleft())
+        for seen in waiting:
+            yield self._unless_mixed(*seen)
+
+    def _unless_mixed(self, frame: int, estimate: Estimate | None) -> tuple[int, Estimate | None]:
+        return frame, None if frame in self.mixed else estimate
+
+    def _advance_through(
+        self, end: int, advance: Advance[Estimate], across_scenes: bool, forget: Forget | None
+    ) -> Iterator[tuple[int, Estimate | None]]:
         num_lost = num_away = last = 0
-        cuts = CutWatch()
+        cuts, dissolves = CutWatch(), _core.DissolveWatch()
+        frames: list[int] = []
         for frame, image in self.images(end):
+            frames.append(frame)
             if cuts.starts_scene(image):
-                self.scene_starts.add(max(frame, last))
+                self._cuts.add(max(frame, last))
                 num_away = 1
+            if mixed := dissolves.add(image):
+                earlier, later = (frames[-1 - back] for back in mixed)
+                self.mixed |= set(range(min(earlier, later), 1 + max(earlier, later)))
+                num_away = 1
+                if forget:
+                    forget(mixed[0])
             last = frame
             guess = None
             if num_away % SEARCH_AGAIN == 1 or (num_lost and num_lost % SEARCH_AGAIN == 0):
@@ -155,6 +191,10 @@ class ClipWalk:
             notes.append(
                 f"the {self.followed} was lost in {held} frames, which are held (quality under 0.2)"
             )
+        notes += [
+            f"frames {first} to {last} dissolve from one scene into another: held, not captured"
+            for first, last in runs_of(self.mixed, 1)
+        ]
         notes += notes_on_strangers(self.strangers)
         self.summary.warnings = notes
         return notes
@@ -200,14 +240,19 @@ def proved(
 
 def notes_on_strangers(frames: list[int]) -> list[str]:
     """One note a run of frames in which a face was seen, but not followed: it is not this one."""
-    runs: list[list[int]] = []
-    for frame in sorted(set(frames)):
-        if runs and frame - runs[-1][-1] <= SEARCH_AGAIN:
-            runs[-1].append(frame)
-        else:
-            runs.append([frame])
     return [
-        f"frames {run[0]} to {run[-1]} show a face that does not look like the fitted one (another "
+        f"frames {first} to {last} show a face that does not look like the fitted one (another "
         "person's, or covered): held, not captured"
-        for run in runs
+        for first, last in runs_of(frames, SEARCH_AGAIN)
     ]
+
+
+def runs_of(frames: Iterable[int], most_apart: int) -> list[tuple[int, int]]:
+    """First and last frame of each run of frames, neighbours in which are at most so far apart."""
+    runs: list[tuple[int, int]] = []
+    for frame in sorted(set(frames)):
+        if runs and frame - runs[-1][1] <= most_apart:
+            runs[-1] = runs[-1][0], frame
+        else:
+            runs.append((frame, frame))
+    return runs
