@@ -10,6 +10,7 @@ import contextlib
 import io
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from random import Random
 
@@ -41,7 +42,7 @@ from mimetic.template.face_template import load_template
 
 from evaluation.anatomy.mesh_file import read_mesh
 from evaluation.runs.stills import Stills
-from fuzz import samples
+from fuzz import batch_files, samples
 from fuzz.changed_bytes import change_bytes
 from fuzz.samples import Sample
 
@@ -191,6 +192,9 @@ READERS = {
     "expression": Reader(samples.expressions, _read_expression),
     "truth": Reader(samples.truths, _read_truth),
     "fit": Reader(samples.fits, _read_fit),
+    "task": Reader(partial(samples.batch_files, "task"), batch_files.read_task),
+    "person": Reader(partial(samples.batch_files, "person"), batch_files.read_person),
+    "table": Reader(partial(samples.batch_files, "table"), batch_files.read_table),
     "landmarks": Reader(samples.landmarks, _read_landmarks),
     "points": Reader(samples.points, _read_points),
     "mesh": Reader(samples.meshes, _read_mesh),

@@ -28,6 +28,7 @@ from sample_performance import make_performance
 from sample_truth import make_truth
 
 from evaluation.runs.stills import PARTS
+from fuzz.batch_files import contents as batch_contents
 from fuzz.changed_arrays import change_arrays
 from fuzz.changed_bytes import change_bytes, change_text
 from fuzz.changed_json import change_glb, change_json
@@ -121,6 +122,11 @@ def models() -> list[Sample]:
         Sample(f".{name}", (data_folder() / name).read_bytes(), ARRAYS)
         for name in ("face.npz", SPACES, CASCADE)
     ]
+
+
+def batch_files(kind: str) -> list[Sample]:
+    suffix, changes = (".csv", TEXT) if kind == "table" else (".json", JSON)
+    return [Sample(suffix, batch_contents()[kind], changes)]
 
 
 def stills() -> list[Sample]:

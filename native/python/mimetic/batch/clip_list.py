@@ -14,6 +14,7 @@ from mimetic import InvalidInput, UnreadableMedia
 from mimetic.media.clip_fingerprint import MOST_DEPTH, files_in
 from mimetic.media.frame_range import parse_range
 from mimetic.shared.regular_file import check_input
+from mimetic.shared.shown_text import shortened
 
 COLUMNS = ("clip", "fit", "character", "range", "person")
 SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".mxf", ".wmv")
@@ -130,9 +131,10 @@ def _records(path: Path) -> list[tuple[int, dict[str, str]]] | None:
 def _check_header(path: Path, header: list[str]) -> None:
     strange = [name for name in header if name not in COLUMNS]
     if "clip" not in header or strange or len(set(header)) < len(header):
+        names = shortened(", ".join(map(repr, header)) or "nothing")
         raise InvalidInput(
             f"{path}: the first line must name the columns, 'clip' and any of "
-            f"{', '.join(COLUMNS[1:])}; it has {', '.join(map(repr, header)) or 'nothing'}"
+            f"{', '.join(COLUMNS[1:])}; it has {names}"
         )
 
 

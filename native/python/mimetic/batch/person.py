@@ -8,7 +8,9 @@ of their tasks comes first finds it, the others wait; it is the same whoever tha
 from __future__ import annotations
 
 import hashlib
+import itertools
 import json
+import os
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -59,8 +61,10 @@ class Person:
         try:
             if document["schema"] != SCHEMA:
                 raise ValueError(f"schema {document['schema']}, this Mimetic knows {SCHEMA}")
-            sources = [(str(clip), str(r), str(fit)) for clip, r, fit in document["sources"]]
-            texts = (str(document[name]) for name in ("key", "fit", "footage"))
+            sources = [(clip, frames, fit) for clip, frames, fit in document["sources"]]
+            texts = [document[name] for name in ("key", "fit", "footage")]
+            if not all(isinstance(text, str) for text in itertools.chain(texts, *sources)):
+                raise TypeError("not texts alone")
             return cls(folder, sources, *texts)
         except (KeyError, TypeError, ValueError) as error:
             raise InvalidInput(f"{path}: not a person of a batch ({shortened(error)})") from None
@@ -71,7 +75,7 @@ class Person:
 
     def is_known(self) -> bool:
         """Whether the fit is there and was found in what the sources still are."""
-        return bool(self.key) and Path(self.fit).is_file() and self._key_of(self.fit) == self.key
+        return bool(self.key) and os.path.isfile(self.fit) and self._key_of(self.fit) == self.key
 
     def find(self, run_command: RunCommand) -> str:
         """Finds the fit where it is not known; returns why there is none, or nothing.

@@ -87,7 +87,7 @@ class Task:
         document = read_json(path, "the task of a batch", LARGEST_FILE)
         try:
             return cls(folder, **_checked_fields(document))
-        except (KeyError, TypeError, ValueError) as error:
+        except (AttributeError, KeyError, TypeError, ValueError) as error:
             raise InvalidInput(
                 f"{path}: not the task of a batch ({shortened(error)}): remove it, and the clip "
                 "is done again"
@@ -114,7 +114,7 @@ class Task:
 
 
 def _checked_fields(document: Any) -> dict[str, Any]:
-    """What Task takes; raises KeyError, TypeError, ValueError."""
+    """What Task takes; raises AttributeError, KeyError, TypeError, ValueError."""
     if document["schema"] != SCHEMA:
         raise ValueError(f"schema {document['schema']}, this Mimetic knows {SCHEMA}")
     row, settings = Row(**document["clip"]), dict(document["settings"])
@@ -129,10 +129,9 @@ def _checked_fields(document: Any) -> dict[str, Any]:
     for record in document["done"].values():
         if not isinstance(record["key"], str) or not isinstance(record["files"], dict):
             raise TypeError("done holds what is no step")
-    if not isinstance(document["error"], str) or not is_summary(document["take"]):
-        raise TypeError("error or take of another type")
-    if not all(isinstance(note, str) for note in document["notes"]):
-        raise TypeError("notes of another type")
+    texts = [document["error"], document["begun"], *document["notes"]]
+    if not all(isinstance(text, str) for text in texts) or not is_summary(document["take"]):
+        raise TypeError("error, begun, notes or take of another type")
     names = ("done", "begun", "error", "take", "notes")
     return {"row": row, "settings": Settings(**settings)} | {n: document[n] for n in names}
 
