@@ -26,6 +26,7 @@ from evaluation.runs import (
     flow,
     gaze,
     head,
+    keys,
     locate,
     real,
     rest,
@@ -38,29 +39,31 @@ from evaluation.runs.rendered import scored
 from evaluation.runs.stills import Stills, rendered_stills
 
 FILES = ("truth", "performance", "footage")
+WHAT_IS_SCORED = (
+    " `locate` scores what finds faces on still images instead, beside OpenCV's cascades; "
+    "`head` scores what follows heads on rendered sequences, beside MediaPipe's face mesh; "
+    "`fit` scores heads fitted to portraits (docs/measured/fitting.md); `flow` checks "
+    "the covariances of optical flow, `ablations` what each part of the capture is good "
+    "for, `abuse` whether faces that are covered, cut away or in the dark are held or right "
+    "(docs/measured/evaluation.md), `calibration` what knowing a person's skin is worth "
+    "(docs/measured/calibration.md), `rest` how often the frame that is taken for the neutral "
+    "face shows it (docs/guide/fitting.md), `real` how near eyes and lips come to points "
+    "marked by hand on real faces (docs/measured/real-faces.md), `timing` how well the "
+    "times at which muscles fire are recovered and `keys` how few keys stand for the curves of "
+    "real clips (docs/measured/timing.md), `gaze` how well the eyes of rendered people are "
+    "followed (docs/measured/gaze.md)."
+)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """What a checkout can score beside files (`mimetic.commands.evaluate`)."""
-    parser.description += (
-        " `locate` scores what finds faces on still images instead, beside OpenCV's cascades; "
-        "`head` scores what follows heads on rendered sequences, beside MediaPipe's face mesh; "
-        "`fit` scores heads fitted to portraits (docs/measured/fitting.md); `flow` checks "
-        "the covariances of optical flow, `ablations` what each part of the capture is good "
-        "for, `abuse` whether faces that are covered, cut away or in the dark are held or right "
-        "(docs/measured/evaluation.md), `calibration` what knowing a person's skin is worth "
-        "(docs/measured/calibration.md), `rest` how often the frame that is taken for the neutral "
-        "face shows it (docs/guide/fitting.md), `real` how near eyes and lips come to points "
-        "marked by hand on real faces (docs/measured/real-faces.md), `timing` how well the "
-        "times at which muscles fire are recovered (docs/measured/timing.md), `gaze` how well the "
-        "eyes of rendered people are followed (docs/measured/gaze.md)."
-    )
+    parser.description += WHAT_IS_SCORED
     parser.add_argument(
         "what",
         nargs="?",
         choices=(
             *("ablations", "abuse", "calibration", "capture", "fit", "flow", "gaze"),
-            *("head", "locate", "real", "rest", "timing"),
+            *("head", "keys", "locate", "real", "rest", "timing"),
         ),
         default="capture",
         help="what to score (default: capture)",
@@ -93,7 +96,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--performances",
         type=Path,
         metavar="DIR",
-        help="real: score the performances that an earlier --out left here, instead of capturing",
+        help="real, keys: score the performances that an earlier `real --out` left here",
     )
     parser.add_argument(
         "--first-fit",
@@ -110,8 +113,8 @@ def check(options: argparse.Namespace) -> None:
         _check_set(options)
     if options.what != "capture":
         _refuse(options, *FILES)
-    if options.what != "real" and options.performances:
-        raise InvalidInput("--performances goes with `mimetic evaluate real`")
+    if options.what not in ("real", "keys") and options.performances:
+        raise InvalidInput("--performances goes with `mimetic evaluate real` and `keys`")
     if options.first_fit and (options.what != "real" or options.performances):
         raise InvalidInput("--first-fit goes with `mimetic evaluate real`, without --performances")
     files = any(getattr(options, name) for name in FILES)
@@ -135,6 +138,7 @@ def run_tables(options: argparse.Namespace) -> int:
         "fit": _run_fit,
         "flow": _run_flow,
         "timing": _run_timing,
+        "keys": _run_keys,
     }
     if options.what in run:
         return run[options.what](options)
@@ -216,6 +220,12 @@ def _run_timing(options: argparse.Namespace) -> int:
         raise InvalidInput(f"--set {options.set} does not go with `timing`")
     scores = timing.score_timing(options.set, _to_stderr)
     return _show(options, scores, timing.as_json, timing.as_text)
+
+
+def _run_keys(options: argparse.Namespace) -> int:
+    _refuse(options, "out")
+    scores = list(keys.score_keys(_to_stderr, options.performances))
+    return _show(options, scores, keys.as_json, keys.as_text)
 
 
 def _run_real(options: argparse.Namespace) -> int:

@@ -100,3 +100,31 @@ def test_a_tolerance_that_no_curve_has_is_refused_before_anything_changes(
     with pytest.raises(ValueError, match="tolerance"):
         extension("scene_out").bake(scene, performance, "take", tolerance=3.0)
     assert scene.mimetic.face is None
+
+
+@pytest.mark.parametrize(("fps", "base"), RATES)
+def test_keys_by_phases_play_the_same_and_each_event_is_dragged_alone(
+    extension, scene, smiling, fps, base
+):
+    scene.render.fps, scene.render.fps_base = round(fps / base), round(fps / base) * base / fps
+    bake = extension("scene_out").bake
+    bake(scene, smiling, "take", tolerance=TOLERANCE, by_phases=True)
+    curves = muscle_curves(extension, scene)
+    assert worst(curves, smiling, fps / base) <= TOLERANCE + 1e-4
+    scale = fps / base / smiling.fps
+    curve = curves[smiling.muscles[0]]
+    frames = np.array([point.co.x for point in curve.keyframe_points])
+    first_event = ((frames - 1) / scale > 15) & ((frames - 1) / scale < 60)
+    assert first_event.sum() >= 4  # the corners of these curves take more than six
+    # The apex is dragged: nothing of the other event moves
+    at = 1 + scale * np.arange(FRAMES)
+    before = np.array([curve.evaluate(t) for t in at])
+    key = max(
+        (p for p, is_in in zip(curve.keyframe_points, first_event, strict=True) if is_in),
+        key=lambda point: point.co.y,
+    )
+    key.co_ui = (key.co.x, key.co.y + 0.2)
+    curve.update()
+    change = np.array([curve.evaluate(t) for t in at]) - before
+    assert np.abs(change).max() > 0.19
+    assert np.abs(change[62:]).max() < 1e-6

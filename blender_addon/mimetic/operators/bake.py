@@ -54,6 +54,11 @@ class MIMETIC_OT_bake(Job, Operator):
         precision=3,
         description="By how much few keys may miss an activation, of which 1 is full",
     )
+    use_phases: BoolProperty(
+        name="At Phases",
+        default=False,
+        description="Keys at onset, apex, release and end of each event first",
+    )
     use_units: BoolProperty(
         name="Action Units",
         default=False,
@@ -120,6 +125,7 @@ class MIMETIC_OT_bake(Job, Operator):
             is_reset=self.reset_hand_changes,
             tolerance=self.tolerance if self.use_few_keys else 0.0,
             with_units=self.use_units,
+            by_phases=self.use_phases,
         )
         face = context.scene.mimetic.face
         self.made = {"object": face.name, "camera": context.scene.camera.name, **_made(summary)}

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-from bpy.props import FloatProperty
+from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Operator
 
 from .. import editors, native, outcome, scene_in, scene_out, targets
@@ -21,6 +21,12 @@ class MIMETIC_OT_reduce_keys(Operator):
         description="By how much the curves may change, of which 1 is a full activation",
     )
 
+    use_phases: BoolProperty(
+        name="At Phases",
+        default=False,
+        description="Keys at onset, apex, release and end of each event first",
+    )
+
     @classmethod
     def poll(cls, context):
         if reason := native.problem() or targets.no_curves(context):
@@ -29,7 +35,7 @@ class MIMETIC_OT_reduce_keys(Operator):
 
     def execute(self, context):
         face = scene_in.face_of(context)
-        summary = scene_out.few_keys.reduce(face, self.tolerance)
+        summary = scene_out.few_keys.reduce(face, self.tolerance, self.use_phases)
         message = (
             f"{summary.keys_after} keys instead of {summary.keys_before}, "
             f"within {summary.error:.3f}"

@@ -70,6 +70,7 @@ def bake(
     is_reset: bool = False,
     tolerance: float = 0.0,
     with_units: bool = False,
+    by_phases: bool = False,
 ) -> BakeSummary:
     """Puts the face, its curves, its camera and the footage behind it into the scene.
 
@@ -80,6 +81,7 @@ def bake(
     and lids are kept apart when sliders are moved afterwards too, and no longer if not given;
     is_reset: what was changed by hand on a face that was there is undone instead of kept;
     tolerance: by how much few keys with handles may miss the shapes' values, 0 for a key a frame;
+    by_phases: few keys at onset, apex, release and end of events first;
     with_units: sliders of FACS's action units, and an action asset each, beside the muscles.
     The scene's rate, frame range and resolution stay as they are. Raises InvalidInput, and changes
     nothing then, where face or camera are linked from another file.
@@ -106,9 +108,16 @@ def bake(
     if with_units:
         expressions.ensure_units(timing.scene_rate)
     motion = placement.head_motion(performance, world_from_camera)
-    num_curves = actions.key_shapes(obj, take, frames, shapes, face.key_names(obj), tolerance)
+    names = face.key_names(obj)
+    num_curves = actions.key_shapes(obj, take, frames, shapes, names, tolerance, by_phases)
     num_curves += actions.key_motion(obj, take, frames, motion)
-    lens = placement.lens(
+    _show_camera(scene, performance, world_from_camera, footage, timing, take)
+    return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, hand_changes.text())
+
+
+def _show_camera(scene, performance, world_from_camera, footage, timing, take: str) -> None:
+    """The footage's camera where the performance has it, and the footage behind the face."""
+    lens = native.placement().lens(
         performance.intrinsics,
         performance.image_size,
         scene_in.picture_size(scene),
@@ -117,4 +126,3 @@ def bake(
     seen_through = camera.ensure(scene, lens, world_from_camera)
     if footage is not None:
         camera.show_footage(seen_through, footage, timing, performance, take)
-    return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, hand_changes.text())

@@ -18,11 +18,18 @@ CONSTANT = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["CON
 
 
 def key_shapes(
-    face, take: str, frames, shapes, key_names: dict[str, str], tolerance: float = 0.0
+    face,
+    take: str,
+    frames,
+    shapes,
+    key_names: dict[str, str],
+    tolerance: float = 0.0,
+    by_phases: bool = False,
 ) -> int:
     """Keys the values of the shapes; returns the number of curves. key_names: of each shape.
 
-    tolerance: by how much few keys with handles may miss the values; 0 keys every frame.
+    tolerance: by how much few keys with handles may miss the values; 0 keys every frame. by_phases:
+    those keys lie at the phases of events first.
     """
     keys = face.data.shape_keys
     holder = new_take(keys, f"{take} muscles")
@@ -31,7 +38,8 @@ def key_shapes(
         path = f'key_blocks["{bpy.utils.escape_identifier(key_names[shape.name])}"].value'
         curve = compat.new_curve(holder, path, 0, shape.group)
         if tolerance > 0:
-            keys_of_shape = native.sparse_curves().sparse_keys(frames, shape.values, tolerance)
+            reduce = native.sparse_curves().sparse_keys
+            keys_of_shape = reduce(frames, shape.values, tolerance, by_phases)
             fill_sparse(curve, keys_of_shape)
         else:
             fill(curve, frames, shape.values, LINEAR)

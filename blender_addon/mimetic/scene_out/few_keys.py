@@ -24,8 +24,11 @@ def curves_of(face) -> list:
     return list(compat.curves(keys).fcurves)
 
 
-def reduce(face, tolerance: float) -> Reduction:
-    """Replaces the keys of every curve of the face's shapes that has one a frame."""
+def reduce(face, tolerance: float, by_phases: bool = False) -> Reduction:
+    """Replaces the keys of every curve of the face's shapes that has one a frame.
+
+    by_phases: keys lie at onset, apex, release and end of each event first.
+    """
     before = after = 0
     error = 0.0
     for curve in curves_of(face):
@@ -33,7 +36,7 @@ def reduce(face, tolerance: float) -> Reduction:
             continue  # few already, or someone's own
         frames, values = actions.dense_values(curve)
         before += len(frames)
-        keys = native.sparse_curves().sparse_keys(frames, values, tolerance)
+        keys = native.sparse_curves().sparse_keys(frames, values, tolerance, by_phases)
         if len(keys.points) < len(frames):
             actions.fill_sparse(curve, keys)
             error = max(error, keys.error)

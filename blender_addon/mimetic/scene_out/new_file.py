@@ -20,12 +20,14 @@ def write(
     with_detail: bool = False,
     tolerance: float = 0.0,
     with_units: bool = False,
+    by_phases: bool = False,
 ) -> str:
     """Bakes into the scene that is open, which must be empty, and writes it whole or not at all.
 
     Unlike baking into a user's scene this sets the scene's rate, range and resolution to the
     footage's. with_detail: shapes for what the muscles leave unexplained too. tolerance: of few
     keys with handles, 0 for a key a frame. with_units: sliders of action units too.
+    by_phases: few keys at the phases of events first.
     Returns what was written; raises what the package raises for bad input, and OSError.
     """
     performance = native.performances().Performance.load(performance_path)
@@ -48,6 +50,7 @@ def write(
         contact_shapes=contact,
         tolerance=tolerance,
         with_units=with_units,
+        by_phases=by_phases,
     )
     takes.keep(scene, footage, performance_path)
     scene.frame_set(scene.frame_start)

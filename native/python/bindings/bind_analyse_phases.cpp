@@ -115,6 +115,16 @@ void bind_sparse_curve(py::module_& m) {
     m.def("reduce_curve", &reduce_curve, "frames"_a, "values"_a, "tolerance"_a,
           py::call_guard<py::gil_scoped_release>(),
           "The SparseCurve that stays within the tolerance of a dense one (N,). Raises InvalidInput.");
+    m.def(
+        "reduce_by_phases",
+        [](const Eigen::VectorXd& frames, const Eigen::VectorXd& values, const Eigen::VectorXd& stds,
+           double tolerance) {
+            PhaseKeys keys = reduce_by_phases(frames, values, stds, tolerance);
+            return std::pair{std::move(keys.curve), std::move(keys.keys_of_event)};
+        },
+        "frames"_a, "values"_a, "stds"_a, "tolerance"_a, py::call_guard<py::gil_scoped_release>(),
+        "The same with keys first at the phases of events, and how many keys each event has. Raises "
+        "InvalidInput.");
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <mimetic/analyse/phases.hpp>
 #include <mimetic/analyse/sparse_curve.hpp>
 #include <mimetic/shared/checks.hpp>
@@ -106,6 +107,52 @@ int farthest(VectorIn frames, VectorIn values, const std::set<int>& rows, Sparse
     return worst;
 }
 
+/// Rows of one event's keys, from its onset to where it is at rest again.
+struct EventKeys {
+    int first = 0, last = 0;
+    std::set<int> rows;
+};
+
+int row_near(VectorIn frames, double frame, int first, int last) {
+    const double* begin = frames.data() + first;
+    const double* end = frames.data() + last + 1;
+    const int after = static_cast<int>(std::lower_bound(begin, end, frame) - frames.data());
+    const int row = std::clamp(after, first, last);
+    return row > first && frame - frames[row - 1] < frames[row] - frame ? row - 1 : row;
+}
+
+/// Onset and end are moved outward to where the curve rests, so that a drag between them ends there.
+EventKeys keys_at_phases(const PhaseFit& fit, VectorIn frames, VectorIn values, double tolerance) {
+    const auto rows = values.segment(fit.first, fit.last - fit.first + 1);
+    const double before = rows.head(rows.size() / 2 + 1).minCoeff() + .5 * tolerance;
+    const double after = rows.tail(rows.size() / 2 + 1).minCoeff() + .5 * tolerance;
+    const auto near = [&](double frame) { return row_near(frames, frame, fit.first, fit.last); };
+    const int apex = near(fit.shape.apex()), release = near(fit.shape.release());
+    EventKeys keys;
+    keys.first = std::min(near(fit.shape.onset), apex);
+    while (keys.first > fit.first && values[keys.first] > before) {
+        --keys.first;
+    }
+    keys.last = std::max(apex, release);
+    while (keys.last < fit.last && values[keys.last] > after) {
+        ++keys.last;
+    }
+    keys.rows = {keys.first, apex, release, keys.last};
+    return keys;
+}
+
+std::vector<EventKeys> phase_rows(VectorIn frames, VectorIn values, VectorIn stds, double tolerance) {
+    PhaseOptions options;
+    options.least_amplitude = std::max(2 * tolerance, 1e-6);
+    options.num_draws = 0;
+    const std::vector<bool> usable(static_cast<std::size_t>(values.size()), true);
+    std::vector<EventKeys> events;
+    for (const PhaseFit& fit : fit_phases(frames, values, stds, usable, options)) {
+        events.push_back(keys_at_phases(fit, frames, values, tolerance));
+    }
+    return events;
+}
+
 }  // namespace
 
 double SparseCurve::value(double frame) const {
@@ -118,21 +165,31 @@ double SparseCurve::value(double frame) const {
     return hermite(s, span).dot(Eigen::Vector4d(values[at], slopes[at], values[at + 1], slopes[at + 1]));
 }
 
-SparseCurve reduce_curve(VectorIn frames, VectorIn values, double tolerance) {
+namespace {
+
+void check_curve(VectorIn frames, VectorIn values, double tolerance) {
     require(frames.size() == values.size() && frames.size() > 0 && values.allFinite() && frames.allFinite(),
             "reduce_curve: frames and values must be finite and as many as each other");
     check_range("tolerance of a curve", tolerance, 1e-9, 1e9);
     for (Eigen::Index i = 1; i < frames.size(); ++i) {
         require(frames[i] > frames[i - 1], "reduce_curve: frames must rise");
     }
-    if (frames.size() == 1 || values.maxCoeff() - values.minCoeff() <= tolerance) {
-        const double middle = values.minCoeff() < tolerance && values.minCoeff() >= 0
-                                  ? values.minCoeff()
-                                  : .5 * (values.minCoeff() + values.maxCoeff());
-        return {frames.head(1), Eigen::VectorXd::Constant(1, middle), Eigen::VectorXd::Zero(1),
-                (values.array() - middle).abs().maxCoeff()};
-    }
-    std::set<int> rows = change_rows(frames, values, tolerance);
+}
+
+bool is_still(VectorIn frames, VectorIn values, double tolerance) {
+    return frames.size() == 1 || values.maxCoeff() - values.minCoeff() <= tolerance;
+}
+
+SparseCurve one_key(VectorIn frames, VectorIn values, double tolerance) {
+    const double middle = values.minCoeff() < tolerance && values.minCoeff() >= 0
+                              ? values.minCoeff()
+                              : .5 * (values.minCoeff() + values.maxCoeff());
+    return {frames.head(1), Eigen::VectorXd::Constant(1, middle), Eigen::VectorXd::Zero(1),
+            (values.array() - middle).abs().maxCoeff()};
+}
+
+/// Adds keys where the error is largest until it is within the tolerance, or every row is a key.
+SparseCurve refined(VectorIn frames, VectorIn values, double tolerance, std::set<int>& rows) {
     for (;;) {
         SparseCurve curve = fit_keys(frames, values, rows, tolerance);
         const int worst = farthest(frames, values, rows, curve);
@@ -141,6 +198,35 @@ SparseCurve reduce_curve(VectorIn frames, VectorIn values, double tolerance) {
         }
         rows.insert(worst);
     }
+}
+
+}  // namespace
+
+SparseCurve reduce_curve(VectorIn frames, VectorIn values, double tolerance) {
+    check_curve(frames, values, tolerance);
+    if (is_still(frames, values, tolerance)) {
+        return one_key(frames, values, tolerance);
+    }
+    std::set<int> rows = change_rows(frames, values, tolerance);
+    return refined(frames, values, tolerance, rows);
+}
+
+PhaseKeys reduce_by_phases(VectorIn frames, VectorIn values, VectorIn stds, double tolerance) {
+    check_curve(frames, values, tolerance);
+    if (is_still(frames, values, tolerance)) {
+        return {one_key(frames, values, tolerance), {}};
+    }
+    const std::vector<EventKeys> events = phase_rows(frames, values, stds, tolerance);
+    std::set<int> rows{0, static_cast<int>(values.size()) - 1};
+    for (const EventKeys& event : events) {
+        rows.insert(event.rows.begin(), event.rows.end());
+    }
+    PhaseKeys keys{refined(frames, values, tolerance, rows), {}};
+    for (const EventKeys& event : events) {
+        keys.keys_of_event.push_back(
+            static_cast<int>(std::distance(rows.lower_bound(event.first), rows.upper_bound(event.last))));
+    }
+    return keys;
 }
 
 }  // namespace mimetic

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import numpy as np
 import pytest
-from mimetic import InvalidInput
-from mimetic.character.sparse_curves import sparse_keys
+from mimetic import InvalidInput, _core
+from mimetic.character.sparse_curves import count_keys, sparse_keys
+from sample_performance import make_performance
 
 FRAMES = np.arange(1.0, 101)
 
@@ -52,3 +53,41 @@ def test_wrong_input_is_refused():
         sparse_keys(FRAMES[::-1], FRAMES)
     with pytest.raises(InvalidInput, match="finite"):
         sparse_keys(FRAMES, FRAMES * np.nan)
+
+
+@pytest.mark.parametrize("exponent", [-2.0, 0.0, 2.0])
+def test_keys_by_phases_are_four_to_six_an_event_at_its_phases(exponent):
+    shape = _core.PhaseShape()
+    shape.amplitude, shape.onset, shape.rise, shape.hold = 0.7, 20.0, 12.0, 10.0
+    shape.exponent, shape.release_time = exponent, 5.0
+    # A capture's smoother leaves no corners; a key has one slope
+    weights = np.hanning(9)[1:-1] / np.hanning(9).sum()
+    values = np.convolve(np.pad(shape.values(FRAMES), 3, mode="edge"), weights, "valid")
+    keys = sparse_keys(FRAMES, values, by_phases=True)
+    assert np.abs(played(keys) - values).max() <= 0.02
+    (count,) = keys.keys_of_event
+    assert 4 <= count <= 6
+    near = [np.abs(keys.points[:, 0] - t).min() for t in (shape.onset, shape.apex, shape.release)]
+    assert max(near) <= 2.5, keys.points
+    # The event's ends rest: a drag within it moves nothing beyond
+    inside = (keys.points[:, 1] > 0.02).sum()
+    assert inside <= count - 1
+
+
+def test_keys_by_phases_count_each_event_and_hold_the_tolerance():
+    values = event(8) + event(55, 0.5) + 0.008 * np.sin(FRAMES)
+    keys = sparse_keys(FRAMES, values, 0.02, by_phases=True)
+    assert len(keys.keys_of_event) == 2
+    assert np.abs(played(keys) - values).max() == pytest.approx(keys.error, abs=1e-9)
+    assert keys.error <= 0.02
+    still = sparse_keys(FRAMES, np.zeros(100), by_phases=True)
+    assert len(still.points) == 1 and still.keys_of_event == []
+
+
+def test_keys_of_a_performance_are_counted():
+    performance = make_performance(40)
+    for by_phases in (False, True):
+        count = count_keys(performance, 0.02, by_phases)
+        assert 0 < count.few < count.dense == 40 * 38
+        assert count.error <= 0.02
+        assert bool(count.keys_of_event) == by_phases

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <mimetic/shared/types.hpp>
+#include <vector>
 
 namespace mimetic {
 
@@ -18,5 +19,16 @@ struct SparseCurve {
 /// the change points of its events, rest before and after each among them, then where the error is
 /// largest. What is at rest stays at rest. frames, values: N, frames rising. Throws InvalidInput.
 SparseCurve reduce_curve(VectorIn frames, VectorIn values, double tolerance);
+
+/// The same with keys at the phases of its events.
+struct PhaseKeys {
+    SparseCurve curve;
+    std::vector<int> keys_of_event;  ///< one an event: keys from its onset to where it is at rest again
+};
+
+/// Keys first at each event's onset, apex, release, and where it is at rest again; then, in the events that
+/// are still off by more than `tolerance`, where the error is largest; then anywhere. stds: N, of the values.
+/// Throws InvalidInput.
+PhaseKeys reduce_by_phases(VectorIn frames, VectorIn values, VectorIn stds, double tolerance);
 
 }  // namespace mimetic

@@ -12,6 +12,7 @@ from mimetic import InvalidInput, _core
 from mimetic.performance.document import Performance
 
 USUAL_TOLERANCE = 0.02  # of an activation
+CURVE_STD = 0.05  # of an activation, about what captures say of theirs; phases are fitted with it
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-4, 0.5
 
 
@@ -23,20 +24,29 @@ class SparseKeys:
     left: NDArray[np.float64]
     right: NDArray[np.float64]
     error: float  # farthest from the dense curve at its frames
+    keys_of_event: list[int]  # by phases: how many each event has, from onset to end
 
 
 def sparse_keys(
-    frames: NDArray[np.float64], values: NDArray[np.float64], tolerance: float = USUAL_TOLERANCE
+    frames: NDArray[np.float64],
+    values: NDArray[np.float64],
+    tolerance: float = USUAL_TOLERANCE,
+    by_phases: bool = False,
 ) -> SparseKeys:
     """Few keys within `tolerance` of a dense curve (N frames, rising; N values).
 
+    by_phases: keys first at onset, apex, release and end of each event, as its phases are fitted.
     Handles end a third of the way to the neighbouring key, so that the curve is a cubic in time.
     Raises InvalidInput.
     """
     check_tolerance(tolerance)
-    curve = _core.reduce_curve(
-        np.asarray(frames, dtype=np.float64), np.asarray(values, dtype=np.float64), tolerance
-    )
+    frames = np.ascontiguousarray(frames, dtype=np.float64)
+    values = np.ascontiguousarray(values, dtype=np.float64)
+    if by_phases:
+        stds = np.full(len(values), CURVE_STD)
+        curve, keys_of_event = _core.reduce_by_phases(frames, values, stds, tolerance)
+    else:
+        curve, keys_of_event = _core.reduce_curve(frames, values, tolerance), []
     spans = np.diff(curve.frames) / 3
     before = np.concatenate([spans[:1], spans]) if len(spans) else np.ones(1)
     after = np.concatenate([spans, spans[-1:]]) if len(spans) else np.ones(1)
@@ -45,7 +55,7 @@ def sparse_keys(
         np.column_stack([curve.frames + reach, curve.values + reach * curve.slopes])
         for reach in (-before, after)
     )
-    return SparseKeys(points, left, right, float(curve.error))
+    return SparseKeys(points, left, right, float(curve.error), list(keys_of_event))
 
 
 def check_tolerance(tolerance: float) -> None:
@@ -57,10 +67,21 @@ def check_tolerance(tolerance: float) -> None:
         )
 
 
-def key_share(performance: Performance, tolerance: float) -> tuple[int, int, float]:
-    """Keys of all muscles and articulators: few, dense, and the largest error of the few."""
+@dataclass(frozen=True)
+class KeyCount:
+    """What few keys make of all muscles and articulators of a performance."""
+
+    few: int
+    dense: int
+    error: float  # the largest
+    keys_of_event: list[int]  # by phases
+
+
+def count_keys(performance: Performance, tolerance: float, by_phases: bool = False) -> KeyCount:
+    """Few keys of all muscles and articulators within the tolerance; raises InvalidInput."""
     frames = performance.frame.astype(np.float64)
     columns = np.hstack([performance.activations, performance.articulator_values]).T
-    keys = [sparse_keys(frames, values, tolerance) for values in columns]
+    keys = [sparse_keys(frames, values, tolerance, by_phases) for values in columns]
+    counts = [count for one in keys for count in one.keys_of_event]
     few = sum(len(one.points) for one in keys)
-    return few, columns.size, max(one.error for one in keys)
+    return KeyCount(few, columns.size, max(one.error for one in keys), counts)

@@ -39,6 +39,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="sliders of FACS's action units too, left and right, and in a .blend an action each",
     )
+    parser.add_argument(
+        "--by-phases",
+        action="store_true",
+        help="few keys at onset, apex, release and end of each event first",
+    )
     parser.add_argument("--bone", help="the armature's head (default: found by its name)")
     parser.add_argument(
         "--neck", help="the armature's neck (default: found by its name; '' for none)"
@@ -103,6 +108,7 @@ def run_bake(arguments: argparse.Namespace) -> int:
         arguments.detail,
         arguments.few_keys,
         arguments.action_units,
+        arguments.by_phases,
     )
     print(f"{arguments.out}: {text}")
     return 0
@@ -137,6 +143,7 @@ def bake(
     with_detail: bool = False,
     tolerance: float | None = None,
     with_units: bool = False,
+    by_phases: bool = False,
 ) -> str:
     """Writes `out`, whole or not at all; returns a line that says what is in it.
 
@@ -144,9 +151,12 @@ def bake(
     gives, with `settings` for the head's motion on it; None bakes the person's own face.
     with_detail: shapes and curves of the surface that the muscles leave unexplained too.
     tolerance: by how much few keys with handles may miss an activation; None keys every frame.
-    with_units: sliders of FACS's action units, which need the canonical mesh.
+    with_units: sliders of FACS's action units, which need the canonical mesh. by_phases: few keys
+    at the phases of each event first.
     Raises InvalidInput, UnreadableMedia, and OSError where `out` cannot be written.
     """
+    if by_phases and tolerance is None:
+        raise InvalidInput("--by-phases says where few keys are: give --few-keys too")
     if tolerance is not None:
         check_tolerance(tolerance)
     out = Path(os.path.realpath(out))
@@ -165,5 +175,6 @@ def bake(
         "with_detail": with_detail,
         "tolerance": tolerance or 0.0,
         "with_units": with_units,
+        "by_phases": by_phases,
     }
     return write_by_blender(request, out, blender_python)

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How few keys stand for the curves of real clips: `mimetic evaluate keys`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from mimetic import InvalidInput
+from mimetic.character.sparse_curves import USUAL_TOLERANCE, count_keys
+from mimetic.media.footage import Footage
+from mimetic.performance.document import Performance
+from mimetic.score.json_text import json_text
+from mimetic.score.text_table import text_table
+from mimetic.solve import clip_capture
+
+from evaluation.runs.real_labels import CLIPS, footage_of
+
+WAYS = {"general": False, "by phases": True}
+FEW_IN_EVENT = 6
+
+
+@dataclass(frozen=True)
+class KeyScore:
+    clip: str
+    way: str
+    frames: int
+    keys: int
+    share: float  # of the dense keys
+    error: float
+    events: int  # by phases
+    median_in_event: float
+    few_in_event: float  # share of events with FEW_IN_EVENT keys or fewer
+
+
+def score_keys(
+    report: Callable[[str], None], captured: Path | None = None, last: int = 700
+) -> Iterator[KeyScore]:
+    """Each clip by each way; captured: a folder of performances, NAME.npz; else clips are captured.
+
+    last: the last frame that is captured.
+    """
+    clips = [clip for clip in CLIPS if captured is None or (captured / f"{clip}.npz").is_file()]
+    if not clips:
+        raise InvalidInput(f"{captured} has no performance of {', '.join(CLIPS)}")
+    for clip in clips:
+        if captured is not None:
+            performance = Performance.load(captured / f"{clip}.npz")
+        else:
+            report(f"{clip}: capture")
+            footage = footage_of(clip)
+            last_frame = min(last, Footage(footage).num_frames)
+            performance = clip_capture.capture(footage, (1, last_frame))
+        for way, by_phases in WAYS.items():
+            count = count_keys(performance, USUAL_TOLERANCE, by_phases)
+            of_event = np.array(count.keys_of_event or [np.nan])
+            few = float((of_event <= FEW_IN_EVENT).mean()) if count.keys_of_event else np.nan
+            yield KeyScore(
+                *(clip, way, performance.num_frames, count.few, count.few / count.dense),
+                *(count.error, len(count.keys_of_event), float(np.median(of_event)), few),
+            )
+
+
+def as_json(scores: list[KeyScore]) -> str:
+    return json_text([asdict(score) for score in scores])
+
+
+def as_text(scores: list[KeyScore]) -> str:
+    columns = {
+        "frames": ("frames", ".0f"),
+        "keys": ("keys", ".0f"),
+        "share": ("of the dense", ".1%"),
+        "error": ("largest error", ".4f"),
+        "events": ("events", ".0f"),
+        "median_in_event": ("keys an event", ".0f"),
+        "few_in_event": ("6 or fewer", ".0%"),
+    }
+    rows = {f"{score.clip}, {score.way}": asdict(score) for score in scores}
+    figures = {name: {key: row[key] for key in columns} for name, row in rows.items()}
+    return text_table(f"keys within {USUAL_TOLERANCE:g}", columns, figures)
