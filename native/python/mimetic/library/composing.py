@@ -224,6 +224,6 @@ def canonical_person() -> Performance:
         quality=np.ones(1),
         eye_centers=eyes.centers,
         iris_centers=eyes.fronts(),
-        eye_of_vertex=eyes.eye_of_vertex,
+        eye_of_vertex=eyes.eye_of_vertex.astype(np.int64),
         lid_following=np.array([(share, 0.0) for share in eyes.lid_per_degree]),
     )

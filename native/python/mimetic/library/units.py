@@ -20,14 +20,14 @@ def unit_expression(name: str) -> Expression:
     channels = [name] if name in UNSIDED else [f"{name}.L", f"{name}.R"]
     seconds = np.arange(round((RISE + HOLD + FALL) * FPS) + 1) / FPS
     ramp = np.interp(seconds, np.cumsum([0, RISE, HOLD, FALL]), [0.0, 1, 1, 0])
-    values = np.tile(ramp[:, None], (1, len(channels)))
+    values = np.tile(np.asarray(ramp, dtype=np.float64)[:, None], (1, len(channels)))
     rows = FPS * np.array([[0.0, RISE, RISE + HOLD, 1 / FPS]])
     source = ["FACS", unit_meanings()[name]]
-    return Expression(channels, values, 0 * values, FPS, [name], rows, source)
+    return Expression(channels, values, np.zeros_like(values), FPS, [name], rows, source)
 
 
 def unit_picture(name: str) -> NDArray[np.uint8]:
     """256 x 256 x 4: our head with the unit at intensity 1."""
     template = load_template()
     unit = action_unit(name, template.vertices, template)
-    return head_picture(template.vertices, unit.mode, template.faces)
+    return head_picture(template.vertices, unit.mode, template.faces.astype(np.int64))
