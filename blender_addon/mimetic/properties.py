@@ -179,11 +179,16 @@ def _gaze_slider(name: str, side: str, axis: int, lowest: float, highest: float)
         set=turn,
         options={"SKIP_SAVE"},
         description="Turns the eyeball rigidly, by the shape keys eye_down, eye_left and their "
-        "products, on which curves are keyed; the lid stays",
+        "products, on which curves are keyed; the upper lid goes along",
     )
 
 
 class MimeticFace(bpy.types.PropertyGroup):
+    lid_following: FloatVectorProperty(
+        size=4,
+        description="How the left and the right upper lid go along with the eyes: closure for a "
+        "degree downwards, and the pitch at which they do not",
+    )
     gaze_yaw_left: _gaze_slider("Left Eye to the Left", "L", 0, *YAWS)
     gaze_pitch_left: _gaze_slider("Left Eye Up", "L", 1, *PITCHES)
     gaze_yaw_right: _gaze_slider("Right Eye to the Left", "R", 0, *YAWS)

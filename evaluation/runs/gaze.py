@@ -52,7 +52,7 @@ class GazeScore:
     method: str
     figures: dict[str, float]
     errors: NDArray[np.float64]  # N x 2, degrees, of each eye's direction
-    known: NDArray[np.float64]  # the same, with the clip's mean error of each angle taken away
+    remainders: NDArray[np.float64]  # the same, with the clip's mean error of each angle taken away
 
 
 def score_gaze(which: str, report: Callable[[str], None]) -> Iterator[list[GazeScore]]:
@@ -99,9 +99,9 @@ def score_capture(
 
 def _head_moved(performance: Performance, gaze: NDArray[np.float64]) -> float:
     """Degrees by which the captured head turns as the eyes turn by FAR, on the mean of the clip."""
-    turned = np.degrees(performance.head_pose[:, [2, 2, 1], [1, 0, 0]])  # about x, y, z if small
+    angles = np.degrees(performance.head_pose[:, [2, 2, 1], [1, 0, 0]])  # about x, y, z if small
     ways = np.column_stack([np.ones(len(gaze)), gaze[:, :2]])
-    return float(FAR * np.abs(np.linalg.lstsq(ways, turned, rcond=None)[0][1:]).max())
+    return float(FAR * np.abs(np.linalg.lstsq(ways, angles, rcond=None)[0][1:]).max())
 
 
 def _score_face_mesh(
@@ -156,13 +156,13 @@ def _score(
     figures: dict[str, float],
 ) -> GazeScore:
     errors = _angles_between(angles, truth)
-    known = _angles_between(angles - np.nanmean(angles - truth, axis=0), truth)
+    remainders = _angles_between(angles - np.nanmean(angles - truth, axis=0), truth)
     figures |= {
         "gaze": float(np.nanmedian(errors)),
         "gaze_p90": float(np.nanquantile(errors, 0.9)),
-        "known": float(np.nanmedian(known)),
+        "known": float(np.nanmedian(remainders)),
     }
-    return GazeScore(name, kind, method, figures, errors, known)
+    return GazeScore(name, kind, method, figures, errors, remainders)
 
 
 def _angles_between(one: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -186,7 +186,7 @@ def figures(scores: list[GazeScore]) -> dict[str, dict[str, float]]:
             own = [s for s in scores if s.kind == kind and s.method == method]
             if own:
                 errors = np.concatenate([score.errors for score in own])
-                known = np.concatenate([score.known for score in own])
+                remainders = np.concatenate([score.remainders for score in own])
                 rows[f"{kind}: {method}"] = {
                     **{
                         key: float(
@@ -196,7 +196,7 @@ def figures(scores: list[GazeScore]) -> dict[str, dict[str, float]]:
                     },
                     "gaze": float(np.nanmedian(errors)),
                     "gaze_p90": float(np.nanquantile(errors, 0.9)),
-                    "known": float(np.nanmedian(known)),
+                    "known": float(np.nanmedian(remainders)),
                 }
     return rows
 

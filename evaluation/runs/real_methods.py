@@ -57,8 +57,7 @@ def by_capture(labels: Labels, performance: Performance) -> NDArray[np.float64]:
         i = performance.index_of(int(frame))
         if performance.quality[i] >= HELD_QUALITY:
             places[row, ON_SKIN] = performance.project(surface.in_camera(i)[refined])
-            turned = has_gaze(performance)
-            irises = iris_circles(performance, i)[:, 0] if turned else at_rest
+            irises = iris_circles(performance, i)[:, 0] if has_gaze(performance) else at_rest
             pose = performance.head_pose[i]
             places[row, IRISES] = performance.project(irises @ pose[:3, :3].T + pose[:3, 3])
     return places

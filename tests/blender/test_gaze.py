@@ -61,6 +61,21 @@ def test_sliders_in_degrees_read_and_turn_an_eye(extension, scene, looking):
     assert keys["eye_left.L"].value == pytest.approx(np.sin(0.3) * np.cos(pitch), abs=1e-5)
 
 
+def test_an_upper_lid_goes_along_with_the_slider_and_stays_shut(extension, scene, looking):
+    extension("scene_out").bake(scene, looking, "take")
+    face = scene.mimetic.face
+    lid = face.data.shape_keys.key_blocks["lid_upper.R"]
+    face.mimetic.gaze_pitch_right = np.radians(1.0)
+    lid.value = 0.1
+    face.mimetic.gaze_pitch_right = np.radians(-19.0)
+    assert lid.value == pytest.approx(0.1 + 0.4 * 0.9, abs=1e-4)
+    face.mimetic.gaze_pitch_right = np.radians(1.0)
+    assert lid.value == pytest.approx(0.1, abs=1e-4)
+    lid.slider_max = lid.value = 1.0
+    face.mimetic.gaze_pitch_right = np.radians(20.0)
+    assert lid.value == pytest.approx(1.0, abs=1e-4)
+
+
 def test_a_face_without_gaze_has_sliders_at_rest(extension, scene, performance):
     extension("scene_out").bake(scene, performance, "take")
     face = scene.mimetic.face

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 
 from .. import native, writable
-from . import by_hand, contact
+from . import by_hand, contact, gaze
 from .by_hand import HandChanges, KeyState
 
 BASIS = "Basis"
@@ -33,6 +33,7 @@ def ensure(
     if performance.footage:
         face.mimetic.footage = performance.footage[1]
     scene.mimetic.face = face
+    gaze.remember(face, performance)
     hand_changes = set_shapes(face, performance.neutral_vertices, shapes, groups, is_reset)
     if subdivide(face, subdivision, is_reset):
         hand_changes.things.append("the subdivision")

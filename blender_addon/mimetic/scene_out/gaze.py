@@ -12,6 +12,13 @@ SIDES = ("L", "R")
 TURNS = ("eye_down", "eye_left", "eye_down_down", "eye_down_left", "eye_left_left")
 
 
+def remember(face: bpy.types.Object, performance) -> None:
+    """Keeps on the face how its upper lids go along with the eyes; 0 where it has no gaze."""
+    following = performance.lid_following
+    rows = native.array(following).reshape(-1) if following is not None else (0.0,) * 4
+    face.mimetic.lid_following = tuple(rows)
+
+
 def turns(face: bpy.types.Object) -> bool:
     """Whether the face has the shapes that turn its eyes."""
     return bool(_keys(face, "L")) and bool(_keys(face, "R"))
@@ -27,12 +34,19 @@ def angles(face: bpy.types.Object, side: str) -> tuple[float, float]:
 
 
 def set_angles(face: bpy.types.Object, side: str, yaw: float, pitch: float) -> None:
-    """Turns an eye; a face without the shapes stays as it is."""
+    """Turns an eye, and its upper lid goes along; a face without the shapes stays as it is."""
     keys = _keys(face, side)
     if not keys or native.problem():
         return
+    before = angles(face, side)[1]
     for shape, value in native.gaze_shapes().turned_keys(side, yaw, pitch).items():
         keys[shape].value = value
+    first = 2 * SIDES.index(side)
+    following = tuple(face.mimetic.lid_following[first : first + 2])
+    entry = by_hand.entries_of(face).get(f"lid_upper.{side}")
+    lid = entry and face.data.shape_keys.key_blocks.get(entry.name)
+    if lid and following[0]:
+        lid.value = native.gaze_shapes().carried_lid(lid.value, following, before, pitch)
 
 
 def _keys(face: bpy.types.Object, side: str) -> dict[str, bpy.types.ShapeKey]:
@@ -42,7 +56,7 @@ def _keys(face: bpy.types.Object, side: str) -> dict[str, bpy.types.ShapeKey]:
         return {}
     entries = by_hand.entries_of(face)
     names = [f"{name}.{side}" for name in TURNS]
-    found = {
+    blocks = {
         name: shape_keys.key_blocks.get(entries[name].name) for name in names if name in entries
     }
-    return found if len(found) == len(names) and all(found.values()) else {}
+    return blocks if len(blocks) == len(names) and all(blocks.values()) else {}

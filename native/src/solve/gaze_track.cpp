@@ -23,12 +23,16 @@ constexpr double kFreedom = 4;     // of measurements' errors (Student)
 constexpr double kMeasured = .25;  // beside the jitter: what smoothing must not follow
 constexpr double kSaccade = 1.5;   // root mean square increment, for what is not seen
 constexpr double kLargestYaw = 50, kHighestPitch = 40, kLowestPitch = -50;
-// Rest: how far the fitted eyes are from the person's, and how far a clip's mean gaze is from straight ahead
-constexpr double kRestStd = 6, kMeanGazeStd = 4, kGazeStd = 10, kFixation = 30;  // frames
+// Rest, as a state: what irises show of eyes that look straight ahead. Of seven rendered people for tuning
+// (docs/measured/gaze.md): mean 1, -5, -2, 1, deviation 2, 2, 5, 2; wider here, as they are few and real
+// people differ more. The fitted eyes stand a little too high. And how far a clip's mean gaze is from
+// straight ahead.
+const State kRest(0, -4, 0, 0), kRestStd(3.5, 3.5, 5, 2);
+constexpr double kMeanGazeStd = 4, kGazeStd = 10, kFixation = 30;  // the last: frames
 // Share of an eye's turn that the network's iris shows, about where it usually is: sideways, up and down. On
 // rendered people .87 and .64, in real frames marked by hand 1 and .7 to .9 (docs/measured/gaze.md).
 constexpr double kShownYaw = .9, kShownPitch = .8;
-constexpr double kVergence = 2, kVergenceStd = 1.2, kPitchApartStd = .7, kApartRestStd = 5;
+constexpr double kVergence = 2, kVergenceStd = 1.2, kPitchApartStd = .7;
 
 /// The eyes' four angles from the state.
 Eigen::Matrix4d eyes_by_state() {
@@ -200,10 +204,14 @@ UsualState usual_of(const Sequence& states, const Turns& turns) {
 /// What of it is the eyes' rest, by how far each may stray: state, then variances.
 std::pair<State, State> rest_of(const UsualState& usual) {
     const double mean = kMeanGazeStd * kMeanGazeStd + kGazeStd * kGazeStd / (1 + usual.num_seen / kFixation);
-    const State prior = State(kRestStd, kRestStd, kApartRestStd, kApartRestStd).cwiseAbs2();
+    const State prior = kRestStd.cwiseAbs2();
     const State other(mean, mean, kVergenceStd * kVergenceStd, kPitchApartStd * kPitchApartStd);
     const State share = prior.cwiseQuotient(prior + other);
-    return {share.cwiseProduct(usual.median - State(0, 0, kVergence, 0)), share.cwiseProduct(other)};
+    if (!(usual.num_seen > 0)) {
+        return {State::Zero(), prior};
+    }
+    return {kRest + share.cwiseProduct(usual.median - State(0, 0, kVergence, 0) - kRest),
+            share.cwiseProduct(other)};
 }
 
 /// The turn that takes an eye which rests at one direction to another.

@@ -65,11 +65,11 @@ IrisTurn iris_turn(const Camera& camera, const Eyeballs& eyes, const GazeFrame& 
     if (frontality <= kHidden) {
         return turn;
     }
-    const auto turned_by = [&](const Eigen::Isometry3d& pose, const Eigen::Vector2d& pixel) {
+    const auto angles_at = [&](const Eigen::Isometry3d& pose, const Eigen::Vector2d& pixel) {
         return gaze_angles(point_on_ball(camera, pose, centre, eyes.radii[at], pixel).direction);
     };
     turn.is_seen = true;
-    turn.angles = turned_by(frame.camera_from_head, iris.center);
+    turn.angles = angles_at(frame.camera_from_head, iris.center);
     const double sight = std::min(1., (frontality - kHidden) / (kFrontal - kHidden)) * iris.presence *
                          std::min(1., (iris.opening - kShut) / (kOpen - kShut));
     const double factor = std::min(kLargestFactor, 1 / sight);
@@ -77,8 +77,8 @@ IrisTurn iris_turn(const Camera& camera, const Eyeballs& eyes, const GazeFrame& 
     Eigen::Matrix2d by_pixel;
     for (int axis = 0; axis < 2; ++axis) {
         const Eigen::Vector2d aside = step * Eigen::Vector2d::Unit(axis);
-        by_pixel.col(axis) = (vector_of(turned_by(frame.camera_from_head, iris.center + aside)) -
-                              vector_of(turned_by(frame.camera_from_head, iris.center - aside))) /
+        by_pixel.col(axis) = (vector_of(angles_at(frame.camera_from_head, iris.center + aside)) -
+                              vector_of(angles_at(frame.camera_from_head, iris.center - aside))) /
                              (2 * step);
     }
     const FeatureNoise noise = feature_noise(NetworkFeature::iris, iris.side);
@@ -91,13 +91,13 @@ IrisTurn iris_turn(const Camera& camera, const Eyeballs& eyes, const GazeFrame& 
     Eigen::Matrix<double, 2, 6> by_pose;
     constexpr double kStep = 1e-4;  // radians, metres
     for (int axis = 0; axis < 6; ++axis) {
-        Eigen::Isometry3d moved = frame.camera_from_head;
+        Eigen::Isometry3d pose = frame.camera_from_head;
         if (axis < 3) {
-            moved.linear() = Eigen::AngleAxisd(kStep, Eigen::Vector3d::Unit(axis)) * moved.linear();
+            pose.linear() = Eigen::AngleAxisd(kStep, Eigen::Vector3d::Unit(axis)) * pose.linear();
         } else {
-            moved.translation()[axis - 3] += kStep;
+            pose.translation()[axis - 3] += kStep;
         }
-        by_pose.col(axis) = (vector_of(turned_by(moved, iris.center)) - vector_of(turn.angles)) / kStep;
+        by_pose.col(axis) = (vector_of(angles_at(pose, iris.center)) - vector_of(turn.angles)) / kStep;
     }
     turn.lasting += by_pose * frame.pose_cov * by_pose.transpose();
     const BallPoint point =

@@ -56,6 +56,17 @@ def turned_keys(side: str, yaw: float, pitch: float) -> dict[str, float]:
     return {f"{name}.{side}": float(w) for name, w in zip(TURNS, weights, strict=True)}
 
 
+def carried_lid(closure: float, following: Sequence[float], before: float, after: float) -> float:
+    """The closure that is seen of an upper lid when its eye has turned from pitch to pitch.
+
+    following: as a performance's `lid_following` has it; pitches in radians. What the lid does by
+    itself stays.
+    """
+    lid = _core.LidFollowing(*following)
+    own = lid.own(np.array([closure]), np.degrees([before]))
+    return float(lid.seen(own, np.degrees([after]))[0])
+
+
 def angles_of_keys(side: str, values: Mapping[str, float]) -> tuple[float, float]:
     """Yaw and pitch, radians, of one eye whose shapes have these values."""
     down, left = (np.clip(values.get(f"{name}.{side}", 0.0), -1, 1) for name in TURNS[:2])
