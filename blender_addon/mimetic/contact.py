@@ -98,7 +98,7 @@ def _is_followed(face: bpy.types.Object) -> bool:
         face.mimetic.use_contact
         and contact_key.key_of(face) is not None
         and face.mode == "OBJECT"
-        and face.name not in contact_key.held
+        and face.name not in contact_key.still_faces
     )
 
 
@@ -117,7 +117,7 @@ def _follow_face(scene, face: bpy.types.Object, depsgraph) -> None:
     if state is None or not np.array_equal(state.rest, rest):
         state = _states[face.name] = Known(rest, _maker(scene, face, rest))
         state.start()
-    if face.name in contact_key.rested:
+    if face.name in contact_key.resting_faces:
         state.look_again()
     if values == state.values:
         return
@@ -126,7 +126,7 @@ def _follow_face(scene, face: bpy.types.Object, depsgraph) -> None:
             bpy.app.timers.register(_poll, first_interval=POLL_SECONDS)
         return
     state.values = values
-    contact_key.rested.discard(face.name)
+    contact_key.resting_faces.discard(face.name)
     correction = state.live.correction(sliders.moves(keys, values, rest))
     if correction is not None or state.is_parted:
         sliders.take_levels(keys, evaluated_keys)

@@ -86,7 +86,7 @@ class Job:
     """
 
     keeps_part = False  # what a stopped job has done so far
-    made: dict | None = None  # what scripts are told `write` made, besides its message
+    facts: dict | None = None  # what scripts are told `write` made, besides its message
     _timer = None
 
     def execute(self, context):
@@ -155,12 +155,12 @@ class Job:
     def _write(self, context, result, is_stopped: bool):
         if result is None:
             return outcome.cancelled(self, context, "Stopped; nothing was changed", "WARNING")
-        self.made = {}
+        self.facts = {}
         message = self.write(context, result)
-        made = {**self.made, "is_stopped": is_stopped}
+        facts = {**self.facts, "is_stopped": is_stopped}
         if is_stopped:
-            return outcome.finished(self, context, f"Stopped. {message}", "WARNING", **made)
-        return outcome.finished(self, context, message, **made)
+            return outcome.finished(self, context, f"Stopped. {message}", "WARNING", **facts)
+        return outcome.finished(self, context, message, **facts)
 
     def _show(self, context) -> None:
         stopping = "stopping" if running.stop.is_set() else "Esc stops"

@@ -7,9 +7,9 @@ import json
 import bpy
 
 
-def finished(operator, context, message: str, level: str = "INFO", **made) -> set[str]:
+def finished(operator, context, message: str, level: str = "INFO", **facts) -> set[str]:
     """Reports and keeps what was made, values that JSON has; returns what `execute` returns."""
-    return _told(operator, context, "FINISHED", level, message, made)
+    return _told(operator, context, "FINISHED", level, message, facts)
 
 
 def cancelled(operator, context, message: str, level: str = "ERROR") -> set[str]:
@@ -17,14 +17,14 @@ def cancelled(operator, context, message: str, level: str = "ERROR") -> set[str]
     return _told(operator, context, "CANCELLED", level, message, {})
 
 
-def _told(operator, context, status: str, level: str, message: str, made: dict) -> set[str]:
+def _told(operator, context, status: str, level: str, message: str, facts: dict) -> set[str]:
     if message:
         operator.report({level}, message)
     result = {
         "operator": ".".join(operator.bl_idname.split("_OT_", 1)).lower(),
         "status": status,
         "message": message,
-        **made,
+        **facts,
     }
     context.window_manager.mimetic_result = json.dumps(result)
     return {status}

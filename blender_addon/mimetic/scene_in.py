@@ -107,8 +107,8 @@ def no_landmarks(context, needs_selection: bool, needs_frame: bool = True) -> st
     if not has_fit(clip):
         return "Find the face first: its landmarks are what is pinned"
     if not shows_landmarks(clip):
-        hidden = "The landmarks of this face are not shown: press Landmarks Here"
-        return hidden if needs_frame else ""
+        message = "The landmarks of this face are not shown: press Landmarks Here"
+        return message if needs_frame else ""
     tracks = clip.tracking.objects["Face"].tracks
     if needs_selection and not any(track.select for track in tracks):
         return "Select landmarks in the clip editor first"
@@ -134,8 +134,8 @@ def no_stabilising(context) -> str:
     if reason := no_clip(context) or no_take(context, "capture it, track its head"):
         return reason
     stabilisation = clip_of(context).tracking.stabilization
-    used = {track.name for track in (*stabilisation.tracks, *stabilisation.rotation_tracks)}
-    if names := sorted(used.difference(HELD_BY)):
+    track_names = {track.name for track in (*stabilisation.tracks, *stabilisation.rotation_tracks)}
+    if names := sorted(track_names.difference(HELD_BY)):
         return f"The clip is stabilised by {', '.join(names[:3])}; remove that first"
     return ""
 

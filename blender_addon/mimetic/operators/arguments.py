@@ -16,9 +16,9 @@ OF_ONE_CALL = {"HIDDEN", "SKIP_SAVE"}
 
 def like(group, name: str):
     """The property of an operator that stands for a panel's, declared as that is."""
-    declared = group.__annotations__[name]
-    keywords = {key: value for key, value in declared.keywords.items() if key != "update"}
-    return declared.function(**{**keywords, "options": OF_ONE_CALL})
+    declaration = group.__annotations__[name]
+    keywords = {key: value for key, value in declaration.keywords.items() if key != "update"}
+    return declaration.function(**{**keywords, "options": OF_ONE_CALL})
 
 
 def is_given(operator, name: str) -> bool:

@@ -128,7 +128,7 @@ class MIMETIC_OT_bake(Job, Operator):
             by_phases=self.use_phases,
         )
         face = context.scene.mimetic.face
-        self.made = {"object": face.name, "camera": context.scene.camera.name, **_made(summary)}
+        self.facts = {"object": face.name, "camera": context.scene.camera.name, **_made(summary)}
         message = (
             f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
             f"on {face.name}"
@@ -145,7 +145,7 @@ class MIMETIC_OT_bake(Job, Operator):
     def write_bound(self, scene, performance, take, head, clip):
         """On a character's own head; the message names all that it cannot play."""
         summary = scene_out.bound.bake(scene, performance, take, head, clip, self.use_head_motion)
-        self.made = {"object": head.name, "left_out": list(summary.left_out), **_made(summary)}
+        self.facts = {"object": head.name, "left_out": list(summary.left_out), **_made(summary)}
         for remark in summary.left_out:
             self.report({"WARNING"}, remark)
         if summary.untouched:

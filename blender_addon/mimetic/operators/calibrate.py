@@ -44,5 +44,5 @@ skin is held and how strong the muscles are; the fit keeps it for every capture"
     def write(self, context, result):
         clip_name, fit = result
         scene_out.face_fit.keep(bpy.data.movieclips[clip_name], fit)
-        self.made = {"clip": clip_name, "frames": list(fit.calibration.frames)}
+        self.facts = {"clip": clip_name, "frames": list(fit.calibration.frames)}
         return f"Calibrated: {fit.calibration.described()}"

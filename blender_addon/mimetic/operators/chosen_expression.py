@@ -27,8 +27,8 @@ def _appended(asset) -> bpy.types.Action | None:
     """The asset of another file; what was appended before is used again."""
     if asset.id_type != "ACTION":
         return None
-    if (known := bpy.data.actions.get(asset.name)) and scene_out.expressions.is_expression(known):
-        return known
+    if (action := bpy.data.actions.get(asset.name)) and scene_out.expressions.is_expression(action):
+        return action
     try:
         with bpy.data.libraries.load(asset.full_library_path, link=False) as (there, here):
             here.actions = [name for name in there.actions if name == asset.name]

@@ -36,6 +36,6 @@ class MIMETIC_OT_load_clip(Operator, ImportHelper):
         messages = [f"{clip.name}: {width} x {height}, {float(footage.fps):.6g} frames/s"]
         warnings = [*footage.warnings, *filter(None, [clips.change_of(clip)])]
         level = "WARNING" if warnings else "INFO"
-        made = {"clip": clip.name, "size": [width, height], "fps": float(footage.fps)}
-        made["num_frames"] = footage.num_frames
-        return outcome.finished(self, context, "; ".join(messages + warnings), level, **made)
+        facts = {"clip": clip.name, "size": [width, height], "fps": float(footage.fps)}
+        facts["num_frames"] = footage.num_frames
+        return outcome.finished(self, context, "; ".join(messages + warnings), level, **facts)

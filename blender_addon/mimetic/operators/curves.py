@@ -40,10 +40,10 @@ class MIMETIC_OT_reduce_keys(Operator):
             f"{summary.keys_after} keys instead of {summary.keys_before}, "
             f"within {summary.error:.3f}"
         )
-        made = {"num_keys": summary.keys_after, "num_keys_before": summary.keys_before}
-        made |= {"object": face.name, "error": float(summary.error)}
+        facts = {"num_keys": summary.keys_after, "num_keys_before": summary.keys_before}
+        facts |= {"object": face.name, "error": float(summary.error)}
         editors.redraw()
-        return outcome.finished(self, context, message, **made)
+        return outcome.finished(self, context, message, **facts)
 
 
 CLASSES = (MIMETIC_OT_reduce_keys,)

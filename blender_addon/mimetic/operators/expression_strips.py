@@ -30,17 +30,19 @@ class MIMETIC_OT_sequence_expression(Operator):
         rate = scene_in.timing(scene, None).scene_rate
         try:
             action = chosen(context, self.action)
-            added = scene_out.expression_strips.sequence(
+            sequence = scene_out.expression_strips.sequence(
                 *(face, action, scene.frame_current, rate), self.is_mirrored, self.strength
             )
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        text = f"{action.name} from frame {added.first:.6g} to {added.last:.6g} on {face.name}"
-        if added.pushed_down:
-            text += f"; {added.pushed_down} is a strip under it now"
-        made = {"action": action.name, "object": face.name}
-        made["scene_frames"] = [added.first, added.last]
-        return outcome.finished(self, context, text, **made)
+        text = (
+            f"{action.name} from frame {sequence.first:.6g} to {sequence.last:.6g} on {face.name}"
+        )
+        if sequence.pushed_down:
+            text += f"; {sequence.pushed_down} is a strip under it now"
+        facts = {"action": action.name, "object": face.name}
+        facts["scene_frames"] = [sequence.first, sequence.last]
+        return outcome.finished(self, context, text, **facts)
 
 
 class MIMETIC_OT_compose_expressions(Operator):
@@ -65,11 +67,11 @@ class MIMETIC_OT_compose_expressions(Operator):
         strips = scene_out.expression_strips
         count = len(strips.strips_of(face))
         try:
-            added = strips.compose(face, self.name, rate)
+            span = strips.compose(face, self.name, rate)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        frames = [added.first, added.last]
-        text = f"{count} strips are {self.name}, from frame {added.first:.6g} to {added.last:.6g}"
+        frames = [span.first, span.last]
+        text = f"{count} strips are {self.name}, from frame {span.first:.6g} to {span.last:.6g}"
         return outcome.finished(self, context, text, object=face.name, scene_frames=frames)
 
 

@@ -182,13 +182,13 @@ class MIMETIC_OT_apply_expression(Operator):
             scene_out.expressions.key_sliders(face, self._target, scene.frame_current)
         text = f"{self.action} at {self.share:.0%} on {face.name}"
         text += ", keyed" if has_keys else "; auto keying is off"
-        made = {"action": self.action, "object": face.name, "is_keyed": has_keys}
-        return outcome.finished(self, context, text, **made)
+        facts = {"action": self.action, "object": face.name, "is_keyed": has_keys}
+        return outcome.finished(self, context, text, **facts)
 
     def _show(self, context) -> None:
-        mirrored = ", mirrored" if self.is_mirrored else ""
+        note = ", mirrored" if self.is_mirrored else ""
         context.workspace.status_text_set(
-            f"{self.action}{mirrored}: {self.share:.0%}   |   drag blends, M mirrors, click keeps, "
+            f"{self.action}{note}: {self.share:.0%}   |   drag blends, M mirrors, click keeps, "
             "Esc leaves the face as it was"
         )
         editors.redraw("VIEW_3D")
@@ -218,9 +218,9 @@ class MIMETIC_OT_mirror_expression(Operator):
             return outcome.cancelled(self, context, str(error))
         name, rate = f"{action.name} mirrored", float(action[expressions.RATE])
         picture = scene_out.expressions.picture_of(document)
-        mirrored = expressions.new_asset(name, document, rate, picture)
-        show(context.scene, mirrored)
-        return outcome.finished(self, context, f"{name} is kept", action=mirrored.name)
+        asset = expressions.new_asset(name, document, rate, picture)
+        show(context.scene, asset)
+        return outcome.finished(self, context, f"{name} is kept", action=asset.name)
 
 
 class MIMETIC_OT_load_expressions(Job, Operator):
@@ -250,13 +250,13 @@ class MIMETIC_OT_load_expressions(Job, Operator):
 
     def work(self, inputs, progress):
         library = native.expression_folder().Library(Path(inputs))
-        names, loaded = library.names(), []
+        names, entries = library.names(), []
         for i, name in enumerate(names):
             if not progress(i / len(names), name):
                 break
             document = library.load(name)
-            loaded.append((name, document, scene_out.expressions.picture_of(document)))
-        return loaded
+            entries.append((name, document, scene_out.expressions.picture_of(document)))
+        return entries
 
     def write(self, context, result):
         rate = scene_in.timing(context.scene, None).scene_rate

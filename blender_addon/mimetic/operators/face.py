@@ -54,7 +54,7 @@ class MIMETIC_OT_find_face(Job, Operator):
         clip_name, fit = result
         clip = bpy.data.movieclips[clip_name]
         scene_out.face_fit.store(clip, fit)
-        self.made = {"clip": clip_name, "frame": fit.frame, "warnings": list(fit.warnings)}
+        self.facts = {"clip": clip_name, "frame": fit.frame, "warnings": list(fit.warnings)}
         # What was found is on show at once; frame_set() would leave the clip editors behind
         context.scene.frame_current = clip.frame_start - 1 + fit.frame - clip.frame_offset
         message = (

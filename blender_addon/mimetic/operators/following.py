@@ -50,18 +50,18 @@ class Following(arguments.FrameRange, Job):
         path, remarks = takes.save(performance, *paths)
         first, last = int(performance.frame[0]), int(performance.frame[-1])
         message = self.message.format(first=first, last=last)
-        quality, held = performance.quality.tolist(), native.performances().HELD_QUALITY
-        made = {
+        quality, held_quality = performance.quality.tolist(), native.performances().HELD_QUALITY
+        facts = {
             "clip": footage.clip_name,
             "performance": path,
             "footage_frames": [first, last],
             "quality": round(statistics.median(quality), 3),
-            "num_held": sum(one < held for one in quality),
+            "num_held": sum(one < held_quality for one in quality),
         }
-        return made, "; ".join([message, *remarks])
+        return facts, "; ".join([message, *remarks])
 
     def write(self, context, result):
-        self.made, message = result
-        clip = bpy.data.movieclips[self.made["clip"]]
-        takes.keep(context.scene, clip, self.made["performance"])
+        self.facts, message = result
+        clip = bpy.data.movieclips[self.facts["clip"]]
+        takes.keep(context.scene, clip, self.facts["performance"])
         return message

@@ -86,7 +86,7 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
         for note in face.notes:
             self.report({"WARNING"}, f"{head.name}: {note}")
         num_sliders = len(face.shapes) + len(face.groups)
-        self.made = {"object": head.name, "num_sliders": num_sliders, "notes": list(face.notes)}
+        self.facts = {"object": head.name, "num_sliders": num_sliders, "notes": list(face.notes)}
         message = f"{head.name} has {num_sliders} sliders: sidebar, Mimetic, Muscles"
         return "; ".join(filter(None, (message, hand_changes)))
 

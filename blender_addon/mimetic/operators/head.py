@@ -153,8 +153,8 @@ class MIMETIC_OT_bake_head(Job, Operator):
         clip = bpy.data.movieclips.get(clip_name)
         summary = scene_out.head.bake(context.scene, performance, name, target, clip)
         frames = [summary.first, summary.last]
-        self.made = {"num_curves": summary.num_curves, "scene_frames": frames}
-        self.made |= {"object": target.name, "bone": target.bone, "neck": target.neck}
+        self.facts = {"num_curves": summary.num_curves, "scene_frames": frames}
+        self.facts |= {"object": target.name, "bone": target.bone, "neck": target.neck}
         return (
             f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
             f"on {summary.where}"

@@ -42,9 +42,9 @@ class MIMETIC_OT_load_performance(Operator, ImportHelper):
         takes.keep(context.scene, clip, path)
         messages += performance.notes or []
         level = "WARNING" if performance.notes else "INFO"
-        made = {"performance": path, "clip": clip.name if clip else ""}
-        made["footage_frames"] = [int(first), int(last)]
-        return outcome.finished(self, context, "; ".join(messages), level, **made)
+        facts = {"performance": path, "clip": clip.name if clip else ""}
+        facts["footage_frames"] = [int(first), int(last)]
+        return outcome.finished(self, context, "; ".join(messages), level, **facts)
 
 
 def _clip_of(context, performance, path: str) -> bpy.types.MovieClip | None:

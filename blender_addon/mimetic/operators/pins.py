@@ -92,7 +92,7 @@ class MIMETIC_OT_show_landmarks(Job, Operator):
     def write(self, context, result):
         clip_name, fit, frame = result
         scene_out.face_fit.store(bpy.data.movieclips[clip_name], fit)
-        self.made = {"clip": clip_name, "frames": [view.frame for view in fit.views]}
+        self.facts = {"clip": clip_name, "frames": [view.frame for view in fit.views]}
         return f"The face is fitted to {len(fit.views)} frames now, frame {frame} among them"
 
 

@@ -48,7 +48,7 @@ class MIMETIC_OT_add_face(Job, Operator):
             scene_out.expressions.ensure_units(rate)
         scene_out.canonical.select_only(context.view_layer, face)
         num_sliders = len(head.shapes) + len(units) + len(head.groups)
-        self.made = {"object": face.name, "num_sliders": num_sliders}
+        self.facts = {"object": face.name, "num_sliders": num_sliders}
         return f"{face.name} has {num_sliders} sliders: sidebar, Mimetic, Muscles"
 
 

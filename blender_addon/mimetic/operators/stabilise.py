@@ -43,7 +43,7 @@ class MIMETIC_OT_hold_head_still(Job, Operator):
         performance, clip_name = result
         clip = bpy.data.movieclips[clip_name]
         num_frames = scene_out.stabilised.hold_still(clip, performance)
-        self.made = {"clip": clip_name, "num_frames": num_frames}
+        self.facts = {"clip": clip_name, "num_frames": num_frames}
         return f"The head is held still in {num_frames} frames of {clip.name}"
 
 

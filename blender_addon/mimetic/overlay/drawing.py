@@ -67,47 +67,47 @@ def _is_on(context) -> bool:
 def _strain(view, settings):
     """The strain at the skin's vertices, its range, and its scale's end."""
     key = ("strain", settings.strain_measure)
-    if key not in view.made:
+    if key not in view.drawings:
         strain = view.face.strain(view.pose, settings.strain_measure.lower())
-        view.made[key] = strain, view.face.strain_range(strain)
-    return view.made[key]
+        view.drawings[key] = strain, view.face.strain_range(strain)
+    return view.drawings[key]
 
 
 def _draw_strain(view, settings) -> None:
     shader = gpu.shader.from_builtin("SMOOTH_COLOR")
     key = ("patch", settings.strain_measure, settings.strain_limit)
-    if key not in view.made:
+    if key not in view.drawings:
         strain, _ = _strain(view, settings)
         patch = view.face.strain_patch(view.pose, strain, settings.strain_limit / 100)
-        view.made[key] = _patch(shader, patch)
+        view.drawings[key] = _patch(shader, patch)
     gpu.state.depth_test_set("LESS_EQUAL")
     gpu.state.face_culling_set("BACK")
-    view.made[key].draw(shader)
+    view.drawings[key].draw(shader)
     gpu.state.face_culling_set("NONE")
 
 
 def _draw_muscles(view) -> None:
     lines = gpu.shader.from_builtin("POLYLINE_SMOOTH_COLOR")
-    if "lines" not in view.made:
+    if "lines" not in view.drawings:
         strokes = view.face.strokes(view.pose)
-        view.made["lines"] = [
+        view.drawings["lines"] = [
             (stroke.width, _lines(lines, stroke, 1.0), _lines(lines, stroke, HIDDEN_OPACITY))
             for stroke in strokes
         ]
     solid = gpu.shader.from_builtin("SMOOTH_COLOR")
-    if "nodes" not in view.made:
-        view.made["nodes"] = _patch(solid, view.face.nodes(view.pose))
+    if "nodes" not in view.drawings:
+        view.drawings["nodes"] = _patch(solid, view.face.nodes(view.pose))
     scale = bpy.context.preferences.system.pixel_size
     lines.bind()
     lines.uniform_float("viewportSize", gpu.state.viewport_get()[2:])
-    for width, seen_lines, hidden_lines in view.made["lines"]:
+    for width, seen_lines, hidden_lines in view.drawings["lines"]:
         lines.uniform_float("lineWidth", width * scale)
         gpu.state.depth_test_set("NONE")
         hidden_lines.draw(lines)
         gpu.state.depth_test_set("LESS_EQUAL")
         seen_lines.draw(lines)
     gpu.state.depth_test_set("LESS_EQUAL")
-    view.made["nodes"].draw(solid)
+    view.drawings["nodes"].draw(solid)
 
 
 def _lines(shader, stroke, opacity: float):

@@ -21,7 +21,7 @@ class Seen:
     problem: str = ""
     values: dict[str, float] = field(default_factory=dict)
     pose: object = None  # mimetic.live_face.Pose; None: to be found again
-    made: dict = field(default_factory=dict)  # what was drawn of this pose
+    drawings: dict = field(default_factory=dict)  # what was drawn of this pose
 
 
 _views: dict[str, Seen] = {}
@@ -65,7 +65,7 @@ def look(face: bpy.types.Object) -> Seen:
     if view.pose is None or values != view.values:
         view.values = values
         view.pose = view.face.pose(sliders.moves(keys, values, rest), values)
-        view.made.clear()
+        view.drawings.clear()
     return view
 
 

@@ -52,19 +52,19 @@ def bake(
         for shape in shapes
         if (key := sliders.get(shape.name)) and key.name not in driven_keys
     ]
-    left_out = _left_out(head_object, shapes, sliders, driven_keys)
+    remarks = _left_out(head_object, shapes, sliders, driven_keys)
     if not playable:
-        raise native.invalid_input("; ".join(left_out))
+        raise native.invalid_input("; ".join(remarks))
     if use_head_motion and (mover := moved_by(head_object)):
         use_head_motion = False
-        left_out.append(
+        remarks.append(
             f"{head_object.name} is moved by {mover}: the head's motion is left to Bake Head "
             "(panel Head)"
         )
     channels = _motion(scene, performance, head_object) if use_head_motion else None
     holder = actions.continued_take(keys, f"{take} muscles")
     if stale := _silence(head_object, holder):
-        left_out.append(f"an earlier take's {', '.join(stale)} on {head_object.name} is at 0 now")
+        remarks.append(f"an earlier take's {', '.join(stale)} on {head_object.name} is at 0 now")
     for key, shape in playable:
         path = key.path_from_id("value")
         actions.clear(holder, path)
@@ -80,7 +80,7 @@ def bake(
         float(frames[-1]),
         num_curves,
         channels is not None,
-        tuple(left_out),
+        tuple(remarks),
         tuple(_untouched(head_object, {shape.name for shape in shapes})),
     )
 

@@ -11,8 +11,8 @@ import bpy
 import numpy as np
 
 KEY = "contact"
-held: set[str] = set()  # names of faces whose key does not follow now
-rested: set[str] = set()  # names of faces whose key was put to rest and has not followed since
+still_faces: set[str] = set()  # names of faces whose key does not follow now
+resting_faces: set[str] = set()  # of faces whose key was put to rest and has not followed since
 
 
 def key_of(face: bpy.types.Object) -> bpy.types.ShapeKey | None:
@@ -34,7 +34,7 @@ def ensure_key(face: bpy.types.Object) -> bpy.types.ShapeKey:
 def rest(face: bpy.types.Object) -> None:
     """Puts the key to rest: what the face's sliders do has to be looked at again."""
     place(face, None, None)
-    rested.add(face.name)
+    resting_faces.add(face.name)
 
 
 def place(face: bpy.types.Object, new_points, correction) -> None:

@@ -29,13 +29,13 @@ def with_keys(scene: bpy.types.Scene, face: bpy.types.Object) -> Iterator[bool]:
         finally:
             key.mute = is_muted
         return
-    contact.held.add(face.name)
+    contact.still_faces.add(face.name)
     names = _add(face, shapes, frames)
     try:
         yield True
     finally:
         _take_off(face, names)
-        contact.held.discard(face.name)
+        contact.still_faces.discard(face.name)
         face.data.shape_keys.update_tag()
 
 

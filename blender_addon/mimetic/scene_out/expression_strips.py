@@ -33,14 +33,14 @@ def sequence(
     Curves of the face's own become a strip under it, as Push Down does, or they would hide it.
     Raises InvalidInput where no key of the face is moved.
     """
-    placed = _action_for(obj, action, rate, is_mirrored)
+    strip_action = _action_for(obj, action, rate, is_mirrored)
     animation = obj.data.shape_keys.animation_data or obj.data.shape_keys.animation_data_create()
     pushed_down = _push_down(animation)
-    stretch = rate / float(placed[expressions.RATE])
-    length = stretch * _length(placed)
-    start = frame - stretch * float(placed[expressions.ONSET])
+    stretch = rate / float(strip_action[expressions.RATE])
+    length = stretch * _length(strip_action)
+    start = frame - stretch * float(strip_action[expressions.ONSET])
     track = _free_track(animation, start, start + length)
-    strip = compat.add_strip(track, action.name, start, placed)
+    strip = compat.add_strip(track, action.name, start, strip_action)
     strip.scale = stretch
     strip.extrapolation = "NOTHING"
     if strength != 1:

@@ -42,8 +42,8 @@ def ensure_units(rate: float) -> None:
     """An asset of each of FACS's action units that the file has none of."""
     units = native.expression_units()
     for name in units.unit_meanings():
-        known = bpy.data.actions.get(name)
-        if known is None or not is_expression(known):
+        action = bpy.data.actions.get(name)
+        if action is None or not is_expression(action):
             new_asset(name, units.unit_expression(name), rate, units.unit_picture(name))
 
 
