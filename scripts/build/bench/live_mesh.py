@@ -71,8 +71,12 @@ def main() -> None:
         view.face.nodes(view.pose)
         view.face.strain_patch(view.pose, view.face.strain(view.pose, "area"), 0.2)
 
-    def follow_contact(pressed: float) -> None:
-        values = {"oris_close_upper": pressed, "oris_close_lower": pressed, "jaw_open": 1 - pressed}
+    def follow_contact(pressure: float) -> None:
+        values = {
+            "oris_close_upper": pressure,
+            "oris_close_lower": pressure,
+            "jaw_open": 1 - pressure,
+        }
         correction = live_contact.correction(sliders.moves(face.data.shape_keys, values, rest))
         contact.place(face, live_contact.moved, correction)
 

@@ -53,13 +53,13 @@ def included(path: Path) -> tuple[Path, ...]:
 
 def with_headers(source: Path) -> list[Path]:
     """A source and all headers of the core that it includes, by way of others too."""
-    reached, waiting = {source}, [source]
+    files, waiting = {source}, [source]
     while waiting:
         for header in included(waiting.pop()):
-            if header not in reached:
-                reached.add(header)
+            if header not in files:
+                files.add(header)
                 waiting.append(header)
-    return sorted(reached)
+    return sorted(files)
 
 
 def state_of(source: Path, command: str) -> str:
@@ -92,17 +92,17 @@ def main() -> int:
     clean = parser.parse_args().clean
     clean.mkdir(parents=True, exist_ok=True)
     states = {source: state_of(source, command) for source, command in commands().items()}
-    changed = [source for source, state in states.items() if not (clean / state).exists()]
-    reported = 0
+    sources = [source for source, state in states.items() if not (clean / state).exists()]
+    num_reports = 0
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        for source, report in zip(changed, pool.map(check, changed), strict=True):
+        for source, report in zip(sources, pool.map(check, sources), strict=True):
             if report:
-                reported += 1
+                num_reports += 1
                 print(report.replace(f"{ROOT}/", ""))
             else:
                 (clean / states[source]).touch()
-    print(f"clang-tidy: {len(states)} sources, {len(changed)} checked, {reported} with findings")
-    return 1 if reported else 0
+    print(f"clang-tidy: {len(states)} sources, {len(sources)} checked, {num_reports} with findings")
+    return 1 if num_reports else 0
 
 
 if __name__ == "__main__":

@@ -58,16 +58,16 @@ def logistic(evidence: np.ndarray, is_face: np.ndarray) -> np.ndarray:
         odds = 1 / (1 + np.exp(-np.clip(rows @ weights, -60, 60)))
         curvature = (rows * (odds * (1 - odds) + 1e-9)[:, None]).T @ rows + ridge
         weights += np.linalg.solve(curvature, rows.T @ (is_face - odds) - ridge @ weights)
-    scaled = weights[:-1] / deviation
-    return np.append(scaled, weights[-1] - scaled @ mean)
+    slopes = weights[:-1] / deviation
+    return np.append(slopes, weights[-1] - slopes @ mean)
 
 
 def _scenes(pictures: Pictures, natural: list[np.ndarray]):
     rng = np.random.default_rng(77)
     fronts = rng.permutation(pictures.fronts[np.abs(pictures.yaw[pictures.fronts]) < LARGEST_YAW])
     backs = rng.permutation(pictures.backs)
-    for i, chosen in enumerate(fronts[:PORTRAITS]):
-        grey, places = pictures.grey[chosen], pictures.places[chosen]
+    for i, row in enumerate(fronts[:PORTRAITS]):
+        grey, places = pictures.grey[row], pictures.places[row]
         if i % 8 == 0:
             grey = spectacled(grey, places, rng)
         if i % 2:

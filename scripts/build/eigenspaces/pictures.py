@@ -48,28 +48,28 @@ class Pictures:
 def pictures_of(seed: int) -> list[tuple[np.ndarray, np.ndarray, float]]:
     """A person's pictures as (grey, places, yaw); the same for the same seed."""
     person = Person(seed, load_template())
-    drawn = [person.picture() for _ in range(FRONTS)]
-    drawn += [person.picture(behind=True) for _ in range(BACKS)]
-    return [(picture.grey, picture.places, picture.yaw) for picture in drawn]
+    pictures = [person.picture() for _ in range(FRONTS)]
+    pictures += [person.picture(behind=True) for _ in range(BACKS)]
+    return [(picture.grey, picture.places, picture.yaw) for picture in pictures]
 
 
 def drawn_pictures(people: int, jobs: int, cache: Path, report: Callable[[str], None]) -> Pictures:
     """Everybody's pictures, drawn unless the cache has them."""
-    kept = cache / f"people-{people}-{_key()}.npz"
-    if not kept.exists():
-        drawn: list = []
+    path = cache / f"people-{people}-{_key()}.npz"
+    if not path.exists():
+        pictures: list = []
         with multiprocessing.get_context("spawn").Pool(jobs) as pool:
             seeds = range(FIRST_SEED, FIRST_SEED + people)
             for count, rows in enumerate(pool.imap(pictures_of, seeds, chunksize=2), 1):
-                drawn += rows
+                pictures += rows
                 if count % 50 == 0:
                     report(f"{count} of {people} people drawn")
-        grey, places, yaw = (np.stack(column) for column in zip(*drawn, strict=True))
+        grey, places, yaw = (np.stack(column) for column in zip(*pictures, strict=True))
         cache.mkdir(parents=True, exist_ok=True)
-        aside = cache / f".{kept.name}"
+        aside = cache / f".{path.name}"
         np.savez(aside, grey=grey, places=places, yaw=yaw)
-        aside.replace(kept)
-    with np.load(kept, allow_pickle=False) as arrays:
+        aside.replace(path)
+    with np.load(path, allow_pickle=False) as arrays:
         return Pictures(arrays["grey"], arrays["places"], arrays["yaw"])
 
 

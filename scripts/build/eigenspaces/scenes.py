@@ -25,13 +25,13 @@ class Scene:
 
 def photographed(grey: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """What a cheap camera makes of grey levels (H,W): uint8."""
-    exposed = np.asarray(grey, float) * rng.uniform(0.55, 1.2) + rng.uniform(-8, 12)
-    picture = Image.fromarray(np.clip(exposed, 0, 255).astype(np.uint8))
+    levels = np.asarray(grey, float) * rng.uniform(0.55, 1.2) + rng.uniform(-8, 12)
+    picture = Image.fromarray(np.clip(levels, 0, 255).astype(np.uint8))
     soft = np.asarray(picture.filter(ImageFilter.GaussianBlur(float(rng.uniform(0, 1.6)))), float)
     noisy = np.clip(np.round(soft + rng.normal(0, rng.uniform(1, 9), soft.shape)), 0, 255)
-    packed = io.BytesIO()
-    Image.fromarray(noisy.astype(np.uint8)).save(packed, "JPEG", quality=int(rng.integers(35, 93)))
-    return np.asarray(Image.open(packed))
+    stream = io.BytesIO()
+    Image.fromarray(noisy.astype(np.uint8)).save(stream, "JPEG", quality=int(rng.integers(35, 93)))
+    return np.asarray(Image.open(stream))
 
 
 def spectacled(grey: np.ndarray, places: np.ndarray, rng: np.random.Generator) -> np.ndarray:
@@ -63,9 +63,9 @@ def spectacled(grey: np.ndarray, places: np.ndarray, rng: np.random.Generator) -
 
 def mirrored(grey: np.ndarray, places: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """The picture and its places left for right; the pupils change their names."""
-    turned = places.copy()
-    turned[:, 0] = grey.shape[1] - 1 - turned[:, 0]
-    return np.ascontiguousarray(grey[:, ::-1]), turned[[1, 0, 2, 3]]
+    mirror_places = places.copy()
+    mirror_places[:, 0] = grey.shape[1] - 1 - mirror_places[:, 0]
+    return np.ascontiguousarray(grey[:, ::-1]), mirror_places[[1, 0, 2, 3]]
 
 
 def empty(seed: int) -> np.ndarray:
@@ -86,15 +86,15 @@ def portrait(
     cover = np.clip(12 * (1 - np.hypot(x, y) / (side / 2)), 0, 1)  # a disc with a soft rim
     behind = scene[top : top + side, left : left + side]
     scene[top : top + side, left : left + side] = behind + cover * (np.asarray(small) - behind)
-    moved = None if places is None else (places + 0.5) * scale - 0.5 + [left, top]
-    return Scene(photographed(scene, rng), moved, PX_PER_IPD * scale)
+    places_in_scene = None if places is None else (places + 0.5) * scale - 0.5 + [left, top]
+    return Scene(photographed(scene, rng), places_in_scene, PX_PER_IPD * scale)
 
 
 def jumbled(grey: np.ndarray, rng: np.random.Generator) -> np.ndarray:
     """The picture's tiles in random order."""
     tile = int(rng.choice([10, 14, 20, 25, 32]))
     rows, cols = grey.shape[0] // tile, grey.shape[1] // tile
-    cut = grey[: rows * tile, : cols * tile].reshape(rows, tile, cols, tile).swapaxes(1, 2)
-    mixed = cut.reshape(-1, tile, tile)[rng.permutation(rows * cols)]
-    mixed = mixed.reshape(rows, cols, tile, tile).swapaxes(1, 2)
-    return np.ascontiguousarray(mixed.reshape(rows * tile, cols * tile))
+    tiles = grey[: rows * tile, : cols * tile].reshape(rows, tile, cols, tile).swapaxes(1, 2)
+    mosaic = tiles.reshape(-1, tile, tile)[rng.permutation(rows * cols)]
+    mosaic = mosaic.reshape(rows, cols, tile, tile).swapaxes(1, 2)
+    return np.ascontiguousarray(mosaic.reshape(rows * tile, cols * tile))

@@ -48,10 +48,10 @@ def face_spaces(
 
 def _drawn_negatives(pictures: Pictures, rng: np.random.Generator) -> list[np.ndarray]:
     images = [photographed(empty(300_000 + i), rng) for i in range(EMPTIES)]
-    for i, chosen in enumerate(rng.choice(pictures.backs, BACKS)):
-        images.append(portrait(pictures.grey[chosen], 310_000 + i, rng).grey)
-    for i, chosen in enumerate(rng.choice(pictures.fronts, JUMBLES)):
-        images.append(jumbled(portrait(pictures.grey[chosen], 320_000 + i, rng).grey, rng))
+    for i, row in enumerate(rng.choice(pictures.backs, BACKS)):
+        images.append(portrait(pictures.grey[row], 310_000 + i, rng).grey)
+    for i, row in enumerate(rng.choice(pictures.fronts, JUMBLES)):
+        images.append(jumbled(portrait(pictures.grey[row], 320_000 + i, rng).grey, rng))
     return images
 
 
@@ -75,9 +75,9 @@ def _trained(
     by_view = [faces[np.abs(yaws - at) <= VIEW_REACH] for at in VIEW_YAWS]
     beside = np.array(windows.beside)
     filters, thresholds, hard = _filters(by_view, beside, levels, rng, report)
-    passed = beside[(beside @ filters.T - thresholds).max(1) > 0]
+    false_alarms = beside[(beside @ filters.T - thresholds).max(1) > 0]
     sides = (FACE_SIDE, FACE_SIDE)
-    others = np.concatenate([hard, passed]).reshape(-1, *sides)
+    others = np.concatenate([hard, false_alarms]).reshape(-1, *sides)
     places, place_yaws = np.array(windows.places), np.array(windows.place_yaws)
     views = []
     for i, at in enumerate(VIEW_YAWS):
@@ -133,8 +133,8 @@ def _filters(
         hard = np.concatenate(windows)
         report(f"filters, round {turn + 1}: {100 * passing / total:.1f} % of empty windows pass")
         if turn + 1 < ROUNDS:
-            kept = hard[rng.permutation(len(hard))[:6000]]
-            negatives = np.concatenate([negatives, kept])
+            sample = hard[rng.permutation(len(hard))[:6000]]
+            negatives = np.concatenate([negatives, sample])
     return filters.astype(float), thresholds, hard
 
 

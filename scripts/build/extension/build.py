@@ -39,48 +39,48 @@ def ffmpeg_wheel() -> Path:
     return next(wheels.WHEELS.glob(pattern))
 
 
-def write_manifest(folder: Path, version: str, bundled: list[Path]) -> None:
+def write_manifest(folder: Path, version: str, wheel_files: list[Path]) -> None:
     """The committed manifest with pyproject.toml's version and the wheels that lie beside it."""
     path = folder / "blender_manifest.toml"
     text = re.sub(r"(?ms)^wheels\s*=\s*\[.*?\]\s*$", "", path.read_text())
     text = re.sub(r"(?m)^version\s*=.*$", f'version = "{version}"', text)
-    wheel_lines = "".join(f'  "./wheels/{wheel.name}",\n' for wheel in bundled)
+    wheel_lines = "".join(f'  "./wheels/{wheel.name}",\n' for wheel in wheel_files)
     head, table, tail = text.partition("\n[")
     # The wheels are of one platform, so the zip is.
     platform = 'platforms = ["linux-x64"]'
     path.write_text(f"{head}\n{platform}\nwheels = [\n{wheel_lines}]\n{table}{tail}")
     manifest = tomllib.loads(path.read_text())
-    if manifest["version"] != version or len(manifest["wheels"]) != len(bundled):
+    if manifest["version"] != version or len(manifest["wheels"]) != len(wheel_files):
         raise SystemExit(f"extension: {path} could not be given its version and wheels")
 
 
-def stage(version: str, bundled: list[Path]) -> Path:
+def stage(version: str, wheel_files: list[Path]) -> Path:
     folder = wheels.ROOT / "build" / "extension" / "mimetic"
     shutil.rmtree(folder, ignore_errors=True)
     shutil.copytree(ADDON, folder, ignore=shutil.ignore_patterns("__pycache__", "wheels", "*.pyc"))
     (folder / "wheels").mkdir()
-    for wheel in bundled:
+    for wheel in wheel_files:
         shutil.copy(wheel, folder / "wheels")
-    write_manifest(folder, version, bundled)
+    write_manifest(folder, version, wheel_files)
     return folder
 
 
-def state_of(bundled: list[Path]) -> str:
+def state_of(wheel_files: list[Path]) -> str:
     digest = hashlib.sha256(Path(__file__).read_bytes())
     sources = [path for path in sorted(ADDON.rglob("*")) if "__pycache__" not in path.parts]
-    for path in [*sources, *bundled]:
+    for path in [*sources, *wheel_files]:
         if path.is_file():
             digest.update(path.name.encode() + b"\0" + path.read_bytes())
     return digest.hexdigest()
 
 
-def pack(target: Path, version: str, bundled: list[Path]) -> None:
+def pack(target: Path, version: str, wheel_files: list[Path]) -> None:
     stamp = wheels.ROOT / "build" / "extension" / f"{target.stem}.state"
-    state = state_of(bundled)
+    state = state_of(wheel_files)
     if target.exists() and stamp.exists() and stamp.read_text() == state:
         return
     print(f"extension: packing {target.relative_to(wheels.ROOT)}", flush=True)
-    source = stage(version, bundled)
+    source = stage(version, wheel_files)
     target.parent.mkdir(parents=True, exist_ok=True)
     aside = target.with_suffix(".partial.zip")
     tool = [sys.executable, blender_tool()]

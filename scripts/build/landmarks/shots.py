@@ -44,20 +44,20 @@ def shots_of(seed: int) -> list[Shot]:
 
 def drawn_shots(people: int, jobs: int, cache: Path, report: Callable[[str], None]) -> Shots:
     """Everybody's shots, drawn unless the cache has them."""
-    kept = cache / f"shots-{people}-{_key()}.npz"
-    if not kept.exists():
-        drawn: list[Shot] = []
+    path = cache / f"shots-{people}-{_key()}.npz"
+    if not path.exists():
+        all_shots: list[Shot] = []
         with multiprocessing.get_context("spawn").Pool(jobs) as pool:
             seeds = range(FIRST_SEED, FIRST_SEED + people)
             for count, shots in enumerate(pool.imap(shots_of, seeds, chunksize=2), 1):
-                drawn += shots
+                all_shots += shots
                 if count % 50 == 0:
                     report(f"{count} of {people} people drawn")
         cache.mkdir(parents=True, exist_ok=True)
-        aside = cache / f".{kept.name}"
-        np.savez(aside, **vars(Shots.of(drawn)))
-        aside.replace(kept)
-    with np.load(kept, allow_pickle=False) as arrays:
+        aside = cache / f".{path.name}"
+        np.savez(aside, **vars(Shots.of(all_shots)))
+        aside.replace(path)
+    with np.load(path, allow_pickle=False) as arrays:
         return Shots(*(arrays[field.name] for field in fields(Shots)))
 
 

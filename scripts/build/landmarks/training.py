@@ -50,17 +50,17 @@ def trained(
         rows = [(i, seed) for i in range(len(shots.grey)) for seed in range(REPEATS)]
         samples = list(pool.map(lambda row: sample(shots, row[0], order, row[1]), rows))
         report(f"{len(samples)} samples")
-        held = np.array([(i // SHOTS) % HELD_BACK == 0 for i, _ in rows])
-        return _cascade(samples, held, landmark_points(template)[0], pool, report)
+        is_held_back = np.array([(i // SHOTS) % HELD_BACK == 0 for i, _ in rows])
+        return _cascade(samples, is_held_back, landmark_points(template)[0], pool, report)
 
 
-def _cascade(samples: list[Sample], held, names, pool, report) -> dict[str, np.ndarray]:
+def _cascade(samples: list[Sample], is_held_back, names, pool, report) -> dict[str, np.ndarray]:
     reference, starts = _starts(samples)
     places = [_start(one, starts) for one in samples]
-    kept: dict[str, list] = {n: [] for n in ("means", "bases", "outputs", "inputs")}
-    _report_errors(report, "start", samples, places, reference, held)
+    cell_arrays: dict[str, list] = {n: [] for n in ("means", "bases", "outputs", "inputs")}
+    _report_errors(report, "start", samples, places, reference, is_held_back)
     for cell in CELLS:
-        described = np.stack(
+        descriptors = np.stack(
             list(
                 pool.map(
                     lambda pair, cell=cell: _described(pair[0], pair[1], reference, cell),
@@ -68,8 +68,8 @@ def _cascade(samples: list[Sample], held, names, pool, report) -> dict[str, np.n
                 )
             )
         )
-        mean, basis = _components(described[~held])
-        values = _evidence(described, mean, basis)
+        mean, basis = _components(descriptors[~is_held_back])
+        values = _evidence(descriptors, mean, basis)
         turns = [similarity(reference, p)[0] for p in places]
         off = np.stack(
             [
@@ -77,21 +77,21 @@ def _cascade(samples: list[Sample], held, names, pool, report) -> dict[str, np.n
                 for one, p, turn in zip(samples, places, turns, strict=True)
             ]
         )
-        regression = _ridge(values[~held], off[~held])
+        regression = _ridge(values[~is_held_back], off[~is_held_back])
         u, s, vt = np.linalg.svd(regression, full_matrices=False)
         outputs, inputs = (u[:, :RANK] * s[:RANK]), vt[:RANK]
         shifts = (values @ inputs.T @ outputs.T).reshape(len(samples), -1, 2)
         places = [p + d @ t.T for p, d, t in zip(places, shifts, turns, strict=True)]
-        for name, array in zip(kept, (mean, basis, outputs, inputs), strict=True):
-            kept[name].append(array)
-        _report_errors(report, f"cell {cell}", samples, places, reference, held)
-    arrays = {name: np.stack(rows).astype(np.float16) for name, rows in kept.items()}
+        for name, array in zip(cell_arrays, (mean, basis, outputs, inputs), strict=True):
+            cell_arrays[name].append(array)
+        _report_errors(report, f"cell {cell}", samples, places, reference, is_held_back)
+    arrays = {name: np.stack(rows).astype(np.float16) for name, rows in cell_arrays.items()}
     return arrays | {
         "names": np.array(names),
         "reference": reference,
         "yaws": np.array(VIEW_YAWS),
         "starts": np.stack(starts),
-        "sigmas": _sigmas(samples, places, reference, held),
+        "sigmas": _sigmas(samples, places, reference, is_held_back),
         "cells": np.array(CELLS),
     }
 
@@ -99,8 +99,8 @@ def _cascade(samples: list[Sample], held, names, pool, report) -> dict[str, np.n
 def _starts(samples: list[Sample]) -> tuple[np.ndarray, list[np.ndarray]]:
     """The reference (L,2) and the start of each view, pupils at (-0.5, 0) and (0.5, 0)."""
     yaws = np.array([one.yaw for one in samples])
-    laid = np.stack([laid_on_pupils(one.places, one.pupils) for one in samples])
-    starts = [np.median(laid[np.abs(yaws - at) < VIEW_REACH], axis=0) for at in VIEW_YAWS]
+    shapes = np.stack([laid_on_pupils(one.places, one.pupils) for one in samples])
+    starts = [np.median(shapes[np.abs(yaws - at) < VIEW_REACH], axis=0) for at in VIEW_YAWS]
     return starts[len(starts) // 2], starts
 
 
@@ -116,10 +116,10 @@ def _described(one: Sample, places: np.ndarray, reference: np.ndarray, cell: flo
     return rows.astype(np.float32)
 
 
-def _components(described: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _components(descriptors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Mean (D) and principal components (M,D) of descriptors, rounded as they are kept."""
     rng = np.random.default_rng(3)
-    rows = described.reshape(-1, described.shape[-1])
+    rows = descriptors.reshape(-1, descriptors.shape[-1])
     rows = rows[rng.choice(len(rows), min(len(rows), 40_000), replace=False)].astype(float)
     mean = rows.mean(0).astype(np.float16).astype(float)
     values, vectors = np.linalg.eigh(np.cov((rows - mean).T))
@@ -127,10 +127,10 @@ def _components(described: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return mean, basis.astype(np.float16).astype(float)
 
 
-def _evidence(described: np.ndarray, mean: np.ndarray, basis: np.ndarray) -> np.ndarray:
+def _evidence(descriptors: np.ndarray, mean: np.ndarray, basis: np.ndarray) -> np.ndarray:
     """N x (L M + 1), single precision."""
-    values = (described - mean.astype(np.float32)) @ basis.T.astype(np.float32)
-    values = values.reshape(len(described), -1)
+    values = (descriptors - mean.astype(np.float32)) @ basis.T.astype(np.float32)
+    values = values.reshape(len(descriptors), -1)
     return np.column_stack([values, np.ones(len(values), np.float32)])
 
 
@@ -151,26 +151,24 @@ def _off(samples, places, reference) -> np.ndarray:
     return np.stack(rows)
 
 
-def _report_errors(report, what, samples, places, reference, held) -> None:
+def _report_errors(report, what, samples, places, reference, is_held_back) -> None:
     off = np.linalg.norm(_off(samples, places, reference), axis=2)
     texts = []
     yaws = np.abs([one.yaw for one in samples])
     for low, high in ((0, 12), (12, 28), (28, 90)):
-        chosen = held & (yaws >= low) & (yaws < high)
-        texts.append(
-            f"{100 * np.median(off[chosen]):.1f}/{100 * np.percentile(off[chosen], 90):.1f}"
-        )
+        rows = is_held_back & (yaws >= low) & (yaws < high)
+        texts.append(f"{100 * np.median(off[rows]):.1f}/{100 * np.percentile(off[rows], 90):.1f}")
     report(
         f"{what}: median/90 % of IPD, held back by yaw {', '.join(texts)}; "
-        f"trained on {100 * np.median(off[~held]):.1f}"
+        f"trained on {100 * np.median(off[~is_held_back]):.1f}"
     )
 
 
-def _sigmas(samples, places, reference, held) -> np.ndarray:
+def _sigmas(samples, places, reference, is_held_back) -> np.ndarray:
     """V x L: rms errors of the people held back."""
     off, yaws = _off(samples, places, reference), np.array([one.yaw for one in samples])
     rows = []
     for at in VIEW_YAWS:
-        errors = off[held & (np.abs(yaws - at) < VIEW_REACH)]
+        errors = off[is_held_back & (np.abs(yaws - at) < VIEW_REACH)]
         rows.append(np.sqrt((errors**2).mean(axis=(0, 2))))
     return np.stack(rows)
