@@ -71,12 +71,8 @@ def main() -> None:
         view.face.nodes(view.pose)
         view.face.strain_patch(view.pose, view.face.strain(view.pose, "area"), 0.2)
 
-    def follow_contact(pressure: float) -> None:
-        values = {
-            "oris_close_upper": pressure,
-            "oris_close_lower": pressure,
-            "jaw_open": 1 - pressure,
-        }
+    def follow_contact(press: float) -> None:
+        values = {"oris_close_upper": press, "oris_close_lower": press, "jaw_open": 1 - press}
         correction = live_contact.correction(sliders.moves(face.data.shape_keys, values, rest))
         contact.place(face, live_contact.moved, correction)
 
