@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import bpy
 
 from .. import compat, native
-from . import by_hand, expressions
+from . import actions, by_hand, expressions
 
 TRACK = "Expressions"
+REST = "At Rest"
 
 
 @dataclass(frozen=True)
@@ -36,6 +37,7 @@ def sequence(
     strip_action = _action_for(obj, action, rate, is_mirrored)
     animation = obj.data.shape_keys.animation_data or obj.data.shape_keys.animation_data_create()
     pushed_down = _push_down(animation)
+    _rest_under(animation, strip_action)
     stretch = rate / float(strip_action[expressions.RATE])
     length = stretch * _length(strip_action)
     start = frame - stretch * float(strip_action[expressions.ONSET])
@@ -134,6 +136,33 @@ def _push_down(animation: bpy.types.AnimData) -> str:
     compat.add_strip(track, action.name, action.frame_range[0], action)
     animation.action = None
     return action.name
+
+
+def _rest_under(animation: bpy.types.AnimData, action: bpy.types.Action) -> None:
+    """Has the action's sliders at 0 where no strip plays, by a track under the expressions'.
+
+    Blender 5.0 puts them to 1 there, the value that new shape keys get.
+    """
+    strips = [strip for track in animation.nla_tracks for strip in track.strips if strip.action]
+    held = {
+        curve.data_path
+        for strip in strips
+        if not expressions.is_expression(strip.action)
+        for curve in compat.curves_in(strip.action)
+    }
+    paths = [c.data_path for c in compat.curves_in(action) if c.data_path not in held]
+    if not paths:
+        return
+    resting, holder = compat.free_action(REST, expressions.KEY_TYPE)
+    for path in paths:
+        actions.fill(
+            compat.new_curve(holder, path, 0, REST), (0.0, 1.0), (0.0, 0.0), actions.LINEAR
+        )
+    below = [track for track in animation.nla_tracks if track.name.split(".")[0] == REST]
+    # Without one there are no expressions yet either: it comes above the take alone
+    track = animation.nla_tracks.new(prev=below[-1]) if below else animation.nla_tracks.new()
+    track.name = REST
+    compat.add_strip(track, REST, 0.0, resting)
 
 
 def _free_track(animation: bpy.types.AnimData, start: float, end: float) -> bpy.types.NlaTrack:
