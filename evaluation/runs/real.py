@@ -18,7 +18,7 @@ from mimetic.solve import clip_capture
 from numpy.typing import NDArray
 
 from evaluation.runs.head_clips import face_mesh_python
-from evaluation.runs.real_events import score_events
+from evaluation.runs.real_events import saturation, score_events
 from evaluation.runs.real_labels import CLIPS, Labels, footage_of, read_labels
 from evaluation.runs.real_methods import by_capture, by_face_mesh, by_fit, by_networks
 from evaluation.runs.real_noise import SHRUNK, Sightings, sightings
@@ -94,6 +94,8 @@ def score_clip(
         variances = _jitter(every, places, performance, runs)
         scores.append(score_places(labels, method, places[is_marked], variances))
     events = {one.kind: one.text() for one in score_events(labels.clip, performance)}
+    events["saturation"] = f"{labels.clip}: saturation: {100 * saturation(performance):.1f} %"
+    events["saturation"] += " of the active muscle-frames are over .98"
     scores[0] = replace(scores[0], events=events)
     return scores + _repeated(labels), all_sightings
 

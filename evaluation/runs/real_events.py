@@ -17,6 +17,7 @@ from evaluation.runs.real_labels import FOLDER
 from evaluation.runs.real_score import APART
 
 SHUT = 0.6  # of both upper lids' way, on the mean: more than half closed lids of a squint
+ACTIVE, SATURATED = 0.1, 0.98  # of an activation
 NEAR = 1  # frames by which an event may miss its mark
 EYES = ("eye_outer", "eye_inner")
 
@@ -83,6 +84,12 @@ def lips_touch(performance: Performance) -> NDArray[np.bool_]:
         ipd = np.linalg.norm(pixels[4:].mean(axis=0) - pixels[2:4].mean(axis=0))
         touch.append(100 * apart / ipd < APART)
     return np.array(touch)
+
+
+def saturation(performance: Performance) -> float:
+    """Share of the active muscle-frames in which the muscle is as good as at its bound."""
+    is_active = performance.activations > ACTIVE
+    return float((performance.activations > SATURATED).sum() / max(1, is_active.sum()))
 
 
 def runs(performance: Performance, holds: NDArray[np.bool_]) -> list[Range]:

@@ -2,6 +2,7 @@
 """Points marked by hand on real faces: the tables, and how distances from them are counted."""
 
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from sample_performance import make_performance
 
 from evaluation.runs import real_events, real_labels
 from evaluation.runs.real import AGAIN, clip_text
-from evaluation.runs.real_events import score_events
+from evaluation.runs.real_events import saturation, score_events
 from evaluation.runs.real_labels import CLIPS, POINTS, Labels, read_labels
 from evaluation.runs.real_score import FEATURES, RealScore, score_places
 
@@ -139,3 +140,10 @@ def test_blinks_are_counted_beside_the_marked_ones(monkeypatch, tmp_path):
     (blinks,) = score_events("clip", performance)
     assert (blinks.marked, blinks.hits, blinks.false) == (2, 1, 1)
     assert blinks.f1 == pytest.approx(0.5)
+
+
+def test_saturation_is_the_share_of_active_muscle_frames_at_the_bound():
+    performance = make_performance()
+    activations = np.zeros_like(performance.activations)
+    activations[:4, 0], activations[4, 0] = 0.5, 1.0
+    assert saturation(replace(performance, activations=activations)) == 0.2
