@@ -102,9 +102,9 @@ def main(arguments: list[str] | None = None) -> int:
     template = load_template()
     skin = attach_skin(template.vertices, template)
     tiles = sheet_tiles(modes_of(skin), attach_extras(skin))
-    unknown = sorted(set(options.only or ()) - set(tiles))
-    if unknown:
-        print(f"no picture {unknown[0]!r}; there are {', '.join(tiles)}", file=sys.stderr)
+    unknown_titles = sorted(set(options.only or ()) - set(tiles))
+    if unknown_titles:
+        print(f"no picture {unknown_titles[0]!r}; there are {', '.join(tiles)}", file=sys.stderr)
         return 2
     tiles_drawn = {name: tiles[name] for name in options.only or tiles}
     painters = [Painter(template, options.size, yaw, options.focus) for yaw in options.yaw]

@@ -72,7 +72,7 @@ def excursions(mesh: SkinMesh, anatomy: Anatomy) -> list[Excursion]:
     return rows
 
 
-def _measure(mesh, name, sides, place, published, source) -> Excursion:
+def _measure(mesh, name, sides, place, published_range, source) -> Excursion:
     count = int(mesh.template.num_skin_vertices)
     anchor, x, y = place
     displacements = [multiply(mesh.stencils, mode[:count]) for mode in sides]
@@ -82,7 +82,7 @@ def _measure(mesh, name, sides, place, published, source) -> Excursion:
     )
     difference = float(np.linalg.norm(right * [-1, 1, 1] - left))
     largest = float(1e3 * np.linalg.norm(displacements[0], axis=1).max())
-    return Excursion(name, left, difference, largest, published, source)
+    return Excursion(name, left, difference, largest, published_range, source)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -64,19 +64,19 @@ def disguise(template: FaceTemplate, seed: int, identity: float, kept: float = K
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # folds of a random person are repaired
         fine = mesh.vertices
-    held = [mesh.landmark(name) for name in REQUIRED]
-    skin_faces = collapse_edges(fine, mesh.triangles, kept, random, set(held))
-    used = np.unique(skin_faces)
+    anchors = [mesh.landmark(name) for name in REQUIRED]
+    skin_faces = collapse_edges(fine, mesh.triangles, kept, random, set(anchors))
+    fine_rows = np.unique(skin_faces)
     loose_faces = template.faces[int(template.num_skin_faces) :]
     loose = np.unique(loose_faces)
     # Number fine skin and loose parts together, shuffled
-    number = random.permutation(len(used) + len(loose))
+    number = random.permutation(len(fine_rows) + len(loose))
     of_skin, of_loose = np.full(len(fine), -1), np.full(len(neutral), -1)
-    of_skin[used], of_loose[loose] = number[: len(used)], number[len(used) :]
+    of_skin[fine_rows], of_loose[loose] = number[: len(fine_rows)], number[len(fine_rows) :]
     vertices = np.empty((len(number), 3))
-    vertices[of_skin[used]], vertices[of_loose[loose]] = fine[used], neutral[loose]
+    vertices[of_skin[fine_rows]], vertices[of_loose[loose]] = fine[fine_rows], neutral[loose]
     skin_vertex, control_vertex = np.full(len(number), -1), np.full(len(number), -1)
-    skin_vertex[of_skin[used]], control_vertex[of_loose[loose]] = used, loose
+    skin_vertex[of_skin[fine_rows]], control_vertex[of_loose[loose]] = fine_rows, loose
     quads = of_loose[loose_faces]
     faces = np.concatenate([of_skin[skin_faces], quads[:, :3], quads[:, [0, 2, 3]]])
     rotation, _ = np.linalg.qr(random.normal(size=(3, 3)))
@@ -85,14 +85,16 @@ def disguise(template: FaceTemplate, seed: int, identity: float, kept: float = K
         mesh,
         SCALE * vertices @ rotation.T + random.uniform(-1, 1, 3),
         random.permutation(faces),
-        {name: int(of_skin[vertex]) for name, vertex in zip(REQUIRED, held, strict=True)},
+        {name: int(of_skin[vertex]) for name, vertex in zip(REQUIRED, anchors, strict=True)},
         skin_vertex,
         control_vertex,
         rotation,
     )
 
 
-def collapse_edges(vertices, triangles, kept: float, random, held: set[int]) -> NDArray[np.int64]:
+def collapse_edges(
+    vertices, triangles, share: float, random, anchors: set[int]
+) -> NDArray[np.int64]:
     """Triangles left when random short edges are collapsed onto one end, the mesh staying sound."""
     faces = {index: tuple(face) for index, face in enumerate(triangles.tolist())}
     around: dict[int, set[int]] = {}
@@ -103,11 +105,11 @@ def collapse_edges(vertices, triangles, kept: float, random, held: set[int]) -> 
     def ring(vertex):
         return {other for index in around[vertex] for other in faces[index]} - {vertex}
 
-    def is_flat(gone, stays):
+    def is_flat(removal, stays):
         """No remaining triangle turns over or loses its extent."""
-        for index in around[gone] - around[stays]:
+        for index in around[removal] - around[stays]:
             before = vertices[list(faces[index])]
-            after = vertices[[stays if v == gone else v for v in faces[index]]]
+            after = vertices[[stays if v == removal else v for v in faces[index]]]
             old, new = (np.cross(t[1] - t[0], t[2] - t[0]) for t in (before, after))
             if old @ new < 0.8 * np.linalg.norm(old) * np.linalg.norm(new):
                 return False
@@ -116,21 +118,21 @@ def collapse_edges(vertices, triangles, kept: float, random, held: set[int]) -> 
                 return False
         return True
 
-    num_collapses = int((1 - kept) * len(around))
+    num_collapses = int((1 - share) * len(around))
     for _ in range(3):
-        for gone in random.permutation(list(around)).tolist():
+        for removal in random.permutation(list(around)).tolist():
             if num_collapses <= 0:
                 break
-            neighbours = ring(gone)
-            if gone in held or len(neighbours) != len(around[gone]):  # a landmark, the rim
+            neighbours = ring(removal)
+            if removal in anchors or len(neighbours) != len(around[removal]):  # a landmark, the rim
                 continue
             stays = min(
-                neighbours, key=lambda v: float(((vertices[v] - vertices[gone]) ** 2).sum())
+                neighbours, key=lambda v: float(((vertices[v] - vertices[removal]) ** 2).sum())
             )
-            if len(ring(stays) & neighbours) != 2 or not is_flat(gone, stays):
+            if len(ring(stays) & neighbours) != 2 or not is_flat(removal, stays):
                 continue
-            for index in around.pop(gone):
-                face = tuple(stays if v == gone else v for v in faces[index])
+            for index in around.pop(removal):
+                face = tuple(stays if v == removal else v for v in faces[index])
                 if len(set(face)) < 3:
                     for vertex in set(face):
                         around[vertex].discard(index)
@@ -175,9 +177,9 @@ def main(arguments: list[str] | None = None) -> int:
     head = disguise(template, options.seed, options.identity)
     start = time.perf_counter()
     foreign = attach_foreign(head.vertices, head.faces, head.landmarks, template)
-    attached = time.perf_counter()
+    attachment_end = time.perf_counter()
     foreign.make_contact()
-    seconds = attached - start, time.perf_counter() - attached
+    seconds = attachment_end - start, time.perf_counter() - attachment_end
     rows = compare(head, attach(head.mesh.neutral, template), foreign)
     print(
         f"{len(head.vertices)} vertices, {len(head.faces)} faces, {len(head.landmarks)} landmarks"

@@ -97,8 +97,8 @@ def _draw(options: argparse.Namespace) -> int:
         print(f"foreign_sheet: {note}")
     print("laid on within {:.2f} mm (median), {:.2f} mm (95 %)".format(*head.gap_mm))
     tiles = anatomy_tiles(head.anatomy)
-    if unknown := sorted(set(options.only or ()) - set(tiles)):
-        raise InvalidInput(f"no picture {unknown[0]!r}; there are {', '.join(tiles)}")
+    if unknown_titles := sorted(set(options.only or ()) - set(tiles)):
+        raise InvalidInput(f"no picture {unknown_titles[0]!r}; there are {', '.join(tiles)}")
     to_template = head.mesh_from_template.inverse()
     tiles_drawn = {name: to_template.turn(tiles[name]) for name in options.only or tiles}
     painter = PlainPainter(len(vertices), faces, options.size, options.yaw)

@@ -60,9 +60,9 @@ def read_gltf(path: Path) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
 
 class _Reader:
     def __init__(self, document: dict, binary: bytes | None, folder: Path) -> None:
-        needed = set(document.get("extensionsRequired", []))
-        if packed := sorted(n for n in needed if "compression" in n or "quantization" in n):
-            raise InvalidInput(f"needs {packed[0]}: export it without compression")
+        extensions = set(document.get("extensionsRequired", []))
+        if codecs := sorted(n for n in extensions if "compression" in n or "quantization" in n):
+            raise InvalidInput(f"needs {codecs[0]}: export it without compression")
         self.document, self.binary, self.folder = document, binary, folder
         self.buffers: dict[int, bytes] = {}
 
@@ -108,13 +108,13 @@ class _Reader:
         roots = (
             scenes[self.document.get("scene", 0)].get("nodes", []) if scenes else range(len(nodes))
         )
-        meshes, visited = [], set()
+        meshes, visited_nodes = [], set()
         waiting = [(root, np.eye(4), 0) for root in roots]
         while waiting:
             number, parent, depth = waiting.pop()
-            if number in visited or depth > DEEPEST:
+            if number in visited_nodes or depth > DEEPEST:
                 raise InvalidInput("its nodes contain each other in a circle")
-            visited.add(number)
+            visited_nodes.add(number)
             matrix = parent @ _matrix(nodes[number])
             if "mesh" in nodes[number]:
                 meshes.append((nodes[number]["mesh"], matrix))

@@ -100,9 +100,11 @@ def compare(skin: LoadedSkin, values: np.ndarray, mode_counts: list[int]) -> lis
     responses = skin.skin.model.solve(skin.forces.reshape(len(skin.forces), -1).T)
     errors = [difference(visible_motion(skin, lambda now: responses @ now, values), truth)]
     for count in mode_counts:
-        reduced = skin.reduced(options, count)
-        shapes = reduced.shapes
-        motion = visible_motion(skin, lambda now, r=reduced, s=shapes: s @ r.advance(now), values)
+        reduced_skin = skin.reduced(options, count)
+        shapes = reduced_skin.shapes
+        motion = visible_motion(
+            skin, lambda now, r=reduced_skin, s=shapes: s @ r.advance(now), values
+        )
         errors.append(difference(motion, truth))
     return errors
 

@@ -69,26 +69,26 @@ class ReducedFace:
     @classmethod
     def of(cls, skin: LoadedSkin, num_modes: int = NUM_MODES) -> ReducedFace:
         options = dynamics_options()
-        reduced = skin.reduced(options, num_modes)
-        shapes = np.asarray(reduced.shapes)
-        squared = (2 * np.pi * np.asarray(reduced.frequencies)) ** 2
+        reduced_skin = skin.reduced(options, num_modes)
+        shapes = np.asarray(reduced_skin.shapes)
+        stiffness = (2 * np.pi * np.asarray(reduced_skin.frequencies)) ** 2
         mesh, free = skin.mesh, skin.skin.free
         responses = np.zeros((shapes.shape[1], len(free), 3))
         responses[:, free] = shapes.T.reshape(shapes.shape[1], -1, 3)
         template = mesh.template
-        kept = (~template.in_region(*UNMEASURED))[: len(free)].astype(np.float64)
+        measured_share = (~template.in_region(*UNMEASURED))[: len(free)].astype(np.float64)
         frontal = mesh.seen_from_front
-        frontal = frontal[multiply(mesh.stencils, kept)[frontal] > 0.99]
+        frontal = frontal[multiply(mesh.stencils, measured_share)[frontal] > 0.99]
         frontal = frontal[:: max(1, round(len(frontal) / MOST_SAMPLES))]
-        moved = multiply(skin.stencils_of(frontal), responses[:, free].transpose(1, 2, 0))
+        motion = multiply(skin.stencils_of(frontal), responses[:, free].transpose(1, 2, 0))
         return cls(
-            squared,
-            options.mass_damping + options.stiffness_damping * squared,
+            stiffness,
+            options.mass_damping + options.stiffness_damping * stiffness,
             shapes.T @ skin.loads,
             skin.skin.spread(responses),
             mesh.vertices[frontal],
             mesh.normals[frontal],
-            moved,
+            motion,
         )
 
 
@@ -128,7 +128,7 @@ class Observer:
         """From one grey frame to the next; camera: 3 x 3."""
         count = len(self.face.squared)
         forces = self.face.loads @ self.control
-        predicted = self.transition @ self.state + self.input @ forces
+        prediction = self.transition @ self.state + self.input @ forces
         # How far each coordinate goes from frame to frame is measured, together with the pose.
         change = self.transition[:count] - np.eye(count, 2 * count)
         cov = self.transition @ self.cov @ self.transition.T + self.noise
@@ -137,11 +137,11 @@ class Observer:
         prior = np.zeros((count + 6, count + 6))
         prior[:count, :count] = change_cov + 1e-16 * np.trace(change_cov) * np.eye(count)
         prior[count:, count:] = np.diag(POSE_STEP**2)
-        expected = np.concatenate([predicted[:count] - self.state[:count], np.zeros(6)])
-        estimate, found_cov = self._measured(previous, image, camera, expected, prior)
+        mean = np.concatenate([prediction[:count] - self.state[:count], np.zeros(6)])
+        estimate, found_cov = self._measured(previous, image, camera, mean, prior)
         gain = np.linalg.solve(prior[:count, :count], cross.T).T
         old = self.state
-        self.state = predicted + gain @ (estimate - expected)[:count]
+        self.state = prediction + gain @ (estimate - mean)[:count]
         self.cov = cov - gain @ (prior - found_cov)[:count, :count] @ gain.T
         self.cov = (self.cov + self.cov.T) / 2
         self.pose[:3, :3] = (
@@ -169,7 +169,7 @@ class Observer:
         previous: NDArray[np.uint8],
         image: NDArray[np.uint8],
         camera: Floats,
-        expected: Floats,
+        mean: Floats,
         prior: Floats,
     ) -> tuple[Floats, Floats]:
         """The step of coordinates and pose, and its covariance, under the prior and the flow."""
@@ -180,11 +180,11 @@ class Observer:
         inside = (pixels > 1).all(1) & (pixels[:, 0] < width - 2) & (pixels[:, 1] < height - 2)
         at = before / np.linalg.norm(before, axis=1, keepdims=True)
         facing = -np.einsum("pi,pi->p", face.normals @ self.pose[:3, :3].T, at)
-        used = inside & (facing > LEAST_COSINE)
+        is_used = inside & (facing > LEAST_COSINE)
         options = _core.FlowOptions()
         options.method = _core.FlowMethod.probabilistic
         field = _core.compute_flow(previous, image, options)
-        pixels = pixels[used]
+        pixels = pixels[is_used]
         flow = sampled(np.asarray(field.flow), pixels)
         xx, xy, yy = np.moveaxis(sampled(np.asarray(field.covariance), pixels), 1, 0)
         noise = np.stack([np.stack([xx, xy], 1), np.stack([xy, yy], 1)], 1) + MODEL_PX**2 * np.eye(
@@ -193,55 +193,57 @@ class Observer:
         hull = np.ptp(pixels, axis=0).prod() * np.pi / 4 if len(pixels) else 1.0
         share = min(1.0, hull / WINDOW_PX / max(len(pixels), 1))
         inverse = share * np.linalg.inv(noise)
-        slopes = self._slopes(before[used], surface[used], face.moved[used], camera)
+        slopes = self._slopes(before[is_used], surface[is_used], face.moved[is_used], camera)
         information = np.linalg.inv(prior)
-        estimate = expected.copy()
+        estimate = mean.copy()
         for _ in range(ITERATIONS):
-            off = flow - (self._moved_pixels(surface[used], used, estimate, camera) - pixels)
+            off = flow - (self._moved_pixels(surface[is_used], is_used, estimate, camera) - pixels)
             distance = np.einsum("pi,pij,pj->p", off, inverse, off) / share
             weight = (DEGREES_OF_FREEDOM + 2) / (DEGREES_OF_FREEDOM + distance)
-            weighted = np.einsum("pij,pjk->pik", weight[:, None, None] * inverse, slopes)
-            measured = np.tensordot(slopes, weighted, axes=((0, 1), (0, 1)))
-            pull = np.einsum("pik,pi->k", weighted, off) - information @ (estimate - expected)
-            estimate = estimate + np.linalg.solve(information + measured, pull)
-        return estimate, np.linalg.inv(information + measured)
+            weighted_slopes = np.einsum("pij,pjk->pik", weight[:, None, None] * inverse, slopes)
+            flow_information = np.tensordot(slopes, weighted_slopes, axes=((0, 1), (0, 1)))
+            pull = np.einsum("pik,pi->k", weighted_slopes, off) - information @ (estimate - mean)
+            estimate = estimate + np.linalg.solve(information + flow_information, pull)
+        return estimate, np.linalg.inv(information + flow_information)
 
     def _seen(self, surface: Floats, camera: Floats) -> tuple[Floats, Floats]:
         """Places in the camera (P,3), pixels (P,2)."""
-        placed = surface @ self.pose[:3, :3].T + self.pose[:3, 3]
-        pixels = placed @ camera.T
-        return placed, pixels[:, :2] / pixels[:, 2:]
+        points = surface @ self.pose[:3, :3].T + self.pose[:3, 3]
+        pixels = points @ camera.T
+        return points, pixels[:, :2] / pixels[:, 2:]
 
-    def _moved_pixels(self, surface: Floats, used: NDArray, step: Floats, camera: Floats) -> Floats:
+    def _moved_pixels(
+        self, surface: Floats, is_used: NDArray, step: Floats, camera: Floats
+    ) -> Floats:
         count = len(self.face.squared)
-        moved = surface + self.face.moved[used] @ step[:count]
+        points = surface + self.face.moved[is_used] @ step[:count]
         rotation = from_rotation_vectors(step[None, count : count + 3])[0] @ self.pose[:3, :3]
-        pixels = (moved @ rotation.T + self.pose[:3, 3] + step[count + 3 :]) @ camera.T
+        pixels = (points @ rotation.T + self.pose[:3, 3] + step[count + 3 :]) @ camera.T
         return pixels[:, :2] / pixels[:, 2:]
 
-    def _slopes(self, placed: Floats, surface: Floats, moved: Floats, camera: Floats) -> Floats:
+    def _slopes(self, points: Floats, surface: Floats, motion: Floats, camera: Floats) -> Floats:
         """Pixels (P,2,R+6) a unit of coordinates and pose."""
-        x, y, z = placed.T
-        projection = np.zeros((len(placed), 2, 3))
+        x, y, z = points.T
+        projection = np.zeros((len(points), 2, 3))
         projection[:, 0, 0], projection[:, 0, 2] = camera[0, 0] / z, -camera[0, 0] * x / z**2
         projection[:, 1, 1], projection[:, 1, 2] = camera[1, 1] / z, -camera[1, 1] * y / z**2
-        turned = surface @ self.pose[:3, :3].T
-        turning = np.cross(np.eye(3), turned[:, None]).transpose(0, 2, 1)
-        deformed = (projection @ self.pose[:3, :3]) @ moved
-        return np.concatenate([deformed, projection @ turning, projection], axis=2)
+        offsets = surface @ self.pose[:3, :3].T
+        turning = np.cross(np.eye(3), offsets[:, None]).transpose(0, 2, 1)
+        by_coordinates = (projection @ self.pose[:3, :3]) @ motion
+        return np.concatenate([by_coordinates, projection @ turning, projection], axis=2)
 
 
-def _discrete(squared: Floats, damping: Floats, step: float) -> tuple[Floats, Floats]:
+def _discrete(stiffness: Floats, damping: Floats, step: float) -> tuple[Floats, Floats]:
     """Transition (2R,2R) and input (2R,R) of q'' + d q' + w^2 q = f, the force held for a step."""
-    root = np.sqrt((damping**2 - 4 * squared).astype(complex) + 1e-9)
+    root = np.sqrt((damping**2 - 4 * stiffness).astype(complex) + 1e-9)
     slow, fast = (-damping + root) / 2, (-damping - root) / 2
     a, b = np.exp(slow * step), np.exp(fast * step)
     place = np.stack([slow * b - fast * a, a - b]) / (slow - fast)
     rate = np.stack([slow * fast * (b - a), slow * a - fast * b]) / (slow - fast)
     transition = np.block([[np.diag(row.real) for row in part] for part in (place, rate)])
-    held = np.concatenate([(1 - place[0].real) / squared, -rate[0].real / squared])
-    count = len(squared)
-    return transition, np.vstack([np.diag(held[:count]), np.diag(held[count:])])
+    gains = np.concatenate([(1 - place[0].real) / stiffness, -rate[0].real / stiffness])
+    count = len(stiffness)
+    return transition, np.vstack([np.diag(gains[:count]), np.diag(gains[count:])])
 
 
 @dataclass
@@ -282,12 +284,12 @@ def capture_by_loop(
     )
     fit = fit_for(footage, (first, last), fit, finding, summary)
     attaching(0.0, "attaching the muscles")
-    begun = time.perf_counter()
+    start_time = time.perf_counter()
     template = load_template()
     skin = load_skin(fit.neutral_vertices(template), template, calibration=fit.calibration)
     face = ReducedFace.of(skin)
-    summary.add("attach the muscles", time.perf_counter() - begun)
-    begun = time.perf_counter()
+    summary.add("attach the muscles", time.perf_counter() - start_time)
+    start_time = time.perf_counter()
     walk = ClipWalk(footage, fit, (first, last), following, summary, "face")
     previous = _grey(footage.read(fit.frame))
 
@@ -303,7 +305,7 @@ def capture_by_loop(
         forward = _along(walk, last, observer(), previous)
     rows = (back.reversed() + start + forward).within(first, last)
     walk.check_any_done(rows)
-    summary.add("follow the face", time.perf_counter() - begun)
+    summary.add("follow the face", time.perf_counter() - start_time)
     return _performance(rows, face, modes_of(skin.skin), fit, footage, template)
 
 

@@ -79,7 +79,7 @@ def _score_source(clips: list[AbuseClip], report: Report) -> Iterator[AbuseScore
     performances: dict[tuple[str, bool], Performance] = {}
     for clip in clips:
         with np.load(clip.truth, allow_pickle=False) as truth:
-            clean, gone, shift = truth["clean"], truth["gone"], truth["shift"]
+            clean, is_gone, shift = truth["clean"], truth["gone"], truth["shift"]
             true_poses = truth.get("head_pose")
         if clip.later not in fits:
             fits[clip.later] = _fit_aside(clip)
@@ -91,7 +91,7 @@ def _score_source(clips: list[AbuseClip], report: Report) -> Iterator[AbuseScore
             right = performances[method, clip.later]
             performance = follow(clip.footage, fit)
             poses = right.head_pose if true_poses is None else laid_on(true_poses, fit)
-            about = AbuseTruth(poses, clean, gone, shift, performance.fps, clip.later)
+            about = AbuseTruth(poses, clean, is_gone, shift, performance.fps, clip.later)
             figures = score_abuse(about, performance.head_pose, performance.quality, fit.intrinsics)
             figures["lost"] -= float(np.sum(clean & (right.quality < HELD_QUALITY)))
             yield AbuseScore(clip.name, clip.source, method, figures)

@@ -83,10 +83,10 @@ def in_image(truth: Truth, motion: Motion) -> Deviation:
 def in_space(truth: Truth, motion: Motion) -> Deviation:
     """Motion in the head frame, each method's own aligned with the true one by its first points."""
     is_finite = np.isfinite(motion.points).all((0, 2))
-    points, predicted = truth.points[:, is_finite], motion.points[:, is_finite]
-    rotation = _core.fit_similarity(predicted[0], points[0]).rotation
+    points, method_points = truth.points[:, is_finite], motion.points[:, is_finite]
+    rotation = _core.fit_similarity(method_points[0], points[0]).rotation
     motion_of_points = points - points[:1]
-    off = (predicted - predicted[:1]) @ rotation.T - motion_of_points
+    off = (method_points - method_points[:1]) @ rotation.T - motion_of_points
     size = 1000 * np.linalg.norm(motion_of_points, axis=2)
     counts = _after_first(truth.visible[:, is_finite])
     moving = counts & (size > 1000 * scores.MOVING_M)

@@ -80,9 +80,9 @@ def flow_errors(
         off = sampled(np.asarray(field.flow), at) - (truth.tracks[i + step, is_visible] - at)
         xx, xy, yy = sampled(np.asarray(field.covariance), at).astype(np.float64).T
         determinant = xx * yy - xy**2
-        normalised = yy * off[:, 0] ** 2 - 2 * xy * off[:, 0] * off[:, 1] + xx * off[:, 1] ** 2
+        quadratic = yy * off[:, 0] ** 2 - 2 * xy * off[:, 0] * off[:, 1] + xx * off[:, 1] ** 2
         error = np.linalg.norm(off, axis=1)
-        yield FlowErrors((xx + yy) / 2, error, normalised / determinant)
+        yield FlowErrors((xx + yy) / 2, error, quadratic / determinant)
 
 
 def by_decile(errors: FlowErrors) -> dict[str, dict[str, float]]:

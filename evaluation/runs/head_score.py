@@ -87,13 +87,13 @@ def _of_errors(errors: NDArray, yaw: NDArray, kind: str) -> dict[str, float]:
     return figures
 
 
-def _translation(poses: NDArray, aligned: NDArray, truth: NDArray) -> dict[str, float]:
+def _translation(poses: NDArray, rotations: NDArray, truth: NDArray) -> dict[str, float]:
     """Error in % of distance, for the scale and the point of the head that fit best.
 
     One camera cannot distinguish a large head far away from a small one nearby, and each method
     has a point of its own for a head's origin.
     """
-    system = np.concatenate([poses[:, :3, 3:], aligned], axis=2).reshape(-1, 4)
+    system = np.concatenate([poses[:, :3, 3:], rotations], axis=2).reshape(-1, 4)
     solution = np.linalg.lstsq(system, truth[:, :3, 3].ravel(), rcond=1e-6)[0]
     off = np.linalg.norm((system @ solution).reshape(-1, 3) - truth[:, :3, 3], axis=1)
     return {"translation": float(100 * np.mean(off / np.linalg.norm(truth[:, :3, 3], axis=1)))}

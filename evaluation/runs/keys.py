@@ -36,18 +36,18 @@ class KeyScore:
 
 
 def score_keys(
-    report: Callable[[str], None], captured: Path | None = None, last: int = 700
+    report: Callable[[str], None], folder: Path | None = None, last: int = 700
 ) -> Iterator[KeyScore]:
-    """Each clip by each way; captured: a folder of performances, NAME.npz; else clips are captured.
+    """Each clip by each way; folder: performances, NAME.npz; without it clips are captured.
 
     last: the last frame that is captured.
     """
-    clips = [clip for clip in CLIPS if captured is None or (captured / f"{clip}.npz").is_file()]
+    clips = [clip for clip in CLIPS if folder is None or (folder / f"{clip}.npz").is_file()]
     if not clips:
-        raise InvalidInput(f"{captured} has no performance of {', '.join(CLIPS)}")
+        raise InvalidInput(f"{folder} has no performance of {', '.join(CLIPS)}")
     for clip in clips:
-        if captured is not None:
-            performance = Performance.load(captured / f"{clip}.npz")
+        if folder is not None:
+            performance = Performance.load(folder / f"{clip}.npz")
         else:
             report(f"{clip}: capture")
             footage = footage_of(clip)

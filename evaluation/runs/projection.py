@@ -18,13 +18,13 @@ def project_points(
     (K x 2 x 6) is a rotation vector about the head's origin, then a shift, both in camera axes.
     """
     rotation = camera_from_head[:3, :3]
-    rotated = points @ rotation.T
-    x, y, z = (rotated + camera_from_head[:3, 3]).T
+    offsets = points @ rotation.T
+    x, y, z = (offsets + camera_from_head[:3, 3]).T
     fx, fy = intrinsics[0, 0], intrinsics[1, 1]
     pixels = np.stack([fx * x / z, fy * y / z], axis=1) + intrinsics[:2, 2]
     by_place = np.zeros((len(points), 2, 3))
     by_place[:, 0, 0], by_place[:, 1, 1] = fx / z, fy / z
     by_place[:, 0, 2], by_place[:, 1, 2] = -fx * x / z**2, -fy * y / z**2
-    turning = np.cross(np.eye(3), rotated[:, None]).transpose(0, 2, 1)
+    turning = np.cross(np.eye(3), offsets[:, None]).transpose(0, 2, 1)
     by_pose = np.concatenate([by_place @ turning, by_place], axis=2)
     return pixels, by_place @ rotation, by_pose

@@ -32,24 +32,22 @@ Report = Callable[[str], None]
 
 
 def score_real(
-    report: Report, out: Path | None = None, captured: Path | None = None
+    report: Report, out: Path | None = None, folder: Path | None = None
 ) -> Iterator[tuple[list[RealScore], list[Sightings]]]:
     """Clip by clip: every method's, and what the networks say there. Raises InvalidInput.
 
-    out: a folder in which the captured performances are kept. captured: such a folder of
+    out: a folder in which the captured performances are kept. folder: such a one of
     an earlier run; only the clips and frames in it are scored.
     """
-    clips = [clip for clip in CLIPS if captured is None or (captured / f"{clip}.npz").is_file()]
+    clips = [clip for clip in CLIPS if folder is None or (folder / f"{clip}.npz").is_file()]
     if not clips:
-        raise InvalidInput(
-            f"{captured} has no performance of {', '.join(CLIPS)}; --out leaves them"
-        )
+        raise InvalidInput(f"{folder} has no performance of {', '.join(CLIPS)}; --out leaves them")
     films = [footage_of(clip) for clip in clips]  # raises before minutes of work on the first
     python = face_mesh_python(report)
     for clip, footage in zip(clips, films, strict=True):
         labels = read_labels(clip)
-        if captured is not None:
-            performance = Performance.load(captured / f"{clip}.npz")
+        if folder is not None:
+            performance = Performance.load(folder / f"{clip}.npz")
             labels = labels.rows(np.isin(labels.frame, performance.frame))
         else:
             report(f"{clip}: capture, {labels.frame[-1]} frames")

@@ -48,7 +48,7 @@ def by_capture(labels: Labels, performance: Performance) -> NDArray[np.float64]:
     """N x POINTS x 2 on the limit surface; nan in frames that are held."""
     template = load_template()
     surface = RefinedSurface(performance)
-    refined = np.searchsorted(
+    vertices = np.searchsorted(
         surface.used, head_points(template)
     )  # limits of the control vertices come first
     at_rest = iris_fronts(performance.neutral_vertices, template)
@@ -56,7 +56,7 @@ def by_capture(labels: Labels, performance: Performance) -> NDArray[np.float64]:
     for row, frame in enumerate(labels.frame):
         i = performance.index_of(int(frame))
         if performance.quality[i] >= HELD_QUALITY:
-            places[row, ON_SKIN] = performance.project(surface.in_camera(i)[refined])
+            places[row, ON_SKIN] = performance.project(surface.in_camera(i)[vertices])
             irises = iris_circles(performance, i)[:, 0] if has_gaze(performance) else at_rest
             pose = performance.head_pose[i]
             places[row, IRISES] = performance.project(irises @ pose[:3, :3].T + pose[:3, 3])

@@ -80,8 +80,8 @@ def _rigid_pose(
     """The pose (4,4) that takes points (P,3) nearest to pixels (P,2), robustly."""
     pose = start.copy()
     for _ in range(ITERATIONS):
-        projected, _, slopes = project_points(neutral, pose, intrinsics)
-        off = pixels - projected
+        places, _, slopes = project_points(neutral, pose, intrinsics)
+        off = pixels - places
         weight = 1 / (1 + (off**2).sum(1) / ROBUST_PX**2)
         normal = np.einsum("pij,p,pik->jk", slopes, weight, slopes)
         step = np.linalg.solve(normal, np.einsum("pij,p,pi->j", slopes, weight, off))
