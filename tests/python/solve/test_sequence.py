@@ -4,7 +4,7 @@ from types import SimpleNamespace
 import numpy as np
 from mimetic.performance.rows import Rows, State
 
-ARRAYS = ("camera_from_head", "pose_cov", "values", "values_std", "detail", "detail_std")
+ARRAYS = ("camera_from_head", "pose_cov", "values", "values_std", "detail", "detail_std", "irises")
 
 
 def test_rows_keep_no_estimate_alive():
@@ -12,6 +12,14 @@ def test_rows_keep_no_estimate_alive():
     estimate = SimpleNamespace(quality=1.0, **{name: large[:, :3] for name in ARRAYS})
     rows = Rows()
     rows.append(State(1, estimate, held=False))
-    kept = (rows.pose, rows.pose_cov, rows.values, rows.values_std, rows.detail, rows.detail_std)
+    kept = (
+        rows.pose,
+        rows.pose_cov,
+        rows.values,
+        rows.values_std,
+        rows.detail,
+        rows.detail_std,
+        rows.irises,
+    )
     for column in kept:
         assert not np.shares_memory(column[0], large)
