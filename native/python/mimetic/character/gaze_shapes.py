@@ -30,12 +30,12 @@ def gaze_shapes(performance: Performance) -> list[Shape]:
     if not has_gaze(performance):
         return []
     shapes = []
-    angles = gaze_of(performance)
+    angles, centers = gaze_of(performance), np.asarray(performance.eye_centers)
     for eye, side in enumerate(SIDES):
         on_eye = np.asarray(performance.eye_of_vertex) == eye + 1
         offsets = np.zeros((len(TURNS), *performance.neutral_vertices.shape))
         offsets[:, on_eye] = _core.eye_turn_modes(
-            performance.neutral_vertices[on_eye], performance.eye_centers[eye]
+            performance.neutral_vertices[on_eye], centers[eye]
         )
         weights = turn_weights(angles[:, 2 * eye], angles[:, 2 * eye + 1])
         shapes += [

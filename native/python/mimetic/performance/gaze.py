@@ -84,8 +84,8 @@ def with_eyes_turned(
         return vertices
     turns = np.ascontiguousarray(gaze_of(performance)[i])
     eye_of = np.asarray(performance.eye_of_vertex, dtype=np.int32)
-    rest = performance.neutral_vertices
-    return vertices + _core.turned_eyeballs(rest, eye_of, performance.eye_centers, turns) - rest
+    rest, centers = performance.neutral_vertices, np.asarray(performance.eye_centers)
+    return vertices + _core.turned_eyeballs(rest, eye_of, centers, turns) - rest
 
 
 def iris_circles(performance: WithEyes, i: int) -> NDArray[np.float64]:
@@ -97,7 +97,10 @@ def iris_circles(performance: WithEyes, i: int) -> NDArray[np.float64]:
                 *(center, iris, turns[2 * eye], turns[2 * eye + 1], IRIS_RADIUS, NUM_RIM)
             )
             for eye, (center, iris) in enumerate(
-                zip(np.asarray(performance.eye_centers), performance.iris_centers, strict=True)
+                zip(
+                    *map(np.asarray, (performance.eye_centers, performance.iris_centers)),
+                    strict=True,
+                )
             )
         ]
     )
