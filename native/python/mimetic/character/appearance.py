@@ -115,16 +115,16 @@ def _surfaces(skin: NDArray[np.uint8], colour: NDArray) -> list[Surface]:
 
 
 def _vertex_weights(template: FaceTemplate) -> NDArray[np.float64]:
-    unseen = [list(template.region_names).index(name) for name in UNSEEN_REGIONS]
+    unseen_regions = [list(template.region_names).index(name) for name in UNSEEN_REGIONS]
     weights = np.zeros(len(template.vertices))
-    weights[: template.num_skin_vertices] = ~np.isin(template.region, unseen)
+    weights[: template.num_skin_vertices] = ~np.isin(template.region, unseen_regions)
     faces = template.faces[: template.num_skin_faces]
-    uncovered = weights.copy()
+    full_weights = weights.copy()
     counts = np.bincount(faces.reshape(-1), minlength=len(weights))
     for _ in range(2):  # the border becomes a ramp of two quads, inwards
         around = weights[faces].mean(axis=1)
         sums = np.bincount(faces.reshape(-1), np.repeat(around, 4), len(weights))
-        weights = np.minimum(uncovered, sums / np.maximum(counts, 1))
+        weights = np.minimum(full_weights, sums / np.maximum(counts, 1))
     return weights
 
 

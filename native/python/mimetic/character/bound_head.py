@@ -57,5 +57,5 @@ def head_channels(
     axes = rotation_of(world[:3, :3], "head")
     # The object's origin goes where a rigid head takes it: it may lie at the feet
     pivot = (np.asarray(location, dtype=np.float64) - world[:3, 3]) @ axes / units
-    moved = motion(performance, pivot=pivot)
-    return carried_channels(moved, location, rotation, np.eye(4), axes, rotation_mode, units)
+    head_motion = motion(performance, pivot=pivot)
+    return carried_channels(head_motion, location, rotation, np.eye(4), axes, rotation_mode, units)

@@ -44,22 +44,22 @@ def contact_shapes(performance: Performance, progress: Progress | None = None) -
 
 
 def shapes_of_corrections(
-    corrections: Mapping[int, NDArray], num_frames: int, moved: NDArray, num_vertices: int
+    corrections: Mapping[int, NDArray], num_frames: int, vertices: NDArray, num_vertices: int
 ) -> list[Shape]:
     """Few shapes whose sums are the corrections (frame index -> W x 3 metres of moved vertices)."""
-    rows = np.array(list(corrections.values()), dtype=np.float64).reshape(-1, 3 * len(moved))
+    rows = np.array(list(corrections.values()), dtype=np.float64).reshape(-1, 3 * len(vertices))
     values, offsets = _core.shapes_of_corrections(rows, list(corrections), num_frames)
-    return _shapes(values, offsets, moved, num_vertices)
+    return _shapes(values, offsets, vertices, num_vertices)
 
 
 def _shapes(
-    values: NDArray[np.float64], offsets: NDArray[np.float64], moved: NDArray, num_vertices: int
+    values: NDArray[np.float64], offsets: NDArray[np.float64], vertices: NDArray, num_vertices: int
 ) -> list[Shape]:
     """values: N x S; offsets: S x 3W, of the moved vertices (W) among all."""
     shapes = []
     for k, over_time in enumerate(values.T):
         whole = np.zeros((num_vertices, 3))
-        whole[moved] = offsets[k].reshape(-1, 3)
+        whole[vertices] = offsets[k].reshape(-1, 3)
         shapes.append(Shape(f"{NAME}{k:03d}", CONTACT, whole, over_time.copy(), -1.0, 1.0))
     return shapes
 

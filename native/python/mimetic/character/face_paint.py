@@ -76,10 +76,10 @@ def paint_lashes(width: int, height: int, seed: int = 1) -> NDArray[np.float64]:
     length = random.uniform(0.55, 0.95, LASHES_PER_LID)
     for row in range(height):
         up = 1 - (row + 0.5) / height
-        grown = np.clip(1 - up / length, 0, 1)
+        growth = np.clip(1 - up / length, 0, 1)
         center = (roots + lean * up**1.5) * width
-        half = (0.12 + 0.25 * grown) * width / LASHES_PER_LID
-        cover = np.clip(half + 0.5 - np.abs(columns[:, None] - center), 0, 1) * (grown > 0)
+        half = (0.12 + 0.25 * growth) * width / LASHES_PER_LID
+        cover = np.clip(half + 0.5 - np.abs(columns[:, None] - center), 0, 1) * (growth > 0)
         alpha[row] = cover.max(1)
     return np.concatenate([np.broadcast_to(LASH, (height, width, 3)), alpha[..., None]], axis=2)
 
@@ -109,12 +109,12 @@ def _spread(values: NDArray[np.float64], faces: NDArray) -> NDArray[np.float64]:
 def _rings_past_lips(template: FaceTemplate) -> NDArray[np.float64]:
     """0 inside the vermilion border, from 1 on it the number of rings outward (V)."""
     faces = template.faces[template.part_faces("skin")]
-    reached = np.zeros(len(template.vertices), bool)
-    reached[np.intersect1d(faces, template.faces[template.part_faces("mouth_cavity")])] = True
-    ring = np.where(reached, 0, 99)
+    is_reached = np.zeros(len(template.vertices), bool)
+    is_reached[np.intersect1d(faces, template.faces[template.part_faces("mouth_cavity")])] = True
+    ring = np.where(is_reached, 0, 99)
     for step in range(1, VERMILION_RINGS + 6):
-        reached[faces[reached[faces].any(1)]] = True
-        ring[reached & (ring == 99)] = step
+        is_reached[faces[is_reached[faces].any(1)]] = True
+        ring[is_reached & (ring == 99)] = step
     return np.maximum(ring - VERMILION_RINGS + 1, 0)
 
 

@@ -58,10 +58,10 @@ class ForeignFace:
         return LiveContact(self.head.make_contact().turned(self.object_from_head))
 
 
-_kept: dict[
+_cache: dict[
     tuple[bytes, bytes, bytes, Marks, bytes], ForeignFace
 ] = {}  # the most recently used last
-_kept_lock = threading.Lock()
+_cache_lock = threading.Lock()
 
 
 def attach_face(
@@ -87,14 +87,14 @@ def attach_face(
         np.ascontiguousarray(a, np.int64) for a in (polygons.starts, polygons.corners)
     )
     key = (points.tobytes(), starts.tobytes(), corners.tobytes(), marks, matrix.tobytes())
-    with _kept_lock:
-        face = _kept.pop(key, None)
+    with _cache_lock:
+        face = _cache.pop(key, None)
     if face is None:
         face = _attach_face(points, Polygons(starts, corners), marks, matrix, progress)
-    with _kept_lock:
-        _kept[key] = face
-        while len(_kept) > KEPT:
-            _kept.pop(next(iter(_kept)))  # the least recently used
+    with _cache_lock:
+        _cache[key] = face
+        while len(_cache) > KEPT:
+            _cache.pop(next(iter(_cache)))  # the least recently used
     return face
 
 
@@ -157,5 +157,5 @@ def guess_landmarks(points: ArrayLike) -> dict[str, NDArray[np.float64]]:
     usual = to_object(template.vertices[: int(template.num_skin_vertices)])
     places = usual[[template.landmark(name) for name in REQUIRED]]
     nose = REQUIRED.index("nose_tip")
-    guessed = _core.guess_places(np.asarray(points, dtype=np.float64), usual, places, nose)
-    return dict(zip(REQUIRED, guessed, strict=True))
+    guesses = _core.guess_places(np.asarray(points, dtype=np.float64), usual, places, nose)
+    return dict(zip(REQUIRED, guesses, strict=True))

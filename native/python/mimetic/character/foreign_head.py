@@ -100,10 +100,10 @@ def attach_foreign(
     """
     laying, factoring, attaching = stages(progress, *COSTS)
     skin = read_skin(vertices, faces, landmarks, template)
-    laid = lay_template(template, skin, laying)
+    template_mesh = lay_template(template, skin, laying)
     with skin.named_by_caller():
         check_goes_on(factoring, 0.0, "making the skin that muscles move")
-        head = _Carried(skin, laid)
+        head = _Carried(skin, template_mesh)
         check_goes_on(attaching, 0.0, "attaching the muscles")
         modes, strengths = head.muscle_modes()
         bones = [*head.jaw_modes(), *head.lid_modes()]
@@ -124,8 +124,10 @@ def attach_foreign(
         anatomy=anatomy,
         extras=dataclasses.replace(extras, modes=to_user.turn(extras.modes)),
         make_contact=lambda: head.contact().turned(to_user.scale * to_user.rotation),
-        registered=to_user.apply(laid.neutral),
-        eye_centers=to_user.apply(np.array([frame.centre for frame in eye_frames(head.laid)])),
+        registered=to_user.apply(template_mesh.neutral),
+        eye_centers=to_user.apply(
+            np.array([frame.centre for frame in eye_frames(head.template_mesh)])
+        ),
         mesh_from_template=to_user,
         gap_mm=(float(np.median(gaps)), float(np.percentile(gaps, 95))),
         notes=head.notes,
@@ -141,35 +143,35 @@ def _force_scales(scale: float) -> NDArray[np.float64]:
 class _Carried:
     """A foreign skin with all that is read from the template registered to it."""
 
-    def __init__(self, skin: ForeignSkin, laid: SkinMesh):
-        self.skin, self.laid = skin, laid
-        self.loose = LooseParts(skin, laid.neutral, laid.template)
+    def __init__(self, skin: ForeignSkin, template_mesh: SkinMesh):
+        self.skin, self.template_mesh = skin, template_mesh
+        self.loose = LooseParts(skin, template_mesh.neutral, template_mesh.template)
         self.moves_with = skin.skin_vertex.copy()
         self.moves_with[self.loose.following] = self.loose.roots
         self.notes = skin.notes + self.loose.notes
-        self.own = lipped_skin(skin, laid)
-        self.source = lipped(laid)
+        self.own = lipped_skin(skin, template_mesh)
+        self.source = lipped(template_mesh)
         self.places = self.source.find(skin.vertices, self.own.normals, self.own.lip)
-        attached = AttachedSkin(laid, 1.0)
-        free = multiply(laid.stencils, attached.free.astype(float))
+        template_skin = AttachedSkin(template_mesh, 1.0)
+        free = multiply(template_mesh.stencils, template_skin.free.astype(float))
         self.free = (self.places.values(free) > 0.5) & (self.places.gaps < TOO_FAR)
         if not self.free.any():
             raise _core.InvalidInput("no skin of the head lies where a face has skin")
-        self.notes += hole_notes(skin, laid, self.free)
-        outer = np.zeros(len(laid.vertices))
-        outer[np.unique(laid.triangles[laid.triangle_part == "skin"])] = 1
+        self.notes += hole_notes(skin, template_mesh, self.free)
+        outer = np.zeros(len(template_mesh.vertices))
+        outer[np.unique(template_mesh.triangles[template_mesh.triangle_part == "skin"])] = 1
         carries = (self.places.values(outer) > 0.5)[skin.triangles].any(axis=1)
         seam = self._seam()
         self.is_sealed = bool(seam.any())
         self.carries = carries & ~seam[skin.triangles].all(axis=1)
         self.surface = _core.MuscleSurface(skin.vertices, skin.triangles, self.carries)
-        self.attached = self._attach(attached.materials, seam)
-        self.model = self.attached.model
+        self.attached_skin = self._attach(template_skin.materials, seam)
+        self.model = self.attached_skin.model
 
     def _attach(
-        self, laid_materials: _core.SkinMaterials, seam: NDArray[np.bool_]
+        self, template_materials: _core.SkinMaterials, seam: NDArray[np.bool_]
     ) -> _core.AttachedSkin:
-        values = {name: self.places.values(getattr(laid_materials, name)) for name in MATERIALS}
+        values = {name: self.places.values(getattr(template_materials, name)) for name in MATERIALS}
         for name in ("young", "pre_stress"):
             values[name][seam] *= SEAM_STIFFNESS
         materials = _core.SkinMaterials(**values)
@@ -187,26 +189,26 @@ class _Carried:
 
     def muscle_modes(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """M x V x 3 and M strengths, in the template's frame and size."""
-        canonical = canonical_skin(self.laid.template)
-        placed = [
+        canonical = canonical_skin(self.template_mesh.template)
+        muscles = [
             muscle.carried(self._carry(muscle.muscle.insertion))
-            for muscle in place_muscles(canonical, self.laid, AnatomyPerturbation())
+            for muscle in place_muscles(canonical, self.template_mesh, AnatomyPerturbation())
         ]
-        pulled = _core.pull(self.attached, self.surface, placed, self._measured(placed))
-        return self._to_mesh(pulled.responses * pulled.strengths[:, None, None]), pulled.strengths
+        pulls = _core.pull(self.attached_skin, self.surface, muscles, self._measured(muscles))
+        return self._to_mesh(pulls.responses * pulls.strengths[:, None, None]), pulls.strengths
 
     def _carry(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Places on the registered template's skin to those on this one."""
-        frontal = self.laid.seen_from_front
-        vertex = frontal[_core.nearest(points, self.laid.vertices[frontal])]
+        frontal = self.template_mesh.seen_from_front
+        vertex = frontal[_core.nearest(points, self.template_mesh.vertices[frontal])]
         return self._onto(vertex, points).values(self.skin.vertices)
 
     def _measured(
-        self, placed: Sequence[_core.PlacedMuscle] | Sequence[_core.PlacedExtra]
+        self, movers: Sequence[_core.PlacedMuscle] | Sequence[_core.PlacedExtra]
     ) -> _core.CompressedRows:
         """Rows that read the motion of the places by which muscles or extras are measured."""
-        places = [one.measured for one in placed]
-        points = np.array([place.position(self.laid) for place in places])
+        places = [one.measured for one in movers]
+        points = np.array([place.position(self.template_mesh) for place in places])
         at = self._onto([place.vertex for place in places], points)
         return self._rows(at.corners, at.weights)
 
@@ -218,16 +220,16 @@ class _Carried:
         count = len(self.skin.vertices)
         return _core.CompressedRows(starts, corners.ravel(), weights.ravel(), count)
 
-    def _onto(self, laid_vertex: ArrayLike, points: NDArray[np.float64]) -> _core.SkinPlaces:
+    def _onto(self, template_vertex: ArrayLike, points: NDArray[np.float64]) -> _core.SkinPlaces:
         """Places on this skin of points by vertices of the registered template."""
-        vertex = np.atleast_1d(laid_vertex)
+        vertex = np.atleast_1d(template_vertex)
         return self.own.find(
             np.atleast_2d(points), self.source.normals[vertex], self.source.lip[vertex]
         )
 
     def jaw_modes(self) -> NDArray[np.float64]:
         """3 x V x 3."""
-        jaw = Jaw(self.laid)
+        jaw = Jaw(self.template_mesh)
         head = _core.HeadOnJaw(
             skin=self.skin.vertices,
             influence=self.places.values(jaw.influence),
@@ -235,17 +237,19 @@ class _Carried:
             moves_with=self.moves_with,
             rigid=np.flatnonzero(self.loose.on_jaw).tolist(),
         )
-        return _core.jaw_modes(self.attached, jaw, head)
+        return _core.jaw_modes(self.attached_skin, jaw, head)
 
     def extra_modes(self) -> Extras:
         """In the template's frame and size; gaze turns the loose parts that are eyes."""
-        placed = [extra.carried(self._carry(extra.line)) for extra in place_extras(self.laid)]
-        mouth = _core.MouthFrame(self.laid)
+        extras = [
+            extra.carried(self._carry(extra.line)) for extra in place_extras(self.template_mesh)
+        ]
+        mouth = _core.MouthFrame(self.template_mesh)
         responses = _core.extra_responses(
-            self.attached, self.surface, mouth, placed, self._measured(placed)
+            self.attached_skin, self.surface, mouth, extras, self._measured(extras)
         )
         modes = dict(zip(loading_names(), self._to_mesh(responses), strict=True))
-        for frame in eye_frames(self.laid):
+        for frame in eye_frames(self.template_mesh):
             eye, lids = self.loose.eyes[frame.side], EyeLids(frame)
             if not eye.any():
                 side = "left" if frame.side == "L" else "right"
@@ -261,19 +265,19 @@ class _Carried:
     def contact(self) -> _core.SkinContact:
         """Contact of what the template's lips and lids lie on, in its frame and size."""
         # A touch point costs a solution on the head's own mesh, so there are fewer
-        slits = [*(() if self.is_sealed else (lip_slit(self.laid, refined=False),))]
-        slits += [lid_slit(self.laid, side) for side in SIDES]
+        slits = [*(() if self.is_sealed else (lip_slit(self.template_mesh, is_refined=False),))]
+        slits += [lid_slit(self.template_mesh, side) for side in SIDES]
         of_slits = np.unique(np.concatenate([np.r_[s.upper, s.lower] for s in slits]))
-        on_slits = self._onto(of_slits, self.laid.vertices[of_slits])
-        kept = np.zeros(len(self.laid.vertices), bool)
-        kept[of_slits] = on_slits.gaps < TOUCH_GAP  # many a mesh ends behind the lips
-        vertices, slits = _core.number_slits(slits, kept.tolist())
+        on_slits = self._onto(of_slits, self.template_mesh.vertices[of_slits])
+        is_near = np.zeros(len(self.template_mesh.vertices), bool)
+        is_near[of_slits] = on_slits.gaps < TOUCH_GAP  # many a mesh ends behind the lips
+        vertices, slits = _core.number_slits(slits, is_near.tolist())
         rows = np.searchsorted(of_slits, vertices)
         return _core.SkinContact(
             rest=on_slits.values(self.skin.vertices)[rows],
             stencils=self._rows(on_slits.corners[rows], on_slits.weights[rows]),
             slits=slits,
-            eyes=[self._eye_rest(frame) for frame in eye_frames(self.laid)],
+            eyes=[self._eye_rest(frame) for frame in eye_frames(self.template_mesh)],
             model=self.model,
             free=self.free.tolist(),
             moves_with=self.moves_with.tolist(),
@@ -281,28 +285,34 @@ class _Carried:
         )
 
     def _eye_rest(self, frame: EyeFrame) -> _core.EyeRest:
-        laid = eye_rest(self.laid, frame)
-        share = np.zeros(int(self.laid.template.num_skin_vertices))
-        share[laid.vertices] = laid.share
-        share = self.places.values(multiply(self.laid.stencils, share))
+        template_rest = eye_rest(self.template_mesh, frame)
+        share = np.zeros(int(self.template_mesh.template.num_skin_vertices))
+        share[template_rest.vertices] = template_rest.share
+        share = self.places.values(multiply(self.template_mesh.stencils, share))
         own = np.flatnonzero(share > 0)
         return _core.EyeRest(
-            laid.centre, own.tolist(), self.skin.vertices[own], share[own], laid.sink
+            template_rest.centre,
+            own.tolist(),
+            self.skin.vertices[own],
+            share[own],
+            template_rest.sink,
         )
 
     def lid_modes(self) -> list[NDArray[np.float64]]:
         modes = []
-        for frame in eye_frames(self.laid):
-            for laid_angle in EyeLids(frame).angles():
-                modes.append(self._turn_lids(frame, laid_angle))
+        for frame in eye_frames(self.template_mesh):
+            for template_angle in EyeLids(frame).angles():
+                modes.append(self._turn_lids(frame, template_angle))
         return list(self._to_mesh(np.stack(modes)))
 
-    def _turn_lids(self, frame: EyeFrame, laid_angle: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _turn_lids(
+        self, frame: EyeFrame, template_angle: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
         """N x 3: skin turned about an eye by the angles of the registered template (S, or none)."""
         points = self.skin.vertices
-        if not len(laid_angle):
+        if not len(template_angle):
             return np.zeros_like(points)
-        angle = self.places.values(multiply(self.laid.stencils, laid_angle))
+        angle = self.places.values(multiply(self.template_mesh.stencils, template_angle))
         return rotate(points, frame.centre, frame.axis, angle) - points
 
     def _to_mesh(self, displacements: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -16,10 +16,12 @@ AROUND_MOUTH = 0.040
 AROUND_NOSE = 0.025  # nostrils
 
 
-def hole_notes(skin: ForeignSkin, laid: SkinMesh, free: NDArray[np.bool_]) -> tuple[str, ...]:
+def hole_notes(
+    skin: ForeignSkin, template_mesh: SkinMesh, free: NDArray[np.bool_]
+) -> tuple[str, ...]:
     """A note, naming a face of the caller's, for each hole in free skin (N) that is not an eye's,
-    the mouth's, a nostril's or the end of the mesh. laid: the registered template."""
-    places = [(frame.centre, AROUND_EYE) for frame in eye_frames(laid)]
+    the mouth's, a nostril's or the end of the mesh. template_mesh: the registered template."""
+    places = [(frame.centre, AROUND_EYE) for frame in eye_frames(template_mesh)]
     inner = [skin.landmarks[f"lip_{lip}_inner"] for lip in ("upper", "lower")]
     places += [(np.mean(inner, axis=0), AROUND_MOUTH), (skin.landmarks["nose_tip"], AROUND_NOSE)]
     middles, reaches = zip(*places, strict=True)

@@ -33,13 +33,13 @@ FRONT = ("nose_bridge", "nose_tip", "chin")  # of a head they look forwards
 
 def fit_similarity(source: NDArray[np.float64], target: NDArray[np.float64]) -> _core.Similarity:
     """Least squares (Umeyama 1991); raises InvalidInput if only a mirrored one would fit."""
-    fitted = _core.fit_similarity(source, target)
-    if fitted.is_mirror:
+    similarity = _core.fit_similarity(source, target)
+    if similarity.is_mirror:
         raise InvalidInput(
             "the landmarks are a mirror image of a face's: .L is the subject's own left; "
             "swap the .L and .R landmarks, or mirror the mesh"
         )
-    return fitted
+    return similarity
 
 
 @dataclass(frozen=True)
@@ -118,14 +118,14 @@ def read_skin(
     check_span(_core.PUPIL_DISTANCE * user_from_skin.scale, "the eyes, by the landmarks,")
     front = [names.index(name) for name in FRONT]
     mesh = _core.read_foreign_skin(points, triangles, face, names, targets, front, user_from_skin)
-    collapsed = mesh.num_collapsed
+    num_collapsed = mesh.num_collapsed
     return _unfolded(
         ForeignSkin(
             mesh=mesh,
             vertices=mesh.vertices,
             landmarks=dict(zip(names, mesh.landmarks, strict=True)),
             user_from_skin=user_from_skin,
-            notes=(f"{collapsed} faces without extent were left out",) if collapsed else (),
+            notes=(f"{num_collapsed} faces without extent were left out",) if num_collapsed else (),
         )
     )
 
@@ -172,9 +172,10 @@ def _check_landmarks(
     """Name -> point; missing, unknown and out of range ones are named."""
     if missing := [name for name in REQUIRED if name not in landmarks]:
         raise InvalidInput(f"landmarks lack {', '.join(missing)}")
-    if unknown := [name for name in landmarks if name not in template.landmark_names]:
+    if unknown_names := [name for name in landmarks if name not in template.landmark_names]:
         raise InvalidInput(
-            f"there is no landmark {unknown[0]!r}; there are {', '.join(template.landmark_names)}"
+            f"there is no landmark {unknown_names[0]!r}; there are "
+            f"{', '.join(template.landmark_names)}"
         )
     checked_places = {}
     for name, value in landmarks.items():

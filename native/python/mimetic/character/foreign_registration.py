@@ -29,9 +29,9 @@ def lipped(mesh: SkinMesh) -> _core.LippedSurface:
     return _core.LippedSurface(mesh.vertices, mesh.triangles, mesh.whole_surface, _lips(mesh))
 
 
-def lipped_skin(skin: ForeignSkin, laid: SkinMesh) -> _core.LippedSurface:
+def lipped_skin(skin: ForeignSkin, template_mesh: SkinMesh) -> _core.LippedSurface:
     """A foreign skin, its two lips distinguished by the registered template."""
-    return _core.LippedSurface(skin.vertices, skin.triangles, skin.surface, _lips(laid))
+    return _core.LippedSurface(skin.vertices, skin.triangles, skin.surface, _lips(template_mesh))
 
 
 def _lips(mesh: SkinMesh) -> NDArray[np.float64]:
@@ -46,9 +46,9 @@ def lay_template(
     progress: False raises KeyboardInterrupt. Raises InvalidInput if the landmarks cannot belong to
     this skin.
     """
-    held = [template.landmark(name) for name in skin.landmarks]
+    landmark_vertices = [template.landmark(name) for name in skin.landmarks]
     targets = np.array(list(skin.landmarks.values()))
-    neutral = _core.warp_points(template.vertices, template.vertices[held], targets)
+    neutral = _core.warp_points(template.vertices, template.vertices[landmark_vertices], targets)
     with (
         warnings.catch_warnings()
     ):  # warnings about the template's own folds do not concern the caller
@@ -61,7 +61,7 @@ def lay_template(
             )
         for number, reach in enumerate(REACHES):
             check_goes_on(progress, number / len(REACHES), "fitting the template to the head")
-            closer = _sound(template, _draw(mesh, held, targets, skin, reach))
+            closer = _sound(template, _draw(mesh, landmark_vertices, targets, skin, reach))
             if closer is None:  # it folded over: the round before fits less closely, without folds
                 break
             mesh = closer
@@ -79,7 +79,7 @@ def _sound(template: FaceTemplate, neutral: NDArray[np.float64]) -> SkinMesh | N
 
 def _draw(
     mesh: SkinMesh,
-    held: list[int],
+    landmark_vertices: list[int],
     targets: NDArray[np.float64],
     skin: ForeignSkin,
     reach: float,
@@ -101,7 +101,7 @@ def _draw(
         skin=lipped(mesh),
         outer=outer,
         stencils=mesh.stencils,
-        held=held,
+        held=landmark_vertices,
         followers=[(leaders.tolist(), parts.tolist()) for leaders, parts in followers],
         targets=targets,
         surface=lipped_skin(skin, mesh),

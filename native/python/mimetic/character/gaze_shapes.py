@@ -83,7 +83,7 @@ def gaze_sliders(performance: Performance, shapes: Sequence[Shape]) -> list[Shap
     if not has_gaze(performance):
         return list(shapes)
     degrees = {row["name"]: float(row["degrees"]) for row in gaze_rows()}
-    angles, seen = gaze_of(performance), seen_articulators(performance)
+    angles, articulator_values = gaze_of(performance), seen_articulators(performance)
     lids, looks = {}, []
     for eye, (side, following) in enumerate(
         zip(SIDES, np.asarray(performance.lid_following), strict=True)
@@ -92,7 +92,9 @@ def gaze_sliders(performance: Performance, shapes: Sequence[Shape]) -> list[Shap
         outwards = yaw if side == "L" else -yaw
         name = f"lid_upper.{side}"
         if name in performance.articulators:
-            lids[name] = seen[:, performance.articulators.index(name)] + following[0] * pitch
+            lids[name] = (
+                articulator_values[:, performance.articulators.index(name)] + following[0] * pitch
+            )
         looks += [
             shape_of_values(
                 f"{look}.{side}",

@@ -26,8 +26,8 @@ def read_chunks(glb: bytes) -> tuple[dict, bytes]:
         binary_length, binary_type = struct.unpack_from("<2I", glb, 20 + json_length)
     except (struct.error, InvalidInput) as error:
         raise InvalidInput(f"not a binary glTF file: {error}") from None
-    expected = (MAGIC, 2, len(glb), JSON_CHUNK, BINARY_CHUNK)
-    if (magic, version, length, json_type, binary_type) != expected:
+    expected_header = (MAGIC, 2, len(glb), JSON_CHUNK, BINARY_CHUNK)
+    if (magic, version, length, json_type, binary_type) != expected_header:
         raise InvalidInput("not a binary glTF 2.0 file, or cut short")
     if not isinstance(document, dict):
         raise InvalidInput("not a binary glTF file: its JSON is no object")
@@ -70,18 +70,18 @@ class Chunks:
         self.document["buffers"][0]["byteLength"] = len(binary)
         return write_chunks(self.document, bytes(binary))
 
-    def floats(self, described: dict, kind: str) -> np.ndarray:
+    def floats(self, entry: dict, kind: str) -> np.ndarray:
         """Rows of an accessor, or of its sparse values, as a view that writes through."""
-        if described.get("componentType", FLOAT) != FLOAT:
+        if entry.get("componentType", FLOAT) != FLOAT:
             raise InvalidInput("the glTF file has integers where it should have floats")
-        start = described.get("byteOffset", 0)
+        start = entry.get("byteOffset", 0)
         width = WIDTHS[kind]
-        view = self.views[described["bufferView"]]
-        return np.frombuffer(view, np.float32, described["count"] * width, start).reshape(-1, width)
+        view = self.views[entry["bufferView"]]
+        return np.frombuffer(view, np.float32, entry["count"] * width, start).reshape(-1, width)
 
     def accessor(self, index: int) -> np.ndarray:
-        described = self.document["accessors"][index]
-        return self.floats(described, described["type"])
+        entry = self.document["accessors"][index]
+        return self.floats(entry, entry["type"])
 
     def add_view(self, content: bytes, like: int) -> int:
         """Adds a buffer view with the target and stride of another; returns its index."""
@@ -91,21 +91,21 @@ class Chunks:
 
     def add_negative(self, index: int) -> int:
         """An accessor with the negated values of another; returns its index."""
-        described = copy.deepcopy(self.document["accessors"][index])
-        holders = [described] if "bufferView" in described else []
-        if "sparse" in described:
-            holders.append(described["sparse"]["values"])
-            holders[-1]["count"] = described["sparse"]["count"]
+        entry = copy.deepcopy(self.document["accessors"][index])
+        holders = [entry] if "bufferView" in entry else []
+        if "sparse" in entry:
+            holders.append(entry["sparse"]["values"])
+            holders[-1]["count"] = entry["sparse"]["count"]
         for holder in holders:
-            values = -self.floats(holder, described["type"])
+            values = -self.floats(holder, entry["type"])
             holder["bufferView"] = self.add_view(values.tobytes(), holder["bufferView"])
             holder["byteOffset"] = 0
-        if "sparse" in described:
-            del described["sparse"]["values"]["count"]
-        if "min" in described:
-            low, high = described["min"], described["max"]
-            described["min"], described["max"] = [-v for v in high], [-v for v in low]
-        self.document["accessors"].append(described)
+        if "sparse" in entry:
+            del entry["sparse"]["values"]["count"]
+        if "min" in entry:
+            low, high = entry["min"], entry["max"]
+            entry["min"], entry["max"] = [-v for v in high], [-v for v in low]
+        self.document["accessors"].append(entry)
         return len(self.document["accessors"]) - 1
 
 
@@ -139,8 +139,8 @@ def retime(glb: bytes, rate: float) -> bytes:
         if len(steps) and np.ptp(steps) > 0.5 * steps.mean():
             raise InvalidInput("the animation's keys are not evenly spaced")
         seconds[:] = np.arange(len(seconds)) / rate
-        described = chunks.document["accessors"][accessor]
-        described["min"], described["max"] = [float(seconds[0])], [float(seconds[-1])]
+        entry = chunks.document["accessors"][accessor]
+        entry["min"], entry["max"] = [float(seconds[0])], [float(seconds[-1])]
     return chunks.to_bytes()
 
 

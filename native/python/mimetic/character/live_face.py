@@ -147,10 +147,10 @@ class LiveFace:
         step = np.round(level * (NUM_WIDTHS - 1)).astype(int)
         strokes = []
         for number in np.unique(step):
-            chosen = step == number
+            is_at_step = step == number
             width = QUIET_WIDTH + (FULL_WIDTH - QUIET_WIDTH) * number / (NUM_WIDTHS - 1)
-            repeated = np.repeat(colours[chosen], pairs.shape[1], axis=0)
-            strokes.append(Strokes(width, pairs[chosen].reshape(-1, 3), repeated))
+            point_colours = np.repeat(colours[is_at_step], pairs.shape[1], axis=0)
+            strokes.append(Strokes(width, pairs[is_at_step].reshape(-1, 3), point_colours))
         return strokes
 
     def nodes(self, pose: Pose) -> Patch:

@@ -36,19 +36,19 @@ class MuscleLines:
     def __init__(self, mesh: SkinMesh):
         self._mesh = mesh
         canonical = canonical_skin(mesh.template)
-        placed = [one.muscle for one in place_muscles(canonical, mesh, AnatomyPerturbation())]
+        muscles = [one.muscle for one in place_muscles(canonical, mesh, AnatomyPerturbation())]
         self.names = list(muscle_names())
         self.groups = muscle_groups()
-        fibres = [_core.muscle_fibres(muscle, NUM_STEPS) for muscle in placed]
-        self.muscle = np.repeat(np.arange(len(placed)), [len(lines) for lines in fibres])
+        fibres = [_core.muscle_fibres(muscle, NUM_STEPS) for muscle in muscles]
+        self.muscle = np.repeat(np.arange(len(muscles)), [len(lines) for lines in fibres])
         self._skin = find_on_skin(self._mesh, np.concatenate(fibres).reshape(-1, 3))
         # A ring has no bone: all of it is skin
         on_skin = np.linspace(0, 1, NUM_STEPS)
-        is_ring = [muscle.type == _core.MuscleType.sphincter for muscle in placed]
+        is_ring = [muscle.type == _core.MuscleType.sphincter for muscle in muscles]
         share = np.where(np.array(is_ring)[self.muscle, None], 1.0, on_skin[None])
         self._on_skin = share.reshape(-1)
-        nodes = [_core.insertion_nodes(muscle) for muscle in placed]
-        self.node_muscle = np.repeat(np.arange(len(placed)), [len(points) for points in nodes])
+        nodes = [_core.insertion_nodes(muscle) for muscle in muscles]
+        self.node_muscle = np.repeat(np.arange(len(muscles)), [len(points) for points in nodes])
         self._nodes = find_on_skin(self._mesh, np.concatenate(nodes))
 
     @cached_property

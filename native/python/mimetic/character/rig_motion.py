@@ -88,7 +88,7 @@ def facing(direction: str) -> Floats:
 
 
 def bone_channels(
-    moved: Motion,
+    head_motion: Motion,
     head: Bone,
     neck: Bone | None = None,
     neck_share: float = 0.0,
@@ -105,8 +105,8 @@ def bone_channels(
     if not 0 <= neck_share <= 1:
         raise InvalidInput(f"neck share is {neck_share}; it lies in 0 to 1")
     rotations, locations, of_neck = _core.bone_motion(
-        rotations=moved.rotations,
-        shifts=moved.shifts,
+        rotations=head_motion.rotations,
+        shifts=head_motion.shifts,
         head_rest=head.rest,
         neck_rest=None if neck is None else neck.rest,
         axes=facing(direction),
@@ -120,7 +120,7 @@ def bone_channels(
 
 
 def object_channels(
-    moved: Motion,
+    head_motion: Motion,
     basis: ArrayLike,
     world_from_parent: ArrayLike,
     rotation_mode: str,
@@ -135,11 +135,11 @@ def object_channels(
     basis, parent = np.asarray(basis, dtype=np.float64), np.asarray(world_from_parent, dtype=float)
     own = rotation_of(basis[:3, :3], "object")
     axes = rotation_of(parent[:3, :3], "parent") @ own @ facing(direction)
-    return carried_channels(moved, basis[:3, 3], own, parent, axes, rotation_mode, scale)
+    return carried_channels(head_motion, basis[:3, 3], own, parent, axes, rotation_mode, scale)
 
 
 def carried_channels(
-    moved: Motion,
+    head_motion: Motion,
     location: ArrayLike,
     rotation: ArrayLike,
     world_from_parent: ArrayLike,
@@ -153,7 +153,13 @@ def carried_channels(
     from the character frame; scale: of shifts.
     """
     rotations, locations = _core.carry_object(
-        moved.rotations, moved.shifts, location, rotation, world_from_parent, axes, scale
+        head_motion.rotations,
+        head_motion.shifts,
+        location,
+        rotation,
+        world_from_parent,
+        axes,
+        scale,
     )
     return _channels(rotations, locations, rotation_mode)
 
@@ -178,9 +184,9 @@ def placed_channels(
     return _channels(rotations, locations, rotation_mode)
 
 
-def followed(before: ArrayLike, after: ArrayLike, turned: float) -> float:
-    """The part (0 to 1) of a turn by `turned` radians that took `before` to `after` (3 x 3)."""
-    return float(np.clip(_core.turn_between(before, after) / turned, 0, 1))
+def followed(before: ArrayLike, after: ArrayLike, angle: float) -> float:
+    """The part (0 to 1) of a turn by `angle` radians that took `before` to `after` (3 x 3)."""
+    return float(np.clip(_core.turn_between(before, after) / angle, 0, 1))
 
 
 def _channels(rotations: Floats, locations: Floats | None, rotation_mode: str) -> Channels:

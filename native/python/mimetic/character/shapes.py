@@ -92,8 +92,8 @@ def slider_shapes_of(performance: Performance) -> list[Shape]:
     """
     shapes = shapes_of(performance.without_detail())
     names = [shape.name for shape in gaze_shapes(performance)]
-    kept = [shape for shape in shapes if shape.name not in names]
-    return gaze_sliders(performance, kept)
+    remaining_shapes = [shape for shape in shapes if shape.name not in names]
+    return gaze_sliders(performance, remaining_shapes)
 
 
 def groups_of(performance: Performance) -> list[Shape]:
@@ -111,9 +111,9 @@ def group_shapes(names: Sequence[str], groups: ArrayLike, modes: NDArray) -> lis
     shapes = []
     for group in GROUPS:
         for side in SIDES:
-            chosen = (groups == group) & [name.endswith(side) for name in names]
-            if chosen.any():
-                offsets = np.asarray(modes)[chosen].sum(axis=0, dtype=np.float64)
+            is_member = (groups == group) & [name.endswith(side) for name in names]
+            if is_member.any():
+                offsets = np.asarray(modes)[is_member].sum(axis=0, dtype=np.float64)
                 shapes.append(_slider(group_name(group, side), GROUPS[group], offsets, -1.0, 1.0))
     return shapes
 

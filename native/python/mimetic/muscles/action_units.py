@@ -48,25 +48,25 @@ def unit_meanings() -> dict[str, str]:
 def action_unit(name: str, neutral: NDArray[np.float64], template: FaceTemplate) -> ActionUnit:
     """A unit on a person's neutral vertices (V x 3); raises InvalidInput if there is none such."""
     table = _table()
-    known = {entry["name"]: entry for entry in (*table["unit"], *table["sum"])}
-    wanted = name.upper() if name.upper().startswith("AU") else f"AU{name}"
-    if wanted not in known:
-        raise InvalidInput(f"{name} is no action unit that is known: {', '.join(known)}")
+    entries = {entry["name"]: entry for entry in (*table["unit"], *table["sum"])}
+    unit_name = name.upper() if name.upper().startswith("AU") else f"AU{name}"
+    if unit_name not in entries:
+        raise InvalidInput(f"{name} is no action unit that is known: {', '.join(entries)}")
     check_mesh(neutral, template)
     warp = _warp(neutral, template)
     is_skin = is_face(template)
-    entry = known[wanted]
-    shares = entry.get("shares", {wanted: 1.0})
+    entry = entries[unit_name]
+    shares = entry.get("shares", {unit_name: 1.0})
     mode = np.zeros_like(neutral)
     reach = np.zeros(len(neutral))
     for part, share in shares.items():
-        rows = np.array(_both_sides(known[part]["points"]))
+        rows = np.array(_both_sides(entries[part]["points"]))
         places = warp(rows[:, :3])
         radius = table["radius"] * table["unit_metres"]
-        moved = rows[:, 3:] * table["unit_metres"]
-        mode += share * _core.displacement_about(neutral, is_skin, places, moved, radius)
+        displacements = rows[:, 3:] * table["unit_metres"]
+        mode += share * _core.displacement_about(neutral, is_skin, places, displacements, radius)
         reach = np.maximum(reach, _core.nearness_to(neutral, is_skin, places, radius))
-    return ActionUnit(wanted, entry["meaning"], entry["group"], mode, reach)
+    return ActionUnit(unit_name, entry["meaning"], entry["group"], mode, reach)
 
 
 def unit_sides(

@@ -157,7 +157,7 @@ def attach_skin(
 def modes_of(skin: AttachedSkin, perturbation: AnatomyPerturbation | None = None) -> Anatomy:
     """Muscles, jaw and lids on a skin that is attached; strengths as it was calibrated."""
     mesh = skin.mesh
-    pulled = pull(skin, canonical_skin(mesh.template), perturbation)
+    pulls = pull(skin, canonical_skin(mesh.template), perturbation)
     jaw = Jaw(mesh)
     jaw_modes = _core.jaw_modes(skin, jaw, _core.HeadOnJaw.of(mesh, jaw))
     bones = [*jaw_modes, *_core.lid_modes(mesh)]
@@ -165,8 +165,8 @@ def modes_of(skin: AttachedSkin, perturbation: AnatomyPerturbation | None = None
     return Anatomy(
         muscle_names=muscle_names(),
         groups=muscle_groups(),
-        muscle_modes=skin.spread(pulled.responses * pulled.strengths[:, None, None]),
-        muscle_strengths=pulled.strengths,
+        muscle_modes=skin.spread(pulls.responses * pulls.strengths[:, None, None]),
+        muscle_strengths=pulls.strengths,
         articulator_names=tuple(modes),
         articulator_modes=np.stack(list(modes.values())),
         articulator_limits=np.array(list(ARTICULATORS.values())),
@@ -197,9 +197,9 @@ def pull(
     shifts = skin.calibration.insertion_shifts(names)
     perturbation = perturbation or AnatomyPerturbation()
     muscles = place_muscles(canonical, skin.mesh, perturbation, shifts)
-    pulled = _core.pull_person(skin, skin.mesh, muscles)
+    pulls = _core.pull_person(skin, skin.mesh, muscles)
     factors = skin.calibration.strength_factors(names)
-    return Pulled(pulled.forces, pulled.responses, pulled.strengths * factors)
+    return Pulled(pulls.forces, pulls.responses, pulls.strengths * factors)
 
 
 def muscle_names() -> tuple[str, ...]:

@@ -47,9 +47,9 @@ class Calibration:
 
     def __post_init__(self) -> None:
         self.stiffness = _factors("stiffness", self.stiffness, len(REGIONS))
-        if unknown := sorted(self.stiffness.keys() - REGIONS.keys()):
+        if unknown_regions := sorted(self.stiffness.keys() - REGIONS.keys()):
             raise InvalidInput(
-                f"calibration's stiffness names {', '.join(unknown)}; the regions are "
+                f"calibration's stiffness names {', '.join(unknown_regions)}; the regions are "
                 f"{', '.join(REGIONS)}: calibrate again"
             )
         self.strength = _factors("strength", self.strength, MOST_MUSCLES)
@@ -76,10 +76,10 @@ class Calibration:
         return np.array([self.insertion.get(name, (0.0, 0.0)) for name in names])
 
     def _check_muscles(self, names: tuple[str, ...]) -> None:
-        if unknown := sorted((self.strength.keys() | self.insertion.keys()) - set(names)):
+        if unknown_names := sorted((self.strength.keys() | self.insertion.keys()) - set(names)):
             raise InvalidInput(
                 f"the face fit's calibration names muscles that there are not: "
-                f"{', '.join(unknown[:5])}: calibrate again"
+                f"{', '.join(unknown_names[:5])}: calibrate again"
             )
 
     def notes(self) -> list[str]:
@@ -106,8 +106,10 @@ class Calibration:
         """Raises InvalidInput naming what is wrong."""
         if not isinstance(document, dict):
             raise InvalidInput("face fit's calibration must be an object")
-        if unknown := sorted(document.keys() - set(KEYS)):
-            raise InvalidInput(f"face fit's calibration has unknown keys: {', '.join(unknown)}")
+        if unknown_keys := sorted(document.keys() - set(KEYS)):
+            raise InvalidInput(
+                f"face fit's calibration has unknown keys: {', '.join(unknown_keys)}"
+            )
         return cls(**document)
 
 
@@ -127,20 +129,21 @@ def _is_frame(value: object) -> bool:
 def _factors(key: str, factors: object, most: int) -> dict[str, float]:
     if not isinstance(factors, Mapping) or len(factors) > most:
         raise InvalidInput(f"calibration's {key} must be an object of at most {most} factors")
-    checked = {}
+    checked_factors = {}
     for name, value in named(key, dict(factors)):
-        checked[name] = float(numbers(f"{key} {name}", value, ()))
-        if not LEAST <= checked[name] <= MOST:
+        checked_factors[name] = float(numbers(f"{key} {name}", value, ()))
+        if not LEAST <= checked_factors[name] <= MOST:
             raise InvalidInput(
-                f"calibration's {key} {name} is {checked[name]:g}, not {LEAST:g} to {MOST:g}"
+                f"calibration's {key} {name} is {checked_factors[name]:g}, not {LEAST:g} to "
+                f"{MOST:g}"
             )
-    return checked
+    return checked_factors
 
 
 def _shifts(shifts: object) -> dict[str, tuple[float, float]]:
     if not isinstance(shifts, Mapping) or len(shifts) > MOST_MUSCLES:
         raise InvalidInput(f"calibration's insertion must be an object of at most {MOST_MUSCLES}")
-    checked = {}
+    checked_shifts = {}
     for name, value in named("insertion", dict(shifts)):
         x, y = numbers(f"insertion {name}", value, (2,))
         if np.hypot(x, y) > FARTHEST:
@@ -148,5 +151,5 @@ def _shifts(shifts: object) -> dict[str, tuple[float, float]]:
                 f"calibration's insertion {name} is moved by {np.hypot(x, y):.3g} mm, "
                 f"at most {FARTHEST:g} are allowed"
             )
-        checked[name] = (float(x), float(y))
-    return checked
+        checked_shifts[name] = (float(x), float(y))
+    return checked_shifts

@@ -64,12 +64,13 @@ def eye_rest(mesh: SkinMesh, frame: EyeFrame) -> _core.EyeRest:
     return _core.rest_on_eye(mesh.whole_surface, margin, skin, frame.centre, reach, mesh.size)
 
 
-def lip_slit(mesh: SkinMesh, refined: bool = True) -> _core.Slit:
+def lip_slit(mesh: SkinMesh, is_refined: bool = True) -> _core.Slit:
     """The two lips as far as they can touch, the mouth's lining behind them included.
 
-    refined: all vertices of the refined skin, or those alone that are its control vertices' limits.
+    is_refined: all vertices of the refined skin, or those alone that are its control vertices'
+    limits.
     """
-    triangles = mesh.triangles if refined else split_quads(mesh.vertices, mesh.faces)
+    triangles = mesh.triangles if is_refined else split_quads(mesh.vertices, mesh.faces)
     margin = mesh.vertices[mesh.vertices_between("skin", "mouth_cavity")]
     inner = mesh.vertices[[mesh.landmark(f"lip_{lip}_inner") for lip in ("upper", "lower")]]
     return _core.lip_slit(mesh.vertices, triangles, mesh.whole_surface, margin, inner, mesh.size)
@@ -77,7 +78,7 @@ def lip_slit(mesh: SkinMesh, refined: bool = True) -> _core.Slit:
 
 def lid_slit(mesh: SkinMesh, side: str) -> _core.Slit:
     """The rims of one eye's lids, without the corners that they share."""
-    chosen = mesh.vertices_between("skin", "eye_socket")
-    margin = chosen[(mesh.vertices[chosen, 0] > 0) == (side == "L")]
+    rims = mesh.vertices_between("skin", "eye_socket")
+    margin = rims[(mesh.vertices[rims, 0] > 0) == (side == "L")]
     corners = mesh.vertices[[mesh.landmark(f"eye_{end}.{side}") for end in ("inner", "outer")]]
     return _core.lid_slit(mesh.vertices, margin, corners, mesh.size)

@@ -30,11 +30,13 @@ class Detail:
     std: NDArray[np.float64]
 
 
-def detail_of(skin: AttachedSkin, unmeasured: tuple[str, ...], count: int = NUM_MODES) -> Detail:
+def detail_of(
+    skin: AttachedSkin, unmeasured_regions: tuple[str, ...], count: int = NUM_MODES
+) -> Detail:
     """The modes of a person's skin but for the regions named."""
     mesh = skin.mesh
     count_skin = int(mesh.template.num_skin_vertices)
-    weights = (~mesh.template.in_region(*unmeasured))[:count_skin].astype(np.float64)
+    weights = (~mesh.template.in_region(*unmeasured_regions))[:count_skin].astype(np.float64)
     modes = low_energy_modes(
         skin, count, visible_area(mesh) * multiply(mesh.stencils, weights), FRONTAL
     )

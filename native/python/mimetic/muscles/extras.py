@@ -45,10 +45,10 @@ def extras_table() -> list[dict]:
 def attach_extras(skin: AttachedSkin) -> Extras:
     """The extras of a person whose skin is attached (`anatomy.attach_skin`)."""
     mesh = skin.mesh
-    placed = place_extras(mesh)
-    measured = mesh.stencil_rows_at([extra.measured.vertex for extra in placed])
+    extras = place_extras(mesh)
+    stencil_rows = mesh.stencil_rows_at([extra.measured.vertex for extra in extras])
     mouth = _core.MouthFrame(mesh)
-    responses = _core.extra_responses(skin, mesh.surface, mouth, placed, measured)
+    responses = _core.extra_responses(skin, mesh.surface, mouth, extras, stencil_rows)
     modes = dict(zip(loading_names(), skin.spread(responses), strict=True))
     for frame in eye_frames(mesh):
         eye = mesh.template.part_vertices(f"eye.{frame.side}")
@@ -66,10 +66,10 @@ def with_lip_shapes(anatomy: Anatomy, skin: AttachedSkin) -> Anatomy:
     """The anatomy with LIP_SHAPES among its articulators."""
     mesh = skin.mesh
     every = dict(zip(loading_names(), place_extras(mesh), strict=True))
-    placed = [every[name] for name in LIP_SHAPES]
-    measured = mesh.stencil_rows_at([extra.measured.vertex for extra in placed])
+    extras = [every[name] for name in LIP_SHAPES]
+    stencil_rows = mesh.stencil_rows_at([extra.measured.vertex for extra in extras])
     mouth = _core.MouthFrame(mesh)
-    responses = _core.extra_responses(skin, mesh.surface, mouth, placed, measured)
+    responses = _core.extra_responses(skin, mesh.surface, mouth, extras, stencil_rows)
     return replace(
         anatomy,
         articulator_names=(*anatomy.articulator_names, *LIP_SHAPES),

@@ -46,11 +46,11 @@ def eye_geometry(vertices: NDArray[np.float64], template: FaceTemplate) -> EyeGe
 
 
 def limit_of(
-    vertices: NDArray[np.float64], template: FaceTemplate, chosen: NDArray[np.int32]
+    vertices: NDArray[np.float64], template: FaceTemplate, part_vertices: NDArray[np.int32]
 ) -> NDArray[np.float64]:
     """K x 3: where the limit surface has the control vertices (K) of a whole part."""
-    faces = template.faces[np.isin(template.faces, chosen).all(axis=1)]
-    used, own = np.unique(faces, return_inverse=True)
+    faces = template.faces[np.isin(template.faces, part_vertices).all(axis=1)]
+    indices, own = np.unique(faces, return_inverse=True)
     quads = np.ascontiguousarray(own.reshape(-1, 4), dtype=np.int32)
-    mesh = _core.SubdividedMesh(quads, len(used), 0)
-    return mesh.positions(np.ascontiguousarray(vertices[used]))[: len(used)]
+    mesh = _core.SubdividedMesh(quads, len(indices), 0)
+    return mesh.positions(np.ascontiguousarray(vertices[indices]))[: len(indices)]

@@ -102,13 +102,13 @@ def load_skin(
     neutral = np.ascontiguousarray(neutral_vertices, dtype=np.float64)
     mesh = SkinMesh(template, neutral)
     skin = AttachedSkin(mesh, perturbation.stiffness_factor, calibration)
-    pulled = pull(skin, canonical_skin(template), perturbation)
+    pulls = pull(skin, canonical_skin(template), perturbation)
     jaw = Jaw(mesh)
     jaw_forces = skin.foundation_forces(np.stack([jaw.under_skin(name) for name in JAW]))
     return LoadedSkin(
         skin,
         (*muscle_names(), *JAW),
-        np.concatenate([pulled.forces * pulled.strengths[:, None, None], jaw_forces]),
+        np.concatenate([pulls.forces * pulls.strengths[:, None, None], jaw_forces]),
     )
 
 

@@ -47,13 +47,13 @@ class SkinResponse:
             region_weights(mesh),
         )
 
-    def evaluate(self, calibration: Calibration, moved: Sequence[int] = ()) -> ResponsiveModes:
-        """Modes and derivatives, those by insertion for the muscles `moved`; one factorisation."""
+    def evaluate(self, calibration: Calibration, muscles: Sequence[int] = ()) -> ResponsiveModes:
+        """Modes and derivatives, those by insertion for `muscles`, indices; one factorisation."""
         modes, by_stiffness, by_insertion = self._core.evaluate(
             stiffness=calibration.region_factors(),
             strength=calibration.strength_factors(self.names),
             insertion_mm=calibration.insertion_shifts(self.names),
-            moved=list(moved),
+            moved=list(muscles),
         )
         return ResponsiveModes(
             modes,
