@@ -87,17 +87,17 @@ def compare(
     peak = int(values.argmax())
     areas = _core.skin_areas(neutral, template.faces, is_face(template))
     stds = displacement_std(performance, int(rows[peak]))
-    seen = displacements[peak]
+    motion = displacements[peak]
     frames = performance.frame.astype(np.float64)[rows]
     begin, apex = np.searchsorted(frames, (event.fit.shape.onset, event.fit.shape.apex))
     begin = int(np.clip(begin, 0, len(rows) - 2))
     apex = int(np.clip(apex, begin + 1, len(rows) - 1))
-    spatial = _core.compare_displacements(seen, unit.mode, areas, stds, unit.reach)
+    spatial = _core.compare_displacements(motion, unit.mode, areas, stds, unit.reach)
     places = named_places(neutral, template)
     return Comparison(
         *(performance, event, unit, rows, peak, displacements, areas, stds, spatial),
         _core.compare_courses(np.ascontiguousarray(displacements), areas, begin, apex),
-        _place_motions(seen, spatial.intensity, unit, stds, places),
+        _place_motions(motion, spatial.intensity, unit, stds, places),
     )
 
 
@@ -118,13 +118,13 @@ def displacement_std(performance: Performance, i: int) -> NDArray[np.float64]:
 def _event_of(timing: Timing, unit: ActionUnit, number: int | None, only_certain: bool) -> Event:
     events = timing.of_group(unit.group)
     if number is not None:
-        chosen = [event for event in events if event.number == number]
-        if not chosen:
+        matches = [event for event in events if event.number == number]
+        if not matches:
             raise InvalidInput(
                 f"--event {number}: group {unit.group} has {len(events)} events (phases.csv of "
                 "`mimetic analyse` lists them)"
             )
-        return chosen[0]
+        return matches[0]
     whole = [
         event
         for event in events
@@ -139,7 +139,7 @@ def _event_of(timing: Timing, unit: ActionUnit, number: int | None, only_certain
 
 
 def _place_motions(
-    seen: NDArray[np.float64],
+    motion: NDArray[np.float64],
     intensity: float,
     unit: ActionUnit,
     stds: NDArray[np.float64],
@@ -148,8 +148,8 @@ def _place_motions(
     motions = []
     for place, weights in places.items():
         share = weights / max(1e-12, float(weights.sum()))
-        lengths = [np.sqrt((field**2).sum(axis=1)) for field in (seen, intensity * unit.mode)]
-        moved, by_unit, std = (float(1000 * share @ values) for values in (*lengths, stds))
+        lengths = [np.sqrt((field**2).sum(axis=1)) for field in (motion, intensity * unit.mode)]
+        in_video, by_unit, std = (float(1000 * share @ values) for values in (*lengths, stds))
         is_in_reach = bool((unit.reach[weights > 0] > 0).any())
-        motions.append(PlaceMotion(place, moved, by_unit, std, is_in_reach))
+        motions.append(PlaceMotion(place, in_video, by_unit, std, is_in_reach))
     return motions

@@ -71,21 +71,21 @@ def course_figure(comparison: Comparison, template: FaceTemplate) -> Figure:
 def difference_figure(comparison: Comparison, template: FaceTemplate) -> Figure:
     """How far skin moves by the unit and in the video, and the difference (Fig. 9)."""
     neutral = comparison.performance.neutral_vertices
-    by_unit, seen, excess = motion_lengths(comparison)
-    is_certain = 1000 * comparison.stds * SIGNIFICANT < np.maximum(seen, by_unit)
-    top = max(float(seen.max()), float(by_unit.max()), 0.5)
+    by_unit, in_video, excess = motion_lengths(comparison)
+    is_certain = 1000 * comparison.stds * SIGNIFICANT < np.maximum(in_video, by_unit)
+    top = max(float(in_video.max()), float(by_unit.max()), 0.5)
     widest = max(float(np.abs(excess[is_certain]).max(initial=0.0)), 0.5)
     figure, axes = new_figure(1, 3, (7.2, 4.0), sharex=False)
     columns = (
         (f"(a) {comparison.unit.name} of FACS", by_unit, comparison.by_unit, "viridis", 0, top),
-        ("(b) video", seen, comparison.seen, "viridis", 0, top),
+        ("(b) video", in_video, comparison.seen, "viridis", 0, top),
         ("(c) video less FACS", excess, comparison.seen, "coolwarm", -widest, widest),
     )
     for column, (title, values, offset, colours, low, high) in enumerate(columns):
         panel = axes[0, column]
         mask = is_certain if column == 2 else None
-        drawn = (values, colours, low, high, mask)
-        draw_head(panel, neutral + offset, template, drawn, areas=comparison.areas)
+        colouring = (values, colours, low, high, mask)
+        draw_head(panel, neutral + offset, template, colouring, areas=comparison.areas)
         panel.set_title(title, fontsize=9, color=INK)
         _colour_bar(figure, panel, colours, low, high)
     return figure
@@ -96,8 +96,8 @@ def motion_lengths(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """V each, millimetres: motion by the unit, observed motion, and the difference."""
     by_unit = 1000 * np.sqrt((comparison.by_unit**2).sum(axis=1))
-    seen = 1000 * np.sqrt((comparison.seen**2).sum(axis=1))
-    return by_unit, seen, seen - by_unit
+    in_video = 1000 * np.sqrt((comparison.seen**2).sum(axis=1))
+    return by_unit, in_video, in_video - by_unit
 
 
 def control_points(
@@ -115,21 +115,24 @@ def control_points(
     neutral = comparison.performance.neutral_vertices
     places.sort(key=lambda place: -neutral[place[1], 1])
     vertices = [vertex for _, vertex in places]
-    seen = 1000 * np.sqrt((comparison.displacements[:, vertices] ** 2).sum(axis=2)).T
+    in_video = 1000 * np.sqrt((comparison.displacements[:, vertices] ** 2).sum(axis=2)).T
     unit = 1000 * np.sqrt((comparison.by_unit[vertices] ** 2).sum(axis=1))
     ramp = comparison.temporal.ramp / max(1e-9, float(comparison.temporal.ramp.max()))
-    return [name for name, _ in places], seen, unit[:, None] * ramp
+    return [name for name, _ in places], in_video, unit[:, None] * ramp
 
 
 def draw_head(
     panel: Axes,
     vertices: NDArray[np.float64],
     template: FaceTemplate,
-    coloured: tuple | None,
+    colouring: tuple | None,
     is_wire: bool = False,
     areas: NDArray[np.float64] | None = None,
 ) -> None:
-    """The skin seen from the front; coloured: values, colour map, lowest, highest, mask or None."""
+    """The skin seen from the front.
+
+    colouring: values, colour map, lowest, highest, mask or None.
+    """
     from matplotlib import colormaps
     from matplotlib.collections import PolyCollection
 
@@ -138,9 +141,9 @@ def draw_head(
     quads = faces[view.faces]
     corners = vertices[quads][:, :, :2]
     shades = np.asarray(view.shades)[:, None]
-    colours = np.tile(SKIN if coloured is None else GREY, (len(quads), 1))
-    if coloured is not None:
-        values, name, low, high, mask = coloured
+    colours = np.tile(SKIN if colouring is None else GREY, (len(quads), 1))
+    if colouring is not None:
+        values, name, low, high, mask = colouring
         share = (values[quads].mean(axis=1) - low) / (high - low)
         is_drawn = np.ones(len(quads), bool) if areas is None else (areas[quads] > 0).all(axis=1)
         if mask is not None:
@@ -148,12 +151,14 @@ def draw_head(
         colours[is_drawn] = colormaps[name](share[is_drawn])[:, :3]
         shades = 0.6 + 0.4 * shades
     if is_wire:
-        drawn = PolyCollection(corners, facecolors="white", edgecolors=INK, linewidths=0.15)
+        collection = PolyCollection(corners, facecolors="white", edgecolors=INK, linewidths=0.15)
     else:
-        painted = np.clip(colours * shades, 0, 1)
-        drawn = PolyCollection(corners, facecolors=painted, edgecolors=painted, linewidths=0.3)
-    drawn.set_rasterized(True)
-    panel.add_collection(drawn)
+        face_colours = np.clip(colours * shades, 0, 1)
+        collection = PolyCollection(
+            corners, facecolors=face_colours, edgecolors=face_colours, linewidths=0.3
+        )
+    collection.set_rasterized(True)
+    panel.add_collection(collection)
     panel.set(xlim=(-0.085, 0.085), ylim=(LOWEST, HIGHEST), aspect="equal")
     panel.set_axis_off()
 

@@ -105,12 +105,12 @@ def _write_tables(comparison: Comparison, template: FaceTemplate, folder: Path) 
         ["place", "seen_mm", "unit_mm", "std_mm", "is_in_reach_of_unit", "more_than_unit"],
     )
     frames = comparison.performance.frame[comparison.rows]
-    names, seen, by_unit = control_points(comparison, template)
+    names, in_video, by_unit = control_points(comparison, template)
     write_table(
         folder / "courses.csv",
         (
             {"frame": int(frame), "point": name, "seen_mm": s, "unit_mm": u}
-            for name, seen_row, unit_row in zip(names, seen, by_unit, strict=True)
+            for name, seen_row, unit_row in zip(names, in_video, by_unit, strict=True)
             for frame, s, u in zip(frames, seen_row.tolist(), unit_row.tolist(), strict=True)
         ),
         ["frame", "point", "seen_mm", "unit_mm"],

@@ -96,10 +96,10 @@ def _feet(
     """Vertices of the face that the camera sees, one in each cube of APART."""
     in_camera = performance.surface_in_camera(i) * [1, -1, -1]  # up and towards the viewer
     quads = template.skin_faces[_core.faces_in_view(in_camera, template.skin_faces).faces]
-    seen = np.unique(quads[is_face[quads].all(axis=1)])
-    cells = np.floor(performance.neutral_vertices[seen] / APART).astype(int)
-    _, chosen = np.unique(cells, axis=0, return_index=True)
-    return seen[np.sort(chosen)]
+    visible_vertices = np.unique(quads[is_face[quads].all(axis=1)])
+    cells = np.floor(performance.neutral_vertices[visible_vertices] / APART).astype(int)
+    _, indices = np.unique(cells, axis=0, return_index=True)
+    return visible_vertices[np.sort(indices)]
 
 
 def motion_figure(fields: MotionFields, comparison: Comparison, template: FaceTemplate) -> Figure:

@@ -88,7 +88,7 @@ def _smile(event: Event, timing: Timing, fps: float) -> Smile:
     eyes = delay.follower if delay else _overlapping(event, timing)
     rise, rise_spread = fit.apex.value - fit.onset.value, _gap(fit.onset, fit.apex)
     fall = _fall_frames(fit)
-    unknown = Estimate(math.nan, math.nan, math.nan)
+    blank = Estimate(math.nan, math.nan, math.nan)
     begins = not fit.begins_before
     whole = begins and not fit.ends_after
     amplitude = _about(fit.amplitude)
@@ -98,11 +98,11 @@ def _smile(event: Event, timing: Timing, fps: float) -> Smile:
     return Smile(
         event,
         eyes,
-        onset if begins else unknown,
-        Estimate(total / fps, (total - spread) / fps, (total + spread) / fps) if whole else unknown,
-        _quotient(amplitude, onset) if begins else unknown,
+        onset if begins else blank,
+        Estimate(total / fps, (total - spread) / fps, (total + spread) / fps) if whole else blank,
+        _quotient(amplitude, onset) if begins else blank,
         _asymmetry(event, timing),
-        _quotient(_about(eyes.fit.amplitude), amplitude) if eyes else unknown,
+        _quotient(_about(eyes.fit.amplitude), amplitude) if eyes else blank,
         delay if delay and delay.follower is eyes else None,
     )
 

@@ -44,7 +44,7 @@ def _phase_row(event: Event, fps: float) -> dict[str, object]:
     fit, shape = event.fit, event.fit.shape
     begins, ends = not fit.begins_before, not fit.ends_after
     two = shape.model == _core.PhaseModel.two_exponentials and ends
-    curved = shape.model != _core.PhaseModel.linear_ramp
+    is_curved = shape.model != _core.PhaseModel.linear_ramp
     return {
         "kind": event.curve.kind,
         "name": event.curve.name,
@@ -66,7 +66,7 @@ def _phase_row(event: Event, fps: float) -> dict[str, object]:
         "r2": fit.explained,
         "linear_ramp_r2": fit.linear_explained,
         **{f"bic_{model}": fit.bic[i] for i, model in enumerate(_core.PhaseModel.__members__)},
-        "release_is": "exponential" if curved else "straight",
+        "release_is": "exponential" if is_curved else "straight",
         "begins_before_clip": fit.begins_before,
         "ends_after_clip": fit.ends_after,
     }

@@ -95,9 +95,9 @@ def curves_of(performance: Performance) -> Iterator[Curve]:
     for group, name in GROUP_NAMES.items():
         for side in SIDES:
             is_of_side = np.array([muscle.endswith(side) for muscle in performance.muscles])
-            chosen = (performance.groups == group) & is_of_side
-            if chosen.any():
-                names["side", f"{name}{side}", group] = chosen
+            is_member = (performance.groups == group) & is_of_side
+            if is_member.any():
+                names["side", f"{name}{side}", group] = is_member
     for i, (muscle, group) in enumerate(zip(performance.muscles, performance.groups, strict=True)):
         names["muscle", muscle, int(group)] = np.arange(len(performance.muscles)) == i
     members = np.array(list(names.values()), dtype=np.float64)

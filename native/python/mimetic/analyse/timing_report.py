@@ -106,12 +106,12 @@ def _delay_parts(pairs: list[GroupDelay], pictures: dict[str, bytes]) -> Iterato
     if not pairs:
         yield drawing.paragraph("No two groups have certain events that begin near each other.")
         return
-    delayed = [pair for pair in pairs if pair.delay.is_delayed]
+    delayed_pairs = [pair for pair in pairs if pair.delay.is_delayed]
     yield drawing.picture(pictures["delays"], "delays between groups")
     yield drawing.paragraph(
-        f"{len(delayed)} of {len(pairs)} pairs are delayed: the 95 % interval excludes 0, fewer "
-        "than 5 % of circular shifts correlate as well, and the fitted onsets and apexes agree "
-        "in sign.",
+        f"{len(delayed_pairs)} of {len(pairs)} pairs are delayed: the 95 % interval excludes 0, "
+        "fewer than 5 % of circular shifts correlate as well, and the fitted onsets and apexes "
+        "agree in sign.",
         "caption",
     )
 

@@ -73,8 +73,8 @@ def _in_folder(folder: Path, frames: str, character: str) -> Iterator[Row]:
 def _is_result(path: Path, folder: Path) -> bool:
     """Whether a batch has written it, or it lies in a hidden folder."""
     between = [parent for parent in path.parents if folder in (parent, *parent.parents)]
-    hidden = any(parent.name.startswith(".") for parent in between if parent != folder)
-    return hidden or any((parent / MARK).exists() for parent in between)
+    is_hidden = any(parent.name.startswith(".") for parent in between if parent != folder)
+    return is_hidden or any((parent / MARK).exists() for parent in between)
 
 
 def _in_table(path: Path, frames: str, character: str) -> Iterator[Row]:

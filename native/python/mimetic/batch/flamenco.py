@@ -84,7 +84,7 @@ def _request(url: str, document: dict[str, Any] | None = None) -> dict[str, Any]
     try:
         with urllib.request.urlopen(request, timeout=TIMEOUT) as answer:
             content = answer.read(LARGEST_ANSWER)
-        parsed = parse_json(content)
+        reply = parse_json(content)
     except urllib.error.HTTPError:
         raise
     except OSError as error:
@@ -92,9 +92,9 @@ def _request(url: str, document: dict[str, Any] | None = None) -> dict[str, Any]
         raise UnreadableMedia(f"{url}: no Flamenco Manager is reached: {reason}") from None
     except InvalidInput:
         raise UnreadableMedia(f"{url}: this is no Flamenco Manager's answer") from None
-    if not isinstance(parsed, dict):
+    if not isinstance(reply, dict):
         raise UnreadableMedia(f"{url}: this is no Flamenco Manager's answer")
-    return parsed
+    return reply
 
 
 def _reason(error: urllib.error.HTTPError) -> str:

@@ -52,9 +52,9 @@ def _parts(batch: Batch, failures: Mapping[str, str]) -> Iterator[str]:
     yield "<meta name='viewport' content='width=device-width, initial-scale=1'>"
     yield f"<title>{title}</title><style>{STYLE}{STYLE_OF_CLIPS}</style></head><body>"
     yield f"<h1>{title}</h1><div class='facts'>"
-    held = sum(int(task.take.get("num_held", 0)) for task, why in states if why == "")
+    num_held = sum(int(task.take.get("num_held", 0)) for task, why in states if why == "")
     facts = [(num_done, "clips done"), (num_failed, "failed"), (num_waiting, "not done yet")]
-    facts.append((held, "frames held in all"))
+    facts.append((num_held, "frames held in all"))
     for number, text in facts:
         yield f"<div><b>{number}</b><span>{text}</span></div>"
     yield "</div>"
@@ -121,9 +121,10 @@ def _lone_card(clip: str, why: str) -> str:
 def _described(task: Task) -> str:
     take = task.take
     first, last = take["frames"]
-    held = f", {take['num_held']} frames held" if take["num_held"] else ""
+    holds = f", {take['num_held']} frames held" if take["num_held"] else ""
     return (
-        f"quality {take['median']:.2f}, lowest {take['lowest']:.2f}{held}; frames {first} to {last}"
+        f"quality {take['median']:.2f}, lowest {take['lowest']:.2f}{holds}; "
+        f"frames {first} to {last}"
     )
 
 

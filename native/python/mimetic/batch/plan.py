@@ -55,12 +55,12 @@ def prepare(out: Path, rows: Sequence[Row], settings: Settings) -> Batch:
     batch = Batch(out, [], [])
     names = {PLAN, PAGE, FOLDER, TEMPLATE}
     prepare_people(out, rows)
-    known = _known_folders(out)
+    folders = _known_folders(out)
     for row in rows:
         if row.problem and not Path(row.clip).is_file():
             batch.problems.append(row)
             continue
-        before = known.get(row.identity)  # of rows that differ by their fit alone there are more
+        before = folders.get(row.identity)  # of rows that differ by their fit alone there are more
         name = before.pop(0) if before else _free_name(out, row, names)
         names.add(name.lower())
         batch.tasks.append(_prepared(out / name, row, settings))
@@ -114,13 +114,13 @@ def reload(batch: Batch) -> dict[str, str]:
 
 def _known_folders(out: Path) -> dict[tuple[str, str, str], list[str]]:
     """Names of the folders of results by what they are of, in the order of their numbers."""
-    known: dict[tuple[str, str, str], list[str]] = {}
+    folders: dict[tuple[str, str, str], list[str]] = {}
     for path in sorted(out.glob(f"*/{MARK}"), key=lambda path: (len(path.parent.name), path)):
         try:
-            known.setdefault(Task.load(path.parent).row.identity, []).append(path.parent.name)
+            folders.setdefault(Task.load(path.parent).row.identity, []).append(path.parent.name)
         except (InvalidInput, UnreadableMedia):
             continue
-    return known
+    return folders
 
 
 def _free_name(out: Path, row: Row, names: Iterable[str]) -> str:

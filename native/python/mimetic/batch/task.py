@@ -121,8 +121,8 @@ def _checked_fields(document: Any) -> dict[str, Any]:
     if not all(isinstance(value, str) for value in asdict(row).values()):
         raise TypeError("clip holds what is no text")
     settings["bakes"] = tuple(settings["bakes"])
-    if unknown := set(settings["bakes"]) - set(BAKES):
-        raise ValueError(f"no bake is called {', '.join(map(str, unknown))}")
+    if unknown_bakes := set(settings["bakes"]) - set(BAKES):
+        raise ValueError(f"no bake is called {', '.join(map(str, unknown_bakes))}")
     tolerance, python = settings["tolerance"], settings["blender_python"]
     if not isinstance(tolerance, int | float | None) or not isinstance(python, str):
         raise TypeError("settings of another type")
@@ -206,9 +206,9 @@ def _put_aside(task: Task, step: Step) -> list[str]:
     for name in step.outputs:
         path = task.folder / name
         if path.is_file() and not _is_of(task.folder, record, name):
-            kept = _free_name(path)
-            os.rename(path, kept)
-            notes.append(f"{name} was changed by hand and is kept as {kept.name}")
+            new_path = _free_name(path)
+            os.rename(path, new_path)
+            notes.append(f"{name} was changed by hand and is kept as {new_path.name}")
     return notes
 
 

@@ -33,9 +33,9 @@ def run_analyse(arguments: argparse.Namespace) -> int:
         write_timing(timing, folder, name)
         publish(folder, out, is_finished=True)
     certain = [event for event in timing.of_kind("group") if event.fit.is_certain]
-    delayed = [pair for pair in timing.delays if pair.delay.is_delayed]
+    delayed_pairs = [pair for pair in timing.delays if pair.delay.is_delayed]
     print(
-        f"{out}: {len(certain)} events of groups, {len(delayed)} of {len(timing.delays)} pairs "
-        "delayed"
+        f"{out}: {len(certain)} events of groups, {len(delayed_pairs)} of {len(timing.delays)} "
+        "pairs delayed"
     )
     return 0

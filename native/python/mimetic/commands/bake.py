@@ -126,11 +126,11 @@ def parse_target(text: str) -> dict:
 def check_footage(performance: os.PathLike[str], footage: os.PathLike[str]) -> None:
     """Raises InvalidInput for footage other than what the performance names, if it names any."""
     check_input(footage, "a video file")
-    captured = Performance.load(performance)
-    if captured.footage and not captured.is_of(fingerprint(footage)):
+    document = Performance.load(performance)
+    if document.footage and not document.is_of(fingerprint(footage)):
         raise InvalidInput(
             f"--footage {shown(footage)} is not the clip that {shown(performance)} was captured "
-            f"from ({shown(captured.footage[0])}): give that one, or leave --footage out"
+            f"from ({shown(document.footage[0])}): give that one, or leave --footage out"
         )
 
 

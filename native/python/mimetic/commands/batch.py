@@ -141,18 +141,18 @@ def submit(batch: Batch, arguments: argparse.Namespace) -> int:
         raise InvalidInput("there is no clip to submit")
     for row in batch.problems:
         print(cli.line(f"{row.clip}: {row.problem}"))
-    told = (
+    text = (
         f"{len(batch.tasks)} clips; when they are done: mimetic batch --summary --out {batch.out}"
     )
     if arguments.submit == "openjd":
         path = open_job.write_template(batch, arguments.mimetic)
-        print(cli.line(f"{path}: {told}"))
+        print(cli.line(f"{path}: {text}"))
         print(cli.line(f"submit it: deadline bundle submit {path.parent}"))
     elif arguments.address:
         job = flamenco.submit(batch, arguments.address, arguments.mimetic)
-        print(cli.line(f"{arguments.address}: job {job}, {told}"))
+        print(cli.line(f"{arguments.address}: job {job}, {text}"))
     else:
-        print(cli.line(f"{batch.out}: prepared, {told}"))
+        print(cli.line(f"{batch.out}: prepared, {text}"))
         print(cli.line(f"the job type for Flamenco's Manager: {flamenco.SCRIPT}"))
     return FAILED if batch.problems else 0
 
@@ -204,7 +204,7 @@ def prepared_batch(arguments: argparse.Namespace) -> Batch:
 def run(batch: Batch, arguments: argparse.Namespace) -> int:
     """Runs what is not done yet, by processes of this machine or workers of Dask."""
     failures = {task.name: task.row.problem for task in batch.tasks if task.row.problem}
-    with Console() as console, listen_for_interrupt("what is done is kept") as interrupted:
+    with Console() as console, listen_for_interrupt("what is done is kept") as interrupt:
         console.show(0.0, "looking at what is done")
         waiting = [
             task for task in batch.tasks if task.name not in failures and not task.is_all_done()
@@ -212,29 +212,29 @@ def run(batch: Batch, arguments: argparse.Namespace) -> int:
         num_before = len(batch.tasks) - len(failures) - len(waiting)
         ends: list[str] = []
 
-        def ended(name: str, outcome: Outcome) -> None:
+        def note_end(name: str, outcome: Outcome) -> None:
             ends.append(name)
-            if outcome.status and not interrupted():
+            if outcome.status and not interrupt():
                 failures[name] = outcome.message
                 console.tell(f"{name}: {outcome.message}")
             if len(ends) % PAGE_EVERY == 0:
                 _refresh(batch, failures, console.tell)
 
         def show(fraction: float, number: int) -> None:
-            failed = f", {len(failures)} failed" if failures else ""
-            console.show(fraction, f"{number} of {len(waiting)} clips{failed}")
+            failure_text = f", {len(failures)} failed" if failures else ""
+            console.show(fraction, f"{number} of {len(waiting)} clips{failure_text}")
 
         weights = {task.name: _weight(Path(task.row.clip)) for task in waiting}
         if arguments.submit == "dask":
-            cluster = on_dask.Cluster(arguments.address, arguments.retries, interrupted, ended)
+            cluster = on_dask.Cluster(arguments.address, arguments.retries, interrupt, note_end)
             cluster.run(batch.out, weights, show)
         else:
-            pool = Pool(arguments.processes, arguments.retries, interrupted, ended)
+            pool = Pool(arguments.processes, arguments.retries, interrupt, note_end)
             command = [sys.executable, "-m", "mimetic", "batch", "--end-with-parent"]
             command += ["--out", str(batch.out), "--task"]
             pool.run({name: [*command, name] for name in weights}, weights, show)
     _refresh(batch, failures, lambda text: print(cli.line(text)))
-    return interrupted.status or tell_outcome(batch, failures, num_before)
+    return interrupt.status or tell_outcome(batch, failures, num_before)
 
 
 def _refresh(batch: Batch, failures: dict[str, str], tell: Callable[[str], None]) -> None:
@@ -270,6 +270,6 @@ def tell_outcome(batch: Batch, failures: dict[str, str], num_before: int) -> int
     for name, reason in rows:
         print(cli.line(f"{name}: {reason}"))
     before = f", {num_before} of them before" if num_before else ""
-    failed = f", {len(rows)} not" if rows else ""
-    print(cli.line(f"{batch.out}: {num_done} clips done{before}{failed}; {PAGE} shows them"))
+    failure_text = f", {len(rows)} not" if rows else ""
+    print(cli.line(f"{batch.out}: {num_done} clips done{before}{failure_text}; {PAGE} shows them"))
     return FAILED if rows else 0

@@ -44,16 +44,16 @@ def run_calibrate(arguments: argparse.Namespace) -> int:
     out = arguments.out
     check_target(out, arguments.footage)
     fit = FaceFit.load(arguments.fit) if arguments.fit else None
-    with Console() as console, listen_for_interrupt("nothing is kept") as interrupted:
+    with Console() as console, listen_for_interrupt("nothing is kept") as interrupt:
 
         def progress(fraction: float, text: str) -> bool:
             console.show(fraction, text)
-            return not interrupted()
+            return not interrupt()
 
         try:
             fit, result = calibrate(arguments.footage, arguments.frames, fit, progress)
         except (InvalidInput, UnreadableMedia):
-            if interrupted():
+            if interrupt():
                 raise KeyboardInterrupt from None
             raise
         console.show(1.0, "done")

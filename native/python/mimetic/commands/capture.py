@@ -38,11 +38,11 @@ def write_pictures(
     folder: Path,
     summary: CaptureSummary,
     progress: Progress | None = None,
-    interrupted: Callable[[], bool] = lambda: False,
+    is_interrupted: Callable[[], bool] = lambda: False,
 ) -> None:
     """overlay.mp4 and report.html, after an interrupt the report alone."""
     start = time.perf_counter()
-    if not interrupted():
+    if not is_interrupted():
         write_overlay(performance, footage, folder / "overlay.mp4", progress)
     summary.add("draw and encode the overlay", time.perf_counter() - start)
     write_report(performance, footage, folder / "report.html", summary)

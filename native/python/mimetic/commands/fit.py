@@ -64,9 +64,9 @@ def draw_fit(
     options.scale = int(np.clip(np.ceil(CLEAR_WIDTH / fit.image_size[0]), 1, 4))
     skin = template.num_skin_vertices
     faces = np.ascontiguousarray(template.skin_faces, dtype=np.int32)
-    hidden = template.in_region(*HIDDEN_REGIONS)
-    landmarks = [v for v in template.landmark_vertices.tolist() if not hidden[v]]
-    visible_faces = np.ascontiguousarray(faces[~hidden[faces].any(axis=1)])
+    is_hidden = template.in_region(*HIDDEN_REGIONS)
+    landmarks = [v for v in template.landmark_vertices.tolist() if not is_hidden[v]]
+    visible_faces = np.ascontiguousarray(faces[~is_hidden[faces].any(axis=1)])
     painter = _core.OverlayPainter(fit.camera, skin, visible_faces, landmarks, options)
     pose = fit.head_pose
     control = fit.neutral_vertices(template)[:skin] @ pose[:3, :3].T + pose[:3, 3]

@@ -66,10 +66,10 @@ def run_head(arguments: argparse.Namespace) -> int:
         folder: Path,
         summary: CaptureSummary,
         progress: Progress,
-        interrupted: Callable[[], bool],
+        is_interrupted: Callable[[], bool],
     ) -> None:
         write_motion_plot(performance, folder / "motion.png")
-        if not interrupted():
+        if not is_interrupted():
             assert summary.head_shape is not None  # tracking leaves it
             drawing = _drawing_of(performance, summary.head_shape)
             write_overlay(performance, footage, folder / "overlay.mp4", progress, drawing)

@@ -28,13 +28,13 @@ from mimetic.shared.shown_text import shown
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     actions = parser.add_subparsers(dest="action", required=True, metavar="ACTION")
     _add_keep(actions.add_parser("keep", help="cut an expression out of a performance"))
-    listed = actions.add_parser("list", help="what a library has")
-    mirrored = actions.add_parser("mirror", help="keep an expression of the other side")
-    for one in (listed, mirrored):
+    list_parser = actions.add_parser("list", help="what a library has")
+    mirror_parser = actions.add_parser("mirror", help="keep an expression of the other side")
+    for one in (list_parser, mirror_parser):
         one.add_argument("library", type=Path, help="folder of expressions")
-    mirrored.add_argument("name", help="the expression to mirror")
-    mirrored.add_argument("--as", dest="new_name", required=True, help="name of the new one")
-    mirrored.add_argument("--replace", action="store_true", help="even if the library has it")
+    mirror_parser.add_argument("name", help="the expression to mirror")
+    mirror_parser.add_argument("--as", dest="new_name", required=True, help="name of the new one")
+    mirror_parser.add_argument("--replace", action="store_true", help="even if the library has it")
     _add_assets(
         actions.add_parser("assets", help="a .blend of assets, for Blender's Asset Browser")
     )

@@ -25,7 +25,7 @@ from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_capture import check_range, find_face
 
 Follow = Callable[[FaceFit | None, Progress, CaptureSummary], Performance]
-# (performance, footage, folder, summary, progress, interrupted): writes pictures in the folder
+# (performance, footage, folder, summary, progress, is_interrupted): writes pictures in the folder
 Draw = Callable[[Performance, Footage, Path, CaptureSummary, Progress, Callable[[], bool]], None]
 
 
@@ -90,11 +90,11 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
     first, last = check_range(arguments.frames, footage)
     prepare_folder(out, OF_A_CLIP, footage.path)
     summary = CaptureSummary()
-    with staging(out) as folder, Console() as console, listen_for_interrupt() as interrupted:
+    with staging(out) as folder, Console() as console, listen_for_interrupt() as interrupt:
 
         def show(fraction: float, text: str) -> bool:
             console.show(fraction, text)
-            return not interrupted()
+            return not interrupt()
 
         num_frames = 1 + last - first
         search_cost = 0.0 if fit else SEARCHED
@@ -113,7 +113,7 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
                 fit = with_person(fit, person) if person else fit
             performance = follow(fit, following, summary)
         except (InvalidInput, UnreadableMedia):
-            if interrupted():  # before there was anything to keep
+            if interrupt():  # before there was anything to keep
                 raise KeyboardInterrupt from None
             raise
         save_performance(performance, folder / PERFORMANCE, console.tell)
@@ -121,18 +121,18 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
         try:
             assert summary.fit is not None  # given, or found before anything was followed
             summary.fit.save(folder / "fit.json")
-            draw(performance, footage, folder, summary, drawing, interrupted)
+            draw(performance, footage, folder, summary, drawing, interrupt)
         except OSError as error:  # a full disk, footage that is gone: the capture is done
             failure = error
         console.show(1.0, "done")
         names = sorted(path.name for path in folder.iterdir())
-        where = publish(folder, out, is_finished=not interrupted() and failure is None)
+        where = publish(folder, out, is_finished=not interrupt() and failure is None)
         tell_results(console, performance, where, names)
         if where != out:
             console.tell(f"note: not finished; {out} keeps the results that were there before")
         if failure:
             raise failure
-    return interrupted.status
+    return interrupt.status
 
 
 def _given_fits(arguments: argparse.Namespace) -> tuple[FaceFit | None, FaceFit | None]:

@@ -113,11 +113,11 @@ class FollowedPoints:
             visible = np.zeros(len(self.on_face), dtype=bool)
             if len(self._offset):
                 vertices = surface.in_camera(i)
-                _, pixels, shown = _core.show_places(
+                _, pixels, is_shown = _core.show_places(
                     surface.camera, vertices, surface.faces, self._places
                 )
                 tracks[self.on_face] = rescaled(pixels + self._offset, self._size, self._stored)
-                visible[self.on_face] = shown
+                visible[self.on_face] = is_shown
             yield tracks, visible
 
 

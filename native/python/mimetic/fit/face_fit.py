@@ -136,8 +136,8 @@ def _fields(document: object) -> dict:
     known_keys = {*REQUIRED, *(key for key, number in OPTIONAL.items() if schema >= number)}
     if missing := sorted(set(REQUIRED) - document.keys()):
         raise InvalidInput(f"face fit lacks {', '.join(missing)}")
-    if unknown := sorted(document.keys() - known_keys):
-        raise InvalidInput(f"face fit has unknown keys: {', '.join(unknown)}")
+    if unknown_keys := sorted(document.keys() - known_keys):
+        raise InvalidInput(f"face fit has unknown keys: {', '.join(unknown_keys)}")
     fields = {key: value for key, value in document.items() if key != "schema"}
     views = fields.get("views", [])
     if not isinstance(views, list) or len(views) > MOST_VIEWS:

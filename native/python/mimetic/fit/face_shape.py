@@ -51,8 +51,8 @@ class FaceShape:
 
     def joined(self, identity: dict[str, float], residual: list[float]) -> NDArray[np.float64]:
         """Component values (K) nearest to the coefficients; raises InvalidInput."""
-        if unknown := sorted(identity.keys() - set(self.identity_names)):
-            raise InvalidInput(f"a fit has no identity mode {', '.join(unknown)}: fit again")
+        if unknown_names := sorted(identity.keys() - set(self.identity_names)):
+            raise InvalidInput(f"a fit has no identity mode {', '.join(unknown_names)}: fit again")
         count = len(self.coefficients) - len(self.identity_names)
         coefficients = [identity.get(name, 0.0) for name in self.identity_names]
         coefficients += list(residual) or [0.0] * count
@@ -76,8 +76,8 @@ def face_shape(
 ) -> FaceShape:
     """The components of a head's modes, or of one kind of them alone."""
     names = identity_names(template)
-    chosen = [template.identity_names.index(name) for name in names]
-    identity = template.identity_modes[chosen].astype(np.float64)
+    indices = [template.identity_names.index(name) for name in names]
+    identity = template.identity_modes[indices].astype(np.float64)
     residual = residual_modes(template)
     spread = np.append(
         _identity_spread(template, names, identity) * with_identity,
@@ -86,8 +86,12 @@ def face_shape(
     likely = np.concatenate([identity, residual]) * spread[:, None, None]
     face = np.flatnonzero(template.in_region(*FACE)).tolist()
     shares, components = _core.principal_shapes(likely, face, MOST_COMPONENTS)
-    turned = signs(COMPONENTS_REVERSED, len(components))
-    return FaceShape(names, spread[:, None] * shares * turned, turned[:, None, None] * components)
+    component_signs = signs(COMPONENTS_REVERSED, len(components))
+    return FaceShape(
+        names,
+        spread[:, None] * shares * component_signs,
+        component_signs[:, None, None] * components,
+    )
 
 
 def _identity_spread(

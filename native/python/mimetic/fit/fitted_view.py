@@ -84,7 +84,7 @@ class FittedView:
                 for name, rows in named("curves", document["curves"])
             )
         ]
-        measured = _core.FaceFeatures(
+        face_features = _core.FaceFeatures(
             features,
             curves,
             numbers("box", document["box"], (4,)),
@@ -93,7 +93,9 @@ class FittedView:
         motion = document["motion"]
         motion = numbers("motion", motion, (_count("motion", motion), 4)) if motion else []
         motion = np.array(motion).reshape(-1, 4)
-        return cls(document["frame"], document["head_pose"], measured, document["pins"], motion)
+        return cls(
+            document["frame"], document["head_pose"], face_features, document["pins"], motion
+        )
 
 
 def checked_frame(value: object) -> int:

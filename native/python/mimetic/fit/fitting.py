@@ -155,8 +155,8 @@ def _fitted(
         fit = _fit_from(image, frame, landmarks, camera, template)
         if fit is None:
             continue
-        warped = canonical_image(fit, image, size=SYMMETRY_SIZE, template=template)
-        if _core.mirror_correlation(*warped) >= LEAST_SYMMETRY:
+        canonical_view = canonical_image(fit, image, size=SYMMETRY_SIZE, template=template)
+        if _core.mirror_correlation(*canonical_view) >= LEAST_SYMMETRY:
             return fit
     return None
 
@@ -208,9 +208,9 @@ def refit(
         )
     model = face_model(template)
     names = [name for name in model.landmark_names if not name.startswith(BETWEEN_PREFIX)]
-    if unknown := sorted(set(pins) - set(names)):
+    if unknown_names := sorted(set(pins) - set(names)):
         raise InvalidInput(
-            f"there is no landmark {', '.join(unknown)}; there are {', '.join(names)}"
+            f"there is no landmark {', '.join(unknown_names)}; there are {', '.join(names)}"
         )
     views = [
         FittedView(

@@ -29,8 +29,8 @@ def with_frame(fit: FaceFit, image: NDArray[np.uint8], frame: int) -> FaceFit:
     if not fit.views:
         raise InvalidInput("the face fit is from an older version of Mimetic: fit again")
     (view,) = find_face(image, frame, camera=fit.camera, near=fit.head_place()).views
-    if known := fit.view(frame):
-        view.pins, view.motion = dict(known.pins), known.motion
+    if earlier_view := fit.view(frame):
+        view.pins, view.motion = dict(earlier_view.pins), earlier_view.motion
         views = [view if v.frame == frame else v for v in fit.views]
     elif len(fit.views) == MOST_VIEWS:
         raise InvalidInput(f"the face is fitted to {MOST_VIEWS} frames already")

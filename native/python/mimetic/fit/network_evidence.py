@@ -28,7 +28,7 @@ def with_networks(
     anchors = model.landmarks(estimate.identity)[[names.index(name) for name in ANCHORS]]
     try:
         crops = _core.feature_crops(camera, estimate.camera_from_head[0], anchors)
-        seen = network_features(networks, image, crops)
+        evidence = network_features(networks, image, crops)
     except _core.InvalidInput:  # a head beside the picture, or behind the camera: not yet a face
         return features
-    return _core.with_network_features(features, seen)
+    return _core.with_network_features(features, evidence)

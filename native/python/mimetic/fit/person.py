@@ -24,7 +24,7 @@ def with_person(fit: FaceFit, person: FaceFit, template: FaceTemplate | None = N
         raise InvalidInput("the face fit is from an older version of Mimetic: fit again")
     template = template or load_template()
     values = face_shape(template).joined(person.identity, person.residual)
-    solved = replace(
+    new_fit = replace(
         fit,
         identity=dict(person.identity),
         residual=list(person.residual),
@@ -32,7 +32,7 @@ def with_person(fit: FaceFit, person: FaceFit, template: FaceTemplate | None = N
         calibration=person.calibration,
     )
     poses = [view.head_pose for view in fit.views]
-    shifts = picture_shifts(solved, template, poses)
+    shifts = picture_shifts(new_fit, template, poses)
     observations = [view.observed(shift) for view, shift in zip(fit.views, shifts, strict=True)]
     start = _core.FaceEstimate(poses, float(fit.intrinsics[0, 0]), values)
     model = face_model(template)
@@ -45,4 +45,6 @@ def with_person(fit: FaceFit, person: FaceFit, template: FaceTemplate | None = N
         replace(view, head_pose=pose)
         for view, pose in zip(fit.views, estimate.camera_from_head, strict=True)
     ]
-    return replace(solved, views=views, head_pose=views[0].head_pose, error=float(estimate.rms_ipd))
+    return replace(
+        new_fit, views=views, head_pose=views[0].head_pose, error=float(estimate.rms_ipd)
+    )

@@ -25,12 +25,14 @@ def picture_shifts(
     if not fit.relief:
         return [{} for _ in poses]
     landmarks = np.asarray(template.landmark_vertices)
-    plain, relieved = (
+    plain_points, relief_points = (
         one.neutral_vertices(template)[landmarks] for one in (replace(fit, relief=[]), fit)
     )
     shifts = []
     for pose in poses:
-        before, after = (fit.camera.pixels(one, pose) for one in (plain, relieved))
-        moved = (after - before).tolist()
-        shifts.append({n: (x, y) for n, (x, y) in zip(template.landmark_names, moved, strict=True)})
+        before, after = (fit.camera.pixels(one, pose) for one in (plain_points, relief_points))
+        displacements = (after - before).tolist()
+        shifts.append(
+            {n: (x, y) for n, (x, y) in zip(template.landmark_names, displacements, strict=True)}
+        )
     return shifts

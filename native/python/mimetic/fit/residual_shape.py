@@ -43,23 +43,23 @@ def residual_modes(template: FaceTemplate) -> NDArray[np.float64]:
         pulls = _core.paired_pulls(points, places, on_face, PULL_RADIUS, parity)
         modes.append(_core.elastic_modes(pulls, skin(pulls), face, spread, LEAST_VARIANCE))
     skin_modes = np.concatenate(modes)
-    turned = signs(RESIDUAL_REVERSED, len(skin_modes))[:, None, None]
-    return _with_parts(template, turned * skin_modes)
+    mode_signs = signs(RESIDUAL_REVERSED, len(skin_modes))[:, None, None]
+    return _with_parts(template, mode_signs * skin_modes)
 
 
 def _places(template: FaceTemplate) -> list[int]:
     """Vertices of the face's left half and midline, well apart, the landmarks first."""
     points = template.vertices[: template.num_skin_vertices]
-    allowed = template.in_region(*FACE) & (points[:, 0] > -1e-6)
-    landmarks = [int(v) for v in template.landmark_vertices if allowed[v]]
-    return _core.spread_rows(points, landmarks, allowed.tolist(), PLACES)
+    is_allowed = template.in_region(*FACE) & (points[:, 0] > -1e-6)
+    landmarks = [int(v) for v in template.landmark_vertices if is_allowed[v]]
+    return _core.spread_rows(points, landmarks, is_allowed.tolist(), PLACES)
 
 
 def _held_skin(template: FaceTemplate) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
     """A function from forces N x S x 3 on the canonical head's skin to what it does, N x S x 3."""
     count = template.num_skin_vertices
     points = np.ascontiguousarray(template.vertices[:count])
-    kept = ~(template.in_region(*HELD) | (template.in_region("neck") & (points[:, 2] < 0)))
+    is_free = ~(template.in_region(*HELD) | (template.in_region("neck") & (points[:, 2] < 0)))
     ones = np.ones(count)
     rows = np.arange(count + 1, dtype=np.int32)
     model = _core.SkinModel(
@@ -73,14 +73,14 @@ def _held_skin(template: FaceTemplate) -> Callable[[NDArray[np.float64]], NDArra
             tangential=ATTACHMENT * ones,
             normal=ATTACHMENT * ones,
         ),
-        keep_columns(_core.CompressedRows(rows, rows[:-1], ones, count), kept),
+        keep_columns(_core.CompressedRows(rows, rows[:-1], ones, count), is_free),
     )
 
     def respond(forces: NDArray[np.float64]) -> NDArray[np.float64]:
-        moved = np.zeros(forces.shape)
-        solved = model.solve(forces.reshape(len(forces), -1).T)
-        moved[:, kept] = solved.T.reshape(len(forces), -1, 3)
-        return moved
+        displacements = np.zeros(forces.shape)
+        solution = model.solve(forces.reshape(len(forces), -1).T)
+        displacements[:, is_free] = solution.T.reshape(len(forces), -1, 3)
+        return displacements
 
     return respond
 
@@ -91,12 +91,12 @@ def _with_parts(template: FaceTemplate, skin: NDArray[np.float64]) -> NDArray[np
     lids = mesh.vertices_between("skin", "eye_socket")
     lips = mesh.vertices_between("skin", "mouth_cavity")
     left = template.vertices[lids, 0] > 0
-    followed = {"teeth_upper": lips, "teeth_lower": lips, "tongue": lips}
+    leaders_of_parts = {"teeth_upper": lips, "teeth_lower": lips, "tongue": lips}
     for side, its_lids in (("L", lids[left]), ("R", lids[~left])):
-        followed |= {f"eye.{side}": its_lids, f"lashes.{side}": its_lids}
+        leaders_of_parts |= {f"eye.{side}": its_lids, f"lashes.{side}": its_lids}
     modes = np.zeros((len(skin), *template.vertices.shape))
     modes[:, : skin.shape[1]] = skin
-    for part, leaders in followed.items():
+    for part, leaders in leaders_of_parts.items():
         inner = template.part_vertices(part)
         inner = inner[inner >= skin.shape[1]]
         modes[:, inner] = skin[:, leaders].mean(axis=1, keepdims=True)

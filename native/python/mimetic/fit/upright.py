@@ -45,9 +45,9 @@ def turns_to_upright(image: NDArray[np.uint8]) -> int:
     if likelihood > SURE:
         return 0
     for turns in TURNS:
-        turned = np.ascontiguousarray(np.rot90(image, turns))
-        own_likelihood = fitting.face_likelihood(turned)
-        if own_likelihood > likelihood and _shows_a_head(turned):
+        turned_image = np.ascontiguousarray(np.rot90(image, turns))
+        own_likelihood = fitting.face_likelihood(turned_image)
+        if own_likelihood > likelihood and _shows_a_head(turned_image):
             best, likelihood = turns, own_likelihood
     return best
 

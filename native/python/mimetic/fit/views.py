@@ -45,9 +45,9 @@ def choose_views(reference: Candidate, candidates: Sequence[Candidate]) -> list[
     """Frames at rest in which the head is turned otherwise than in the reference and each other."""
     rest = [c for c in candidates if c.frame != reference.frame and c.usual >= LEAST_USUAL]
     turns = np.array([turn_signs(c.features) for c in (reference, *rest)])
-    allowed = [True] * len(turns)
-    chosen = _core.spread_rows(turns, [0], allowed, 1 + MOST_VIEWS, LEAST_TURN)[1:]
-    return [rest[i - 1] for i in chosen]
+    is_allowed = [True] * len(turns)
+    indices = _core.spread_rows(turns, [0], is_allowed, 1 + MOST_VIEWS, LEAST_TURN)[1:]
+    return [rest[i - 1] for i in indices]
 
 
 def follow_points(
@@ -63,7 +63,7 @@ def follow_points(
     face is; points that the flow back does not return to are left out.
     """
     neutral = at_reference.neutral_vertices(template)
-    spread = spread_points(template)
+    vertices = spread_points(template)
     pupils = [np.array(f.position) for f in view.measured.features if f.name.startswith("pupil.")]
     return _core.follow_points(
         np.ascontiguousarray(reference),
@@ -71,9 +71,9 @@ def follow_points(
         at_reference.camera,
         at_reference.head_pose,
         view.head_pose,
-        spread,
-        neutral[spread],
-        quad_normals(neutral, template.faces)[spread],
+        vertices,
+        neutral[vertices],
+        quad_normals(neutral, template.faces)[vertices],
         math.dist(*pupils),
     )
 
@@ -93,5 +93,7 @@ def spread_points(template: FaceTemplate) -> list[int]:
     """Skin vertices well apart over the face."""
     points = template.vertices[: template.num_skin_vertices]
     normals = quad_normals(template.vertices, template.faces)[: len(points)]
-    allowed = template.in_region(*POINT_REGIONS) & (normals[:, 2] > LEAST_COSINE)
-    return _core.spread_rows(points, [template.landmark("nose_tip")], allowed.tolist(), NUM_POINTS)
+    is_allowed = template.in_region(*POINT_REGIONS) & (normals[:, 2] > LEAST_COSINE)
+    return _core.spread_rows(
+        points, [template.landmark("nose_tip")], is_allowed.tolist(), NUM_POINTS
+    )

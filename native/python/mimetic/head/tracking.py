@@ -56,8 +56,8 @@ def head_shape(
         raise InvalidInput(f"head model {model!r}; there are {', '.join(MODELS)}")
     skin = np.ascontiguousarray(neutral_vertices[: template.num_skin_vertices])
     faces = np.asarray(template.skin_faces)
-    left_out = template.in_region(*LEFT_OUT[model])
-    faces = np.ascontiguousarray(faces[~left_out[faces].any(axis=1)], dtype=np.int32)
+    is_left_out = template.in_region(*LEFT_OUT[model])
+    faces = np.ascontiguousarray(faces[~is_left_out[faces].any(axis=1)], dtype=np.int32)
     # The limit surface, where the face is, lies inside of the control mesh.
     limit = _core.SubdividedMesh(np.ascontiguousarray(template.skin_faces), len(skin), 0)
     vertices = np.ascontiguousarray(limit.positions(skin)[: len(skin)])
@@ -211,6 +211,6 @@ def _append(rows: Rows, estimates: Iterable[Seen], good: _core.HeadEstimate) -> 
             good = estimate
         rows.frame.append(frame)
         rows.pose.append(np.asarray(good.camera_from_head))
-        unseen = np.asarray(good.covariance) + UNSEEN_COV
-        rows.pose_cov.append(unseen if estimate is None else np.asarray(estimate.covariance))
+        wider_cov = np.asarray(good.covariance) + UNSEEN_COV
+        rows.pose_cov.append(wider_cov if estimate is None else np.asarray(estimate.covariance))
         rows.quality.append(0.0 if is_held else good.quality)

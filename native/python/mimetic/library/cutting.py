@@ -47,15 +47,15 @@ def cut_motion(
             "is missing"
         )
     channels, values, stds = _channels(performance, slice(first, last + 1), only)
-    kept, moving = _moving(channels, values, performance.muscles, is_from_rest)
-    if not kept:
+    moving_channels, moving = _moving(channels, values, performance.muscles, is_from_rest)
+    if not moving_channels:
         raise InvalidInput(f"nothing moves from frame {numbers[0]} to {numbers[-1]}")
     names, events = _phases(timing, first, last, only)
     name = performance.footage[0] if performance.footage else ""
     source = [name, f"{numbers[0]} to {numbers[-1]}"]
     fps = performance.fps
-    kept_stds = stds[:, [channels.index(name) for name in kept]]
-    return Expression(kept, moving, kept_stds, fps, names, events, source)
+    moving_stds = stds[:, [channels.index(name) for name in moving_channels]]
+    return Expression(moving_channels, moving, moving_stds, fps, names, events, source)
 
 
 def from_curves(
@@ -63,10 +63,12 @@ def from_curves(
 ) -> Expression:
     """A motion (N x C) or a still (1 x C) of what sliders do; raises InvalidInput if none moves."""
     is_motion = len(values) > 1
-    kept, moving = _moving(channels, np.asarray(values, dtype=np.float64), muscles, is_motion)
-    if not kept:
+    moving_channels, moving = _moving(
+        channels, np.asarray(values, dtype=np.float64), muscles, is_motion
+    )
+    if not moving_channels:
         raise InvalidInput("no slider is moved: there is no expression to keep")
-    return Expression(kept, moving, np.zeros_like(moving), fps)
+    return Expression(moving_channels, moving, np.zeros_like(moving), fps)
 
 
 def _moving(
@@ -114,10 +116,12 @@ def _rows_of(event: Event, timing: Timing) -> tuple[int, int]:
 def _channels(
     performance: Performance, rows: slice, only: tuple[int, ...]
 ) -> tuple[list[str], NDArray[np.float64], NDArray[np.float64]]:
-    chosen = np.isin(performance.groups, only) if only else np.ones(len(performance.groups), bool)
-    names = [name for name, keeps in zip(performance.muscles, chosen, strict=True) if keeps]
-    values = performance.activations[rows][:, chosen]
-    stds = performance.activations_std[rows][:, chosen]
+    is_member = (
+        np.isin(performance.groups, only) if only else np.ones(len(performance.groups), bool)
+    )
+    names = [name for name, keeps in zip(performance.muscles, is_member, strict=True) if keeps]
+    values = performance.activations[rows][:, is_member]
+    stds = performance.activations_std[rows][:, is_member]
     if only:
         if not names:
             raise InvalidInput(f"the performance has no muscles of the groups {only}")

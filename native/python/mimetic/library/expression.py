@@ -92,8 +92,8 @@ class Expression:
     def peak(self) -> int:
         """The row in which muscles are farthest from rest; jaw and lids if there are none."""
         is_muscle = np.array([name not in ARTICULATORS for name in self.channels])
-        counted = self.values[:, is_muscle] if is_muscle.any() else self.values
-        return int((counted**2).sum(axis=1).argmax())
+        values = self.values[:, is_muscle] if is_muscle.any() else self.values
+        return int((values**2).sum(axis=1).argmax())
 
     def still(self) -> Expression:
         """Its peak alone."""

@@ -42,9 +42,9 @@ class Library:
     def load(self, name: str) -> Expression:
         """Raises InvalidInput where the library has no such expression, UnreadableMedia."""
         if name not in self.names():
-            kept = ", ".join(map(shown, self.names())) or "nothing"
+            listing = ", ".join(map(shown, self.names())) or "nothing"
             raise InvalidInput(
-                f"{shown(self.folder)} has no expression {shown(name)}; it has {kept}"
+                f"{shown(self.folder)} has no expression {shown(name)}; it has {listing}"
             )
         return Expression.load(self.path_of(name))
 

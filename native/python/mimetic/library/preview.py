@@ -29,12 +29,12 @@ def expression_picture(expression: Expression, person: Performance) -> NDArray[n
     if person.articulator_modes is not None:
         modes.append(person.articulator_modes.astype(np.float64))
     rows = np.concatenate(modes).reshape(-1, person.neutral_vertices.size)
-    moved = (values[expression.peak, : len(rows)] @ rows).reshape(-1, 3)
-    return head_picture(person.neutral_vertices, moved, person.faces)
+    displacements = (values[expression.peak, : len(rows)] @ rows).reshape(-1, 3)
+    return head_picture(person.neutral_vertices, displacements, person.faces)
 
 
 def head_picture(
-    neutral: NDArray[np.float64], moved: NDArray[np.float64], faces: NDArray[np.int64]
+    neutral: NDArray[np.float64], displacements: NDArray[np.float64], faces: NDArray[np.int64]
 ) -> NDArray[np.uint8]:
     """The same of neutral vertices and their displacement (V x 3 each, metres), F x 4 quads."""
     quads = np.ascontiguousarray(faces, dtype=np.int32)
@@ -50,7 +50,9 @@ def head_picture(
     options.middle_x = 0.5 * (low[0] + high[0])
     options.middle_y = 0.5 * (low[1] + high[1])
     options.height = MARGIN * (high[1] - low[1])
-    return _core.draw_portrait(np.ascontiguousarray(neutral + moved), quads, colours, options)
+    return _core.draw_portrait(
+        np.ascontiguousarray(neutral + displacements), quads, colours, options
+    )
 
 
 def _canonical_colours(neutral: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -60,7 +62,7 @@ def _canonical_colours(neutral: NDArray[np.float64]) -> NDArray[np.float64]:
     colours = np.array(palette, dtype=np.float64)[template.part]
     centres, radius = template.eye_spheres(neutral)
     for side, centre in zip("LR", centres, strict=True):
-        chosen = template.part_faces(f"eye.{side}")
-        middles = neutral[template.faces[chosen]].mean(axis=1)
-        colours[chosen[(middles - centre)[:, 2] > IRIS_EDGE * radius]] = IRIS
+        faces = template.part_faces(f"eye.{side}")
+        middles = neutral[template.faces[faces]].mean(axis=1)
+        colours[faces[(middles - centre)[:, 2] > IRIS_EDGE * radius]] = IRIS
     return colours

@@ -56,9 +56,9 @@ class Rows:
 
     def within(self, first: int, last: int) -> Self:
         """Only the frames from first to last, both included."""
-        kept = [first <= frame <= last for frame in self.frame]
+        is_within = [first <= frame <= last for frame in self.frame]
         columns = (getattr(self, column.name) for column in fields(self))
-        return type(self)(*(list(compress(column, kept)) for column in columns))
+        return type(self)(*(list(compress(column, is_within)) for column in columns))
 
     def rigid_poses(self) -> NDArray[np.float64]:
         """N x 4 x 4, rotations orthonormal to the last digit."""

@@ -62,15 +62,15 @@ class FaceDrawing:
         self.performance = performance
         template = _template_of(performance)
         if template is None:
-            used, faces = np.unique(performance.faces, return_inverse=True)
+            vertices, faces = np.unique(performance.faces, return_inverse=True)
             faces, visible_faces, landmarks = faces.reshape(-1, 4), slice(None), []
-            self.vertices = used
+            self.vertices = vertices
         else:
             self.vertices = np.arange(template.num_skin_vertices)
             faces = np.asarray(template.skin_faces)
-            hidden = template.in_region(*HIDDEN_REGIONS)
-            visible_faces = ~hidden[faces].any(axis=1)
-            landmarks = [v for v in template.landmark_vertices.tolist() if not hidden[v]]
+            is_hidden = template.in_region(*HIDDEN_REGIONS)
+            visible_faces = ~is_hidden[faces].any(axis=1)
+            landmarks = [v for v in template.landmark_vertices.tolist() if not is_hidden[v]]
         faces = np.ascontiguousarray(faces, dtype=np.int32)
         # The limit surface, where the face is, lies inside of the control mesh.
         self.mesh = _core.SubdividedMesh(faces, len(self.vertices), 0)

@@ -129,12 +129,12 @@ def _score_controls(result: Score, truth: Truth, performance: Performance) -> No
         names = [name for name in truth.muscles if name in performance.muscles]
         ours = [performance.muscles.index(name) for name in names]
         theirs = [truth.muscles.index(name) for name in names]
-        true, estimated = truth.activations[:, theirs], performance.activations[:, ours]
+        true, estimates = truth.activations[:, theirs], performance.activations[:, ours]
         std = performance.activations_std[:, ours]
-        result.overall = scores.activations(true, estimated, std)
+        result.overall = scores.activations(true, estimates, std)
         for m, name in enumerate(names):
             if true[:, m].max() > scores.ACTIVE:
-                result.controls[name] = _curve(true[:, m], estimated[:, m])
+                result.controls[name] = _curve(true[:, m], estimates[:, m])
         if truth.groups is not None:
             true_groups = by_group(truth.activations, truth.groups)
     if truth.units is not None and truth.unit_values is not None:
@@ -165,13 +165,13 @@ def _columns(values: NDArray | None) -> NDArray:
     return np.zeros((0, 0)) if values is None else values.T
 
 
-def _curve(true: NDArray, estimated: NDArray) -> dict[str, float]:
+def _curve(true: NDArray, estimates: NDArray) -> dict[str, float]:
     return {
-        "correlation": scores.correlation(true, estimated),
-        "rmse": float(np.sqrt(((estimated - true) ** 2).mean())),
+        "correlation": scores.correlation(true, estimates),
+        "rmse": float(np.sqrt(((estimates - true) ** 2).mean())),
         "true_peak": float(true.max()),
-        "peak": float(estimated.max()),
-        "lag_frames": scores.lag_frames(true, estimated),
+        "peak": float(estimates.max()),
+        "lag_frames": scores.lag_frames(true, estimates),
     }
 
 

@@ -25,12 +25,14 @@ def project(points: Floats, head_pose: Floats, intrinsics: Floats) -> Floats:
     return pixels[..., :2] / pixels[..., 2:]
 
 
-def image_motion(tracks: Floats, rigid: Floats, seen: Bools, predicted: Floats) -> dict[str, float]:
+def image_motion(
+    tracks: Floats, rigid: Floats, is_visible: Bools, predictions: Floats
+) -> dict[str, float]:
     """Scores of predicted tracks (N,K,2) against true ones, from where they are in frame 0.
 
     rigid (N,K,2): where the true head's motion alone would take the points of frame 0.
     """
-    scores = _core.score_image_motion(tracks, rigid, seen, predicted)
+    scores = _core.score_image_motion(tracks, rigid, is_visible, predictions)
     return {
         "r2": scores.explained,
         "nonrigid_r2": scores.explained_beyond_head,
@@ -41,13 +43,13 @@ def image_motion(tracks: Floats, rigid: Floats, seen: Bools, predicted: Floats) 
     }
 
 
-def surface_motion(points: Floats, seen: Bools, predicted: Floats) -> dict[str, float]:
+def surface_motion(points: Floats, is_visible: Bools, predictions: Floats) -> dict[str, float]:
     """Scores of predicted points (N,K,3), each in its own head frame, against true ones.
 
     Head frames of two models differ by how each was fitted, so the predicted motion is turned by
     the rotation that best aligns its points of frame 0 with the true ones; only motion counts.
     """
-    scores = _core.score_surface_motion(points, seen, predicted)
+    scores = _core.score_surface_motion(points, is_visible, predictions)
     return {
         "r2": scores.explained,
         "median_mm": scores.median_mm,
@@ -81,9 +83,9 @@ def head_errors(true_pose: Floats, pose: Floats) -> Floats:
     return _core.head_turn_errors(true_pose, pose)
 
 
-def correlation(true: Floats, estimated: Floats) -> float:
+def correlation(true: Floats, estimates: Floats) -> float:
     """Pearson's, over time; nan where the truth does not vary, 0 where the estimate does not."""
-    a, b = true - true.mean(), estimated - estimated.mean()
+    a, b = true - true.mean(), estimates - estimates.mean()
     if np.abs(a).max() < 1e-9:
         return float("nan")
     if np.abs(b).max() < 1e-9:
@@ -91,9 +93,9 @@ def correlation(true: Floats, estimated: Floats) -> float:
     return float(a @ b / np.sqrt((a @ a) * (b @ b)))
 
 
-def lag_frames(true: Floats, estimated: Floats) -> float:
+def lag_frames(true: Floats, estimates: Floats) -> float:
     """How many frames the estimate comes after the truth: peak of the correlation of rates."""
-    a, b = np.gradient(true), np.gradient(estimated)
+    a, b = np.gradient(true), np.gradient(estimates)
     lags = np.arange(-LARGEST_LAG, LARGEST_LAG + 1)
     if len(a) <= 2 * LARGEST_LAG or np.abs(a).max() < 1e-9 or np.abs(b).max() < 1e-9:
         return float("nan")
@@ -106,23 +108,23 @@ def lag_frames(true: Floats, estimated: Floats) -> float:
     return float(lags[best] + (0.5 * (before - after) / curvature if curvature < 0 else 0))
 
 
-def activations(true: Floats, estimated: Floats, std: Floats) -> dict[str, float]:
+def activations(true: Floats, estimates: Floats, std: Floats) -> dict[str, float]:
     """Overall figures of activations (N,M) and whether their standard deviations hold.
 
     Values that truth leaves silent are easily held, being bounded at 0, and most values of a face
     are: so the intervals' share is that of the values that truth moves, the silent ones beside it.
     """
-    error = estimated - true
+    error = estimates - true
     active = true.max(0) > ACTIVE
     silent = true.max(0) < SILENT
     is_inside = np.abs(error) <= INTERVAL_90 * std
     is_moving = true > SILENT
-    each = [correlation(true[:, m], estimated[:, m]) for m in np.flatnonzero(active)]
+    each = [correlation(true[:, m], estimates[:, m]) for m in np.flatnonzero(active)]
     return {
         "median_correlation": _median(np.array(each)),
         "rmse": float(np.sqrt((error**2).mean())),
         "rmse_active": float(np.sqrt((error[:, active] ** 2).mean())) if active.any() else np.nan,
-        "largest_false": float(estimated[:, silent].max()) if silent.any() else float("nan"),
+        "largest_false": float(estimates[:, silent].max()) if silent.any() else float("nan"),
         "median_std": _median(std),
         "coverage_90": _share(is_inside[is_moving]),
         "coverage_90_silent": _share(is_inside[~is_moving]),
@@ -136,8 +138,8 @@ def _overlap(a: Floats, b: Floats, lag: int) -> float:
     return float(inner @ later / np.sqrt((inner @ inner) * (later @ later) + 1e-30))
 
 
-def _share(held: Bools) -> float:
-    return float(held.mean()) if held.size else float("nan")
+def _share(flags: Bools) -> float:
+    return float(flags.mean()) if flags.size else float("nan")
 
 
 def _median(values: Floats) -> float:

@@ -24,7 +24,7 @@ def installed(name: str, load: Callable[[Path], Model]) -> Model:
 
 
 @lru_cache(maxsize=4)
-def _loaded(load: Callable[[Path], Model], path: Path, _changed: int) -> Model:
+def _loaded(load: Callable[[Path], Model], path: Path, _modification_time: int) -> Model:
     return load(path)
 
 

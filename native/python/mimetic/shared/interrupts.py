@@ -79,10 +79,10 @@ def signals_raised() -> Iterator[None]:
 
 
 @contextlib.contextmanager
-def listen_for_interrupt(announced: str = "keeping what is done") -> Iterator[Interrupt]:
+def listen_for_interrupt(outcome: str = "keeping what is done") -> Iterator[Interrupt]:
     """The first signal asks to finish what is begun, the second ends at once.
 
-    announced: what becomes of the work, for the message to the user.
+    outcome: what becomes of the work, for the message to the user.
     """
     interrupt = Interrupt()
 
@@ -91,7 +91,7 @@ def listen_for_interrupt(announced: str = "keeping what is done") -> Iterator[In
             raise Ended(number)
         interrupt.number = number
         name = "Ctrl-C" if number == signal.SIGINT else "SIGTERM"
-        _tell(f"\nstopping: {announced} ({name} again ends at once)\n")
+        _tell(f"\nstopping: {outcome} ({name} again ends at once)\n")
 
     with _handled(SIGNALS, ask):
         try:

@@ -56,9 +56,9 @@ def unfold(
     of the head. split: the mesh's triangles for such vertices. Raises InvalidInput if that does not
     help. face: T, of the head, for each triangle.
     """
-    unfolded, faces, farthest = _core.unfold(vertices, split, face)
+    new_vertices, faces, farthest = _core.unfold(vertices, split, face)
     warn_of_smoothed(faces, farthest)
-    return unfolded
+    return new_vertices
 
 
 def warn_of_smoothed(faces: Sequence[int], farthest: float) -> None:

@@ -62,9 +62,9 @@ def choose(sightings: Sequence[_core.Sighting], num_moving: int) -> list[_core.S
     """
     values = np.array([sighting.values[:num_moving] for sighting in sightings])
     values = np.vstack([np.zeros((1, num_moving)), values.reshape(-1, num_moving)])
-    allowed = [True] * len(values)
+    is_allowed = [True] * len(values)
     rest = [0]  # carries no information
-    strongest = _core.spread_rows(values, rest, allowed, 2)[1:]
+    strongest = _core.spread_rows(values, rest, is_allowed, 2)[1:]
     largest = float(np.sqrt((values[strongest] ** 2).sum()))
     if largest < LEAST_SEEN:
         raise NothingSeen(
@@ -72,8 +72,8 @@ def choose(sightings: Sequence[_core.Sighting], num_moving: int) -> list[_core.S
             "1; choose frames in which the face moves (--frames A:B), best every part of it"
         )
     apart = min(LEAST_APART, largest / 2)
-    chosen = _core.spread_rows(values, rest, allowed, 1 + MOST_FRAMES, apart)[1:]
-    return [sightings[i - 1] for i in sorted(chosen)]
+    indices = _core.spread_rows(values, rest, is_allowed, 1 + MOST_FRAMES, apart)[1:]
+    return [sightings[i - 1] for i in sorted(indices)]
 
 
 def estimate(
@@ -91,14 +91,14 @@ def estimate(
     """
     response = SkinResponse(mesh)
     skin = fitted_skin(mesh, camera, reference)
-    chosen = choose(sightings, len(response.names) + len(JAW))
-    peaks = np.max([one.values[: len(response.names)] for one in chosen], axis=0)
+    selection = choose(sightings, len(response.names) + len(JAW))
+    peaks = np.max([one.values[: len(response.names)] for one in selection], axis=0)
     strong = np.flatnonzero(peaks > LEAST_PEAK).tolist()
     num_values = len(response.names) + len(response.articulators)
     factors = Factors(response.names, _core.SkinFactors(len(REGIONS), strong, num_values))
     std = _prior_std(response)
     place = np.zeros(len(factors.prior))
-    whitened: list[_core.WhitenedSighting] = []
+    whitened_sightings: list[_core.WhitenedSighting] = []
     first = 0.0
 
     def go_on(turn: int, fraction: float) -> bool:
@@ -111,17 +111,17 @@ def estimate(
         modes = response.evaluate(factors.about(place), strong)
         if turn == 0:
             own = np.ascontiguousarray(modes.modes)
-            whitened = [_core.WhitenedSighting(skin, one, own) for one in chosen]
-        frames = _linear_frames(skin, whitened, modes, std)
+            whitened_sightings = [_core.WhitenedSighting(skin, one, own) for one in selection]
+        frames = _linear_frames(skin, whitened_sightings, modes, std)
         half = lambda fraction, turn=turn: go_on(turn, (1 + fraction) / 2)  # noqa: E731
         peak, before = _core.most_probable(frames, factors.core, place, LARGEST_STEP, half)
         if turn == 0:
             first = before
-        settled = np.abs(peak.place - place).max() < SETTLED
+        is_settled = np.abs(peak.place - place).max() < SETTLED
         place = peak.place
-        if settled:
+        if is_settled:
             break
-    return _result(peak, factors, chosen, first)
+    return _result(peak, factors, selection, first)
 
 
 def _prior_std(response: SkinResponse) -> Floats:
@@ -133,12 +133,12 @@ def _prior_std(response: SkinResponse) -> Floats:
 
 def _linear_frames(
     skin: _core.FittedSkin,
-    seen: Sequence[_core.WhitenedSighting],
+    sightings: Sequence[_core.WhitenedSighting],
     modes: ResponsiveModes,
     std: Floats,
 ) -> list[_core.LinearFrame]:
     columns = np.concatenate([modes.modes[None], modes.by_stiffness, modes.by_insertion])
-    return [_core.LinearFrame(skin, one, columns, std, AT_REST) for one in seen]
+    return [_core.LinearFrame(skin, one, columns, std, AT_REST) for one in sightings]
 
 
 @dataclass(frozen=True)
@@ -166,30 +166,34 @@ class Factors:
         skin[count : count + num] = 0
         return self.calibration(skin, [], np.ones(len(place)))
 
-    def calibration(self, place: Floats, frames: list[int], informed: NDArray) -> Calibration:
+    def calibration(self, place: Floats, frames: list[int], is_informed: NDArray) -> Calibration:
         stiffness, strength, shifts = self.split(place)
-        of_stiffness, of_strength, of_shifts = self.split(informed.astype(float))
+        of_stiffness, of_strength, of_shifts = self.split(is_informed.astype(float))
         muscles = [self.names[i] for i in self.core.strong]
 
-        def factors(names: Iterable[str], logs: Floats, known: Floats) -> dict[str, float]:
+        def factors(names: Iterable[str], logs: Floats, flags: Floats) -> dict[str, float]:
             values = np.clip(np.exp(logs), LEAST, MOST).tolist()
-            return {n: v for n, v, k in zip(names, values, known, strict=True) if k}
+            return {n: v for n, v, k in zip(names, values, flags, strict=True) if k}
 
-        shown = of_shifts.any(axis=0)
+        has_shift = of_shifts.any(axis=0)
         return Calibration(
             factors(REGIONS, stiffness, of_stiffness),
             factors(muscles, strength, of_strength),
-            {n: (x, y) for n, x, y, k in zip(muscles, *shifts.tolist(), shown, strict=True) if k},
+            {
+                n: (x, y)
+                for n, x, y, k in zip(muscles, *shifts.tolist(), has_shift, strict=True)
+                if k
+            },
             frames,
         )
 
 
 def _result(
-    peak: _core.Peak, factors: Factors, chosen: list[_core.Sighting], first: float
+    peak: _core.Peak, factors: Factors, selection: list[_core.Sighting], first: float
 ) -> CalibrationResult:
-    informed = peak.std < UNINFORMED * factors.prior
-    place = np.where(informed, peak.place, 0.0)
-    calibration = factors.calibration(place, [one.frame for one in chosen], informed)
+    is_informed = peak.std < UNINFORMED * factors.prior
+    place = np.where(is_informed, peak.place, 0.0)
+    calibration = factors.calibration(place, [one.frame for one in selection], is_informed)
     stiffness, strength, _ = factors.split(peak.std)
     muscles = [factors.names[i] for i in factors.core.strong]
     return CalibrationResult(

@@ -65,9 +65,9 @@ def calibrate(
             f"{num_frames}: choose a few seconds in which the face moves (--frames A:B)"
         )
     summary = CaptureSummary()
-    followed = ATTACHED + num_frames
+    following_cost = ATTACHED + num_frames
     finding, following, weighing = stages(
-        progress, 0.0 if fit else SEARCHED, followed, WEIGHED * followed
+        progress, 0.0 if fit else SEARCHED, following_cost, WEIGHED * following_cost
     )
     fit = clip_capture.fit_for(footage, (first, last), fit, finding, summary)
     fit = replace(fit, calibration=Calibration())

@@ -21,12 +21,12 @@ def clip_performance(
     fit: FaceFit,
     template: FaceTemplate,
     anatomy: Anatomy,
-    **measured: Any,
+    **further_fields: Any,
 ) -> Performance:
     """Frames, head motion and quality as the rows have them, on the fitted person.
 
-    measured: further fields of the `Performance`, such as its activations, and those that are to
-    be otherwise than in the rows.
+    further_fields: of the `Performance`, such as its activations, and those that are to be
+    otherwise than in the rows.
     """
     fields: dict[str, Any] = {
         "frame": np.array(rows.frame),
@@ -46,4 +46,4 @@ def clip_performance(
         "quality": np.clip(rows.quality, 0, 1),
         "footage": footage.identity,
     }
-    return Performance(**(fields | measured))
+    return Performance(**(fields | further_fields))

@@ -58,8 +58,8 @@ class ClipGaze:
             )
         )
         # The fitted head has its lids as they are at the gaze of the fitted frame
-        fitted = int(np.argmin(np.abs(np.array(rows.frame) - fit.frame)))
-        pitches = self.track.angles[fitted, 1::2].tolist()
+        fitted_row = int(np.argmin(np.abs(np.array(rows.frame) - fit.frame)))
+        pitches = self.track.angles[fitted_row, 1::2].tolist()
         self.following = [
             _core.LidFollowing(per_degree, pitch)
             for per_degree, pitch in zip(self.eyes.lid_per_degree, pitches, strict=True)

@@ -41,10 +41,10 @@ def with_relief(
     where too few are, or progress says to stop.
     """
     signs = {c.frame: turn_signs(c.features) for c in candidates}
-    turned = [
+    turned_frames = [
         frame for frame, sign in signs.items() if math.dist(sign, signs[fit.frame]) >= LEAST_TURN
     ]
-    if len(turned) < LEAST_SIGHTINGS:
+    if len(turned_frames) < LEAST_SIGHTINGS:
         return fit
     attaching, following = stages(progress, ATTACHED, MOST_FOLLOWED)
     if not attaching(0.0, "looking for the face's relief"):
@@ -59,7 +59,7 @@ def with_relief(
     options.max_key_views = 0
     tracker = tracking.make_tracker(reference, fit, template, anatomy, motion, options)
     at_reference = tracker.advance(reference)
-    first, last = min(*turned, fit.frame), max(*turned, fit.frame)
+    first, last = min(*turned_frames, fit.frame), max(*turned_frames, fit.frame)
     stride = 1 + (last - first) // MOST_FOLLOWED
     sightings: list[_core.Sighting] = []
     for images in (
@@ -67,8 +67,8 @@ def with_relief(
         frames_away(footage, fit.frame, first),
     ):
         tracker.restart(reference, at_reference)
-        strided = itertools.islice(images, stride - 1, None, stride)
-        for sighting in _follow(tracker, _one_scene(reference, strided)):
+        sparse_images = itertools.islice(images, stride - 1, None, stride)
+        for sighting in _follow(tracker, _one_scene(reference, sparse_images)):
             text = f"looking for the face's relief: frame {sighting.frame}"
             if not following(len(sightings) * stride / (1 + last - first), text):
                 return fit

@@ -31,10 +31,12 @@ def smooth_in_windows(
 
     def smooth(until: int) -> list[State]:
         start = time.perf_counter()
-        smoothed = _core.smooth([estimate for _, estimate in waiting], motion)
+        smoothed_estimates = _core.smooth([estimate for _, estimate in waiting], motion)
         count_seconds(time.perf_counter() - start)
-        held = [_is_held(estimate) for estimate in smoothed]
-        return [State(waiting[i][0], smoothed[i], held[i]) for i in range(num_given, until)]
+        is_held = [_is_held(estimate) for estimate in smoothed_estimates]
+        return [
+            State(waiting[i][0], smoothed_estimates[i], is_held[i]) for i in range(num_given, until)
+        ]
 
     for frame, estimate in estimates:
         if estimate is not None:

@@ -48,7 +48,7 @@ Forget = Callable[[int], None]  # what was learnt in so many of the last frames
 class ClipWalk:
     """The frames of a clip, away from the fit's, past cuts and losses, until the user stops.
 
-    followed: the face, the head; num_passes: how often all frames are gone through.
+    subject: the face, the head; num_passes: how often all frames are gone through.
     """
 
     def __init__(
@@ -58,13 +58,13 @@ class ClipWalk:
         frames: tuple[int, int],
         progress: Progress | None,
         summary: CaptureSummary,
-        followed: str,
+        subject: str,
         num_passes: int = 1,
     ) -> None:
         self.footage, self.fit, self.frames = footage, fit, frames
-        self.progress, self.summary, self.followed = progress, summary, followed
+        self.progress, self.summary, self.subject = progress, summary, subject
         self._cuts: set[int] = set()
-        self.mixed: set[int] = set()  # frames in which two scenes dissolve into each other
+        self.mixed_frames: set[int] = set()  # frames in which two scenes dissolve into each other
         self.strangers: list[int] = []  # frames in which a face was seen that is not this one
         first, last = frames
         self.num_needed = num_passes * (1 + max(fit.frame, last) - min(fit.frame, first))
@@ -73,7 +73,9 @@ class ClipWalk:
     @property
     def scene_starts(self) -> set[int]:
         """Frames after a cut or a dissolve."""
-        return self._cuts | {1 + frame for frame in self.mixed if 1 + frame not in self.mixed}
+        return self._cuts | {
+            1 + frame for frame in self.mixed_frames if 1 + frame not in self.mixed_frames
+        }
 
     def images(self, end: int) -> Iterator[tuple[int, Image]]:
         """From the fit's frame, which is left out, to `end`; fewer when the user stops."""
@@ -81,7 +83,7 @@ class ClipWalk:
         for frame, image in frames_away(self.footage, self.fit.frame, end):
             self.summary.add("decode", time.perf_counter() - start)
             fraction = min(1.0, self.num_done / self.num_needed)
-            text = f"following the {self.followed}: frame {frame}"
+            text = f"following the {self.subject}: frame {frame}"
             if self.summary.stopped or (self.progress and not self.progress(fraction, text)):
                 self.summary.stopped = True
                 return
@@ -104,15 +106,15 @@ class ClipWalk:
         back that began, as soon as it is known.
         """
         waiting: deque[tuple[int, Estimate | None]] = deque()
-        for seen in self._advance_through(end, advance, across_scenes, forget):
-            waiting.append(seen)
+        for pair in self._advance_through(end, advance, across_scenes, forget):
+            waiting.append(pair)
             if len(waiting) > _core.DissolveWatch.longest:
                 yield self._unless_mixed(*waiting.popleft())
-        for seen in waiting:
-            yield self._unless_mixed(*seen)
+        for pair in waiting:
+            yield self._unless_mixed(*pair)
 
     def _unless_mixed(self, frame: int, estimate: Estimate | None) -> tuple[int, Estimate | None]:
-        return frame, None if frame in self.mixed else estimate
+        return frame, None if frame in self.mixed_frames else estimate
 
     def _advance_through(
         self, end: int, advance: Advance[Estimate], across_scenes: bool, forget: Forget | None
@@ -125,12 +127,12 @@ class ClipWalk:
             if cuts.starts_scene(image):
                 self._cuts.add(max(frame, last))
                 num_away = 1
-            if mixed := dissolves.add(image):
-                earlier, later = (frames[-1 - back] for back in mixed)
-                self.mixed |= set(range(min(earlier, later), 1 + max(earlier, later)))
+            if frames_back := dissolves.add(image):
+                earlier, later = (frames[-1 - back] for back in frames_back)
+                self.mixed_frames |= set(range(min(earlier, later), 1 + max(earlier, later)))
                 num_away = 1
                 if forget:
-                    forget(mixed[0])
+                    forget(frames_back[0])
             last = frame
             guess = None
             if num_away % SEARCH_AGAIN == 1 or (num_lost and num_lost % SEARCH_AGAIN == 0):
@@ -141,7 +143,7 @@ class ClipWalk:
                 num_away += 1
                 yield frame, None
                 continue
-            with self._timed(f"follow the {self.followed}"):
+            with self._timed(f"follow the {self.subject}"):
                 estimate = advance(frame, image, guess)
             num_lost = num_lost + 1 if estimate.held else 0
             if guess is not None and estimate.held:
@@ -159,12 +161,12 @@ class ClipWalk:
 
         One of many is the reference frame alone, which is the fit and no result.
         """
-        footage, stopped, (first, last) = self.footage, self.summary.stopped, self.frames
+        footage, is_stopped, (first, last) = self.footage, self.summary.stopped, self.frames
         is_fit_alone = len(rows.frame) == 1 and first != last
         if footage.failure and (not rows.frame or is_fit_alone):
             raise footage.failure
-        if not rows.frame or (is_fit_alone and stopped):
-            why = "stopped too early" if stopped else "the file ends before"
+        if not rows.frame or (is_fit_alone and is_stopped):
+            why = "stopped too early" if is_stopped else "the file ends before"
             raise UnreadableMedia(
                 f"{footage.path.name}: {why}, no frame of {first} to {last} is done"
             )
@@ -186,14 +188,15 @@ class ClipWalk:
                 f"stopped by the user: frames {rows.frame[0]} to {rows.frame[-1]} "
                 f"of {self.frames[0]} to {self.frames[1]}"
             )
-        held = int(np.sum(np.array(rows.quality) < HELD_QUALITY))
-        if held:
+        num_held = int(np.sum(np.array(rows.quality) < HELD_QUALITY))
+        if num_held:
             notes.append(
-                f"the {self.followed} was lost in {held} frames, which are held (quality under 0.2)"
+                f"the {self.subject} was lost in {num_held} frames, which are held "
+                "(quality under 0.2)"
             )
         notes += [
             f"frames {first} to {last} dissolve from one scene into another: held, not captured"
-            for first, last in runs_of(self.mixed, 1)
+            for first, last in runs_of(self.mixed_frames, 1)
         ]
         notes += notes_on_strangers(self.strangers)
         self.summary.warnings = notes

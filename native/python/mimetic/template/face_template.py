@@ -124,16 +124,16 @@ def load_template(path: str | os.PathLike | None = None) -> FaceTemplate:
     """
     path = Path(path) if path is not None else data_folder() / "face.npz"
     try:
-        modified = path.stat().st_mtime_ns
+        modification_time = path.stat().st_mtime_ns
     except OSError as error:
         raise UnreadableMedia(
             f"{path}: {error.strerror}; scripts/make_face derives it, then build the package again"
         ) from None
-    return _load(path.resolve(), modified)
+    return _load(path.resolve(), modification_time)
 
 
 @lru_cache(maxsize=2)
-def _load(path: Path, _changed: int) -> FaceTemplate:
+def _load(path: Path, _modification_time: int) -> FaceTemplate:
     with open_arrays(path, "a face template") as archive:
         lengths = _check_headers(archive)
         arrays = archive.read({key: None for key in KEYS})
