@@ -46,7 +46,9 @@ def run(clip, out, num_frames=12, draw=write_pictures, meanwhile=lambda: None):
         summary.fit = a_fit()
         return make_performance(num_frames=num_frames)
 
-    arguments = argparse.Namespace(footage=clip, out=out, frames=None, fit=None, face=None)
+    arguments = argparse.Namespace(
+        footage=clip, out=out, frames=None, fit=None, face=None, person=None
+    )
     return run_on_clip(arguments, COSTS, follow, draw)
 
 
