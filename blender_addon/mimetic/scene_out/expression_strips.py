@@ -144,13 +144,13 @@ def _rest_under(animation: bpy.types.AnimData, action: bpy.types.Action) -> None
     Blender 5.0 puts them to 1 there, the value that new shape keys get.
     """
     strips = [strip for track in animation.nla_tracks for strip in track.strips if strip.action]
-    held = {
+    other_paths = {
         curve.data_path
         for strip in strips
         if not expressions.is_expression(strip.action)
         for curve in compat.curves_in(strip.action)
     }
-    paths = [c.data_path for c in compat.curves_in(action) if c.data_path not in held]
+    paths = [c.data_path for c in compat.curves_in(action) if c.data_path not in other_paths]
     if not paths:
         return
     resting, holder = compat.free_action(REST, expressions.KEY_TYPE)
