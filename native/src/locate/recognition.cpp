@@ -70,10 +70,9 @@ void Recognition::know_usual_detail() {
     if (learnt_.empty()) {
         return;
     }
-    std::vector<double> ordered;
-    for (const Learnt& one : learnt_) {
-        ordered.push_back(one.detail);
-    }
+    std::vector<double> ordered(learnt_.size());
+    std::transform(learnt_.begin(), learnt_.end(), ordered.begin(),
+                   [](const Learnt& one) { return one.detail; });
     const auto usual = ordered.begin() + static_cast<std::ptrdiff_t>(kUsual * double(ordered.size()));
     std::nth_element(ordered.begin(), usual, ordered.end());
     usual_detail_ = *usual;
