@@ -108,7 +108,9 @@ def test_capture_by_operator_is_capture_by_function(extension, scene, with_clip,
         np.testing.assert_allclose(getattr(by_operator, key), getattr(by_function, key), atol=1e-9)
     assert bpy.ops.mimetic.bake() == {"FINISHED"}
     keys = [key.name for key in scene.mimetic.face.data.shape_keys.key_blocks]
-    assert len([name for name in keys if not name.startswith("contact")]) == 1 + 36 + 7 + 21
+    assert (
+        len([name for name in keys if not name.startswith("contact")]) == 1 + 36 + 11 + 10 + 21
+    )  # muscles, articulators, eyes that turn, the rest
     assert "contact" in keys
 
 

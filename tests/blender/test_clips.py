@@ -117,7 +117,8 @@ def test_capture_of_another_clip_does_not_start_from_this_face(
 ):
     """What its work is given: the face found in the clip itself, so none here."""
     operator = extension("operators.capture").MIMETIC_OT_capture
-    reader = type("Reader", (), {"filepath": "", "option": lambda self, context: None})()
+    unset = {"filepath": "", "frame_first": 0, "frame_last": 0}
+    reader = type("Reader", (), {**unset, "option": lambda self, context: None})()
     extension("scene_out").face_fit.store(load(films[0]), a_fit)
     footage, _, fit, _, _ = operator.read(reader, bpy.context)
     assert (Path(footage.path), fit.frame) == (films[0], 1)

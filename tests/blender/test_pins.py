@@ -134,8 +134,10 @@ def test_pins_live_in_the_file_and_capture_starts_from_them(extension, found, tm
     from mimetic.performance.document import Performance
     from mimetic.template.face_template import load_template
 
-    captured = Performance.load(tmp_path / "take.npz").neutral_vertices
-    np.testing.assert_allclose(captured, fit.neutral_vertices(load_template()), atol=1e-9)
+    captured = Performance.load(tmp_path / "take.npz")
+    is_skin = captured.eye_of_vertex == 0  # eyes look ahead in the neutral, not as in the fit
+    neutral = fit.neutral_vertices(load_template())
+    np.testing.assert_allclose(captured.neutral_vertices[is_skin], neutral[is_skin], atol=1e-9)
 
 
 def test_the_buttons_say_why_they_are_grey(extension, found):

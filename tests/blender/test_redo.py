@@ -11,6 +11,7 @@ from mathutils import Euler, Matrix
 from test_attach_muscles import new_head, parts, put_landmarks  # noqa: F401
 from test_bake_bound import acted  # noqa: F401
 from test_capture import clip_path  # noqa: F401
+from test_expressions import BROWS, bump, face, smile  # noqa: F401
 from test_head import rig  # noqa: F401
 from test_pins import drag, found, found_file, select  # noqa: F401
 
@@ -34,6 +35,7 @@ def state(extension) -> dict:
     scene = bpy.context.scene
     scene.frame_set(scene.frame_current)
     written = {"settings": settings_of(scene.mimetic)}
+    written["assets"] = sorted(action.name for action in bpy.data.actions if action.asset_data)
     for shown in scene.objects:
         written[shown.name] = np.array(shown.matrix_world)
         written[f"{shown.name} curves"] = curves_of(extension, shown)
@@ -70,15 +72,21 @@ def curves_of(extension, block) -> dict:
     }
 
 
-def keys_of(extension, face) -> dict:
-    keys = face.data.shape_keys
-    levels = {modifier.name: modifier.levels for modifier in face.modifiers}
-    written = {f"{face.name} modifiers": levels, "values": curves_of(extension, keys)}
+def keys_of(extension, head) -> dict:
+    keys = head.data.shape_keys
+    levels = {modifier.name: modifier.levels for modifier in head.modifiers}
+    written = {f"{head.name} modifiers": levels, "values": curves_of(extension, keys)}
+    tracks = keys.animation_data.nla_tracks if keys.animation_data else ()
+    written[f"{head.name} strips"] = [
+        (strip.action.name, strip.frame_start, strip.frame_end, strip.influence)
+        for track in tracks
+        for strip in track.strips
+    ]
     for key in keys.key_blocks:
         points = np.empty(3 * len(key.points), dtype=np.float32)
         key.points.foreach_get("co", points)
         limits = (key.slider_min, key.slider_max)
-        written[f"{face.name} {key.name}"] = {"points": points, "limits": limits, "at": key.value}
+        written[f"{head.name} {key.name}"] = {"points": points, "limits": limits, "at": key.value}
     return written
 
 
@@ -101,7 +109,8 @@ class Case:
 
     name: str
     prepare: object
-    options: dict = field(default_factory=dict)
+    options: dict = field(default_factory=dict)  # of which each is a fixture's name
+    values: dict = field(default_factory=dict)
 
 
 def with_face(fixture) -> None:
@@ -173,6 +182,33 @@ def with_pin(fixture) -> None:
     bpy.ops.mimetic.follow_pins()
 
 
+def with_expression(fixture) -> None:
+    fixture("face")
+    fixture("smile")
+
+
+def with_worn_expression(fixture) -> None:
+    with_expression(fixture)
+    bpy.ops.mimetic.apply_expression(action="smile")
+
+
+def with_strips(fixture) -> None:
+    with_expression(fixture)
+    for frame in (1, 20):
+        bpy.context.scene.frame_set(frame)
+        bpy.ops.mimetic.sequence_expression(action="smile")
+
+
+@pytest.fixture
+def library_folder(tmp_path):
+    from mimetic.library.folder import Library
+
+    library = Library(tmp_path / "library")
+    library.check_new("brows")
+    library.keep("brows", bump(BROWS), np.zeros((8, 8, 4), np.uint8))
+    return library.folder
+
+
 CASES = [
     Case("bake", with_face),
     Case("bake", with_bound_head),
@@ -192,6 +228,12 @@ CASES = [
     Case("add_face", lambda fixture: None),
     Case("rest_face", with_face),
     Case("reduce_keys", with_face),
+    Case("load_expressions", lambda fixture: None, {"directory": "library_folder"}),
+    Case("apply_expression", with_expression, values={"action": "smile", "share": 0.5}),
+    Case("mirror_expression", with_expression, values={"action": "smile"}),
+    Case("keep_expression", with_worn_expression, values={"name": "kept"}),
+    Case("sequence_expression", with_expression, values={"action": "smile"}),
+    Case("compose_expressions", with_strips, values={"name": "both"}),
 ]
 
 
@@ -202,7 +244,7 @@ def test_the_redo_panel_gives_what_came_at_first(extension, request, case):
     bpy.ops.ed.undo_push(message="before")
     options = {name: str(request.getfixturevalue(of)) for name, of in case.options.items()}
     operator = getattr(bpy.ops.mimetic, case.name)
-    assert operator("EXEC_DEFAULT", True, **options) == {"FINISHED"}
+    assert operator("EXEC_DEFAULT", True, **options, **case.values) == {"FINISHED"}
     at_first = state(extension)
     redo()
     assert_same(at_first, state(extension))
