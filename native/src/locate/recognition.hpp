@@ -18,9 +18,10 @@ class Recognition {
 public:
     static constexpr double kPlain = .6;  ///< share below which something covers the face
 
-    /// Shares of the usual detail: what this face has at least, and what a reference texture must have.
-    /// alike_throughout: share that a face is alike which nothing covers; below it detail counts for less, as
-    /// of two faces that dissolve into each other both fall. 0: detail counts for what it is.
+    /// Shares of the usual detail: what this face has at least, and what a reference texture must have, and
+    /// what is asked for after a loss or a cut. alike_throughout: share that a face is alike which nothing
+    /// covers; below it detail counts for less, as of two faces that dissolve into each other both fall. 0:
+    /// detail counts for what it is.
     explicit Recognition(double same_detail = .76, double good_detail = .8, double alike_throughout = 0)
         : same_detail_(same_detail), good_detail_(good_detail), alike_throughout_(alike_throughout) {}
 
