@@ -6,11 +6,10 @@ https://github.com/OpenJobDescription/openjd-specifications, version jobtemplate
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 from mimetic.batch.plan import TEMPLATE, Batch
-from mimetic.shared.whole_file import whole_file
+from mimetic.shared.json_file import write_json
 
 MOST_VALUES = 1024  # of a task parameter
 LONGEST_NAME = 64
@@ -22,8 +21,7 @@ def write_template(batch: Batch, program: str) -> Path:
     program: how workers call Mimetic.
     """
     path = batch.out / TEMPLATE
-    with whole_file(path) as stream:
-        stream.write(json.dumps(template(batch, program), indent=1).encode())
+    write_json(path, template(batch, program))
     return path
 
 

@@ -20,9 +20,8 @@ from mimetic import InvalidInput, UnreadableMedia, __version__
 from mimetic.batch.clip_list import Row
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.shared.folder_lock import alone_with
-from mimetic.shared.json_file import read_json
+from mimetic.shared.json_file import read_json, write_json
 from mimetic.shared.shown_text import shortened
-from mimetic.shared.whole_file import whole_file
 
 FOLDER = "people"  # beside the clips' folders
 MARK = "person.json"
@@ -50,8 +49,7 @@ class Person:
             "fit": self.fit,
             "footage": self.footage,
         }
-        with whole_file(self.folder / MARK) as stream:
-            stream.write(json.dumps(document, indent=1).encode())
+        write_json(self.folder / MARK, document)
 
     @classmethod
     def load(cls, folder: Path) -> Person:

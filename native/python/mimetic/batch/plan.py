@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import itertools
-import json
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -15,9 +14,8 @@ from mimetic.batch.clip_list import MARK, Row
 from mimetic.batch.person import FOLDER, prepare_people
 from mimetic.batch.steps import Settings
 from mimetic.batch.task import LOCK, Task
-from mimetic.shared.json_file import read_json
+from mimetic.shared.json_file import read_json, write_json
 from mimetic.shared.shown_text import UNSAFE
-from mimetic.shared.whole_file import whole_file
 
 PLAN = "batch.json"
 PAGE = "index.html"
@@ -43,8 +41,7 @@ class Batch:
             "tasks": [task.name for task in self.tasks],
             "problems": [[row.clip, row.problem] for row in self.problems],
         }
-        with whole_file(self.out / PLAN) as stream:
-            stream.write(json.dumps(document, indent=1).encode())
+        write_json(self.out / PLAN, document)
 
 
 def prepare(out: Path, rows: Sequence[Row], settings: Settings) -> Batch:

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import contextlib
 import itertools
-import json
 import os
 import shutil
 import time
@@ -22,9 +21,9 @@ from mimetic.batch.steps import BAKES, Settings, Step, steps_of
 from mimetic.batch.take_summary import is_summary, summarise
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.shared.folder_lock import alone_with
-from mimetic.shared.json_file import read_json
+from mimetic.shared.json_file import read_json, write_json
 from mimetic.shared.shown_text import shortened
-from mimetic.shared.whole_file import HIDDEN, whole_file
+from mimetic.shared.whole_file import HIDDEN
 
 SCHEMA = 1
 LARGEST_FILE = 1 << 20  # bytes
@@ -77,8 +76,7 @@ class Task:
             "take": self.take,
             "notes": self.notes,
         }
-        with whole_file(self.folder / MARK) as stream:
-            stream.write(json.dumps(document, indent=1).encode())
+        write_json(self.folder / MARK, document)
 
     @classmethod
     def load(cls, folder: Path) -> Task:

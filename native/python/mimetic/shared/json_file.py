@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Reading JSON that is not trusted: its length, depth and numbers are limited."""
+"""JSON in files: what is read is not trusted, its length, depth and numbers are limited."""
 
 from __future__ import annotations
 
@@ -12,11 +12,18 @@ from pathlib import Path
 from mimetic import InvalidInput
 from mimetic.shared.regular_file import check_input
 from mimetic.shared.shown_text import shortened
+from mimetic.shared.whole_file import whole_file
 
 MOST_VALUES = 2_000_000  # each takes some hundred bytes
 DEEPEST = 64  # of lists and objects in each other
 LONGEST_WHOLE = 16  # digits; Python's own whole numbers know no limit, and refuse to be arrays
 LONE_SURROGATE = re.compile("[\ud800-\udfff]")
+
+
+def write_json(path: Path, document: object) -> None:
+    """The file whole, or what was there before; raises OSError."""
+    with whole_file(path) as stream:
+        stream.write(json.dumps(document, indent=1).encode())
 
 
 def read_json(path: str | os.PathLike, what: str, largest: int) -> object:
