@@ -9,7 +9,7 @@ from pathlib import Path
 
 from mimetic import InvalidInput
 from mimetic.character.sparse_curves import USUAL_TOLERANCE, check_tolerance
-from mimetic.commands.blender_process import write_by_blender
+from mimetic.commands.blender_process import add_blender_python, write_by_blender
 from mimetic.head.smoothing import USUAL_STRENGTH
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.performance.document import Performance
@@ -76,12 +76,7 @@ def add_face_arguments(parser: argparse.ArgumentParser) -> None:
         help="few keys with handles to drag instead of one a frame, within this of each activation "
         f"(default: {USUAL_TOLERANCE:g})",
     )
-    parser.add_argument(
-        "--blender-python",
-        type=Path,
-        metavar="PYTHON",
-        help="a Python that has the bpy module (default: this one)",
-    )
+    add_blender_python(parser)
 
 
 def run_bake(arguments: argparse.Namespace) -> int:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import argparse
 import contextlib
 import importlib.util
 import json
@@ -17,6 +18,16 @@ from mimetic import InvalidInput, UnreadableMedia
 from mimetic.shared.whole_file import file_beside
 
 SCRIPT = "headless_bake.py"
+
+
+def add_blender_python(parser: argparse.ArgumentParser) -> None:
+    """The option with which Blender runs."""
+    parser.add_argument(
+        "--blender-python",
+        type=Path,
+        metavar="PYTHON",
+        help="a Python that has the bpy module (default: this one)",
+    )
 
 
 def write_by_blender(request: dict, out: Path, blender_python: os.PathLike[str] | None) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 
 from mimetic import InvalidInput, _core
 from mimetic.analyse.timing import analyse_timing
-from mimetic.commands.blender_process import write_by_blender
+from mimetic.commands.blender_process import add_blender_python, write_by_blender
 from mimetic.commands.console import Console
 from mimetic.commands.on_clip import parse_frames
 from mimetic.library.composing import USUAL_FPS, canonical_person, compose, parse_placing
@@ -44,12 +44,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _add_assets(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("library", type=Path, help="folder of expressions")
     parser.add_argument("--out", type=Path, required=True, help="ASSETS.blend to write")
-    parser.add_argument(
-        "--blender-python",
-        type=Path,
-        metavar="PYTHON",
-        help="a Python that has the bpy module (default: this one)",
-    )
+    add_blender_python(parser)
 
 
 def _add_keep(parser: argparse.ArgumentParser) -> None:
