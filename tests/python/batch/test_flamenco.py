@@ -34,8 +34,7 @@ def batch(tmp_path):
 
 def compiled(job):
     """(status, what the Manager makes of a job or why it refuses it)."""
-    if shutil.which("node") is None:
-        pytest.skip("node is not installed; scripts/setup installs it")
+    assert shutil.which("node"), "node is not installed; scripts/setup installs it"
     ran = subprocess.run(
         ["node", HARNESS, flamenco.SCRIPT],
         input=json.dumps(job),
@@ -134,9 +133,12 @@ def test_blenders_panel_finds_the_clips_by_itself(batch):
     """The expression that Flamenco's add-on evaluates, with the names that it documents."""
     _, answer = compiled(flamenco.job_of(batch, "mimetic"))
     setting = next(one for one in answer["type"]["settings"] if one["key"] == "clips")
-    settings = type("Settings", (), {"batch": str(batch.out)})
-    clips = eval(setting["eval"], {"Path": Path, "settings": settings})
-    assert clips.split("\n") == [task.name for task in batch.tasks]
+    program = (
+        "from pathlib import Path; from types import SimpleNamespace\n"
+        f"settings = SimpleNamespace(batch={str(batch.out)!r})\nprint({setting['eval']})"
+    )
+    clips = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True)
+    assert clips.stdout.splitlines() == [task.name for task in batch.tasks]
 
 
 def test_the_request_is_as_the_interface_has_it(batch, manager):
