@@ -2,8 +2,34 @@
 """Which expression a button means: one by name, the Asset Browser's, or the panel's."""
 
 import bpy
+from bpy.props import StringProperty
 
-from .. import native, scene_out
+from .. import native, scene_out, targets
+
+
+class OfExpression:
+    """Mixin of operators on an expression."""
+
+    action: StringProperty(options={"SKIP_SAVE"}, description="Expression; the chosen one if empty")
+
+    @classmethod
+    def poll(cls, context):
+        if reason := cls.lacking(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    @staticmethod
+    def lacking(context) -> str:
+        """Why there is nothing to work on."""
+        return targets.no_expression(context)
+
+
+class OnFace(OfExpression):
+    """Mixin of operators that put an expression on a face."""
+
+    @staticmethod
+    def lacking(context) -> str:
+        return targets.no_expression_on_face(context)
 
 
 def chosen(context, name: str) -> bpy.types.Action:

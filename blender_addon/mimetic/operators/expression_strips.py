@@ -5,25 +5,18 @@ from bpy.props import BoolProperty, FloatProperty, StringProperty
 from bpy.types import Operator
 
 from .. import native, outcome, scene_in, scene_out, targets
-from .chosen_expression import chosen
+from .chosen_expression import OnFace, chosen
 
 
-class MIMETIC_OT_sequence_expression(Operator):
+class MIMETIC_OT_sequence_expression(OnFace, Operator):
     """Add an expression to the face's NLA: it begins to move in the current frame"""
 
     bl_idname = "mimetic.sequence_expression"
     bl_label = "Add Expression Strip"
     bl_options = {"REGISTER", "UNDO"}
 
-    action: StringProperty(options={"SKIP_SAVE"}, description="Expression; the chosen one if empty")
     is_mirrored: BoolProperty(name="Mirrored", description="The other side's")
     strength: FloatProperty(name="Strength", default=1.0, min=0.0, max=1.0, subtype="FACTOR")
-
-    @classmethod
-    def poll(cls, context):
-        if reason := targets.no_expression_on_face(context):
-            cls.poll_message_set(reason)
-        return not reason
 
     def execute(self, context):
         scene, face = context.scene, scene_in.face_of(context)

@@ -7,9 +7,9 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from .. import editors, native, outcome, scene_in, scene_out, targets
+from .. import editors, native, outcome, scene_in, scene_out
 from ..jobs import Job
-from .chosen_expression import chosen
+from .chosen_expression import OfExpression, OnFace, chosen
 
 PIXELS_OF_DRAG = 300  # that the mouse moves from rest to the whole expression
 
@@ -80,14 +80,13 @@ class MIMETIC_OT_keep_expression(Operator):
         return outcome.finished(self, context, message, action=action.name)
 
 
-class MIMETIC_OT_apply_expression(Operator):
+class MIMETIC_OT_apply_expression(OnFace, Operator):
     """Put the face into an expression; drag to blend from what it is, M mirrors, Esc leaves it"""
 
     bl_idname = "mimetic.apply_expression"
     bl_label = "Blend Expression"
     bl_options = {"REGISTER", "UNDO", "BLOCKING", "GRAB_CURSOR"}
 
-    action: StringProperty(options={"SKIP_SAVE"}, description="Expression; the chosen one if empty")
     share: FloatProperty(
         name="Blend",
         default=1.0,
@@ -102,12 +101,6 @@ class MIMETIC_OT_apply_expression(Operator):
         options={"SKIP_SAVE"},
         description="Key its sliders in this frame, as auto keying does",
     )
-
-    @classmethod
-    def poll(cls, context):
-        if reason := targets.no_expression_on_face(context):
-            cls.poll_message_set(reason)
-        return not reason
 
     def execute(self, context):
         if not self._begin(context):
@@ -194,20 +187,12 @@ class MIMETIC_OT_apply_expression(Operator):
         editors.redraw("VIEW_3D")
 
 
-class MIMETIC_OT_mirror_expression(Operator):
+class MIMETIC_OT_mirror_expression(OfExpression, Operator):
     """Keep an expression of the other side as a new asset"""
 
     bl_idname = "mimetic.mirror_expression"
     bl_label = "Mirror Expression"
     bl_options = {"REGISTER", "UNDO"}
-
-    action: StringProperty(options={"SKIP_SAVE"}, description="Expression; the chosen one if empty")
-
-    @classmethod
-    def poll(cls, context):
-        if reason := targets.no_expression(context):
-            cls.poll_message_set(reason)
-        return not reason
 
     def execute(self, context):
         expressions = scene_out.expressions
@@ -265,22 +250,15 @@ class MIMETIC_OT_load_expressions(Job, Operator):
         return f"{len(result)} expressions are assets now: {', '.join(name for name, *_ in result)}"
 
 
-class MIMETIC_OT_save_expression(Operator):
+class MIMETIC_OT_save_expression(OfExpression, Operator):
     """Write an expression to a library's folder, for `mimetic library` and other files"""
 
     bl_idname = "mimetic.save_expression"
     bl_label = "Save to Library"
 
-    action: StringProperty(options={"SKIP_SAVE"}, description="Expression; the chosen one if empty")
     directory: StringProperty(name="Folder", subtype="DIR_PATH")
     filter_folder: BoolProperty(default=True, options={"HIDDEN"})
     use_replace: BoolProperty(name="Replace", description="Even if the folder has one of its name")
-
-    @classmethod
-    def poll(cls, context):
-        if reason := targets.no_expression(context):
-            cls.poll_message_set(reason)
-        return not reason
 
     def invoke(self, context, event):
         if self.directory or context.window is None:
