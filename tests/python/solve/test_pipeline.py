@@ -95,6 +95,19 @@ def test_a_capture_stopped_at_once_keeps_nothing(rendered_clip, fit):
         capture(rendered_clip.footage, fit=fit, progress=lambda *_: False)
 
 
+@pytest.mark.parametrize("word", ["refining", "factoring", "muscles"])
+def test_a_capture_can_be_stopped_while_muscles_are_attached(rendered_clip, fit, word):
+    texts = []
+
+    def progress(_fraction, text):
+        texts.append(text)
+        return word not in text
+
+    with pytest.raises(UnreadableMedia, match="stopped too early"):
+        capture(rendered_clip.footage, fit=fit, progress=progress)
+    assert word in texts[-1]
+
+
 def test_windows_of_smoothing_join_without_a_seam(rendered_clip, fit, performance, monkeypatch):
     monkeypatch.setattr(smoothing, "WINDOW", 8)
     monkeypatch.setattr(smoothing, "OVERLAP", 12)

@@ -18,11 +18,13 @@ from numpy.typing import ArrayLike
 from mimetic import _core
 from mimetic.muscles.articulators import ARTICULATORS, Jaw
 from mimetic.muscles.calibration import Calibration
+from mimetic.shared.progress import Progress
 from mimetic.skin.checks import check_size
 from mimetic.skin.mesh import SkinMesh, canonical_skin
 from mimetic.template.face_template import FaceTemplate
 
 SIDES = ("L", "R")
+REFINED, FACTORED = 0.2, 0.85  # of what attaching costs: `scripts/bench_attach`
 MATERIALS = ("young", "poisson", "thickness", "pre_stress", "tangential", "normal")
 
 
@@ -154,6 +156,26 @@ def attach_skin(
     return AttachedSkin(mesh, factor, calibration)
 
 
+def factored_skin(
+    neutral_vertices: ArrayLike,
+    template: FaceTemplate,
+    calibration: Calibration | None = None,
+    progress: Progress | None = None,
+) -> AttachedSkin | None:
+    """`attach_skin` with the stiffness factored, most of what attaching costs.
+
+    progress: of attaching; None is returned where it says to stop.
+    """
+    tell = progress or (lambda _fraction, _text: True)
+    if not tell(0.0, "refining the skin"):
+        return None
+    skin = attach_skin(neutral_vertices, template, calibration=calibration)
+    if not tell(REFINED, "factoring the skin's stiffness"):
+        return None
+    skin.factor()
+    return skin if tell(FACTORED, "attaching the muscles") else None
+
+
 def modes_of(skin: AttachedSkin, perturbation: AnatomyPerturbation | None = None) -> Anatomy:
     """Muscles, jaw and lids on a skin that is attached; strengths as it was calibrated."""
     mesh = skin.mesh
@@ -243,6 +265,10 @@ class AttachedSkin(_core.AttachedSkin):
             stiffness = stiffness * self.calibration.stiffness_factors(mesh)
         super().__init__(mesh, material_table(), stiffness)
         self.num_vertices = len(mesh.template.vertices)
+
+    def factor(self) -> None:
+        """At once, not on first use. Raises InvalidInput on a skin that nothing holds."""
+        _ = self.model
 
     @cached_property
     def moves_with(self) -> np.ndarray:

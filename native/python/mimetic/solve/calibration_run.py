@@ -65,13 +65,13 @@ def calibrate(
             f"{num_frames}: choose a few seconds in which the face moves (--frames A:B)"
         )
     summary = CaptureSummary()
-    following_cost = ATTACHED + num_frames
-    finding, following, weighing = stages(
-        progress, 0.0 if fit else SEARCHED, following_cost, WEIGHED * following_cost
+    weighing_cost = WEIGHED * (ATTACHED + num_frames)
+    finding, attaching, following, weighing = stages(
+        progress, 0.0 if fit else SEARCHED, ATTACHED, num_frames, weighing_cost
     )
     fit = clip_capture.fit_for(footage, (first, last), fit, finding, summary)
     fit = replace(fit, calibration=Calibration())
-    capture = _ObservedCapture(footage, fit, (first, last), following, summary)
+    capture = _ObservedCapture(footage, fit, (first, last), following, summary, attaching)
     capture.sightings = []
     capture.run()
     if summary.stopped:

@@ -23,7 +23,7 @@ from mimetic.fit.same_footage import check_same_footage
 from mimetic.fit.upright import check_upright
 from mimetic.locate.feature_networks import installed_networks
 from mimetic.media.footage import Footage
-from mimetic.muscles.anatomy import Anatomy, AttachedSkin, attach_skin, modes_of
+from mimetic.muscles.anatomy import Anatomy, AttachedSkin, factored_skin, modes_of
 from mimetic.muscles.detail import detail_of
 from mimetic.muscles.extras import with_lip_shapes
 from mimetic.performance.document import Performance
@@ -193,12 +193,15 @@ def capture(
         progress, 0.0 if fit else SEARCHED, ATTACHED, 1 + last - first
     )
     fit = fit_for(footage, (first, last), fit, finding, summary)
-    attaching(0.0, "attaching the muscles")
-    return ClipCapture(footage, fit, (first, last), following, summary).run()
+    return ClipCapture(footage, fit, (first, last), following, summary, attaching).run()
 
 
 class ClipCapture:
-    """One capture at work; how it makes its tracker, advances and smooths may be varied."""
+    """One capture at work; how it makes its tracker, advances and smooths may be varied.
+
+    progress: of following; attaching: of attaching the muscles, before it. Raises UnreadableMedia
+    where that says to stop: there is no frame to keep.
+    """
 
     def __init__(
         self,
@@ -207,12 +210,15 @@ class ClipCapture:
         frames: tuple[int, int],
         progress: Progress | None,
         summary: CaptureSummary,
+        attaching: Progress | None = None,
     ) -> None:
         self.walk = ClipWalk(footage, fit, frames, progress, summary, "face")
         start = time.perf_counter()
         self.template = load_template()
         self.neutral = fit.neutral_vertices(self.template)
-        skin = attach_skin(self.neutral, self.template, calibration=fit.calibration)
+        skin = factored_skin(self.neutral, self.template, fit.calibration, attaching)
+        if skin is None:
+            raise UnreadableMedia(f"{footage.path.name}: stopped too early, no frame is done")
         self.anatomy = self.attach(skin)
         self.detail = detail_of(skin, tracking.UNMEASURED)
         self.motion = tracking.face_motion(self.neutral, self.template, self.anatomy, self.detail)

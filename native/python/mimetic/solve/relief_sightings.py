@@ -17,7 +17,7 @@ from mimetic.fit.views import LEAST_TURN, Candidate, turn_signs
 from mimetic.media.backward import frames_away
 from mimetic.media.cuts import CutWatch
 from mimetic.media.footage import Footage
-from mimetic.muscles.anatomy import attach_skin, modes_of
+from mimetic.muscles.anatomy import factored_skin, modes_of
 from mimetic.performance.document import HELD_QUALITY
 from mimetic.shared.progress import ATTACHED, MOST_FOLLOWED, Progress, stages
 from mimetic.solve import tracking
@@ -47,11 +47,12 @@ def with_relief(
     if len(turned_frames) < LEAST_SIGHTINGS:
         return fit
     attaching, following = stages(progress, ATTACHED, MOST_FOLLOWED)
-    if not attaching(0.0, "looking for the face's relief"):
-        return fit
     template = load_template()
     neutral = fit.neutral_vertices(template)
-    anatomy = modes_of(attach_skin(neutral, template, calibration=fit.calibration))
+    skin = factored_skin(neutral, template, fit.calibration, attaching)
+    if skin is None:
+        return fit
+    anatomy = modes_of(skin)
     motion = tracking.face_motion(neutral, template, anatomy)
     reference = footage.read(fit.frame)
     # Relief moves points along the rays of one frame: so no other frame's texture may be used.
