@@ -50,6 +50,14 @@ def test_a_failed_task_is_tried_again_and_bad_input_is_not(tmp_path):
     assert outcomes["passing"].num_tries == 2
 
 
+def test_costly_tasks_are_begun_first(tmp_path):
+    begun = tmp_path / "begun"
+    code = "import sys, pathlib; print(sys.argv[1], file=pathlib.Path(sys.argv[2]).open('a'))"
+    weights = {"short": 1.0, "long": 5.0, "middle": 2.0}
+    Pool(1, 0).run({name: script(code, name, begun) for name in weights}, weights)
+    assert begun.read_text().split() == ["long", "middle", "short"]
+
+
 def test_so_many_run_at_a_time(tmp_path):
     code = """
 import os, sys, time, pathlib

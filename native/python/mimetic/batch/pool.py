@@ -21,8 +21,9 @@ TICK_SECONDS = 0.1
 LONGEST_LINE = 1 << 16  # bytes
 PROGRESS = re.compile(r" *(\d{1,3}) % ")  # as commands report it where there is no terminal
 FAILURE = re.compile(r"mimetic(?: \w+)?: (?:error: )?(.*)")
-# Threads that numerical libraries start by themselves: processes share the cores already
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS")
+# Numerical libraries start threads by themselves: processes share the cores already, and one alone
+# is faster without them, as its matrices are small
+ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 
 Command = Sequence[str]
 # (share of the work that is done, tasks that ended) -> None
@@ -70,11 +71,12 @@ class Pool:
     ) -> dict[str, Outcome]:
         """Outcome by name, of those that were begun; weights: of what the tasks cost.
 
+        The costly ones are begun first: none of them is left to the end for one process alone.
         When `is_stopped` says so those at work are ended by SIGTERM, and no other is begun.
         """
         self._jobs = [_Job(name, command, weights[name]) for name, command in commands.items()]
         waiting: queue.SimpleQueue[_Job] = queue.SimpleQueue()
-        for job in self._jobs:
+        for job in sorted(self._jobs, key=lambda job: -job.weight):
             waiting.put(job)
         stopping = threading.Event()
         posts: queue.SimpleQueue[tuple[str, Outcome]] = queue.SimpleQueue()
@@ -139,14 +141,13 @@ class Pool:
             posts.put((job.name, outcome))
 
     def _try(self, job: _Job, stopping: threading.Event) -> Outcome:
-        threads = str(max(1, num_cores() // self.num_processes))
         try:
             process = subprocess.Popen(
                 job.command,
                 stdin=subprocess.PIPE,
                 stdout=subprocess.DEVNULL,
                 stderr=subprocess.PIPE,
-                env={**dict.fromkeys(THREADS, threads), **os.environ},
+                env={**ONE_THREAD, **os.environ},
                 start_new_session=True,  # Ctrl-C is ours to handle
             )
         except OSError as error:
