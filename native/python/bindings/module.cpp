@@ -32,6 +32,8 @@ void bind_analyse(pybind11::module_& m);
 void bind_analyse_phases(pybind11::module_& m);
 void bind_analyse_comparison(pybind11::module_& m);
 void bind_analyse_composition(pybind11::module_& m);
+void bind_puppet(pybind11::module_& m);
+void bind_puppet_interpolate(pybind11::module_& m);
 }  // namespace mimetic::bindings
 
 PYBIND11_MODULE(_core, m) {
@@ -72,4 +74,6 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_analyse_phases(m);
     bindings::bind_analyse_comparison(m);
     bindings::bind_analyse_composition(m);
+    bindings::bind_puppet(m);
+    bindings::bind_puppet_interpolate(m);
 }
