@@ -102,6 +102,7 @@ PACKAGE_FLOORS = (
     {"head", "report"},
     {"analyse", "batch"},
     {"library"},
+    {"puppet"},
     {"commands"},
 )
 # The core's stages, each of which includes earlier ones alone

@@ -25,6 +25,13 @@ Eyeballs make_eyeballs(PointsIn centres, const Eigen::Vector2d& radii, PointsIn 
     return eyes;
 }
 
+void set_irises(GazeFrame& frame, const Eigen::Matrix<double, 2, 5>& irises) {
+    for (int eye = 0; eye < 2; ++eye) {
+        const auto row = irises.row(eye);
+        frame.irises[static_cast<std::size_t>(eye)] = {row.head<2>().transpose(), row[2], row[3], row[4]};
+    }
+}
+
 std::vector<GazeFrame> frames_of(const DoubleArray& poses, const DoubleArray& covariances,
                                  const DoubleArray& irises) {
     const auto matrices = matrices_of<4, 4>(poses, "poses");
@@ -38,10 +45,7 @@ std::vector<GazeFrame> frames_of(const DoubleArray& poses, const DoubleArray& co
         GazeFrame& frame = frames.emplace_back();
         frame.camera_from_head = to_isometry(matrices[t]);
         frame.pose_cov = spreads[t];
-        for (int eye = 0; eye < 2; ++eye) {
-            const auto row = rows[t].row(eye);
-            frame.irises[static_cast<std::size_t>(eye)] = {row.head<2>().transpose(), row[2], row[3], row[4]};
-        }
+        set_irises(frame, rows[t]);
     }
     return frames;
 }
@@ -77,6 +81,20 @@ void bind_solve_gaze(py::module_& m) {
         "GazeTrack of a clip's frames in order.\n\n"
         "poses: (N, 4, 4), camera from head; pose_covariances: (N, 6, 6); irises: (N, 2, 5), "
         "`FrameEstimate.irises`,\nof frames that are held 0. Raises InvalidInput.");
+    py::class_<GazeFilter>(m, "GazeFilter", "Gaze forward in time alone, for live use.")
+        .def(py::init<const Eyeballs&>(), "eyes"_a)
+        .def(
+            "advance",
+            [](GazeFilter& filter, const Camera& camera, const Eigen::Matrix4d& pose,
+               const Matrix6& pose_covariance, const Eigen::Matrix<double, 2, 5>& irises, double seconds) {
+                GazeFrame frame{to_isometry(pose), pose_covariance, {}};
+                set_irises(frame, irises);
+                return filter.advance(camera, frame, seconds);
+            },
+            "camera"_a, "pose"_a, "pose_covariance"_a, "irises"_a, "seconds"_a,
+            "(4,) degrees: yaw and pitch of the left, then of the right eye, in the next frame.\n\n"
+            "pose: (4, 4), pose_covariance: (6, 6), irises: (2, 5), as `follow_gaze` has them of a frame; "
+            "seconds: since\nthe frame before.");
 }
 
 }  // namespace mimetic::bindings

@@ -34,6 +34,7 @@ void bind_analyse_comparison(pybind11::module_& m);
 void bind_analyse_composition(pybind11::module_& m);
 void bind_puppet(pybind11::module_& m);
 void bind_puppet_interpolate(pybind11::module_& m);
+void bind_puppet_live(pybind11::module_& m);
 }  // namespace mimetic::bindings
 
 PYBIND11_MODULE(_core, m) {
@@ -76,4 +77,5 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_analyse_composition(m);
     bindings::bind_puppet(m);
     bindings::bind_puppet_interpolate(m);
+    bindings::bind_puppet_live(m);
 }

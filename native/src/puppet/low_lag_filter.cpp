@@ -17,6 +17,11 @@ LowLagFilter::LowLagFilter(VectorIn units, const FilterOptions& options) : units
     restart();
 }
 
+void LowLagFilter::set_options(const FilterOptions& options) {
+    options.check();
+    options_ = options;
+}
+
 void LowLagFilter::restart() {
     has_values_ = false;
     lags_ = Eigen::VectorXd::Constant(units_.size(), options_.lag);

@@ -6,11 +6,12 @@
 #include <mimetic/solve/gaze.hpp>
 
 #include "block_banded.hpp"
+#include "gaze_state.hpp"
 
 namespace mimetic {
 namespace {
 
-using State = Eigen::Vector4d;  // degrees: both eyes' yaw and pitch, vergence (yaw R - L), pitch L - R
+using State = GazeState;
 using Turns = std::vector<std::array<IrisTurn, 2>>;
 using Sequence = std::vector<Eigen::VectorXd>;
 
@@ -18,60 +19,13 @@ using Sequence = std::vector<Eigen::VectorXd>;
 // that they turn less for the same way of an iris.
 constexpr double kDrift = .12;  // of fixations, a frame
 constexpr double kVergenceDrift = .06;
-constexpr double kTail = 2.5;      // in drifts: from here on an increment counts as a saccade
-constexpr double kFreedom = 4;     // of measurements' errors (Student)
-constexpr double kMeasured = .25;  // beside the jitter: what smoothing must not follow
-constexpr double kSaccade = 1.5;   // root mean square increment, for what is not seen
-constexpr double kLargestYaw = 50, kHighestPitch = 40, kLowestPitch = -50;
-// Rest, as a state: what irises show of eyes that look straight ahead. Of seven rendered people for tuning
-// (docs/measured/gaze.md): mean 1, -5, -2, 1, deviation 2, 2, 5, 2; wider here, as they are few and real
-// people differ more. The fitted eyes stand a little too high. And how far a clip's mean gaze is from
-// straight ahead.
-const State kRest(0, -4, 0, 0), kRestStd(3.5, 3.5, 5, 2);
-constexpr double kMeanGazeStd = 4, kGazeStd = 10, kFixation = 30;  // the last: frames
-// Share of an eye's turn that the network's iris shows, about where it usually is: sideways, up and down. On
-// rendered people .87 and .64, in real frames marked by hand 1 and .7 to .9 (docs/measured/gaze.md).
-constexpr double kShownYaw = .9, kShownPitch = .8;
-constexpr double kVergence = 2, kVergenceStd = 1.2, kPitchApartStd = .7;
-
-/// The eyes' four angles from the state.
-Eigen::Matrix4d eyes_by_state() {
-    Eigen::Matrix4d eyes;
-    eyes << 1, 0, -.5, 0,  //
-        0, 1, 0, .5,       //
-        1, 0, .5, 0,       //
-        0, 1, 0, -.5;
-    return eyes;
-}
-
-/// Information and right-hand side of a frame's irises; robust, given the present state.
-void add_irises(const std::array<IrisTurn, 2>& turns, const State* present, Eigen::MatrixXd& information,
-                Eigen::VectorXd& pull) {
-    static const Eigen::Matrix4d eyes = eyes_by_state();
-    for (int eye = 0; eye < 2; ++eye) {
-        const IrisTurn& turn = turns[static_cast<std::size_t>(eye)];
-        if (!turn.is_seen) {
-            continue;
-        }
-        const Eigen::Matrix<double, 2, 4> rows = eyes.middleRows<2>(2 * eye);
-        const Eigen::Vector2d angles(turn.angles.yaw, turn.angles.pitch);
-        const Eigen::Matrix2d own =
-            (turn.jitter + kMeasured * kMeasured * Eigen::Matrix2d::Identity()).inverse();
-        double weight = 1;
-        if (present != nullptr) {
-            const Eigen::Vector2d off = angles - rows * *present;
-            weight = (kFreedom + 2) / (kFreedom + off.dot(own * off));
-        }
-        information += weight * rows.transpose() * own * rows;
-        pull += weight * rows.transpose() * own * angles;
-    }
-}
-
+constexpr double kTail = 2.5;     // in drifts: from here on an increment counts as a saccade
+constexpr double kSaccade = 1.5;  // root mean square increment, for what is not seen
 /// A weak pull to straight ahead, without which a clip that shows no eyes has no solution.
 void add_prior(Eigen::MatrixXd& information, Eigen::VectorXd& pull) {
     const Eigen::Vector4d own = Eigen::Vector4d(15, 15, 5, 5).cwiseAbs2().cwiseInverse() / kFixation / 100;
     information.diagonal() += own;
-    pull[2] += own[2] * kVergence;
+    pull[2] += own[2] * straight_ahead()[2];
 }
 
 /// Information of the increment from each frame to the next.
@@ -102,7 +56,7 @@ BlockBanded joined(std::vector<Eigen::MatrixXd> information, const std::vector<E
 
 /// As the irises are seen, frames without one on straight lines between their neighbours.
 Sequence seen_states(const Turns& turns) {
-    Sequence states(turns.size(), State(0, 0, kVergence, 0));
+    Sequence states(turns.size(), straight_ahead());
     int last = -1;
     const auto bridge = [&](int from, int to) {
         for (int t = from + 1; t < to; ++t) {
@@ -120,7 +74,7 @@ Sequence seen_states(const Turns& turns) {
         Eigen::MatrixXd information = Eigen::MatrixXd::Zero(4, 4);
         Eigen::VectorXd pull = Eigen::VectorXd::Zero(4);
         information.diagonal().tail<2>().setConstant(.05);  // one eye alone does not show vergence
-        pull[2] = .05 * kVergence;
+        pull[2] = .05 * straight_ahead()[2];
         add_irises(both, nullptr, information, pull);
         states[static_cast<std::size_t>(t)] = information.llt().solve(pull);
         bridge(last, t);
@@ -176,14 +130,8 @@ double median_of(std::vector<double> values) {
     return *middle;
 }
 
-/// The state that a clip usually shows, and in how many frames it shows eyes at all.
-struct UsualState {
-    State median = State(0, 0, kVergence, 0);
-    double num_seen = 0;
-};
-
-UsualState usual_of(const Sequence& states, const Turns& turns) {
-    UsualState usual;
+UsualGaze usual_of(const Sequence& states, const Turns& turns) {
+    UsualGaze usual;
     std::array<std::vector<double>, 4> columns;
     for (std::size_t t = 0; t < states.size(); ++t) {
         if (turns[t][0].is_seen || turns[t][1].is_seen) {
@@ -199,32 +147,6 @@ UsualState usual_of(const Sequence& states, const Turns& turns) {
         }
     }
     return usual;
-}
-
-/// What of it is the eyes' rest, by how far each may stray: state, then variances.
-std::pair<State, State> rest_of(const UsualState& usual) {
-    const double mean = kMeanGazeStd * kMeanGazeStd + kGazeStd * kGazeStd / (1 + usual.num_seen / kFixation);
-    const State prior = kRestStd.cwiseAbs2();
-    const State other(mean, mean, kVergenceStd * kVergenceStd, kPitchApartStd * kPitchApartStd);
-    const State share = prior.cwiseQuotient(prior + other);
-    if (!(usual.num_seen > 0)) {
-        return {State::Zero(), prior};
-    }
-    return {kRest + share.cwiseProduct(usual.median - State(0, 0, kVergence, 0) - kRest),
-            share.cwiseProduct(other)};
-}
-
-/// The turn that takes an eye which rests at one direction to another.
-EyeAngles turn_between(const EyeAngles& rest, const EyeAngles& seen) {
-    EyeAngles turn{seen.yaw - rest.yaw, seen.pitch - rest.pitch};
-    constexpr int kRounds = 4;
-    for (int round = 0; round < kRounds; ++round) {
-        const EyeAngles there = gaze_angles(eye_rotation(turn) * gaze_direction(rest));
-        turn.yaw += seen.yaw - there.yaw;
-        turn.pitch += seen.pitch - there.pitch;
-    }
-    return {std::clamp(turn.yaw, -kLargestYaw, kLargestYaw),
-            std::clamp(turn.pitch, kLowestPitch, kHighestPitch)};
 }
 
 }  // namespace
@@ -246,9 +168,8 @@ GazeTrack follow_gaze(const Camera& camera, const Eyeballs& eyes, const std::vec
     }
     const Sequence states = smoothed(turns, fps);
     const std::vector<Eigen::Vector4d> variances = variances_of(turns, fps);
-    const UsualState usual = usual_of(states, turns);
+    const UsualGaze usual = usual_of(states, turns);
     const auto [rest, rest_variance] = rest_of(usual);
-    const State shown(kShownYaw, kShownPitch, 1, 1);
     const Eigen::Matrix4d by_state = eyes_by_state();
     const Eigen::Vector4d at_rest = by_state * rest;
     const Eigen::Vector4d rest_variances = by_state.cwiseAbs2() * rest_variance;
@@ -260,8 +181,7 @@ GazeTrack follow_gaze(const Camera& camera, const Eyeballs& eyes, const std::vec
     std::array<Eigen::Vector2d, 2> lasting{Eigen::Vector2d::Zero(), Eigen::Vector2d::Zero()};
     for (Eigen::Index t = 0; t < count; ++t) {
         const auto at = static_cast<std::size_t>(t);
-        const State aside = states[at] - usual.median;
-        const Eigen::Vector4d seen = by_state * (usual.median + aside.cwiseQuotient(shown));
+        const Eigen::Vector4d seen = turned_eyes(states[at], usual);
         Eigen::Vector4d variance = variances[at] + rest_variances;
         for (int eye = 0; eye < 2; ++eye) {
             const IrisTurn& own = turns[at][static_cast<std::size_t>(eye)];

@@ -150,3 +150,34 @@ def test_lids_that_go_along_are_open_and_shut_lids_are_shut():
     own = lid.own(closure, down)
     np.testing.assert_allclose(own, [0, 0, 1, 1], atol=1e-12)
     np.testing.assert_allclose(lid.seen(own, down), closure, atol=1e-12)
+
+
+def filtered(irises, poses, covariance=1e-9):
+    live = _core.GazeFilter(_core.Eyeballs(CENTERS, np.full(2, RADIUS), FACING))
+    spread = covariance * np.eye(6)
+    rows = zip(poses, irises, strict=True)
+    return np.array([live.advance(CAMERA, pose, spread, seen, 1 / FPS) for pose, seen in rows])
+
+
+def test_a_live_saccade_is_followed_within_a_frame_and_fixations_are_still():
+    yaw = np.where(np.arange(240) % 60 < 30, -8.0, 8.0)
+    angles = eyes_looking(yaw, np.zeros(240))
+    poses = [pose_of()] * 240
+    irises = irises_of(angles, poses)
+    irises[:, :, :2] += np.random.default_rng(5).normal(0, 0.15, (240, 2, 2))
+    live = filtered(irises, poses)
+    settled = np.arange(240) >= 120
+    steps = np.flatnonzero(np.diff(yaw) != 0) + 1
+    for step in steps[steps >= 120]:
+        jump = live[step, 0] - live[step - 1, 0]
+        assert abs(jump) > 0.85 * 16
+    still = settled & (np.arange(240) % 30 > 3)
+    assert np.std(live[still, 0] - yaw[still]) < 0.6
+
+
+def test_a_live_gaze_stays_while_the_lids_are_shut():
+    poses = [pose_of()] * 60
+    irises = irises_of(eyes_looking(np.full(60, 6.0), 0.0), poses)
+    irises[40:50] = 0
+    live = filtered(irises, poses)
+    assert np.abs(live[40:50] - live[39]).max() < 1e-9

@@ -22,6 +22,7 @@ public:
     Eigen::VectorXd advance(VectorIn values, double seconds);
 
     const Eigen::VectorXd& lags() const { return lags_; }  ///< s, of each value in the last step
+    void set_options(const FilterOptions& options);        ///< from the next step on; throws InvalidInput
     void restart();                                        ///< the next values are taken as they are
 
 private:

@@ -51,4 +51,22 @@ struct GazeTrack {
 GazeTrack follow_gaze(const Camera& camera, const Eyeballs& eyes, const std::vector<GazeFrame>& frames,
                       double fps);
 
+/// The same forward in time alone, for live use: each frame's gaze from it and those before. Rest is learnt
+/// on the way, so that the first seconds lean on the prior.
+class GazeFilter {
+public:
+    /// Throws InvalidInput.
+    explicit GazeFilter(const Eyeballs& eyes);
+
+    /// Degrees: yaw and pitch of the left, then of the right eye. seconds: since the frame before. Without an
+    /// iris the eyes stay where they were.
+    Eigen::Vector4d advance(const Camera& camera, const GazeFrame& frame, double seconds);
+
+private:
+    Eyeballs eyes_;
+    Eigen::Vector4d state_, usual_;
+    Eigen::Matrix4d covariance_;
+    double num_seen_ = 0;
+};
+
 }  // namespace mimetic

@@ -45,6 +45,10 @@ COMMANDS = {
         "mimetic.commands.library",
         "expressions kept of performances, mirrored, composed into new ones",
     ),
+    "puppet": (
+        "mimetic.commands.puppet",
+        "a camera's face -> muscles and head motion while it is filmed",
+    ),
     "evaluate": ("mimetic.commands.evaluate", "score a capture against known truth"),
     "batch": (
         "mimetic.commands.batch",

@@ -3,17 +3,12 @@
 
 from __future__ import annotations
 
-import contextlib
-import io
 import os
 import re
-import subprocess
-import threading
 from collections import deque
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
-from typing import IO, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +16,7 @@ from numpy.typing import NDArray
 from mimetic import UnreadableMedia
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.media.ffmpeg import failure_of, ffmpeg_program
+from mimetic.media.ffmpeg_process import fill, running
 from mimetic.media.timing import FASTEST, SLOWEST
 from mimetic.shared.regular_file import check_input
 
@@ -96,10 +92,10 @@ class Footage:
             "pipe:1",
         ]
         frame = first - 1
-        with _run(command) as (process, output, errors):
+        with running(command) as (process, output, errors):
             while True:
                 image = np.empty((height, width, 3), np.uint8)
-                if not _fill(output, image):
+                if not fill(output, image):
                     break
                 frame += 1
                 yield frame, image
@@ -159,7 +155,7 @@ class Footage:
         ]
         tick = Fraction(0)
         rows = []
-        with _run(command, longest=400) as (process, output, report):
+        with running(command, longest=400) as (process, output, report):
             for line in output:
                 if line.startswith(b"#tb 0:"):
                     tick = Fraction(line.split(b":", 1)[1].decode().strip())
@@ -257,55 +253,6 @@ def _with_square_pixels(width: int, height: int, aspect: Fraction) -> tuple[int,
     if max(larger) <= LARGEST:
         return larger
     return (width, round(height / aspect)) if aspect > 1 else (round(width * aspect), height)
-
-
-class Running(NamedTuple):
-    """An ffmpeg at work."""
-
-    process: subprocess.Popen[bytes]
-    output: io.BufferedReader  # what it decodes
-    errors: deque[bytes]  # the last lines that it wrote
-
-
-@contextlib.contextmanager
-def _run(command: list[str], longest: int = 50) -> Iterator[Running]:
-    """The process and its last lines of errors; killed however the block is left."""
-    # A session of its own: Ctrl-C is ours to handle, the child ends by the block below.
-    process = subprocess.Popen(
-        command,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        start_new_session=True,
-    )
-    assert isinstance(process.stdout, io.BufferedReader) and process.stderr  # pipes, as requested
-    errors: deque[bytes] = deque(maxlen=longest)
-    reader = threading.Thread(target=_collect, args=(process.stderr, errors), daemon=True)
-    reader.start()
-    try:
-        yield Running(process, process.stdout, errors)
-    finally:
-        if process.poll() is None:
-            process.kill()
-        process.wait()
-        reader.join()
-        process.stdout.close()
-        process.stderr.close()
-
-
-def _collect(stream: IO[bytes], lines: deque[bytes]) -> None:
-    while line := stream.readline(4096):
-        lines.append(line.rstrip())
-
-
-def _fill(stream: io.BufferedReader, image: NDArray[np.uint8]) -> bool:
-    view = image.data.cast("B")
-    while len(view):
-        count = stream.readinto(view)
-        if not count:
-            return False
-        view = view[count:]
-    return True
 
 
 def _shorten(line: bytes) -> str:

@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The estimator live: picture in, state of the face out, no look ahead and no second pass.
+
+The face is shown from the first picture that it is found in, on the canonical head's muscles;
+its own head follows some seconds later (`PersonSearch`), without a break.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, _core
+from mimetic.fit import fitting
+from mimetic.fit.fitting import NoFace
+from mimetic.performance.rows import State
+from mimetic.puppet.live_face import LiveFace, gaze_in, live_face, live_names
+from mimetic.puppet.person_search import PersonSearch
+from mimetic.solve.gaze import SIDES
+from mimetic.solve.walk import PROOF, find_again
+
+DEFAULT_STILLNESS = 0.5
+FIRST_SEARCH, LONGEST_SEARCH = 8, 64  # frames between looks for a face that is lost: ever fewer
+STRANGER = 3.0  # seconds after which a face that is not the lost one is taken for another person
+TAKEN_OVER = 0.5  # quality from which on the person's own head replaces the first one
+
+Image = NDArray[np.uint8]
+
+
+@dataclass(frozen=True)
+class LiveState:
+    """What the face does in one picture.
+
+    time: seconds; head_pose: 4 x 4, camera from head, metres; values: as `live_names` has them,
+    activations 0 to 1, gaze in degrees; std: of them, gaze 0; is_held: nothing was measured, and
+    the state is the last one's; is_proved: enough pictures on end showed it to be a face, and no
+    chance likeness; milliseconds: that it took.
+    """
+
+    time: float
+    head_pose: NDArray[np.float64]
+    values: NDArray[np.float64]
+    std: NDArray[np.float64]
+    quality: float
+    is_held: bool
+    is_proved: bool
+    milliseconds: float
+    estimate: _core.FrameEstimate
+
+    def row(self, frame: int) -> State:
+        return State(frame, self.estimate, self.is_held)
+
+
+class LiveFilter:
+    """Follows one face through pictures as they come.
+
+    stillness: 0 least lag to 1 least jitter (`StillnessFilter`). in_background: whether the
+    person's head is searched for in a thread, as a live session needs it; otherwise `advance` takes
+    as long as that does, and the same pictures always give the same states. Raises InvalidInput.
+    """
+
+    def __init__(self, stillness: float = DEFAULT_STILLNESS, in_background: bool = True) -> None:
+        self._stillness = _core.StillnessFilter(stillness)
+        self._in_background = in_background
+        self.names = live_names()
+        self.face: LiveFace | None = None
+        self._search: PersonSearch | None = None
+        self._is_neutral_due = False
+        self._num_seen, self._num_lost, self._next_search = 0, 0, FIRST_SEARCH
+        self._seen_at = 0.0
+        self._time: float | None = None
+
+    @property
+    def stillness(self) -> float:
+        return self._stillness.stillness
+
+    @stillness.setter
+    def stillness(self, stillness: float) -> None:
+        self._stillness.stillness = stillness
+
+    def set_neutral(self) -> None:
+        """The next picture shows the face at rest: the head is fitted to it, in the background."""
+        self._is_neutral_due = True
+
+    def start_over(self) -> None:
+        """Nothing that is known of the face holds any more: another camera, another person."""
+        self.stop()
+        self.face = self._time = None
+        self._num_seen, self._num_lost, self._next_search = 0, 0, FIRST_SEARCH
+
+    def stop(self) -> None:
+        """Ends the work in the background."""
+        if self._search is not None:
+            self._search.stop()
+            self._search = None
+
+    def advance(self, image: Image, time: float) -> LiveState | None:
+        """The next picture (H x W x 3 uint8) at `time`, seconds; None before a face is found."""
+        start = perf_counter()
+        image = np.ascontiguousarray(image)
+        since = 0.0 if self._time is None else time - self._time
+        self._time = time
+        if self.face is None and not self._find(image):
+            return None
+        self._improve(image, time)
+        assert self.face is not None
+        guess = self._guess(image)
+        estimate = self.face.tracker.advance(image, guess)
+        if not estimate.held:
+            self._num_seen += 1
+            self._num_lost, self._next_search, self._seen_at = 0, FIRST_SEARCH, time
+        elif self._num_seen < PROOF:
+            self.start_over()  # no face
+            return None
+        else:
+            self._num_lost += 1
+            if guess is not None and time - self._seen_at > STRANGER:
+                self.start_over()
+                return self.advance(image, time)
+        return self._state(estimate, time, since, start)
+
+    def _find(self, image: Image) -> bool:
+        try:
+            self.face = live_face(image, fitting.find_face(image), is_own=False)
+        except (NoFace, InvalidInput):
+            return False
+        self._search = PersonSearch(self._in_background)
+        return True
+
+    def _improve(self, image: Image, time: float) -> None:
+        """Offers the picture to the search, and takes over what it came to."""
+        if self._is_neutral_due:
+            self._is_neutral_due = False
+            self.stop()
+            self._search = PersonSearch(self._in_background, num_judged=1)
+        search = self._search
+        if search is None:
+            return
+        if not self._num_lost:
+            search.offer(image, time)
+        if not search.is_over:
+            return
+        self._search = None
+        own, old = search.result, self.face
+        search.stop()
+        if own is None or old is None:
+            return
+        there = old.tracker.advance(image, None)
+        estimate = own.tracker.advance(image, there.camera_from_head)
+        if not estimate.held and estimate.quality >= min(TAKEN_OVER, there.quality):
+            self.face = own
+
+    def _guess(self, image: Image) -> NDArray[np.float64] | None:
+        """Where a lost face is, if the finder sees one."""
+        if self._num_lost < self._next_search or self.face is None:
+            return None
+        self._next_search += min(LONGEST_SEARCH, self._next_search)
+        return find_again(image, 1, self.face.fit)
+
+    def _state(
+        self, estimate: _core.FrameEstimate, time: float, since: float, start: float
+    ) -> LiveState:
+        face = self.face
+        assert face is not None
+        pose, values = self._stillness.advance(estimate.camera_from_head, estimate.values, since)
+        gaze = gaze_in(face.gaze, face.camera, estimate, since)
+        values = np.concatenate([values, gaze])
+        for eye, side in enumerate(SIDES):
+            lid = self.names.index(f"lid_upper.{side}")
+            pitch = gaze[2 * eye + 1 : 2 * eye + 2]
+            values[lid] = face.lids[eye].own(values[lid : lid + 1], pitch)[0]
+        std = np.concatenate([estimate.values_std, np.zeros(len(gaze))])
+        return LiveState(
+            *(time, pose, values, std),
+            quality=0.0 if estimate.held else float(estimate.quality),
+            is_held=bool(estimate.held),
+            is_proved=self._num_seen >= PROOF,
+            milliseconds=1000 * (perf_counter() - start),
+            estimate=estimate,
+        )

@@ -1,0 +1,96 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""While a face is followed already: a better fit of it, from the first seconds, in the background.
+
+The first picture may show any expression, which a fit takes for the person's rest. As a capture
+does, the search judges pictures of the first seconds, fits the head to the one most at rest, and
+attaches the muscles to it.
+"""
+
+from __future__ import annotations
+
+import queue
+import threading
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, _core
+from mimetic.fit import fitting
+from mimetic.fit.fitting import Judged
+from mimetic.puppet.live_face import LiveFace, live_face
+
+SEARCHED_SECONDS = 4.0
+NUM_JUDGED = 10
+
+Image = NDArray[np.uint8]
+
+
+class PersonSearch:
+    """One search; pictures are offered to it, until `result` has a face or it gives up.
+
+    in_background: judge, fit and attach in a thread; otherwise in `offer`, which then takes as long
+    as that does.
+    """
+
+    def __init__(self, in_background: bool = True, num_judged: int = NUM_JUDGED) -> None:
+        self.result: LiveFace | None = None
+        self.is_over = False
+        self._num_judged, self._num_offered = num_judged, 0
+        self._start: float | None = None
+        self._judged: list[tuple[Judged, Image]] = []
+        self._offered: queue.Queue[Image | None] = queue.Queue(maxsize=1)
+        self._thread: threading.Thread | None = None
+        if in_background:
+            self._thread = threading.Thread(target=self._work, name="person", daemon=True)
+            self._thread.start()
+
+    def offer(self, image: Image, time: float) -> None:
+        """A picture that shows the face; most are passed over. time: seconds."""
+        self._start = time if self._start is None else self._start
+        due = self._start + SEARCHED_SECONDS * self._num_offered / self._num_judged
+        if self.is_over or self._num_offered > self._num_judged or time < due:
+            return
+        if self._thread is None:
+            self._num_offered += 1
+            self._take(image)
+        elif not self._offered.full():
+            self._num_offered += 1
+            self._offered.put_nowait(image)
+
+    def stop(self) -> None:
+        """The result is not wanted any more; waits for what is begun."""
+        self.is_over = True
+        if self._thread is not None:
+            if not self._offered.full():
+                self._offered.put_nowait(None)
+            self._thread.join()
+
+    def _work(self) -> None:
+        while not self.is_over:
+            image = self._offered.get()
+            if image is not None:
+                self._take(image)
+
+    def _take(self, image: Image) -> None:
+        judged = fitting.judge_frame(image)
+        if judged is not None:
+            self._judged.append((judged, image))
+        if self._num_offered >= self._num_judged:
+            self.result = self._best() if self._judged else None
+            self._judged.clear()
+            self.is_over = True
+
+    def _best(self) -> LiveFace | None:
+        judged = [one for one, _ in self._judged]
+        chances = _core.chances_of_rest(
+            np.array([one.score for one in judged]),
+            np.array([one.detail for one in judged]),
+            np.array([one.expression for one in judged]),
+        )
+        for i in np.argsort(-chances):
+            image = self._judged[i][1]
+            try:
+                return live_face(image, fitting.find_face(image), is_own=True)
+            except InvalidInput:  # no head fits, or too little of it is seen: the next best
+                continue
+        return None

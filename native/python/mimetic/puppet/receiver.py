@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where live values are sent to: another program, by datagrams. Nothing is ever received."""
+
+from __future__ import annotations
+
+import contextlib
+import socket
+from collections.abc import Callable, Sequence
+from urllib.parse import urlsplit
+
+from mimetic import InvalidInput, UnreadableMedia
+from mimetic.puppet.live_filter import LiveState
+from mimetic.puppet.livelink import LiveLinkPackets
+from mimetic.puppet.osc import VmcPackets
+
+SCHEMES = ("osc", "livelink")
+Pack = Callable[[LiveState], list[bytes]]
+
+
+class Receiver:
+    """A program at an address, given each state.
+
+    address: osc://HOST:PORT or livelink://HOST:PORT; names: of the states' values; fps: nominal.
+    Raises InvalidInput for an address that is none, UnreadableMedia for a host that is not known.
+    """
+
+    def __init__(self, address: str, names: Sequence[str], fps: float) -> None:
+        scheme, host, port = parse_address(address)
+        self.num_failed = 0  # datagrams that the system did not take
+        self._pack: Pack
+        if scheme == "osc":
+            self._pack = VmcPackets(names).pack
+        else:
+            self._pack = LiveLinkPackets(names, fps).pack
+        try:
+            family, kind, protocol, _, target = socket.getaddrinfo(
+                host, port, type=socket.SOCK_DGRAM
+            )[0]
+        except OSError as error:
+            raise UnreadableMedia(f"{address}: {host} is not known ({error.strerror})") from None
+        self._socket = socket.socket(family, kind, protocol)
+        self._socket.setblocking(False)
+        self._target = target
+
+    def send(self, state: LiveState) -> None:
+        """What cannot be sent at once is dropped: the next state is newer."""
+        for packet in self._pack(state):
+            try:
+                self._socket.sendto(packet, self._target)
+            except OSError:
+                self.num_failed += 1
+
+    def close(self) -> None:
+        with contextlib.suppress(OSError):
+            self._socket.close()
+
+
+def parse_address(address: str) -> tuple[str, str, int]:
+    """(scheme, host, port); raises InvalidInput."""
+    advice = f"--send {address}: give osc://HOST:PORT or livelink://HOST:PORT"
+    try:
+        parts = urlsplit(address)
+        host, port = parts.hostname, parts.port
+    except ValueError:
+        raise InvalidInput(advice) from None
+    has_more = parts.path not in ("", "/") or parts.query or parts.username
+    if parts.scheme not in SCHEMES or not host or not port or has_more:
+        raise InvalidInput(advice)
+    return parts.scheme, host, port

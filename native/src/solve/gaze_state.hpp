@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <mimetic/solve/gaze.hpp>
+
+namespace mimetic {
+
+using GazeState = Eigen::Vector4d;  ///< degrees: both eyes' yaw and pitch, vergence (yaw R - L), pitch L - R
+
+inline constexpr double kFixation = 30;  ///< frames
+
+/// The state of eyes that look straight ahead into the distance of a room.
+GazeState straight_ahead();
+
+/// The eyes' four angles from the state.
+Eigen::Matrix4d eyes_by_state();
+
+/// Information (4 x 4) and right-hand side (4) of a frame's irises; robust, given the present state.
+void add_irises(const std::array<IrisTurn, 2>& turns, const GazeState* present, Eigen::MatrixXd& information,
+                Eigen::VectorXd& pull);
+
+/// The state that is usually seen, and in how many frames eyes were seen at all.
+struct UsualGaze {
+    GazeState median = straight_ahead();
+    double num_seen = 0;
+};
+
+/// What of it is the eyes' rest, by how far each may stray: state, then variances.
+std::pair<GazeState, GazeState> rest_of(const UsualGaze& usual);
+
+/// The eyes' four angles that a state means: networks see irises too near to where they usually are.
+Eigen::Vector4d turned_eyes(const GazeState& state, const UsualGaze& usual);
+
+/// The turn that takes an eye which rests at one direction to another, within what eyes can do.
+EyeAngles turn_between(const EyeAngles& rest, const EyeAngles& seen);
+
+}  // namespace mimetic

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The filter on a rendered clip: first face, own head, loss, neutral."""
+
+import numpy as np
+import pytest
+from mimetic import InvalidInput
+from mimetic.media.footage import Footage
+from mimetic.puppet.live_filter import LiveFilter
+
+
+@pytest.fixture(scope="module")
+def images(rendered_clip):
+    return [np.ascontiguousarray(image) for _, image in Footage(rendered_clip.footage).frames()]
+
+
+def test_the_first_picture_gives_a_state_and_no_face_none(images):
+    live = LiveFilter(in_background=False)
+    assert live.advance(np.zeros_like(images[0]), 0.0) is None
+    state = live.advance(images[0], 0.04)
+    assert state.quality > 0.5 and not state.is_held
+    assert state.values.shape == (len(live.names),) == state.std.shape
+    assert not live.face.is_own
+
+
+def test_the_persons_own_head_takes_over(images):
+    live = LiveFilter(in_background=False)
+    # A slow stream: two of its pictures are five seconds
+    states = [live.advance(image, 0.45 * n) for n, image in enumerate(images[:16])]
+    assert live.face.is_own
+    assert min(state.quality for state in states) > 0.4
+
+
+def test_the_same_in_the_background(images):
+    live = LiveFilter(in_background=True)
+    import time
+
+    for n, image in enumerate(images * 20):
+        live.advance(image, 0.5 * n)
+        if live.face.is_own:
+            break
+        time.sleep(0.1)
+    live.stop()
+    assert live.face.is_own
+
+
+def test_a_face_that_goes_away_is_held_and_found_again(images):
+    live = LiveFilter(in_background=False)
+    for n in range(5):
+        live.advance(images[n], n / 25)
+    away = np.full_like(images[0], 90)
+    assert all(live.advance(away, (5 + n) / 25).is_held for n in range(6))
+    assert not live.advance(images[5], 11 / 25).is_held
+
+
+def test_another_view_is_begun_anew(images):
+    live = LiveFilter(in_background=False)
+    live.advance(images[0], 0.0)
+    live.start_over()
+    small = np.ascontiguousarray(images[0][:200, 20:300])
+    assert live.advance(small, 0.1).quality > 0.5
+
+
+def test_neutral_is_what_the_face_does_now(images):
+    live = LiveFilter(stillness=0, in_background=False)
+    live.advance(images[0], 0.0)
+    before = [live.advance(image, 0.04 * (n + 1)) for n, image in enumerate(images[1:26])][-1]
+    live.set_neutral()
+    live.advance(images[25], 1.2)
+    after = live.advance(images[25], 1.24)
+    assert np.abs(before.values[:36]).sum() > 0.3  # the brows are up there
+    assert np.abs(after.values[:36]).sum() < 0.3 * np.abs(before.values[:36]).sum()
+
+
+def test_stillness_is_a_share():
+    with pytest.raises(InvalidInput, match="stillness"):
+        LiveFilter(stillness=2)

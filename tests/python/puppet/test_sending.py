@@ -1,0 +1,184 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is sent is read back on a local socket and compared."""
+
+import socket
+import struct
+
+import numpy as np
+import pytest
+from mimetic import InvalidInput, UnreadableMedia
+from mimetic.performance.gaze import GAZE
+from mimetic.puppet.arkit import ArkitShapes, shape_factors, shape_names
+from mimetic.puppet.live_face import live_names
+from mimetic.puppet.live_filter import LiveState
+from mimetic.puppet.receiver import Receiver, parse_address
+
+
+@pytest.fixture(scope="module")
+def names():
+    return live_names()
+
+
+@pytest.fixture
+def listener():
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as heard:
+        heard.bind(("127.0.0.1", 0))
+        heard.settimeout(5)
+        yield heard
+
+
+def state_of(names, turn=None, **values):
+    row = np.zeros(len(names))
+    for name, value in values.items():
+        row[names.index(name.replace("__", "."))] = value
+    pose = np.eye(4)
+    pose[:3, :3] = np.diag([1.0, -1, -1]) @ (np.eye(3) if turn is None else turn)
+    return LiveState(1.5, pose, row, np.zeros(len(row)), 1.0, False, True, 0.0, None)
+
+
+def turned(axis, degrees):
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    others = [i for i in range(3) if i != axis]
+    rotation = np.eye(3)
+    rotation[np.ix_(others, others)] = [[c, -s], [s, c]] if axis != 1 else [[c, s], [-s, c]]
+    return rotation
+
+
+def osc_messages(packet):
+    assert packet[:8] == b"#bundle\0" and len(packet) % 4 == 0
+    messages, at = [], 16
+    while at < len(packet):
+        (size,) = struct.unpack_from("!i", packet, at)
+        messages.append(osc_message(packet[at + 4 : at + 4 + size]))
+        at += 4 + size
+    return messages
+
+
+def osc_message(body):
+    def text(at):
+        end = body.index(b"\0", at)
+        return body[at:end].decode(), end + 4 - end % 4
+
+    address, at = text(0)
+    tags, at = text(at)
+    values = []
+    for tag in tags[1:]:
+        if tag == "s":
+            value, at = text(at)
+        else:
+            (value,) = struct.unpack_from("!" + tag, body, at)
+            at += 4
+        values.append(value)
+    assert at == len(body)
+    return address, values
+
+
+def sent(listener, scheme, names, state):
+    receiver = Receiver(f"{scheme}://127.0.0.1:{listener.getsockname()[1]}", names, 30)
+    receiver.send(state)
+    receiver.close()
+    assert receiver.num_failed == 0
+    packets = [listener.recv(65536)]
+    listener.settimeout(0.3)
+    try:
+        while True:
+            packets.append(listener.recv(65536))
+    except TimeoutError:
+        return packets
+
+
+def test_osc_carries_shapes_muscles_and_the_head(listener, names):
+    state = state_of(names, turned(1, 30), zygomaticus_major__L=0.4, jaw_open=0.25)
+    packets = sent(listener, "osc", names, state)
+    assert all(len(packet) <= 1400 for packet in packets)
+    messages = [message for packet in packets for message in osc_messages(packet)]
+    blends = {values[0]: values[1] for address, values in messages if address.endswith("Blend/Val")}
+    assert blends["MouthSmileLeft"] == pytest.approx(0.6) and blends["MouthSmileRight"] == 0
+    assert blends["JawOpen"] == pytest.approx(0.25) == blends["jaw_open"]
+    assert blends["zygomaticus_major.L"] == pytest.approx(0.4)
+    assert len(blends) == 52 + len(names) - len(GAZE)
+    addresses = [address for address, _ in messages]
+    assert addresses.index("/VMC/Ext/Blend/Apply") > max(
+        i for i, address in enumerate(addresses) if address == "/VMC/Ext/Blend/Val"
+    )
+    head = next(values for address, values in messages if address == "/VMC/Ext/Bone/Pos")
+    # To the subject's left: for an avatar that looks along z with y up, left-handed, about -y
+    half = np.radians(15)
+    np.testing.assert_allclose(head[1:], [0, 0, 0, 0, -np.sin(half), 0, np.cos(half)], atol=1e-6)
+
+
+def livelink(packet):
+    """As Unreal's plug-in reads it."""
+    (version,) = struct.unpack_from("<i", packet)
+    device = packet[4:41].decode()
+    (length,) = struct.unpack_from("!i", packet, 41)
+    subject, at = packet[45 : 45 + length].decode(), 45 + length
+    frame, part, fps, denominator, count = struct.unpack_from("!if2ib", packet, at)
+    values = struct.unpack_from(f"!{count}f", packet, at + 17)
+    assert at + 17 + 4 * count == len(packet)
+    assert (version, subject, count, fps, denominator) == (6, "Mimetic", 61, 30, 1)
+    assert device[0] == "$" and frame >= 0 and 0 <= part < 1
+    return np.array(values)
+
+
+def test_livelink_carries_61_numbers(listener, names):
+    values = {"lid_upper__R": 1.0, "gaze_yaw__L": 15.0, "gaze_pitch__R": -10.0, "jaw_side": -0.5}
+    (packet,) = sent(listener, "livelink", names, state_of(names, **values))
+    numbers = livelink(packet)
+    weights = dict(zip(shape_names(), numbers, strict=False))
+    assert weights["eyeBlinkRight"] == 1 and weights["eyeBlinkLeft"] == 0
+    assert weights["eyeLookOutLeft"] == pytest.approx(0.495) and weights["eyeLookInLeft"] == 0
+    assert weights["eyeLookDownRight"] == pytest.approx(0.4) and weights["eyeLookUpRight"] == 0
+    assert weights["jawRight"] == pytest.approx(0.5) and weights["jawLeft"] == 0
+    np.testing.assert_allclose(
+        numbers[52:], [0, 0, 0, np.radians(15), 0, 0, 0, np.radians(10), 0], atol=1e-6
+    )
+
+
+@pytest.mark.parametrize(("axis", "number"), [(1, 0), (0, 1), (2, 2)])
+def test_livelink_turns_the_head_about_arkits_axes(listener, names, axis, number):
+    (packet,) = sent(listener, "livelink", names, state_of(names, turned(axis, 20)))
+    expected = np.zeros(3)
+    expected[number] = np.radians(20)
+    np.testing.assert_allclose(livelink(packet)[52:55], expected, atol=1e-6)
+
+
+def test_shapes_are_arkits_and_of_values_that_there_are(names):
+    assert len(shape_names()) == len(set(shape_names())) == 52
+    assert set(shape_factors()) <= set(shape_names())
+    assert {name for parts in shape_factors().values() for name in parts} <= set(names)
+    # Every muscle shows in some shape
+    matrix = np.array(
+        [ArkitShapes(names).weights(s * row) for row in np.eye(len(names)) for s in (1, -1)]
+    )
+    moved = matrix.any(axis=1).reshape(-1, 2).any(axis=1)
+    assert [name for name, moves in zip(names, moved, strict=True) if not moves] == []
+
+
+@pytest.mark.parametrize(
+    "address",
+    [
+        "http://a:1",
+        "osc://host",
+        "osc://:99",
+        "osc://host:0",
+        "osc://host:99999",
+        "osc://h:1/x",
+        "",
+    ],
+)
+def test_what_is_no_address_is_refused(address):
+    with pytest.raises(InvalidInput, match="osc://HOST:PORT or livelink://HOST:PORT"):
+        parse_address(address)
+
+
+def test_a_host_that_is_not_known_is_said(names):
+    with pytest.raises(UnreadableMedia, match="is not known"):
+        Receiver("osc://no-such-host.invalid:39539", names, 30)
+
+
+def test_nobody_who_listens_is_no_failure(names):
+    receiver = Receiver("osc://127.0.0.1:9", names, 30)
+    for _ in range(5):
+        receiver.send(state_of(names))
+    receiver.close()
