@@ -113,6 +113,18 @@ def contact_shapes() -> ModuleType:
     return contact_shapes
 
 
+def control_names() -> ModuleType:
+    from mimetic.retarget import control_names
+
+    return control_names
+
+
+def controls() -> ModuleType:
+    from mimetic.retarget import controls
+
+    return controls
+
+
 def expression_cutting() -> ModuleType:
     from mimetic.library import cutting as expression_cutting
 
@@ -243,6 +255,12 @@ def placement() -> ModuleType:
     from mimetic.character import placement
 
     return placement
+
+
+def playing() -> ModuleType:
+    from mimetic.retarget import playing
+
+    return playing
 
 
 def projection() -> ModuleType:

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Blender as a module, an empty file around each test, and the extension as Blender loads it."""
 
+import dataclasses
 import importlib
 import os
 import subprocess
@@ -115,6 +116,33 @@ def rig_file(tmp_path_factory) -> Path:
     )
     assert path.exists(), ran.stdout + ran.stderr
     return path
+
+
+@pytest.fixture(scope="session")
+def parts():
+    """The template's mesh as anybody's head: points in centimetres, faces, landmarks' vertices."""
+    from mimetic.character.foreign_mesh import REQUIRED
+    from mimetic.character.placement import to_object
+    from mimetic.template.face_template import load_template
+
+    template = load_template()
+    marks = {name: template.landmark(name) for name in REQUIRED}
+    return to_object(template.vertices) / 0.01, template.faces, marks
+
+
+@pytest.fixture(scope="session")
+def acted(performance, tmp_path_factory):
+    """A performance of the muscles that faces have; its file."""
+    from mimetic.character.canonical_head import make_head
+    from mimetic.muscles.articulators import ARTICULATORS
+
+    names = [shape.name for shape in make_head().shapes[:36]]
+    lowest, highest = np.array([ARTICULATORS[name] for name in performance.articulators]).T
+    values = np.clip(performance.articulator_values, lowest, highest)
+    acted = dataclasses.replace(performance, muscles=names, articulator_values=values)
+    path = tmp_path_factory.mktemp("acted") / "hero.npz"
+    acted.save(path)
+    return acted, str(path)
 
 
 def make_performance(num_frames: int, fps: float = 25.0, seed: int = 0):

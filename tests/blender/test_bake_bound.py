@@ -13,33 +13,6 @@ UNIT = 0.01  # metres in the object's unit: modelled in centimetres
 FRAMES = (1, 9, 24, 40)
 
 
-@pytest.fixture(scope="session")
-def parts():
-    """The template's mesh as anybody's head: points in centimetres, faces, landmarks' vertices."""
-    from mimetic.character.foreign_mesh import REQUIRED
-    from mimetic.character.placement import to_object
-    from mimetic.template.face_template import load_template
-
-    template = load_template()
-    marks = {name: template.landmark(name) for name in REQUIRED}
-    return to_object(template.vertices) / UNIT, template.faces, marks
-
-
-@pytest.fixture(scope="session")
-def acted(performance, tmp_path_factory):
-    """A performance of the muscles that faces have; its file."""
-    from mimetic.character.canonical_head import make_head
-    from mimetic.muscles.articulators import ARTICULATORS
-
-    names = [shape.name for shape in make_head().shapes[:36]]
-    lowest, highest = np.array([ARTICULATORS[name] for name in performance.articulators]).T
-    values = np.clip(performance.articulator_values, lowest, highest)
-    acted = dataclasses.replace(performance, muscles=names, articulator_values=values)
-    path = tmp_path_factory.mktemp("acted") / "hero.npz"
-    acted.save(path)
-    return acted, str(path)
-
-
 @pytest.fixture
 def hero(parts, scene):
     """Modelled looking along x, below its origin, standing turned in the scene; bound, active."""

@@ -98,7 +98,7 @@ PACKAGE_FLOORS = (
     {"skin"},
     {"muscles", "performance", "locate"},
     {"character", "score", "fit"},
-    {"solve"},
+    {"solve", "retarget"},
     {"head", "report"},
     {"analyse", "batch"},
     {"library"},
@@ -108,7 +108,7 @@ PACKAGE_FLOORS = (
 # The core's stages, each of which includes earlier ones alone
 CORE_STAGES = (
     *("shared", "raster", "surface", "flow", "locate", "fit", "skin", "muscles", "contact"),
-    *("register", "head", "solve", "analyse", "puppet"),
+    *("register", "retarget", "head", "solve", "analyse", "puppet"),
 )
 PACKAGE = ROOT / "native" / "python" / "mimetic"
 LONGEST_FILE, LONGEST_FUNCTION = 400, 60  # lines

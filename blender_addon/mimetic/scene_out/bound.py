@@ -13,7 +13,7 @@ import bpy
 from mathutils import Matrix
 
 from .. import compat, native, scene_in, world, writable
-from . import actions, by_hand, head, standing
+from . import actions, by_hand, head, own_keys, standing
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ def bake(
     shapes = native.shapes().slider_shapes_of(performance)
     keys = head_object.data.shape_keys
     sliders = _sliders(head_object, shapes)
-    driven_keys = _driven(keys)
+    driven_keys = own_keys.driven_keys(keys)
     playable = [
         (key, shape)
         for shape in shapes
@@ -61,7 +61,7 @@ def bake(
             f"{head_object.name} is moved by {mover}: the head's motion is left to Bake Head "
             "(panel Head)"
         )
-    channels = _motion(scene, performance, head_object) if use_head_motion else None
+    channels = motion(scene, performance, head_object) if use_head_motion else None
     holder = actions.continued_take(keys, f"{take} muscles")
     if stale := _silence(head_object, holder):
         remarks.append(f"an earlier take's {', '.join(stale)} on {head_object.name} is at 0 now")
@@ -107,8 +107,8 @@ def _has_deltas(obj: bpy.types.Object) -> bool:
     )
 
 
-def _motion(scene: bpy.types.Scene, performance, head: bpy.types.Object):
-    """`mimetic.rig_motion.Channels` of the object."""
+def motion(scene: bpy.types.Scene, performance, head: bpy.types.Object):
+    """`mimetic.rig_motion.Channels` of a head with muscles, which turns about its centre."""
     with standing.at_rest(scene, head):
         return native.bound_head().head_channels(
             performance,
@@ -194,12 +194,6 @@ def _is_cut(key: bpy.types.ShapeKey, values) -> bool:
     return bool(
         values.min() < key.slider_min - TOLERANCE or values.max() > key.slider_max + TOLERANCE
     )
-
-
-def _driven(keys: bpy.types.Key) -> set[str]:
-    """Names of the sliders that drivers set: they take no curve."""
-    paths = set(_driver_paths(keys))
-    return {key.name for key in keys.key_blocks if key.path_from_id("value") in paths}
 
 
 def _driver_paths(block: bpy.types.ID) -> list[str]:

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 
 from .. import native, scene_in
-from . import actions, bound, clip, head, rigs
+from . import actions, bound, clip, head, own_controls, own_keys, rigs
 
 
 def write(
@@ -22,10 +22,11 @@ def write(
 ) -> str:
     """Opens `rig_path`, keys the performance on its object `name`, and writes `out` whole.
 
-    A head that has the muscles' sliders plays them; any other object, or an armature's bones, gets
-    the head's motion. settings: bone and neck, found by name where None; neck_share; smoothing, of
-    the head's motion alone. The file keeps its own rate, range and everything else; its scripts do
-    not run. Returns what was written.
+    A head that has the muscles' sliders plays them; one whose own shape keys have known names, or
+    are asked for, plays those; any other object, or an armature's bones, gets the head's motion
+    alone. settings: controls, "own", "muscles", or "auto" for what there is, muscles first; bone
+    and neck, found by name where None; neck_share; smoothing, of the head's motion alone. The file
+    keeps its own rate, range and everything else; its scripts do not run. Returns what was written.
     """
     performance = native.performances().Performance.load(performance_path)
     try:
@@ -37,7 +38,11 @@ def write(
     obj = _object(scene, where, name, settings)
     footage = clip.load(scene, footage_path) if footage_path else None
     take = actions.take_name(footage_path or performance_path)
-    if scene_in.is_face(obj):
+    if _plays_own(obj, where, settings.get("controls", "auto")):
+        played = own_controls.play(performance, obj)
+        summary = own_controls.bake(scene, performance, take, obj, played, footage)
+        text = f"{summary.num_curves} curves on {obj.name}, {_frames(summary)}; {summary.text}"
+    elif scene_in.is_face(obj):
         text = _play(scene, performance, take, obj, footage)
     else:
         performance = native.head_smoothing().smoothed(performance, settings["smoothing"])
@@ -46,6 +51,19 @@ def write(
         text = f"{summary.num_curves} curves on {summary.where}, {_frames(summary)}"
     _save(Path(out).absolute())
     return text
+
+
+def _plays_own(obj: bpy.types.Object, where: str, choice: str) -> bool:
+    """Whether the face goes on the object's own shape keys."""
+    if choice == "muscles" and not scene_in.is_face(obj):
+        raise native.invalid_input(
+            f"{where}:{obj.name} has no muscles; attach them first, or leave --controls out"
+        )
+    if choice == "own" and (reason := own_keys.no_own_keys(obj)):
+        raise native.invalid_input(f"{where}: {reason}")
+    if choice != "auto" or scene_in.is_face(obj) or own_keys.no_own_keys(obj):
+        return choice == "own"
+    return bool(native.control_names().known_names(key.name for key in own_keys.own_keys(obj)))
 
 
 def _save(path: Path) -> None:

@@ -30,8 +30,17 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--target",
         metavar="RIG.blend:OBJECT",
-        help="put the performance on this character instead, in a copy of its file: its muscles on "
-        "a head that has them attached, the head's motion on any other object or an armature",
+        help="put the performance on this character instead, in a copy of its file: on the "
+        "muscles of a head that has them attached, on shape keys of its own with known names "
+        "(ARKit, VRM, Unified Expressions, MetaHuman), the head's motion alone on any other object "
+        "or an armature",
+    )
+    parser.add_argument(
+        "--controls",
+        choices=("auto", "muscles", "own"),
+        default="auto",
+        help="what of a --target plays the face: its muscles, or its own shape keys, "
+        "whatever their names, fitted to what its muscles do (default: muscles where it has them)",
     )
     add_face_arguments(parser)
     parser.add_argument(
@@ -88,6 +97,7 @@ def run_bake(arguments: argparse.Namespace) -> int:
             "neck": arguments.neck,
             "neck_share": arguments.neck_share,
             "smoothing": arguments.smoothing,
+            "controls": arguments.controls,
         }
         if arguments.detail:
             raise InvalidInput("--detail is of the person's own face; a --target takes the head")
@@ -95,6 +105,8 @@ def run_bake(arguments: argparse.Namespace) -> int:
             raise InvalidInput("--action-units are the face's; a --target takes the head")
         if arguments.few_keys is not None:
             raise InvalidInput("--few-keys are the face's; a --target takes the head")
+    elif arguments.controls != "auto":
+        raise InvalidInput("--controls are those of a --target RIG.blend:OBJECT; give it")
     elif arguments.bone or arguments.neck:
         raise InvalidInput("--bone and --neck name bones of a --target RIG.blend:OBJECT; give it")
     text = bake(

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A performance on the shape keys that a character's maker gave it: no key, no mesh is changed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+
+from .. import compat, native, scene_in, world, writable
+from . import actions, bound, head, own_keys
+
+GROUP = "Face"  # what the curves are listed under
+
+
+@dataclass(frozen=True)
+class BakeSummary:
+    first: float  # scene frames of the first and the last key
+    last: float
+    num_curves: int
+    has_motion: bool  # whether the head's motion was keyed on the object
+    text: str  # which controls were driven, which not, what share of the motion is explained
+
+
+def bake(
+    scene: bpy.types.Scene,
+    performance,
+    take: str,
+    character: bpy.types.Object,
+    played,
+    footage: bpy.types.MovieClip | None = None,
+    use_head_motion: bool = True,
+) -> BakeSummary:
+    """Keys a `mimetic.retarget.PlayedControls` on a character's own shape keys, in a new action.
+
+    What else the character's action holds goes on in a copy. use_head_motion: whether the object
+    moves as the actor's head; it never does where a parent, an armature or a constraint moves it.
+    Raises InvalidInput, and changes nothing then, where keys were removed meanwhile.
+    """
+    writable.check(writable.no_sliders(character))
+    keys = character.data.shape_keys
+    if missing := [name for name in played.names if keys is None or name not in keys.key_blocks]:
+        raise native.invalid_input(
+            f"{character.name} has no shape key {missing[0]} any more: fit its controls again"
+        )
+    frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
+    remark = ""
+    if use_head_motion and (mover := bound.moved_by(character)):
+        use_head_motion = False
+        remark = f"; {character.name} is moved by {mover}: bake the head's motion on that"
+    holder = actions.continued_take(keys, f"{take} controls")
+    for name, values in zip(played.names, played.values.T, strict=True):
+        path = keys.key_blocks[name].path_from_id("value")
+        actions.clear(holder, path)
+        actions.fill(compat.new_curve(holder, path, 0, GROUP), frames, values, actions.LINEAR)
+    num_curves = len(played.names)
+    if use_head_motion:
+        if scene_in.is_face(character):
+            channels = bound.motion(scene, performance, character)
+            target = head.Target(character.name)
+            num_curves += head.key_object(character, performance, take, frames, channels, target)
+        else:
+            target = head.Target(character.name, pivot=_pivot(scene, character))
+            num_curves += head.bake(scene, performance, take, target, footage).num_curves
+    return BakeSummary(
+        float(frames[0]), float(frames[-1]), num_curves, use_head_motion, played.summary() + remark
+    )
+
+
+def play(performance, character: bpy.types.Object, rows=None):
+    """`mimetic.retarget.PlayedControls` of a character; raises InvalidInput."""
+    writable.check(own_keys.no_own_keys(character))
+    return native.playing().play(performance, own_keys.surface(character), rows)
+
+
+def _pivot(scene: bpy.types.Scene, character: bpy.types.Object) -> tuple[float, float, float]:
+    """Where the object's origin is, from midway between the ears of the head that it holds."""
+    metre = (scene.unit_settings.scale_length or 1.0) * world.matrix(character).median_scale
+    centre = native.playing().face_centre(own_keys.surface(character))
+    return tuple(native.playing().origin_from_ears(centre * metre))

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A character's own controls as plain values: shape keys that are not ours."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+
+from .. import native
+from . import by_hand
+from .contact import KEY
+
+
+def own_keys(head: bpy.types.Object) -> list[bpy.types.ShapeKey]:
+    """Shape keys that the character's maker gave it and that a curve can move.
+
+    Keys of ours, muted keys and keys that drivers set are none.
+    """
+    keys = head.data.shape_keys if head.type == "MESH" else None
+    if keys is None:
+        return []
+    others = {keys.reference_key.name, KEY, *driven_keys(keys)}
+    if len(head.mimetic.shapes):
+        others |= set(by_hand.keys_now(head).values())
+    return [key for key in keys.key_blocks if key.name not in others and not key.mute]
+
+
+def driven_keys(keys: bpy.types.Key) -> set[str]:
+    """Names of the shape keys that drivers set: they take no curve."""
+    animation = keys.animation_data
+    paths = {driver.data_path for driver in animation.drivers} if animation else set()
+    return {key.name for key in keys.key_blocks if key.path_from_id("value") in paths}
+
+
+def no_own_keys(head: bpy.types.Object | None) -> str:
+    """Why nothing can be put on an object's own shape keys, or nothing."""
+    if head is None or head.type != "MESH":
+        return "Select the character's mesh first"
+    keys = head.data.shape_keys
+    if keys is not None and not keys.use_relative:
+        return f"{head.name}'s shape keys are absolute: only relative ones can be combined"
+    if not own_keys(head):
+        return f"{head.name} has no shape keys of its own that are free to move"
+    return ""
+
+
+def surface(head: bpy.types.Object):
+    """A `mimetic.retarget.ControlSurface`: own shape keys, and muscles where there are some."""
+    keys, mesh = own_keys(head), head.data
+    reference = mesh.shape_keys.reference_key
+    starts = np.empty(len(mesh.polygons), dtype=np.int32)
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    mesh.loops.foreach_get("vertex_index", corners)
+    sources = _muscles(head)
+    return native.controls().ControlSurface(
+        points=_points(reference),
+        starts=starts,
+        corners=corners,
+        control_names=[key.name for key in keys],
+        controls=_stack([_offsets(head, key) for key in keys], mesh),
+        control_range=_ranges(keys),
+        source_names=list(sources),
+        sources=_stack([_offsets(head, key) for key in sources.values()], mesh),
+        source_range=_ranges(sources.values()),
+    )
+
+
+def _muscles(head: bpy.types.Object) -> dict[str, bpy.types.ShapeKey]:
+    """The keys of muscles, jaw, lids, lips and gaze, by the names that performances have."""
+    if not len(head.mimetic.shapes):
+        return {}
+    blocks = head.data.shape_keys.key_blocks
+    parts = native.shapes()
+    left_out = (parts.DETAIL, parts.CONTACT, parts.ACTION_UNITS)
+    wanted = {
+        entry.shape or entry.name for entry in head.mimetic.shapes if entry.group not in left_out
+    }
+    return {
+        shape: blocks[name] for shape, name in by_hand.keys_now(head).items() if shape in wanted
+    }
+
+
+def _ranges(keys) -> np.ndarray:
+    """K x 2; a slider whose range does not hold 0 reaches to it."""
+    rows = [(min(key.slider_min, 0.0), max(key.slider_max, 0.0)) for key in keys]
+    return np.array(rows, dtype=np.float64).reshape(-1, 2)
+
+
+def _offsets(head: bpy.types.Object, key: bpy.types.ShapeKey) -> np.ndarray:
+    """V x 3: what a key adds at value 1, to the key that it is relative to."""
+    offsets = _points(key) - _points(key.relative_key)
+    if key.vertex_group and (group := head.vertex_groups.get(key.vertex_group)):
+        weights = np.zeros(len(offsets))
+        for vertex in head.data.vertices:
+            for member in vertex.groups:
+                if member.group == group.index:
+                    weights[vertex.index] = member.weight
+        offsets *= weights[:, None]
+    return offsets
+
+
+def _points(key: bpy.types.ShapeKey) -> np.ndarray:
+    points = np.empty(3 * len(key.points), dtype=np.float32)
+    key.points.foreach_get("co", points)
+    return points.reshape(-1, 3).astype(np.float64)
+
+
+def _stack(rows: list[np.ndarray], mesh: bpy.types.Mesh) -> np.ndarray:
+    return np.stack(rows) if rows else np.zeros((0, len(mesh.vertices), 3))

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <mimetic/shared/types.hpp>
+#include <vector>
+
+namespace mimetic {
+
+/// Each polygon's area in equal parts for the vertices of its corners, square units of the points: V.
+/// points: V x 3; starts: F, the first corner of each polygon, ascending; corners: vertices. Throws
+/// InvalidInput: a corner that is no vertex, a polygon of fewer than three corners.
+Eigen::VectorXd polygon_areas(PointsIn points, const std::vector<int>& starts,
+                              const std::vector<int>& corners);
+
+struct ControlFitOptions {
+    double sparsity = .002;  ///< of a control's own value, 0 to 1: what a control that is used has to save
+    double ridge = .003;     ///< of a control's own response, 0 to 10: the pull to the value expected of it
+    /// How much of a control's motion that sources cannot make counts, 1e-12 to 1. 1: the nearest surface.
+    /// Near 0: what sources can make of a control stands for it, so that a control is played fully where the
+    /// capture sees it in full, though its surface goes further than muscles do. Controls of which they can
+    /// make little count by what they do, at any value.
+    double unmatched_motion = 1e-5;
+    void check() const;  ///< throws InvalidInput: field, value, limit
+};
+
+/// Values of one's own S sources as values of a character's own K controls, over one surface of V vertices.
+///
+/// Sources are muscles, jaw, lids and gaze; controls are shape keys, or bones by what the mesh does when they
+/// move. Both displace in proportion to their values.
+class ControlFit {
+public:
+    /// controls: K x 3V, sources: S x 3V, metres at value 1, rows of x, y, z of each vertex; weights: V, at
+    /// least 0, of the vertices, their areas as a rule; *_range: lowest and highest values, K x 2, S x 2,
+    /// around 0. Throws InvalidInput.
+    ControlFit(MatrixIn controls, MatrixIn sources, VectorIn weights, MatrixIn control_range,
+               MatrixIn source_range, const ControlFitOptions& options = {});
+
+    /// Values of the sources, within their ranges, that do most nearly what each control does: K x S.
+    const MatrixRows& readings() const { return readings_; }
+
+    /// What share of each control's own motion those values make at the size that is best for it, 0 to 1: K;
+    /// 0 for one that moves nothing.
+    const Eigen::VectorXd& readable() const { return readable_; }
+
+    /// The best values of the controls, row by row: T x K. values: T x S; expected: T x K, what each is
+    /// pulled to, 0 where nothing is known. Throws InvalidInput.
+    MatrixRows frames(MatrixIn values, MatrixIn expected) const;
+
+    /// Each source at its highest, and then at its lowest, as values of the controls, divided by that height:
+    /// 2 S x K; 0 where a source does not go that way.
+    MatrixRows mapping() const;
+
+    /// What share of the motion of all rows the controls make, at most 1. values: T x S; fitted: T x K.
+    double explained(MatrixIn values, MatrixIn fitted) const;
+
+    /// What share of each source's motion its row of the mapping makes at the size that is best for it, 0 to
+    /// 1: S; 1 for one that moves nothing. Low where the character has no control that does the like.
+    Eigen::VectorXd source_explained() const;
+
+private:
+    Eigen::VectorXd best(VectorIn values, VectorIn expected, VectorIn start) const;
+    void read(const ControlFitOptions& options);
+
+    ControlFitOptions options_;
+    Eigen::MatrixXd of_sources_;   // S x S, dot products of displacements
+    Eigen::MatrixXd of_controls_;  // K x K
+    Eigen::MatrixXd of_both_;      // K x S
+    Eigen::MatrixXd hessian_;      // K x K, without ridge
+    Eigen::MatrixXd slopes_;       // K x S
+    Eigen::VectorXd scale_;        // K, the diagonal
+    MatrixRows control_range_, source_range_;
+    MatrixRows readings_;
+    Eigen::VectorXd readable_;
+};
+
+}  // namespace mimetic

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/retarget/bounded_fit.hpp>
+#include <mimetic/retarget/control_fit.hpp>
+
+#include "arrays.hpp"
+
+namespace mimetic::bindings {
+
+namespace py = pybind11;
+using namespace pybind11::literals;
+
+void bind_retarget(py::module_& m) {
+    m.def("polygon_areas", &polygon_areas, "points"_a, "starts"_a, "corners"_a,
+          "A share of each polygon's area for the vertices (V,) of its corners, square units of points\n"
+          "(V, 3). starts: the first corner of each polygon; corners: vertices. Raises InvalidInput.");
+    py::class_<ControlFitOptions>(m, "ControlFitOptions", "See control_fit.hpp for each field.")
+        .def(py::init<>())
+        .def_readwrite("sparsity", &ControlFitOptions::sparsity)
+        .def_readwrite("ridge", &ControlFitOptions::ridge)
+        .def_readwrite("unmatched_motion", &ControlFitOptions::unmatched_motion);
+    py::class_<ControlFit>(m, "ControlFit",
+                           "Values of sources as values of a character's own controls; see "
+                           "control_fit.hpp.")
+        .def(py::init([](const ModesArray& controls, const ModesArray& sources,
+                         const Eigen::VectorXd& weights, const MatrixRows& control_range,
+                         const MatrixRows& source_range, const ControlFitOptions& options) {
+                 const auto own = view_modes("controls", controls, weights.size());
+                 const auto other = view_modes("sources", sources, weights.size());
+                 py::gil_scoped_release release;
+                 return ControlFit(own, other, weights, control_range, source_range, options);
+             }),
+             "controls"_a, "sources"_a, "weights"_a, "control_range"_a, "source_range"_a,
+             "options"_a = ControlFitOptions(),
+             "controls: (K, V, 3), sources: (S, V, 3), at value 1; weights: (V,); ranges: (K, 2), (S, 2), "
+             "around 0.\nRaises InvalidInput.")
+        .def_property_readonly("readings", &ControlFit::readings,
+                               "(K, S): values of sources that do what each control does.")
+        .def_property_readonly("readable", &ControlFit::readable,
+                               "(K,): the share of its motion that they make, 0 to 1.")
+        .def("frames", &ControlFit::frames, "values"_a, "expected"_a,
+             py::call_guard<py::gil_scoped_release>(),
+             "(T, K): the best values of the controls for values (T, S), pulled to expected (T, K).")
+        .def("mapping", &ControlFit::mapping, py::call_guard<py::gil_scoped_release>(),
+             "(2 S, K): each source at its highest and at its lowest, as values of the controls.")
+        .def("explained", &ControlFit::explained, "values"_a, "fitted"_a,
+             "The share of the motion of all rows (T, S) that fitted values (T, K) make.")
+        .def("source_explained", &ControlFit::source_explained, py::call_guard<py::gil_scoped_release>(),
+             "(S,): the share of each source's motion that its row of the mapping makes at its best size.");
+}
+
+}  // namespace mimetic::bindings

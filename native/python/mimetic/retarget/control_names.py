@@ -1,0 +1,125 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Names that characters' controls are known by: what each is in the 52 face units.
+
+Known are ARKit's names in both spellings, VRM 1.0, Unified Expressions and MetaHuman's curves
+(`data/control_names.toml`).
+"""
+
+from __future__ import annotations
+
+import tomllib
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib import resources
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic.template.face_template import load_template
+
+SEPARATORS = str.maketrans("", "", " _-.:|")
+UNIT_SIDES = ("Left", "Right")
+
+
+@dataclass(frozen=True)
+class KnownName:
+    """What a control's name says."""
+
+    convention: str  # that has it
+    units: Mapping[str, float]  # share of each face unit; none for a state that is no motion
+
+
+@dataclass(frozen=True)
+class Convention:
+    name: str
+    controls: Mapping[str, KnownName]  # by the plain name
+
+
+def known_names(names: Iterable[str]) -> dict[str, KnownName]:
+    """What each of a character's names says; those that no convention has are left out.
+
+    Where conventions share a name, the one that has most of the character's names decides.
+    """
+    names = list(names)
+    spellings = {name: _spellings(name) for name in names}
+    by_use = sorted(
+        conventions(),
+        key=lambda convention: (
+            -sum(any(plain in convention.controls for plain in spellings[name]) for name in names)
+        ),
+    )
+    known = {}
+    for name in names:
+        for convention in by_use:
+            plain = next((s for s in spellings[name] if s in convention.controls), None)
+            if plain is not None:
+                known[name] = convention.controls[plain]
+                break
+    return known
+
+
+def unit_shares(names: Iterable[str], known: Mapping[str, KnownName]) -> NDArray[np.float64]:
+    """K x 52: share of each face unit in each control, in the template's order."""
+    names, units = list(names), load_template().unit_names
+    shares = np.zeros((len(names), len(units)))
+    for row, name in zip(shares, names, strict=True):
+        for unit, share in known[name].units.items() if name in known else ():
+            row[units.index(unit)] = share
+    return shares
+
+
+def mirrored_name(name: str) -> str:
+    """The same control of the other side; the name itself if it says no side."""
+    for left, right in (("Left", "Right"), ("left", "right"), ("LEFT", "RIGHT")):
+        for side, other in ((left, right), (right, left)):
+            if name.endswith(side) or name.startswith(side):
+                return other.join(
+                    name.rsplit(side, 1) if name.endswith(side) else ("", name[len(side) :])
+                )
+    for mark in "._- ":
+        for side, other in ("LR", "RL", "lr", "rl"):
+            if name.endswith(mark + side):
+                return name[:-1] + other
+            if f"{mark}{side}{mark}" in name:
+                return name.replace(f"{mark}{side}{mark}", f"{mark}{other}{mark}")
+    if len(name) > 1 and name[-1] in "LR" and name[-2].islower():
+        return name[:-1] + ("R" if name[-1] == "L" else "L")
+    return name
+
+
+@cache
+def conventions() -> tuple[Convention, ...]:
+    """In the table's order."""
+    text = resources.files("mimetic.data").joinpath("control_names.toml").read_text("utf-8")
+    return tuple(_convention(entry) for entry in tomllib.loads(text)["convention"])
+
+
+def _convention(entry: Mapping) -> Convention:
+    rows = {name: dict(units) for name, units in entry["controls"].items()}
+    rows |= {name: {} for name in entry["known"]}
+    if entry.get("is_units"):
+        rows |= {unit: {unit: 1.0} for unit in load_template().unit_names}
+    controls = {}
+    for name, units in rows.items():
+        for side, unit_side in zip(entry["sides"], UNIT_SIDES, strict=True):
+            own = {unit.replace("*", unit_side): float(share) for unit, share in units.items()}
+            controls[_plain(name.replace("*", side))] = KnownName(entry["name"], own)
+    return Convention(entry["name"], controls)
+
+
+def _plain(name: str) -> str:
+    return name.translate(SEPARATORS).lower()
+
+
+def _spellings(name: str) -> list[str]:
+    """The plain name; without what stands before its last dot; with its side in full."""
+    last = name.rsplit(".", 1)[-1] if len(name.rsplit(".", 1)[-1]) > 1 else name
+    spellings = []
+    for text in (name, last):
+        spellings.append(_plain(text))
+        for mark in "_.- ":
+            for side, full in (("L", "Left"), ("R", "Right"), ("l", "Left"), ("r", "Right")):
+                if text.endswith(mark + side):
+                    spellings.append(_plain(text[: -len(side) - 1] + full))
+    return spellings

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A character's own controls, and the table of how each is driven, which a preset keeps."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, fields, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput
+from mimetic.retarget.control_names import mirrored_name
+from mimetic.shared.json_file import read_json
+from mimetic.shared.shown_text import shortened
+from mimetic.shared.whole_file import whole_file
+
+FORMAT = "mimetic controls 1"
+LARGEST_PRESET = 2_000_000  # bytes
+MOST = 1000.0  # of gain, offset and bounds
+
+
+@dataclass(frozen=True)
+class ControlRow:
+    """How one control is driven: gain times what is fitted, plus offset, cut to the range."""
+
+    control: str
+    is_on: bool = True
+    gain: float = 1.0
+    offset: float = 0.0
+    lowest: float = 0.0
+    highest: float = 1.0
+    is_edited: bool = False  # by hand: a refit leaves it
+
+    def played(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Values as fitted (N) to values as played."""
+        return np.clip(self.gain * values + self.offset, self.lowest, self.highest)
+
+
+@dataclass(frozen=True)
+class ControlSurface:
+    """What a character's controls and muscles do to one mesh of V vertices.
+
+    points: V x 3, at rest; starts, corners: of its polygons; controls: K x V x 3, sources: S x V x
+    3, displacements at value 1, in the points' unit and frame; control_range: K x 2; source_names:
+    S, of muscles, jaw, lids and gaze as a performance's shapes are called; source_range: S x 2.
+    """
+
+    points: NDArray[np.float64]
+    starts: NDArray[np.int32]
+    corners: NDArray[np.int32]
+    control_names: Sequence[str]
+    controls: NDArray[np.float64]
+    control_range: NDArray[np.float64]
+    source_names: Sequence[str] = ()
+    sources: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0, 3)))
+    source_range: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
+
+    def without(self, names: Iterable[str]) -> ControlSurface:
+        """The same less some of its controls."""
+        left_out = set(names)
+        rows = [i for i, name in enumerate(self.control_names) if name not in left_out]
+        return replace(
+            self,
+            control_names=[self.control_names[i] for i in rows],
+            controls=self.controls[rows],
+            control_range=self.control_range[rows],
+        )
+
+
+def refitted(rows: Sequence[ControlRow], ranges: Mapping[str, Sequence[float]]) -> list[ControlRow]:
+    """The table for controls with these ranges: edited rows stay, others are as at first.
+
+    Rows of controls that the character no longer has go, and new ones follow the order of `ranges`.
+    """
+    before = {row.control: row for row in rows if row.is_edited}
+    return [
+        before.get(name) or ControlRow(name, lowest=float(low), highest=float(high))
+        for name, (low, high) in ranges.items()
+    ]
+
+
+def mirrored(rows: Sequence[ControlRow], from_side: str = "L") -> list[ControlRow]:
+    """Edited rows of one side (L or R) given to the controls of the other, where there are such."""
+    if from_side not in ("L", "R"):
+        raise InvalidInput(f"side {from_side!r}: rows are mirrored from L or R")
+    by_name = {row.control: row for row in rows}
+    twins = {}
+    for row in rows:
+        twin = mirrored_name(row.control)
+        if (
+            row.is_edited
+            and twin != row.control
+            and twin in by_name
+            and _side(row.control) == from_side
+        ):
+            twins[twin] = replace(row, control=twin)
+    return [twins.get(row.control, row) for row in rows]
+
+
+def _side(name: str) -> str:
+    other = mirrored_name(name)
+    differing = next((a for a, b in zip(name, other, strict=False) if a != b), "")
+    return differing.upper()
+
+
+def save_preset(rows: Sequence[ControlRow], path: str | os.PathLike[str]) -> None:
+    """Writes a table as JSON, whole or not at all."""
+    document = {"format": FORMAT, "controls": [asdict(row) for row in rows]}
+    with whole_file(Path(path)) as stream:
+        stream.write(f"{json.dumps(document, indent=1)}\n".encode())
+
+
+def load_preset(path: str | os.PathLike[str]) -> list[ControlRow]:
+    """Reads what `save_preset` wrote; raises InvalidInput and UnreadableMedia, naming the file."""
+    document = read_json(path, "a preset of controls", LARGEST_PRESET)
+    if not isinstance(document, dict) or document.get("format") != FORMAT:
+        raise InvalidInput(f'{path}: not a preset of controls: "format" is not "{FORMAT}"')
+    entries = document.get("controls")
+    if not isinstance(entries, list):
+        raise InvalidInput(f'{path}: a preset of controls has a list "controls"')
+    rows = [_row(path, number, entry) for number, entry in enumerate(entries, 1)]
+    if len({row.control for row in rows}) < len(rows):
+        raise InvalidInput(f"{path}: a control is named twice")
+    return rows
+
+
+def _row(path: str | os.PathLike[str], number: int, entry: object) -> ControlRow:
+    where = f"{path}: control {number}"
+    if not isinstance(entry, dict) or not isinstance(entry.get("control"), str):
+        raise InvalidInput(f'{where} has no name ("control")')
+    known = {item.name: item.default for item in fields(ControlRow)}
+    if strays := sorted(entry.keys() - known.keys()):
+        raise InvalidInput(shortened(f"{where} has an unknown {strays[0]!r}"))
+    for name, value in entry.items():
+        if name == "control":
+            continue
+        is_truth = isinstance(value, bool)
+        if isinstance(known[name], bool) != is_truth:
+            raise InvalidInput(shortened(f"{where}: {name} is {value!r}"))
+        if not is_truth and not (isinstance(value, int | float) and abs(value) <= MOST):
+            raise InvalidInput(shortened(f"{where}: {name} is {value!r}; it lies within {MOST:g}"))
+    row = ControlRow(**entry)
+    if row.lowest > row.highest:
+        raise InvalidInput(
+            f"{where} ({row.control}): its range is from {row.lowest} to {row.highest}"
+        )
+    return row

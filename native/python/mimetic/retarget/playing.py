@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A performance as curves of a character's own controls.
+
+Where the character's head has muscles, its controls are fitted to what they do to its surface,
+whatever the controls are called. Where names are known they say what to expect; for a head without
+muscles, names alone decide, through what the face units do to the canonical head.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, _core
+from mimetic.character.shapes import Shape, shapes_of, slider_shapes_of
+from mimetic.performance.document import Performance
+from mimetic.retarget.control_names import KnownName, known_names, unit_shares
+from mimetic.retarget.controls import ControlRow, ControlSurface
+from mimetic.template.face_template import load_template
+
+MOVES = 1e-6  # of the mesh's extent: a control that displaces less on this mesh moves nothing of it
+DRIVEN = 5e-3  # of a control's range: a curve that stays below is none
+EARS_BEHIND = 0.08  # metres, of the middle of a face
+UNPLAYED = 0.1  # share of what a muscle does by itself: below it no control stands for it
+READABLE = (
+    0.05  # share of a control's motion that a face can make: below it is no control of a face
+)
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class PlayedControls:
+    """Curves of K controls over N frames.
+
+    by_name: controls that their names alone drive; unmatched: controls that nothing drives, as they
+    do not move what a face moves and their names are unknown; resting: controls that this
+    performance leaves at rest; unplayed: muscles, jaw, lids and gaze that move in it and of which
+    the controls make nearly nothing; explained: share of the motion of the surface over all
+    frames that the controls make, None where names alone decide.
+    """
+
+    names: list[str]
+    values: Floats  # N x K
+    by_name: list[str]
+    unmatched: list[str]
+    resting: list[str]
+    unplayed: list[str]
+    explained: float | None
+
+    def summary(self) -> str:
+        """What was driven and what was not, for people: parts between semicolons."""
+        driven = len(self.names) - len(self.resting)
+        parts = [f"{driven} of {len(self.names) + len(self.unmatched)} controls driven"]
+        if self.explained is not None:
+            parts.append(f"{max(0.0, self.explained):.0%} of the face's motion explained")
+        if self.by_name:
+            parts.append(f"{len(self.by_name)} by their names")
+        for text, names in (
+            ("at rest", self.resting),
+            ("unmatched", self.unmatched),
+            ("without a control", self.unplayed),
+        ):
+            if names:
+                parts.append(f"{text}: {', '.join(names)}")
+        return "; ".join(parts)
+
+
+def play(
+    performance: Performance,
+    surface: ControlSurface,
+    rows: Sequence[ControlRow] | None = None,
+    options: _core.ControlFitOptions | None = None,
+) -> PlayedControls:
+    """Fits a character's controls to a performance, frame by frame.
+
+    rows: the table of controls; those off or missing are not driven; None drives all within their
+    ranges. Raises InvalidInput if there is nothing to go by: no muscles and no known name.
+    """
+    table = _table(surface, rows)
+    used = surface.without(name for name in surface.control_names if name not in table)
+    names = list(used.control_names)
+    known = known_names(names)
+    expected = _by_names(performance, names, known)
+    has_muscles = bool(len(used.source_names))
+    if expected is None and not has_muscles and unit_shares(names, known).any():
+        raise InvalidInput("the performance is not of the canonical head: capture the clip again")
+    moves = _moves(used)
+    is_named = unit_shares(names, known).any(axis=1) & (expected is not None)
+    if has_muscles:
+        fit, values, explained, source_values = _fit(performance, used, expected, options)
+        is_matched = moves & (fit.readable > READABLE)
+        only_named = is_named & ~moves
+        unplayed = _unplayed(fit, used.source_names, source_values)
+    else:
+        if not is_named.any():
+            raise InvalidInput(
+                "no muscles are attached to the head, and of its controls no name is known "
+                f"({_listed(names)}): attach muscles to it first"
+            )
+        values, explained, unplayed = np.zeros((performance.num_frames, len(names))), None, []
+        is_matched, only_named = np.zeros(len(names), bool), is_named
+    if expected is not None:
+        values[:, only_named] = expected[:, only_named]
+    kept = np.flatnonzero(is_matched | only_named)
+    played = np.stack(
+        [table[names[k]].played(values[:, k]) for k in kept] or [np.zeros((0,))], axis=-1
+    ).reshape(performance.num_frames, len(kept))
+    spans = np.array([table[names[k]].highest - table[names[k]].lowest for k in kept])
+    is_driven = np.abs(played).max(axis=0, initial=0) > DRIVEN * spans
+    return PlayedControls(
+        names=[names[k] for k in kept],
+        values=played,
+        by_name=[names[k] for k in np.flatnonzero(only_named)],
+        unmatched=[name for k, name in enumerate(names) if k not in kept],
+        resting=[names[k] for k, driven in zip(kept, is_driven, strict=True) if not driven],
+        unplayed=unplayed,
+        explained=explained,
+    )
+
+
+def face_centre(surface: ControlSurface) -> Floats:
+    """3: the middle of what a character's controls move, by area and motion; the points' frame."""
+    areas = _areas(surface.points, surface.starts, surface.corners)
+    weights = areas * (surface.controls**2).sum(axis=(0, 2))
+    total = float(weights.sum())
+    return weights @ surface.points / total if total > 0 else surface.points.mean(axis=0)
+
+
+def origin_from_ears(centre: Floats) -> Floats:
+    """3, metres: an object's origin seen from midway between the ears, in the character frame.
+
+    centre: 3, metres, of the face in the object, which looks along -y.
+    """
+    return -np.asarray(centre, dtype=np.float64) - np.array([0.0, EARS_BEHIND, 0.0])
+
+
+def unit_values(performance: Performance, options: _core.ControlFitOptions | None = None) -> Floats:
+    """N x 52: the performance as values of the face units, on the performer's own mesh.
+
+    Raises InvalidInput for a performance that is not of the canonical mesh.
+    """
+    template = load_template()
+    points = np.asarray(performance.neutral_vertices, dtype=np.float64)
+    if points.shape != template.vertices.shape:
+        raise InvalidInput("the performance is not of the canonical head: capture the clip again")
+    shapes = shapes_of(performance.without_detail())
+    fit = _core.ControlFit(
+        np.asarray(template.unit_modes, dtype=np.float64),
+        _offsets(shapes),
+        _areas(points, *_polygons(template.faces)),
+        np.tile([0.0, 1.0], (len(template.unit_names), 1)),
+        np.array([(shape.lowest, shape.highest) for shape in shapes]),
+        options or _core.ControlFitOptions(),
+    )
+    values = np.stack([shape.values for shape in shapes], axis=1)
+    return fit.frames(values, np.zeros((len(values), len(template.unit_names))))
+
+
+def _by_names(
+    performance: Performance, names: Sequence[str], known: Mapping[str, KnownName]
+) -> Floats | None:
+    """N x K: what names say; None where they say nothing of this performance's mesh."""
+    shares = unit_shares(names, known)
+    if not shares.any() or performance.neutral_vertices.shape != load_template().vertices.shape:
+        return None
+    return unit_values(performance) @ shares.T
+
+
+def _fit(
+    performance: Performance,
+    surface: ControlSurface,
+    expected: Floats | None,
+    options: _core.ControlFitOptions | None,
+) -> tuple[_core.ControlFit, Floats, float, Floats]:
+    fit = _core.ControlFit(
+        surface.controls,
+        surface.sources,
+        _areas(surface.points, surface.starts, surface.corners),
+        surface.control_range,
+        surface.source_range,
+        options or _core.ControlFitOptions(),
+    )
+    curves = {shape.name: shape.values for shape in slider_shapes_of(performance)}
+    none = np.zeros(performance.num_frames)
+    source_values = np.stack([curves.get(name, none) for name in surface.source_names], axis=1)
+    if expected is None:
+        expected = np.zeros((performance.num_frames, len(surface.control_names)))
+    values = fit.frames(source_values, expected)
+    return fit, values, fit.explained(source_values, values), source_values
+
+
+def _unplayed(fit: _core.ControlFit, names: Sequence[str], values: Floats) -> list[str]:
+    moves = np.abs(values).max(axis=0, initial=0) > 0.1
+    share = fit.source_explained()
+    return [name for s, name in enumerate(names) if moves[s] and share[s] < UNPLAYED]
+
+
+def _table(surface: ControlSurface, rows: Sequence[ControlRow] | None) -> dict[str, ControlRow]:
+    if rows is not None:
+        return {row.control: row for row in rows if row.is_on}
+    ranges = zip(surface.control_names, surface.control_range, strict=True)
+    return {
+        name: ControlRow(name, lowest=float(low), highest=float(high))
+        for name, (low, high) in ranges
+    }
+
+
+def _moves(surface: ControlSurface) -> NDArray[np.bool_]:
+    extent = float(np.ptp(surface.points, axis=0).max()) if len(surface.points) else 0.0
+    reach = np.abs(surface.controls).max(axis=(1, 2), initial=0)
+    return reach > MOVES * extent
+
+
+def _offsets(shapes: Sequence[Shape]) -> Floats:
+    return np.ascontiguousarray(np.stack([shape.offsets for shape in shapes]), dtype=np.float64)
+
+
+def _areas(points: Floats, starts: NDArray, corners: NDArray) -> Floats:
+    return _core.polygon_areas(points, np.asarray(starts).tolist(), np.asarray(corners).tolist())
+
+
+def _polygons(quads: NDArray[np.int32]) -> tuple[NDArray, NDArray]:
+    return np.arange(0, quads.size, 4), quads.reshape(-1)
+
+
+def _listed(names: Sequence[str], most: int = 6) -> str:
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return ", ".join(names[:most]) + more

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <mimetic/retarget/bounded_fit.hpp>
+#include <mimetic/retarget/control_fit.hpp>
+#include <mimetic/shared/checks.hpp>
+
+namespace mimetic {
+namespace {
+
+constexpr double kReadingRidge = 1e-3;  // of a source's own response: sources that do nearly the same share
+constexpr double kMostNumbers = 2e8;    // of displacements, 1.6 GB
+constexpr Eigen::Index kBlock = 1024;   // vertices weighted at once
+
+void check_range_rows(MatrixIn range, Eigen::Index count, const char* what) {
+    require(range.rows() == count && range.cols() == 2 && range.allFinite() &&
+                (count == 0 || (range.col(0).maxCoeff() <= 0 && range.col(1).minCoeff() >= 0)),
+            std::string("each of the ") + what + " needs a lowest value up to 0 and a highest from 0");
+}
+
+double share_left(double squared, double dot, double length) {
+    return length > 0 ? 1 - (squared - 2 * dot + length) / length : 0;
+}
+
+}  // namespace
+
+Eigen::VectorXd polygon_areas(PointsIn points, const std::vector<int>& starts,
+                              const std::vector<int>& corners) {
+    require(points.allFinite(), "the points of a mesh must be finite");
+    Eigen::VectorXd areas = Eigen::VectorXd::Zero(points.rows());
+    for (std::size_t face = 0; face < starts.size(); ++face) {
+        const int begin = starts[face];
+        const int end = face + 1 < starts.size() ? starts[face + 1] : static_cast<int>(corners.size());
+        require(begin >= 0 && end >= begin + 3 && end <= static_cast<int>(corners.size()),
+                "polygon " + std::to_string(face) + " of the mesh does not have three corners of its own");
+        Eigen::Vector3d doubled = Eigen::Vector3d::Zero();
+        for (int c = begin; c < end; ++c) {
+            const int vertex = corners[static_cast<std::size_t>(c)];
+            require(vertex >= 0 && vertex < points.rows(),
+                    "polygon " + std::to_string(face) + " of the mesh has a corner that is no vertex");
+        }
+        const Eigen::Vector3d origin = points.row(corners[static_cast<std::size_t>(begin)]);
+        for (int c = begin + 1; c + 1 < end; ++c) {
+            const Eigen::Vector3d a = points.row(corners[static_cast<std::size_t>(c)]);
+            const Eigen::Vector3d b = points.row(corners[static_cast<std::size_t>(c) + 1]);
+            doubled += (a - origin).cross(b - origin);
+        }
+        for (int c = begin; c < end; ++c) {
+            areas[corners[static_cast<std::size_t>(c)]] += .5 * doubled.norm() / (end - begin);
+        }
+    }
+    return areas;
+}
+
+void ControlFitOptions::check() const {
+    check_range("ControlFitOptions.sparsity", sparsity, 0, 1);
+    check_range("ControlFitOptions.ridge", ridge, 0, 10);
+    check_range("ControlFitOptions.unmatched_motion", unmatched_motion, 1e-12, 1);
+}
+
+ControlFit::ControlFit(MatrixIn controls, MatrixIn sources, VectorIn weights, MatrixIn control_range,
+                       MatrixIn source_range, const ControlFitOptions& options)
+    : options_(options), control_range_(control_range), source_range_(source_range) {
+    options.check();
+    require(controls.cols() == 3 * weights.size() && sources.cols() == controls.cols(),
+            "controls and sources must displace the same vertices, each of which has a weight");
+    require(static_cast<double>(controls.size()) + static_cast<double>(sources.size()) <= kMostNumbers,
+            "there are too many controls for so many vertices");
+    require(controls.allFinite() && sources.allFinite(), "displacements must be finite");
+    require(weights.allFinite() && (weights.size() == 0 || weights.minCoeff() >= 0),
+            "weights of vertices must be finite and at least 0");
+    check_range_rows(control_range, controls.rows(), "controls");
+    check_range_rows(source_range, sources.rows(), "sources");
+    of_controls_ = Eigen::MatrixXd::Zero(controls.rows(), controls.rows());
+    of_sources_ = Eigen::MatrixXd::Zero(sources.rows(), sources.rows());
+    of_both_ = Eigen::MatrixXd::Zero(controls.rows(), sources.rows());
+    for (Eigen::Index begin = 0; begin < weights.size(); begin += kBlock) {
+        const Eigen::Index count = std::min(kBlock, weights.size() - begin);
+        const Eigen::RowVectorXd scale =
+            weights.segment(begin, count).transpose().replicate(3, 1).reshaped().transpose();
+        const auto own = controls.middleCols(3 * begin, 3 * count);
+        const auto other = sources.middleCols(3 * begin, 3 * count);
+        const MatrixRows weighted = other.array().rowwise() * scale.array();
+        of_controls_ += (own.array().rowwise() * scale.array()).matrix() * own.transpose();
+        of_sources_ += weighted * other.transpose();
+        of_both_ += own * weighted.transpose();
+    }
+    read(options);
+}
+
+void ControlFit::read(const ControlFitOptions& options) {
+    const Eigen::Index num_controls = of_controls_.rows(), num_sources = of_sources_.rows();
+    readings_ = MatrixRows::Zero(num_controls, num_sources);
+    readable_ = Eigen::VectorXd::Zero(num_controls);
+    BoundedProblem problem;
+    problem.hessian = of_sources_;
+    problem.hessian.diagonal() *= 1 + kReadingRidge;
+    problem.sparsity = options.sparsity * of_sources_.diagonal();
+    for (Eigen::Index k = 0; k < num_controls; ++k) {
+        // Within the sources' bounds, as a capture would see it: lids that are shut are a full blink, however
+        // far the character's own key takes them
+        const double reach = of_controls_(k, k);
+        problem.linear = of_both_.row(k).transpose();
+        problem.lowest = source_range_.col(0);
+        problem.highest = source_range_.col(1);
+        const Eigen::VectorXd reading = fit_bounded(problem, Eigen::VectorXd::Zero(num_sources));
+        readings_.row(k) = reading.transpose();
+        const double made = reading.dot(of_sources_ * reading);
+        const double along = std::max(0., of_both_.row(k).dot(reading));
+        readable_[k] = made > 0 && reach > 0 ? std::min(1., along * along / (made * reach)) : 0;
+    }
+    // A control stands for what sources can make of it, and a little for all of itself: the more, the less of
+    // it they can make, as others that do nearly nothing else would cost nothing
+    const Eigen::ArrayXd whole = readable_.array().unaryExpr(
+        [&](double readable) { return std::pow(options.unmatched_motion, .5 * readable); });
+    const Eigen::MatrixXd own = whole.matrix().asDiagonal();
+    const Eigen::MatrixXd read = (1 - whole).matrix().asDiagonal() * readings_;
+    const Eigen::MatrixXd crossed = own * of_both_ * read.transpose();
+    hessian_ =
+        own * of_controls_ * own + read * of_sources_ * read.transpose() + crossed + crossed.transpose();
+    slopes_ = read * of_sources_ + own * of_both_;
+    scale_ = hessian_.diagonal();
+}
+
+Eigen::VectorXd ControlFit::best(VectorIn values, VectorIn expected, VectorIn start) const {
+    BoundedProblem problem;
+    problem.hessian = hessian_;
+    problem.hessian.diagonal() += options_.ridge * scale_;
+    problem.linear = slopes_ * values + options_.ridge * scale_.cwiseProduct(expected);
+    problem.sparsity = options_.sparsity * scale_;
+    problem.lowest = control_range_.col(0);
+    problem.highest = control_range_.col(1);
+    return fit_bounded(problem, start);
+}
+
+MatrixRows ControlFit::frames(MatrixIn values, MatrixIn expected) const {
+    const Eigen::Index num_controls = of_controls_.rows();
+    require(values.cols() == of_sources_.rows() && values.allFinite(),
+            "a row of values needs a finite one for each source");
+    require(expected.rows() == values.rows() && expected.cols() == num_controls && expected.allFinite(),
+            "a row of expected values needs a finite one for each control");
+    MatrixRows fitted(values.rows(), num_controls);
+    Eigen::VectorXd start = Eigen::VectorXd::Zero(num_controls);
+    for (Eigen::Index i = 0; i < values.rows(); ++i) {
+        start = best(values.row(i).transpose(), expected.row(i).transpose(), start);
+        fitted.row(i) = start.transpose();
+    }
+    return fitted;
+}
+
+MatrixRows ControlFit::mapping() const {
+    const Eigen::Index num_controls = of_controls_.rows(), num_sources = of_sources_.rows();
+    MatrixRows rows = MatrixRows::Zero(2 * num_sources, num_controls);
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(num_controls);
+    for (Eigen::Index s = 0; s < num_sources; ++s) {
+        for (const int side : {1, 0}) {
+            const double height = source_range_(s, side);
+            if (height != 0) {
+                const Eigen::VectorXd values = height * Eigen::VectorXd::Unit(num_sources, s);
+                rows.row(2 * s + 1 - side) = best(values, none, none).transpose() / std::abs(height);
+            }
+        }
+    }
+    return rows;
+}
+
+double ControlFit::explained(MatrixIn values, MatrixIn fitted) const {
+    require(values.cols() == of_sources_.rows() && fitted.cols() == of_controls_.rows() &&
+                values.rows() == fitted.rows(),
+            "values and fitted values must be of the same rows");
+    const double whole = (values * of_sources_).cwiseProduct(values).sum();
+    const double made = (fitted * of_controls_).cwiseProduct(fitted).sum();
+    const double both = (fitted * of_both_).cwiseProduct(values).sum();
+    return share_left(made, both, whole);
+}
+
+Eigen::VectorXd ControlFit::source_explained() const {
+    const MatrixRows rows = mapping();
+    Eigen::VectorXd shares(of_sources_.rows());
+    for (Eigen::Index s = 0; s < shares.size(); ++s) {
+        const Eigen::VectorXd fitted = rows.row(2 * s).transpose();
+        const double whole = of_sources_(s, s), made = fitted.dot(of_controls_ * fitted);
+        const double along = std::max(0., fitted.dot(of_both_.col(s)));
+        shares[s] = whole > 0 ? (made > 0 ? along * along / (made * whole) : 0) : 1;
+    }
+    return shares;
+}
+
+}  // namespace mimetic

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A performance on the shape keys that a character's maker gave it: `mimetic bake --target`."""
+
+import dataclasses
+
+import bpy
+import numpy as np
+import pytest
+from test_bake_command import run_bake
+
+ALIKE = 0.8  # correlation of a key's curve by its name and by what muscles do
+UNITS = ("jawOpen", "mouthSmileLeft", "mouthSmileRight", "eyeBlinkLeft", "browInnerUp")
+
+
+@pytest.fixture
+def character(parts, scene):
+    """A head in centimetres with five shape keys of its own, one that is driven, one of hair."""
+    from mimetic.character.placement import to_object
+    from mimetic.template.face_template import load_template
+
+    template = load_template()
+    points, faces, marks = parts
+    mesh = bpy.data.meshes.new("Hero")
+    mesh.from_pydata(points, [], faces.tolist())
+    head = bpy.data.objects.new("Hero", mesh)
+    scene.collection.objects.link(head)
+    head.scale = (0.01,) * 3
+    head.shape_key_add(name="Basis")
+    for unit in UNITS:
+        offsets = to_object(template.unit_modes[template.unit_names.index(unit)]) / 0.01
+        key = head.shape_key_add(name=unit, from_mix=False)
+        key.points.foreach_set("co", (points + offsets).astype(np.float32).reshape(-1))
+    driven = head.shape_key_add(name="corrective", from_mix=False)
+    driven.driver_add("value").driver.expression = "0.25"
+    head.shape_key_add(name="Hair", from_mix=False)
+    for name, vertex in marks.items():
+        head.vertex_groups.new(name=name).add([vertex], 1.0, "REPLACE")
+    bpy.context.view_layer.objects.active = head
+    bpy.context.view_layer.update()
+    return head
+
+
+@pytest.fixture(scope="session")
+def played(acted, tmp_path_factory):
+    """The muscles' real motion where the five keys have theirs; its file."""
+    from mimetic.character.canonical_head import make_head
+
+    performance = acted[0]
+    offsets = {shape.name: shape.offsets for shape in make_head().shapes}
+    moving = ("zygomaticus_major", "frontalis_medial", "jaw_open", "lid_upper.L")
+    is_muscle, is_bone = (
+        [name.startswith(moving) for name in names]
+        for names in (performance.muscles, performance.articulators)
+    )
+    path = tmp_path_factory.mktemp("played") / "hero.npz"
+    dataclasses.replace(
+        performance,
+        activations=performance.activations * is_muscle,
+        articulator_values=np.abs(performance.articulator_values) * is_bone,
+        muscle_modes=np.stack([offsets[name] for name in performance.muscles]).astype(np.float32),
+        articulator_modes=np.stack([offsets[name] for name in performance.articulators]).astype(
+            np.float32
+        ),
+    ).save(path)
+    return path
+
+
+def save(path, scene) -> None:
+    scene.render.fps = 25
+    bpy.ops.wm.save_as_mainfile(filepath=str(path), check_existing=False)
+
+
+def key_curves(extension, head) -> dict[str, np.ndarray]:
+    curves = extension("compat").curves(head.data.shape_keys).fcurves
+    return {
+        curve.data_path.split('"')[1]: np.array([p.co[1] for p in curve.keyframe_points])
+        for curve in curves
+    }
+
+
+def test_known_names_play_the_face_and_the_object_its_head(
+    extension,
+    scene,
+    character,
+    played,
+    tmp_path,
+):
+    before = bpy.data.actions.new("Walk")
+    character.animation_data_create().action = before
+    before.use_fake_user = True
+    save(tmp_path / "rig.blend", scene)
+    out = tmp_path / "out.blend"
+    ran = run_bake(played, "--out", out, "--target", f"{tmp_path / 'rig.blend'}:Hero")
+    assert ran.returncode == 0, ran.stderr
+    assert "5 of 6 controls driven" in ran.stdout
+    assert "unmatched: Hair" in ran.stdout
+    bpy.ops.wm.open_mainfile(filepath=str(out))
+    head = bpy.data.objects["Hero"]
+    curves = key_curves(extension, head)
+    assert set(curves) == set(UNITS)
+    assert all(np.ptp(values) > 0.05 for values in curves.values())
+    assert all(values.min() >= 0 and values.max() <= 1 for values in curves.values())
+    assert head.data.shape_keys.animation_data.action.name == "hero controls"
+    assert len(head.data.shape_keys.animation_data.drivers) == 1
+    assert head.animation_data.action.name == "hero head"
+    assert "Walk" in bpy.data.actions
+
+
+def test_changed_names_play_the_same_through_muscles(
+    extension,
+    scene,
+    character,
+    played,
+    tmp_path,
+):
+    save(tmp_path / "named.blend", scene)
+    assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+    for number, unit in enumerate(UNITS):
+        character.data.shape_keys.key_blocks[unit].name = f"expr_{number}"
+    save(tmp_path / "changed.blend", scene)
+    curves = {}
+    for name, controls in (("named", "auto"), ("changed", "own")):
+        out = tmp_path / f"{name}.out.blend"
+        target = f"{tmp_path / name}.blend:Hero"
+        ran = run_bake(played, "--out", out, "--target", target, "--controls", controls)
+        assert ran.returncode == 0, ran.stderr
+        bpy.ops.wm.open_mainfile(filepath=str(out))
+        curves[name] = key_curves(extension, bpy.data.objects["Hero"])
+    assert "of the face's motion explained" in ran.stdout
+    for number, unit in enumerate(UNITS):
+        named, fitted = curves["named"][unit], curves["changed"][f"expr_{number}"]
+        assert np.corrcoef(named, fitted)[0, 1] > ALIKE, unit
+
+
+@pytest.mark.parametrize(
+    ("change", "arguments", "message"),
+    [
+        (lambda head: None, ["--controls", "muscles"], "Hero has no muscles"),
+        (lambda head: head.shape_key_clear(), ["--controls", "own"], "no shape keys of its own"),
+        (
+            lambda head: setattr(head.data.shape_keys, "use_relative", False),
+            ["--controls", "own"],
+            "shape keys are absolute",
+        ),
+    ],
+)
+def test_what_cannot_be_played_is_said_in_one_line(
+    scene,
+    character,
+    played,
+    tmp_path,
+    change,
+    arguments,
+    message,
+):
+    change(character)
+    save(tmp_path / "rig.blend", scene)
+    target = f"{tmp_path / 'rig.blend'}:Hero"
+    ran = run_bake(played, "--out", tmp_path / "out.blend", "--target", target, *arguments)
+    assert ran.returncode == 2
+    assert message in ran.stderr
+    assert len(ran.stderr.strip().splitlines()) == 1
+    assert not (tmp_path / "out.blend").exists()

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Names that characters' controls are known by."""
+
+import numpy as np
+import pytest
+from mimetic.retarget.control_names import conventions, known_names, mirrored_name, unit_shares
+from mimetic.template.face_template import load_template
+
+
+def test_every_name_of_the_tables_means_units_that_there_are():
+    units = set(load_template().unit_names)
+    for convention in conventions():
+        assert convention.controls, convention.name
+        for known in convention.controls.values():
+            assert set(known.units) <= units, known
+
+
+@pytest.mark.parametrize(
+    "spell",
+    [
+        str,
+        lambda unit: unit.replace("Left", "_L").replace("Right", "_R"),
+        lambda unit: unit[0].upper() + unit[1:],
+        lambda unit: f"blendShape1.{unit}",
+        lambda unit: unit.replace("Left", ".L").replace("Right", ".R"),
+    ],
+)
+def test_all_52_of_arkit_are_known_in_every_spelling(spell):
+    units = load_template().unit_names
+    names = [spell(unit) for unit in units]
+    np.testing.assert_array_equal(unit_shares(names, known_names(names)), np.eye(52))
+
+
+@pytest.mark.parametrize(
+    ("name", "units"),
+    [
+        ("blink", {"eyeBlinkLeft": 0.5, "eyeBlinkRight": 0.5}),
+        ("blinkRight", {"eyeBlinkRight": 1}),
+        ("EyeClosedLeft", {"eyeBlinkLeft": 1}),
+        ("MouthCornerPullRight", {"mouthSmileRight": 0.8}),
+        ("CTRL_expressions_eyeLookLeftR", {"eyeLookInRight": 1}),
+        ("CTRL_expressions_mouthCornerPullL", {"mouthSmileLeft": 1}),
+        ("happy", {}),
+    ],
+)
+def test_names_of_other_conventions(name, units):
+    assert known_names([name])[name].units == units
+
+
+def test_a_shared_name_is_read_by_the_convention_that_most_names_are_of():
+    # Two conventions have "mouthLeft"; "EyeClosed" is of one alone
+    names = ["MouthStretchLeft", "EyeClosedLeft", "LipFunnelUpperLeft", "MouthPressLeft"]
+    assert {known.convention for known in known_names(names).values()} == {"Unified Expressions"}
+
+
+def test_strange_names_are_unknown():
+    assert known_names(["Key 1", "Fat", "", ".", "L", "smile_special"]) == {}
+
+
+@pytest.mark.parametrize(
+    ("name", "twin"),
+    [
+        ("eyeBlinkLeft", "eyeBlinkRight"),
+        ("eyeBlink_R", "eyeBlink_L"),
+        ("brow.T.L.001", "brow.T.R.001"),
+        ("mouthCornerPullL", "mouthCornerPullR"),
+        ("LeftBlink", "RightBlink"),
+        ("jawOpen", "jawOpen"),
+        ("ALL", "ALL"),
+        ("L", "L"),
+    ],
+)
+def test_mirrored_names(name, twin):
+    assert mirrored_name(name) == twin
+    assert mirrored_name(twin) == name

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The table of how a character's controls are driven, and its presets."""
+
+import dataclasses
+import json
+
+import numpy as np
+import pytest
+from mimetic import InvalidInput
+from mimetic.retarget.controls import ControlRow, load_preset, mirrored, refitted, save_preset
+
+EDITED = ControlRow("eyeBlinkLeft", True, 1.3, -0.1, 0.0, 0.9, is_edited=True)
+ROWS = [EDITED, ControlRow("eyeBlinkRight"), ControlRow("jawOpen")]
+
+
+def test_a_row_scales_shifts_and_cuts():
+    values = EDITED.played(np.array([0.0, 0.5, 1.0]))
+    np.testing.assert_allclose(values, [0.0, 0.55, 0.9])
+
+
+def test_edited_rows_survive_a_refit_and_others_follow_the_character():
+    ranges = {"jawOpen": (0, 1.5), "eyeBlinkLeft": (0, 1), "new": (-1, 1)}
+    rows = refitted([dataclasses.replace(ROWS[2], gain=5), EDITED], ranges)
+    assert rows == [
+        ControlRow("jawOpen", highest=1.5),
+        EDITED,
+        ControlRow("new", lowest=-1.0),
+    ]
+
+
+def test_edits_of_one_side_are_given_to_the_other():
+    rows = mirrored(ROWS)
+    assert rows[1] == dataclasses.replace(EDITED, control="eyeBlinkRight")
+    assert [rows[0], rows[2]] == [EDITED, ROWS[2]]
+    assert mirrored(ROWS, "R") == ROWS  # nothing of that side was edited
+    with pytest.raises(InvalidInput, match="side 'X'"):
+        mirrored(ROWS, "X")
+
+
+def test_a_preset_is_read_as_it_was_written(tmp_path):
+    save_preset(ROWS, tmp_path / "face.json")
+    assert load_preset(tmp_path / "face.json") == ROWS
+
+
+def damaged(change) -> bytes:
+    document = {
+        "format": "mimetic controls 1",
+        "controls": [dataclasses.asdict(row) for row in ROWS],
+    }
+    change(document)
+    return json.dumps(document).encode()
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        (b"[]", "not a preset of controls"),
+        (b"{", "not a preset of controls"),
+        (damaged(lambda d: d.update(format="other")), '"format" is not'),
+        (damaged(lambda d: d.update(controls={})), 'has a list "controls"'),
+        (damaged(lambda d: d["controls"].append(3)), "control 4 has no name"),
+        (damaged(lambda d: d["controls"][0].update(gain="much")), "control 1: gain is 'much'"),
+        (damaged(lambda d: d["controls"][0].update(is_on=1)), "control 1: is_on is 1"),
+        (damaged(lambda d: d["controls"][1].update(gain=1e9)), "within 1000"),
+        (damaged(lambda d: d["controls"][1].update(lowest=2)), "range is from 2 to 1"),
+        (damaged(lambda d: d["controls"][1].update(wave=2)), "unknown 'wave'"),
+        (damaged(lambda d: d["controls"].append(d["controls"][0])), "named twice"),
+    ],
+)
+def test_damaged_presets_are_refused_in_one_line(tmp_path, content, message):
+    path = tmp_path / "face.json"
+    path.write_bytes(content)
+    with pytest.raises(InvalidInput, match=message) as error:
+        load_preset(path)
+    assert str(path) in str(error.value)
+    assert "\n" not in str(error.value)
