@@ -33,6 +33,10 @@ from mimetic.locate import landmarks as cascade_file
 from mimetic.media.footage import Footage
 from mimetic.media.timing import frame_steps, scene_frames, scene_rate
 from mimetic.performance.document import Performance
+from mimetic.puppet.mapping import Mapping
+from mimetic.puppet.matching import still_matcher
+from mimetic.puppet.separability import separability
+from mimetic.puppet.templates import TaughtSet
 from mimetic.report.html import head_angles
 from mimetic.score.score import score
 from mimetic.score.tables import as_json, as_text
@@ -125,6 +129,21 @@ def _read_truth(path: Path) -> None:
     _either(scored)
 
 
+def _read_taught_set(path: Path) -> None:
+    taught = TaughtSet.load(path)
+
+    def driven() -> None:
+        parts = taught.template_parts
+        matcher = still_matcher(taught.pictures, taught.template_boxes, parts)
+        scores = matcher.match(np.zeros((120, 160), np.uint8))[0]
+        values = Mapping(taught).state(scores).values
+        if not np.isfinite(values).all():
+            raise Broken("scores of an empty picture have no state")
+
+    _either(driven)
+    separability(taught)
+
+
 def _read_expression(path: Path) -> None:
     expression = Expression.load(path)
     person = samples.performance()
@@ -190,6 +209,7 @@ def _read_footage(path: Path) -> None:
 READERS = {
     "performance": Reader(samples.performances, _read_performance),
     "expression": Reader(samples.expressions, _read_expression),
+    "taught-set": Reader(samples.taught_sets, _read_taught_set),
     "truth": Reader(samples.truths, _read_truth),
     "fit": Reader(samples.fits, _read_fit),
     "task": Reader(partial(samples.batch_files, "task"), batch_files.read_task),

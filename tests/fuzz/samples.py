@@ -25,6 +25,7 @@ from mimetic.template.face_template import load_template
 from sample_fit import make_fit
 from sample_mesh import document, ply
 from sample_performance import make_performance
+from sample_taught import make_taught
 from sample_truth import make_truth
 
 from evaluation.runs.stills import PARTS
@@ -68,6 +69,10 @@ def expressions() -> list[Sample]:
         ["zygomaticus_major.L", "jaw_side"], rows, rows, 25.0, names, events, ["clip.mp4", "1 to 6"]
     )
     return [_saved(one, ".npz", ARRAYS) for one in (whole, whole.still())]
+
+
+def taught_sets() -> list[Sample]:
+    return [_saved(make_taught(num_near=2), ".npz", ARRAYS)]
 
 
 def truths() -> list[Sample]:

@@ -11,6 +11,7 @@ from mimetic.fit import face_fit, fitted_view
 from mimetic.library import expression
 from mimetic.muscles import calibration
 from mimetic.performance import document
+from mimetic.puppet import templates
 from mimetic.score import truth
 from sample_fit import make_fit
 
@@ -53,6 +54,7 @@ def test_tables_are_read_as_they_are_written():
         ("performance-file.md", document),
         ("truth-file.md", truth),
         ("expression-file.md", expression),
+        ("puppet-file.md", templates),
     ],
 )
 def test_the_page_of_an_array_file_has_the_keys_types_and_shapes_of_the_code(name, module):

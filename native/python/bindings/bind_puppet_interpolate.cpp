@@ -19,7 +19,7 @@ void bind_puppet_interpolate(py::module_& m) {
         .def_readwrite("regularisation", &InterpolationOptions::regularisation,
                        "0: chosen by cross-validation")
         .def_readwrite("width", &InterpolationOptions::width,
-                       "of the Gaussian, in scores; 0: chosen by cross-validation");
+                       "of the Gaussian, in spreads of a score; 0: chosen by cross-validation");
     py::class_<Interpolation>(m, "Interpolation", "Scores to a state, by examples and radial bases.")
         .def(py::init<MatrixIn, MatrixIn, VectorIn, VectorIn, const InterpolationOptions&>(), "scores"_a,
              "states"_a, "lower"_a, "upper"_a, "options"_a = InterpolationOptions{},

@@ -30,6 +30,21 @@ cv::Mat1f closed(const cv::Mat1f& heights, const cv::Mat1f& is_seen, double pixe
     return filled;
 }
 
+/// Those seen from outside: through the eyes' holes the back of the head is not.
+Quads facing_quads(const Points2& pixels, QuadsIn faces) {
+    std::vector<Eigen::Index> kept;
+    for (Eigen::Index i = 0; i < faces.rows(); ++i) {
+        require(faces.row(i).minCoeff() >= 0 && faces.row(i).maxCoeff() < pixels.rows(),
+                "a face names a vertex that is not there");
+        const Eigen::RowVector2d a = pixels.row(faces(i, 2)) - pixels.row(faces(i, 0));
+        const Eigen::RowVector2d b = pixels.row(faces(i, 3)) - pixels.row(faces(i, 1));
+        if (a.x() * b.y() - a.y() * b.x() < 0) {  // y is down in pictures
+            kept.push_back(i);
+        }
+    }
+    return faces(kept, Eigen::all);
+}
+
 }  // namespace
 
 void FrontViewOptions::check() const {
@@ -52,7 +67,8 @@ FrontView::FrontView(const Camera& camera, PointsIn vertices, QuadsIn faces, con
         pixels.row(i) = pixel_of(vertices(i, 0), vertices(i, 1));
     }
     const Eigen::VectorXd depth = vertices.col(2);
-    const QuadRaster seen = raster_quads(pixels, depth, faces, rows_, cols_);
+    const Quads front = facing_quads(pixels, faces);
+    const QuadRaster seen = raster_quads(pixels, depth, front, rows_, cols_);
     cv::Mat1f heights = cv::Mat1f::zeros(rows_, cols_), is_seen = cv::Mat1f::zeros(rows_, cols_);
     for (int y = 0; y < rows_; ++y) {
         for (int x = 0; x < cols_; ++x) {
@@ -64,7 +80,7 @@ FrontView::FrontView(const Camera& camera, PointsIn vertices, QuadsIn faces, con
             is_seen(y, x) = 1;
             for (int corner = 0; corner < 4; ++corner) {
                 heights(y, x) += seen.weights(static_cast<Eigen::Index>(at), corner) *
-                                 static_cast<float>(depth[faces(face, corner)]);
+                                 static_cast<float>(depth[front(face, corner)]);
             }
         }
     }

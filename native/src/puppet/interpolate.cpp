@@ -15,9 +15,10 @@ namespace mimetic {
 namespace {
 
 constexpr int kFolds = 5;  // of neighbours in time, which are much alike: left out together
-// Widths of the Gaussian that are tried, in the examples' median nearest distances
-constexpr std::array<double, 4> kWidths{1.5, 3, 6, 12};
+// Widths of the Gaussian that are tried, in the examples' median distance
+constexpr std::array<double, 4> kWidths{.25, .5, 1, 2};
 constexpr double kSumWeight = 1e4;                   // of the weights' sum being 1, beside the state
+constexpr double kLeastSpread = .01;                 // of a template's scores: less is noise
 constexpr double kRidge = 1e-8;                      // makes the solution unique where corners coincide
 constexpr double kLeastMu = 1e-8, kGreatestMu = 10;  // tried by cross-validation, in powers of ten
 
@@ -97,8 +98,7 @@ Validation validate(const Eigen::MatrixXd& g, const Eigen::MatrixXd& distances, 
 
 /// What is missed of all values, each counted by its spread.
 double missed_by(const Eigen::VectorXd& squares, const MatrixRows& states) {
-    const Eigen::RowVectorXd mean = states.colwise().mean();
-    const Eigen::ArrayXd spread = (states.rowwise() - mean).colwise().squaredNorm().transpose().array();
+    const Eigen::ArrayXd spread = states.colwise().squaredNorm().transpose().array();
     return (squares.array() / (spread + 1e-3 * static_cast<double>(states.rows()))).sum();
 }
 
@@ -119,23 +119,18 @@ std::vector<double> widths_of(const InterpolationOptions& options, const Eigen::
     if (options.basis == Basis::gaussian && options.width > 0) {
         return {options.width};
     }
-    std::vector<double> nearest, apart;
+    std::vector<double> apart;
     for (Eigen::Index k = 0; k < distances.rows(); ++k) {
-        double least = std::numeric_limits<double>::infinity();
-        for (Eigen::Index l = 0; l < distances.rows(); ++l) {
-            if (l != k) {
-                least = std::min(least, distances(k, l));
-                apart.push_back(distances(k, l));
-            }
+        for (Eigen::Index l = 0; l < k; ++l) {
+            apart.push_back(distances(k, l));
         }
-        nearest.push_back(least);
     }
     if (options.basis == Basis::linear) {
         return {positive(median(apart))};
     }
     std::vector<double> widths;
     for (const double factor : kWidths) {
-        widths.push_back(positive(factor * median(nearest)));
+        widths.push_back(positive(factor * median(apart)));
     }
     return widths;
 }
@@ -149,7 +144,7 @@ void InterpolationOptions::check() const {
 
 Interpolation::Interpolation(MatrixIn scores, MatrixIn states, VectorIn lower, VectorIn upper,
                              const InterpolationOptions& options)
-    : basis_(options.basis), scores_(scores), lower_(lower), upper_(upper) {
+    : basis_(options.basis), lower_(lower), upper_(upper) {
     options.check();
     const Eigen::Index count = scores.rows();
     require(count >= 1 && count <= 1000 && scores.cols() >= 1 && scores.cols() <= 1000,
@@ -158,7 +153,16 @@ Interpolation::Interpolation(MatrixIn scores, MatrixIn states, VectorIn lower, V
     require(lower.size() == states.cols() && upper.size() == states.cols(),
             "each value of the state needs a lower and an upper limit");
     require(scores.allFinite() && states.allFinite(), "scores and states must be finite");
-    const MatrixRows values = states;
+    mean_ = states.colwise().mean().transpose();
+    const MatrixRows values = states.rowwise() - mean_.transpose();
+    // A template whose scores vary little says as much as one whose scores vary a lot
+    const Eigen::RowVectorXd middle = scores.colwise().mean();
+    per_score_ = ((scores.rowwise() - middle).colwise().squaredNorm() / static_cast<double>(count))
+                     .cwiseSqrt()
+                     .cwiseMax(kLeastSpread)
+                     .cwiseInverse()
+                     .transpose();
+    scores_ = scores * per_score_.asDiagonal();
     const Eigen::MatrixXd distances = distances_between(scores_, scores_);
     const std::vector<double> widths = widths_of(options, distances), strengths = strengths_of(options);
     width_ = widths.front();
@@ -187,12 +191,12 @@ Interpolation::Interpolation(MatrixIn scores, MatrixIn states, VectorIn lower, V
 
 Eigen::VectorXd Interpolation::distances(VectorIn scores) const {
     require(scores.size() == scores_.cols(), "there must be one score a template");
-    return (scores_.rowwise() - scores.transpose()).rowwise().norm();
+    return (scores_.rowwise() - scores.cwiseProduct(per_score_).transpose()).rowwise().norm();
 }
 
 Eigen::VectorXd Interpolation::state(VectorIn scores) const {
     const Eigen::VectorXd g = basis_of(basis_, distances(scores), width_);
-    return (weights_.transpose() * g).cwiseMax(lower_).cwiseMin(upper_);
+    return (mean_ + weights_.transpose() * g).cwiseMax(lower_).cwiseMin(upper_);
 }
 
 Eigen::VectorXd Interpolation::std(VectorIn scores) const {

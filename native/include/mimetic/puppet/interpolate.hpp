@@ -13,12 +13,13 @@ enum class Basis {
 struct InterpolationOptions {
     Basis basis = Basis::linear;
     double regularisation = 0;  ///< 0: chosen by cross-validation; to 1e3. Examples are met exactly near 0
-    double width = 0;           ///< of the Gaussian, in scores; 0: chosen by cross-validation
+    double width = 0;           ///< of the Gaussian, in spreads of a score; 0: chosen by cross-validation
     void check() const;         ///< throws InvalidInput: field, value, limit
 };
 
 /// Radial basis functions [Darrell, Essa and Pentland 1996]: scores of n templates to m values of a state,
-/// by K examples. C = A G (G G + mu I)^-1 with G of the examples' distances; a(s) = sum c_k g(|s - s_k|).
+/// by K examples. C = A G (G G + mu I)^-1 with G of the examples' distances; a(s) = sum c_k g(|s - s_k|),
+/// with scores counted by their spread among the examples and states from the examples' mean.
 class Interpolation {
 public:
     /// scores: K x n; states: K x m; lower, upper: m. K from 1 to 1000, in order of time. Throws
@@ -41,9 +42,10 @@ private:
     double regularisation_ = 0;
     double width_ = 1;
     double usual_distance_ = 0;  // of scores that were left out from the nearest example
-    MatrixRows scores_;          // K x n
+    MatrixRows scores_;          // K x n, by their spreads
+    Eigen::VectorXd per_score_;  // n
     Eigen::MatrixXd weights_;    // K x m
-    Eigen::VectorXd lower_, upper_, error_;
+    Eigen::VectorXd lower_, upper_, mean_, error_;
 };
 
 /// Weights (J, from 0 on, their sum 1) of the corners (J x m) for the nearest state in their convex hull.

@@ -47,7 +47,7 @@ COMMANDS = {
     ),
     "puppet": (
         "mimetic.commands.puppet",
-        "a camera's face -> muscles and head motion while it is filmed",
+        "a face that drives another: taught from a clip, or filmed by a camera",
     ),
     "evaluate": ("mimetic.commands.evaluate", "score a capture against known truth"),
     "batch": (

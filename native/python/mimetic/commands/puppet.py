@@ -8,6 +8,14 @@ import importlib
 
 # word: (module with add_arguments(parser) and run_<word>(arguments) -> status, summary)
 WORDS = {
+    "teach": (
+        "mimetic.commands.puppet_teach",
+        "looks of a captured clip -> a taught set: templates, and which are hard to tell apart",
+    ),
+    "run": (
+        "mimetic.commands.puppet_run",
+        "a clip and a taught set -> a driven face: performance, video, figures, page",
+    ),
     "record": (
         "mimetic.commands.puppet_record",
         "a camera, or a clip in its place -> performance.npz while it plays, sent elsewhere too",

@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Faces driven live: cameras, the filter without a look ahead, takes, values sent elsewhere."""
+"""Faces driven live: taught looks, cameras, the filter, takes, values sent elsewhere."""

@@ -18,7 +18,10 @@ from mimetic.shared.whole_file import HIDDEN
 
 PERFORMANCE = "performance.npz"
 # What the commands that follow a clip write: with a new performance the old one's pictures go
-OF_A_CLIP = (PERFORMANCE, "fit.json", "overlay.mp4", "report.html", "motion.png")
+OF_A_CLIP = (
+    *(PERFORMANCE, "fit.json", "overlay.mp4", "report.html", "motion.png", "puppet.mp4"),
+    *(f"{name}.{kind}" for name in ("templates", "mapping", "live") for kind in ("png", "svg")),
+)
 UNFINISHED = "unfinished"
 
 

@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A clip played to the puppet, frame after frame as by a camera: a performance and its trace."""
+
+from __future__ import annotations
+
+import os
+import time
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, UnreadableMedia, _core
+from mimetic.fit.face_fit import FaceFit
+from mimetic.media.cuts import CutWatch
+from mimetic.media.footage import Footage
+from mimetic.muscles.anatomy import Anatomy, attach_skin, modes_of
+from mimetic.muscles.extras import with_lip_shapes
+from mimetic.muscles.eyeballs import eye_geometry
+from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.performance.gaze import GAZE
+from mimetic.performance.rows import Rows
+from mimetic.puppet.driver import Puppet
+from mimetic.puppet.mapping import UNTAUGHT_STD, Mapping
+from mimetic.puppet.seeing import MODEL, PersonView
+from mimetic.puppet.templates import TaughtSet
+from mimetic.shared.progress import ATTACHED, SEARCHED, Progress, stages
+from mimetic.solve.capture_summary import CaptureSummary
+from mimetic.solve.clip_capture import FrameRange, check_range, fit_for
+from mimetic.solve.clip_performance import clip_performance
+from mimetic.solve.walk import SEARCH_AGAIN, find_again
+from mimetic.template.face_template import FaceTemplate, load_template
+
+
+@dataclass
+class RunOptions:
+    """How a clip is played to the puppet."""
+
+    mode: str = "parts"  # of mapping.MODES
+    basis: str = "linear"  # of mapping.BASES
+    head: str = MODEL  # of driver.HEADS
+    lag: float = 0.05  # s, of the filter at rest
+    neutral: int | None = None  # frame in which the face is at rest, to calibrate by
+
+
+@dataclass
+class Trace:
+    """What was measured on the way: N frames, T templates."""
+
+    scores: list[NDArray[np.float64]] = field(default_factory=list)  # T each
+    lag: list[float] = field(default_factory=list)  # s, the filter's largest of muscles
+    seconds: list[float] = field(default_factory=list)  # that a frame took, without decoding
+
+
+def drive(
+    path: str | os.PathLike[str],
+    taught: TaughtSet,
+    options: RunOptions,
+    frames: FrameRange | None = None,
+    fit: FaceFit | None = None,
+    progress: Progress | None = None,
+    summary: CaptureSummary | None = None,
+) -> tuple[Performance, Trace]:
+    """Drives a face through `frames`, forward in time, each frame by those before it alone.
+
+    progress: called with (fraction, text) every frame; when it returns False the frames done so
+    far are returned, and `notes` say so. Raises NoFace, UnreadableMedia, InvalidInput.
+    """
+    summary = summary if summary is not None else CaptureSummary()
+    footage = Footage(path)
+    first, last = check_range(frames, footage)
+    finding, attaching, following = stages(
+        progress, 0.0 if fit else SEARCHED, ATTACHED, 1 + last - first
+    )
+    fit = fit_for(footage, (first, last), fit, finding, summary)
+    attaching(0.0, "attaching the muscles")
+    return _Run(footage, fit, taught, options, summary).run((first, last), following)
+
+
+class _Run:
+    """One clip at work."""
+
+    def __init__(
+        self,
+        footage: Footage,
+        fit: FaceFit,
+        taught: TaughtSet,
+        options: RunOptions,
+        summary: CaptureSummary,
+    ) -> None:
+        self.footage, self.fit, self.taught, self.summary = footage, fit, taught, summary
+        self.options = options
+        self.template: FaceTemplate = load_template()
+        self.neutral = fit.neutral_vertices(self.template)
+        self.view = PersonView(fit.camera, self.neutral, taught.sides, taught.pixel)
+        filtering = _core.FilterOptions()
+        filtering.lag = options.lag
+        self.puppet = Puppet(
+            *(taught, self.view, footage.read(fit.frame), np.asarray(fit.head_pose)),
+            Mapping(taught, options.mode, options.basis),
+            options.head,
+            filtering,
+        )
+        self.rows, self.trace = Rows(), Trace()
+
+    def run(self, frames: tuple[int, int], progress: Progress) -> tuple[Performance, Trace]:
+        first, last = frames
+        cuts = CutWatch()
+        num_lost = 1  # a head is not known in the first frame
+        seconds = 1 / float(self.footage.fps)
+        if self.options.neutral is not None and not first <= self.options.neutral <= last:
+            raise InvalidInput(
+                f"--neutral {self.options.neutral} is not in frames {first} to {last}"
+            )
+        for frame, image in self.footage.frames(first, last):
+            if not progress(
+                (frame - first) / (1 + last - first), f"driving the face: frame {frame}"
+            ):
+                self.summary.stopped = True
+                break
+            image = np.ascontiguousarray(image)
+            if cuts.starts_scene(image):
+                num_lost = 1
+            guess = find_again(image, frame, self.fit) if num_lost % SEARCH_AGAIN == 1 else None
+            start = time.perf_counter()
+            seen = self.puppet.advance(image, seconds, guess)
+            self.trace.seconds.append(time.perf_counter() - start)
+            num_lost = num_lost + 1 if seen.held else 0
+            if frame == self.options.neutral and not seen.held:
+                self.puppet.set_neutral()
+            self.rows.frame.append(frame)
+            self.rows.pose.append(seen.pose)
+            self.rows.pose_cov.append(seen.pose_cov)
+            self.rows.quality.append(seen.quality if not seen.held else 0.0)
+            self.rows.values.append(seen.values)
+            self.rows.values_std.append(seen.std)
+            self.trace.scores.append(seen.scores)
+            self.trace.lag.append(float(np.max(self.puppet.filter.lags)))
+        self.summary.add("drive the face", sum(self.trace.seconds))
+        if not self.rows.frame:
+            raise self.footage.failure or UnreadableMedia(
+                f"{self.footage.path.name}: no frame of {first} to {last} is done"
+            )
+        return self._performance(frames), self.trace
+
+    def _anatomy(self) -> Anatomy:
+        skin = attach_skin(self.neutral, self.template, calibration=self.fit.calibration)
+        anatomy = modes_of(skin)
+        has_lips = any(name.startswith(("oris_", "lip_")) for name in self.taught.articulators)
+        return with_lip_shapes(anatomy, skin) if has_lips else anatomy
+
+    def _performance(self, frames: tuple[int, int]) -> Performance:
+        anatomy = self._anatomy()
+        values, std = np.array(self.rows.values), np.array(self.rows.values_std)
+        muscles, articulators = list(anatomy.muscle_names), list(anatomy.articulator_names)
+        fields: dict[str, Any] = {}
+        if set(GAZE) <= set(self.taught.channels):
+            fields = self._eyes()
+            articulators += GAZE
+            modes = anatomy.articulator_modes
+            fields["articulator_modes"] = np.concatenate([modes, np.zeros_like(modes[: len(GAZE)])])
+        own, own_std = self._columns(muscles, values, std)
+        other, other_std = self._columns(articulators, values, std)
+        return clip_performance(
+            *(self.rows, self.footage, self.fit, self.template, anatomy),
+            **fields,
+            activations=np.clip(own, 0, 1),
+            activations_std=own_std,
+            articulators=articulators,
+            articulator_values=other,
+            articulator_values_std=other_std,
+            notes=self._notes(frames),
+        )
+
+    def _columns(
+        self, names: list[str], values: NDArray[np.float64], std: NDArray[np.float64]
+    ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Values and s.d. (N x len(names)) of muscles or articulators, 0 of what was not taught."""
+        own = np.zeros((len(values), len(names)))
+        own_std = np.full_like(own, UNTAUGHT_STD)
+        for column, name in enumerate(names):
+            if name in self.taught.channels:
+                taught_column = self.taught.channels.index(name)
+                own[:, column] = values[:, taught_column]
+                own_std[:, column] = std[:, taught_column]
+        return own, own_std
+
+    def _eyes(self) -> dict[str, Any]:
+        eyes = eye_geometry(self.neutral, self.template)
+        return {
+            "eye_centers": eyes.centers,
+            "iris_centers": eyes.fronts(),
+            "eye_of_vertex": eyes.eye_of_vertex,
+            "lid_following": np.array([[per_degree, 0.0] for per_degree in eyes.lid_per_degree]),
+        }
+
+    def _notes(self, frames: tuple[int, int]) -> list[str]:
+        options = self.options
+        lag = 1e3 * float(np.median(self.trace.lag))
+        notes = [
+            *self.footage.warnings,
+            *self.fit.warnings,
+            f"driven by {len(self.taught.template_parts)} templates of {len(self.taught.looks)} "
+            f"looks ({options.mode}, {options.basis}, head: {options.head}); the filter lags by "
+            f"{1e3 * options.lag:.0f} ms at rest, {lag:.0f} in the middle",
+        ]
+        if self.summary.stopped:
+            notes.append(
+                f"stopped by the user: frames {self.rows.frame[0]} to {self.rows.frame[-1]} "
+                f"of {frames[0]} to {frames[1]}"
+            )
+        num_held = int(np.sum(np.array(self.rows.quality) < HELD_QUALITY))
+        if num_held:
+            notes.append(
+                f"the face was lost in {num_held} frames, which are held (quality under 0.2)"
+            )
+        self.summary.warnings = notes
+        return notes

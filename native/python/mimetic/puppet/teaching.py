@@ -1,0 +1,232 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From a clip and its performance to a taught set."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable, Iterator, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, _core
+from mimetic.library.expression import limits_of
+from mimetic.media.footage import Footage
+from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.puppet.matching import still_matcher
+from mimetic.puppet.parts import FACE, PARTS, channels_of
+from mimetic.puppet.seeing import MODEL, HeadStiller, Image, PersonView, Pose, PoseShaker
+from mimetic.puppet.taught_look import Look
+from mimetic.puppet.templates import TaughtSet
+from mimetic.shared.pinhole import camera_of
+from mimetic.shared.progress import Progress
+from mimetic.template.face_template import load_template
+
+DISTINCT = 0.15  # a part's largest difference in a value below which two looks show the same
+MOST_EXAMPLES = 200
+GAZE_UNIT = 30.0  # degrees that count as an activation of 1
+REST = "neutral"
+
+
+def teach(
+    footage: Footage,
+    performance: Performance,
+    looks: Sequence[Look],
+    num_chosen: int = 0,
+    frames: tuple[int, int] | None = None,
+    num_examples: int = MOST_EXAMPLES,
+    progress: Progress | None = None,
+    left_out: Collection[int] = (),
+    model: str = MODEL,
+) -> TaughtSet:
+    """Looks named, and `num_chosen` more that differ most, of a clip that is solved.
+
+    One of the looks may be called `neutral`; otherwise the frame nearest to rest is. frames: those
+    that are taught from, by default all; num_examples: of solved frames whose scores and state are
+    kept as examples, 0: the looks alone; left_out: frames that nothing is taught from; model: that
+    the head is followed by. Raises InvalidInput, UnreadableMedia.
+    """
+    teaching = _Teaching(footage, performance, frames, progress, left_out, model)
+    return teaching.run(looks, num_chosen, num_examples)
+
+
+class _Teaching:
+    """One clip at work."""
+
+    def __init__(
+        self,
+        footage: Footage,
+        performance: Performance,
+        frames: tuple[int, int] | None,
+        progress: Progress | None,
+        left_out: Collection[int],
+        model: str,
+    ) -> None:
+        self.model = model
+        self.footage, self.performance, self.progress = footage, performance, progress
+        first, last = frames or (int(performance.frame[0]), int(performance.frame[-1]))
+        in_range = (performance.frame >= first) & (performance.frame <= last)
+        in_range &= ~np.isin(performance.frame, list(left_out))
+        self.usable = in_range & (performance.quality >= max(HELD_QUALITY, 0.3))
+        if not self.usable.any():
+            raise InvalidInput(
+                f"frames {first} to {last} of the performance show no face to teach from"
+            )
+        if len(performance.neutral_vertices) != len(load_template().vertices):
+            raise InvalidInput("the performance is not of Mimetic's head: capture the clip again")
+        camera = camera_of(performance.intrinsics, performance.image_size)
+        self.view = PersonView(camera, performance.neutral_vertices)
+        self.channels = [*performance.muscles, *performance.articulators]
+        self.values = np.hstack([performance.activations, performance.articulator_values])
+        groups = performance.groups.tolist()
+        self.groups = np.array(groups + [0] * len(performance.articulators))
+        self.units = np.array([GAZE_UNIT if n.startswith("gaze") else 1.0 for n in self.channels])
+
+    def run(self, looks: Sequence[Look], num_chosen: int, num_examples: int) -> TaughtSet:
+        looks = self._with_rest(looks)
+        looks = [*looks, *self._chosen(looks, num_chosen)]
+        self._check(looks)
+        pictures, shaken = self._still_pictures({look.frame for look in looks}, num_examples)
+        for look in looks:
+            if look.frame not in pictures:
+                raise InvalidInput(
+                    f"look {look.name}: the head was not followed in frame {look.frame}"
+                )
+        states = np.array([self._state(look) for look in looks])
+        templates = self._templates(looks, states)
+        boxes = np.array([self.view.boxes(part) for _, part in templates])
+        cut = [
+            _cut(pictures[looks[i].frame], box)
+            for (i, _), box in zip(templates, boxes, strict=True)
+        ]
+        parts = [part for _, part in templates]
+        matcher = still_matcher(cut, boxes, parts)
+        values = self._example_values(looks, states, pictures.keys(), num_examples)
+        # Each frame twice: as it was seen, and as it might have been
+        seen = [(f, p) for f in sorted(values) for p in (pictures[f], shaken[f])]
+        example_frames = [frame for frame, _ in seen]
+        example_scores = np.array([matcher.match(picture)[0] for _, picture in seen])
+        example_values = np.array([values[frame] for frame in example_frames])
+        limits = limits_of(self.channels, self.performance.muscles)
+        limits[0] = np.minimum(limits[0], example_values.min(axis=0))
+        limits[1] = np.maximum(limits[1], example_values.max(axis=0))
+        return TaughtSet(
+            pixel=self.view.pixel,
+            sides=self.view.sides,
+            looks=[look.name for look in looks],
+            look_frames=np.array([look.frame for look in looks]),
+            look_values=states,
+            neutral=[look.name for look in looks].index(REST),
+            channels=self.channels,
+            channel_groups=self.groups,
+            limits=limits,
+            template_parts=parts,
+            template_looks=np.array([i for i, _ in templates]),
+            template_boxes=boxes,
+            template_pixels=np.concatenate([picture.ravel() for picture in cut]),
+            example_scores=example_scores,
+            example_values=example_values,
+            footage=list(self.footage.identity),
+            example_frames=np.array(example_frames),
+        )
+
+    def _with_rest(self, looks: Sequence[Look]) -> list[Look]:
+        if any(look.name == REST for look in looks):
+            return list(looks)
+        size = np.abs(self.values / self.units).sum(axis=1)
+        best = int(np.where(self.usable, size, np.inf).argmin())
+        return [Look(REST, int(self.performance.frame[best])), *looks]
+
+    def _chosen(self, looks: Sequence[Look], number: int) -> list[Look]:
+        """Frames that differ most from each other and from the look at rest."""
+        rest = self.performance.index_of(next(look.frame for look in looks if look.name == REST))
+        rows = np.ascontiguousarray(self.values / self.units)
+        count = min(number + 1, int(self.usable.sum()))
+        indices = _core.distinct_rows(rows, self.usable.tolist(), rest, count) if number else []
+        taken = {look.frame for look in looks}
+        frames = [int(self.performance.frame[i]) for i in indices]
+        return [Look(f"look {frame}", frame) for frame in frames if frame not in taken][:number]
+
+    def _check(self, looks: Sequence[Look]) -> None:
+        for look in looks:
+            if not self.usable[self.performance.index_of(look.frame)]:
+                raise InvalidInput(
+                    f"look {look.name}: in frame {look.frame} the face is not seen well, or it is "
+                    "outside of --frames"
+                )
+
+    def _state(self, look: Look) -> NDArray[np.float64]:
+        if look.values is None:
+            return self.values[self.performance.index_of(look.frame)]
+        return np.array([look.values.get(name, 0.0) for name in self.channels])
+
+    def _templates(
+        self, looks: Sequence[Look], states: NDArray[np.float64]
+    ) -> list[tuple[int, str]]:
+        """(index of the look, part): of each look the whole face, and parts that look otherwise."""
+        templates: list[tuple[int, str]] = []
+        for part in (FACE, *PARTS):
+            muscles, articulators = self.performance.muscles, self.performance.articulators
+            channels = channels_of(part, muscles, self.performance.groups.tolist(), articulators)
+            own = (states / self.units)[:, channels]
+            kept: list[int] = []
+            for i, look in enumerate(looks):
+                differs = all(np.abs(own[i] - own[j]).max() > DISTINCT for j in kept)
+                if part in look.parts or (not look.parts and differs) or look.name == REST:
+                    kept.append(i)
+            templates += [(i, part) for i in kept]
+        return templates
+
+    def _example_values(
+        self,
+        looks: Sequence[Look],
+        states: NDArray[np.float64],
+        seen: Iterable[int],
+        number: int,
+    ) -> dict[int, NDArray[np.float64]]:
+        """By frame."""
+        values = {look.frame: state for look, state in zip(looks, states, strict=True)}
+        if number:
+            for frame in seen:
+                values.setdefault(frame, self.values[self.performance.index_of(frame)])
+        return values
+
+    def _still_pictures(
+        self, wanted: set[int], number: int
+    ) -> tuple[dict[int, Image], dict[int, Image]]:
+        """Of the looks' frames and of `number` others, evenly among those that can be used.
+
+        By frame, as the puppet will see them, the head followed from frame to frame; and with
+        that pose a little off.
+        """
+        usable = self.performance.frame[self.usable]
+        spread = usable[np.linspace(0, len(usable) - 1, min(number, len(usable))).astype(int)]
+        wanted = wanted | set(spread.tolist())
+        start = self.performance.index_of(int(usable[0]))
+        pictures, shaken, shaker = dict[int, Image](), dict[int, Image](), PoseShaker()
+        for frame, image, pose in self._poses(
+            start, int(self.performance.frame[start]), max(wanted)
+        ):
+            if frame in wanted:
+                pictures[frame] = self.view.picture(image, pose)
+                shaken[frame] = self.view.picture(image, shaker.shaken(pose))
+        return pictures, shaken
+
+    def _poses(self, start: int, first: int, last: int) -> Iterator[tuple[int, Image, Pose]]:
+        """Frames in which the head is seen; start: index of the first in the performance."""
+        stiller = None
+        for frame, image in self.footage.frames(first, last):
+            fraction = (frame - first) / max(1, last - first)
+            if self.progress and not self.progress(fraction, f"looking at frame {frame}"):
+                raise KeyboardInterrupt
+            image = np.ascontiguousarray(image)
+            if stiller is None:
+                pose = self.performance.head_pose[start]
+                stiller = HeadStiller(self.view, image, pose, self.model)
+            head = stiller.tracker.advance(image)
+            if not head.held:
+                yield frame, image, np.asarray(head.camera_from_head)
+
+
+def _cut(picture: Image, box: NDArray[np.int64]) -> Image:
+    x, y, width, height = box
+    return np.ascontiguousarray(picture[y : y + height, x : x + width])

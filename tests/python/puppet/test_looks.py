@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Looks as they are named, and how well they are told apart."""
+
+import numpy as np
+import pytest
+from mimetic import InvalidInput
+from mimetic.library.expression import Expression
+from mimetic.puppet.separability import advice, separability
+from mimetic.puppet.taught_look import Look, parse_look, parse_state
+from sample_taught import make_taught
+
+
+def test_a_look_is_named_by_its_frame_and_parts():
+    assert parse_look("smile=120") == Look("smile", 120)
+    assert parse_look("wink=7:eye.L,brows") == Look("wink", 7, ("eye.L", "brow.L", "brow.R"))
+    for text, message in (("smile", "NAME=FRAME"), ("a=1:nose", "'nose'"), ("=4", "NAME=FRAME")):
+        with pytest.raises(InvalidInput, match=message):
+            parse_look(text)
+
+
+def test_a_state_is_sliders_or_a_kept_expression(performance, tmp_path):
+    name = performance.muscles[0]
+    assert parse_state(f"smile={name}:.8,jaw_open:.2", performance) == (
+        "smile",
+        {name: 0.8, "jaw_open": 0.2},
+    )
+    path = tmp_path / "wide.expression.npz"
+    values = np.array([[0.0, 0.1], [0.6, 0.2]])
+    Expression([name, "elsewhere"], values, np.full((2, 2), 0.05), 25.0).save(path)
+    assert parse_state(f"wide={path}", performance) == ("wide", {name: 0.6})
+    for text, message in (
+        ("x=nothing:1", "nothing"),
+        ("x=jaw_open:a", "not a number"),
+        ("x", "NAME="),
+    ):
+        with pytest.raises(InvalidInput, match=message):
+            parse_state(text, performance)
+
+
+def test_looks_that_score_alike_are_named_and_others_are_not():
+    taught = make_taught()
+    pairs = separability(taught)
+    assert len(pairs) == 3 + 3 + 1 and advice(pairs) == []
+    assert min(pair.d_prime for pair in pairs) > 4
+    scores = taught.example_scores.copy()
+    mouth = taught.of_part("mouth")
+    scores[:, mouth[2]] = scores[:, mouth[1]]  # surprise's mouth scores as smile's
+    alike = separability(make_taught(example_scores=scores))
+    assert (alike[0].part, alike[0].first, alike[0].second) == ("mouth", "smile", "surprise")
+    assert advice(alike)[0].startswith("smile and surprise are hard to tell apart by the mouth")

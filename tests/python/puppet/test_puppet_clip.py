@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A rendered face taught to the puppet and driven by it, from the command line."""
+
+import shutil
+
+import numpy as np
+import pytest
+from mimetic.commands.cli import main
+from mimetic.performance.document import Performance
+from mimetic.puppet.templates import TaughtSet
+
+
+@pytest.fixture(scope="module")
+def folder(rendered_clip, tmp_path_factory):
+    """With `capture`, a capture of the clip, and `set.npz`, taught from every other frame of it."""
+    made = tmp_path_factory.mktemp("puppet")
+    clip = str(rendered_clip.footage)
+    assert main(["capture", clip, "--out", str(made / "capture")]) == 0
+    taught = ["puppet", "teach", clip, "--performance", str(made / "capture" / "performance.npz")]
+    assert main([*taught, "--out", str(made / "set.npz"), "--choose", "4", "--examples", "25"]) == 0
+    return made
+
+
+@pytest.fixture(scope="module")
+def run(rendered_clip, folder):
+    words = ["--templates", str(folder / "set.npz"), "--out", str(folder / "run")]
+    words += ["--fit", str(folder / "capture" / "fit.json"), "--lag", "0"]
+    assert main(["puppet", "run", str(rendered_clip.footage), *words]) == 0
+    return folder / "run"
+
+
+def correlation(a, b):
+    return float(np.corrcoef(a, b)[0, 1])
+
+
+def test_teaching_leaves_a_set_and_its_page(folder):
+    taught = TaughtSet.load(folder / "set.npz")
+    assert taught.looks[taught.neutral] == "neutral" and len(taught.looks) == 5
+    assert {"face", "mouth", "brow.L"} <= set(taught.template_parts)
+    page = (folder / "set.html").read_text(encoding="utf-8")
+    assert "What to teach next" in page and "data:image/png" in page
+
+
+def test_the_driven_face_does_what_the_captured_one_does(run, folder):
+    captured = Performance.load(folder / "capture" / "performance.npz")
+    driven = Performance.load(run / "performance.npz")
+    np.testing.assert_array_equal(driven.frame, captured.frame)
+    brows = captured.groups == 5
+    means = [one.activations[:, brows].mean(axis=1) for one in (captured, driven)]
+    jaws = [
+        one.articulator_values[:, one.articulators.index("jaw_open")] for one in (captured, driven)
+    ]
+    assert correlation(*means) > 0.9
+    assert correlation(*jaws) > 0.9
+    assert np.median(driven.quality) > 0.6
+    assert driven.notes and "templates" in driven.notes[0]
+
+
+def test_a_run_leaves_video_figures_and_page(run):
+    names = {path.name for path in run.iterdir()}
+    assert {"puppet.mp4", "mapping.png", "templates.svg", "live.png", "report.html"} <= names
+
+
+def test_the_first_frames_do_not_depend_on_later_ones(run, rendered_clip, folder):
+    words = ["--templates", str(folder / "set.npz"), "--out", str(folder / "short")]
+    words += ["--fit", str(folder / "capture" / "fit.json"), "--lag", "0", "--frames", "1:20"]
+    assert main(["puppet", "run", str(rendered_clip.footage), *words]) == 0
+    whole, short = (Performance.load(f / "performance.npz") for f in (run, folder / "short"))
+    np.testing.assert_allclose(short.activations, whole.activations[:20], atol=1e-9)
+
+
+@pytest.mark.parametrize("words", [["--mode", "face"], ["--head", "free"], ["--basis", "gaussian"]])
+def test_other_ways_of_driving_open_the_mouth_too(rendered_clip, folder, tmp_path, words):
+    given = ["--templates", str(folder / "set.npz"), "--out", str(tmp_path)]
+    given += ["--fit", str(folder / "capture" / "fit.json"), *words]
+    assert main(["puppet", "run", str(rendered_clip.footage), *given]) == 0
+    captured = Performance.load(folder / "capture" / "performance.npz")
+    driven = Performance.load(tmp_path / "performance.npz")
+    jaws = [
+        one.articulator_values[:, one.articulators.index("jaw_open")] for one in (captured, driven)
+    ]
+    assert correlation(*jaws) > 0.8
+
+
+def test_what_cannot_be_taught_is_refused_in_a_line(rendered_clip, folder, tmp_path, capsys):
+    clip = str(rendered_clip.footage)
+    performance = str(folder / "capture" / "performance.npz")
+    out = str(tmp_path / "set.npz")
+    teach = ["puppet", "teach", clip, "--performance", performance]
+    other = tmp_path / "other.mp4"
+    shutil.copyfile(clip, other)
+    with open(other, "ab") as stream:
+        stream.write(b"\0" * 4096)
+    for words, message in (
+        ([*teach, "--out", str(tmp_path / "set.json")], "is an .npz file"),
+        ([*teach, "--out", out, "--look", "smile=999"], "frame 999 is not in the performance"),
+        (
+            [*teach, "--out", out, "--look", "a=3", "--state", "b=jaw_open:1"],
+            "no --look of that name",
+        ),
+        ([*teach, "--out", out, "--look", "a=3", "--look", "a=9"], "one name"),
+        (["puppet", "teach", str(other), *teach[3:], "--out", out], "other footage"),
+        ([*teach, "--out", performance], "what is read"),
+    ):
+        assert main(words) == 2
+        assert message in capsys.readouterr().err
+    assert not (tmp_path / "set.npz").exists()
