@@ -15,7 +15,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from . import compat, editors, writable
+from . import compat, control_rows, editors, writable
 from .scene_out import contact, expressions, gaze, rigs
 
 STRAIN_MEASURES = (
@@ -193,6 +193,10 @@ class MimeticFace(bpy.types.PropertyGroup):
     gaze_pitch_left: _gaze_slider("Left Eye Up", "L", 1, *PITCHES)
     gaze_yaw_right: _gaze_slider("Right Eye to the Left", "R", 0, *YAWS)
     gaze_pitch_right: _gaze_slider("Right Eye Up", "R", 1, *PITCHES)
+    controls: CollectionProperty(
+        type=control_rows.MimeticControl, description="How performances drive its own shape keys"
+    )
+    active_control: IntProperty(name="Control", description="The row whose settings are shown")
     landmark: StringProperty(name="Landmark", description="What an empty stands for on a head")
     footage: StringProperty(
         name="Footage", description="Fingerprint of the footage that the face was baked from"
@@ -328,6 +332,7 @@ CLASSES = (
     MimeticHead,
     MimeticShape,
     MimeticLandmark,
+    control_rows.MimeticControl,
     MimeticFace,
     MimeticFootage,
     MimeticClip,

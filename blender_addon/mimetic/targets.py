@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 
 from . import clips, native, scene_in, writable
-from .scene_out import expression_strips, expressions, rigs
+from .scene_out import expression_strips, expressions, own_keys, rigs
 
 
 def no_bake(context) -> str:
@@ -81,6 +81,29 @@ def no_curves(context) -> str:
     if animation is None or animation.action is None:
         return "The face has no curves yet: bake a performance first"
     return "" if animation.action.library is None else "The face's action is another file's"
+
+
+def no_controls(context) -> str:
+    """Why the active object has no controls of its own to drive."""
+    character = context.active_object
+    reason = scene_in.no_start() or own_keys.no_own_keys(character)
+    if reason:
+        return reason
+    if character.mode == "EDIT":
+        return f"Leave {character.name}'s edit mode first"
+    return writable.no_sliders(character)
+
+
+def no_control_table(context) -> str:
+    """Why there is no table of controls to change or keep."""
+    if reason := no_controls(context):
+        return reason
+    return "" if len(context.active_object.mimetic.controls) else "Fit Controls first"
+
+
+def no_controls_bake(context) -> str:
+    """Why no performance can be put on the active object's own controls."""
+    return no_controls(context) or scene_in.no_take(context, "capture it")
 
 
 def no_expression(context) -> str:

@@ -30,6 +30,7 @@ from evaluation.runs import (
     locate,
     real,
     rest,
+    retarget,
     timing,
 )
 from evaluation.runs.head_clips import face_mesh_python
@@ -51,7 +52,8 @@ WHAT_IS_SCORED = (
     "marked by hand on real faces (docs/measured/real-faces.md), `timing` how well the "
     "times at which muscles fire are recovered and `keys` how few keys stand for the curves of "
     "real clips (docs/measured/timing.md), `gaze` how well the eyes of rendered people are "
-    "followed (docs/measured/gaze.md)."
+    "followed (docs/measured/gaze.md), `retarget` how well a performance plays on a "
+    "character's own shape keys (docs/measured/retargeting.md)."
 )
 
 
@@ -63,7 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         choices=(
             *("ablations", "abuse", "calibration", "capture", "fit", "flow", "gaze"),
-            *("head", "keys", "locate", "real", "rest", "timing"),
+            *("head", "keys", "locate", "real", "rest", "retarget", "timing"),
         ),
         default="capture",
         help="what to score (default: capture)",
@@ -139,6 +141,7 @@ def run_tables(options: argparse.Namespace) -> int:
         "flow": _run_flow,
         "timing": _run_timing,
         "keys": _run_keys,
+        "retarget": _run_retarget,
     }
     if options.what in run:
         return run[options.what](options)
@@ -226,6 +229,14 @@ def _run_keys(options: argparse.Namespace) -> int:
     _refuse(options, "out")
     scores = list(keys.score_keys(_to_stderr, options.performances))
     return _show(options, scores, keys.as_json, keys.as_text)
+
+
+def _run_retarget(options: argparse.Namespace) -> int:
+    _refuse(options, "out")
+    if options.set not in retarget.SETS:
+        raise InvalidInput(f"--set {options.set} does not go with `retarget`")
+    scores = list(retarget.score_retargeting(options.set, _to_stderr))
+    return _show(options, scores, retarget.as_json, retarget.as_text)
 
 
 def _run_real(options: argparse.Namespace) -> int:

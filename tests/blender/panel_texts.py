@@ -36,6 +36,12 @@ class Layout:
         assert name in owner.bl_rna.properties
         self.texts.append(name)
 
+    def template_list(self, list_type, _, owner, name, active_owner, active, rows=5):
+        assert hasattr(bpy.types, list_type)
+        assert name in owner.bl_rna.properties
+        assert active in active_owner.bl_rna.properties
+        self.texts.append(list_type)
+
     def panel(self, name, default_closed=False):
         return Layout(self.texts), Layout(self.texts)
 

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A performance on the shape keys that a character's maker gave it: `mimetic bake --target`."""
+"""A performance on the shape keys that a character's maker gave it, and their table."""
 
 import dataclasses
+import json
 
 import bpy
 import numpy as np
 import pytest
+from panel_texts import drawn
 from test_bake_command import run_bake
 
 ALIKE = 0.8  # correlation of a key's curve by its name and by what muscles do
@@ -161,3 +163,97 @@ def test_what_cannot_be_played_is_said_in_one_line(
     assert message in ran.stderr
     assert len(ran.stderr.strip().splitlines()) == 1
     assert not (tmp_path / "out.blend").exists()
+
+
+@pytest.fixture
+def loaded(character, played, scene):
+    scene.render.fps = 25
+    bpy.ops.mimetic.load_performance(filepath=str(played))
+    return character
+
+
+def result() -> dict:
+    return json.loads(bpy.context.window_manager.mimetic_result)
+
+
+def row(character, name: str):
+    return character.mimetic.controls[name]
+
+
+def test_bake_to_character_is_the_commands(extension, loaded):
+    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
+    made = result()
+    assert made["driven"] == list(UNITS)
+    assert made["unmatched"] == ["Hair"]
+    assert made["explained"] is None  # no muscles: by their names
+    curves = key_curves(extension, loaded)
+    assert set(curves) == set(UNITS)
+    assert [entry.name for entry in loaded.mimetic.controls] == [*UNITS, "Hair"]
+    assert loaded.animation_data.action.name == "hero head"
+
+
+def test_the_table_is_heeded_and_survives_a_refit(extension, loaded):
+    assert bpy.ops.mimetic.fit_controls() == {"FINISHED"}
+    assert not any(entry.is_edited for entry in loaded.mimetic.controls)
+    row(loaded, "jawOpen").gain = 0.5
+    row(loaded, "eyeBlinkLeft").is_on = False
+    row(loaded, "browInnerUp").highest = 0.2
+    assert [e.name for e in loaded.mimetic.controls if e.is_edited] == [
+        "jawOpen",
+        "eyeBlinkLeft",
+        "browInnerUp",
+    ]
+    bpy.ops.mimetic.bake_controls(use_head_motion=False)
+    edited = key_curves(extension, loaded)
+    assert "eyeBlinkLeft" not in edited
+    assert edited["browInnerUp"].max() == pytest.approx(0.2)
+    assert loaded.animation_data is None
+    assert row(loaded, "jawOpen").gain == 0.5
+    bpy.ops.mimetic.fit_controls(reset_edits=True)
+    bpy.ops.mimetic.bake_controls()
+    plain = key_curves(extension, loaded)
+    np.testing.assert_allclose(2 * edited["jawOpen"], plain["jawOpen"], atol=1e-5)
+    assert len([a for a in bpy.data.actions if a.name.startswith("hero controls")]) == 2
+
+
+def test_rows_are_mirrored_and_kept_as_a_preset(loaded, tmp_path):
+    bpy.ops.mimetic.fit_controls()
+    row(loaded, "mouthSmileLeft").gain = 1.5
+    bpy.ops.mimetic.mirror_controls()
+    assert row(loaded, "mouthSmileRight").gain == 1.5
+    path = tmp_path / "hero.json"
+    bpy.ops.mimetic.save_controls(filepath=str(path))
+    bpy.ops.mimetic.fit_controls(reset_edits=True)
+    assert row(loaded, "mouthSmileRight").gain == 1.0
+    loaded.data.shape_keys.key_blocks["Hair"].name = "Fur"
+    bpy.ops.mimetic.load_controls(filepath=str(path))
+    assert result()["left_out"] == ["Hair"]
+    assert row(loaded, "mouthSmileRight").gain == 1.5
+    path.write_text("{}")
+    with pytest.raises(RuntimeError, match="not a preset"):
+        bpy.ops.mimetic.load_controls(filepath=str(path))
+    assert row(loaded, "mouthSmileRight").gain == 1.5
+
+
+def test_the_panel_shows_the_table_or_why_there_is_none(loaded):
+    bpy.ops.mimetic.fit_controls()
+    shown = drawn("MIMETIC_PT_controls")
+    assert "MIMETIC_UL_controls" in shown
+    assert "ARKit: 1 jawOpen" in shown
+    loaded.data.shape_keys.use_relative = False
+    assert "shape keys are absolute" in " ".join(drawn("MIMETIC_PT_controls").split())
+    assert not bpy.ops.mimetic.bake_controls.poll()
+
+
+def test_a_key_removed_meanwhile_is_said(extension, loaded):
+    own_controls = extension("scene_out.own_controls")
+    performance = (
+        extension("native")
+        .performances()
+        .Performance.load(bpy.path.abspath(bpy.context.scene.mimetic.performance_path))
+    )
+    fitted = own_controls.play(performance, loaded)
+    loaded.shape_key_remove(loaded.data.shape_keys.key_blocks["jawOpen"])
+    with pytest.raises(ValueError, match="no shape key jawOpen any more"):
+        own_controls.bake(bpy.context.scene, performance, "hero", loaded, fitted)
+    assert loaded.data.shape_keys.animation_data.action is None

@@ -16,6 +16,7 @@ from . import (
     gltf,
     head,
     missing,
+    own_controls,
     performance,
     pins,
     scene_time,
@@ -40,6 +41,7 @@ CLASSES = (
     *stabilise.CLASSES,
     *pins.CLASSES,
     *foreign.CLASSES,
+    *own_controls.CLASSES,
     sliders.MIMETIC_OT_add_face,
     sliders.MIMETIC_OT_rest_face,
 )

@@ -3,9 +3,16 @@
 
 import bpy
 
-from . import capture, curves, expressions, head, muscles
+from . import capture, controls, curves, expressions, head, muscles
 
-CLASSES = (*capture.CLASSES, *head.CLASSES, *muscles.CLASSES, *curves.CLASSES, *expressions.CLASSES)
+CLASSES = (
+    *capture.CLASSES,
+    *head.CLASSES,
+    *muscles.CLASSES,
+    *curves.CLASSES,
+    *controls.CLASSES,
+    *expressions.CLASSES,
+)
 
 
 def register() -> None:

@@ -83,6 +83,15 @@ def refitted(rows: Sequence[ControlRow], ranges: Mapping[str, Sequence[float]]) 
     ]
 
 
+def with_preset(
+    rows: Sequence[ControlRow], preset: Sequence[ControlRow]
+) -> tuple[list[ControlRow], list[str]]:
+    """Rows as a preset has them, edited, where it has them; and what of it no row is for."""
+    by_name = {row.control: replace(row, is_edited=True) for row in preset}
+    strangers = sorted(by_name.keys() - {row.control for row in rows})
+    return [by_name.get(row.control, row) for row in rows], strangers
+
+
 def mirrored(rows: Sequence[ControlRow], from_side: str = "L") -> list[ControlRow]:
     """Edited rows of one side (L or R) given to the controls of the other, where there are such."""
     if from_side not in ("L", "R"):

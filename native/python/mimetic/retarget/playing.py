@@ -69,6 +69,27 @@ class PlayedControls:
         return "; ".join(parts)
 
 
+def remarks(rows: Sequence[ControlRow], played: PlayedControls | None) -> dict[str, str]:
+    """What to say of each control: how it was fitted, and what its name means."""
+    known = known_names(row.control for row in rows)
+    texts = {}
+    for row in rows:
+        name = row.control
+        parts = []
+        if played is not None and row.is_on:
+            if name in played.unmatched:
+                parts.append("unmatched: it moves nothing that a face moves")
+            elif name in played.names:
+                top = float(np.abs(played.values[:, played.names.index(name)]).max(initial=0))
+                parts.append("at rest" if name in played.resting else f"up to {top:.2f}")
+                parts += ["by its name"] if name in played.by_name else []
+        if name in known:
+            units = " + ".join(f"{share:g} {unit}" for unit, share in known[name].units.items())
+            parts.append(f"{known[name].convention}: {units or 'no motion'}")
+        texts[name] = "; ".join(parts)
+    return texts
+
+
 def play(
     performance: Performance,
     surface: ControlSurface,

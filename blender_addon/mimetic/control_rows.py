@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The table of a character's own controls, as its object keeps it: `object.mimetic.controls`."""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+
+import bpy
+from bpy.props import BoolProperty, FloatProperty, StringProperty
+
+from . import native
+
+FIELDS = ("is_on", "gain", "offset", "lowest", "highest", "is_edited")
+_filling = False  # while a table is written, and not edited by hand
+
+
+def _edit(self, context) -> None:
+    if not _filling:
+        self.is_edited = True
+
+
+class MimeticControl(bpy.types.PropertyGroup):
+    """How a control is driven, by its name."""
+
+    is_on: BoolProperty(
+        name="Drive", default=True, update=_edit, description="Let performances move this control"
+    )
+    gain: FloatProperty(
+        name="Gain",
+        default=1.0,
+        soft_min=0.0,
+        soft_max=2.0,
+        min=-1000.0,
+        max=1000.0,
+        update=_edit,
+        description="What fitted values are multiplied by",
+    )
+    offset: FloatProperty(
+        name="Offset",
+        default=0.0,
+        soft_min=-1.0,
+        soft_max=1.0,
+        min=-1000.0,
+        max=1000.0,
+        update=_edit,
+        description="What is added then: the character's own rest",
+    )
+    lowest: FloatProperty(
+        name="Lowest", min=-1000.0, max=1000.0, update=_edit, description="Values are cut here"
+    )
+    highest: FloatProperty(
+        name="Highest",
+        default=1.0,
+        min=-1000.0,
+        max=1000.0,
+        update=_edit,
+        description="Values are cut here",
+    )
+    is_edited: BoolProperty(
+        name="Edited", description="Changed by hand: fitting again leaves the row as it is"
+    )
+    remark: StringProperty(name="Remark", description="What the last fit says of the control")
+
+
+def rows_of(character: bpy.types.Object) -> list:
+    """The table as `mimetic.retarget.ControlRow`s; empty before it was made."""
+    row = native.controls().ControlRow
+    return [
+        row(entry.name, **{name: getattr(entry, name) for name in FIELDS})
+        for entry in character.mimetic.controls
+    ]
+
+
+def write(character: bpy.types.Object, rows, remarks=None) -> None:
+    """Makes these rows the table. remarks: text by control; None leaves what there is."""
+    controls = character.mimetic.controls
+    before = {entry.name: entry.remark for entry in controls}
+    with _written():
+        controls.clear()
+        for row in rows:
+            entry = controls.add()
+            entry.name = row.control
+            for name in FIELDS:
+                setattr(entry, name, getattr(row, name))
+            entry.remark = (before if remarks is None else remarks).get(row.control, "")
+    last = max(len(controls) - 1, 0)
+    character.mimetic.active_control = min(character.mimetic.active_control, last)
+
+
+@contextmanager
+def _written():
+    global _filling
+    _filling = True
+    try:
+        yield
+    finally:
+        _filling = False

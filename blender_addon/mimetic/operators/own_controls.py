@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A performance on a character's own shape keys, and the table of how each is driven."""
+
+from pathlib import Path
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty, StringProperty
+from bpy.types import Operator
+
+from .. import control_rows, native, outcome, scene_in, takes, targets, writable
+from ..jobs import Job
+from ..scene_out import own_controls, own_keys
+
+MANY = 0.98  # of the work: fitting
+
+
+class OnControls:
+    """Mixin: greyed out, with the reason, where `no_target` gives one."""
+
+    no_target = staticmethod(targets.no_control_table)
+
+    @classmethod
+    def poll(cls, context):
+        if reason := cls.no_target(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+
+class Fitting(OnControls, Job):
+    """Mixin of jobs that fit the active character's controls to the take that buttons mean."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    def read(self, context):
+        character = context.active_object
+        surface = own_keys.surface(character)
+        ranges = dict(zip(surface.control_names, surface.control_range.tolist(), strict=True))
+        rows = [] if self.is_reset() else control_rows.rows_of(character)
+        rows = native.controls().refitted(rows, ranges)
+        has_take = not scene_in.no_take(context, "capture it")
+        take = scene_in.take(context) if has_take else None
+        return character.name, surface, rows, take
+
+    def is_reset(self) -> bool:
+        return False
+
+    def work(self, inputs, progress):
+        name, surface, rows, take = inputs
+        if take is None:
+            return name, rows, None, None, None
+        if not progress(0.0, "reading the performance"):
+            return None
+        performance = takes.load(take)
+        if not progress(0.2, "fitting the controls"):
+            return None
+        played = native.playing().play(performance, surface, rows)
+        if not progress(MANY, "writing"):
+            return None
+        return name, rows, played, performance, take
+
+
+class MIMETIC_OT_fit_controls(Fitting, Operator):
+    """List the active character's own shape keys and how performances drive them, by what its
+    muscles do or by known names; rows that were edited stay"""
+
+    bl_idname = "mimetic.fit_controls"
+    bl_label = "Fit Controls"
+    no_target = staticmethod(targets.no_controls)
+
+    reset_edits: BoolProperty(
+        name="Reset Edits",
+        options={"SKIP_SAVE"},
+        description="Put edited rows back to what they were at first, too",
+    )
+
+    def is_reset(self) -> bool:
+        return self.reset_edits
+
+    def write(self, context, result):
+        name, rows, played, _, _ = result
+        character = writable.own_object(context.scene, name)
+        remarks = native.playing().remarks(rows, played)
+        control_rows.write(character, rows, remarks)
+        self.facts = {"object": name, "num_controls": len(rows)}
+        message = f"{name}: {len(rows)} controls"
+        return f"{message}; {played.summary()}" if played else f"{message}; no performance yet"
+
+
+class MIMETIC_OT_bake_controls(Fitting, Operator):
+    """Put the performance on the active character's own shape keys, and the head's motion on the
+    object unless something else moves it; actions that were there stay in the file"""
+
+    bl_idname = "mimetic.bake_controls"
+    bl_label = "Bake to Character"
+    no_target = staticmethod(targets.no_controls_bake)
+
+    use_head_motion: BoolProperty(
+        name="Head Motion", default=True, description="Move the object as the actor's head moves"
+    )
+
+    def write(self, context, result):
+        name, rows, played, performance, take = result
+        character = writable.own_object(context.scene, name)
+        clip = bpy.data.movieclips.get(take.clip_name)
+        summary = own_controls.bake(
+            context.scene,
+            performance,
+            takes.action_name(take, performance),
+            character,
+            played,
+            clip,
+            self.use_head_motion,
+        )
+        control_rows.write(character, rows, native.playing().remarks(rows, played))
+        self.facts = {
+            "object": name,
+            "num_curves": summary.num_curves,
+            "scene_frames": [summary.first, summary.last],
+            "driven": [c for c in played.names if c not in played.resting],
+            "unmatched": list(played.unmatched),
+            "explained": played.explained,
+        }
+        return (
+            f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
+            f"on {name}; {summary.text}"
+        )
+
+
+class MIMETIC_OT_mirror_controls(OnControls, Operator):
+    """Give the edited rows of one side to the controls of the other"""
+
+    bl_idname = "mimetic.mirror_controls"
+    bl_label = "Mirror Rows"
+    bl_options = {"REGISTER", "UNDO"}
+
+    from_side: EnumProperty(
+        name="From",
+        items=(("L", "Left", "The character's left"), ("R", "Right", "The character's right")),
+    )
+
+    def execute(self, context):
+        character = context.active_object
+        before = control_rows.rows_of(character)
+        rows = native.controls().mirrored(before, self.from_side)
+        control_rows.write(character, rows)
+        count = sum(row != old for row, old in zip(rows, before, strict=True))
+        return outcome.finished(self, context, f"{count} rows changed", num_rows=count)
+
+
+class Preset(OnControls):
+    """Mixin of operators on a preset's file."""
+
+    filename_ext = ".json"
+    filepath: StringProperty(name="Preset", subtype="FILE_PATH", options={"SKIP_SAVE"})
+    filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
+
+    def invoke(self, context, event):
+        if not self.filepath:
+            self.filepath = f"{bpy.path.clean_name(context.active_object.name)}.controls.json"
+        context.window_manager.fileselect_add(self)
+        return {"RUNNING_MODAL"}
+
+
+class MIMETIC_OT_save_controls(Preset, Operator):
+    """Save the table of controls as a preset, for other characters with the same controls"""
+
+    bl_idname = "mimetic.save_controls"
+    bl_label = "Save Controls"
+
+    def execute(self, context):
+        path = Path(bpy.path.ensure_ext(bpy.path.abspath(self.filepath), ".json"))
+        rows = control_rows.rows_of(context.active_object)
+        try:
+            native.controls().save_preset(rows, path)
+        except native.known_errors() as error:
+            return outcome.cancelled(self, context, str(error))
+        return outcome.finished(self, context, f"{path.name}: {len(rows)} rows", file=str(path))
+
+
+class MIMETIC_OT_load_controls(Preset, Operator):
+    """Load a preset: its rows count as edited by hand; controls that it lacks stay as they are"""
+
+    bl_idname = "mimetic.load_controls"
+    bl_label = "Load Controls"
+    bl_options = {"REGISTER", "UNDO"}
+    no_target = staticmethod(targets.no_controls)
+
+    def execute(self, context):
+        character = context.active_object
+        surface = own_keys.surface(character)
+        ranges = dict(zip(surface.control_names, surface.control_range.tolist(), strict=True))
+        package = native.controls()
+        try:
+            preset = package.load_preset(bpy.path.abspath(self.filepath))
+        except native.known_errors() as error:
+            return outcome.cancelled(self, context, str(error))
+        own = package.refitted(control_rows.rows_of(character), ranges)
+        rows, strangers = package.with_preset(own, preset)
+        if len(strangers) == len(preset):
+            message = f"{character.name} has none of the preset's controls"
+            return outcome.cancelled(self, context, message)
+        control_rows.write(character, rows)
+        message = f"{len(preset) - len(strangers)} rows from {Path(self.filepath).name}"
+        if strangers:
+            message += f"; {character.name} has no {', '.join(strangers)}"
+        return outcome.finished(self, context, message, left_out=strangers)
+
+
+CLASSES = (
+    MIMETIC_OT_fit_controls,
+    MIMETIC_OT_bake_controls,
+    MIMETIC_OT_mirror_controls,
+    MIMETIC_OT_save_controls,
+    MIMETIC_OT_load_controls,
+)

@@ -1,0 +1,68 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A character's own controls: how performances drive each of its shape keys."""
+
+from bpy.types import Panel, UIList
+
+from .. import native, targets
+from .capture import wrapped
+from .muscles import Muscles
+
+
+class MIMETIC_UL_controls(UIList):
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0):
+        row = layout.row(align=True)
+        row.prop(item, "is_on", text="")
+        name = row.row()
+        name.active = item.is_on
+        name.label(text=item.name, icon="GREASEPENCIL" if item.is_edited else "NONE")
+        values = row.row(align=True)
+        values.active = item.is_on
+        values.prop(item, "gain", text="", emboss=False)
+        values.prop(item, "offset", text="", emboss=False)
+
+
+class MIMETIC_PT_controls(Muscles, Panel):
+    bl_idname = "MIMETIC_PT_controls"
+    bl_label = "Own Controls"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        active = context.active_object
+        return not native.problem() and active is not None and active.type == "MESH"
+
+    def draw(self, context):
+        layout = self.layout
+        face = context.active_object.mimetic
+        row = layout.row(align=True)
+        row.operator("mimetic.fit_controls", icon="MOD_MESHDEFORM")
+        row.operator("mimetic.load_controls", text="", icon="FILE_FOLDER")
+        if reason := targets.no_controls(context):
+            for line in wrapped(reason, 44):
+                layout.label(text=line)
+        if len(face.controls):
+            self.draw_table(layout, face)
+        layout.operator("mimetic.bake_controls", icon="ACTION")
+
+    def draw_table(self, layout, face):
+        row = layout.row()
+        row.template_list(
+            "MIMETIC_UL_controls", "", face, "controls", face, "active_control", rows=6
+        )
+        column = row.column(align=True)
+        column.operator("mimetic.mirror_controls", text="", icon="MOD_MIRROR")
+        column.operator("mimetic.save_controls", text="", icon="FILE_TICK")
+        if not 0 <= face.active_control < len(face.controls):
+            return
+        control = face.controls[face.active_control]
+        box = layout.column(align=True)
+        box.prop(control, "gain")
+        box.prop(control, "offset")
+        limits = box.row(align=True)
+        limits.prop(control, "lowest")
+        limits.prop(control, "highest")
+        for line in wrapped(control.remark, 44):
+            layout.label(text=line)
+
+
+CLASSES = (MIMETIC_UL_controls, MIMETIC_PT_controls)
