@@ -275,6 +275,12 @@ def rig_motion() -> ModuleType:
     return rig_motion
 
 
+def self_landmarks() -> ModuleType:
+    from mimetic.character import self_landmarks
+
+    return self_landmarks
+
+
 def shapes() -> ModuleType:
     from mimetic.character import shapes
 

@@ -260,10 +260,17 @@ def _landmark_groups(head: bpy.types.Object) -> dict[str, int]:
     return {name: vertex for name, (_, vertex) in best.items() if vertex >= 0}
 
 
-def world_points(head: bpy.types.Object) -> np.ndarray:
-    """V x 3, the mesh at rest in the world."""
-    matrix = np.array(world.matrix(head))
-    return _rest_points(head) @ matrix[:3, :3].T + matrix[:3, 3]
+def unchanged(head: ForeignHead) -> bpy.types.Object:
+    """The object that was read; raises InvalidInput if it is gone or has other vertices by now."""
+    obj = bpy.data.objects.get(head.name)
+    if obj is None or obj.type != "MESH":
+        raise native.invalid_input(f"{head.name} was deleted or renamed meanwhile: begin again")
+    if len(obj.data.vertices) != len(head.points):
+        raise native.invalid_input(
+            f"{head.name} was changed meanwhile: it had {len(head.points)} vertices and has "
+            f"{len(obj.data.vertices)}; begin again"
+        )
+    return obj
 
 
 def _rest_points(head: bpy.types.Object) -> np.ndarray:

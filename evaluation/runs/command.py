@@ -20,6 +20,7 @@ from evaluation.runs import (
     ablations,
     abuse,
     calibration,
+    characters,
     expression_tables,
     expressions,
     fit,
@@ -53,7 +54,9 @@ WHAT_IS_SCORED = (
     "times at which muscles fire are recovered and `keys` how few keys stand for the curves of "
     "real clips (docs/measured/timing.md), `gaze` how well the eyes of rendered people are "
     "followed (docs/measured/gaze.md), `retarget` how well a performance plays on a "
-    "character's own shape keys (docs/measured/retargeting.md)."
+    "character's own shape keys (docs/measured/retargeting.md), `characters` how near "
+    "landmarks that place themselves on heads of other makes come to the true ones "
+    "(docs/measured/characters.md)."
 )
 
 
@@ -64,7 +67,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "what",
         nargs="?",
         choices=(
-            *("ablations", "abuse", "calibration", "capture", "fit", "flow", "gaze"),
+            *("ablations", "abuse", "calibration", "capture", "characters", "fit", "flow", "gaze"),
             *("head", "keys", "locate", "real", "rest", "retarget", "timing"),
         ),
         default="capture",
@@ -131,6 +134,7 @@ def run_tables(options: argparse.Namespace) -> int:
     run = {
         "locate": _run_locate,
         "calibration": _run_calibration,
+        "characters": _run_characters,
         "ablations": _run_ablations,
         "abuse": _run_abuse,
         "real": _run_real,
@@ -215,6 +219,14 @@ def _run_gaze(options: argparse.Namespace) -> int:
         if not options.json:
             print(gaze.clip_text(scores), end="\n\n", flush=True)
     return _show(options, all_scores, gaze.as_json, gaze.as_text)
+
+
+def _run_characters(options: argparse.Namespace) -> int:
+    _refuse(options, "out")
+    if options.set not in characters.SETS:
+        raise InvalidInput(f"--set {options.set} does not go with `characters`")
+    scores = list(characters.score_characters(options.set, _to_stderr))
+    return _show(options, scores, characters.as_json, characters.as_text)
 
 
 def _run_timing(options: argparse.Namespace) -> int:

@@ -60,6 +60,10 @@ def put_landmarks(head, parts) -> None:
     bpy.context.view_layer.update()
 
 
+def last_result() -> dict:
+    return json.loads(bpy.context.window_manager.mimetic_result)
+
+
 def evaluated(face) -> np.ndarray:
     shown = face.evaluated_get(bpy.context.evaluated_depsgraph_get())
     points = np.empty(3 * len(face.data.vertices), dtype=np.float32)
@@ -139,15 +143,39 @@ def test_landmarks_by_a_file_are_those_of_the_empties(extension, scene, parts, h
     np.testing.assert_array_equal(offsets_of(head, "mentalis.L"), by_empties)
 
 
-def test_landmarks_start_near_their_places(parts, head):
-    head.rotation_euler = (0, 0, 0)
+@pytest.mark.oldest_and_newest
+@pytest.mark.parametrize("turn", [(0, 0, 0.7), (1.57, 0, 0), (0, 0, 3.14)])
+def test_landmarks_find_their_places_whichever_way_a_head_looks(parts, head, turn):
+    head.rotation_euler = turn
     bpy.context.view_layer.update()
     assert bpy.ops.mimetic.add_landmarks() == {"FINISHED"}
     for mark in head.children:
         away = np.array(mark.location) - parts[0][parts[2][mark.mimetic.landmark]]
-        assert np.linalg.norm(away) < 0.5  # 5 mm
+        assert np.linalg.norm(away) < 0.2  # 2 mm
+        assert mark.empty_display_type == "SPHERE"
+    assert last_result()["doubtful"] == []
     with pytest.raises(RuntimeError, match="There are landmarks"):
         bpy.ops.mimetic.add_landmarks()
+
+
+def test_landmarks_of_what_is_no_face_are_marked_as_guesses():
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=0.1)
+    ball = bpy.context.active_object
+    assert bpy.ops.mimetic.add_landmarks() == {"FINISHED"}
+    assert {mark.empty_display_type for mark in ball.children} == {"CUBE"}
+    assert "guessed" in last_result()["message"]
+    assert len(last_result()["doubtful"]) == len(ball.children) == 15
+
+
+def test_a_head_that_changed_meanwhile_gets_no_landmarks(head, extension):
+    operator = extension("operators.foreign").MIMETIC_OT_add_landmarks
+    read = extension("scene_in").foreign_head(bpy.context.scene, head)
+    head.data.vertices.add(1)
+    with pytest.raises(extension("native").known_errors(), match="changed meanwhile: it had"):
+        operator.write(None, bpy.context, (read, None))
+    bpy.data.objects.remove(head)
+    with pytest.raises(extension("native").known_errors(), match="deleted or renamed"):
+        operator.write(None, bpy.context, (read, None))
 
 
 def test_what_is_wrong_is_said(parts, head, tmp_path):

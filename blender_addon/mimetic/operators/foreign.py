@@ -3,12 +3,13 @@ import bpy
 from bpy.props import StringProperty
 from bpy.types import Operator
 
-from .. import native, outcome, scene_in, scene_out
+from .. import native, scene_in, scene_out
 from ..jobs import Job
 
 
-class MIMETIC_OT_add_landmarks(Operator):
-    """Put an empty for each landmark near its place on the active head, to be moved there"""
+class MIMETIC_OT_add_landmarks(Job, Operator):
+    """Find the landmarks of the active head, whichever way it looks, and put an empty at each. Drag
+    those that are off; the doubtful ones are marked"""
 
     bl_idname = "mimetic.add_landmarks"
     bl_label = "Add Landmarks"
@@ -20,19 +21,38 @@ class MIMETIC_OT_add_landmarks(Operator):
             cls.poll_message_set(reason)
         return not reason
 
-    def execute(self, context):
+    def read(self, context):
         head = context.active_object
         if empties := scene_in.landmark_empties(context.scene, head):
             message = f"There are landmarks for {head.name}: {', '.join(empties)}"
-            return outcome.cancelled(self, context, message)
-        parts = native.foreign_face()
+            raise native.invalid_input(message)
+        return scene_in.foreign_head(context.scene, head)
+
+    def work(self, head, progress):
+        polygons = native.foreign_face().Polygons(head.starts, head.corners)
+        find = native.self_landmarks().find_on_object
         try:
-            places = parts.guess_landmarks(scene_in.world_points(head))
-        except native.known_errors() as error:
-            return outcome.cancelled(self, context, str(error))
-        scene_out.foreign.add(context.collection, head, places)
-        message = f"{len(places)} landmarks: put each in its place, then Attach Muscles"
-        return outcome.finished(self, context, message, object=head.name, landmarks=sorted(places))
+            return head, find(head.points, polygons, head.matrix, progress)
+        except KeyboardInterrupt:
+            return None
+
+    def write(self, context, result):
+        head, landmarks = result
+        object_ = scene_in.unchanged(head)
+        doubtful = landmarks.doubtful
+        scene_out.foreign.add(context, object_, landmarks.places, doubtful)
+        self.facts = {
+            "object": object_.name,
+            "landmarks": sorted(landmarks.places),
+            "doubtful": doubtful,
+        }
+        count = len(landmarks.places)
+        if landmarks.guess:
+            self.report({"WARNING"}, f"{object_.name}: {landmarks.guess}")
+            return f"{count} landmarks, guessed: move each to its place, then Attach Muscles"
+        if doubtful:
+            return f"{count} landmarks; look at {', '.join(doubtful)}, then Attach Muscles"
+        return f"{count} landmarks: check them, then Attach Muscles"
 
 
 class MIMETIC_OT_attach_muscles(Job, Operator):
@@ -77,11 +97,7 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
 
     def write(self, context, result):
         head, landmarks, face = result
-        object_ = bpy.data.objects.get(head.name)
-        if object_ is None or len(object_.data.vertices) != len(head.points):
-            raise native.foreign_face().InvalidInput(
-                f"{head.name} was changed meanwhile: attach its muscles again"
-            )
+        object_ = scene_in.unchanged(head)
         hand_changes = scene_out.foreign.attach(object_, head, landmarks, face)
         for note in face.notes:
             self.report({"WARNING"}, f"{head.name}: {note}")

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import bpy
 import numpy as np
@@ -14,19 +14,20 @@ from . import face
 SIZE = 0.006  # m, of an empty
 
 
-def add(collection: bpy.types.Collection, head: bpy.types.Object, places: Mapping) -> None:
-    """Empties at places in the world, children of the head, snapped to surfaces when moved."""
+def add(context, head: bpy.types.Object, places: Mapping, doubtful: Sequence) -> None:
+    """Empties at places in the world (metres), children of the head; doubtful ones are cubes."""
     stands = world.matrix(head)
     inverse = stands.inverted()
+    metre = context.scene.unit_settings.scale_length or 1.0
     for name, place in places.items():
         mark = bpy.data.objects.new(name, None)
         mark.mimetic.landmark = name  # Blender numbers names that are taken
-        mark.empty_display_type = "SPHERE"
-        mark.empty_display_size = SIZE / max(stands.median_scale, 1e-9)
+        mark.empty_display_type = "CUBE" if name in doubtful else "SPHERE"
+        mark.empty_display_size = SIZE / metre / max(stands.median_scale, 1e-9)
         mark.show_name = mark.show_in_front = True
         mark.parent = head
-        mark.location = inverse @ _vector(place)
-        collection.objects.link(mark)
+        mark.location = inverse @ (_vector(place) / metre)
+        context.collection.objects.link(mark)
 
 
 def attach(obj: bpy.types.Object, head, landmarks: Mapping, muscles) -> str:

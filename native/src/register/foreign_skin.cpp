@@ -5,11 +5,9 @@
 #include <map>
 #include <mimetic/register/foreign_skin.hpp>
 #include <mimetic/shared/error.hpp>
-#include <numeric>
 #include <string>
-#include <tuple>
 
-#include "skin/mesh_edges.hpp"
+#include "weld.hpp"
 
 namespace mimetic {
 namespace {
@@ -17,44 +15,6 @@ namespace {
 constexpr int kMaxSkinVertices = 80'000;  // 70,000 take 1.2 GB and 40 s; a face needs 5,000
 constexpr double kMaxOffSkin = .02;       // m, of a landmark given as a point, at the template's size
 constexpr int kMaxAround = 256;           // triangles at a vertex
-
-/// Points that are one, in the order of their coordinates.
-struct Welded {
-    std::vector<int> kept;    // the first of the caller's vertices at each place
-    std::vector<int> number;  // V, of the place
-};
-
-Welded weld(const Points& points) {
-    std::vector<int> order(static_cast<std::size_t>(points.rows()));
-    std::iota(order.begin(), order.end(), 0);
-    const auto place = [&](int i) { return std::tuple(points(i, 0), points(i, 1), points(i, 2)); };
-    std::sort(order.begin(), order.end(),
-              [&](int a, int b) { return std::tuple(place(a), a) < std::tuple(place(b), b); });
-    Welded welded{{}, std::vector<int>(order.size())};
-    for (const int i : order) {
-        if (welded.kept.empty() || place(welded.kept.back()) != place(i)) {
-            welded.kept.push_back(i);
-        }
-        welded.number[static_cast<std::size_t>(i)] = static_cast<int>(welded.kept.size()) - 1;
-    }
-    return welded;
-}
-
-/// The connected part of each vertex, by the smallest vertex in it.
-std::vector<int> parts_of(const Triangles& triangles, std::size_t num_vertices) {
-    Components components(static_cast<Eigen::Index>(num_vertices));
-    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-        components.join(triangles(t, 0), triangles(t, 1));
-        components.join(triangles(t, 1), triangles(t, 2));
-    }
-    std::vector<int> smallest(num_vertices, -1), part(num_vertices);
-    for (std::size_t v = 0; v < num_vertices; ++v) {
-        int& label = smallest[static_cast<std::size_t>(components.root(static_cast<int>(v)))];
-        label = label < 0 ? static_cast<int>(v) : label;
-        part[v] = label;
-    }
-    return part;
-}
 
 /// Row of `vertices` that is nearest to a place.
 int nearest_to(const Eigen::RowVector3d& place, const Points& points, const std::vector<int>& rows) {

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <mimetic/register/face_views.hpp>
+#include <string>
+
+namespace mimetic {
+
+/// Landmarks that were placed on a mesh, L of them.
+struct PlacedLandmarks {
+    Points places;          ///< L x 3, on the mesh, in its frame
+    Eigen::VectorXd sigma;  ///< L, standard deviation of each, interpupillary distances
+    double presence = 0;    ///< 0 to 1, of the network: that the mesh shows a face
+    double misfit = 0;  ///< root mean square of the points seen from the template, interpupillary distances
+    Similarity mesh_from_template;
+};
+
+/// Places a template's landmarks on heads of any other make: both are drawn from the front and from both
+/// sides, a network that knows faces finds 468 points in each picture, and each landmark is carried along
+/// with the points round it. What the network sees wrongly in plain shading it sees wrongly on both. Then
+/// corners of the eyes follow the openings' ends and the tip of the nose its highest point, where the mesh
+/// has such.
+class LandmarkFinder {
+public:
+    /// The template: V x 3, metres, head frame; landmarks: names, and vertices. networks: outlive this.
+    LandmarkFinder(PointsIn vertices, TrianglesIn triangles, std::vector<std::string> names,
+                   const std::vector<int>& landmarks, const FeatureNetworks& networks);
+
+    /// vertices: V x 3, any unit and axes, outward triangles. Nothing where no face is seen, or progress
+    /// stopped the search. Throws InvalidInput as `shown_head`.
+    std::optional<PlacedLandmarks> place(PointsIn vertices, TrianglesIn triangles,
+                                         const Progress& progress = {}) const;
+
+private:
+    /// Moves corners of eyes and the tip of the nose to where the mesh itself has them. face: 468 x 3.
+    void follow_details(const ShownHead& head, const Points& face, PlacedLandmarks& placed) const;
+
+    std::vector<std::string> names_;
+    Points landmarks_;  ///< L x 3
+    const FeatureNetworks& networks_;
+    std::vector<ViewDirection> directions_;
+    ShownHead template_;
+    std::vector<FaceView> views_;
+    std::vector<FeatureCrop> crops_;
+};
+
+}  // namespace mimetic

@@ -1,0 +1,189 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mimetic/register/landmark_finder.hpp>
+#include <mimetic/register/registration.hpp>
+#include <mimetic/shared/checks.hpp>
+#include <mimetic/shared/scale.hpp>
+
+#include "face_details.hpp"
+#include "shared/robust.hpp"
+#include "view_camera.hpp"
+
+namespace mimetic {
+namespace {
+
+constexpr std::size_t kAround = 40;    // points of the network that carry a landmark
+constexpr double kPresent = .5;        // of a view that counts
+constexpr double kSameError = .02;     // interpupillary distances, what all views have wrong alike
+constexpr double kSeenCorner = .012;   // the same, of a corner that the mesh's own opening gives
+constexpr double kDisagreement = .15;  // interpupillary distances, median over the landmarks
+constexpr double kNoseShare = .4;      // of the template's height, of what is a nose
+constexpr double kSearchShare = .3;    // of the time, for the direction
+constexpr int kMeanRounds = 20;        // of the geometric median
+constexpr double kLeastGap = 1e-4;     // m, in its weights
+
+/// The rows of `points` that are finite in both, the nearest to a place first.
+std::vector<Eigen::Index> nearest_rows(const Points& points, const Points& others,
+                                       const Eigen::RowVector3d& place) {
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index i = 0; i < points.rows(); ++i) {
+        if (points.row(i).allFinite() && others.row(i).allFinite()) {
+            rows.push_back(i);
+        }
+    }
+    const auto end = rows.begin() + static_cast<std::ptrdiff_t>(std::min(kAround, rows.size()));
+    std::partial_sort(rows.begin(), end, rows.end(), [&](Eigen::Index a, Eigen::Index b) {
+        return (points.row(a) - place).squaredNorm() < (points.row(b) - place).squaredNorm();
+    });
+    rows.erase(end, rows.end());
+    return rows;
+}
+
+/// A landmark carried along with the points of one view round it.
+Eigen::RowVector3d carried(const Eigen::RowVector3d& landmark, const Points& from, const Points& to) {
+    const std::vector<Eigen::Index> rows = nearest_rows(from, to, landmark);
+    Points sources(0, 3), targets(0, 3);
+    std::vector<Eigen::Index> kept;
+    for (const Eigen::Index row : rows) {  // two pixels may show one place
+        if (std::none_of(kept.begin(), kept.end(), [&](Eigen::Index other) {
+                return (from.row(other) - from.row(row)).norm() < 1e-6;
+            })) {
+            kept.push_back(row);
+        }
+    }
+    if (kept.size() < 8) {
+        return Eigen::RowVector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+    }
+    sources = from(kept, Eigen::all);
+    targets = to(kept, Eigen::all);
+    return warp_points(landmark, sources, targets);
+}
+
+/// The point with the least sum of distances [Weiszfeld 1937], and the median distance from it.
+std::pair<Eigen::RowVector3d, double> middle_of(const std::vector<Eigen::RowVector3d>& places) {
+    Eigen::RowVector3d middle;
+    for (Eigen::Index k = 0; k < 3; ++k) {
+        std::vector<double> values;
+        for (const Eigen::RowVector3d& place : places) {
+            values.push_back(place[k]);
+        }
+        middle[k] = median(values);
+    }
+    for (int round = 0; round < kMeanRounds; ++round) {
+        Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
+        double weights = 0;
+        for (const Eigen::RowVector3d& place : places) {
+            const double weight = 1 / std::max((place - middle).norm(), kLeastGap);
+            sum += weight * place;
+            weights += weight;
+        }
+        middle = sum / weights;
+    }
+    std::vector<double> gaps;
+    for (const Eigen::RowVector3d& place : places) {
+        gaps.push_back((place - middle).norm());
+    }
+    return {middle, median(gaps)};
+}
+
+}  // namespace
+
+LandmarkFinder::LandmarkFinder(PointsIn vertices, TrianglesIn triangles, std::vector<std::string> names,
+                               const std::vector<int>& landmarks, const FeatureNetworks& networks)
+    : names_(std::move(names)),
+      landmarks_(vertices(landmarks, Eigen::all)),
+      networks_(networks),
+      directions_(view_directions()),
+      template_(shown_head(vertices, triangles)),
+      views_(face_views(template_, networks_, directions_, {})) {
+    require(names_.size() == landmarks.size(), "there must be a name for each landmark");
+    for (const FaceView& view : views_) {
+        require(view.presence > kPresent, "the networks see no face in the template");
+        crops_.push_back(view.crop);
+    }
+}
+
+std::optional<PlacedLandmarks> LandmarkFinder::place(PointsIn vertices, TrianglesIn triangles,
+                                                     const Progress& progress) const {
+    const ShownHead mesh = shown_head(vertices, triangles);
+    const auto part = [&](double begin, double end) -> Progress {
+        return progress ? Progress([=](double share) { return progress(begin + (end - begin) * share); })
+                        : Progress{};
+    };
+    const std::optional<Facing> facing = find_facing(mesh, networks_, views_.front(), part(0, kSearchShare));
+    if (!facing) {
+        return std::nullopt;
+    }
+    const ShownHead head = mesh.aligned(facing->mesh_from_template.inverse());
+    const std::vector<FaceView> views =
+        face_views(head, networks_, directions_, crops_, part(kSearchShare, 1));
+    if (views.size() < directions_.size()) {
+        return std::nullopt;
+    }
+    PlacedLandmarks placed{landmarks_, Eigen::VectorXd(landmarks_.rows()), facing->presence, facing->misfit,
+                           facing->mesh_from_template};
+    for (Eigen::Index i = 0; i < landmarks_.rows(); ++i) {
+        std::vector<Eigen::RowVector3d> places;
+        for (std::size_t v = 0; v < views.size(); ++v) {
+            const Eigen::RowVector3d place =
+                views[v].presence > kPresent
+                    ? carried(landmarks_.row(i), views_[v].places, views[v].places)
+                    : Eigen::RowVector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+            if (place.allFinite()) {
+                places.push_back(place);
+            }
+        }
+        if (places.empty()) {
+            return std::nullopt;
+        }
+        const auto [middle, spread] = middle_of(places);
+        placed.places.row(i) = middle;
+        placed.sigma[i] = std::hypot(spread / kPupilDistance, kSameError);
+    }
+    if (median({placed.sigma.begin(), placed.sigma.end()}) > kDisagreement) {
+        return std::nullopt;  // each view shows another face: there is none
+    }
+    follow_details(head, views.front().places, placed);
+    placed.places = placed.mesh_from_template.apply(on_shown_surface(head, placed.places));
+    return placed;
+}
+
+void LandmarkFinder::follow_details(const ShownHead& head, const Points& face,
+                                    PlacedLandmarks& placed) const {
+    const auto row_of = [&](const std::string& name) {
+        const auto at = std::find(names_.begin(), names_.end(), name);
+        return at == names_.end() ? Eigen::Index{-1} : static_cast<Eigen::Index>(at - names_.begin());
+    };
+    const int own_skin = skin_part(head, face), usual_skin = skin_part(template_, views_.front().places);
+    for (const std::string side : {".L", ".R"}) {
+        const Eigen::Index inner = row_of("eye_inner" + side), outer = row_of("eye_outer" + side);
+        if (inner < 0 || outer < 0) {
+            continue;
+        }
+        const auto usual = eye_opening(template_, usual_skin, landmarks_.row(inner), landmarks_.row(outer));
+        const auto own = eye_opening(head, own_skin, placed.places.row(inner), placed.places.row(outer));
+        if (!usual || !own) {
+            continue;
+        }
+        for (const Eigen::Index row : {inner, outer}) {
+            const Eigen::Vector2d share = usual->share_of(landmarks_.row(row).head<2>().transpose());
+            const Eigen::Vector2d place = own->place_of(share);
+            const double depth = placed.places(row, 2);
+            const auto on_skin = skin_at(head, own_skin, place);
+            placed.places.row(row) << place.x(), place.y(), on_skin ? on_skin->z() : depth;
+            placed.sigma[row] = std::min(placed.sigma[row], kSeenCorner);
+        }
+    }
+    if (const Eigen::Index tip = row_of("nose_tip"); tip >= 0) {
+        const auto usual = foremost(template_, landmarks_.row(tip)),
+                   own = foremost(head, placed.places.row(tip));
+        if (usual && own && own->height > kNoseShare * usual->height) {
+            placed.places.row(tip) = own->place.transpose() + landmarks_.row(tip) - usual->place.transpose();
+            placed.sigma[tip] = std::min(placed.sigma[tip], kSeenCorner);
+        }
+    }
+}
+
+}  // namespace mimetic

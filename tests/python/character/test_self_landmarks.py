@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Landmarks that place themselves on heads of other makes."""
+
+import numpy as np
+import pytest
+from mimetic.character.foreign_face import Polygons
+from mimetic.character.foreign_mesh import REQUIRED
+from mimetic.character.self_landmarks import find_landmarks, find_on_object
+from mimetic.template.face_template import load_template
+
+from evaluation.synthetic.characters import BLENDER, GLTF, ODD, Recipe, made
+
+
+def errors(character, placed) -> np.ndarray:
+    """Of the interpupillary distance, by landmark."""
+    gaps = [placed.places[name] - character.truth[name] for name in REQUIRED]
+    return np.sqrt((np.array(gaps) ** 2).sum(1)) / character.pupil_distance
+
+
+@pytest.mark.parametrize(
+    ("axes", "unit"), [(BLENDER, 1.0), (GLTF, 100.0), (ODD, 39.37)], ids=["z up", "y up", "lying"]
+)
+def test_they_find_their_places_whichever_way_a_head_looks(axes, unit):
+    person = made(Recipe("person", 120, 0.3, 0.0, axes, unit), load_template())
+    placed = find_landmarks(person.vertices, person.triangles)
+    assert not placed.guess
+    assert errors(person, placed).mean() < 0.03
+    assert errors(person, placed).max() < 0.08
+    assert placed.doubtful == []
+
+
+def test_they_lie_on_the_mesh():
+    person = made(Recipe("person", 121, 0.3, 0.0, GLTF), load_template())
+    placed = find_landmarks(person.vertices, person.triangles)
+    corners = person.vertices[person.triangles]
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    normals = np.cross(first, second)
+    normals /= np.maximum(np.sqrt((normals**2).sum(1)), 1e-15)[:, None]
+    for place in placed.places.values():
+        near = np.sqrt(((corners.mean(1) - place) ** 2).sum(1)) < 0.008
+        assert np.abs(((place - corners[near, 0]) * normals[near]).sum(1)).min() < 2e-5
+
+
+def test_what_is_no_face_gets_a_guess_that_says_so():
+    around, up = np.meshgrid(np.arange(24), np.arange(13), indexing="ij")
+    angle, height = around * np.pi / 12, up * np.pi / 12
+    ball = np.stack(
+        [np.sin(height) * np.cos(angle), np.sin(height) * np.sin(angle), np.cos(height)], -1
+    ).reshape(-1, 3)
+    starts = [
+        (a * 13 + u, a * 13 + u + 1, (a + 1) % 24 * 13 + u + 1, (a + 1) % 24 * 13 + u)
+        for a in range(24)
+        for u in range(12)
+    ]
+    corners = np.array(starts).ravel()
+    polygons = Polygons(np.arange(0, len(corners), 4), corners)
+    placed = find_on_object(0.1 * ball, polygons, np.eye(4))
+    assert "no face" in placed.guess
+    assert placed.doubtful == list(REQUIRED)
+
+
+def test_they_stop_when_told():
+    person = made(Recipe("person", 120, 0.3, 0.0, GLTF), load_template())
+    calls = []
+
+    def stops(fraction, text):
+        calls.append((fraction, text))
+        return len(calls) < 3
+
+    with pytest.raises(KeyboardInterrupt):
+        find_landmarks(person.vertices, person.triangles, stops)
+    assert len(calls) == 3
+
+
+def test_without_networks_they_are_a_guess(monkeypatch):
+    from mimetic.character import self_landmarks
+
+    person = made(Recipe("person", 120, 0.3, 0.0, BLENDER), load_template())
+    monkeypatch.setattr(self_landmarks, "_finder", lambda: None)
+    placed = find_landmarks(person.vertices, person.triangles)
+    assert "networks" in placed.guess
+    assert errors(person, placed).max() < 1
