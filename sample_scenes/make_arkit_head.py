@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Build a .blend of a head with 52 shape keys of its own that plays a performance; picture both."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+PICTURE = 320  # pixels, the height of a frame
+IDENTITY = {"sex_male": 1.0, "age_old": 0.6, "weight": 0.5, "nose_hump": 0.8}
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("performance", type=Path, help="performance.npz of a capture")
+    parser.add_argument("--footage", type=Path, required=True, help="the clip it is from")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR")
+    parser.add_argument("--frames", type=int, nargs="+", help="frames of the sheet")
+    parser.add_argument(
+        "--known-names",
+        action="store_true",
+        help="leave ARKit's names and attach no muscles: names alone decide",
+    )
+    arguments = parser.parse_args()
+    from make_sliders import headless
+
+    with tempfile.TemporaryDirectory() as folder:
+        # Read by bpy as it is imported: no settings or add-ons of the user's
+        os.environ["BLENDER_USER_RESOURCES"] = folder
+        try:
+            build(arguments, Path(folder))
+        except ImportError as error:
+            print(f"make_arkit_head: {error}; pip install bpy==4.5.15 gives it", file=sys.stderr)
+            return 2
+    headless().leave()
+    return 0
+
+
+def build(arguments: argparse.Namespace, folder: Path) -> None:
+    import bpy
+    import head_scene
+    from make_sliders import headless
+    from mimetic.character.foreign_mesh import REQUIRED
+    from mimetic.performance.document import Performance
+    from mimetic.template.face_template import load_template
+
+    headless().load_extension()
+    scene = bpy.context.scene
+    template = load_template()
+    head = head_scene.new_head(template, template.neutral(IDENTITY))
+    names = template.unit_names if arguments.known_names else _plain_names(template.unit_names)
+    head_scene.add_shape_keys(head, names, np.asarray(template.unit_modes))
+    for name in REQUIRED:
+        group = head.vertex_groups.new(name=name)
+        group.add([template.landmark(name)], 1.0, "REPLACE")
+    bpy.context.view_layer.objects.active = head
+    if not arguments.known_names:
+        bpy.ops.mimetic.attach_muscles()
+    performance = Performance.load(arguments.performance)
+    scene.render.fps = round(performance.fps)
+    scene.render.fps_base = scene.render.fps / performance.fps
+    scene.frame_start, scene.frame_end = int(performance.frame[0]), int(performance.frame[-1])
+    scene.mimetic.performance_path = str(arguments.performance.resolve())
+    bpy.ops.mimetic.bake_controls()
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    blend = arguments.out / "arkit_head.blend"
+    head_scene.set_up_studio(scene, PICTURE, PICTURE, 16)
+    head_scene.look_from(scene, *head_scene.VIEWS["front"])
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend.resolve()), compress=True)
+    sheet = arguments.out / "arkit_head.png"
+    frames = arguments.frames or _spread(performance.frame, 6)
+    _sheet(scene, arguments.footage, frames, folder, sheet)
+    print(f"{blend} and {sheet}: frames {', '.join(map(str, frames))}")
+
+
+def _plain_names(units: list[str]) -> list[str]:
+    """Names that say nothing, and in another order than the units'."""
+    order = np.random.default_rng(0).permutation(len(units))
+    return [f"Key {number + 1:02d}" for number in order]
+
+
+def _spread(frames: np.ndarray, count: int) -> list[int]:
+    return [int(f) for f in frames[np.linspace(0, len(frames) - 1, count + 2)[1:-1].astype(int)]]
+
+
+def _sheet(scene, footage: Path, frames: list[int], folder: Path, out: Path) -> None:
+    """The clip's frames above, the character's below."""
+    import bpy
+    from mimetic.media.footage import Footage
+    from mimetic.shared.png import png_bytes
+
+    scene.render.engine = "BLENDER_WORKBENCH"
+    scene.display.shading.light = "STUDIO"
+    scene.display.shading.color_type = "TEXTURE"
+    scene.display.shading.show_cavity = True
+    scene.display.render_aa = "8"
+    clip = Footage(footage)
+    columns = []
+    for frame in frames:
+        scene.frame_set(frame)
+        scene.render.filepath = str(folder / "frame.png")
+        bpy.ops.render.render(write_still=True)
+        picture = bpy.data.images.load(scene.render.filepath)
+        pixels = np.array(picture.pixels).reshape(PICTURE, PICTURE, -1)[::-1, :, :3]
+        bpy.data.images.remove(picture)
+        drawn = np.round(255 * pixels).astype(np.uint8)
+        columns.append(np.vstack([_square(clip.read(frame)), drawn]))
+    out.write_bytes(png_bytes(np.hstack(columns)))
+
+
+def _square(picture: np.ndarray) -> np.ndarray:
+    """The middle of a picture, PICTURE pixels wide and high."""
+    height, width = picture.shape[:2]
+    side = min(height, width)
+    steps = np.arange(PICTURE) * side // PICTURE
+    return picture[(height - side) // 2 + steps][:, (width - side) // 2 + steps]
+
+
+if __name__ == "__main__":
+    sys.exit(main())
