@@ -84,7 +84,7 @@ def test_names_that_are_no_text_are_baked(performance_file, footage, tmp_path, s
     ("arguments", "said"),
     [
         (["{missing}", "--out", "{out}.glb"], "no such file"),
-        (["{performance}", "--out", "{out}.fbx"], ".glb and .blend"),
+        (["{performance}", "--out", "{out}.fbx"], ".glb, .blend, .csv"),
         (["{performance}", "--out", "{out}/nowhere/face.glb"], "no folder"),
         (["{text}", "--out", "{out}.glb"], "not a performance"),
         (["{performance}", "--out", "{out}.glb", "--footage", "{text}"], "text"),

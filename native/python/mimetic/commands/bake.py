@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`mimetic bake`: a performance as .glb or .blend, by the Blender extension in a child process."""
+"""`mimetic bake`: a performance as .glb or .blend, by the Blender extension in a child process; as
+Live Link Face's .csv."""
 
 from __future__ import annotations
 
@@ -13,15 +14,16 @@ from mimetic.commands.blender_process import add_blender_python, write_by_blende
 from mimetic.head.smoothing import USUAL_STRENGTH
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.performance.document import Performance
+from mimetic.retarget.face_csv import write_face_csv
 from mimetic.shared.regular_file import check_input, check_target
 from mimetic.shared.shown_text import shown
 
-SUFFIXES = (".glb", ".blend")
+SUFFIXES = (".glb", ".blend", ".csv")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("performance", type=Path, help="performance.npz of a capture")
-    parser.add_argument("--out", type=Path, required=True, help="FACE.glb or FACE.blend to write")
+    parser.add_argument("--out", type=Path, required=True, help="FACE.glb, FACE.blend or FACE.csv")
     parser.add_argument(
         "--footage",
         type=Path,
@@ -168,13 +170,17 @@ def bake(
         check_tolerance(tolerance)
     out = Path(os.path.realpath(out))
     if out.suffix not in SUFFIXES:
-        raise InvalidInput(f"--out {out.name}: bake writes {' and '.join(SUFFIXES)} files")
+        raise InvalidInput(f"--out {out.name}: bake writes {', '.join(SUFFIXES)} files")
     if target and out.suffix != ".blend":
         raise InvalidInput(f"--out {out.name}: a target is written as .blend")
     check_input(performance, "the performance.npz of a capture")
     if footage is not None:
         check_footage(performance, footage)
     check_target(out, performance, *([] if footage is None else [footage]))
+    if out.suffix == ".csv":
+        if footage is not None or with_detail or with_units or tolerance is not None:
+            raise InvalidInput(f"--out {out.name}: a table takes no option but the performance")
+        return write_face_csv(Performance.load(performance), out)
     request = {
         "performance": str(Path(performance).absolute()),
         "footage": None if footage is None else str(Path(footage).absolute()),

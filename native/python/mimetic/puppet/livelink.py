@@ -10,8 +10,8 @@ import uuid
 from collections.abc import Sequence
 
 from mimetic.performance.gaze import GAZE
+from mimetic.performance.head_turn import angles, head_turn
 from mimetic.puppet.arkit import ArkitShapes
-from mimetic.puppet.head_turn import angles, head_turn
 from mimetic.puppet.live_filter import LiveState
 
 VERSION = 6

@@ -7,8 +7,8 @@ import struct
 from collections.abc import Iterable, Sequence
 
 from mimetic.performance.gaze import GAZE
+from mimetic.performance.head_turn import head_turn, quaternion
 from mimetic.puppet.arkit import ArkitShapes, shape_names
-from mimetic.puppet.head_turn import head_turn, quaternion
 from mimetic.puppet.live_filter import LiveState
 
 LARGEST_BUNDLE = 1400  # bytes: a datagram that no network on the way has to split
