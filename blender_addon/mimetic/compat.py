@@ -7,6 +7,7 @@ import bpy
 
 ACTIONS_HAVE_SLOTS = bpy.app.version >= (4, 4, 0)
 NODES_ARE_ALWAYS_USED = bpy.app.version >= (5, 0, 0)
+SEQUENCES_ARE_STRIPS = bpy.app.version >= (4, 4, 0)
 # Options of a property with a path that may start with // (from 4.5 on Blender warns of others)
 RELATIVE_PATH = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
 
@@ -96,4 +97,14 @@ def add_strip(track: bpy.types.NlaTrack, name: str, start: float, action: bpy.ty
     length = strip.frame_end - strip.frame_start
     strip.frame_start = start  # whole frames alone by the call above
     strip.frame_end = start + length
+    return strip
+
+
+def add_sound(scene: bpy.types.Scene, name: str, path: str, frame: float):
+    """A strip of sound that begins at a scene frame, which need not be whole, on a free channel."""
+    editor = scene.sequence_editor_create()
+    strips = editor.strips if SEQUENCES_ARE_STRIPS else editor.sequences
+    channel = 1 + max((strip.channel for strip in strips), default=0)
+    strip = strips.new_sound(name, path, channel, int(frame))
+    strip.frame_start = frame
     return strip

@@ -18,6 +18,7 @@ class Run:
 
     label: str
     keeps_part: bool = False  # when it is stopped
+    is_endless: bool = False  # it runs until it is stopped
     posts: queue.SimpleQueue = field(default_factory=queue.SimpleQueue)
     stop: threading.Event = field(default_factory=threading.Event)
     thread: threading.Thread | None = None
@@ -57,6 +58,8 @@ class Run:
                 return True
 
     def text(self) -> str:
+        if self.is_endless:
+            return f"{self.label}: {self.what}"
         return f"{self.label}: {self.fraction:.0%} {self.what}".rstrip()
 
 

@@ -227,6 +227,37 @@ def landmarks_file() -> ModuleType:
     return landmarks_file
 
 
+def camera_source() -> ModuleType:
+    from mimetic.puppet import camera_source
+
+    return camera_source
+
+
+def clip_source() -> ModuleType:
+    from mimetic.puppet import clip_source
+
+    return clip_source
+
+
+def driven_face() -> ModuleType:
+    from mimetic.puppet import driven_face
+
+    return driven_face
+
+
+def live_thread() -> ModuleType:
+    from mimetic.puppet import live_thread
+
+    return live_thread
+
+
+def stillness_figures(stillness: float, fps: float):
+    """What a stillness costs and gives: `lag_frames`, `jitter_share`."""
+    from mimetic import _core
+
+    return _core.stillness_figures(stillness, fps)
+
+
 def live_contact() -> ModuleType:
     from mimetic.character import live_contact
 

@@ -16,6 +16,7 @@ from bpy.props import (
 )
 
 from . import compat, control_rows, editors, writable
+from .live_settings import MimeticLive
 from .scene_out import contact, expressions, gaze, rigs
 
 STRAIN_MEASURES = (
@@ -306,6 +307,7 @@ class MimeticScene(bpy.types.PropertyGroup):
         name="Camera", type=bpy.types.Object, description="The footage's camera in the scene"
     )
     head: PointerProperty(type=MimeticHead)
+    live: PointerProperty(type=MimeticLive)
     show_muscles: BoolProperty(
         name="Muscles",
         description="Draw the muscles and their insertions over the face",
@@ -330,6 +332,7 @@ class MimeticScene(bpy.types.PropertyGroup):
 
 CLASSES = (
     MimeticHead,
+    MimeticLive,
     MimeticShape,
     MimeticLandmark,
     control_rows.MimeticControl,

@@ -28,6 +28,7 @@ from evaluation.runs import (
     gaze,
     head,
     keys,
+    live,
     locate,
     real,
     rest,
@@ -56,7 +57,8 @@ WHAT_IS_SCORED = (
     "followed (docs/measured/gaze.md), `retarget` how well a performance plays on a "
     "character's own shape keys (docs/measured/retargeting.md), `characters` how near "
     "landmarks that place themselves on heads of other makes come to the true ones "
-    "(docs/measured/characters.md)."
+    "(docs/measured/characters.md), `live` what the live filter loses against the capture "
+    "(docs/measured/live.md)."
 )
 
 
@@ -68,7 +70,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         choices=(
             *("ablations", "abuse", "calibration", "capture", "characters", "fit", "flow", "gaze"),
-            *("head", "keys", "locate", "real", "rest", "retarget", "timing"),
+            *("head", "keys", "live", "locate", "real", "rest", "retarget", "timing"),
         ),
         default="capture",
         help="what to score (default: capture)",
@@ -101,7 +103,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--performances",
         type=Path,
         metavar="DIR",
-        help="real, keys: score the performances that an earlier `real --out` left here",
+        help="real, keys, live: score the performances that an earlier `real --out` left here",
     )
     parser.add_argument(
         "--first-fit",
@@ -118,8 +120,8 @@ def check(options: argparse.Namespace) -> None:
         _check_set(options)
     if options.what != "capture":
         _refuse(options, *FILES)
-    if options.what not in ("real", "keys") and options.performances:
-        raise InvalidInput("--performances goes with `mimetic evaluate real` and `keys`")
+    if options.what not in ("real", "keys", "live") and options.performances:
+        raise InvalidInput("--performances goes with `mimetic evaluate real`, `keys` and `live`")
     if options.first_fit and (options.what != "real" or options.performances):
         raise InvalidInput("--first-fit goes with `mimetic evaluate real`, without --performances")
     files = any(getattr(options, name) for name in FILES)
@@ -146,6 +148,7 @@ def run_tables(options: argparse.Namespace) -> int:
         "timing": _run_timing,
         "keys": _run_keys,
         "retarget": _run_retarget,
+        "live": _run_live,
     }
     if options.what in run:
         return run[options.what](options)
@@ -249,6 +252,20 @@ def _run_retarget(options: argparse.Namespace) -> int:
         raise InvalidInput(f"--set {options.set} does not go with `retarget`")
     scores = list(retarget.score_retargeting(options.set, _to_stderr))
     return _show(options, scores, retarget.as_json, retarget.as_text)
+
+
+def _run_live(options: argparse.Namespace) -> int:
+    _refuse(options, "out")
+    scores = []
+    for of_clip in live.score_live(_to_stderr, options.performances):
+        scores += of_clip
+        if not options.json:
+            print(live.as_text(of_clip), end="\n\n", flush=True)
+    if not options.json:
+        print(live.speed_text(live.speed(_to_stderr)))
+    else:
+        print(live.as_json(scores))
+    return 0
 
 
 def _run_real(options: argparse.Namespace) -> int:

@@ -15,6 +15,7 @@ from . import (
     foreign,
     gltf,
     head,
+    live,
     missing,
     own_controls,
     performance,
@@ -42,6 +43,7 @@ CLASSES = (
     *pins.CLASSES,
     *foreign.CLASSES,
     *own_controls.CLASSES,
+    *live.CLASSES,
     sliders.MIMETIC_OT_add_face,
     sliders.MIMETIC_OT_rest_face,
 )

@@ -3,11 +3,12 @@
 
 import bpy
 
-from . import capture, controls, curves, expressions, head, muscles
+from . import capture, controls, curves, expressions, head, live, muscles
 
 CLASSES = (
     *capture.CLASSES,
     *head.CLASSES,
+    *live.CLASSES,
     *muscles.CLASSES,
     *curves.CLASSES,
     *controls.CLASSES,

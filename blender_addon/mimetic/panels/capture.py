@@ -18,13 +18,19 @@ class Capture:
                 layout.label(text=line, icon="NONE")
             return
         if jobs.running:
-            layout.progress(factor=jobs.running.fraction, text=jobs.running.text())
-            keeps = " and keeps what is done" if jobs.running.keeps_part else ""
-            layout.label(text=f"Esc or right-click stops{keeps}")
+            self.draw_running(layout, jobs.running)
         settings = context.scene.mimetic
         self.draw_footage(layout, context, settings)
         self.draw_capture(layout, context, settings)
         self.draw_bake(layout, context)
+
+    def draw_running(self, layout, run):
+        if run.is_endless:
+            layout.label(text=run.text())
+            return
+        layout.progress(factor=run.fraction, text=run.text())
+        keeps = " and keeps what is done" if run.keeps_part else ""
+        layout.label(text=f"Esc or right-click stops{keeps}")
 
     def draw_footage(self, layout, context, settings):
         layout.operator("mimetic.load_clip", icon="FILE_MOVIE")

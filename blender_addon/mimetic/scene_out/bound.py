@@ -112,15 +112,15 @@ def motion(scene: bpy.types.Scene, performance, head: bpy.types.Object):
     with standing.at_rest(scene, head):
         return native.bound_head().head_channels(
             performance,
-            native.array(world.matrix(head)) @ _object_from_character(scene, head),
+            native.array(world.matrix(head)) @ object_from_character(scene, head),
             native.array(head.location),
-            native.array(_rotation(head)),
+            native.array(rotation_of(head)),
             head.rotation_mode,
             1.0 / (scene.unit_settings.scale_length or 1.0),
         )
 
 
-def _object_from_character(scene: bpy.types.Scene, head: bpy.types.Object):
+def object_from_character(scene: bpy.types.Scene, head: bpy.types.Object):
     """4 x 4: a face of our own mesh lies in its object as the character frame does."""
     head_landmarks = scene_in.remembered_head(scene, head)
     if head_landmarks is None:
@@ -131,7 +131,7 @@ def _object_from_character(scene: bpy.types.Scene, head: bpy.types.Object):
     )
 
 
-def _rotation(obj: bpy.types.Object) -> Matrix:
+def rotation_of(obj: bpy.types.Object) -> Matrix:
     """The object's own rotation; a decomposed matrix gives another where the scale mirrors."""
     if obj.rotation_mode == "QUATERNION":
         return obj.rotation_quaternion.to_matrix()

@@ -82,33 +82,30 @@ def gaze_sliders(performance: Performance, shapes: Sequence[Shape]) -> list[Shap
     """
     if not has_gaze(performance):
         return list(shapes)
-    degrees = {row["name"]: float(row["degrees"]) for row in gaze_rows()}
     angles, articulator_values = gaze_of(performance), seen_articulators(performance)
     lids, looks = {}, []
     for eye, (side, following) in enumerate(
         zip(SIDES, np.asarray(performance.lid_following), strict=True)
     ):
         yaw, pitch = angles[:, 2 * eye], angles[:, 2 * eye + 1]
-        outwards = yaw if side == "L" else -yaw
         name = f"lid_upper.{side}"
         if name in performance.articulators:
             lids[name] = (
                 articulator_values[:, performance.articulators.index(name)] + following[0] * pitch
             )
         looks += [
-            shape_of_values(
-                f"{look}.{side}",
-                GAZE_GROUP,
-                np.zeros((0, 3)),
-                np.maximum(way, 0) / degrees[look],
-                0.0,
-            )
-            for look, way in (
-                ("look_up", pitch),
-                ("look_down", -pitch),
-                ("look_in", -outwards),
-                ("look_out", outwards),
-            )
+            shape_of_values(look, GAZE_GROUP, np.zeros((0, 3)), values, 0.0)
+            for look, values in look_values(side, yaw, pitch).items()
         ]
     own = [replace(s, values=lids[s.name]) if s.name in lids else s for s in shapes]
     return [*own, *looks]
+
+
+def look_values(
+    side: str, yaw: NDArray[np.float64], pitch: NDArray[np.float64]
+) -> dict[str, NDArray[np.float64]]:
+    """N values of the sliders by which a head's eye looks up, down, in and out; N degrees."""
+    degrees = {row["name"]: float(row["degrees"]) for row in gaze_rows()}
+    outwards = yaw if side == "L" else -yaw
+    ways = {"look_up": pitch, "look_down": -pitch, "look_in": -outwards, "look_out": outwards}
+    return {f"{look}.{side}": np.maximum(way, 0) / degrees[look] for look, way in ways.items()}

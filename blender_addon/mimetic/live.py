@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The live session at work: what its operator drives and its panel shows."""
+
+from __future__ import annotations
+
+import os
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import bpy
+
+from . import clips, compat, jobs, native, scene_in, scene_out, takes, writable
+from .live_settings import CHANNELS, package_channels
+
+NO_SOURCE = "Choose a clip, or load the scene's footage"
+ALL = frozenset(identifier for identifier, _, _ in CHANNELS)
+
+
+@dataclass
+class Session:
+    """One session; the thread knows no Blender, all here runs on the main thread."""
+
+    run: jobs.Run
+    thread: object  # mimetic.puppet.live_thread.LiveThread
+    puppet: object  # scene_out.live.Puppet
+    start: float = 1.0  # scene frame of the take that is recorded
+    sound: Path | None = None  # of that take's microphone
+    due: float | None = None  # when a take begins that is counted down, by `monotonic`'s clock
+    takes: list[str] = field(default_factory=list)  # recorded ones
+    notes: list[str] = field(default_factory=list)
+    lids: object = None
+    commands: list[str] = field(default_factory=list)  # of buttons: NEUTRAL, RECORD, STOP
+
+    @property
+    def is_recording(self) -> bool:
+        return self.thread.is_recording
+
+    def seconds_left(self) -> int | None:
+        """Of the countdown."""
+        return None if self.due is None else max(1, round(self.due - time.monotonic() + 0.5))
+
+    def line(self) -> str:
+        """For the user: what goes on."""
+        state = "recording" if self.is_recording else "live"
+        if left := self.seconds_left():
+            state = f"recording in {left}"
+        return f"{state}, {self.thread.line}"
+
+
+active: Session | None = None
+
+
+def no_live(context) -> str:
+    """Why no session can be started."""
+    if reason := scene_in.no_face(context):
+        return reason
+    return writable.no_sliders(scene_in.face_of(context))
+
+
+def source_of(context, is_paced: bool = True):
+    """The source that the settings name; raises what `known_errors` has."""
+    settings = context.scene.mimetic.live
+    if settings.source == "CAMERA":
+        return native.camera_source().CameraSource(settings.camera)
+    path = bpy.path.abspath(settings.clip_path) if settings.clip_path else ""
+    clip = scene_in.clip_of(context)
+    if not path and clip is not None:
+        path = clips.path_of(clip)
+    if not path:
+        raise native.invalid_input(NO_SOURCE)
+    return native.clip_source().ClipSource(path, is_paced)
+
+
+def frozen(settings) -> frozenset[str]:
+    return package_channels(ALL - set(settings.channels))
+
+
+def begin_take(context, session: Session) -> None:
+    """From the scene's present frame on."""
+    session.due = None
+    session.start = context.scene.frame_current_final
+    microphone = context.scene.mimetic.live.microphone
+    session.sound = None
+    if microphone and context.scene.mimetic.live.source == "CAMERA":
+        session.sound = Path(_path(session)).with_suffix(".wav")
+    session.thread.begin_take(microphone if session.sound else "", session.sound)
+
+
+def end_take(context, session: Session) -> str:
+    """Keys what was recorded; returns a line for the user, "" if nothing was."""
+    take, offset = session.thread.end_take()
+    if take is None:
+        return ""
+    path = _path(session)
+    performance = take.performance()
+    name = native.shown_text().shown(Path(path).name.split(".")[0])
+    channels = package_channels(context.scene.mimetic.live.channels)
+    summary = scene_out.live.record(
+        context.scene, session.puppet, performance, name, session.start, channels
+    )
+    path, notes = takes.save(performance, path, takes.spare_path(_clip_name(session)))
+    session.takes.append(path)
+    session.notes += [*summary.remarks, *notes]
+    _lay_sound(context.scene, session, take, path, offset)
+    return (
+        f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
+        f"on {session.puppet.name}"
+    )
+
+
+def _lay_sound(scene, session: Session, take, path: str, offset: float | None) -> None:
+    sound = session.sound
+    if offset is None:
+        sound, offset = Path(path).with_suffix(".wav"), 0.0
+        if not session.thread.keep_clip_sound(take, sound):
+            return
+    rate = scene_in.timing(scene, None).scene_rate
+    try:
+        compat.add_sound(scene, sound.stem, str(sound), session.start + offset * rate)
+    except RuntimeError as error:  # a Blender without sound; the take must not be lost for it
+        session.notes.append(f"{sound} is kept, but not laid in the sequencer: {error}".strip())
+
+
+def _path(session: Session) -> str:
+    return takes.capture_path(_clip_name(session))
+
+
+def _clip_name(session: Session) -> str:
+    name = session.thread.source.name.replace(":", " ").replace(os.sep, " ")
+    return f"live {Path(name).stem}"

@@ -1,0 +1,203 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A face driven live in the viewport."""
+
+import time
+
+from bpy.props import EnumProperty
+from bpy.types import Operator
+
+from .. import editors, jobs, live, native, outcome, scene_in, scene_out
+
+TICK_SECONDS = 1 / 60
+KEYS = {"N": "NEUTRAL", "R": "RECORD", "ESC": "STOP"}
+# What the viewport and the panels need; all else could change what the session writes to
+PASSED = {
+    *("MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "LEFTMOUSE", "MIDDLEMOUSE", "WHEELUPMOUSE"),
+    *("WHEELDOWNMOUSE", "WHEELINMOUSE", "WHEELOUTMOUSE", "TRACKPADPAN", "TRACKPADZOOM"),
+    *("MOUSEROTATE", "TIMER_REPORT", "WINDOW_DEACTIVATE"),
+}
+
+
+class MIMETIC_OT_live(Operator):
+    """Drive the face by a camera, or by a clip in its place: N sets neutral, R records, Esc stops.
+    Without a window a whole clip is recorded"""
+
+    bl_idname = "mimetic.live"
+    bl_label = "Start Live"
+    bl_options = {"UNDO"}
+
+    facts: dict | None = None
+    _timer = None
+
+    @classmethod
+    def poll(cls, context):
+        if reason := live.no_live(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context):
+        """Blocks until the clip has been worked through; every frame of it is recorded."""
+        settings = context.scene.mimetic.live
+        if settings.source == "CAMERA":
+            message = "A camera needs Blender's window; choose a clip as source"
+            return outcome.cancelled(self, context, message)
+        session = None
+        try:
+            session = _session(context, is_blocking=True)
+            session.thread.set_frozen(live.frozen(settings))
+            session.start = context.scene.frame_current_final
+            session.thread.start()
+            if session.thread.error:
+                raise session.thread.error
+            message = live.end_take(context, session)
+        except native.known_errors() as error:
+            return outcome.cancelled(self, context, str(error))
+        if not message:
+            return outcome.cancelled(self, context, "No face was seen; nothing was changed")
+        return _finished(self, context, session, message)
+
+    def invoke(self, context, event):
+        if context.window is None:
+            return self.execute(context)
+        try:
+            live.active = _session(context)
+        except native.known_errors() as error:
+            return outcome.cancelled(self, context, str(error))
+        jobs.running = live.active.run
+        live.active.thread.start()
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(TICK_SECONDS, window=context.window)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        session = live.active
+        if session is None or jobs.running is None:  # the extension was switched off underneath
+            self._leave(context)
+            return {"CANCELLED"}
+        if event.type in KEYS and event.value == "PRESS":
+            session.commands.append(KEYS[event.type])
+            return {"RUNNING_MODAL"}
+        if event.type == "TIMER":
+            return self._tick(context, session)
+        # Undo would replace the scene that the session writes to
+        return {"PASS_THROUGH"} if event.type in PASSED else {"RUNNING_MODAL"}
+
+    def cancel(self, context):
+        """Blender ends the operator, as on loading a file."""
+        if live.active:
+            live.active.run.stop.set()
+        self._leave(context)
+
+    def _tick(self, context, session):
+        settings = context.scene.mimetic.live
+        session.thread.set_stillness(settings.stillness)
+        session.thread.set_frozen(live.frozen(settings))
+        while session.commands:
+            if self._obey(context, session, session.commands.pop(0)):
+                return self._end(context, session)
+        if session.due is not None and time.monotonic() >= session.due:
+            live.begin_take(context, session)
+        show(session)
+        session.run.what = session.line()
+        context.workspace.status_text_set(f"{session.run.text()}   |   {_hints(session)}")
+        editors.redraw("VIEW_3D")
+        if not session.thread.is_running:
+            return self._end(context, session)
+        return {"RUNNING_MODAL"}
+
+    def _obey(self, context, session, command: str) -> bool:
+        """Whether the session is to end."""
+        if command == "NEUTRAL":
+            session.thread.set_neutral()
+            session.puppet.rest = None
+        elif command == "RECORD" and (session.is_recording or session.due is not None):
+            session.due = None
+            if message := live.end_take(context, session):
+                self.report({"INFO"}, message)
+        elif command == "RECORD":
+            session.due = time.monotonic() + context.scene.mimetic.live.countdown
+        return command == "STOP"
+
+    def _end(self, context, session):
+        session.thread.stop()
+        message = live.end_take(context, session)
+        error = session.thread.error
+        self._leave(context)
+        if not session.takes:
+            session.puppet.restore()
+            if error and not isinstance(error, native.known_errors()):
+                raise error
+            if error:
+                return outcome.cancelled(self, context, str(error))
+            return outcome.cancelled(self, context, "Stopped; nothing was recorded", "INFO")
+        if error:
+            self.report({"WARNING"}, str(error))
+        return _finished(self, context, session, message or f"{len(session.takes)} takes recorded")
+
+    def _leave(self, context) -> None:
+        live.active = jobs.running = None
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+
+
+class MIMETIC_OT_live_command(Operator):
+    """What the keys of a live session do: set neutral, record, stop"""
+
+    bl_idname = "mimetic.live_command"
+    bl_label = "Live"
+    bl_options = {"INTERNAL"}
+
+    command: EnumProperty(
+        items=(
+            ("NEUTRAL", "Set Neutral", "The face is at rest now"),
+            ("RECORD", "Record", "Begin or end a take"),
+            ("STOP", "Stop", "End the session; takes are kept"),
+        )
+    )
+
+    @classmethod
+    def poll(cls, context):
+        if live.active is None:
+            cls.poll_message_set("No live session runs")
+        return live.active is not None
+
+    def execute(self, context):
+        live.active.commands.append(self.command)
+        return {"FINISHED"}
+
+
+def show(session) -> None:
+    """Puts the face as the newest picture has it, if there is a new one."""
+    newest = session.thread.newest()
+    if newest is not None:
+        state, face = newest
+        session.puppet.show(session.thread.names, state, face.lids)
+
+
+def _session(context, is_blocking: bool = False):
+    settings = context.scene.mimetic.live
+    source = live.source_of(context, is_paced=not is_blocking)
+    run = jobs.Run("Live", is_endless=True)
+    thread = native.live_thread().LiveThread(source, settings.stillness, run.stop, is_blocking)
+    run.thread = thread.thread
+    puppet = scene_out.live.Puppet(context.scene, scene_in.face_of(context))
+    return live.Session(run, thread, puppet)
+
+
+def _finished(operator, context, session, message: str):
+    for note in dict.fromkeys(session.notes):
+        operator.report({"INFO"}, note)
+    facts = {"object": session.puppet.name, "takes": session.takes}
+    return outcome.finished(operator, context, message, **facts)
+
+
+def _hints(session) -> str:
+    record = "R ends the take" if session.is_recording else "R records"
+    return f"N sets neutral, {record}, Esc stops"
+
+
+CLASSES = (MIMETIC_OT_live, MIMETIC_OT_live_command)

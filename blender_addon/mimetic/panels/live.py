@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A face driven by a camera."""
+
+from bpy.types import Panel
+
+from .. import live, native, scene_in
+from .capture import wrapped
+
+
+class MIMETIC_PT_live(Panel):
+    bl_idname = "MIMETIC_PT_live"
+    bl_label = "Live"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Mimetic"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return not native.problem()
+
+    def draw(self, context):
+        layout = self.layout
+        settings = context.scene.mimetic.live
+        session = live.active
+        column = layout.column()
+        column.enabled = session is None
+        self.draw_source(column, context, settings)
+        layout.prop(settings, "stillness", slider=True)
+        fps = 30.0 if session is None else session.thread.source.fps
+        figures = native.stillness_figures(settings.stillness, fps)
+        layout.label(
+            text=f"lags {figures.lag_frames:.1f} frames, keeps {figures.jitter_share:.0%} of jitter"
+        )
+        layout.column(align=True).prop(settings, "channels")
+        layout.prop(settings, "countdown")
+        if session is None:
+            layout.operator("mimetic.live", icon="PLAY")
+            return
+        row = layout.row(align=True)
+        for command, text in (
+            ("NEUTRAL", "Neutral"),
+            ("RECORD", "End Take" if session.is_recording else "Record"),
+            ("STOP", "Stop"),
+        ):
+            row.operator("mimetic.live_command", text=text).command = command
+        for line in wrapped(session.line(), 44):
+            layout.label(text=line)
+
+    def draw_source(self, layout, context, settings):
+        layout.row().prop(settings, "source", expand=True)
+        if settings.source == "CAMERA":
+            layout.prop(settings, "camera")
+            layout.prop(settings, "microphone")
+            return
+        layout.prop(settings, "clip_path")
+        clip = scene_in.clip_of(context)
+        if not settings.clip_path:
+            layout.label(text=clip.name if clip else live.NO_SOURCE)
+
+
+CLASSES = (MIMETIC_PT_live,)

@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A live face in the scene: shown as it comes, and recorded into new actions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from .. import compat, native, scene_in, world
+from . import actions, bound, by_hand, own_keys, standing
+
+HEAD_PATHS = {"head_position": "location", "head_rotation": "rotation"}
+ROTATION_PATHS = ("rotation_quaternion", "rotation_euler", "rotation_axis_angle")
+
+
+@dataclass(frozen=True)
+class TakeSummary:
+    first: float  # scene frames of the first and the last key
+    last: float
+    num_curves: int
+    remarks: tuple[str, ...]  # what is not played, in sentences
+
+
+class Puppet:
+    """A face while a live session moves it, by name: an undo may replace the object."""
+
+    def __init__(self, scene: bpy.types.Scene, face: bpy.types.Object) -> None:
+        self.name = face.name
+        keys = face.data.shape_keys
+        driven = own_keys.driven_keys(keys)
+        self._numbers = {
+            shape: keys.key_blocks.find(key)
+            for shape, key in by_hand.keys_now(face).items()
+            if key not in driven
+        }
+        self._values = np.empty(len(keys.key_blocks), dtype=np.float32)
+        keys.key_blocks.foreach_get("value", self._values)
+        self._values_before = self._values.copy()
+        self._place_before = face.location.copy(), bound.rotation_of(face).copy()
+        mover = bound.moved_by(face)
+        self.remark = f"{face.name} is moved by {mover}: its head stays" if mover else ""
+        self.stand = None if mover else stand_of(scene, face)
+        self.rest = None  # head pose from which the head moves
+
+    @property
+    def sliders(self) -> set[str]:
+        return set(self._numbers)
+
+    def show(self, names, state, lids) -> None:
+        """Puts the face as a live state has it."""
+        face = bpy.data.objects.get(self.name)
+        if face is None:
+            return
+        parts = native.driven_face()
+        values = parts.slider_values(names, state.values, lids, self._numbers)
+        for shape, value in values.items():
+            self._values[self._numbers[shape]] = value
+        self._write_values(face, self._values)
+        if self.stand is None:
+            return
+        self.rest = state.head_pose if self.rest is None else self.rest
+        channels = parts.head_channels(state.head_pose[None], self.rest, self.stand)
+        setattr(face, channels.rotation_path, channels.rotations[0])
+        face.location = channels.locations[0]
+
+    def restore(self) -> None:
+        """Puts the face as it was before."""
+        face = bpy.data.objects.get(self.name)
+        if face is None:
+            return
+        self._write_values(face, self._values_before)
+        if self.stand is not None:
+            location, rotation = self._place_before
+            face.location = location
+            if face.rotation_mode == "QUATERNION":
+                face.rotation_quaternion = rotation.to_quaternion()
+            elif face.rotation_mode == "AXIS_ANGLE":
+                axis, angle = rotation.to_quaternion().to_axis_angle()
+                face.rotation_axis_angle = (angle, *axis)
+            else:
+                face.rotation_euler = rotation.to_euler(face.rotation_mode)
+
+    def _write_values(self, face, values) -> None:
+        keys = face.data.shape_keys
+        if len(keys.key_blocks) != len(values):
+            return  # shapes came or went meanwhile
+        keys.key_blocks.foreach_set("value", values)
+        keys.update_tag()
+
+
+def stand_of(scene: bpy.types.Scene, face: bpy.types.Object):
+    """Where a face's object stands: `mimetic.puppet.driven_face.Stand`."""
+    with standing.at_rest(scene, face):
+        return native.driven_face().Stand(
+            native.array(world.matrix(face)) @ bound.object_from_character(scene, face),
+            native.array(face.location),
+            native.array(bound.rotation_of(face)),
+            face.rotation_mode,
+            1.0 / (scene.unit_settings.scale_length or 1.0),
+        )
+
+
+def record(
+    scene: bpy.types.Scene,
+    puppet: Puppet,
+    performance,
+    take: str,
+    start: float,
+    channels: frozenset[str],
+) -> TakeSummary:
+    """Keys a take on the face from a scene frame on, in new actions.
+
+    channels: that are recorded (`mimetic.puppet.channels`); the curves of all else are copied from
+    the actions that were there. The scene's rate and range stay.
+    """
+    face = scene.objects[puppet.name]
+    parts = native.driven_face()
+    shapes_of = native.shapes().shapes_of
+    if parts.EYE_TURN not in puppet.sliders:
+        shapes_of = native.shapes().slider_shapes_of
+    numbers = performance.frame - performance.frame[0] + 1
+    rate = scene_in.timing(scene, None).scene_rate
+    first = int(np.floor(start))
+    frames = native.timing().scene_frames(numbers, performance.fps, rate, first) + (start - first)
+    keys = face.data.shape_keys
+    names, driven = by_hand.keys_now(face), own_keys.driven_keys(keys)
+    shapes = [s for s in shapes_of(performance) if parts.channel_of_slider(s.name) in channels]
+    playable = [s for s in shapes if names.get(s.name) in keys.key_blocks]
+    playable = [s for s in playable if names[s.name] not in driven]
+    remarks = [puppet.remark] if puppet.remark else []
+    if left_out := sorted({s.name for s in shapes} - {s.name for s in playable}):
+        remarks.append(f"{face.name} has no slider of its own for {', '.join(left_out)}")
+    num_curves = 0
+    if playable:
+        holder = actions.continued_take(keys, f"{take} muscles")
+        for shape in playable:
+            path = keys.key_blocks[names[shape.name]].path_from_id("value")
+            actions.clear(holder, path)
+            curve = compat.new_curve(holder, path, 0, shape.group)
+            actions.fill(curve, frames, shape.values, actions.LINEAR)
+        num_curves = len(playable)
+    num_curves += _record_head(puppet, face, performance, take, frames, channels)
+    return TakeSummary(float(frames[0]), float(frames[-1]), num_curves, tuple(remarks))
+
+
+def _record_head(puppet: Puppet, face, performance, take: str, frames, channels) -> int:
+    wanted = [channel for channel in HEAD_PATHS if channel in channels]
+    if puppet.stand is None or not wanted:
+        return 0
+    rest = performance.head_pose[0] if puppet.rest is None else puppet.rest
+    motion = native.driven_face().head_channels(performance.head_pose, rest, puppet.stand)
+    holder = actions.continued_take(face, f"{take} head")
+    num_curves = 0
+    if "head_rotation" in wanted:
+        for path in ROTATION_PATHS:
+            actions.clear(holder, path)
+        num_curves += actions.key_columns(
+            holder, motion.rotation_path, "Head", frames, motion.rotations
+        )
+    if "head_position" in wanted:
+        actions.clear(holder, "location")
+        num_curves += actions.key_columns(holder, "location", "Head", frames, motion.locations)
+    return num_curves

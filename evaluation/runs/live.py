@@ -1,0 +1,174 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""`mimetic evaluate live`: the live filter beside the offline solve, on real clips."""
+
+from __future__ import annotations
+
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+from mimetic import _core
+from mimetic.media.ffmpeg import ffmpeg_program
+from mimetic.media.ffmpeg_process import running
+from mimetic.media.footage import Footage
+from mimetic.performance.document import Performance
+from mimetic.puppet.live_filter import DEFAULT_STILLNESS, LiveFilter
+from mimetic.puppet.take import Take
+from mimetic.puppet.warm_up import warm_up
+from mimetic.score.json_text import json_text
+from mimetic.score.text_table import text_table
+from mimetic.solve import clip_capture
+
+from evaluation.runs.live_score import (
+    GAZE,
+    GROUPS,
+    HEAD,
+    JAW,
+    LIDS,
+    common_rows,
+    correlations,
+    curves_of,
+    jitter_at_rest,
+    lag_of,
+)
+from evaluation.runs.real_events import score_events
+from evaluation.runs.real_labels import CLIPS, footage_of
+
+LAST = 600  # frame of each clip that is captured offline
+STILLNESSES = (0.0, DEFAULT_STILLNESS, 1.0)
+OFFLINE = "capture"
+CAMERA = (640, 480)
+TIMED = 240  # frames of each clip at a camera's size
+Report = Callable[[str], None]
+
+
+@dataclass(frozen=True)
+class LiveScore:
+    """One clip, one way."""
+
+    clip: str
+    way: str
+    frames: int
+    held: int
+    correlation: dict[str, float]  # with the offline solve
+    lag: float  # frames behind it
+    jitter: float
+    milliseconds: float  # of a picture, median
+    slow: float  # 95 of 100 take less
+    blinks: str = ""
+
+
+def score_live(report: Report, folder: Path | None = None) -> Iterator[list[LiveScore]]:
+    """Clip by clip. folder: offline performances of an earlier run, NAME.npz; others are made."""
+    warm_up()
+    for clip in CLIPS:
+        footage = Footage(footage_of(clip))
+        last = min(LAST, footage.num_frames)
+        if folder is not None and (folder / f"{clip}.npz").is_file():
+            offline = Performance.load(folder / f"{clip}.npz")
+        else:
+            report(f"{clip}: capture, {last} frames")
+            offline = clip_capture.capture(footage.path, (1, last))
+        report(f"{clip}: live")
+        scores = [_offline_score(clip, offline)]
+        for stillness in STILLNESSES:
+            # Blinks are marked in many more frames than are captured offline
+            until = footage.num_frames if stillness == DEFAULT_STILLNESS else last
+            performance, times = recorded(footage, stillness, min(until, 2410))
+            scores.append(_score(clip, stillness, performance, times, offline))
+        yield scores
+
+
+def recorded(footage: Footage, stillness: float, last: int) -> tuple[Performance, list[float]]:
+    """A clip as a camera's pictures, none skipped; milliseconds of each."""
+    live, take, times = LiveFilter(stillness, in_background=False), Take(float(footage.fps)), []
+    for frame, image in footage.frames(1, last):
+        state = live.advance(image, (frame - 1) / float(footage.fps))
+        if state is not None and live.face is not None:
+            take.add(state, live.face)
+            times.append(state.milliseconds)
+    return take.performance(footage), times
+
+
+def _offline_score(clip: str, offline: Performance) -> LiveScore:
+    blinks = [one.text() for one in score_events(clip, offline) if one.kind == "blinks"]
+    return LiveScore(
+        *(clip, OFFLINE, offline.num_frames, int((offline.quality < 0.2).sum()), {}, 0.0),
+        *(jitter_at_rest(clip, offline, offline), np.nan, np.nan, "".join(blinks)),
+    )
+
+
+def _score(
+    clip: str,
+    stillness: float,
+    performance: Performance,
+    times: list[float],
+    offline: Performance,
+) -> LiveScore:
+    rows, offline_rows = common_rows(performance, offline)
+    live, truth = curves_of(performance, rows), curves_of(offline, offline_rows)
+    blinks = [one.text() for one in score_events(clip, performance) if one.kind == "blinks"]
+    return LiveScore(
+        *(clip, f"live, stillness {stillness:g}", performance.num_frames),
+        *(int((performance.quality < 0.2).sum()), correlations(live, truth), lag_of(live, truth)),
+        jitter_at_rest(clip, offline, performance),
+        *(float(np.median(times)), float(np.quantile(times, 0.95)), "".join(blinks)),
+    )
+
+
+def speed(report: Report) -> dict[str, tuple[float, float]]:
+    """Milliseconds of a picture of CAMERA's size, median and 95 of 100, by clip."""
+    result = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for clip in CLIPS:
+            report(f"{clip}: speed at {CAMERA[0]} x {CAMERA[1]}")
+            enlarged = Path(folder) / f"{clip}.mkv"
+            scale = f"scale={CAMERA[0]}:{CAMERA[1]}:force_original_aspect_ratio=decrease"
+            pad = f"pad={CAMERA[0]}:{CAMERA[1]}:(ow-iw)/2:(oh-ih)/2"
+            command = [
+                *(ffmpeg_program(), "-v", "error", "-i", str(footage_of(clip)), "-an"),
+                *("-frames:v", str(TIMED), "-vf", f"{scale},{pad}", "-c:v", "ffv1", str(enlarged)),
+            ]
+            with running(command) as ffmpeg:
+                ffmpeg.process.wait()
+            _, times = recorded(Footage(enlarged), DEFAULT_STILLNESS, TIMED)
+            result[clip] = float(np.median(times)), float(np.quantile(times, 0.95))
+    return result
+
+
+def as_json(scores: list[LiveScore]) -> str:
+    return json_text([asdict(score) for score in scores])
+
+
+def as_text(scores: list[LiveScore]) -> str:
+    columns = {f"group {group}": (f"group {group}", ".2f") for group in GROUPS}
+    columns |= {name: (name, ".2f") for name in (JAW, LIDS, GAZE, *HEAD)}
+    columns |= {
+        "lag": ("lag, frames", ".1f"),
+        "jitter": ("jitter at rest", ".4f"),
+        "milliseconds": ("ms", ".0f"),
+        "slow": ("95 %", ".0f"),
+        "held": ("held", ".0f"),
+    }
+    rows = {f"{s.clip}, {s.way}": asdict(s) | s.correlation for s in scores}
+    lines = [text_table("", columns, rows, cell=12)]
+    lines += [f"{score.way}: {score.blinks}" for score in scores if score.blinks]
+    return "\n".join(lines)
+
+
+def speed_text(speeds: dict[str, tuple[float, float]]) -> str:
+    """Of pictures of a camera's size, and what each stillness costs and gives at 30 a second."""
+    lines = [
+        f"{clip} at {CAMERA[0]} x {CAMERA[1]}: {median:.0f} ms a picture (95 % under {slow:.0f}), "
+        f"{1000 / median:.0f} a second"
+        for clip, (median, slow) in speeds.items()
+    ]
+    for stillness in (0.0, 0.25, 0.5, 0.75, 1.0):
+        figures = _core.stillness_figures(stillness, 30.0)
+        lines.append(
+            f"stillness {stillness:.2f}: lag {figures.lag_frames:.2f} frames, "
+            f"jitter x {figures.jitter_share:.2f}"
+        )
+    return "\n".join(lines)

@@ -1,0 +1,219 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A face driven live: headless through a whole clip, and as its timer drives it."""
+
+import json
+import subprocess
+import time
+import wave
+from pathlib import Path
+
+import bpy
+import numpy as np
+import pytest
+
+SMILE, RATE = "zygomaticus_major.L", 30
+CHANNELS = {"HEAD_POSITION", "HEAD_ROTATION", "EYES", "MOUTH", "BROWS"}
+
+
+NUM_FRAMES = 45
+
+
+@pytest.fixture(scope="session")
+def clip(tmp_path_factory):
+    """The first frames of a real clip, in which a man begins to smile; with a sound."""
+    from fetched_footage import fetched_clip
+
+    path = tmp_path_factory.mktemp("live") / "clip.mkv"
+    ffmpeg(
+        *("-i", str(fetched_clip("single_face.mp4"))),
+        *("-f", "lavfi", "-i", "sine=frequency=440:sample_rate=48000", "-shortest"),
+        *("-map", "0:v", "-map", "1:a", "-frames:v", str(NUM_FRAMES), "-c:v", "ffv1"),
+        *("-c:a", "pcm_s16le", str(path)),
+    )
+    return path
+
+
+def ffmpeg(*words):
+    from imageio_ffmpeg import get_ffmpeg_exe
+
+    subprocess.run([get_ffmpeg_exe(), "-v", "error", *words], check=True)
+
+
+@pytest.fixture
+def face(scene, clip):
+    scene.mimetic.live.source = "CLIP"
+    scene.mimetic.live.clip_path = str(clip)
+    assert bpy.ops.mimetic.add_face() == {"FINISHED"}
+    return bpy.context.active_object
+
+
+def result():
+    return json.loads(bpy.context.window_manager.mimetic_result)
+
+
+def curves_of(extension, block):
+    holder = extension("compat").curves(block)
+    return {} if holder is None else {(c.data_path, c.array_index): c for c in holder.fcurves}
+
+
+def values_of(curve):
+    return np.array([point.co[1] for point in curve.keyframe_points])
+
+
+def strips_of(scene):
+    editor = scene.sequence_editor
+    return editor.strips if hasattr(editor, "strips") else editor.sequences
+
+
+def slider(name):
+    return f'key_blocks["{name}"].value', 0
+
+
+def test_a_clip_is_recorded_whole(scene, face, clip, extension):
+    scene.frame_set(11)
+    rate = scene.render.fps, scene.render.fps_base
+    assert bpy.ops.mimetic.live() == {"FINISHED"}
+    assert (scene.render.fps, scene.render.fps_base) == rate
+    muscles = curves_of(extension, face.data.shape_keys)
+    smile = muscles[slider(SMILE)]
+    assert smile.keyframe_points[0].co[0] == pytest.approx(11)
+    values = values_of(smile)
+    assert len(values) == NUM_FRAMES and values[:8].max() < 0.2 < 0.4 < values[-8:].min()
+    head = curves_of(extension, face)
+    assert values_of(head["rotation_quaternion", 0])[0] == pytest.approx(1)
+    assert 0.001 < np.ptp(values_of(head["location", 0])) < 0.1  # metres
+    facts = result()
+    from mimetic.performance.document import Performance
+
+    assert Performance.load(facts["takes"][0]).num_frames == NUM_FRAMES
+    sound_path = Path(facts["takes"][0]).with_suffix(".wav")
+    if bpy.app.build_options.audaspace:
+        (strip,) = strips_of(scene)
+        assert Path(bpy.path.abspath(strip.sound.filepath)) == sound_path
+        assert strip.frame_start == pytest.approx(11) and strip.channel == 1
+    with wave.open(str(sound_path)) as sound:
+        assert sound.getnframes() / sound.getframerate() == pytest.approx(
+            (NUM_FRAMES - 1) / RATE, abs=0.05
+        )
+
+
+def test_channels_that_are_not_chosen_keep_their_curves(scene, face, extension):
+    keys = face.data.shape_keys
+    for name in (SMILE, "frontalis_medial.L"):
+        keys.key_blocks[name].value = 0.7
+        keys.key_blocks[name].keyframe_insert("value", frame=1)
+    scene.mimetic.live.channels = {"MOUTH"}
+    before = keys.animation_data.action.name
+    assert bpy.ops.mimetic.live() == {"FINISHED"}
+    muscles = curves_of(extension, keys)
+    assert values_of(muscles[slider("frontalis_medial.L")]) == pytest.approx([0.7])
+    assert len(muscles[slider(SMILE)].keyframe_points) == NUM_FRAMES
+    assert slider("lid_upper.L") not in muscles
+    assert curves_of(extension, face) == {}  # the head
+    assert keys.animation_data.action.name != before and before in bpy.data.actions
+
+
+def test_a_second_take_keeps_the_first(scene, face):
+    assert bpy.ops.mimetic.live() == {"FINISHED"}
+    first, path = face.data.shape_keys.animation_data.action, result()["takes"][0]
+    scene.frame_set(100)
+    assert bpy.ops.mimetic.live() == {"FINISHED"}
+    assert face.data.shape_keys.animation_data.action != first and first.use_fake_user
+    assert result()["takes"][0] != path
+
+
+def test_a_baked_faces_eyes_turn_by_their_own_shapes(scene, face, extension):
+    assert bpy.ops.mimetic.live() == {"FINISHED"}
+    from mimetic.performance.document import Performance
+
+    performance = Performance.load(result()["takes"][0])
+    extension("scene_out").bake(scene, performance, "baked")
+    baked = scene.mimetic.face
+    bpy.context.view_layer.objects.active = baked
+    assert bpy.ops.mimetic.live() == {"FINISHED"}
+    assert result()["object"] == baked.name
+    muscles = curves_of(extension, baked.data.shape_keys)
+    assert slider("eye_left.L") in muscles and slider(SMILE) in muscles
+
+
+class Session:
+    """What the modal operator does, without its window: its ticks."""
+
+    def __init__(self, extension):
+        self.operators, self.live = extension("operators.live"), extension("live")
+        self.session = self.operators._session(bpy.context)
+        self.session.thread.start()
+
+    def run(self, seconds, each=lambda: None):
+        until = time.monotonic() + seconds
+        while time.monotonic() < until and self.session.thread.is_running:
+            self.operators.show(self.session)
+            each()
+            time.sleep(0.01)
+
+    def stop(self):
+        self.session.thread.stop()
+
+
+def test_the_face_follows_and_is_put_back(face, extension):
+    keys = face.data.shape_keys.key_blocks
+    keys[SMILE].value = 0.25
+    place = face.matrix_basis.copy()
+    driven = Session(extension)
+    seen = []
+    driven.run(60, lambda: seen.append((keys[SMILE].value, face.location[0])))
+    driven.stop()
+    assert driven.session.thread.error is None
+    smile, aside = np.array(seen).T
+    assert smile.max() > 0.4 and smile.min() < 0.2 and np.ptp(aside) > 0.001
+    driven.session.puppet.restore()
+    assert keys[SMILE].value == pytest.approx(0.25)
+    assert face.matrix_basis == place
+
+
+def test_a_take_can_be_punched_in(scene, face, extension):
+    driven = Session(extension)
+
+    def begin():
+        if driven.session.thread.names and not driven.session.is_recording:
+            scene.frame_set(50)
+            driven.live.begin_take(bpy.context, driven.session)
+
+    driven.run(60, begin)
+    driven.stop()
+    assert driven.live.end_take(bpy.context, driven.session)
+    smile = curves_of(extension, face.data.shape_keys)[slider(SMILE)]
+    assert smile.keyframe_points[0].co[0] == pytest.approx(50)
+    assert not driven.session.is_recording
+
+
+def test_no_face_in_the_clip_changes_nothing(scene, face, tmp_path):
+    grey = tmp_path / "grey.mp4"
+    source = ("-f", "lavfi", "-i", "color=gray:size=320x240:rate=25", "-frames:v", "10")
+    ffmpeg(*source, str(grey))
+    scene.mimetic.live.clip_path = str(grey)
+    num_actions = len(bpy.data.actions)
+    with pytest.raises(RuntimeError, match="No face was seen"):
+        bpy.ops.mimetic.live()
+    assert len(bpy.data.actions) == num_actions and face.data.shape_keys.animation_data is None
+
+
+@pytest.mark.parametrize(
+    ("source", "path", "message"),
+    [("CAMERA", "", "needs Blender's window"), ("CLIP", "/no/such.mp4", "no/such.mp4")],
+)
+def test_a_source_that_is_none_is_said(scene, face, source, path, message):
+    scene.mimetic.live.source, scene.mimetic.live.clip_path = source, path
+    with pytest.raises(RuntimeError, match=message):
+        bpy.ops.mimetic.live()
+
+
+def test_without_a_face_the_button_is_grey():
+    assert not bpy.ops.mimetic.live.poll()
+
+
+def test_the_settings_name_the_packages_channels(extension):
+    from mimetic.puppet import channels
+
+    assert extension("live_settings").package_channels(CHANNELS) == frozenset(channels.CHANNELS)
+    assert extension("live").ALL == CHANNELS
