@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import tempfile
 from collections.abc import Callable, Iterator
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +14,7 @@ from mimetic.media.ffmpeg import ffmpeg_program
 from mimetic.media.ffmpeg_process import running
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
+from mimetic.performance.gaze import GAZE as GAZE_ANGLES
 from mimetic.puppet.live_filter import DEFAULT_STILLNESS, LiveFilter
 from mimetic.puppet.take import Take
 from mimetic.puppet.warm_up import warm_up
@@ -38,6 +39,7 @@ from evaluation.runs.real_labels import CLIPS, footage_of
 
 LAST = 600  # frame of each clip that is captured offline
 STILLNESSES = (0.0, DEFAULT_STILLNESS, 1.0)
+LAST_MARKED = 2410  # of franck, with a blink
 OFFLINE = "capture"
 CAMERA = (640, 480)
 TIMED = 240  # frames of each clip at a camera's size
@@ -72,24 +74,41 @@ def score_live(report: Report, folder: Path | None = None) -> Iterator[list[Live
             report(f"{clip}: capture, {last} frames")
             offline = clip_capture.capture(footage.path, (1, last))
         report(f"{clip}: live")
+        # Blinks are marked in many more frames than are captured offline
+        take = followed(footage, min(footage.num_frames, LAST_MARKED))
         scores = [_offline_score(clip, offline)]
         for stillness in STILLNESSES:
-            # Blinks are marked in many more frames than are captured offline
-            until = footage.num_frames if stillness == DEFAULT_STILLNESS else last
-            performance, times = recorded(footage, stillness, min(until, 2410))
-            scores.append(_score(clip, stillness, performance, times, offline))
+            performance = stilled(take, stillness).performance(footage)
+            scores.append(_score(clip, stillness, performance, times_of(take), offline))
         yield scores
 
 
-def recorded(footage: Footage, stillness: float, last: int) -> tuple[Performance, list[float]]:
-    """A clip as a camera's pictures, none skipped; milliseconds of each."""
-    live, take, times = LiveFilter(stillness, in_background=False), Take(float(footage.fps)), []
+def followed(footage: Footage, last: int) -> Take:
+    """A clip as a camera's pictures, none skipped, without the last filter."""
+    live, take = LiveFilter(stillness=0.0, in_background=False), Take(float(footage.fps))
     for frame, image in footage.frames(1, last):
         state = live.advance(image, (frame - 1) / float(footage.fps))
         if state is not None and live.face is not None:
             take.add(state, live.face)
-            times.append(state.milliseconds)
-    return take.performance(footage), times
+    return take
+
+
+def stilled(take: Take, stillness: float) -> Take:
+    """The same after the last filter, which the gaze does not go through."""
+    last_filter = _core.StillnessFilter(stillness)
+    states, before = [], None
+    for state in take.states:
+        since = 0.0 if before is None else state.time - before
+        moving, gaze = state.values[: -len(GAZE_ANGLES)], state.values[-len(GAZE_ANGLES) :]
+        pose, values = last_filter.advance(state.head_pose, moving, since)
+        states.append(replace(state, head_pose=pose, values=np.concatenate([values, gaze])))
+        before = state.time
+    return replace(take, states=states)
+
+
+def times_of(take: Take) -> list[float]:
+    """Milliseconds of each picture."""
+    return [state.milliseconds for state in take.states]
 
 
 def _offline_score(clip: str, offline: Performance) -> LiveScore:
@@ -133,7 +152,7 @@ def speed(report: Report) -> dict[str, tuple[float, float]]:
             ]
             with running(command) as ffmpeg:
                 ffmpeg.process.wait()
-            _, times = recorded(Footage(enlarged), DEFAULT_STILLNESS, TIMED)
+            times = times_of(followed(Footage(enlarged), TIMED))
             result[clip] = float(np.median(times)), float(np.quantile(times, 0.95))
     return result
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 from mimetic.performance.document import HELD_QUALITY, Performance
-from mimetic.puppet.head_turn import angles, head_turn
+from mimetic.performance.head_turn import angles, head_turn
 from numpy.typing import NDArray
 
 from evaluation.runs.real_still import jitter, still_runs

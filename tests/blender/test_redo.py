@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 from mathutils import Euler, Matrix
 from test_attach_muscles import new_head, parts, put_landmarks  # noqa: F401
-from test_bake_bound import acted  # noqa: F401
 from test_capture import clip_path  # noqa: F401
 from test_expressions import BROWS, bump, face, smile  # noqa: F401
 from test_head import rig  # noqa: F401
