@@ -27,7 +27,8 @@ def test_a_correlation_is_of_what_moves():
 
 
 def test_held_frames_are_compared_with_nothing(performance):
-    other = np.array(performance.quality)
+    other = np.ones(performance.num_frames)
+    performance = type(performance)(**{**vars(performance), "quality": other.copy()})
     other[3] = 0.0
     held = type(performance)(**{**vars(performance), "quality": other})
     rows, rows_of_held = common_rows(performance, held)
