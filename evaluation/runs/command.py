@@ -30,6 +30,7 @@ from evaluation.runs import (
     keys,
     live,
     locate,
+    puppet,
     real,
     rest,
     retarget,
@@ -58,7 +59,8 @@ WHAT_IS_SCORED = (
     "character's own shape keys (docs/measured/retargeting.md), `characters` how near "
     "landmarks that place themselves on heads of other makes come to the true ones "
     "(docs/measured/characters.md), `live` what the live filter loses against the capture "
-    "(docs/measured/live.md)."
+    "(docs/measured/live.md), `puppet` how a taught face does on time that was held out, and on "
+    "disturbed pictures (docs/measured/puppet.md)."
 )
 
 
@@ -70,7 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="?",
         choices=(
             *("ablations", "abuse", "calibration", "capture", "characters", "fit", "flow", "gaze"),
-            *("head", "keys", "live", "locate", "real", "rest", "retarget", "timing"),
+            *("head", "keys", "live", "locate", "puppet", "real", "rest", "retarget", "timing"),
         ),
         default="capture",
         help="what to score (default: capture)",
@@ -103,7 +105,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--performances",
         type=Path,
         metavar="DIR",
-        help="real, keys, live: score the performances that an earlier `real --out` left here",
+        help="real, keys, live, puppet: score the performances that an earlier `real --out` left "
+        "here",
     )
     parser.add_argument(
         "--first-fit",
@@ -120,8 +123,10 @@ def check(options: argparse.Namespace) -> None:
         _check_set(options)
     if options.what != "capture":
         _refuse(options, *FILES)
-    if options.what not in ("real", "keys", "live") and options.performances:
-        raise InvalidInput("--performances goes with `mimetic evaluate real`, `keys` and `live`")
+    if options.what not in ("real", "keys", "live", "puppet") and options.performances:
+        raise InvalidInput(
+            "--performances goes with `mimetic evaluate real`, `keys`, `live` and `puppet`"
+        )
     if options.first_fit and (options.what != "real" or options.performances):
         raise InvalidInput("--first-fit goes with `mimetic evaluate real`, without --performances")
     files = any(getattr(options, name) for name in FILES)
@@ -149,6 +154,7 @@ def run_tables(options: argparse.Namespace) -> int:
         "keys": _run_keys,
         "retarget": _run_retarget,
         "live": _run_live,
+        "puppet": _run_puppet,
     }
     if options.what in run:
         return run[options.what](options)
@@ -266,6 +272,12 @@ def _run_live(options: argparse.Namespace) -> int:
     else:
         print(live.as_json(scores))
     return 0
+
+
+def _run_puppet(options: argparse.Namespace) -> int:
+    _refuse(options, "out")
+    scores = puppet.score_puppet(_to_stderr, options.performances)
+    return _show(options, scores, puppet.as_json, puppet.as_text)
 
 
 def _run_real(options: argparse.Namespace) -> int:

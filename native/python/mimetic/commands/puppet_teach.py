@@ -23,7 +23,7 @@ from mimetic.shared.regular_file import check_input, check_target
 from mimetic.shared.shown_text import shown
 from mimetic.solve.clip_capture import check_range
 
-USUAL_CHOSEN = 8  # looks, where none is named
+USUAL_CHOSEN = 9  # looks, where none is named
 MOST_CHOSEN = 40
 MOST_ADVICE = 3  # lines that are printed
 
@@ -55,7 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--choose",
         type=int,
         metavar="N",
-        help="so many more looks, the frames that differ most (default: "
+        help="up to so many more looks, the frames that differ most (default: "
         f"{USUAL_CHOSEN} where no --look is given, otherwise none)",
     )
     parser.add_argument(

@@ -9,7 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.puppet.mapping import Mapping
+from mimetic.head.tracking import UNSEEN_COV
+from mimetic.puppet.mapping import UNTAUGHT_STD, Mapping
 from mimetic.puppet.matching import free_matcher, still_matcher
 from mimetic.puppet.seeing import FACE_DEPTH, MODEL, HeadStiller, Image, PersonView, Pose, centres
 from mimetic.puppet.templates import TaughtSet
@@ -65,8 +66,13 @@ class Puppet:
             )
         rest = taught.look_values[taught.neutral]
         self.last = PuppetFrame(
-            *(np.zeros(len(taught.template_parts)), rest, np.full(len(rest), 0.3)),
-            *(np.asarray(pose), np.eye(6) * 1e-2, 0.0, True),
+            scores=np.zeros(len(taught.template_parts)),
+            values=rest,
+            std=np.full(len(rest), UNTAUGHT_STD),
+            pose=np.asarray(pose),
+            pose_cov=UNSEEN_COV,
+            quality=0.0,
+            held=True,
         )
 
     def _free(self, pose: Pose) -> _core.TemplateMatcher:

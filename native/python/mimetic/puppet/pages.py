@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,11 +25,9 @@ from mimetic.report.overlay import write_overlay
 from mimetic.shared.progress import Progress
 from mimetic.shared.whole_file import whole_file
 
-FIGURES = ("templates", "mapping", "live")
-FILES = (
-    "puppet.mp4",
-    *(f"{name}.{kind}" for name in FIGURES for kind in ("png", "svg")),
-)
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
 NUM_HARDEST = 12  # pairs of looks that the page lists
 PICTURE_HEIGHT = 240  # pixels
 
@@ -149,7 +149,7 @@ def _moments(performance: Performance) -> list[int]:
     return sorted(_core.distinct_rows(state, usable.tolist(), best, count))
 
 
-def _picture_figure(picture: NDArray[np.uint8]):
+def _picture_figure(picture: NDArray[np.uint8]) -> Figure:
     figure, axes = drawing.new_figure(1, 1, (8, 8 * picture.shape[0] / picture.shape[1]))
     axes[0, 0].imshow(picture)
     axes[0, 0].axis("off")
@@ -157,7 +157,6 @@ def _picture_figure(picture: NDArray[np.uint8]):
 
 
 def _png(figure) -> bytes:
-    import io
 
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=drawing.DPI)

@@ -20,14 +20,14 @@ EYE_STEMS = ("lid", "gaze")  # of articulators
 # picture, right, up, down. Of sided parts `.S` is the side, the outer end the second landmark.
 REACHES: dict[str, tuple[tuple[str, ...], tuple[float, float, float, float]]] = {
     FACE: (("zygion.L", "zygion.R", "brow_middle.L", "menton"), (-0.008, -0.008, 0.03, 0.004)),
-    "brow": (("brow_inner.S", "brow_outer.S", "brow_middle.S"), (0.005, 0.005, 0.014, 0.008)),
+    "brow": (("brow_inner.S", "brow_outer.S", "brow_middle.S"), (0.01, 0.01, 0.014, 0.008)),
     "eye": (
         ("eye_inner.S", "eye_outer.S", "lid_upper.S", "lid_lower.S"),
-        (0.004, 0.004, 0.008, 0.008),
+        (0.006, 0.006, 0.008, 0.016),
     ),
     "mouth": (
         ("mouth_corner.L", "mouth_corner.R", "nose_base", "lip_lower"),
-        (0.013, 0.013, 0.0, 0.022),
+        (0.013, 0.013, 0.01, 0.022),
     ),
 }
 

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-import io
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -99,11 +97,3 @@ def resized(picture: NDArray[np.uint8], width: int, height: int) -> NDArray[np.u
     from PIL import Image  # comes with matplotlib
 
     return np.asarray(Image.fromarray(picture).resize((width, height), Image.Resampling.BILINEAR))
-
-
-def png_of(picture: NDArray[np.uint8]) -> bytes:
-    from PIL import Image
-
-    stream = io.BytesIO()
-    Image.fromarray(picture).save(stream, "png")
-    return stream.getvalue()

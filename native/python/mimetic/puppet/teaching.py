@@ -137,14 +137,24 @@ class _Teaching:
         return [Look(REST, int(self.performance.frame[best])), *looks]
 
     def _chosen(self, looks: Sequence[Look], number: int) -> list[Look]:
-        """Frames that differ most from each other and from the look at rest."""
+        """Frames in which the mouth, the brows or the eyes differ most, a third of them each."""
         rest = self.performance.index_of(next(look.frame for look in looks if look.name == REST))
-        rows = np.ascontiguousarray(self.values / self.units)
-        count = min(number + 1, int(self.usable.sum()))
-        indices = _core.distinct_rows(rows, self.usable.tolist(), rest, count) if number else []
+        performance = self.performance
+        names = (performance.muscles, performance.groups.tolist(), performance.articulators)
+        frames: set[int] = set()
+        third = number // 3
+        for parts, share in (
+            (("mouth",), number - 2 * third),
+            (("brow.L", "brow.R"), third),
+            (("eye.L", "eye.R"), third),
+        ):
+            channels = sorted(channel for part in parts for channel in channels_of(part, *names))
+            rows = np.ascontiguousarray((self.values / self.units)[:, channels])
+            count = min(share + 1, int(self.usable.sum()))
+            indices = _core.distinct_rows(rows, self.usable.tolist(), rest, count)
+            frames |= {int(performance.frame[i]) for i in indices if i != rest}
         taken = {look.frame for look in looks}
-        frames = [int(self.performance.frame[i]) for i in indices]
-        return [Look(f"look {frame}", frame) for frame in frames if frame not in taken][:number]
+        return [Look(f"look {frame}", frame) for frame in sorted(frames - taken)]
 
     def _check(self, looks: Sequence[Look]) -> None:
         for look in looks:
