@@ -71,6 +71,12 @@ def appearance() -> ModuleType:
     return appearance
 
 
+def bone_channels() -> ModuleType:
+    from mimetic.retarget import bone_channels
+
+    return bone_channels
+
+
 def bound_head() -> ModuleType:
     from mimetic.character import bound_head
 

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 
 from .. import native, scene_in
-from . import actions, bound, clip, head, own_controls, own_keys, rigs
+from . import actions, bound, clip, face_bones, head, own_controls, own_keys, rigs
 
 
 def write(
@@ -23,10 +23,11 @@ def write(
     """Opens `rig_path`, keys the performance on its object `name`, and writes `out` whole.
 
     A head that has the muscles' sliders plays them; one whose own shape keys have known names, or
-    are asked for, plays those; any other object, or an armature's bones, gets the head's motion
-    alone. settings: controls, "own", "muscles", or "auto" for what there is, muscles first; bone
-    and neck, found by name where None; neck_share; smoothing, of the head's motion alone. The file
-    keeps its own rate, range and everything else; its scripts do not run. Returns what was written.
+    are asked for, plays those; an armature plays the face on its bones if asked for; any other
+    object, or an armature's head and neck, gets the head's motion. settings: controls, "own",
+    "muscles", or "auto" for what there is, muscles first; bone and neck, found by name where None;
+    neck_share; smoothing, of the head's motion alone. The file keeps its own rate, range and
+    everything else; its scripts do not run. Returns what was written.
     """
     performance = native.performances().Performance.load(performance_path)
     try:
@@ -38,19 +39,37 @@ def write(
     obj = _object(scene, where, name, settings)
     footage = clip.load(scene, footage_path) if footage_path else None
     take = actions.take_name(footage_path or performance_path)
-    if _plays_own(obj, where, settings.get("controls", "auto")):
+    choice = settings.get("controls", "auto")
+    if obj.type == "ARMATURE" and choice == "own":
+        text = _play_bones(
+            scene, performance, take, _target(obj, where, settings), settings, footage
+        )
+    elif _plays_own(obj, where, choice):
         played = own_controls.play(performance, obj)
         summary = own_controls.bake(scene, performance, take, obj, played, footage)
         text = f"{summary.num_curves} curves on {obj.name}, {_frames(summary)}; {summary.text}"
     elif scene_in.is_face(obj):
         text = _play(scene, performance, take, obj, footage)
     else:
-        performance = native.head_smoothing().smoothed(performance, settings["smoothing"])
-        target = _target(obj, where, settings)
-        summary = head.bake(scene, performance, take, target, footage)
+        summary = _turn(scene, performance, take, _target(obj, where, settings), settings, footage)
         text = f"{summary.num_curves} curves on {summary.where}, {_frames(summary)}"
     _save(Path(out).absolute())
     return text
+
+
+def _turn(scene, performance, take: str, target: head.Target, settings: dict, footage):
+    """The head's motion, smoothed, on an object or an armature's bones."""
+    smooth = native.head_smoothing().smoothed(performance, settings["smoothing"])
+    return head.bake(scene, smooth, take, target, footage)
+
+
+def _play_bones(scene, performance, take: str, target: head.Target, settings: dict, footage) -> str:
+    """The face on a rig's bones, and the head's motion in the same action."""
+    rig = scene.objects[target.name]
+    played = face_bones.play(scene, performance, rig)
+    summary = _turn(scene, performance, take, target, settings, footage)
+    num_curves = face_bones.key(scene, performance, rig, played, footage) + summary.num_curves
+    return f"{num_curves} curves on {rig.name}, {_frames(summary)}; {played.summary()}"
 
 
 def _plays_own(obj: bpy.types.Object, where: str, choice: str) -> bool:

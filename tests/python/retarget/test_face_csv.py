@@ -6,6 +6,7 @@ import itertools
 
 import numpy as np
 import pytest
+from acting import make_acting
 from mimetic import InvalidInput
 from mimetic.commands.bake import bake
 from mimetic.retarget.face_csv import (
@@ -17,7 +18,6 @@ from mimetic.retarget.face_csv import (
 )
 from mimetic.retarget.playing import unit_values
 from mimetic.template.face_template import load_template
-from surfaces import make_acting
 
 RISE = np.linspace(0, 1, 6)
 

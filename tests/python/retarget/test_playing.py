@@ -5,11 +5,12 @@ import dataclasses
 
 import numpy as np
 import pytest
+from acting import make_acting
 from mimetic import InvalidInput
 from mimetic.retarget.controls import ControlRow
 from mimetic.retarget.playing import face_centre, origin_from_ears, play, unit_values
 from mimetic.template.face_template import load_template
-from surfaces import make_acting, make_surface, renamed
+from surfaces import make_surface, renamed
 
 RISE = np.linspace(0, 1, 6)
 

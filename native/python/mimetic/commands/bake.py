@@ -41,8 +41,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--controls",
         choices=("auto", "muscles", "own"),
         default="auto",
-        help="what of a --target plays the face: its muscles, or its own shape keys, "
-        "whatever their names, fitted to what its muscles do (default: muscles where it has them)",
+        help="what of a --target plays the face: its muscles, or its own shape keys, or an "
+        "armature's bones, fitted to what muscles do (default: muscles where it has them)",
     )
     add_face_arguments(parser)
     parser.add_argument(

@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A performance on the bones of a rig's face, by what the mesh does when they move.
+
+The mesh has muscles; how it follows each bone is measured by moving the bone a little and
+evaluating the rig, constraints, drivers and all. The pose is put back.
+"""
+
+from __future__ import annotations
+
+from contextlib import contextmanager
+from dataclasses import replace
+
+import bpy
+import numpy as np
+from mathutils import Quaternion
+
+from .. import compat, native, scene_in, world, writable
+from . import actions, own_keys
+
+STEP = 0.3  # of a channel's value, to both sides
+
+
+def deformed_face(scene: bpy.types.Scene, armature: bpy.types.Object) -> bpy.types.Object | None:
+    """The mesh with muscles that an armature deforms."""
+    for obj in scene.objects:
+        if scene_in.is_face(obj) and any(
+            modifier.type == "ARMATURE" and modifier.object == armature
+            for modifier in obj.modifiers
+        ):
+            return obj
+    return None
+
+
+def no_face(scene: bpy.types.Scene, armature: bpy.types.Object) -> str:
+    """Why a rig's face bones cannot play a performance, or nothing."""
+    if deformed_face(scene, armature) is None:
+        return (
+            f"{armature.name} deforms no mesh with muscles: attach muscles to its head first, so "
+            "that what the bones should do is known"
+        )
+    if not channels(armature):
+        return f"{armature.name} has no bones of a face that are free to move"
+    return ""
+
+
+def channels(armature: bpy.types.Object) -> list:
+    """`mimetic.retarget.BoneChannel`s of the face's bones, but for those that drivers set."""
+    package = native.bone_channels()
+    animation = armature.animation_data
+    driven = {driver.data_path for driver in animation.drivers} if animation else set()
+    own = []
+    for name in package.face_bones([bone.name for bone in armature.pose.bones]):
+        bone = armature.pose.bones[name]
+        can_move = not (bone.bone.use_connect and bone.bone.parent)
+        if any(path.startswith(bone.path_from_id()) for path in driven):
+            continue
+        own += package.channels_of(name, can_move, tuple(bone.lock_location), bone.lock_rotation[0])
+    return own
+
+
+def play(scene: bpy.types.Scene, performance, armature: bpy.types.Object):
+    """`mimetic.retarget.PlayedControls` of the rig's face bones; raises InvalidInput."""
+    writable.check(no_face(scene, armature))
+    face = deformed_face(scene, armature)
+    own = channels(armature)
+    surface = replace(
+        own_keys.surface(face),
+        control_names=[channel.name for channel in own],
+        controls=_responses(armature, face, own),
+        control_range=np.tile(native.bone_channels().RANGE, (len(own), 1)),
+    )
+    options = native.bone_channels().nearest_surface()
+    return native.playing().play(performance, surface, None, options)
+
+
+def key(scene, performance, armature: bpy.types.Object, played, footage=None) -> int:
+    """Keys the played channels in the armature's own action; returns the number of curves."""
+    frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
+    holder = compat.curves(armature)
+    values = dict(zip(played.names, played.values.T, strict=True))
+    num_curves = 0
+    for channel in channels(armature):
+        if channel.name not in values or channel.name in played.resting:
+            continue
+        bone = armature.pose.bones[channel.bone]
+        if channel.is_turn:
+            parts = native.bone_channels().turns(values[channel.name], bone.rotation_mode)
+            path = bone.path_from_id(parts[0])
+            actions.clear(holder, path)
+            num_curves += actions.key_columns(holder, path, channel.bone, frames, parts[1])
+            continue
+        path = bone.path_from_id("location")
+        for curve in [c for c in holder.fcurves if c.data_path == path]:
+            if curve.array_index == channel.axis:
+                holder.fcurves.remove(curve)
+        curve = compat.new_curve(holder, path, channel.axis, channel.bone)
+        rows = values[channel.name] * _unit(armature)
+        actions.fill(curve, frames, rows, actions.LINEAR)
+        num_curves += 1
+    return num_curves
+
+
+def _unit(armature: bpy.types.Object) -> float:
+    """A bone's location at value 1, in the armature's own unit."""
+    metre = bpy.context.scene.unit_settings.scale_length or 1.0
+    return native.bone_channels().CENTIMETRE / (metre * world.matrix(armature).median_scale)
+
+
+def _responses(armature, face, own: list) -> np.ndarray:
+    """K x V x 3: what the mesh does, in its own frame, at value 1 of each channel."""
+    responses = np.zeros((len(own), len(face.data.vertices), 3))
+    with _armature_alone(face):
+        for response, channel in zip(responses, own, strict=True):
+            ends = [_moved(armature, face, channel, side * STEP) for side in (1, -1)]
+            response[:] = (ends[0] - ends[1]) / (2 * STEP)
+    return responses
+
+
+def _moved(armature, face, channel, value: float) -> np.ndarray:
+    bone = armature.pose.bones[channel.bone]
+    before = bone.matrix_basis.copy()
+    try:
+        if channel.is_turn:
+            axis = [float(axis == channel.axis) for axis in range(3)]
+            turn = Quaternion(axis, value * native.bone_channels().TURN)
+            bone.matrix_basis = before @ turn.to_matrix().to_4x4()
+        else:
+            bone.location[channel.axis] += value * _unit(armature)
+        return _evaluated(face)
+    finally:
+        bone.matrix_basis = before
+        bpy.context.view_layer.update()
+
+
+def _evaluated(face) -> np.ndarray:
+    bpy.context.view_layer.update()
+    vertices = face.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices
+    points = np.empty(3 * len(vertices), dtype=np.float32)
+    vertices.foreach_get("co", points)
+    return points.reshape(-1, 3).astype(np.float64)
+
+
+@contextmanager
+def _armature_alone(face):
+    """Without modifiers that make other vertices."""
+    others = [m for m in face.modifiers if m.type != "ARMATURE" and m.show_viewport]
+    for modifier in others:
+        modifier.show_viewport = False
+    try:
+        yield
+    finally:
+        for modifier in others:
+            modifier.show_viewport = True
+        bpy.context.view_layer.update()

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bones of a face as controls: which of a rig's bones are of its face, and what their values key.
+
+A control is one channel of a bone: its location along one of its axes, or a jaw's turn about its
+own x. Value 1 is a centimetre of the world, or ten degrees.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import _core
+from mimetic.character.rig_motion import rotation_channels
+
+FACE = re.compile(r"jaw|chin|lid|brow|lip|mouth|cheek|nose", re.IGNORECASE)
+TURNING = re.compile(r"jaw", re.IGNORECASE)
+# Bones that a rig's own mechanism moves: of Rigify, Auto-Rig Pro
+MECHANISM = re.compile(r"^(DEF|ORG|MCH|VIS)[-_]|_(ref|stretch)\.", re.IGNORECASE)
+CENTIMETRE = 0.01  # metres at value 1
+TURN = np.radians(10.0)  # at value 1
+RANGE = (-3.0, 3.0)  # of values: 3 cm, 30 degrees
+
+
+@dataclass(frozen=True)
+class BoneChannel:
+    """axis: 0 to 2, of the bone; is_turn: about it, else along it."""
+
+    bone: str
+    axis: int
+    is_turn: bool
+
+    @property
+    def name(self) -> str:
+        return f"{self.bone} {'turn' if self.is_turn else 'along'} {'xyz'[self.axis]}"
+
+
+def face_bones(names: Sequence[str]) -> list[str]:
+    """Those of a rig's bones that an animator moves its face by, by their names."""
+    return [name for name in names if FACE.search(name) and not MECHANISM.search(name)]
+
+
+def channels_of(
+    name: str, can_move: bool, locks: Sequence[bool], turn_locked: bool
+) -> list[BoneChannel]:
+    """A face bone's channels. locks: of its location along x, y, z; turn_locked: about x."""
+    channels = [BoneChannel(name, axis, False) for axis in range(3) if can_move and not locks[axis]]
+    if TURNING.search(name) and not turn_locked:
+        channels.append(BoneChannel(name, 0, True))
+    return channels
+
+
+def nearest_surface() -> _core.ControlFitOptions:
+    """Options of a fit to bones: a centimetre means no more than where it takes the skin."""
+    options = _core.ControlFitOptions()
+    options.unmatched_motion = 1.0
+    return options
+
+
+def turns(values: NDArray[np.float64], rotation_mode: str) -> tuple[str, NDArray[np.float64]]:
+    """The property that a rotation mode reads, and its curves (N x 3 or 4), for turns about x."""
+    angles = TURN * values
+    zeros = np.zeros_like(angles)
+    c, s = np.cos(angles), np.sin(angles)
+    rows = [zeros + 1, zeros, zeros, zeros, c, -s, zeros, s, c]
+    return rotation_channels(np.stack(rows, axis=1).reshape(-1, 3, 3), rotation_mode)

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A performance on the bones of a rig's face: `mimetic bake --target RIG.blend:ARMATURE`."""
+
+import bpy
+import numpy as np
+import pytest
+from mathutils import Vector
+from test_bake_command import run_bake
+
+# Bone: where it is on the face, by a landmark of the template; how far it takes skin along, metres
+BONES = {
+    "brow.L": ("brow_inner.L", 0.018),
+    "brow.R": ("brow_inner.R", 0.018),
+    "lips.L": ("mouth_corner.L", 0.015),
+    "lips.R": ("mouth_corner.R", 0.015),
+}
+
+
+@pytest.fixture
+def rig(parts, scene):
+    """A head with muscles on an armature: head, jaw at its hinge, brows, corners of the mouth."""
+    from mimetic.character.placement import to_object
+    from mimetic.template.face_template import load_template
+
+    template = load_template()
+    points, faces, marks = parts
+    points = points * 0.01
+    mesh = bpy.data.meshes.new("Hero")
+    mesh.from_pydata(points, [], faces.tolist())
+    face = bpy.data.objects.new("Hero", mesh)
+    scene.collection.objects.link(face)
+    for name, vertex in marks.items():
+        face.vertex_groups.new(name=name).add([vertex], 1.0, "REPLACE")
+    bpy.context.view_layer.objects.active = face
+    bpy.context.view_layer.update()
+    assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+    places = {bone: points[template.landmark(mark)] for bone, (mark, _) in BONES.items()}
+    armature = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+    scene.collection.objects.link(armature)
+    bpy.context.view_layer.objects.active = armature
+    bpy.ops.object.mode_set(mode="EDIT")
+    bones = armature.data.edit_bones
+    head = bones.new("head")
+    head.head, head.tail = (0, 0.02, -0.05), (0, 0.02, 0.1)
+    jaw = bones.new("jaw")
+    jaw.head = Vector(to_object(np.asarray(template.jaw_hinge).mean(axis=0)))
+    jaw.tail = Vector(points[template.landmark("chin")])
+    jaw.parent = head
+    for name, place in places.items():
+        bone = bones.new(name)
+        bone.head = Vector(place)
+        bone.tail = bone.head + Vector((0, -0.02, 0))
+        bone.parent = head
+    bpy.ops.object.mode_set(mode="OBJECT")
+    weights = {
+        name: np.exp(-((points - places[name]) ** 2).sum(axis=1) / (2 * radius**2))
+        for name, (_, radius) in BONES.items()
+    }
+    from mimetic.character.canonical_head import make_head
+
+    jaw_open = next(shape.offsets for shape in make_head().shapes if shape.name == "jaw_open")
+    moved = np.linalg.norm(jaw_open, axis=1)
+    weights["jaw"] = moved / moved.max()
+    rest = 1 - np.minimum(sum(weights.values()), 1)
+    for name, own in {**weights, "head": rest}.items():
+        group = face.vertex_groups.new(name=name)
+        for vertex in np.flatnonzero(own > 1e-3):
+            group.add([int(vertex)], float(own[vertex]), "REPLACE")
+    face.modifiers.new("Armature", "ARMATURE").object = armature
+    face.modifiers.new("Subdivision", "SUBSURF")
+    return armature
+
+
+@pytest.fixture
+def acting_file(tmp_path):
+    """The jaw opens while the brows rise; then the left corner of the mouth alone is pulled."""
+    from acting import make_acting
+
+    rise = np.linspace(0, 1, 6)
+    none = np.zeros(6)
+    values = {
+        "jaw_open": np.r_[0.7 * rise, none],
+        **{f"frontalis_medial.{side}": np.r_[rise, none] for side in "LR"},
+        "zygomaticus_major.L": np.r_[none, rise],
+    }
+    path = tmp_path / "hero.npz"
+    make_acting(values).save(path)
+    return path
+
+
+def points_at(face, frame: int) -> np.ndarray:
+    bpy.context.scene.frame_set(frame)
+    face.modifiers["Subdivision"].show_viewport = False
+    evaluated = face.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    points = np.empty(3 * len(evaluated.data.vertices), np.float32)
+    evaluated.data.vertices.foreach_get("co", points)
+    return points.reshape(-1, 3)
+
+
+def test_bones_take_the_skin_where_muscles_do(rig, scene, acting_file, tmp_path):
+    from mimetic.template.face_template import load_template
+
+    landmark = load_template().landmark
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "rig.blend"), check_existing=False)
+    out = tmp_path / "out.blend"
+    target = f"{tmp_path / 'rig.blend'}:Rig"
+    ran = run_bake(acting_file, "--out", out, "--target", target, "--controls", "own")
+    assert ran.returncode == 0, ran.stderr
+    assert "of the face's motion explained" in ran.stdout
+    bpy.ops.wm.open_mainfile(filepath=str(out))
+    face, armature = bpy.data.objects["Hero"], bpy.data.objects["Rig"]
+    assert armature.animation_data.action.name == "hero head"  # one take: head and face
+    assert face.data.shape_keys.animation_data is None
+    rest, brows, smile = (points_at(face, frame) for frame in (1, 6, 12))
+    chin, corner = landmark("chin"), landmark("mouth_corner.L")
+    assert (brows - rest)[chin, 2] < -0.008  # the jaw opens
+    for side in "LR":
+        assert (brows - rest)[landmark(f"brow_inner.{side}"), 2] > 0.002
+    pulled = (smile - rest)[corner]
+    assert pulled[0] > 0.001  # outward, to the subject's left
+    assert pulled[2] > 0.001  # and up
+    assert np.abs((smile - rest)[chin]).max() < 0.003
+
+
+def test_a_rig_without_muscles_says_what_to_do(rig, scene, acting_file, tmp_path):
+    bpy.data.objects["Hero"].modifiers.clear()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "rig.blend"), check_existing=False)
+    target = f"{tmp_path / 'rig.blend'}:Rig"
+    ran = run_bake(
+        acting_file, "--out", tmp_path / "out.blend", "--target", target, "--controls", "own"
+    )
+    assert ran.returncode == 2
+    assert "Rig deforms no mesh with muscles: attach muscles" in ran.stderr
+
+
+def test_measuring_leaves_the_pose_as_it_was(extension, rig, scene):
+    bones = extension("scene_out.face_bones")
+    rig.pose.bones["jaw"].rotation_mode = "XYZ"
+    rig.pose.bones["jaw"].rotation_euler[0] = 0.1
+    rig.pose.bones["brow.L"].location = (0.001, 0.002, 0)
+    bpy.context.view_layer.update()
+    before = {bone.name: np.array(bone.matrix_basis) for bone in rig.pose.bones}
+    own = bones.channels(rig)
+    assert {channel.bone for channel in own} == {*BONES, "jaw"}
+    responses = bones._responses(rig, bones.deformed_face(scene, rig), own)
+    assert np.abs(responses).max() > 0.001
+    for bone in rig.pose.bones:
+        np.testing.assert_allclose(np.array(bone.matrix_basis), before[bone.name], atol=1e-6)
+    assert bpy.data.objects["Hero"].modifiers["Subdivision"].show_viewport

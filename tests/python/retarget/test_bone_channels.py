@@ -1,0 +1,48 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which bones are of a face, and what their values key."""
+
+import numpy as np
+import pytest
+from mimetic.retarget.bone_channels import channels_of, face_bones, turns
+
+
+def test_bones_of_a_face_are_known_and_those_of_the_rigs_mechanism_are_not():
+    rigify = [
+        "jaw_master",
+        "brow.T.L",
+        "lid.B.R.002",
+        "lips.L",
+        "DEF-lid.B.L",
+        "ORG-jaw",
+        "MCH-lip",
+    ]
+    others = ["spine.006", "head", "hand.L", "c_lips_smile.l", "LowerJaw", "eye.L"]
+    assert face_bones([*rigify, *others]) == [*rigify[:4], "c_lips_smile.l", "LowerJaw"]
+
+
+def test_locked_channels_are_left_out_and_jaws_turn():
+    free = channels_of("jaw_master", True, (False, True, False), False)
+    assert [channel.name for channel in free] == [
+        "jaw_master along x",
+        "jaw_master along z",
+        "jaw_master turn x",
+    ]
+    assert [c.name for c in channels_of("jaw", False, (False,) * 3, False)] == ["jaw turn x"]
+    assert channels_of("brow.L", False, (False,) * 3, False) == []
+
+
+@pytest.mark.parametrize(
+    ("mode", "path", "expected"),
+    [
+        ("XYZ", "rotation_euler", [np.radians(20), 0, 0]),
+        (
+            "QUATERNION",
+            "rotation_quaternion",
+            [np.cos(np.radians(10)), np.sin(np.radians(10)), 0, 0],
+        ),
+    ],
+)
+def test_a_turn_is_ten_degrees_at_value_1(mode, path, expected):
+    own_path, rows = turns(np.array([0.0, 2.0]), mode)
+    assert own_path == path
+    np.testing.assert_allclose(rows[1], expected, atol=1e-12)
