@@ -35,11 +35,11 @@ from evaluation.runs.live_score import (
     lag_of,
 )
 from evaluation.runs.real_events import score_events
-from evaluation.runs.real_labels import CLIPS, footage_of
+from evaluation.runs.real_labels import CLIPS, FOLDER, footage_of
 
 LAST = 600  # frame of each clip that is captured offline
 STILLNESSES = (0.0, DEFAULT_STILLNESS, 1.0)
-LAST_MARKED = 2410  # of franck, with a blink
+LAST_MARKED = 2410  # frame of franck.mp4, after its last marked blink
 OFFLINE = "capture"
 CAMERA = (640, 480)
 TIMED = 240  # frames of each clip at a camera's size
@@ -75,7 +75,8 @@ def score_live(report: Report, folder: Path | None = None) -> Iterator[list[Live
             offline = clip_capture.capture(footage.path, (1, last))
         report(f"{clip}: live")
         # Blinks are marked in many more frames than are captured offline
-        take = followed(footage, min(footage.num_frames, LAST_MARKED))
+        end = LAST_MARKED if (FOLDER / f"{clip}.blinks.csv").exists() else last
+        take = followed(footage, min(footage.num_frames, end))
         scores = [_offline_score(clip, offline)]
         for stillness in STILLNESSES:
             performance = stilled(take, stillness).performance(footage)

@@ -9,6 +9,7 @@ from bpy.types import Operator
 from .. import editors, jobs, live, native, outcome, scene_in, scene_out
 
 TICK_SECONDS = 1 / 60
+TOLD_EVERY = 0.5  # seconds
 KEYS = {"N": "NEUTRAL", "R": "RECORD", "ESC": "STOP"}
 # What the viewport and the panels need; all else could change what the session writes to
 PASSED = {
@@ -28,6 +29,7 @@ class MIMETIC_OT_live(Operator):
 
     facts: dict | None = None
     _timer = None
+    _told = 0.0
 
     @classmethod
     def poll(cls, context):
@@ -52,6 +54,9 @@ class MIMETIC_OT_live(Operator):
             message = live.end_take(context, session)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
+        finally:
+            if session is not None:
+                session.puppet.end()
         if not message:
             return outcome.cancelled(self, context, "No face was seen; nothing was changed")
         return _finished(self, context, session, message)
@@ -99,9 +104,12 @@ class MIMETIC_OT_live(Operator):
         if session.due is not None and time.monotonic() >= session.due:
             live.begin_take(context, session)
         show(session)
-        session.run.what = session.line()
-        context.workspace.status_text_set(f"{session.run.text()}   |   {_hints(session)}")
-        editors.redraw("VIEW_3D")
+        # What is shown is drawn by itself; lines of text cost as much, and are read more slowly
+        if time.monotonic() - self._told >= TOLD_EVERY:
+            self._told = time.monotonic()
+            session.run.what = session.line()
+            context.workspace.status_text_set(f"{session.run.text()}   |   {_hints(session)}")
+            editors.redraw("VIEW_3D")
         if not session.thread.is_running:
             return self._end(context, session)
         return {"RUNNING_MODAL"}
@@ -136,6 +144,8 @@ class MIMETIC_OT_live(Operator):
         return _finished(self, context, session, message or f"{len(session.takes)} takes recorded")
 
     def _leave(self, context) -> None:
+        if live.active is not None:
+            live.active.puppet.end()
         live.active = jobs.running = None
         if self._timer is not None:
             context.window_manager.event_timer_remove(self._timer)

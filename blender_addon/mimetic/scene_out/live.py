@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from .. import compat, native, scene_in, world
-from . import actions, bound, by_hand, own_keys, standing
+from . import actions, bound, by_hand, contact, own_keys, standing
 
 HEAD_PATHS = {"head_position": "location", "head_rotation": "rotation"}
 ROTATION_PATHS = ("rotation_quaternion", "rotation_euler", "rotation_axis_angle")
@@ -43,6 +43,9 @@ class Puppet:
         self.remark = f"{face.name} is moved by {mover}: its head stays" if mover else ""
         self.stand = None if mover else stand_of(scene, face)
         self.rest = None  # head pose from which the head moves
+        # Contact costs more than a picture's time; afterwards it is looked at again
+        contact.still_faces.add(self.name)
+        self._rest_contact(face)
 
     @property
     def sliders(self) -> set[str]:
@@ -64,6 +67,16 @@ class Puppet:
         channels = parts.head_channels(state.head_pose[None], self.rest, self.stand)
         setattr(face, channels.rotation_path, channels.rotations[0])
         face.location = channels.locations[0]
+
+    def end(self) -> None:
+        """Whoever moves the face from now on, its lips and lids are kept apart again."""
+        contact.still_faces.discard(self.name)
+        if face := bpy.data.objects.get(self.name):
+            self._rest_contact(face)
+
+    def _rest_contact(self, face) -> None:
+        if contact.key_of(face) is not None:
+            contact.rest(face)
 
     def restore(self) -> None:
         """Puts the face as it was before."""

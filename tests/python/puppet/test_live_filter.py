@@ -74,3 +74,16 @@ def test_neutral_is_what_the_face_does_now(images):
 def test_stillness_is_a_share():
     with pytest.raises(InvalidInput, match="stillness"):
         LiveFilter(stillness=2)
+
+
+def test_a_state_is_small_enough_for_hours_of_them(images):
+    import gc
+    import sys
+
+    live = LiveFilter(in_background=False)
+    state = live.advance(images[0], 0.0)
+    arrays = [value for value in vars(state).values() if isinstance(value, np.ndarray)]
+    assert all(array.base is None for array in arrays)  # nor do they hold anything larger
+    assert sum(array.nbytes for array in arrays) < 2000
+    others = [v for v in vars(state).values() if not isinstance(v, np.ndarray)]
+    assert all(sys.getsizeof(value) < 100 and not gc.is_tracked(value) for value in others)

@@ -33,7 +33,7 @@ def state_of(names, turn=None, **values):
         row[names.index(name.replace("__", "."))] = value
     pose = np.eye(4)
     pose[:3, :3] = np.diag([1.0, -1, -1]) @ (np.eye(3) if turn is None else turn)
-    return LiveState(1.5, pose, row, np.zeros(len(row)), 1.0, False, True, 0.0, None)
+    return LiveState(1.5, pose, row, np.zeros(len(row)), 1.0, False, True, 0.0, np.eye(6))
 
 
 def turned(axis, degrees):

@@ -16,7 +16,6 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core
 from mimetic.fit import fitting
 from mimetic.fit.fitting import NoFace
-from mimetic.performance.rows import State
 from mimetic.puppet.live_face import LiveFace, gaze_in, live_face, live_names
 from mimetic.puppet.person_search import PersonSearch
 from mimetic.solve.gaze import SIDES
@@ -37,7 +36,7 @@ class LiveState:
     time: seconds; head_pose: 4 x 4, camera from head, metres; values: as `live_names` has them,
     activations 0 to 1, gaze in degrees; std: of them, gaze 0; is_held: nothing was measured, and
     the state is the last one's; is_proved: enough pictures on end showed it to be a face, and no
-    chance likeness; milliseconds: that it took.
+    chance likeness; milliseconds: that it took; pose_cov: 6 x 6, of the measured pose.
     """
 
     time: float
@@ -48,10 +47,7 @@ class LiveState:
     is_held: bool
     is_proved: bool
     milliseconds: float
-    estimate: _core.FrameEstimate
-
-    def row(self, frame: int) -> State:
-        return State(frame, self.estimate, self.is_held)
+    pose_cov: NDArray[np.float64]
 
 
 class LiveFilter:
@@ -174,10 +170,10 @@ class LiveFilter:
             values[lid] = face.lids[eye].own(values[lid : lid + 1], pitch)[0]
         std = np.concatenate([estimate.values_std, np.zeros(len(gaze))])
         return LiveState(
-            *(time, pose, values, std),
+            *(time, np.array(pose), values, std),
             quality=0.0 if estimate.held else float(estimate.quality),
             is_held=bool(estimate.held),
             is_proved=self._num_seen >= PROOF,
             milliseconds=1000 * (perf_counter() - start),
-            estimate=estimate,
+            pose_cov=np.array(estimate.pose_cov),
         )

@@ -69,7 +69,7 @@ class Take:
         nearest = _nearest(grid, times)
         num_muscles = len(face.anatomy.muscle_names)
         std = np.array([state.std for state in self.states])[nearest]
-        covariances = np.array([state.estimate.pose_cov for state in self.states])[nearest]
+        covariances = np.array([state.pose_cov for state in self.states])[nearest]
         modes = face.anatomy.articulator_modes
         fields: dict[str, Any] = dict(
             frame=1 + first + np.arange(num_frames),
