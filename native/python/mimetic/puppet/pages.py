@@ -131,8 +131,8 @@ def _table(performance: Performance, trace: Trace, options: RunOptions) -> str:
         ["a frame, without decoding", f"{np.median(milliseconds):.1f} ms"],
         ["the slowest of a hundred", f"{np.quantile(milliseconds, 0.99):.1f} ms"],
         ["lag of the filter at rest", f"{1e3 * options.lag:.0f} ms"],
-        ["its median", f"{np.median(lags):.0f} ms"],
-        ["its least", f"{lags.min():.0f} ms"],
+        ["in the fastest motion of the median frame", f"{np.median(lags):.0f} ms"],
+        ["the least of all frames", f"{lags.min():.0f} ms"],
         ["frames held", str(int((performance.quality < HELD_QUALITY).sum()))],
     ]
     return drawing.section("Time", drawing.table(["", ""], rows))
@@ -156,8 +156,7 @@ def _picture_figure(picture: NDArray[np.uint8]) -> Figure:
     return figure
 
 
-def _png(figure) -> bytes:
-
+def _png(figure: Figure) -> bytes:
     stream = io.BytesIO()
     figure.savefig(stream, format="png", dpi=drawing.DPI)
     return stream.getvalue()

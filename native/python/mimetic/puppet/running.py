@@ -49,7 +49,9 @@ class Trace:
     """What was measured on the way: N frames, T templates."""
 
     scores: list[NDArray[np.float64]] = field(default_factory=list)  # T each
-    lag: list[float] = field(default_factory=list)  # s, the filter's largest of muscles
+    lag: list[float] = field(
+        default_factory=list
+    )  # s, the filter's, of the value that moves fastest
     seconds: list[float] = field(default_factory=list)  # that a frame took, without decoding
 
 
@@ -136,7 +138,7 @@ class _Run:
             self.rows.values.append(seen.values)
             self.rows.values_std.append(seen.std)
             self.trace.scores.append(seen.scores)
-            self.trace.lag.append(float(np.max(self.puppet.filter.lags)))
+            self.trace.lag.append(float(np.min(self.puppet.filter.lags)))
         self.summary.add("drive the face", sum(self.trace.seconds))
         if not self.rows.frame:
             raise self.footage.failure or UnreadableMedia(
@@ -203,7 +205,8 @@ class _Run:
             *self.fit.warnings,
             f"driven by {len(self.taught.template_parts)} templates of {len(self.taught.looks)} "
             f"looks ({options.mode}, {options.basis}, head: {options.head}); the filter lags by "
-            f"{1e3 * options.lag:.0f} ms at rest, {lag:.0f} in the middle",
+            f"{1e3 * options.lag:.0f} ms at rest, {lag:.0f} ms in the fastest motion of the median "
+            "frame",
         ]
         if self.summary.stopped:
             notes.append(

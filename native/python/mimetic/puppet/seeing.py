@@ -23,7 +23,7 @@ MARGIN = 0.008  # metres around the face in the view, for the search windows
 # What is seen of a face from the front; the rest is hair, or inside
 HIDDEN = ("neck", "ear", "mouth_cavity", "eye_socket")
 FACE_DEPTH = 0.09  # metres from the head's origin to the face
-# What the head's pose is off by in another run, standard deviations (docs/measured/puppet.md)
+# What the head's pose may be off by in another run, standard deviations
 TURN_ERROR = np.radians(2.0)
 SHIFT_ERROR = 1e-3  # metres
 RADIUS = 3.0  # pixels of the view that a template is searched for in: what tracking is off by
