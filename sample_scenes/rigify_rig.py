@@ -11,16 +11,23 @@ import sys
 import tempfile
 
 
-def generate_rig():
-    """Rigify's human, from the hips to the head, generated in the open file."""
+def generate_rig(with_face: bool = False):
+    """Rigify's human, from the hips to the head, generated in the open file.
+
+    with_face: with the bones of its (legacy) face too.
+    """
     import bpy
+
+    def stays(bone) -> bool:
+        of_head = with_face and any(parent.name == "spine.006" for parent in bone.parent_recursive)
+        return of_head or bone.name.startswith("spine")
 
     bpy.ops.preferences.addon_enable(module="rigify")
     bpy.ops.object.armature_human_metarig_add()
     metarig = bpy.context.object
     bpy.ops.object.mode_set(mode="EDIT")
     bones = metarig.data.edit_bones
-    for bone in [bone for bone in bones if not bone.name.startswith("spine")]:
+    for bone in [bone for bone in bones if not stays(bone)]:
         bones.remove(bone)
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.ops.pose.rigify_generate()

@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 
 from . import clips, native, scene_in, writable
-from .scene_out import expression_strips, expressions, own_keys, rigs
+from .scene_out import expression_strips, expressions, face_bones, own_keys, rigs
 
 
 def no_bake(context) -> str:
@@ -86,12 +86,18 @@ def no_curves(context) -> str:
 def no_controls(context) -> str:
     """Why the active object has no controls of its own to drive."""
     character = context.active_object
-    reason = scene_in.no_start() or own_keys.no_own_keys(character)
+    if reason := scene_in.no_start():
+        return reason
+    is_rig = character is not None and character.type == "ARMATURE"
+    if is_rig:
+        reason = face_bones.no_face(context.scene, character) or writable.no_motion(character)
+    else:
+        reason = own_keys.no_own_keys(character)
     if reason:
         return reason
     if character.mode == "EDIT":
         return f"Leave {character.name}'s edit mode first"
-    return writable.no_sliders(character)
+    return "" if is_rig else writable.no_sliders(character)
 
 
 def no_control_table(context) -> str:

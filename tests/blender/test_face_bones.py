@@ -147,3 +147,23 @@ def test_measuring_leaves_the_pose_as_it_was(extension, rig, scene):
     for bone in rig.pose.bones:
         np.testing.assert_allclose(np.array(bone.matrix_basis), before[bone.name], atol=1e-6)
     assert bpy.data.objects["Hero"].modifiers["Subdivision"].show_viewport
+
+
+def test_the_buttons_fit_and_bake_bones_too(extension, rig, scene, acting_file):
+    scene.render.fps = 25
+    bpy.ops.mimetic.load_performance(filepath=str(acting_file))
+    bpy.context.view_layer.objects.active = rig
+    assert bpy.ops.mimetic.fit_controls() == {"FINISHED"}
+    rows = rig.mimetic.controls
+    assert {"jaw turn x", "brow.L along z"} <= set(rows.keys())
+    rows["jaw turn x"].is_on = rows["jaw along y"].is_on = rows["jaw along z"].is_on = False
+    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
+    curves = extension("compat").curves(rig).fcurves
+    paths = {curve.data_path for curve in curves}
+    assert 'pose.bones["brow.L"].location' in paths
+    assert 'pose.bones["head"].rotation_quaternion' in paths
+    assert not any("jaw" in path and "rotation" in path for path in paths)
+    assert rows["jaw turn x"].is_edited
+    bpy.ops.object.mode_set(mode="EDIT")
+    assert not bpy.ops.mimetic.bake_controls.poll()
+    bpy.ops.object.mode_set(mode="OBJECT")

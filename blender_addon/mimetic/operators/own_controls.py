@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A performance on a character's own shape keys, and the table of how each is driven."""
+"""A performance on a character's own shape keys or bones, and the table of how each is driven."""
 
 from pathlib import Path
 
@@ -9,9 +9,18 @@ from bpy.types import Operator
 
 from .. import control_rows, native, outcome, scene_in, takes, targets, writable
 from ..jobs import Job
-from ..scene_out import own_controls, own_keys
+from ..scene_out import face_bones, own_controls, own_keys
 
 MANY = 0.98  # of the work: fitting
+
+
+def surface_of(context, character: bpy.types.Object):
+    """What a character's own keys, or its face's bones, do; and their ranges by name."""
+    if character.type == "ARMATURE":
+        surface = face_bones.surface(context.scene, character)
+    else:
+        surface = own_keys.surface(character)
+    return surface, dict(zip(surface.control_names, surface.control_range.tolist(), strict=True))
 
 
 class OnControls:
@@ -33,19 +42,20 @@ class Fitting(OnControls, Job):
 
     def read(self, context):
         character = context.active_object
-        surface = own_keys.surface(character)
-        ranges = dict(zip(surface.control_names, surface.control_range.tolist(), strict=True))
+        surface, ranges = surface_of(context, character)
         rows = [] if self.is_reset() else control_rows.rows_of(character)
         rows = native.controls().refitted(rows, ranges)
         has_take = not scene_in.no_take(context, "capture it")
         take = scene_in.take(context) if has_take else None
-        return character.name, surface, rows, take
+        is_rig = character.type == "ARMATURE"
+        options = native.bone_channels().nearest_surface() if is_rig else None
+        return character.name, surface, rows, take, options
 
     def is_reset(self) -> bool:
         return False
 
     def work(self, inputs, progress):
-        name, surface, rows, take = inputs
+        name, surface, rows, take, options = inputs
         if take is None:
             return name, rows, None, None, None
         if not progress(0.0, "reading the performance"):
@@ -53,15 +63,15 @@ class Fitting(OnControls, Job):
         performance = takes.load(take)
         if not progress(0.2, "fitting the controls"):
             return None
-        played = native.playing().play(performance, surface, rows)
+        played = native.playing().play(performance, surface, rows, options)
         if not progress(MANY, "writing"):
             return None
         return name, rows, played, performance, take
 
 
 class MIMETIC_OT_fit_controls(Fitting, Operator):
-    """List the active character's own shape keys and how performances drive them, by what its
-    muscles do or by known names; rows that were edited stay"""
+    """List the active character's own shape keys, or the bones of its face, and how performances
+    drive them, by what its muscles do or by known names; rows that were edited stay"""
 
     bl_idname = "mimetic.fit_controls"
     bl_label = "Fit Controls"
@@ -87,8 +97,8 @@ class MIMETIC_OT_fit_controls(Fitting, Operator):
 
 
 class MIMETIC_OT_bake_controls(Fitting, Operator):
-    """Put the performance on the active character's own shape keys, and the head's motion on the
-    object unless something else moves it; actions that were there stay in the file"""
+    """Put the performance on the active character's own shape keys, or the bones of its face, and
+    the head's motion on the object or the head's bone; actions that were there stay in the file"""
 
     bl_idname = "mimetic.bake_controls"
     bl_label = "Bake to Character"
@@ -102,14 +112,10 @@ class MIMETIC_OT_bake_controls(Fitting, Operator):
         name, rows, played, performance, take = result
         character = writable.own_object(context.scene, name)
         clip = bpy.data.movieclips.get(take.clip_name)
-        summary = own_controls.bake(
-            context.scene,
-            performance,
-            takes.action_name(take, performance),
-            character,
-            played,
-            clip,
-            self.use_head_motion,
+        action_name = takes.action_name(take, performance)
+        bake = face_bones.bake if character.type == "ARMATURE" else own_controls.bake
+        summary = bake(
+            context.scene, performance, action_name, character, played, clip, self.use_head_motion
         )
         control_rows.write(character, rows, native.playing().remarks(rows, played))
         self.facts = {
@@ -187,8 +193,7 @@ class MIMETIC_OT_load_controls(Preset, Operator):
 
     def execute(self, context):
         character = context.active_object
-        surface = own_keys.surface(character)
-        ranges = dict(zip(surface.control_names, surface.control_range.tolist(), strict=True))
+        _, ranges = surface_of(context, character)
         package = native.controls()
         try:
             preset = package.load_preset(bpy.path.abspath(self.filepath))

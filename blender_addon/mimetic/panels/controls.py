@@ -7,6 +7,8 @@ from .. import native, targets
 from .capture import wrapped
 from .muscles import Muscles
 
+TYPES = ("MESH", "ARMATURE")
+
 
 class MIMETIC_UL_controls(UIList):
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0):
@@ -29,7 +31,7 @@ class MIMETIC_PT_controls(Muscles, Panel):
     @classmethod
     def poll(cls, context):
         active = context.active_object
-        return not native.problem() and active is not None and active.type == "MESH"
+        return not native.problem() and active is not None and active.type in TYPES
 
     def draw(self, context):
         layout = self.layout

@@ -15,8 +15,9 @@ import numpy as np
 from mathutils import Quaternion
 
 from .. import compat, native, scene_in, world, writable
-from . import actions, own_keys
+from . import actions, head, own_controls, own_keys, rigs
 
+NECK_SHARE = 0.3  # of the head's turns
 STEP = 0.3  # of a channel's value, to both sides
 
 
@@ -58,19 +59,47 @@ def channels(armature: bpy.types.Object) -> list:
     return own
 
 
-def play(scene: bpy.types.Scene, performance, armature: bpy.types.Object):
-    """`mimetic.retarget.PlayedControls` of the rig's face bones; raises InvalidInput."""
-    writable.check(no_face(scene, armature))
+def surface(scene: bpy.types.Scene, armature: bpy.types.Object):
+    """A `mimetic.retarget.ControlSurface`: channels of bones by their measured responses."""
     face = deformed_face(scene, armature)
     own = channels(armature)
-    surface = replace(
+    return replace(
         own_keys.surface(face),
         control_names=[channel.name for channel in own],
         controls=_responses(armature, face, own),
         control_range=np.tile(native.bone_channels().RANGE, (len(own), 1)),
     )
+
+
+def play(scene: bpy.types.Scene, performance, armature: bpy.types.Object):
+    """`mimetic.retarget.PlayedControls` of the rig's face bones; raises InvalidInput."""
+    writable.check(no_face(scene, armature))
     options = native.bone_channels().nearest_surface()
-    return native.playing().play(performance, surface, None, options)
+    return native.playing().play(performance, surface(scene, armature), None, options)
+
+
+def bake(
+    scene, performance, take: str, armature, played, footage=None, use_head_motion: bool = True
+) -> own_controls.BakeSummary:
+    """Keys a `mimetic.retarget.PlayedControls` on a rig's face bones, and the head's motion on
+    those of head and neck, in one new action. What else its action holds goes on in a copy."""
+    writable.check(writable.no_motion(armature))
+    bones = rigs.head_bones(armature)
+    num_curves, text = 0, played.summary()
+    if use_head_motion and bones.head:
+        target = head.Target(
+            armature.name, bones.head, bones.neck, NECK_SHARE, translation_scale=0.0
+        )
+        num_curves = head.bake(scene, performance, take, target, footage).num_curves
+    else:
+        actions.continued_take(armature, f"{take} controls")
+        text += f"; {bones.remark}" if bones.remark and use_head_motion else ""
+    num_curves += key(scene, performance, armature, played, footage)
+    frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
+    has_motion = use_head_motion and bool(bones.head)
+    return own_controls.BakeSummary(
+        float(frames[0]), float(frames[-1]), num_curves, has_motion, text
+    )
 
 
 def key(scene, performance, armature: bpy.types.Object, played, footage=None) -> int:

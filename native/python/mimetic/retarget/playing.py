@@ -24,6 +24,7 @@ from mimetic.template.face_template import load_template
 MOVES = 1e-6  # of the mesh's extent: a control that displaces less on this mesh moves nothing of it
 DRIVEN = 5e-3  # of a control's range: a curve that stays below is none
 EARS_BEHIND = 0.08  # metres, of the middle of a face
+MOST_NAMED = 24  # in one list of a message
 UNPLAYED = 0.1  # share of what a muscle does by itself: below it no control stands for it
 READABLE = (
     0.05  # share of a control's motion that a face can make: below it is no control of a face
@@ -65,7 +66,7 @@ class PlayedControls:
             ("without a control", self.unplayed),
         ):
             if names:
-                parts.append(f"{text}: {', '.join(names)}")
+                parts.append(f"{text}: {_listed(names, MOST_NAMED)}")
         return "; ".join(parts)
 
 

@@ -1,0 +1,79 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Build a .blend of the canonical head on the face that Rigify generates, with muscles attached.
+
+`mimetic bake --target OUT.blend:rig --controls own` then plays a performance on its bones.
+"""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+EYES = ("ORG-eye.L", "ORG-eye.R")
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--out", type=Path, required=True, help="write this .blend")
+    arguments = parser.parse_args()
+    from make_sliders import headless
+
+    with tempfile.TemporaryDirectory() as folder:
+        # Read by bpy as it is imported: no settings or add-ons of the user's
+        os.environ["BLENDER_USER_RESOURCES"] = folder
+        try:
+            build(arguments.out)
+        except ImportError as error:
+            print(f"make_rigify_face: {error}; pip install bpy==4.5.15 gives it", file=sys.stderr)
+            return 2
+    # Nor does Blender 4.5 as a module come to its end once Rigify has been in it
+    headless().leave()
+    return 0
+
+
+def build(out: Path) -> None:
+    import bpy
+    import head_scene
+    from make_sliders import headless
+    from mimetic.character.foreign_mesh import REQUIRED
+    from mimetic.template.face_template import load_template
+    from rigify_rig import generate_rig
+
+    headless().load_extension()
+    rig = generate_rig(with_face=True)
+    template = load_template()
+    eyes = np.array([rig.data.bones[name].head_local for name in EYES])
+    head = head_scene.new_head(template, _onto(template, eyes))
+    head.modifiers.clear()
+    for name in REQUIRED:
+        head.vertex_groups.new(name=name).add([template.landmark(name)], 1.0, "REPLACE")
+    for obj in bpy.context.selected_objects:
+        obj.select_set(False)
+    bpy.context.view_layer.objects.active = head
+    bpy.ops.mimetic.attach_muscles()
+    head.select_set(True)
+    rig.select_set(True)
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.parent_set(type="ARMATURE_AUTO")
+    out.parent.mkdir(parents=True, exist_ok=True)
+    bpy.ops.wm.save_as_mainfile(filepath=str(out.resolve()), compress=True)
+    print(f"{out}: {len(head.vertex_groups)} groups of {head.name} on {rig.name}")
+
+
+def _onto(template, eyes: np.ndarray) -> np.ndarray:
+    """V x 3, head frame: the head moved and scaled so that its eyes are at these (object frame)."""
+    own = np.asarray(template.eye_centers)
+    there = np.stack([eyes[:, 0], eyes[:, 2], -eyes[:, 1]], axis=1)
+    scale = np.linalg.norm(there[0] - there[1]) / np.linalg.norm(own[0] - own[1])
+    return scale * (template.vertices - own.mean(axis=0)) + there.mean(axis=0)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
