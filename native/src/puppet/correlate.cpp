@@ -68,7 +68,7 @@ Kernel::Kernel(const std::uint8_t* pixels, int num_rows, int num_cols)
             const std::uint8_t value = pixels[y * cols + x];
             values[static_cast<std::size_t>(y * width + x)] = value;
             sum += value;
-            squares += double{static_cast<double>(value)} * value;
+            squares += value * value;
         }
     }
     spread = std::sqrt(std::max(0., squares - sum * sum / (rows * cols)));

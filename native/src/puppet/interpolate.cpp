@@ -129,6 +129,7 @@ std::vector<double> widths_of(const InterpolationOptions& options, const Eigen::
         return {positive(median(apart))};
     }
     std::vector<double> widths;
+    widths.reserve(kWidths.size());
     for (const double factor : kWidths) {
         widths.push_back(positive(factor * median(apart)));
     }

@@ -258,6 +258,7 @@ struct TemplateMatcher::State {
         }
         levels.sum();
         std::vector<TemplateMatch> matches;
+        matches.reserve(chosen.size());
         for (std::size_t k = 0; k < chosen.size(); ++k) {
             matches.push_back(puppet::match_of(searches[k].run(), looks[chosen[k]], is_everywhere));
         }
