@@ -108,6 +108,25 @@ def test_known_names_play_the_face_and_the_object_its_head(
     assert "Walk" in bpy.data.actions
 
 
+def test_a_preset_is_heeded_by_the_command(extension, scene, character, played, tmp_path):
+    save(tmp_path / "rig.blend", scene)
+    row = {"control": "jawOpen", "gain": 0.5, "highest": 0.3}
+    preset = {"format": "mimetic controls 1", "controls": [row]}
+    (tmp_path / "hero.json").write_text(json.dumps(preset))
+    out, target = tmp_path / "out.blend", f"{tmp_path / 'rig.blend'}:Hero"
+    given = ("--target", target, "--preset", tmp_path / "hero.json")
+    ran = run_bake(played, "--out", out, *given)
+    assert ran.returncode == 0, ran.stderr
+    bpy.ops.wm.open_mainfile(filepath=str(out))
+    curves = key_curves(extension, bpy.data.objects["Hero"])
+    assert curves["jawOpen"].max() == pytest.approx(0.3)
+    assert set(curves) == set(UNITS)
+    (tmp_path / "hero.json").write_text("{}")
+    ran = run_bake(played, "--out", out, *given)
+    assert ran.returncode == 2
+    assert "not a preset of controls" in ran.stderr
+
+
 def test_changed_names_play_the_same_through_muscles(
     extension,
     scene,

@@ -71,11 +71,15 @@ def surface(scene: bpy.types.Scene, armature: bpy.types.Object):
     )
 
 
-def play(scene: bpy.types.Scene, performance, armature: bpy.types.Object):
-    """`mimetic.retarget.PlayedControls` of the rig's face bones; raises InvalidInput."""
+def play(
+    scene: bpy.types.Scene, performance, armature: bpy.types.Object, preset: str | None = None
+):
+    """`mimetic.retarget.PlayedControls` of the rig's face bones, by a preset's table if one is
+    given; raises InvalidInput."""
     writable.check(no_face(scene, armature))
-    options = native.bone_channels().nearest_surface()
-    return native.playing().play(performance, surface(scene, armature), None, options)
+    options, own = native.bone_channels().nearest_surface(), surface(scene, armature)
+    rows = own_controls.preset_rows(own, preset)
+    return native.playing().play(performance, own, rows, options)
 
 
 def bake(

@@ -67,10 +67,23 @@ def bake(
     )
 
 
-def play(performance, character: bpy.types.Object, rows=None):
-    """`mimetic.retarget.PlayedControls` of a character; raises InvalidInput."""
+def play(performance, character: bpy.types.Object, preset: str | None = None):
+    """`mimetic.retarget.PlayedControls` of a character; raises InvalidInput.
+
+    preset: path of a table; controls that it lacks are driven as at first.
+    """
     writable.check(own_keys.no_own_keys(character))
-    return native.playing().play(performance, own_keys.surface(character), rows)
+    surface = own_keys.surface(character)
+    return native.playing().play(performance, surface, preset_rows(surface, preset))
+
+
+def preset_rows(surface, preset: str | None):
+    """A preset's table for a `mimetic.retarget.ControlSurface`; None without one."""
+    if preset is None:
+        return None
+    package = native.controls()
+    ranges = dict(zip(surface.control_names, surface.control_range.tolist(), strict=True))
+    return package.with_preset(package.refitted([], ranges), package.load_preset(preset))[0]
 
 
 def _pivot(scene: bpy.types.Scene, character: bpy.types.Object) -> tuple[float, float, float]:

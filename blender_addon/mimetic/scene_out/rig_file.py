@@ -45,7 +45,7 @@ def write(
             scene, performance, take, _target(obj, where, settings), settings, footage
         )
     elif _plays_own(obj, where, choice):
-        played = own_controls.play(performance, obj)
+        played = own_controls.play(performance, obj, settings.get("preset"))
         summary = own_controls.bake(scene, performance, take, obj, played, footage)
         text = f"{summary.num_curves} curves on {obj.name}, {_frames(summary)}; {summary.text}"
     elif scene_in.is_face(obj):
@@ -66,7 +66,7 @@ def _turn(scene, performance, take: str, target: head.Target, settings: dict, fo
 def _play_bones(scene, performance, take: str, target: head.Target, settings: dict, footage) -> str:
     """The face on a rig's bones, and the head's motion in the same action."""
     rig = scene.objects[target.name]
-    played = face_bones.play(scene, performance, rig)
+    played = face_bones.play(scene, performance, rig, settings.get("preset"))
     summary = _turn(scene, performance, take, target, settings, footage)
     num_curves = face_bones.key(scene, performance, rig, played, footage) + summary.num_curves
     return f"{num_curves} curves on {rig.name}, {_frames(summary)}; {played.summary()}"

@@ -63,6 +63,8 @@ def test_strange_names_are_unknown():
         ("eyeBlinkLeft", "eyeBlinkRight"),
         ("eyeBlink_R", "eyeBlink_L"),
         ("brow.T.L.001", "brow.T.R.001"),
+        ("brow.L along z", "brow.R along z"),
+        ("c_lips_smile.l turn x", "c_lips_smile.r turn x"),
         ("mouthCornerPullL", "mouthCornerPullR"),
         ("LeftBlink", "RightBlink"),
         ("jawOpen", "jawOpen"),

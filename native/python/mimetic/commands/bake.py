@@ -14,6 +14,7 @@ from mimetic.commands.blender_process import add_blender_python, write_by_blende
 from mimetic.head.smoothing import USUAL_STRENGTH
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.performance.document import Performance
+from mimetic.retarget.controls import load_preset
 from mimetic.retarget.face_csv import write_face_csv
 from mimetic.shared.regular_file import check_input, check_target
 from mimetic.shared.shown_text import shown
@@ -43,6 +44,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default="auto",
         help="what of a --target plays the face: its muscles, or its own shape keys, or an "
         "armature's bones, fitted to what muscles do (default: muscles where it has them)",
+    )
+    parser.add_argument(
+        "--preset",
+        type=Path,
+        help="how a --target's own controls are driven: a table that Save Controls wrote",
     )
     add_face_arguments(parser)
     parser.add_argument(
@@ -100,6 +106,7 @@ def run_bake(arguments: argparse.Namespace) -> int:
             "neck_share": arguments.neck_share,
             "smoothing": arguments.smoothing,
             "controls": arguments.controls,
+            "preset": _preset(arguments.preset),
         }
         if arguments.detail:
             raise InvalidInput("--detail is of the person's own face; a --target takes the head")
@@ -107,8 +114,8 @@ def run_bake(arguments: argparse.Namespace) -> int:
             raise InvalidInput("--action-units are the face's; a --target takes the head")
         if arguments.few_keys is not None:
             raise InvalidInput("--few-keys are the face's; a --target takes the head")
-    elif arguments.controls != "auto":
-        raise InvalidInput("--controls are those of a --target RIG.blend:OBJECT; give it")
+    elif arguments.controls != "auto" or arguments.preset:
+        raise InvalidInput("--controls and --preset are a --target RIG.blend:OBJECT's; give it")
     elif arguments.bone or arguments.neck:
         raise InvalidInput("--bone and --neck name bones of a --target RIG.blend:OBJECT; give it")
     text = bake(
@@ -121,6 +128,14 @@ def run_bake(arguments: argparse.Namespace) -> int:
     )
     print(f"{arguments.out}: {text}")
     return 0
+
+
+def _preset(path: Path | None) -> str | None:
+    """The whole path of a table that can be read."""
+    if path is None:
+        return None
+    load_preset(path)
+    return str(path.absolute())
 
 
 def parse_target(text: str) -> dict:

@@ -7,6 +7,7 @@ Known are ARKit's names in both spellings, VRM 1.0, Unified Expressions and Meta
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -20,6 +21,8 @@ from mimetic.template.face_template import load_template
 
 SEPARATORS = str.maketrans("", "", " _-.:|")
 UNIT_SIDES = ("Left", "Right")
+MARKED_SIDE = re.compile(r"(?<=[._ -])[LRlr](?=[._ -]|$)")
+SIDE_TWINS = {"L": "R", "R": "L", "l": "r", "r": "l"}
 
 
 @dataclass(frozen=True)
@@ -77,12 +80,8 @@ def mirrored_name(name: str) -> str:
                 return other.join(
                     name.rsplit(side, 1) if name.endswith(side) else ("", name[len(side) :])
                 )
-    for mark in "._- ":
-        for side, other in ("LR", "RL", "lr", "rl"):
-            if name.endswith(mark + side):
-                return name[:-1] + other
-            if f"{mark}{side}{mark}" in name:
-                return name.replace(f"{mark}{side}{mark}", f"{mark}{other}{mark}")
+    if MARKED_SIDE.search(name):
+        return MARKED_SIDE.sub(lambda side: SIDE_TWINS[side.group()], name, count=1)
     if len(name) > 1 and name[-1] in "LR" and name[-2].islower():
         return name[:-1] + ("R" if name[-1] == "L" else "L")
     return name
