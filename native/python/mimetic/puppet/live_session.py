@@ -42,10 +42,11 @@ class SessionFigures:
         """For the user."""
         median = float(np.median(self.milliseconds)) if self.milliseconds else 0.0
         slow = float(np.quantile(self.milliseconds, 0.95)) if self.milliseconds else 0.0
+        first = "no face" if self.first_face is None else f"the face after {self.first_face:.1f} s"
         return (
-            f"{self.num_pictures} pictures in {self.seconds:.1f} s, {self.rate:.1f} a second; "
-            f"{median:.0f} ms each (95 % under {slow:.0f}), {self.num_skipped} skipped, "
-            f"face not seen in {self.num_held}"
+            f"{first}; {self.num_pictures} pictures in {self.seconds:.1f} s, "
+            f"{self.rate:.1f} a second; {median:.0f} ms each (95 % under {slow:.0f}), "
+            f"{self.num_skipped} skipped, face not seen in {self.num_held}"
         )
 
 
