@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <stdexcept>
 #if defined(__SSE2__)
 #include <emmintrin.h>
 #endif
@@ -76,6 +77,9 @@ Kernel::Kernel(const std::uint8_t* pixels, int num_rows, int num_cols)
 
 Eigen::MatrixXf correlate(const ImageLevel& level, const Kernel& kernel, const Window& window) {
     const int num_cols = window.x1 - window.x0, num_rows = window.y1 - window.y0;
+    if (!level.covers(window, kernel.rows, kernel.cols)) {
+        throw std::logic_error("windows of a template without sums");
+    }
     Eigen::MatrixXf scores(num_rows, num_cols);
     const double count = kernel.rows * kernel.cols;
     const double flat = kFlatStd * std::sqrt(count);

@@ -15,6 +15,10 @@ Window Window::united(const Window& other) const {
     return {std::min(x0, other.x0), std::min(y0, other.y0), std::max(x1, other.x1), std::max(y1, other.y1)};
 }
 
+Window Window::intersected(const Window& other) const {
+    return {std::max(x0, other.x0), std::max(y0, other.y0), std::min(x1, other.x1), std::min(y1, other.y1)};
+}
+
 void ImageLevel::resize(int rows, int cols) {
     if (rows == rows_ && cols == cols_) {
         return;

@@ -12,6 +12,7 @@ struct Window {
 
     bool is_empty() const { return x1 <= x0 || y1 <= y0; }
     Window united(const Window& other) const;
+    Window intersected(const Window& other) const;
 };
 
 /// One size of an image, with what all templates share: grey values ready to be multiplied, and sums of
@@ -32,6 +33,12 @@ public:
     int cols() const { return cols_; }
     const std::int16_t* row(int y) const { return values_.data() + y * stride_; }
     std::ptrdiff_t stride() const { return stride_; }
+
+    /// Whether there are sums for rows x cols pixels from each of these positions.
+    bool covers(const Window& positions, int rows, int cols) const {
+        return positions.x0 >= area_.x0 && positions.y0 >= area_.y0 && positions.x1 + cols - 1 <= area_.x1 &&
+               positions.y1 + rows - 1 <= area_.y1;
+    }
 
     /// Over rows x cols pixels from x, y; inside of the area given to `sum`.
     std::uint32_t sum_of(int x, int y, int rows, int cols) const { return box(sums_, x, y, rows, cols); }

@@ -167,8 +167,10 @@ public:
         Peak best;
         for (const Peak& start : starts) {
             const Variant& variant = look_.variants[start.variant];
+            // Sums are there for the windows that were announced, and for no others
             const Window window = is_coarse_first()
                                       ? positions(levels_[look_.level], variant.fine, start.centre, kRefineBy)
+                                            .intersected(fine_window(variant, kRefineBy + 1))
                                       : fine_window(variant, 0);
             if (window.is_empty()) {
                 continue;

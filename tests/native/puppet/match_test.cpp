@@ -175,6 +175,23 @@ TEST(TemplateMatcher, FollowsAPartAndSearchesEverywhereForALostOne) {
     EXPECT_GT(matches[1].score, .99);
 }
 
+TEST(TemplateMatcher, NeedsNoSumsOutsideOfItsWindows) {
+    // The best place is at the edge of the search window, for every parity of sides and places
+    MatchOptions options;
+    options.scales = {.9, 1, 1.12};
+    options.rotations = {-.1, 0, .1};
+    const GrayPicture image = waves(13);
+    for (int i = 0; i < 24; ++i) {
+        options.search_radius = 3 + i % 5;
+        LookTemplate moved = look(image, 100 + i, 80 + i % 3, 21 + i % 4, 22 + i % 3);
+        moved.place +=
+            Eigen::Vector2d((i % 2 ? 1 : -1) * options.search_radius, (i % 3 - 1) * options.search_radius);
+        TemplateMatcher matcher({moved}, options);
+        const auto match = matcher.match(image.view())[0];
+        EXPECT_GT(match.score, .9) << i;  // at the edge another size may fit better
+    }
+}
+
 TEST(TemplateMatcher, LeavesWindowsInPlaceInAStabilisedPicture) {
     const GrayPicture image = waves(9);
     MatchOptions options;
