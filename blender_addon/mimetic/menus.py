@@ -19,7 +19,7 @@ OBJECT = (
     *("capture", "track_head", "load_performance", "find_missing", None),
     *("bake", "reduce_keys", "export_gltf", None),
     *("find_head_bones", "bake_head", None),
-    *("add_face", "rest_face", "add_landmarks", "attach_muscles", None),
+    *("add_face", "rest_face", "add_landmarks", "attach_muscles", "add_arkit_shapes", None),
     *("fit_controls", "bake_controls", "mirror_controls", "save_controls", "load_controls", None),
     *("keep_expression", "apply_expression", "mirror_expression", "sequence_expression"),
     *("compose_expressions", "load_expressions", "save_expression"),

@@ -234,6 +234,28 @@ def remembered_head(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHe
     return replace(head_landmarks, landmarks=marks, matrix=matrix)
 
 
+def no_bound_head(context) -> str:
+    """Why the active mesh has no landmarks by which shapes could be made."""
+    if reason := no_foreign_head(context):
+        return reason
+    head = context.active_object
+    if len(head.mimetic.landmarks) or landmark_empties(context.scene, head):
+        return ""
+    return "" if is_face(head) else "Add Landmarks first, or Attach Muscles"
+
+
+def bound_head(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHead:
+    """A head with landmarks: those it was attached by, its empties, or our own mesh's."""
+    if (remembered := remembered_head(scene, head)) is not None:
+        return remembered
+    own = foreign_head(scene, head)
+    template = native.face_template().load_template()
+    if own.landmarks or not is_face(head) or len(own.points) != len(template.vertices):
+        return own
+    names = native.self_landmarks().REQUIRED
+    return replace(own, landmarks={name: int(template.landmark(name)) for name in names})
+
+
 def landmark_empties(scene: bpy.types.Scene, head: bpy.types.Object) -> dict:
     """Empties with landmarks' names: the head's children, or any if it has none."""
     marks = [obj for obj in scene.objects if obj.type == "EMPTY" and _landmark_of(obj)]

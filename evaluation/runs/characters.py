@@ -4,14 +4,17 @@
 from __future__ import annotations
 
 import time
+import warnings
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field
 
 import numpy as np
+from mimetic.character.foreign_head import attach_foreign
 from mimetic.character.foreign_mesh import REQUIRED
 from mimetic.character.self_landmarks import find_landmarks
 from mimetic.score.json_text import json_text
 from mimetic.score.text_table import text_table
+from mimetic.template.face_template import load_template
 
 from evaluation.synthetic.characters import SETS, Character, characters
 
@@ -25,6 +28,14 @@ COLUMNS = {
     "seconds": ("seconds", ".1f"),
 }
 
+SHAPE_COLUMNS = {
+    "eyeBlinkLeft": ("left lids, mm", ".2f"),
+    "eyeBlinkRight": ("right lids", ".2f"),
+    "mouthClose": ("lips", ".2f"),
+    "attach": ("attached, s", ".1f"),
+    "shapes": ("52 shapes, s", ".1f"),
+}
+
 
 @dataclass(frozen=True)
 class CharacterScore:
@@ -36,6 +47,7 @@ class CharacterScore:
     errors: dict[str, float] = field(default_factory=dict)
     doubts: dict[str, float] = field(default_factory=dict)
     doubtful: list[str] = field(default_factory=list)
+    shapes: dict[str, float] = field(default_factory=dict)  # gaps in mm and seconds of the 52
 
     def row(self) -> dict[str, float]:
         errors = np.array(list(self.errors.values()))
@@ -50,6 +62,25 @@ class CharacterScore:
             "inside": float(within.mean()),
             "seconds": self.seconds,
         }
+
+
+def score_shapes(character: Character) -> dict[str, float]:
+    """What is left open by the 52 shapes of a head with its true landmarks, and their time."""
+    started = time.perf_counter()
+    metre = 0.063 / character.pupil_distance
+    places = {name: metre * place for name, place in character.truth.items()}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        head = attach_foreign(
+            metre * character.vertices, character.triangles, places, load_template()
+        )
+    attached = time.perf_counter()
+    units = head.make_units()
+    return {
+        **units.gaps_mm,
+        "attach": attached - started,
+        "shapes": time.perf_counter() - attached,
+    }
 
 
 def score_characters(which: str, report: Callable[[str], None]) -> Iterator[CharacterScore]:
@@ -72,7 +103,8 @@ def score(character: Character) -> CharacterScore:
         for name, place in character.truth.items()
     }
     doubts = {name: 100 * doubt for name, doubt in placed.doubts.items()}
-    return CharacterScore(character.name, size, seconds, errors, doubts, placed.doubtful)
+    shapes = score_shapes(character)
+    return CharacterScore(character.name, size, seconds, errors, doubts, placed.doubtful, shapes)
 
 
 def as_text(scores: list[CharacterScore]) -> str:
@@ -93,6 +125,8 @@ def as_text(scores: list[CharacterScore]) -> str:
     tables = [text_table("landmarks that place themselves (vertices)", COLUMNS, heads)]
     if marks:
         tables.append(text_table("by landmark", by_mark, marks))
+        shapes = {score.name: score.shapes for score in seen}
+        tables.append(text_table("ARKit's 52 shapes, widest gaps", SHAPE_COLUMNS, shapes))
     return "\n\n".join(tables)
 
 

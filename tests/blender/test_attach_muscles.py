@@ -119,6 +119,7 @@ def test_other_shape_keys_of_the_head_stay(parts, head):
     head.shape_key_add(name="Basis", from_mix=False)
     own = head.shape_key_add(name="viseme", from_mix=False)
     own.points[7].co.x += 1
+    own.value = 0
     own.value = 0.6
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
     assert head.data.shape_keys.key_blocks["viseme"].value == pytest.approx(0.6)
@@ -215,3 +216,41 @@ def test_attaching_is_one_undo_step(extension, parts, head, tmp_path):
     assert bpy.data.objects["Bust"].data.shape_keys is None
     bpy.ops.ed.redo()
     assert len(bpy.data.objects["Bust"].mimetic.shapes) == 60
+
+
+@pytest.mark.oldest_and_newest
+def test_arkit_shapes_join_the_keys_of_a_head(parts, head):
+    head.shape_key_add(name="Basis", from_mix=False)
+    own = head.shape_key_add(name="jawOpen", from_mix=False)
+    own.points[7].co.x += 1
+    own.value = 0
+    before = offsets_of(head, "jawOpen")
+    put_landmarks(head, parts)
+    assert bpy.ops.mimetic.add_arkit_shapes() == {"FINISHED"}
+    keys = head.data.shape_keys.key_blocks
+    assert len(keys) == 1 + 52
+    assert {"eyeBlinkLeft", "mouthClose", "tongueOut"} <= set(keys.keys())
+    assert "jawOpen" in last_result()["message"]
+    np.testing.assert_array_equal(offsets_of(head, "jawOpen"), before)
+    assert all(key.value == 0 for key in keys[1:])
+    corner = parts[2]["mouth_corner.L"]
+    assert offsets_of(head, "mouthSmileLeft")[corner, 2] > 0.3  # centimetres, upwards
+    assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+    assert "mouthSmileLeft" in keys and "zygomaticus_major.L" in keys
+
+
+def test_our_own_face_gets_arkit_shapes():
+    assert bpy.ops.mimetic.add_face() == {"FINISHED"}
+    face = bpy.context.active_object
+    last = face.data.shape_keys.key_blocks[-1].name
+    before = len(face.data.shape_keys.key_blocks)
+    assert bpy.ops.mimetic.add_arkit_shapes() == {"FINISHED"}
+    keys = face.data.shape_keys.key_blocks
+    assert len(keys) == before + 52
+    assert keys[-1].name == last == "contact"
+
+
+def test_arkit_shapes_want_landmarks_first(head):
+    assert not bpy.ops.mimetic.add_arkit_shapes.poll()
+    with pytest.raises(RuntimeError, match="Add Landmarks first"):
+        bpy.ops.mimetic.add_arkit_shapes()

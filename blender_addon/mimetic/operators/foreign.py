@@ -107,4 +107,46 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
         return "; ".join(filter(None, (message, hand_changes)))
 
 
-CLASSES = (MIMETIC_OT_add_landmarks, MIMETIC_OT_attach_muscles)
+class MIMETIC_OT_add_arkit_shapes(Job, Operator):
+    """Give the active head ARKit's 52 blend shapes as shape keys. Its own keys stay"""
+
+    bl_idname = "mimetic.add_arkit_shapes"
+    bl_label = "Add ARKit Shapes"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if reason := scene_in.no_bound_head(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def read(self, context):
+        return scene_in.bound_head(context.scene, context.active_object)
+
+    def work(self, head, progress):
+        parts = native.foreign_face()
+        polygons = parts.Polygons(head.starts, head.corners)
+        try:
+            face = parts.attach_face(head.points, polygons, head.landmarks, head.matrix, progress)
+        except KeyboardInterrupt:
+            return None
+        return head, face.unit_shapes()
+
+    def write(self, context, result):
+        head, (shapes, notes) = result
+        object_ = scene_in.unchanged(head)
+        added, kept = scene_out.arkit.add(object_, shapes)
+        for note in notes:
+            self.report({"WARNING"}, f"{object_.name}: {note}")
+        self.facts = {"object": object_.name, "num_sliders": len(added), "notes": list(notes)}
+        message = f"{object_.name} has {len(added)} of ARKit's shapes"
+        if kept:
+            message += f"; {len(kept)} keys of such names stay as they were: {', '.join(kept[:4])}"
+        return message
+
+
+CLASSES = (
+    MIMETIC_OT_add_landmarks,
+    MIMETIC_OT_attach_muscles,
+    MIMETIC_OT_add_arkit_shapes,
+)

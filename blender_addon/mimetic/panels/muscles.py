@@ -36,6 +36,7 @@ class MIMETIC_PT_muscles(Muscles, Panel):
         row.label(text=face.name, icon="USER")
         row.operator("mimetic.rest_face", icon="LOOP_BACK", text="")
         row.operator("mimetic.add_face", icon="ADD", text="")
+        row.operator("mimetic.add_arkit_shapes", icon="OUTLINER_OB_FORCE_FIELD", text="")
         if len(face.mimetic.landmarks):
             row.operator("mimetic.attach_muscles", icon="SHAPEKEY_DATA", text="")
         row = layout.row()
@@ -62,6 +63,7 @@ class MIMETIC_PT_muscles(Muscles, Panel):
         column.label(text=f"Muscles on {name}:")
         column.operator("mimetic.add_landmarks", icon="EMPTY_DATA")
         column.operator("mimetic.attach_muscles", icon="SHAPEKEY_DATA")
+        column.operator("mimetic.add_arkit_shapes", icon="SHAPEKEY_DATA")
 
     def draw_group(self, layout, face, group, sliders, blocks):
         """A group's own slider in the header; its sides and its muscles below."""

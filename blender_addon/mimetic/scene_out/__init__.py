@@ -10,6 +10,7 @@ import bpy
 from .. import native, scene_in, targets, writable
 from . import (
     actions,
+    arkit,
     bound,
     camera,
     canonical,
@@ -32,6 +33,7 @@ from . import (
 
 __all__ = [
     "BakeSummary",
+    "arkit",
     "bake",
     "bound",
     "camera",

@@ -171,10 +171,11 @@ def _add_missing(face, states: dict[str, KeyState], shapes, groups) -> None:
         states[shape.name] = KeyState(shape.name)
     last = [states[group.name].key for group in groups] + [contact.KEY]
     if len(blocks) > num_before:
-        _move_to_end(face, [name for name in last if name in blocks])
+        move_to_end(face, [name for name in last if name in blocks])
 
 
-def _move_to_end(face, names: list[str]) -> None:
+def move_to_end(face, names: list[str]) -> None:
+    """Puts shape keys behind all others, in this order."""
     blocks = face.data.shape_keys.key_blocks
     if [key.name for key in blocks[len(blocks) - len(names) :]] == names:
         return

@@ -23,6 +23,7 @@ void bind_muscles_extras(pybind11::module_& m);
 void bind_muscles_eyeballs(pybind11::module_& m);
 void bind_contact(pybind11::module_& m);
 void bind_register(pybind11::module_& m);
+void bind_register_face_units(pybind11::module_& m);
 void bind_register_landmarks(pybind11::module_& m);
 void bind_retarget(pybind11::module_& m);
 void bind_head(pybind11::module_& m);
@@ -68,6 +69,7 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_muscles_eyeballs(m);
     bindings::bind_contact(m);
     bindings::bind_register(m);
+    bindings::bind_register_face_units(m);
     bindings::bind_register_landmarks(m);
     bindings::bind_retarget(m);
     bindings::bind_head(m);

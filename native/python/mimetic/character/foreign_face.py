@@ -52,6 +52,15 @@ class ForeignFace:
     object_from_head: NDArray[np.float64]  # 3 x 3, of displacements of the head's own frame
     notes: tuple[str, ...]  # of the head, with the numbers of polygons
 
+    def unit_shapes(self) -> tuple[list[Shape], tuple[str, ...]]:
+        """ARKit's 52, and what to know of them."""
+        units = self.head.make_units()
+        shapes = [
+            Shape(name, "ARKit", to_head(mode @ self.object_from_head.T), np.zeros(0), 0.0, 1.0)
+            for name, mode in zip(units.names, units.modes, strict=True)
+        ]
+        return shapes, units.notes
+
     @cached_property
     def live_contact(self) -> LiveContact:
         """Solved on first use."""

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mimetic import _core
+from mimetic.character.face_units import BoundSkin, FaceUnits, face_units
 from mimetic.character.foreign_holes import hole_notes
 from mimetic.character.foreign_mesh import ForeignSkin, read_skin
 from mimetic.character.foreign_registration import lay_template, lipped, lipped_skin
@@ -64,6 +65,7 @@ class ForeignHead:
 
     anatomy and extras: modes over the mesh's own V vertices, in its own axes, metres; strengths:
     newtons; make_contact: the contact of its lips and lids, in these axes, solved when asked for;
+    make_units: ARKit's 52 shapes, likewise;
     registered: the template's vertices registered to the head, mesh coordinates; eye_centers:
     2 x 3, left first, likewise; mesh_from_template: from the template's axes and size; gap_mm:
     median and 95 % distance of the free skin from the registered template; notes: what was
@@ -73,6 +75,7 @@ class ForeignHead:
     anatomy: Anatomy
     extras: Extras
     make_contact: Callable[[], _core.SkinContact]
+    make_units: Callable[[], FaceUnits]
     registered: NDArray[np.float64]
     eye_centers: NDArray[np.float64]
     mesh_from_template: _core.Similarity
@@ -109,6 +112,8 @@ def attach_foreign(
         bones = [*head.jaw_modes(), *head.lid_modes()]
         check_goes_on(attaching, 0.7, "attaching lips and gaze")
         extras = head.extra_modes()
+    own_bones = dict(zip(ARTICULATORS, bones, strict=True))
+    own_gaze = dict(zip(extras.names, extras.modes, strict=True))
     to_user = skin.user_from_skin
     anatomy = Anatomy(
         muscle_names=muscle_names(),
@@ -124,6 +129,7 @@ def attach_foreign(
         anatomy=anatomy,
         extras=dataclasses.replace(extras, modes=to_user.turn(extras.modes)),
         make_contact=lambda: head.contact().turned(to_user.scale * to_user.rotation),
+        make_units=lambda: head.units({**own_bones, **own_gaze}, to_user),
         registered=to_user.apply(template_mesh.neutral),
         eye_centers=to_user.apply(
             np.array([frame.centre for frame in eye_frames(head.template_mesh)])
@@ -261,6 +267,27 @@ class _Carried:
                 mode[eye] = _core.turned_eye(frame, gaze, self.skin.user_vertices[eye])
                 modes[f"{row['name']}.{frame.side}"] = mode
         return collect(modes)
+
+    def units(
+        self, own_modes: Mapping[str, NDArray[np.float64]], to_user: _core.Similarity
+    ) -> FaceUnits:
+        """ARKit's shapes in the caller's axes. own_modes: jaw, lids, gaze, the template's frame."""
+        units = face_units(
+            BoundSkin(
+                template_mesh=self.template_mesh,
+                vertices=self.skin.vertices,
+                surface=self.skin.surface,
+                places=self.places,
+                onto=self._onto,
+                spread=self._to_mesh,
+                head_vertices=self.skin.user_vertices,
+                read=self.skin.first_vertex,
+                on_jaw=self.loose.on_jaw,
+                is_sealed=self.is_sealed,
+            ),
+            own_modes,
+        )
+        return dataclasses.replace(units, modes=to_user.turn(units.modes))
 
     def contact(self) -> _core.SkinContact:
         """Contact of what the template's lips and lids lie on, in its frame and size."""
