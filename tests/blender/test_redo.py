@@ -224,6 +224,7 @@ CASES = [
     Case("follow_pins", with_dragged_landmark),
     Case("add_landmarks", with_own_head),
     Case("attach_muscles", with_landmarks),
+    Case("add_arkit_shapes", with_landmarks),
     Case("add_face", lambda fixture: None),
     Case("rest_face", with_face),
     Case("reduce_keys", with_face),
