@@ -2,7 +2,7 @@
 """What a scene remembers of live sessions: `scene.mimetic.live`."""
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from . import compat
 
@@ -56,6 +56,11 @@ class MimeticLive(bpy.types.PropertyGroup):
         options={"ENUM_FLAG"},
         default={identifier for identifier, _, _ in CHANNELS},
         description="What moves and is recorded; all else stays, and keeps the curves that it has",
+    )
+    use_subdivision: BoolProperty(
+        name="Subdivision",
+        description="Keep the face's subdivision while it is driven; without a graphics card that "
+        "does it, drawing takes far longer",
     )
     countdown: IntProperty(
         name="Countdown", default=0, min=0, max=60, description="Seconds before a take begins"

@@ -168,9 +168,11 @@ def test_the_face_follows_and_is_put_back(face, extension):
     assert smile.max() > 0.4 and smile.min() < 0.2 and np.ptp(aside) > 0.001
     contact = extension("scene_out.contact")
     assert face.name in contact.still_faces
+    assert not face.modifiers["Subdivision"].show_viewport
     driven.session.puppet.end()
     driven.session.puppet.restore()
     assert face.name not in contact.still_faces
+    assert face.modifiers["Subdivision"].show_viewport
     assert keys[SMILE].value == pytest.approx(0.25)
     assert face.matrix_basis == place
 

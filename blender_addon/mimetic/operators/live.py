@@ -194,7 +194,8 @@ def _session(context, is_blocking: bool = False):
     run = jobs.Run("Live", is_endless=True)
     thread = native.live_thread().LiveThread(source, settings.stillness, run.stop, is_blocking)
     run.thread = thread.thread
-    puppet = scene_out.live.Puppet(context.scene, scene_in.face_of(context))
+    face = scene_in.face_of(context)
+    puppet = scene_out.live.Puppet(context.scene, face, settings.use_subdivision)
     return live.Session(run, thread, puppet)
 
 

@@ -33,6 +33,9 @@ class MIMETIC_PT_live(Panel):
             text=f"lags {figures.lag_frames:.1f} frames, keeps {figures.jitter_share:.0%} of jitter"
         )
         layout.column(align=True).prop(settings, "channels")
+        row = layout.row()
+        row.enabled = session is None
+        row.prop(settings, "use_subdivision")
         layout.prop(settings, "countdown")
         if session is None:
             layout.operator("mimetic.live", icon="PLAY")

@@ -26,7 +26,9 @@ class TakeSummary:
 class Puppet:
     """A face while a live session moves it, by name: an undo may replace the object."""
 
-    def __init__(self, scene: bpy.types.Scene, face: bpy.types.Object) -> None:
+    def __init__(
+        self, scene: bpy.types.Scene, face: bpy.types.Object, use_subdivision: bool = True
+    ) -> None:
         self.name = face.name
         keys = face.data.shape_keys
         driven = own_keys.driven_keys(keys)
@@ -46,6 +48,10 @@ class Puppet:
         # Contact costs more than a picture's time; afterwards it is looked at again
         contact.still_faces.add(self.name)
         self._rest_contact(face)
+        smoothers = [m for m in face.modifiers if m.type == "SUBSURF" and m.show_viewport]
+        self._hidden = [] if use_subdivision else [modifier.name for modifier in smoothers]
+        for name in self._hidden:
+            face.modifiers[name].show_viewport = False
 
     @property
     def sliders(self) -> set[str]:
@@ -73,6 +79,9 @@ class Puppet:
         contact.still_faces.discard(self.name)
         if face := bpy.data.objects.get(self.name):
             self._rest_contact(face)
+            for modifier in face.modifiers:
+                modifier.show_viewport |= modifier.name in self._hidden
+        self._hidden = []
 
     def _rest_contact(self, face) -> None:
         if contact.key_of(face) is not None:

@@ -11,6 +11,7 @@ import statistics
 import time
 from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -84,6 +85,7 @@ def main() -> None:
     rows.append((f"{len(names)} sliders set one by one", median_ms(each_by_property)))
     modifier.show_viewport = False
     rows.append(("sliders set, face evaluated", median_ms(set_and_evaluate)))
+    rows.append(("a live state shown and evaluated", median_ms(live_states(extension, face))))
     contact.ensure_key(face)
     live_contact = native.live_contact().live_contact(rest)
     rows.append(("contact looked for, lips apart", median_ms(lambda i: follow_contact(0.01))))
@@ -94,6 +96,27 @@ def main() -> None:
     rows.append(("both overlays made", median_ms(draw)))
     print(f"Blender {bpy.app.version_string}, {len(positions) // 3} vertices, {len(names)} shapes")
     print_rows(rows, floor)
+
+
+def live_states(extension: str, face: bpy.types.Object) -> Callable[[int], None]:
+    """Shows a live session's states, sliders and head, and has Blender evaluate the face."""
+    from mimetic._core import LidFollowing
+    from mimetic.puppet.live_face import live_names
+
+    parts = importlib.import_module(f"{extension}.scene_out.live")
+    puppet = parts.Puppet(bpy.context.scene, face)
+    names, lids = live_names(), [LidFollowing(0.03, 0.0)] * 2
+    random = np.random.default_rng(1)
+    values = random.uniform(0, 0.5, (ROUNDS + 5, len(names)))
+    pose = np.diag([1.0, -1.0, -1.0, 1.0])
+
+    def show(i: int) -> None:
+        puppet.show(names, SimpleNamespace(values=values[i], head_pose=pose), lids)
+        bpy.context.view_layer.update()
+        evaluated_face = face.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        assert len(evaluated_face.data.vertices)
+
+    return show
 
 
 def random_values(names: list[str]) -> list[dict[str, float]]:
