@@ -12,6 +12,7 @@ from test_attach_muscles import new_head, parts, put_landmarks  # noqa: F401
 from test_capture import clip_path  # noqa: F401
 from test_expressions import BROWS, bump, face, smile  # noqa: F401
 from test_head import rig  # noqa: F401
+from test_own_controls import character, played  # noqa: F401
 from test_pins import drag, found, found_file, select  # noqa: F401
 
 STANDS = Matrix.Translation((1, 2, 3)) @ Euler((0.3, 0.2, 1.0)).to_matrix().to_4x4()
@@ -38,6 +39,10 @@ def state(extension) -> dict:
     for shown in scene.objects:
         written[shown.name] = np.array(shown.matrix_world)
         written[f"{shown.name} curves"] = curves_of(extension, shown)
+        written[f"{shown.name} controls"] = [
+            [entry.name, *(getattr(entry, name) for name in extension("control_rows").FIELDS)]
+            for entry in shown.mimetic.controls
+        ]
         if shown.type == "CAMERA":
             lens = shown.data
             written[f"{shown.name} lens"] = (lens.lens, lens.shift_x, lens.shift_y)
@@ -198,6 +203,26 @@ def with_strips(fixture) -> None:
         bpy.ops.mimetic.sequence_expression(action="smile")
 
 
+def with_character(fixture) -> None:
+    """A head with shape keys of its maker's, and a performance."""
+    fixture("character")
+    bpy.context.scene.mimetic.performance_path = str(fixture("played"))
+
+
+def with_controls(fixture) -> None:
+    with_character(fixture)
+    assert bpy.ops.mimetic.fit_controls() == {"FINISHED"}
+    bpy.context.active_object.mimetic.controls["mouthSmileLeft"].gain = 1.5
+
+
+@pytest.fixture
+def preset(tmp_path):
+    path = tmp_path / "hero.json"
+    row = {"control": "jawOpen", "gain": 0.5, "highest": 0.3}
+    path.write_text(json.dumps({"format": "mimetic controls 1", "controls": [row]}))
+    return path
+
+
 @pytest.fixture
 def library_folder(tmp_path):
     from mimetic.library.folder import Library
@@ -228,6 +253,10 @@ CASES = [
     Case("add_face", lambda fixture: None),
     Case("rest_face", with_face),
     Case("reduce_keys", with_face),
+    Case("fit_controls", with_character),
+    Case("bake_controls", with_controls),
+    Case("mirror_controls", with_controls),
+    Case("load_controls", with_controls, {"filepath": "preset"}),
     Case("load_expressions", lambda fixture: None, {"directory": "library_folder"}),
     Case("apply_expression", with_expression, values={"action": "smile", "share": 0.5}),
     Case("mirror_expression", with_expression, values={"action": "smile"}),
