@@ -113,7 +113,8 @@ StillnessFigures stillness_figures(double stillness, double fps) {
     }
     figures.lag_frames = std::max(0., lag);
     StillnessFilter filter(stillness);
-    std::mt19937 random(7);
+    // The same figures every time.
+    std::mt19937 random(7);  // NOLINT(bugprone-random-generator-seed)
     std::normal_distribution<double> jitter(0, kJitter);
     double kept = 0, all = 0;
     for (int frame = 0; frame < kFrames; ++frame) {

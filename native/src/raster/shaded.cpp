@@ -94,7 +94,7 @@ ShadedPicture draw_shaded(const Camera& camera, const ShadedMesh& mesh, double d
 
 Eigen::Vector3d shown_point(const Camera& camera, const ShadedMesh& mesh, double distance,
                             const Raster& raster, const Eigen::Vector2d& pixel) {
-    const Eigen::Vector3d nowhere = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
+    Eigen::Vector3d nowhere = Eigen::Vector3d::Constant(std::numeric_limits<double>::quiet_NaN());
     if (!(pixel.minCoeff() > -.5) || !(pixel.x() < raster.cols - .5) || !(pixel.y() < raster.rows - .5)) {
         return nowhere;
     }

@@ -165,6 +165,7 @@ std::optional<Peak> foremost(const ShownHead& head, const Eigen::Vector3d& near)
         return std::nullopt;
     }
     std::vector<double> heights;
+    heights.reserve(places.size());
     for (const Eigen::Vector3d& place : places) {
         heights.push_back(place.z());
     }

@@ -66,6 +66,7 @@ std::pair<Eigen::RowVector3d, double> middle_of(const std::vector<Eigen::RowVect
     Eigen::RowVector3d middle;
     for (Eigen::Index k = 0; k < 3; ++k) {
         std::vector<double> values;
+        values.reserve(places.size());
         for (const Eigen::RowVector3d& place : places) {
             values.push_back(place[k]);
         }
@@ -82,6 +83,7 @@ std::pair<Eigen::RowVector3d, double> middle_of(const std::vector<Eigen::RowVect
         middle = sum / weights;
     }
     std::vector<double> gaps;
+    gaps.reserve(places.size());
     for (const Eigen::RowVector3d& place : places) {
         gaps.push_back((place - middle).norm());
     }
