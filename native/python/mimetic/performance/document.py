@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass, fields, replace
-from pathlib import Path
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -272,16 +271,7 @@ class Performance:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes `performance.npz`, whole or not at all."""
         self.check()
-        path = Path(path)
-        arrays: dict[str, np.ndarray] = {"schema": np.array(SCHEMA, np.int64)}
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if value is None:
-                continue
-            is_text = (REQUIRED | OPTIONAL)[field.name][0] == "U"
-            arrays[field.name] = np.array(value, dtype=np.str_) if is_text else np.asarray(value)
-        arrays["fps"] = np.array([self.fps])
-        write_arrays(path, arrays)
+        write_arrays(path, DOCUMENT.arrays_of(self))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Performance:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -172,15 +172,7 @@ class TaughtSet:
     def save(self, path: str | os.PathLike[str]) -> None:
         """Writes the file, whole or not at all; raises OSError."""
         self.check()
-        arrays: dict[str, np.ndarray] = {"schema": np.array(SCHEMA, np.int64)}
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if value is not None:
-                is_text = (REQUIRED | OPTIONAL)[field.name][0] == "U"
-                arrays[field.name] = (
-                    np.array(value, dtype=np.str_) if is_text else np.atleast_1d(value)
-                )
-        write_arrays(path, arrays)
+        write_arrays(path, DOCUMENT.arrays_of(self))
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> TaughtSet:

@@ -53,6 +53,17 @@ class ArrayDocument:
             dtypes[key] = self.dtypes.get(kind)
         return archive.read(dtypes)
 
+    def arrays_of(self, document: object) -> dict[str, np.ndarray]:
+        """What an archive of a document holds: its fields that are not None, and the schema."""
+        arrays = {"schema": np.array(self.schema, np.int64)}
+        for key, (kind, _) in {**self.required, **self.optional}.items():
+            value = getattr(document, key)
+            if value is not None:
+                arrays[key] = (
+                    np.array(value, dtype=np.str_) if kind == "U" else np.atleast_1d(value)
+                )
+        return arrays
+
     def check_shapes(self, document: object) -> dict[str, int]:
         """The lengths that a document's fields have, which are named as the keys.
 
