@@ -4,14 +4,14 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
-import tempfile
 from pathlib import Path
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import blender_module
 
 PICTURE = 320  # pixels, the height of a frame
 IDENTITY = {"sex_male": 1.0, "age_old": 0.6, "weight": 0.5, "nose_hump": 0.8}
@@ -29,29 +29,16 @@ def main() -> int:
         help="leave ARKit's names and attach no muscles: names alone decide",
     )
     arguments = parser.parse_args()
-    from make_sliders import headless
-
-    with tempfile.TemporaryDirectory() as folder:
-        # Read by bpy as it is imported: no settings or add-ons of the user's
-        os.environ["BLENDER_USER_RESOURCES"] = folder
-        try:
-            build(arguments, Path(folder))
-        except ImportError as error:
-            print(f"make_arkit_head: {error}; pip install bpy==4.5.15 gives it", file=sys.stderr)
-            return 2
-    headless().leave()
-    return 0
+    return blender_module.run("make_arkit_head", lambda folder: build(arguments, folder))
 
 
 def build(arguments: argparse.Namespace, folder: Path) -> None:
     import bpy
     import head_scene
-    from make_sliders import headless
     from mimetic.character.foreign_mesh import REQUIRED
     from mimetic.performance.document import Performance
     from mimetic.template.face_template import load_template
 
-    headless().load_extension()
     scene = bpy.context.scene
     template = load_template()
     head = head_scene.new_head(template, template.neutral(IDENTITY))

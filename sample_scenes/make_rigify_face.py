@@ -7,14 +7,14 @@
 from __future__ import annotations
 
 import argparse
-import os
 import sys
-import tempfile
 from pathlib import Path
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import blender_module
 
 EYES = ("ORG-eye.L", "ORG-eye.R")
 
@@ -23,30 +23,16 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, required=True, help="write this .blend")
     arguments = parser.parse_args()
-    from make_sliders import headless
-
-    with tempfile.TemporaryDirectory() as folder:
-        # Read by bpy as it is imported: no settings or add-ons of the user's
-        os.environ["BLENDER_USER_RESOURCES"] = folder
-        try:
-            build(arguments.out)
-        except ImportError as error:
-            print(f"make_rigify_face: {error}; pip install bpy==4.5.15 gives it", file=sys.stderr)
-            return 2
-    # Nor does Blender 4.5 as a module come to its end once Rigify has been in it
-    headless().leave()
-    return 0
+    return blender_module.run("make_rigify_face", lambda _folder: build(arguments.out))
 
 
 def build(out: Path) -> None:
     import bpy
     import head_scene
-    from make_sliders import headless
     from mimetic.character.foreign_mesh import REQUIRED
     from mimetic.template.face_template import load_template
     from rigify_rig import generate_rig
 
-    headless().load_extension()
     rig = generate_rig(with_face=True)
     template = load_template()
     eyes = np.array([rig.data.bones[name].head_local for name in EYES])

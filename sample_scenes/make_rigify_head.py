@@ -8,11 +8,12 @@ import math
 import os
 import subprocess
 import sys
-import tempfile
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
+
+import blender_module  # noqa: E402
 
 HEAD, NECK, CHEST = "DEF-spine.006", "DEF-spine.005", "DEF-spine.003"
 EARS = (0.0, -0.015, 1.845)  # where Rigify's human has midway between them
@@ -27,28 +28,14 @@ def main() -> int:
     parser.add_argument("--frames", type=int, nargs=2, metavar=("A", "B"), default=(1, 100000))
     parser.add_argument("--neck-share", type=float, default=0.3)
     arguments = parser.parse_args()
-    from make_sliders import headless
-
-    with tempfile.TemporaryDirectory() as folder:
-        # Read by bpy as it is imported: no settings or add-ons of the user's
-        os.environ["BLENDER_USER_RESOURCES"] = folder
-        try:
-            build(arguments, Path(folder))
-        except ImportError as error:
-            print(f"make_rigify_head: {error}; pip install bpy==4.5.15 gives it", file=sys.stderr)
-            return 2
-    # Nor does Blender 4.5 as a module come to its end once Rigify has been in it
-    headless().leave()
-    return 0
+    return blender_module.run("make_rigify_head", lambda folder: build(arguments, folder))
 
 
 def build(arguments: argparse.Namespace, folder: Path) -> None:
     import bpy
-    from make_sliders import headless
     from mimetic.performance.document import Performance
     from rigify_rig import generate_rig
 
-    headless().load_extension()
     scene = bpy.context.scene
     performance = Performance.load(arguments.performance)
     first = max(arguments.frames[0], int(performance.frame[0]))

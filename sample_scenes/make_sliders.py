@@ -4,15 +4,13 @@
 from __future__ import annotations
 
 import argparse
-import importlib.util
-import os
 import sys
-import tempfile
 from pathlib import Path
-from types import ModuleType
 
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE))
+
+import blender_module  # noqa: E402
 
 FRAMES_PER_SECOND = 24
 # Frame -> sliders; what is not named is at 0. Groups move both sides, .L and .R one.
@@ -46,23 +44,13 @@ def main() -> int:
     parser.add_argument("--render", type=Path, metavar="PNG", help="render a frame with Cycles")
     parser.add_argument("--frame", type=int, default=52, help="the frame to render")
     arguments = parser.parse_args()
-    with tempfile.TemporaryDirectory() as user_files:
-        # Read by bpy as it is imported: no settings or add-ons of the user's
-        os.environ["BLENDER_USER_RESOURCES"] = user_files
-        try:
-            build(arguments)
-        except ImportError as error:
-            print(f"make_sliders: {error}; pip install bpy==4.5.15 gives Blender", file=sys.stderr)
-            return 2
-    headless().leave()
-    return 0
+    return blender_module.run("make_sliders", lambda _folder: build(arguments))
 
 
 def build(arguments: argparse.Namespace) -> None:
     import bpy
     import head_scene
 
-    headless().load_extension()
     scene = bpy.context.scene
     bpy.ops.mimetic.add_face()
     face = bpy.context.active_object
@@ -78,16 +66,6 @@ def build(arguments: argparse.Namespace) -> None:
     bpy.ops.wm.save_as_mainfile(filepath=str(arguments.out.resolve()), compress=True)
     if arguments.render:
         head_scene.render(scene, arguments.render.resolve())
-
-
-def headless() -> ModuleType:
-    """The extension's module without a window, by its file: the folder beside it has the package's
-    name, so stays off the path."""
-    path = HERE.parent / "blender_addon" / "headless_bake.py"
-    spec = importlib.util.spec_from_file_location("headless_bake", path)
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
 
 
 def animate(face) -> None:
