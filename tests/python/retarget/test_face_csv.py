@@ -54,7 +54,7 @@ def test_units_and_turns_stand_under_their_names(acting):
     for index, unit in enumerate(load_template().unit_names):
         np.testing.assert_array_equal(column[unit[0].upper() + unit[1:]], units[:, index])
     assert column["JawOpen"][-1] > 0.85
-    assert column["EyeBlinkRight"][0] > 0.7
+    np.testing.assert_allclose(column["EyeBlinkRight"], RISE[::-1], atol=1e-9)
     assert column["HeadYaw"][3] == pytest.approx(0.3)
     assert abs(column["HeadYaw"][2]) < 1e-9
     assert abs(column["HeadPitch"]).max() < 1e-9

@@ -25,6 +25,7 @@ MOVES = 1e-6  # of the mesh's extent: a control that displaces less on this mesh
 DRIVEN = 5e-3  # of a control's range: a curve that stays below is none
 EARS_BEHIND = 0.08  # metres, of the middle of a face
 MOST_NAMED = 24  # in one list of a message
+BLINKS = {"eyeBlinkLeft": "lid_upper.L", "eyeBlinkRight": "lid_upper.R"}
 UNPLAYED = 0.1  # share of what a muscle does by itself: below it no control stands for it
 READABLE = (
     0.05  # share of a control's motion that a face can make: below it is no control of a face
@@ -163,7 +164,8 @@ def origin_from_ears(centre: Floats) -> Floats:
 def unit_values(performance: Performance, options: _core.ControlFitOptions | None = None) -> Floats:
     """N x 52: the performance as values of the face units, on the performer's own mesh.
 
-    Raises InvalidInput for a performance that is not of the canonical mesh.
+    A lid that is shut is a full blink, though the unit's lids travel further: on other heads it is
+    what shuts the eye. Raises InvalidInput for a performance that is not of the canonical mesh.
     """
     template = load_template()
     points = np.asarray(performance.neutral_vertices, dtype=np.float64)
@@ -179,7 +181,12 @@ def unit_values(performance: Performance, options: _core.ControlFitOptions | Non
         options or _core.ControlFitOptions(),
     )
     values = np.stack([shape.values for shape in shapes], axis=1)
-    return fit.frames(values, np.zeros((len(values), len(template.unit_names))))
+    units = fit.frames(values, np.zeros((len(values), len(template.unit_names))))
+    for unit, lid in BLINKS.items():
+        if lid in performance.articulators:
+            closure = performance.articulator_values[:, performance.articulators.index(lid)]
+            units[:, template.unit_names.index(unit)] = np.clip(closure, 0.0, 1.0)
+    return units
 
 
 def _by_names(
