@@ -33,8 +33,8 @@ def clock(monkeypatch):
 
     takes(COSTS["judge"], fitting, "judge_frame")
     takes(COSTS["fit"], fitting, "find_face")
-    takes(COSTS["attach"], relief_sightings, "attach_skin")
-    takes(COSTS["attach"], clip_capture, "attach_skin")
+    takes(COSTS["attach"], relief_sightings, "factored_skin")
+    takes(COSTS["attach"], clip_capture, "factored_skin")
     sighting = SimpleNamespace(of=_core.Sighting.of)
     core = SimpleNamespace(**{**vars(_core), "Sighting": sighting})
     monkeypatch.setattr(relief_sightings, "_core", core)
