@@ -10,8 +10,10 @@ import re
 import shutil
 import sys
 import tomllib
+import zipfile
 from pathlib import Path
 
+import licences
 import wheels
 
 ADDON = wheels.ROOT / "blender_addon" / "mimetic"
@@ -36,7 +38,13 @@ def ffmpeg_wheel() -> Path:
         wheels.WHEELS.mkdir(parents=True, exist_ok=True)
         pip = [sys.executable, "-m", "pip", "download", "--no-deps", "--only-binary", ":all:"]
         wheels.run([*pip, "--dest", wheels.WHEELS, requirement])
+        wheels.smaller(next(wheels.WHEELS.glob(pattern)))
     return next(wheels.WHEELS.glob(pattern))
+
+
+def is_shipped(wheel: Path) -> bool:
+    """Whether a wheel of the package is that of all Pythons, not one for the window tests alone."""
+    return "cp311" in wheel.name.split("-")[2].split(".")
 
 
 def write_manifest(folder: Path, version: str, wheel_files: list[Path]) -> None:
@@ -54,6 +62,14 @@ def write_manifest(folder: Path, version: str, wheel_files: list[Path]) -> None:
         raise SystemExit(f"extension: {path} could not be given its version and wheels")
 
 
+def add_licences(folder: Path, wheel: Path) -> None:
+    """The table of what the zip carries, for those who look into it; the texts are in the wheel."""
+    with zipfile.ZipFile(wheel) as archive:
+        name = f"mimetic/{licences.FOLDER}/{licences.TABLE}"
+        (folder / licences.TABLE).write_bytes(archive.read(name))
+    shutil.copy(wheels.ROOT / "LICENSE", folder)
+
+
 def stage(version: str, wheel_files: list[Path]) -> Path:
     folder = wheels.ROOT / "build" / "extension" / "mimetic"
     shutil.rmtree(folder, ignore_errors=True)
@@ -61,6 +77,7 @@ def stage(version: str, wheel_files: list[Path]) -> Path:
     (folder / "wheels").mkdir()
     for wheel in wheel_files:
         shutil.copy(wheel, folder / "wheels")
+    add_licences(folder, next(wheel for wheel in wheel_files if is_shipped(wheel)))
     write_manifest(folder, version, wheel_files)
     return folder
 
@@ -90,33 +107,53 @@ def pack(target: Path, version: str, wheel_files: list[Path]) -> None:
     stamp.write_text(state)
 
 
+def publish(zip_file: Path, folder: Path) -> None:
+    """A static repository that Blender installs and updates from, wherever the folder is served.
+
+    Earlier versions go to `folder`/earlier: of two for one Blender, either might be installed.
+    """
+    folder.mkdir(parents=True, exist_ok=True)
+    for old in folder.glob("mimetic-*-linux_x64.zip"):
+        if old.name != zip_file.name:
+            (folder / "earlier").mkdir(exist_ok=True)
+            old.replace(folder / "earlier" / old.name)
+    shutil.copy(zip_file, folder)
+    tool = [sys.executable, blender_tool()]
+    wheels.run([*tool, "server-generate", "--repo-dir", folder, "--html"])
+    print(f"extension: repository {folder / 'index.json'}", flush=True)
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     choice = parser.add_mutually_exclusive_group()
     choice.add_argument("--window", action="store_true", help="add the window tests' Python")
     choice.add_argument("--wheels", action="store_true", help="build the wheels only")
+    choice.add_argument(
+        "--repository", type=Path, metavar="DIR", help="put the zip into a static repository, too"
+    )
     options = parser.parse_args()
 
-    others = {}
+    shipped = []
     for version in SHIPPED[1:]:
         if python := wheels.find_other_python(version):
-            others[python.tag] = python
+            shipped.append(python)
         else:
             print(
-                f"extension: no headers of Python {version}, so no wheel for Blender 5.1 and later;"
+                f"extension: no headers of Python {version}, so none for Blender 5.1 and later;"
                 f" an installed python{version} gives them, or tests/window/prepare",
                 file=sys.stderr,
             )
-    shipped_tags = {"cp311", *others}
     # One set of wheels serves both zips, so that making one does not unmake the other.
+    apart = []
     if wheels.window_folder() or options.window:
         python = wheels.window_python()
-        others.setdefault(python.tag, python)
-    all_wheels = wheels.build(list(others.values()))
+        if python.tag not in {"cp311", *(other.tag for other in shipped)}:
+            apart.append(python)
+    all_wheels = wheels.build(shipped, apart)
     if options.wheels:
         print(wheels.WHEELS)
         return 0
-    wheels_in_zip = [wheel for wheel in all_wheels if wheel.name.split("-")[2] in shipped_tags]
+    wheels_in_zip = [wheel for wheel in all_wheels if is_shipped(wheel)]
     version = tomllib.loads((wheels.ROOT / "pyproject.toml").read_text())["project"]["version"]
     if options.window:
         target = wheels.ROOT / "build" / "extension" / f"mimetic-{version}-window.zip"
@@ -124,6 +161,8 @@ def main() -> int:
     else:
         target = wheels.ROOT / "dist" / f"mimetic-{version}-linux_x64.zip"
         pack(target, version, [*wheels_in_zip, ffmpeg_wheel()])
+    if options.repository:
+        publish(target, options.repository.resolve())
     print(target)
     return 0
 

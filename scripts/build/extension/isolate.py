@@ -10,8 +10,6 @@ static libraries are not position-independent, or bring an unwinder that breaks 
 from __future__ import annotations
 
 import subprocess
-import sys
-import tempfile
 from pathlib import Path
 
 PREFIX = "mimetic_"
@@ -33,21 +31,15 @@ def is_isolated(library: Path) -> bool:
     return library.name.removeprefix("lib").rpartition("-")[0] in LIBRARIES
 
 
-def isolate(wheel: Path) -> None:
-    """Rename in the libraries and in all of the wheel that calls them; replaces the wheel."""
-    with tempfile.TemporaryDirectory(dir=wheel.parent) as scratch:
-        tool = [sys.executable, "-m", "wheel"]
-        quiet = {"check": True, "stdout": subprocess.DEVNULL}
-        subprocess.run([*tool, "unpack", "--dest", scratch, wheel], **quiet)
-        folder = next(Path(scratch).iterdir())
-        objects = [path for path in folder.rglob("*.so*") if path.is_file()]
-        names = {
-            name for library in objects if is_isolated(library) for name in defined_symbols(library)
-        }
-        if not names:
-            raise SystemExit(f"extension: {wheel.name} bundles none of {', '.join(LIBRARIES)}")
-        table = Path(scratch) / "renamed"
-        table.write_text("".join(f"{name} {PREFIX}{name}\n" for name in sorted(names)))
-        for path in objects:
-            subprocess.run(["patchelf", "--rename-dynamic-symbols", table, path], check=True)
-        subprocess.run([*tool, "pack", "--dest-dir", wheel.parent, folder], **quiet)
+def isolate(folder: Path, scratch: Path) -> None:
+    """Rename in the libraries of an unpacked wheel and in all of it that calls them."""
+    objects = [path for path in folder.rglob("*.so*") if path.is_file()]
+    names = {
+        name for library in objects if is_isolated(library) for name in defined_symbols(library)
+    }
+    if not names:
+        raise SystemExit(f"extension: {folder.name} bundles none of {', '.join(LIBRARIES)}")
+    table = scratch / "renamed"
+    table.write_text("".join(f"{name} {PREFIX}{name}\n" for name in sorted(names)))
+    for path in objects:
+        subprocess.run(["patchelf", "--rename-dynamic-symbols", table, path], check=True)

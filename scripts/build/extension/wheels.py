@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One wheel for each Python that a Blender runs, from one compiled core.
+"""A wheel for the Pythons that Blenders run, from one compiled core.
 
 The wheel of .venv's own Python is built as any other. For the other Pythons only the bindings are
-compiled, against that Python's headers, and take their place in a copy of the wheel: neither an
-interpreter nor a second core is needed. auditwheel then makes every wheel self-contained.
+compiled, against that Python's headers, and lie in the same wheel: neither an interpreter nor a
+second core is needed, and libraries and data come once. auditwheel then makes it self-contained.
+The Python of the window tests, where it is another one, has a wheel apart, which is not shipped.
 """
 
 from __future__ import annotations
@@ -18,6 +19,7 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
+import licences
 from isolate import isolate
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -120,6 +122,8 @@ def build_tree() -> Path:
 
 
 def compile_bindings(pythons: list[OtherPython]) -> None:
+    if not pythons:
+        return
     tree = build_tree()
     python_list = ";".join(f"{python.tag}={python.headers}" for python in pythons)
     run(["cmake", "-S", ROOT, "-B", tree, f"-DMIMETIC_OTHER_PYTHONS={python_list}"])
@@ -127,45 +131,76 @@ def compile_bindings(pythons: list[OtherPython]) -> None:
     run(["cmake", "--build", tree, "-j", "2", "--target", *targets])
 
 
-def build_for_other(own: Path, python: OtherPython, folder: Path) -> Path:
-    """A copy of the own wheel with the other Python's module and tag."""
-    module = next((build_tree() / "other_pythons" / python.tag).glob("_core.*.so"))
+def with_modules(own: Path, pythons: list[OtherPython], folder: Path, *, keeps_own: bool) -> Path:
+    """A copy of the own wheel with the other Pythons' modules and tags, beside its own or not."""
     with tempfile.TemporaryDirectory() as scratch:
-        run([sys.executable, "-m", "wheel", "unpack", "--dest", scratch, own])
-        wheel_folder = next(Path(scratch).iterdir())
-        for old in (wheel_folder / "mimetic").glob("_core.*.so"):
-            old.unlink()
-        shutil.copy(module, wheel_folder / "mimetic")
+        wheel_folder = unpack(own, Path(scratch))
+        if not keeps_own:
+            for old in (wheel_folder / "mimetic").glob("_core.*.so"):
+                old.unlink()
+        for python in pythons:
+            module = next((build_tree() / "other_pythons" / python.tag).glob("_core.*.so"))
+            shutil.copy(module, wheel_folder / "mimetic")
         facts = next(wheel_folder.glob("*.dist-info")) / "WHEEL"
-        lines = facts.read_text().splitlines()
-        tags = [f"Tag: {python.tag}-{python.tag}-linux_x86_64"]
-        other_lines = [line for line in lines if line and not line.startswith("Tag:")]
-        facts.write_text("\n".join(other_lines + tags) + "\n")
-        before = set(folder.glob("*.whl"))
-        run([sys.executable, "-m", "wheel", "pack", "--dest-dir", folder, wheel_folder])
-    return next(iter(set(folder.glob("*.whl")) - before))
+        lines = [line for line in facts.read_text().splitlines() if line]
+        kept = [line for line in lines if keeps_own or not line.startswith("Tag:")]
+        tags = [f"Tag: {python.tag}-{python.tag}-linux_x86_64" for python in pythons]
+        facts.write_text("\n".join(kept + tags) + "\n")
+        target = folder / "-".join(python.tag for python in pythons)
+        target.mkdir()
+        pack(wheel_folder, target)
+    return next(target.glob("*.whl"))
 
 
-def build(pythons: list[OtherPython]) -> list[Path]:
-    """Self-contained wheels for .venv's Python and the others, built only if an input changed."""
-    state = state_of_inputs(pythons)
+def build(shipped: list[OtherPython], apart: list[OtherPython]) -> list[Path]:
+    """Self-contained wheels, built only if an input changed.
+
+    One for .venv's Python and those that are shipped with it, one for each that is kept apart.
+    """
+    state = state_of_inputs([*shipped, *apart])
     stamp = WHEELS / "state"
     if stamp.exists() and stamp.read_text() == state:
         return sorted(WHEELS.glob("mimetic-*.whl"))
-    print("extension: building wheels for Python 3.11", *(p.version for p in pythons), flush=True)
+    versions = [python.version for python in (*shipped, *apart)]
+    print("extension: building wheels for Python 3.11", *versions, flush=True)
     WHEELS.mkdir(parents=True, exist_ok=True)
     stamp.unlink(missing_ok=True)
     for old in WHEELS.glob("mimetic-*.whl"):
         old.unlink()
-    with tempfile.TemporaryDirectory(dir=ROOT / "build") as scratch:
-        own = build_own(Path(scratch))
-        raw = [own]
-        if pythons:
-            compile_bindings(pythons)
-            raw += [build_for_other(own, python, Path(scratch)) for python in pythons]
+    with tempfile.TemporaryDirectory(dir=ROOT / "build") as name:
+        scratch = Path(name)
+        own = build_own(scratch)
+        compile_bindings([*shipped, *apart])
+        raw = [with_modules(own, shipped, scratch, keeps_own=True) if shipped else own]
+        raw += [with_modules(own, [python], scratch, keeps_own=False) for python in apart]
         for wheel in raw:
             run([sys.executable, "-m", "auditwheel", "repair", "--strip", "-w", WHEELS, wheel])
     for wheel in WHEELS.glob("mimetic-*.whl"):
-        isolate(wheel)
+        finish(wheel)
     stamp.write_text(state)
     return sorted(WHEELS.glob("mimetic-*.whl"))
+
+
+def finish(wheel: Path) -> None:
+    """Keep a repaired wheel's libraries apart from a host's, and say their licences."""
+    with tempfile.TemporaryDirectory(dir=wheel.parent) as name:
+        scratch = Path(name)
+        folder = unpack(wheel, scratch)
+        isolate(folder, scratch)
+        licences.write(folder)
+        pack(folder, wheel.parent)
+    smaller(wheel)
+
+
+def unpack(wheel: Path, scratch: Path) -> Path:
+    run([sys.executable, "-m", "wheel", "unpack", "--dest", scratch, wheel])
+    return next(scratch.glob("mimetic-*"))
+
+
+def pack(folder: Path, target: Path) -> None:
+    run([sys.executable, "-m", "wheel", "pack", "--dest-dir", target, folder])
+
+
+def smaller(archive: Path) -> None:
+    """Compress a zip's members anew: the same format, 4 % less than zlib's best."""
+    run(["advzip", "--recompress", "--shrink-normal", "--quiet", archive])

@@ -23,7 +23,9 @@ PROGRESS = re.compile(r" *(\d{1,3}) % ")  # as commands report it where there is
 FAILURE = re.compile(r"mimetic(?: \w+)?: (?:error: )?(.*)")
 # Numerical libraries start threads by themselves: processes share the cores already, and one alone
 # is faster without them, as its matrices are small
-ONE_THREAD = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+ONE_THREAD = dict.fromkeys(
+    ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "OPENCV_FOR_THREADS_NUM"), "1"
+)
 
 Command = Sequence[str]
 # (share of the work that is done, tasks that ended) -> None
