@@ -9,6 +9,7 @@ import importlib.util
 import re
 import shutil
 import sys
+import tempfile
 import tomllib
 import zipfile
 from pathlib import Path
@@ -34,12 +35,16 @@ def ffmpeg_wheel() -> Path:
     requirement = next(line for line in lines if line.startswith("imageio-ffmpeg=="))
     version = requirement.split("==")[1]
     pattern = f"imageio_ffmpeg-{version}-*.whl"
-    if not list(wheels.WHEELS.glob(pattern)):
-        wheels.WHEELS.mkdir(parents=True, exist_ok=True)
+    kept = wheels.ROOT / "build" / "wheels_of_others"
+    if not list(kept.glob(pattern)):
+        kept.mkdir(parents=True, exist_ok=True)
         pip = [sys.executable, "-m", "pip", "download", "--no-deps", "--only-binary", ":all:"]
-        wheels.run([*pip, "--dest", wheels.WHEELS, requirement])
-        wheels.smaller(next(wheels.WHEELS.glob(pattern)))
-    return next(wheels.WHEELS.glob(pattern))
+        with tempfile.TemporaryDirectory(dir=kept) as scratch:
+            wheels.run([*pip, "--dest", scratch, requirement])
+            wheel = next(Path(scratch).glob(pattern))
+            wheels.smaller(wheel)
+            wheel.replace(kept / wheel.name)
+    return next(kept.glob(pattern))
 
 
 def is_shipped(wheel: Path) -> bool:
