@@ -3,20 +3,17 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
-
 import bpy
 from bpy.props import BoolProperty, FloatProperty, StringProperty
 
 from . import native
 
+# The last: setting another marks the row as edited
 FIELDS = ("is_on", "gain", "offset", "lowest", "highest", "is_edited")
-_filling = False  # while a table is written, and not edited by hand
 
 
 def _edit(self, context) -> None:
-    if not _filling:
-        self.is_edited = True
+    self.is_edited = True
 
 
 class MimeticControl(bpy.types.PropertyGroup):
@@ -75,23 +72,12 @@ def write(character: bpy.types.Object, rows, remarks=None) -> None:
     """Makes these rows the table. remarks: text by control; None leaves what there is."""
     controls = character.mimetic.controls
     before = {entry.name: entry.remark for entry in controls}
-    with _written():
-        controls.clear()
-        for row in rows:
-            entry = controls.add()
-            entry.name = row.control
-            for name in FIELDS:
-                setattr(entry, name, getattr(row, name))
-            entry.remark = (before if remarks is None else remarks).get(row.control, "")
+    controls.clear()
+    for row in rows:
+        entry = controls.add()
+        entry.name = row.control
+        for name in FIELDS:
+            setattr(entry, name, getattr(row, name))
+        entry.remark = (before if remarks is None else remarks).get(row.control, "")
     last = max(len(controls) - 1, 0)
     character.mimetic.active_control = min(character.mimetic.active_control, last)
-
-
-@contextmanager
-def _written():
-    global _filling
-    _filling = True
-    try:
-        yield
-    finally:
-        _filling = False

@@ -8,8 +8,7 @@ import threading
 from dataclasses import dataclass, field
 
 from . import editors, native, outcome
-
-TICK_SECONDS = 0.05
+from .greyed import Greyed
 
 
 @dataclass
@@ -80,7 +79,51 @@ def stop_running() -> None:
         running = None
 
 
-class Job:
+class Modal(Greyed):
+    """Mixin of operators that run on beside the window, one at a time, until they `leave`.
+
+    Subclasses give `handle(context, event)`, which returns what `modal` does. Where it raises,
+    nothing of the operator stays behind either: no timer, no text, no run that blocks the next.
+    """
+
+    tick_seconds = 0.05
+    _timer = None
+
+    def enter(self, context, run: Run) -> set[str]:
+        global running
+        running = run
+        manager = context.window_manager
+        self._timer = manager.event_timer_add(self.tick_seconds, window=context.window)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if running is None:  # the extension was switched off underneath
+            self.leave(context)
+            return {"CANCELLED"}
+        try:
+            return self.handle(context, event)
+        except BaseException:
+            self.cancel(context)
+            raise
+
+    def cancel(self, context):
+        """Blender ends the operator, as on loading a file."""
+        if running:
+            running.stop.set()
+        self.leave(context)
+
+    def leave(self, context) -> None:
+        global running
+        running = None
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+        if context.workspace is not None:
+            context.workspace.status_text_set(None)
+
+
+class Job(Modal):
     """Mixin of operators. Subclasses give read, work and write.
 
     `read(context)` and `write(context, result)` run on the main thread; `work(inputs, progress)`
@@ -90,7 +133,6 @@ class Job:
 
     keeps_part = False  # what a stopped job has done so far
     facts: dict | None = None  # what scripts are told `write` made, besides its message
-    _timer = None
 
     def execute(self, context):
         """Blocks until done: scripts, batch and tests."""
@@ -103,7 +145,6 @@ class Job:
             return outcome.cancelled(self, context, str(error))
 
     def invoke(self, context, event):
-        global running
         if context.window is None:
             return self.execute(context)
         if reason := busy():
@@ -112,40 +153,24 @@ class Job:
             inputs = self.read(context)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        running = Run(self.bl_label, self.keeps_part)
-        running.start(self.work, inputs)
-        manager = context.window_manager
-        self._timer = manager.event_timer_add(TICK_SECONDS, window=context.window)
-        manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+        run = Run(self.bl_label, self.keeps_part)
+        run.start(self.work, inputs)
+        return self.enter(context, run)
 
-    def modal(self, context, event):
-        if running is None:  # the extension was switched off underneath
-            self._leave(context)
-            return {"CANCELLED"}
+    def handle(self, context, event):
         if event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS":
             running.stop.set()
         if event.type == "TIMER":
-            try:
-                is_done = running.is_done()
-            except BaseException:
-                self._leave(context)
-                raise
+            is_done = running.is_done()
             self._show(context)
             if is_done:
                 return self._end(context)
         # Every other event is blocked: an undo now would replace the scene that the job writes to
         return {"RUNNING_MODAL"}
 
-    def cancel(self, context):
-        """Blender ends the operator, as on loading a file."""
-        if running:
-            running.stop.set()
-        self._leave(context)
-
     def _end(self, context):
         run = running
-        self._leave(context)
+        self.leave(context)
         try:
             if run.error:
                 raise run.error
@@ -169,12 +194,3 @@ class Job:
         stopping = "stopping" if running.stop.is_set() else "Esc stops"
         context.workspace.status_text_set(f"{running.text()}   |   {stopping}")
         editors.redraw("CLIP_EDITOR", "VIEW_3D")
-
-    def _leave(self, context) -> None:
-        global running
-        running = None
-        if self._timer is not None:
-            context.window_manager.event_timer_remove(self._timer)
-            self._timer = None
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)

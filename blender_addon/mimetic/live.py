@@ -29,7 +29,6 @@ class Session:
     due: float | None = None  # when a take begins that is counted down, by `monotonic`'s clock
     takes: list[str] = field(default_factory=list)  # recorded ones
     notes: list[str] = field(default_factory=list)
-    lids: object = None
     commands: list[str] = field(default_factory=list)  # of buttons: NEUTRAL, RECORD, STOP
 
     @property
@@ -94,7 +93,7 @@ def end_take(context, session: Session) -> str:
         return ""
     path = _path(session)
     performance = take.performance()
-    name = native.shown_text().shown(Path(path).name.split(".")[0])
+    name = takes.take_name(path)
     channels = package_channels(context.scene.mimetic.live.channels)
     summary = scene_out.live.record(
         context.scene, session.puppet, performance, name, session.start, channels

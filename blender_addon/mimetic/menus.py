@@ -19,6 +19,7 @@ OBJECT = (
     *("capture", "track_head", "load_performance", "find_missing", None),
     *("bake", "reduce_keys", "export_gltf", None),
     *("find_head_bones", "bake_head", None),
+    *("live", None),
     *("add_face", "rest_face", "add_landmarks", "attach_muscles", "add_arkit_shapes", None),
     *("fit_controls", "bake_controls", "mirror_controls", "save_controls", "load_controls", None),
     *("keep_expression", "apply_expression", "mirror_expression", "sequence_expression"),
@@ -56,7 +57,8 @@ class MIMETIC_MT_object(Menu):
 
 def _others() -> list[str]:
     """Operators that no list names: none is ever out of reach."""
-    names = [operator.bl_idname.partition(".")[2] for operator in operators.CLASSES]
+    shown = [one for one in operators.CLASSES if "INTERNAL" not in getattr(one, "bl_options", ())]
+    names = [operator.bl_idname.partition(".")[2] for operator in shown]
     return [name for name in names if name not in CLIP and name not in OBJECT]
 
 

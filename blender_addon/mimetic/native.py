@@ -8,7 +8,7 @@ import sys
 import tomllib
 from dataclasses import dataclass
 from enum import Enum
-from functools import cache
+from functools import cache, lru_cache
 from pathlib import Path
 from types import ModuleType
 
@@ -257,6 +257,7 @@ def live_thread() -> ModuleType:
     return live_thread
 
 
+@lru_cache(maxsize=64)
 def stillness_figures(stillness: float, fps: float):
     """What a stillness costs and gives: `lag_frames`, `jitter_share`."""
     from mimetic import _core

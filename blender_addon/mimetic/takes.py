@@ -75,8 +75,12 @@ def load(take: Take):
 def action_name(take: Take, performance) -> str:
     """What a bake's actions are called after: the clip, else the footage, else the file."""
     footage = performance.footage[0] if performance.footage else ""
-    name = Path(take.clip_name or footage or take.path).name.split(".")[0]
-    return native.shown_text().shown(name)
+    return take_name(take.clip_name or footage or take.path)
+
+
+def take_name(path: str | os.PathLike[str]) -> str:
+    """What a take from this clip or performance is called; Blender's names are Unicode, always."""
+    return native.shown_text().shown(Path(path).name.split(".")[0])
 
 
 def keep(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None, path: str) -> None:

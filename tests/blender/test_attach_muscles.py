@@ -7,21 +7,10 @@ import re
 import bpy
 import numpy as np
 import pytest
+from last_result import result
 
 HOLE = 139  # a face of the forehead
 UNIT = 0.01  # metres in the object's unit: modelled in centimetres, scaled in the scene
-
-
-@pytest.fixture(scope="session")
-def parts():
-    """The template's mesh as anybody's head: points in centimetres, faces, landmarks' vertices."""
-    from mimetic.character.foreign_mesh import REQUIRED
-    from mimetic.character.placement import to_object
-    from mimetic.template.face_template import load_template
-
-    template = load_template()
-    marks = {name: template.landmark(name) for name in REQUIRED}
-    return to_object(template.vertices) / UNIT, template.faces, marks
 
 
 @pytest.fixture
@@ -34,9 +23,9 @@ def head(parts):
 def landmark_file(extension, folder) -> str:
     """The landmarks of the active head's empties."""
     scene, head = bpy.context.scene, bpy.context.active_object
-    result = extension("scene_in").foreign_head(scene, head).landmarks
+    landmarks = extension("scene_in").foreign_head(scene, head).landmarks
     path = folder / "landmarks.json"
-    path.write_text(json.dumps({name: place.tolist() for name, place in result.items()}))
+    path.write_text(json.dumps({name: place.tolist() for name, place in landmarks.items()}))
     return str(path)
 
 
@@ -58,10 +47,6 @@ def put_landmarks(head, parts) -> None:
     for mark in head.children:
         mark.location = parts[0][parts[2][mark.mimetic.landmark]]
     bpy.context.view_layer.update()
-
-
-def last_result() -> dict:
-    return json.loads(bpy.context.window_manager.mimetic_result)
 
 
 def evaluated(face) -> np.ndarray:
@@ -154,7 +139,7 @@ def test_landmarks_find_their_places_whichever_way_a_head_looks(parts, head, tur
         away = np.array(mark.location) - parts[0][parts[2][mark.mimetic.landmark]]
         assert np.linalg.norm(away) < 0.2  # 2 mm
         assert mark.empty_display_type == "SPHERE"
-    assert last_result()["doubtful"] == []
+    assert result()["doubtful"] == []
     with pytest.raises(RuntimeError, match="There are landmarks"):
         bpy.ops.mimetic.add_landmarks()
 
@@ -164,8 +149,8 @@ def test_landmarks_of_what_is_no_face_are_marked_as_guesses():
     ball = bpy.context.active_object
     assert bpy.ops.mimetic.add_landmarks() == {"FINISHED"}
     assert {mark.empty_display_type for mark in ball.children} == {"CUBE"}
-    assert "guessed" in last_result()["message"]
-    assert len(last_result()["doubtful"]) == len(ball.children) == 15
+    assert "guessed" in result()["message"]
+    assert len(result()["doubtful"]) == len(ball.children) == 15
 
 
 def test_a_head_that_changed_meanwhile_gets_no_landmarks(head, extension):
@@ -230,7 +215,7 @@ def test_arkit_shapes_join_the_keys_of_a_head(parts, head):
     keys = head.data.shape_keys.key_blocks
     assert len(keys) == 1 + 52
     assert {"eyeBlinkLeft", "mouthClose", "tongueOut"} <= set(keys.keys())
-    assert "jawOpen" in last_result()["message"]
+    assert "jawOpen" in result()["message"]
     np.testing.assert_array_equal(offsets_of(head, "jawOpen"), before)
     assert all(key.value == 0 for key in keys[1:])
     corner = parts[2]["mouth_corner.L"]

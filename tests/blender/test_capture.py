@@ -202,7 +202,7 @@ def test_esc_before_the_first_result_changes_nothing(extension, scene, with_clip
         def report(self, kind, text):
             output.append((kind, text))
 
-        def _leave(self, context):
+        def leave(self, context):
             jobs.running = None
 
     run = jobs.running = jobs.Run("Capture")

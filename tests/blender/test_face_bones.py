@@ -149,6 +149,18 @@ def test_measuring_leaves_the_pose_as_it_was(extension, rig, scene):
     assert bpy.data.objects["Hero"].modifiers["Subdivision"].show_viewport
 
 
+def test_rows_and_presets_need_no_bone_moved(extension, rig, monkeypatch, tmp_path):
+    bones = extension("scene_out.face_bones")
+    monkeypatch.setattr(bones, "_moved", lambda *_: pytest.fail("a bone was moved"))
+    bpy.context.view_layer.objects.active = rig
+    assert bpy.ops.mimetic.fit_controls() == {"FINISHED"}
+    rows, path = rig.mimetic.controls, tmp_path / "rig.json"
+    assert (rows["jaw turn x"].lowest, rows["jaw turn x"].highest) == (-3, 3)
+    bpy.ops.mimetic.save_controls(filepath=str(path))
+    assert bpy.ops.mimetic.load_controls(filepath=str(path)) == {"FINISHED"}
+    assert rows["jaw turn x"].is_edited
+
+
 def test_the_buttons_fit_and_bake_bones_too(extension, rig, scene, acting_file):
     scene.render.fps = 25
     bpy.ops.mimetic.load_performance(filepath=str(acting_file))

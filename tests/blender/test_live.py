@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A face driven live: headless through a whole clip, and as its timer drives it."""
 
-import json
 import subprocess
 import time
 import wave
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
+from last_result import result
 
 SMILE, RATE = "zygomaticus_major.L", 30
 CHANNELS = {"HEAD_POSITION", "HEAD_ROTATION", "EYES", "MOUTH", "BROWS"}
@@ -45,10 +46,6 @@ def face(scene, clip):
     scene.mimetic.live.clip_path = str(clip)
     assert bpy.ops.mimetic.add_face() == {"FINISHED"}
     return bpy.context.active_object
-
-
-def result():
-    return json.loads(bpy.context.window_manager.mimetic_result)
 
 
 def curves_of(extension, block):
@@ -175,6 +172,31 @@ def test_the_face_follows_and_is_put_back(face, extension):
     assert face.modifiers["Subdivision"].show_viewport
     assert keys[SMILE].value == pytest.approx(0.25)
     assert face.matrix_basis == place
+
+
+def test_an_error_in_a_tick_leaves_nothing_behind(face, extension, monkeypatch):
+    operators, live, jobs = extension("operators.live"), extension("live"), extension("jobs")
+    pressed = operators.MIMETIC_OT_live
+
+    class Pressed(jobs.Modal):
+        """The operator as Blender makes it, which only Blender can."""
+
+        handle, leave, _tick, _told = pressed.handle, pressed.leave, pressed._tick, 0.0
+
+    def fail(_):
+        raise RuntimeError("no such face")
+
+    monkeypatch.setattr(operators, "show", fail)
+    live.active = operators._session(bpy.context)
+    jobs.running = live.active.run
+    session = live.active
+    session.thread.start()
+    with pytest.raises(RuntimeError, match="no such face"):
+        Pressed().modal(bpy.context, SimpleNamespace(type="TIMER", value="NOTHING"))
+    session.thread.join(60)
+    assert not session.thread.is_running
+    assert live.active is None and not jobs.busy()
+    assert face.name not in extension("scene_out.contact").still_faces
 
 
 def test_a_take_can_be_punched_in(scene, face, extension):

@@ -12,9 +12,17 @@ MENUS = {"VIEW3D_MT_object": "MIMETIC_MT_object", "VIEW3D_MT_pose": "MIMETIC_MT_
 
 def test_every_operator_with_a_label_is_in_a_menu(extension):
     shown = " ".join(drawn(name) for name in set(MENUS.values())).split()
-    named = [operator.bl_idname for operator in extension("operators").CLASSES if operator.bl_label]
+    operators = extension("operators").CLASSES
+    internal = [one for one in operators if "INTERNAL" in getattr(one, "bl_options", ())]
+    named = [one.bl_idname for one in operators if one.bl_label and one not in internal]
     assert len(named) > 20
     assert [name for name in named if name not in shown] == []
+    assert [one.bl_idname for one in internal if one.bl_idname in shown] == []
+
+
+def test_what_drives_a_face_is_in_the_objects_menu():
+    shown = drawn("MIMETIC_MT_object").split()
+    assert "mimetic.live" in shown and "mimetic.bake" in shown
 
 
 @pytest.mark.parametrize("name", ["MIMETIC_MT_object", "MIMETIC_MT_clip"])

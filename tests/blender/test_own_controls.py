@@ -7,6 +7,7 @@ import json
 import bpy
 import numpy as np
 import pytest
+from last_result import result
 from panel_texts import drawn
 from test_bake_command import run_bake
 
@@ -189,10 +190,6 @@ def loaded(character, played, scene):
     scene.render.fps = 25
     bpy.ops.mimetic.load_performance(filepath=str(played))
     return character
-
-
-def result() -> dict:
-    return json.loads(bpy.context.window_manager.mimetic_result)
 
 
 def row(character, name: str):

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from mathutils import Euler, Matrix
-from test_attach_muscles import new_head, parts, put_landmarks  # noqa: F401
+from test_attach_muscles import new_head, put_landmarks
 from test_capture import clip_path  # noqa: F401
 from test_expressions import BROWS, bump, face, smile  # noqa: F401
 from test_head import rig  # noqa: F401

@@ -1,15 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What scripts give operators in the call, and what operators tell them they made."""
 
-import json
 import os
 
 import bpy
 import pytest
-
-
-def result() -> dict:
-    return json.loads(bpy.context.window_manager.mimetic_result)
+from last_result import result
 
 
 @pytest.fixture

@@ -72,11 +72,7 @@ class MIMETIC_OT_bake(Job, Operator):
         "subdivision since the last bake; otherwise it stays",
     )
 
-    @classmethod
-    def poll(cls, context):
-        if reason := targets.no_bake(context):
-            cls.poll_message_set(reason)
-        return not reason
+    obstacle = staticmethod(targets.no_bake)
 
     def read(self, context):
         clip = scene_in.clip_of(context)

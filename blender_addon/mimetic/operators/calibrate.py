@@ -15,11 +15,7 @@ skin is held and how strong the muscles are; the fit keeps it for every capture"
     bl_label = "Calibrate"
     bl_options = {"UNDO"}
 
-    @classmethod
-    def poll(cls, context):
-        if reason := scene_in.no_fit(context):
-            cls.poll_message_set(reason)
-        return not reason
+    obstacle = staticmethod(scene_in.no_fit)
 
     def read(self, context):
         clip = scene_in.clip_of(context)

@@ -5,31 +5,21 @@ import bpy
 from bpy.props import StringProperty
 
 from .. import native, scene_out, targets
+from ..greyed import Greyed
 
 
-class OfExpression:
+class OfExpression(Greyed):
     """Mixin of operators on an expression."""
 
     action: StringProperty(options={"SKIP_SAVE"}, description="Expression; the chosen one if empty")
 
-    @classmethod
-    def poll(cls, context):
-        if reason := cls.lacking(context):
-            cls.poll_message_set(reason)
-        return not reason
-
-    @staticmethod
-    def lacking(context) -> str:
-        """Why there is nothing to work on."""
-        return targets.no_expression(context)
+    obstacle = staticmethod(targets.no_expression)
 
 
 class OnFace(OfExpression):
     """Mixin of operators that put an expression on a face."""
 
-    @staticmethod
-    def lacking(context) -> str:
-        return targets.no_expression_on_face(context)
+    obstacle = staticmethod(targets.no_expression_on_face)
 
 
 def chosen(context, name: str) -> bpy.types.Action:

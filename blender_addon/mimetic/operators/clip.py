@@ -5,9 +5,10 @@ from bpy.types import Operator
 from bpy_extras.io_utils import ImportHelper
 
 from .. import clips, native, outcome, scene_in, scene_out, takes
+from ..greyed import Greyed
 
 
-class MIMETIC_OT_load_clip(Operator, ImportHelper):
+class MIMETIC_OT_load_clip(Greyed, Operator, ImportHelper):
     """Load footage of a face, and show it in the clip editor"""
 
     bl_idname = "mimetic.load_clip"
@@ -17,10 +18,8 @@ class MIMETIC_OT_load_clip(Operator, ImportHelper):
     filter_glob: StringProperty(default="*.mp4;*.mov;*.avi;*.mkv;*.webm;*.m4v", options={"HIDDEN"})
 
     @classmethod
-    def poll(cls, context):
-        if reason := scene_in.no_start():
-            cls.poll_message_set(reason)
-        return not reason
+    def obstacle(cls, context):
+        return scene_in.no_start()
 
     def execute(self, context):
         path = bpy.path.abspath(self.filepath)

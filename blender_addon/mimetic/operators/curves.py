@@ -3,9 +3,10 @@ from bpy.props import BoolProperty, FloatProperty
 from bpy.types import Operator
 
 from .. import editors, native, outcome, scene_in, scene_out, targets
+from ..greyed import Greyed
 
 
-class MIMETIC_OT_reduce_keys(Operator):
+class MIMETIC_OT_reduce_keys(Greyed, Operator):
     """Replace the keys of the face's curves by few with handles, where something changes"""
 
     bl_idname = "mimetic.reduce_keys"
@@ -28,10 +29,8 @@ class MIMETIC_OT_reduce_keys(Operator):
     )
 
     @classmethod
-    def poll(cls, context):
-        if reason := native.problem() or targets.no_curves(context):
-            cls.poll_message_set(reason)
-        return not reason
+    def obstacle(cls, context):
+        return native.problem() or targets.no_curves(context)
 
     def execute(self, context):
         face = scene_in.face_of(context)

@@ -5,6 +5,7 @@ from bpy.props import BoolProperty, FloatProperty, StringProperty
 from bpy.types import Operator
 
 from .. import native, outcome, scene_in, scene_out, targets
+from ..greyed import Greyed
 from .chosen_expression import OnFace, chosen
 
 
@@ -38,7 +39,7 @@ class MIMETIC_OT_sequence_expression(OnFace, Operator):
         return outcome.finished(self, context, text, **facts)
 
 
-class MIMETIC_OT_compose_expressions(Operator):
+class MIMETIC_OT_compose_expressions(Greyed, Operator):
     """Make one new expression of the face's strips: where several move a muscle the one nearer to
     its peak prevails. The strips are muted"""
 
@@ -48,11 +49,7 @@ class MIMETIC_OT_compose_expressions(Operator):
 
     name: StringProperty(name="Name", default="Composition")
 
-    @classmethod
-    def poll(cls, context):
-        if reason := targets.no_expression_strips(context):
-            cls.poll_message_set(reason)
-        return not reason
+    obstacle = staticmethod(targets.no_expression_strips)
 
     def execute(self, context):
         face = scene_in.face_of(context)

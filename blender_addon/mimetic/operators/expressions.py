@@ -8,6 +8,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 from bpy.types import Operator
 
 from .. import editors, native, outcome, scene_in, scene_out
+from ..greyed import Greyed
 from ..jobs import Job
 from .chosen_expression import OfExpression, OnFace, chosen
 
@@ -19,7 +20,7 @@ def show(scene, action: bpy.types.Action) -> None:
     scene.mimetic.expression = action
 
 
-class MIMETIC_OT_keep_expression(Operator):
+class MIMETIC_OT_keep_expression(Greyed, Operator):
     """Keep what the face does as an asset: as it is now, or its curves over some frames"""
 
     bl_idname = "mimetic.keep_expression"
@@ -37,11 +38,7 @@ class MIMETIC_OT_keep_expression(Operator):
     frame_first: IntProperty(name="First", description="Scene frame at which it begins")
     frame_last: IntProperty(name="Last", description="Scene frame at which it ends")
 
-    @classmethod
-    def poll(cls, context):
-        if reason := scene_in.no_face(context):
-            cls.poll_message_set(reason)
-        return not reason
+    obstacle = staticmethod(scene_in.no_face)
 
     def invoke(self, context, event):
         scene = context.scene
@@ -219,10 +216,8 @@ class MIMETIC_OT_load_expressions(Job, Operator):
     filter_folder: BoolProperty(default=True, options={"HIDDEN"})
 
     @classmethod
-    def poll(cls, context):
-        if reason := scene_in.no_start():
-            cls.poll_message_set(reason)
-        return not reason
+    def obstacle(cls, context):
+        return scene_in.no_start()
 
     def invoke(self, context, event):
         if self.directory or context.window is None:

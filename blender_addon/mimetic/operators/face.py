@@ -4,6 +4,7 @@ from bpy.props import BoolProperty, FloatVectorProperty, IntProperty
 from bpy.types import Operator
 
 from .. import native, scene_in, scene_out
+from ..greyed import Greyed
 from ..jobs import Job
 
 LARGEST = (-1.0, -1.0)  # no place: of several faces the largest is taken
@@ -34,11 +35,7 @@ class MIMETIC_OT_find_face(Job, Operator):
         "the nearest is taken. Outside the picture: the largest",
     )
 
-    @classmethod
-    def poll(cls, context):
-        if reason := scene_in.no_footage(context):
-            cls.poll_message_set(reason)
-        return not reason
+    obstacle = staticmethod(scene_in.no_footage)
 
     def read(self, context):
         frame = scene_in.shown_frame(context) if self.use_shown_frame else self.frame
@@ -63,18 +60,16 @@ class MIMETIC_OT_find_face(Job, Operator):
         return "; ".join([message, *fit.warnings])
 
 
-class MIMETIC_OT_pick_face(Operator):
+class MIMETIC_OT_pick_face(Greyed, Operator):
     """Click on the face to find, where the footage shows several"""
 
     bl_idname = "mimetic.pick_face"
     bl_label = "Pick Face"
 
     @classmethod
-    def poll(cls, context):
+    def obstacle(cls, context):
         reason = scene_in.no_footage(context) or scene_in.no_picture(context)
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+        return reason
 
     def invoke(self, context, event):
         context.window.cursor_modal_set("EYEDROPPER")

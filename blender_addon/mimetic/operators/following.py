@@ -26,11 +26,7 @@ class Following(arguments.FrameRange, Job):
         description="File to write (.npz); empty: beside the .blend, a new one for each take",
     )
 
-    @classmethod
-    def poll(cls, context):
-        if reason := scene_in.no_footage(context):
-            cls.poll_message_set(reason)
-        return not reason
+    obstacle = staticmethod(scene_in.no_footage)
 
     def option(self, context):
         return None

@@ -15,11 +15,7 @@ class MIMETIC_OT_add_landmarks(Job, Operator):
     bl_label = "Add Landmarks"
     bl_options = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context):
-        if reason := scene_in.no_foreign_head(context):
-            cls.poll_message_set(reason)
-        return not reason
+    obstacle = staticmethod(scene_in.no_foreign_head)
 
     def read(self, context):
         head = context.active_object
@@ -70,11 +66,7 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
         description="JSON file, name to vertex or place; empty takes empties and vertex groups",
     )
 
-    @classmethod
-    def poll(cls, context):
-        if reason := scene_in.no_foreign_head(context):
-            cls.poll_message_set(reason)
-        return not reason
+    obstacle = staticmethod(scene_in.no_foreign_head)
 
     def read(self, context):
         path = bpy.path.abspath(self.filepath) if self.filepath else ""
@@ -82,18 +74,13 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
 
     def work(self, inputs, progress):
         head, path = inputs
-        parts = native.foreign_face()
         landmarks = head.landmarks
         if path:
             from pathlib import Path
 
             landmarks = native.landmarks_file().read_landmarks(Path(path))
-        polygons = parts.Polygons(head.starts, head.corners)
-        try:
-            face = parts.attach_face(head.points, polygons, landmarks, head.matrix, progress)
-        except KeyboardInterrupt:  # stopped: half a face is none
-            return None
-        return head, landmarks, face
+        face = _attached(head, landmarks, progress)
+        return None if face is None else (head, landmarks, face)
 
     def write(self, context, result):
         head, landmarks, face = result
@@ -114,23 +101,14 @@ class MIMETIC_OT_add_arkit_shapes(Job, Operator):
     bl_label = "Add ARKit Shapes"
     bl_options = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context):
-        if reason := scene_in.no_bound_head(context):
-            cls.poll_message_set(reason)
-        return not reason
+    obstacle = staticmethod(scene_in.no_bound_head)
 
     def read(self, context):
         return scene_in.bound_head(context.scene, context.active_object)
 
     def work(self, head, progress):
-        parts = native.foreign_face()
-        polygons = parts.Polygons(head.starts, head.corners)
-        try:
-            face = parts.attach_face(head.points, polygons, head.landmarks, head.matrix, progress)
-        except KeyboardInterrupt:
-            return None
-        return head, face.unit_shapes()
+        face = _attached(head, head.landmarks, progress)
+        return None if face is None else (head, face.unit_shapes())
 
     def write(self, context, result):
         head, (shapes, notes) = result
@@ -143,6 +121,16 @@ class MIMETIC_OT_add_arkit_shapes(Job, Operator):
         if kept:
             message += f"; {len(kept)} keys of such names stay as they were: {', '.join(kept[:4])}"
         return message
+
+
+def _attached(head, landmarks, progress):
+    """A head's `mimetic.character.foreign_face.ForeignFace`; None if it was stopped."""
+    parts = native.foreign_face()
+    polygons = parts.Polygons(head.starts, head.corners)
+    try:
+        return parts.attach_face(head.points, polygons, landmarks, head.matrix, progress)
+    except KeyboardInterrupt:
+        return None
 
 
 CLASSES = (

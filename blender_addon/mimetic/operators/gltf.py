@@ -5,9 +5,10 @@ from bpy.types import Operator
 from bpy_extras.io_utils import ExportHelper
 
 from .. import native, outcome, scene_in, scene_out
+from ..greyed import Greyed
 
 
-class MIMETIC_OT_export_gltf(Operator, ExportHelper):
+class MIMETIC_OT_export_gltf(Greyed, Operator, ExportHelper):
     """Write the face with its muscles and motion as a .glb file, for game engines and viewers"""
 
     bl_idname = "mimetic.export_gltf"
@@ -16,11 +17,7 @@ class MIMETIC_OT_export_gltf(Operator, ExportHelper):
     filename_ext = ".glb"
     filter_glob: StringProperty(default="*.glb", options={"HIDDEN"})
 
-    @classmethod
-    def poll(cls, context):
-        if reason := scene_in.no_visible_face(context):
-            cls.poll_message_set(reason)
-        return not reason
+    obstacle = staticmethod(scene_in.no_visible_face)
 
     def execute(self, context):
         path = bpy.path.ensure_ext(bpy.path.abspath(self.filepath), ".glb")

@@ -6,6 +6,7 @@ from bpy.props import EnumProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
 from .. import native, outcome, scene_in, scene_out, takes, targets
+from ..greyed import Greyed
 from ..jobs import Job
 from ..properties import MimeticHead
 from . import arguments
@@ -42,7 +43,7 @@ class MIMETIC_OT_track_head(Following, Operator):
         return native.head_tracking().track_head(footage_path, option, frames, fit, progress)
 
 
-class MIMETIC_OT_find_head_bones(Operator):
+class MIMETIC_OT_find_head_bones(Greyed, Operator):
     """Choose the armature's head and neck by their usual names, as in Rigify's rigs"""
 
     bl_idname = "mimetic.find_head_bones"
@@ -50,14 +51,12 @@ class MIMETIC_OT_find_head_bones(Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
-    def poll(cls, context):
+    def obstacle(cls, context):
         target = context.scene.mimetic.head.target
         reason = scene_in.no_start()
         if not reason and (target is None or target.type != "ARMATURE"):
             reason = "Choose an armature as the target first"
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+        return reason
 
     def execute(self, context):
         settings = context.scene.mimetic.head
@@ -69,7 +68,7 @@ class MIMETIC_OT_find_head_bones(Operator):
         return outcome.finished(self, context, message, bone=bones.head, neck=bones.neck)
 
 
-class MIMETIC_OT_set_rest_frame(Operator):
+class MIMETIC_OT_set_rest_frame(Greyed, Operator):
     """Take the frame on show as the one in which actor and character hold their heads alike"""
 
     bl_idname = "mimetic.set_rest_frame"
@@ -83,11 +82,7 @@ class MIMETIC_OT_set_rest_frame(Operator):
         description="Footage frame; 0: the one on show",
     )
 
-    @classmethod
-    def poll(cls, context):
-        if reason := scene_in.no_clip(context):
-            cls.poll_message_set(reason)
-        return not reason
+    obstacle = staticmethod(scene_in.no_clip)
 
     def execute(self, context):
         frame = self.frame or scene_in.shown_frame(context)
@@ -120,14 +115,12 @@ class MIMETIC_OT_bake_head(Job, Operator):
     smoothing: arguments.like(MimeticHead, "smoothing")
 
     @classmethod
-    def poll(cls, context):
+    def obstacle(cls, context):
         # A script may name the target in its call, which is not known here
         is_named_later = bpy.app.background and context.scene.mimetic.head.target is None
         check = targets.no_head_take if is_named_later else targets.no_head_target
         reason = check(context)
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+        return reason
 
     def read(self, context):
         settings = context.scene.mimetic.head

@@ -7,8 +7,8 @@ from bpy.props import EnumProperty
 from bpy.types import Operator
 
 from .. import editors, jobs, live, native, outcome, scene_in, scene_out
+from ..greyed import Greyed
 
-TICK_SECONDS = 1 / 60
 TOLD_EVERY = 0.5  # seconds
 KEYS = {"N": "NEUTRAL", "R": "RECORD", "ESC": "STOP"}
 # What the viewport and the panels need; all else could change what the session writes to
@@ -19,7 +19,7 @@ PASSED = {
 }
 
 
-class MIMETIC_OT_live(Operator):
+class MIMETIC_OT_live(jobs.Modal, Operator):
     """Drive the face by a camera, or by a clip in its place: N sets neutral, R records, Esc stops.
     Without a window a whole clip is recorded"""
 
@@ -27,15 +27,10 @@ class MIMETIC_OT_live(Operator):
     bl_label = "Start Live"
     bl_options = {"UNDO"}
 
-    facts: dict | None = None
-    _timer = None
+    tick_seconds = 1 / 60
     _told = 0.0
 
-    @classmethod
-    def poll(cls, context):
-        if reason := live.no_live(context):
-            cls.poll_message_set(reason)
-        return not reason
+    obstacle = staticmethod(live.no_live)
 
     def execute(self, context):
         """Blocks until the clip has been worked through; every frame of it is recorded."""
@@ -68,18 +63,11 @@ class MIMETIC_OT_live(Operator):
             live.active = _session(context)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        jobs.running = live.active.run
         live.active.thread.start()
-        manager = context.window_manager
-        self._timer = manager.event_timer_add(TICK_SECONDS, window=context.window)
-        manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+        return self.enter(context, live.active.run)
 
-    def modal(self, context, event):
+    def handle(self, context, event):
         session = live.active
-        if session is None or jobs.running is None:  # the extension was switched off underneath
-            self._leave(context)
-            return {"CANCELLED"}
         if event.type in KEYS and event.value == "PRESS":
             session.commands.append(KEYS[event.type])
             return {"RUNNING_MODAL"}
@@ -87,12 +75,6 @@ class MIMETIC_OT_live(Operator):
             return self._tick(context, session)
         # Undo would replace the scene that the session writes to
         return {"PASS_THROUGH"} if event.type in PASSED else {"RUNNING_MODAL"}
-
-    def cancel(self, context):
-        """Blender ends the operator, as on loading a file."""
-        if live.active:
-            live.active.run.stop.set()
-        self._leave(context)
 
     def _tick(self, context, session):
         settings = context.scene.mimetic.live
@@ -131,7 +113,7 @@ class MIMETIC_OT_live(Operator):
         session.thread.stop()
         message = live.end_take(context, session)
         error = session.thread.error
-        self._leave(context)
+        self.leave(context)
         if not session.takes:
             session.puppet.restore()
             if error and not isinstance(error, native.known_errors()):
@@ -143,18 +125,14 @@ class MIMETIC_OT_live(Operator):
             self.report({"WARNING"}, str(error))
         return _finished(self, context, session, message or f"{len(session.takes)} takes recorded")
 
-    def _leave(self, context) -> None:
-        if live.active is not None:
-            live.active.puppet.end()
-        live.active = jobs.running = None
-        if self._timer is not None:
-            context.window_manager.event_timer_remove(self._timer)
-            self._timer = None
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)
+    def leave(self, context) -> None:
+        session, live.active = live.active, None
+        jobs.Modal.leave(self, context)
+        if session is not None:
+            session.puppet.end()
 
 
-class MIMETIC_OT_live_command(Operator):
+class MIMETIC_OT_live_command(Greyed, Operator):
     """What the keys of a live session do: set neutral, record, stop"""
 
     bl_idname = "mimetic.live_command"
@@ -170,10 +148,8 @@ class MIMETIC_OT_live_command(Operator):
     )
 
     @classmethod
-    def poll(cls, context):
-        if live.active is None:
-            cls.poll_message_set("No live session runs")
-        return live.active is not None
+    def obstacle(cls, context):
+        return "" if live.active else "No live session runs"
 
     def execute(self, context):
         live.active.commands.append(self.command)

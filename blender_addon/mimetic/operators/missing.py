@@ -6,11 +6,12 @@ from bpy.props import StringProperty
 from bpy.types import Operator
 
 from .. import clips, native, outcome, scene_in, scene_out, takes
+from ..greyed import Greyed
 
 DEPTH = 16  # folders in folders, as Blender's own search
 
 
-class MIMETIC_OT_find_missing(Operator):
+class MIMETIC_OT_find_missing(Greyed, Operator):
     """Look in a folder, and in all folders in it, for performances and footage that are missing: \
 performances by name, footage by its content, whatever it is called now"""
 
@@ -23,13 +24,11 @@ performances by name, footage by its content, whatever it is called now"""
     )
 
     @classmethod
-    def poll(cls, context):
+    def obstacle(cls, context):
         reason = scene_in.no_start()
         if not reason and not _missing_clips() and not takes.missing():
             reason = "No performance and no footage is missing"
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+        return reason
 
     def invoke(self, context, event):
         context.window_manager.fileselect_add(self)

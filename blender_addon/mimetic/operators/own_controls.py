@@ -8,6 +8,7 @@ from bpy.props import BoolProperty, EnumProperty, StringProperty
 from bpy.types import Operator
 
 from .. import control_rows, native, outcome, scene_in, takes, targets, writable
+from ..greyed import Greyed
 from ..jobs import Job
 from ..scene_out import face_bones, own_controls, own_keys
 
@@ -15,24 +16,21 @@ MANY = 0.98  # of the work: fitting
 
 
 def surface_of(context, character: bpy.types.Object):
-    """What a character's own keys, or its face's bones, do; and their ranges by name."""
+    """What a character's own keys, or its face's bones, do."""
     if character.type == "ARMATURE":
-        surface = face_bones.surface(context.scene, character)
-    else:
-        surface = own_keys.surface(character)
-    return surface, dict(zip(surface.control_names, surface.control_range.tolist(), strict=True))
+        return face_bones.surface(context.scene, character)
+    return own_keys.surface(character)
 
 
-class OnControls:
-    """Mixin: greyed out, with the reason, where `no_target` gives one."""
+def ranges_of(character: bpy.types.Object) -> dict[str, list[float]]:
+    """The least and greatest values of a character's own controls, by name."""
+    return (face_bones if character.type == "ARMATURE" else own_keys).ranges(character)
 
-    no_target = staticmethod(targets.no_control_table)
 
-    @classmethod
-    def poll(cls, context):
-        if reason := cls.no_target(context):
-            cls.poll_message_set(reason)
-        return not reason
+class OnControls(Greyed):
+    """Mixin of operators on the active object's table of controls."""
+
+    obstacle = staticmethod(targets.no_control_table)
 
 
 class Fitting(OnControls, Job):
@@ -42,11 +40,11 @@ class Fitting(OnControls, Job):
 
     def read(self, context):
         character = context.active_object
-        surface, ranges = surface_of(context, character)
         rows = [] if self.is_reset() else control_rows.rows_of(character)
-        rows = native.controls().refitted(rows, ranges)
+        rows = native.controls().refitted(rows, ranges_of(character))
         has_take = not scene_in.no_take(context, "capture it")
         take = scene_in.take(context) if has_take else None
+        surface = surface_of(context, character) if has_take else None
         is_rig = character.type == "ARMATURE"
         options = native.bone_channels().nearest_surface() if is_rig else None
         return character.name, surface, rows, take, options
@@ -75,7 +73,7 @@ class MIMETIC_OT_fit_controls(Fitting, Operator):
 
     bl_idname = "mimetic.fit_controls"
     bl_label = "Fit Controls"
-    no_target = staticmethod(targets.no_controls)
+    obstacle = staticmethod(targets.no_controls)
 
     reset_edits: BoolProperty(
         name="Reset Edits",
@@ -102,7 +100,7 @@ class MIMETIC_OT_bake_controls(Fitting, Operator):
 
     bl_idname = "mimetic.bake_controls"
     bl_label = "Bake to Character"
-    no_target = staticmethod(targets.no_controls_bake)
+    obstacle = staticmethod(targets.no_controls_bake)
 
     use_head_motion: BoolProperty(
         name="Head Motion", default=True, description="Move the object as the actor's head moves"
@@ -189,17 +187,16 @@ class MIMETIC_OT_load_controls(Preset, Operator):
     bl_idname = "mimetic.load_controls"
     bl_label = "Load Controls"
     bl_options = {"REGISTER", "UNDO"}
-    no_target = staticmethod(targets.no_controls)
+    obstacle = staticmethod(targets.no_controls)
 
     def execute(self, context):
         character = context.active_object
-        _, ranges = surface_of(context, character)
         package = native.controls()
         try:
             preset = package.load_preset(bpy.path.abspath(self.filepath))
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        own = package.refitted(control_rows.rows_of(character), ranges)
+        own = package.refitted(control_rows.rows_of(character), ranges_of(character))
         rows, strangers = package.with_preset(own, preset)
         if len(strangers) == len(preset):
             message = f"{character.name} has none of the preset's controls"

@@ -7,9 +7,10 @@ from bpy.types import Operator
 from bpy_extras.io_utils import ImportHelper
 
 from .. import clips, native, outcome, scene_in, scene_out, takes
+from ..greyed import Greyed
 
 
-class MIMETIC_OT_load_performance(Operator, ImportHelper):
+class MIMETIC_OT_load_performance(Greyed, Operator, ImportHelper):
     """Choose a captured performance to bake; its clip is shown, if that can be found"""
 
     bl_idname = "mimetic.load_performance"
@@ -20,10 +21,8 @@ class MIMETIC_OT_load_performance(Operator, ImportHelper):
     filter_glob: StringProperty(default="*.npz", options={"HIDDEN"})
 
     @classmethod
-    def poll(cls, context):
-        if reason := scene_in.no_start():
-            cls.poll_message_set(reason)
-        return not reason
+    def obstacle(cls, context):
+        return scene_in.no_start()
 
     def execute(self, context):
         path = bpy.path.abspath(self.filepath)

@@ -3,21 +3,20 @@ import bpy
 from bpy.types import Operator
 
 from .. import editors, native, outcome, pins, scene_in, scene_out
+from ..greyed import Greyed
 from ..jobs import Job
 from ..scene_out import landmarks
 
 
-class Pinning:
+class Pinning(Greyed):
     """Mixin of operators that change pins: `change(context, clip)` returns the message."""
 
     bl_options = {"REGISTER", "UNDO"}
     needs_selection = True
 
     @classmethod
-    def poll(cls, context):
-        if reason := scene_in.no_landmarks(context, cls.needs_selection):
-            cls.poll_message_set(reason)
-        return not reason
+    def obstacle(cls, context):
+        return scene_in.no_landmarks(context, cls.needs_selection)
 
     def execute(self, context):
         try:
@@ -72,12 +71,10 @@ class MIMETIC_OT_show_landmarks(Job, Operator):
     bl_options = {"UNDO"}
 
     @classmethod
-    def poll(cls, context):
+    def obstacle(cls, context):
         reason = scene_in.no_footage(context)
         reason = reason or scene_in.no_landmarks(context, needs_selection=False, needs_frame=False)
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+        return reason
 
     def read(self, context):
         fit = scene_out.face_fit.of_clip(scene_in.clip_of(context))

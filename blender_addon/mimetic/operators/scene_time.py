@@ -2,9 +2,10 @@
 from bpy.types import Operator
 
 from .. import clip_time, outcome, scene_in
+from ..greyed import Greyed
 
 
-class MIMETIC_OT_scene_as_clip(Operator):
+class MIMETIC_OT_scene_as_clip(Greyed, Operator):
     """Give the scene the clip's rate and range: the clip editor and the face show the same frame.
     Curves that are there keep their frames"""
 
@@ -13,7 +14,7 @@ class MIMETIC_OT_scene_as_clip(Operator):
     bl_options = {"UNDO"}  # once they play alike there is nothing to redo
 
     @classmethod
-    def poll(cls, context):
+    def obstacle(cls, context):
         reason = scene_in.no_clip(context)
         clip = scene_in.clip_of(context)
         if not reason and not clip_time.is_known(clip):
@@ -21,9 +22,7 @@ class MIMETIC_OT_scene_as_clip(Operator):
         scene = context.scene
         if not reason and clip_time.has_rate(scene, clip) and clip_time.has_range(scene, clip):
             reason = "The scene has the clip's rate and range"
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+        return reason
 
     def execute(self, context):
         scene, clip = context.scene, scene_in.clip_of(context)

@@ -4,6 +4,7 @@ from bpy.props import BoolProperty, IntProperty
 from bpy.types import Operator
 
 from .. import native, outcome, scene_in, scene_out, targets
+from ..greyed import Greyed
 from ..jobs import Job
 
 
@@ -23,13 +24,11 @@ class MIMETIC_OT_add_face(Job, Operator):
     )
 
     @classmethod
-    def poll(cls, context):
+    def obstacle(cls, context):
         reason = scene_in.no_start()
         if not reason and context.mode != "OBJECT":
             reason = "Leave the edit mode first"
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+        return reason
 
     def read(self, context):
         return self.use_units
@@ -52,18 +51,14 @@ class MIMETIC_OT_add_face(Job, Operator):
         return f"{face.name} has {num_sliders} sliders: sidebar, Mimetic, Muscles"
 
 
-class MIMETIC_OT_rest_face(Operator):
+class MIMETIC_OT_rest_face(Greyed, Operator):
     """Put all sliders of the face to 0; curves stay as they are"""
 
     bl_idname = "mimetic.rest_face"
     bl_label = "Rest Face"
     bl_options = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context):
-        if reason := targets.no_rest(context):
-            cls.poll_message_set(reason)
-        return not reason
+    obstacle = staticmethod(targets.no_rest)
 
     def execute(self, context):
         face = scene_in.face_of(context)

@@ -4,6 +4,7 @@ from bpy.props import FloatProperty
 from bpy.types import Operator
 
 from .. import native, outcome, scene_in, scene_out, takes, writable
+from ..greyed import Greyed
 from ..jobs import Job
 from . import arguments
 
@@ -22,11 +23,7 @@ class MIMETIC_OT_hold_head_still(Job, Operator):
         description="Strength of smoothing; not given: as the panel Head has it",
     )
 
-    @classmethod
-    def poll(cls, context):
-        if reason := scene_in.no_stabilising(context):
-            cls.poll_message_set(reason)
-        return not reason
+    obstacle = staticmethod(scene_in.no_stabilising)
 
     def read(self, context):
         smoothing = arguments.chosen(self, "smoothing", context.scene.mimetic.head)
@@ -47,7 +44,7 @@ class MIMETIC_OT_hold_head_still(Job, Operator):
         return f"The head is held still in {num_frames} frames of {clip.name}"
 
 
-class MIMETIC_OT_release_head(Operator):
+class MIMETIC_OT_release_head(Greyed, Operator):
     """Show the clip as it was filmed again"""
 
     bl_idname = "mimetic.release_head"
@@ -55,14 +52,12 @@ class MIMETIC_OT_release_head(Operator):
     bl_options = {"UNDO"}  # once released there is nothing to redo
 
     @classmethod
-    def poll(cls, context):
+    def obstacle(cls, context):
         reason = scene_in.no_clip(context)
         if not reason and not scene_in.is_held(scene_in.clip_of(context)):
             reason = "The clip is shown as it was filmed"
         reason = reason or writable.no_tracks(scene_in.clip_of(context))
-        if reason:
-            cls.poll_message_set(reason)
-        return not reason
+        return reason
 
     def execute(self, context):
         clip = scene_in.clip_of(context)

@@ -3,7 +3,6 @@
 
 from bpy.types import Panel
 
-from .. import native
 from .muscles import Muscles
 
 
@@ -11,10 +10,6 @@ class MIMETIC_PT_expressions(Muscles, Panel):
     bl_idname = "MIMETIC_PT_expressions"
     bl_label = "Expressions"
     bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context):
-        return not native.problem()
 
     def draw(self, context):
         layout = self.layout

@@ -5,19 +5,13 @@ from bpy.types import Panel
 
 from .. import live, native, scene_in
 from .capture import wrapped
+from .muscles import Muscles
 
 
-class MIMETIC_PT_live(Panel):
+class MIMETIC_PT_live(Muscles, Panel):
     bl_idname = "MIMETIC_PT_live"
     bl_label = "Live"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Mimetic"
     bl_options = {"DEFAULT_CLOSED"}
-
-    @classmethod
-    def poll(cls, context):
-        return not native.problem()
 
     def draw(self, context):
         layout = self.layout

@@ -16,14 +16,14 @@ class Muscles:
     bl_region_type = "UI"
     bl_category = "Mimetic"
 
+    @classmethod
+    def poll(cls, context):
+        return not native.problem()
+
 
 class MIMETIC_PT_muscles(Muscles, Panel):
     bl_idname = "MIMETIC_PT_muscles"
     bl_label = "Muscles"
-
-    @classmethod
-    def poll(cls, context):
-        return not native.problem()
 
     def draw(self, context):
         layout = self.layout

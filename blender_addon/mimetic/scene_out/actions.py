@@ -3,9 +3,6 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
-
 import bpy
 import numpy as np
 
@@ -14,6 +11,7 @@ from .. import compat, native
 LINEAR = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["LINEAR"].value
 BEZIER = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["BEZIER"].value
 ALIGNED = bpy.types.Keyframe.bl_rna.properties["handle_left_type"].enum_items["ALIGNED"].value
+ROTATION_PATHS = ("rotation_quaternion", "rotation_euler", "rotation_axis_angle")
 CONSTANT = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["CONSTANT"].value
 
 
@@ -66,15 +64,33 @@ def key_columns(holder, data_path: str, group: str, frames, rows) -> int:
     return rows.shape[1]
 
 
+def key_slider(holder, key: bpy.types.ShapeKey, group: str, frames, values) -> None:
+    """Keys a shape key's value densely, instead of the curve that it has."""
+    path = key.path_from_id("value")
+    clear(holder, path)
+    fill(compat.new_curve(holder, path, 0, group), frames, values, LINEAR)
+
+
+def key_rotations(holder, prefix: str, group: str, frames, channels) -> int:
+    """Keys the rotations of `mimetic.rig_motion.Channels`; returns the number of curves.
+
+    Curves of other modes go: they would lie beside unread. prefix: path of what turns, or nothing.
+    """
+    for path in ROTATION_PATHS:
+        clear(holder, prefix + path)
+    return key_columns(holder, prefix + channels.rotation_path, group, frames, channels.rotations)
+
+
 def clear(holder, data_path: str) -> None:
     """Removes a property's curves."""
     for curve in [curve for curve in holder.fcurves if curve.data_path == data_path]:
         holder.fcurves.remove(curve)
 
 
-def take_name(path: str | os.PathLike[str]) -> str:
-    """What a take from this clip or performance is called; Blender's names are Unicode, always."""
-    return native.shown_text().shown(Path(path).name.split(".")[0])
+def driver_paths(id_block: bpy.types.ID) -> set[str]:
+    """Of what drivers set: it takes no curve."""
+    animation = id_block.animation_data
+    return {driver.data_path for driver in animation.drivers} if animation else set()
 
 
 def new_take(id_block: bpy.types.ID, name: str):

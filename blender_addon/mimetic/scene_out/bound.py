@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import bpy
 from mathutils import Matrix
 
-from .. import compat, native, scene_in, world, writable
+from .. import native, scene_in, world, writable
 from . import actions, by_hand, head, own_keys, standing
 
 
@@ -66,10 +66,7 @@ def bake(
     if stale := _silence(head_object, holder):
         remarks.append(f"an earlier take's {', '.join(stale)} on {head_object.name} is at 0 now")
     for key, shape in playable:
-        path = key.path_from_id("value")
-        actions.clear(holder, path)
-        curve = compat.new_curve(holder, path, 0, shape.group)
-        actions.fill(curve, frames, shape.values, actions.LINEAR)
+        actions.key_slider(holder, key, shape.group, frames, shape.values)
     num_curves = len(playable)
     if channels is not None:
         num_curves += head.key_object(
@@ -96,7 +93,7 @@ def moved_by(head: bpy.types.Object) -> str:
         return f"its constraint {constraint.name}"
     if _has_deltas(head):
         return "its delta transforms"
-    if any(path.startswith(("location", "rotation")) for path in _driver_paths(head)):
+    if any(path.startswith(("location", "rotation")) for path in actions.driver_paths(head)):
         return "its drivers"
     return ""
 
@@ -194,8 +191,3 @@ def _is_cut(key: bpy.types.ShapeKey, values) -> bool:
     return bool(
         values.min() < key.slider_min - TOLERANCE or values.max() > key.slider_max + TOLERANCE
     )
-
-
-def _driver_paths(block: bpy.types.ID) -> list[str]:
-    animation = block.animation_data
-    return [driver.data_path for driver in animation.drivers] if animation else []

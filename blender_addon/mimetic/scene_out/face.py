@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 
 from .. import native, writable
-from . import by_hand, contact, gaze
+from . import actions, by_hand, contact, gaze
 from .by_hand import HandChanges, KeyState
 
 BASIS = "Basis"
@@ -126,7 +126,7 @@ def _drop_others(
     left = []
     keys = face.data.shape_keys
     animation = keys.animation_data
-    driven_paths = {curve.data_path for curve in animation.drivers} if animation else ()
+    driven_paths = actions.driver_paths(keys)
     in_strips = animation is not None and len(animation.nla_tracks) > 0
     for shape in [shape for shape in states if shape not in names]:
         key = keys.key_blocks[states[shape].key]

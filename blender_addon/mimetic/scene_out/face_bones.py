@@ -47,13 +47,13 @@ def no_face(scene: bpy.types.Scene, armature: bpy.types.Object) -> str:
 def channels(armature: bpy.types.Object) -> list:
     """`mimetic.retarget.BoneChannel`s of the face's bones, but for those that drivers set."""
     package = native.bone_channels()
-    animation = armature.animation_data
-    driven = {driver.data_path for driver in animation.drivers} if animation else set()
+    driven = actions.driver_paths(armature)
     own = []
     for name in package.face_bones([bone.name for bone in armature.pose.bones]):
         bone = armature.pose.bones[name]
         can_move = not (bone.bone.use_connect and bone.bone.parent)
-        if any(path.startswith(bone.path_from_id()) for path in driven):
+        prefix = bone.path_from_id()
+        if any(path.startswith(prefix) for path in driven):
             continue
         own += package.channels_of(name, can_move, tuple(bone.lock_location), bone.lock_rotation[0])
     return own
@@ -69,6 +69,11 @@ def surface(scene: bpy.types.Scene, armature: bpy.types.Object):
         controls=_responses(armature, face, own),
         control_range=np.tile(native.bone_channels().RANGE, (len(own), 1)),
     )
+
+
+def ranges(armature: bpy.types.Object) -> dict[str, list[float]]:
+    """Least and greatest value of each channel of the face's bones, by name."""
+    return {channel.name: list(native.bone_channels().RANGE) for channel in channels(armature)}
 
 
 def play(
@@ -100,10 +105,7 @@ def bake(
         text += f"; {bones.remark}" if bones.remark and use_head_motion else ""
     num_curves += key(scene, performance, armature, played, footage)
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
-    has_motion = use_head_motion and bool(bones.head)
-    return own_controls.BakeSummary(
-        float(frames[0]), float(frames[-1]), num_curves, has_motion, text
-    )
+    return own_controls.BakeSummary(float(frames[0]), float(frames[-1]), num_curves, text)
 
 
 def key(scene, performance, armature: bpy.types.Object, played, footage=None) -> int:
@@ -162,7 +164,6 @@ def _moved(armature, face, channel, value: float) -> np.ndarray:
         return _evaluated(face)
     finally:
         bone.matrix_basis = before
-        bpy.context.view_layer.update()
 
 
 def _evaluated(face) -> np.ndarray:

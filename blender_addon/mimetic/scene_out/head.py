@@ -10,8 +10,6 @@ import bpy
 from .. import native, scene_in, world, writable
 from . import actions, rigs, standing
 
-INSTALLED = ("rotation_quaternion", "rotation_euler", "rotation_axis_angle", "location")
-
 
 @dataclass(frozen=True)
 class Target:
@@ -132,14 +130,10 @@ def _without_location(channels):
 
 
 def _key(holder, prefix: str, group: str, frames, channels) -> int:
-    """Replaces what curves there are; a rotation in another mode would lie beside unread."""
-    for path in INSTALLED:
-        if path != "location" or channels.locations is not None:
-            actions.clear(holder, prefix + path)
-    num_curves = actions.key_columns(
-        holder, prefix + channels.rotation_path, group, frames, channels.rotations
-    )
+    """Replaces what curves there are."""
+    num_curves = actions.key_rotations(holder, prefix, group, frames, channels)
     if channels.locations is not None:
+        actions.clear(holder, prefix + "location")
         num_curves += actions.key_columns(
             holder, prefix + "location", group, frames, channels.locations
         )

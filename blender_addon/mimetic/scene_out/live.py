@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from .. import compat, native, scene_in, world
+from .. import native, scene_in, world
 from . import actions, bound, by_hand, contact, own_keys, standing
 
 HEAD_PATHS = {"head_position": "location", "head_rotation": "rotation"}
-ROTATION_PATHS = ("rotation_quaternion", "rotation_euler", "rotation_axis_angle")
+PLACE_PATHS = ("location", *actions.ROTATION_PATHS)
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class Puppet:
     """A face while a live session moves it, by name: an undo may replace the object."""
 
     def __init__(
-        self, scene: bpy.types.Scene, face: bpy.types.Object, use_subdivision: bool = True
+        self, scene: bpy.types.Scene, face: bpy.types.Object, use_subdivision: bool
     ) -> None:
         self.name = face.name
         keys = face.data.shape_keys
@@ -40,7 +40,7 @@ class Puppet:
         self._values = np.empty(len(keys.key_blocks), dtype=np.float32)
         keys.key_blocks.foreach_get("value", self._values)
         self._values_before = self._values.copy()
-        self._place_before = face.location.copy(), bound.rotation_of(face).copy()
+        self._place_before = {path: tuple(getattr(face, path)) for path in PLACE_PATHS}
         mover = bound.moved_by(face)
         self.remark = f"{face.name} is moved by {mover}: its head stays" if mover else ""
         self.stand = None if mover else stand_of(scene, face)
@@ -94,15 +94,8 @@ class Puppet:
             return
         self._write_values(face, self._values_before)
         if self.stand is not None:
-            location, rotation = self._place_before
-            face.location = location
-            if face.rotation_mode == "QUATERNION":
-                face.rotation_quaternion = rotation.to_quaternion()
-            elif face.rotation_mode == "AXIS_ANGLE":
-                axis, angle = rotation.to_quaternion().to_axis_angle()
-                face.rotation_axis_angle = (angle, *axis)
-            else:
-                face.rotation_euler = rotation.to_euler(face.rotation_mode)
+            for path, place in self._place_before.items():
+                setattr(face, path, place)
 
     def _write_values(self, face, values) -> None:
         keys = face.data.shape_keys
@@ -158,10 +151,8 @@ def record(
     if playable:
         holder = actions.continued_take(keys, f"{take} muscles")
         for shape in playable:
-            path = keys.key_blocks[names[shape.name]].path_from_id("value")
-            actions.clear(holder, path)
-            curve = compat.new_curve(holder, path, 0, shape.group)
-            actions.fill(curve, frames, shape.values, actions.LINEAR)
+            key = keys.key_blocks[names[shape.name]]
+            actions.key_slider(holder, key, shape.group, frames, shape.values)
         num_curves = len(playable)
     num_curves += _record_head(puppet, face, performance, take, frames, channels)
     return TakeSummary(float(frames[0]), float(frames[-1]), num_curves, tuple(remarks))
@@ -176,11 +167,7 @@ def _record_head(puppet: Puppet, face, performance, take: str, frames, channels)
     holder = actions.continued_take(face, f"{take} head")
     num_curves = 0
     if "head_rotation" in wanted:
-        for path in ROTATION_PATHS:
-            actions.clear(holder, path)
-        num_curves += actions.key_columns(
-            holder, motion.rotation_path, "Head", frames, motion.rotations
-        )
+        num_curves += actions.key_rotations(holder, "", "Head", frames, motion)
     if "head_position" in wanted:
         actions.clear(holder, "location")
         num_curves += actions.key_columns(holder, "location", "Head", frames, motion.locations)

@@ -10,7 +10,7 @@ import bpy
 from mathutils import Euler
 
 from .. import compat, native, takes
-from . import actions, bake, clip, gltf
+from . import bake, clip, gltf
 
 
 def write(
@@ -37,7 +37,7 @@ def write(
     scene = bpy.context.scene
     set_up(scene, performance)
     footage = clip.load(scene, footage_path) if footage_path else None
-    take = actions.take_name(footage_path or performance_path)
+    take = takes.take_name(footage_path or performance_path)
     is_blend = Path(out).suffix != ".glb"
     contact = native.contact_shapes().contact_shapes(performance)
     summary = bake(

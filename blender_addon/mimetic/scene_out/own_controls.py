@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from .. import compat, native, scene_in, world, writable
+from .. import native, scene_in, world, writable
 from . import actions, bound, head, own_keys
 
 GROUP = "Face"  # what the curves are listed under
@@ -18,7 +18,6 @@ class BakeSummary:
     first: float  # scene frames of the first and the last key
     last: float
     num_curves: int
-    has_motion: bool  # whether the head's motion was keyed on the object
     text: str  # which controls were driven, which not, what share of the motion is explained
 
 
@@ -50,9 +49,7 @@ def bake(
         remark = f"; {character.name} is moved by {mover}: bake the head's motion on that"
     holder = actions.continued_take(keys, f"{take} controls")
     for name, values in zip(played.names, played.values.T, strict=True):
-        path = keys.key_blocks[name].path_from_id("value")
-        actions.clear(holder, path)
-        actions.fill(compat.new_curve(holder, path, 0, GROUP), frames, values, actions.LINEAR)
+        actions.key_slider(holder, keys.key_blocks[name], GROUP, frames, values)
     num_curves = len(played.names)
     if use_head_motion:
         if scene_in.is_face(character):
@@ -62,9 +59,7 @@ def bake(
         else:
             target = head.Target(character.name, pivot=_pivot(scene, character))
             num_curves += head.bake(scene, performance, take, target, footage).num_curves
-    return BakeSummary(
-        float(frames[0]), float(frames[-1]), num_curves, use_head_motion, played.summary() + remark
-    )
+    return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, played.summary() + remark)
 
 
 def play(performance, character: bpy.types.Object, preset: str | None = None):

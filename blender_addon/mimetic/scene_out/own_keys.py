@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 
 from .. import native
-from . import by_hand
+from . import actions, by_hand
 from .contact import KEY
 
 
@@ -27,8 +27,7 @@ def own_keys(head: bpy.types.Object) -> list[bpy.types.ShapeKey]:
 
 def driven_keys(keys: bpy.types.Key) -> set[str]:
     """Names of the shape keys that drivers set: they take no curve."""
-    animation = keys.animation_data
-    paths = {driver.data_path for driver in animation.drivers} if animation else set()
+    paths = actions.driver_paths(keys)
     return {key.name for key in keys.key_blocks if key.path_from_id("value") in paths}
 
 
@@ -64,6 +63,12 @@ def surface(head: bpy.types.Object):
         sources=_stack([_offsets(head, key) for key in sources.values()], mesh),
         source_range=_ranges(sources.values()),
     )
+
+
+def ranges(head: bpy.types.Object) -> dict[str, list[float]]:
+    """Least and greatest value of each own shape key, by name."""
+    keys = own_keys(head)
+    return dict(zip([key.name for key in keys], _ranges(keys).tolist(), strict=True))
 
 
 def _muscles(head: bpy.types.Object) -> dict[str, bpy.types.ShapeKey]:

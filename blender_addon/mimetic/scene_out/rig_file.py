@@ -8,8 +8,8 @@ from pathlib import Path
 
 import bpy
 
-from .. import native, scene_in
-from . import actions, bound, clip, face_bones, head, own_controls, own_keys, rigs
+from .. import native, scene_in, takes
+from . import bound, clip, face_bones, head, own_controls, own_keys, rigs
 
 
 def write(
@@ -38,7 +38,7 @@ def write(
     where = f"--target {Path(rig_path).name}"
     obj = _object(scene, where, name, settings)
     footage = clip.load(scene, footage_path) if footage_path else None
-    take = actions.take_name(footage_path or performance_path)
+    take = takes.take_name(footage_path or performance_path)
     choice = settings.get("controls", "auto")
     if obj.type == "ARMATURE" and choice == "own":
         text = _play_bones(
