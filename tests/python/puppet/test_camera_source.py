@@ -3,12 +3,13 @@
 
 import threading
 import time
+from collections import deque
 from pathlib import Path
 
 import pytest
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.puppet import camera_source
-from mimetic.puppet.camera_source import CameraSource, camera_input, is_camera
+from mimetic.puppet.camera_source import CameraSource, camera_input, is_camera, reason_of
 from mimetic.puppet.pictures import Events, NewestPicture
 
 STAND_IN = Path(__file__).with_name("stand_in_camera.py")
@@ -118,3 +119,9 @@ def test_what_names_no_camera_is_refused(name):
 def test_a_camera_that_is_not_there_says_so():
     with pytest.raises(UnreadableMedia, match="there is no such camera"):
         CameraSource("camera:/dev/video_none").feed(NewestPicture(), Events())
+
+
+def test_a_microphone_is_not_called_a_camera():
+    words = deque([b"[in#0] Unknown input format: 'pulse'"])
+    assert reason_of(words, "microphone").startswith("this ffmpeg reads no microphones")
+    assert reason_of(words).startswith("this ffmpeg reads no cameras")

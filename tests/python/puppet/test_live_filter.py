@@ -53,11 +53,15 @@ def test_a_face_that_goes_away_is_held_and_found_again(images):
 
 
 def test_another_view_is_begun_anew(images):
-    live = LiveFilter(in_background=False)
+    live = LiveFilter(stillness=1, in_background=False)
     live.advance(images[0], 0.0)
     live.start_over()
     small = np.ascontiguousarray(images[0][:200, 20:300])
-    assert live.advance(small, 0.1).quality > 0.5
+    state = live.advance(small, 0.1)
+    assert state.quality > 0.5
+    anew = LiveFilter(stillness=1, in_background=False).advance(small, 0.0)
+    np.testing.assert_allclose(state.head_pose, anew.head_pose, atol=1e-9)
+    np.testing.assert_allclose(state.values, anew.values, atol=1e-9)
 
 
 def test_neutral_is_what_the_face_does_now(images):

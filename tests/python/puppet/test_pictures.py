@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import threading
+from types import SimpleNamespace
 
 import numpy as np
+from mimetic.puppet.live_session import LiveSession
 from mimetic.puppet.pictures import NewestPicture, Picture
 
 
@@ -37,3 +39,24 @@ def test_waiting_skips_none():
     pictures.close()
     thread.join(5)
     assert times == list(range(49)) and pictures.num_skipped == 0
+
+
+def test_the_last_picture_is_worked_on_though_it_came_as_a_wait_ended():
+    class LateAndClosed(NewestPicture):
+        waits = 0
+
+        def take(self, timeout):
+            self.waits += 1
+            if self.waits > 1:
+                return super().take(timeout)
+            self.put(picture(7))
+            self.close()
+            return None  # as if the wait had ended just before
+
+    times = []
+    source = SimpleNamespace(feed=lambda _pictures, events: events.wait(5))
+    live = SimpleNamespace(advance=lambda _image, time: times.append(time), stop=lambda: None)
+    session = LiveSession(source, live, lambda _picture, _state: True, print)
+    session._pictures = LateAndClosed()
+    session.run()
+    assert times == [7.0]

@@ -5,8 +5,11 @@ import shutil
 
 import numpy as np
 import pytest
+from mimetic import InvalidInput, UnreadableMedia
 from mimetic.commands.cli import main
+from mimetic.fit.face_fit import FaceFit
 from mimetic.performance.document import Performance
+from mimetic.puppet.running import RunOptions, drive
 from mimetic.puppet.templates import TaughtSet
 
 
@@ -80,6 +83,31 @@ def test_other_ways_of_driving_open_the_mouth_too(rendered_clip, folder, tmp_pat
         one.articulator_values[:, one.articulators.index("jaw_open")] for one in (captured, driven)
     ]
     assert correlation(*jaws) > 0.8
+
+
+def test_attaching_says_how_far_it_is_and_can_be_stopped(rendered_clip, folder):
+    texts = []
+
+    def progress(_fraction, text):
+        texts.append(text)
+        return "stiffness" not in text
+
+    taught = TaughtSet.load(folder / "set.npz")
+    fit = FaceFit.load(folder / "capture" / "fit.json")
+    with pytest.raises(UnreadableMedia, match="stopped too early"):
+        drive(rendered_clip.footage, taught, RunOptions(), (1, 3), fit, progress)
+    assert "refining the skin" in texts
+
+
+def test_a_neutral_frame_that_is_not_there_is_refused_before_any_work(rendered_clip, folder):
+    texts = []
+    taught = TaughtSet.load(folder / "set.npz")
+    with pytest.raises(InvalidInput, match="--neutral 99 is not in frames 1 to 50"):
+        drive(
+            *(rendered_clip.footage, taught, RunOptions(neutral=99)),
+            progress=lambda _fraction, text: texts.append(text) is None,
+        )
+    assert texts == []
 
 
 def test_what_cannot_be_taught_is_refused_in_a_line(rendered_clip, folder, tmp_path, capsys):

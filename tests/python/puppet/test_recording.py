@@ -2,6 +2,7 @@
 """A rendered clip recorded as if it were live."""
 
 import json
+import socket
 import wave
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from clips import ffmpeg, make_clip
 from mimetic.commands.cli import main
 from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.puppet import receiver
 from mimetic.puppet.channels import CHANNELS, Freezer, channel_of
 from mimetic.puppet.live_filter import LiveFilter
 from mimetic.puppet.live_session import LiveSession
@@ -90,6 +92,18 @@ def test_a_clips_sound_is_kept_in_step(rendered_clip, tmp_path):
         )
 
 
+def test_what_could_not_be_sent_is_said(rendered_clip, tmp_path, capsys, monkeypatch):
+    class Deaf(socket.socket):
+        def sendto(self, *_arguments):
+            raise OSError("network is unreachable")
+
+    monkeypatch.setattr(receiver.socket, "socket", Deaf)
+    address = "livelink://127.0.0.1:9"
+    words = ["--every-frame", "--seconds", "0.2", "--send", address]
+    assert record(rendered_clip.footage, tmp_path / "out", *words) == 0
+    assert f"{address}: 7 packets were not sent" in capsys.readouterr().err
+
+
 def test_footage_without_a_face_is_said(tmp_path, capsys):
     clip = make_clip(tmp_path / "no_face.mp4", size="320x240")
     assert record(clip, tmp_path / "o", "--every-frame") == 2
@@ -120,6 +134,7 @@ def test_bad_options_are_one_line(rendered_clip, tmp_path, capsys, option, messa
     assert main(command) == 2
     error = capsys.readouterr().err
     assert message in error and len(error.strip().splitlines()) == 1
+    assert not (tmp_path / "o").exists()  # nothing was begun
 
 
 class Slow:

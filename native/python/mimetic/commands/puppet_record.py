@@ -11,10 +11,10 @@ from pathlib import Path
 
 from mimetic import InvalidInput, _core
 from mimetic.commands.console import Console
-from mimetic.commands.on_clip import save_performance
+from mimetic.commands.on_clip import save_performance, tell_results
 from mimetic.performance.document import Performance
 from mimetic.puppet.camera_source import CameraSource, is_camera
-from mimetic.puppet.channels import CHANNELS
+from mimetic.puppet.channels import CHANNELS, check_channels
 from mimetic.puppet.clip_source import ClipSource
 from mimetic.puppet.live_filter import DEFAULT_STILLNESS
 from mimetic.puppet.receiver import parse_address
@@ -34,7 +34,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--out", type=Path, required=True, metavar="DIR", help="folder for the take"
     )
     parser.add_argument(
-        "--seconds", type=float, help="how long to record (default: until Ctrl-C, or the clip ends)"
+        "--seconds",
+        type=float,
+        help="how long to record, from the first face on (default: until Ctrl-C, or the clip ends)",
     )
     parser.add_argument(
         "--countdown", type=int, default=0, metavar="N", help="seconds before a camera is recorded"
@@ -103,10 +105,7 @@ def take_folder(out: Path) -> Path:
 def _publish(console: Console, folder: Path, out: Path, performance: Performance) -> int:
     save_performance(performance, folder / PERFORMANCE, console.tell)
     names = sorted(path.name for path in folder.iterdir())
-    publish(folder, out, is_finished=True)
-    for note in performance.notes or ():
-        console.tell(f"note: {note}")
-    console.tell(f"{out}: {', '.join(names)}; {performance.num_frames} frames")
+    tell_results(console, performance, publish(folder, out, is_finished=True), names)
     return 0  # Ctrl-C is the usual way to end a take
 
 
@@ -120,10 +119,12 @@ def _options_of(arguments: argparse.Namespace) -> RecordingOptions:
         raise InvalidInput(f"--stillness is {arguments.stillness:g}; it must be 0 to 1")
     for address in arguments.send:
         parse_address(address)
+    frozen = frozenset(filter(None, arguments.freeze.split(",")))
+    check_channels(frozen)
     return RecordingOptions(
         stillness=arguments.stillness,
         seconds=seconds,
-        frozen=frozenset(filter(None, arguments.freeze.split(","))),
+        frozen=frozen,
         microphone=arguments.microphone,
         receivers=tuple(arguments.send),
         in_background=not arguments.every_frame,

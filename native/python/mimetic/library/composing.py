@@ -18,7 +18,7 @@ from mimetic.library.expression import Expression, columns_in, limits_of
 from mimetic.muscles.anatomy import attach_skin, modes_of
 from mimetic.muscles.eyeballs import eye_geometry
 from mimetic.performance.document import Performance
-from mimetic.performance.gaze import EYE_KEYS, GAZE
+from mimetic.performance.gaze import EYE_KEYS, GAZE, modes_with_gaze
 from mimetic.template.face_template import load_template
 
 USUAL_FPS = 30.0
@@ -202,7 +202,7 @@ def canonical_person() -> Performance:
     width, height = PICTURE
     middle = [(width - 1) / 2, (height - 1) / 2]
     num_muscles = len(anatomy.muscle_names)
-    eyes, modes = eye_geometry(template.vertices, template), anatomy.articulator_modes
+    eyes = eye_geometry(template.vertices, template)
     articulators = [*anatomy.articulator_names, *GAZE]
     return Performance(
         frame=np.array([1]),
@@ -218,12 +218,9 @@ def canonical_person() -> Performance:
         activations_std=np.zeros((1, num_muscles)),
         articulators=articulators,
         articulator_values=np.zeros((1, len(articulators))),
-        articulator_modes=np.concatenate([modes, np.zeros_like(modes[: len(GAZE)])]),
+        articulator_modes=modes_with_gaze(anatomy.articulator_modes),
         neutral_vertices=template.vertices,
         faces=template.faces.astype(np.int64),
         quality=np.ones(1),
-        eye_centers=eyes.centers,
-        iris_centers=eyes.fronts(),
-        eye_of_vertex=eyes.eye_of_vertex.astype(np.int64),
-        lid_following=np.array([(share, 0.0) for share in eyes.lid_per_degree]),
+        **eyes.fields((per_degree, 0.0) for per_degree in eyes.lid_per_degree),
     )

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +30,18 @@ class EyeGeometry:
     def fronts(self) -> NDArray[np.float64]:
         """2 x 3: the middles of the irises of eyes that look straight ahead."""
         return self.centers + self.radii[:, None] * np.array([0.0, 0.0, 1.0])
+
+    def fields(self, lid_following: Iterable[tuple[float, float]]) -> dict[str, Any]:
+        """Keys of a performance for eyes that look straight ahead at gaze 0.
+
+        lid_following: of each upper lid its closure for a degree down, and the fitted head's pitch.
+        """
+        return {
+            "eye_centers": self.centers,
+            "iris_centers": self.fronts(),
+            "eye_of_vertex": self.eye_of_vertex.astype(np.int64),
+            "lid_following": np.array(list(lid_following)),
+        }
 
 
 def eye_geometry(vertices: NDArray[np.float64], template: FaceTemplate) -> EyeGeometry:

@@ -106,6 +106,11 @@ def iris_circles(performance: WithEyes, i: int) -> NDArray[np.float64]:
     )
 
 
+def modes_with_gaze(modes: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Modes of articulators (A x V x 3), then of GAZE, which displaces nothing: eyes turn."""
+    return np.concatenate([modes, np.zeros_like(modes[: len(GAZE)])])
+
+
 def check_eyes(performance: WithEyes, num_vertices: int) -> None:
     """Raises InvalidInput where the keys that concern eyes do not belong together."""
     keys = [key for key in EYE_KEYS if getattr(performance, key) is not None]

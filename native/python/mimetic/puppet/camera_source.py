@@ -30,12 +30,12 @@ REASONS = (
     ("not authorized", "no permission to use it; allow it in the system's privacy settings"),
     ("Operation not permitted", "no permission to use it; allow it in the system's settings"),
     ("Device or resource busy", "another program uses it; close that one"),
-    ("No such file or directory", "there is no such camera; is it plugged in?"),
-    ("No such device", "there is no such camera; is it plugged in?"),
-    ("Could not find video device", "there is no such camera; is it plugged in?"),
-    ("Inappropriate ioctl", "that is no camera"),
-    ("Not a video capture device", "that is no camera"),
-    ("Unknown input format", "this ffmpeg reads no cameras; name another in IMAGEIO_FFMPEG_EXE"),
+    ("No such file or directory", "there is no such {device}; is it plugged in?"),
+    ("No such device", "there is no such {device}; is it plugged in?"),
+    ("Could not find video device", "there is no such {device}; is it plugged in?"),
+    ("Inappropriate ioctl", "that is no {device}"),
+    ("Not a video capture device", "that is no {device}"),
+    ("Unknown input format", "this ffmpeg reads no {device}s; name another in IMAGEIO_FFMPEG_EXE"),
 )
 
 
@@ -196,11 +196,11 @@ def camera_input(name: str, platform: str) -> list[str]:
     return ["-f", "v4l2", *wishes, "-i", path]
 
 
-def reason_of(lines: deque[bytes]) -> str:
+def reason_of(lines: deque[bytes], device: str = "camera") -> str:
     """Why ffmpeg ended, from its last lines."""
     text = b"\n".join(lines).decode(errors="replace")
     for words, reason in REASONS:
         if words in text:
-            return reason
+            return reason.format(device=device)
     last = os.fsdecode(lines[-1]) if lines else "unplugged?"
     return re.sub(r"^\[[^]]*\] *", "", last)[:120]

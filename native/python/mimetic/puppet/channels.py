@@ -13,11 +13,11 @@ from mimetic import InvalidInput
 from mimetic.muscles.anatomy import muscle_groups, muscle_names
 from mimetic.muscles.articulators import JAW
 from mimetic.muscles.extras import LIP_SHAPES
+from mimetic.puppet.parts import BROW_GROUPS, EYE_GROUPS
 
 HEAD_POSITION, HEAD_ROTATION = "head_position", "head_rotation"
 EYES, MOUTH, BROWS = "eyes", "mouth", "brows"
 CHANNELS = (HEAD_POSITION, HEAD_ROTATION, EYES, MOUTH, BROWS)
-BROW_GROUPS, EYE_GROUPS = (5, 6), (7,)  # of muscles; all others move the mouth and what is near
 
 
 def channel_of(name: str) -> str:

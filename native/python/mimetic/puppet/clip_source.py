@@ -30,8 +30,7 @@ class ClipSource:
         for frame, image in self.footage.frames():
             times = self.footage.times
             time = float(times[frame - 1]) if frame <= len(times) else (frame - 1) / self.fps
-            is_late = not self.is_paced
-            if events.is_stopped or (not is_late and events.wait(start + time - monotonic())):
+            if events.is_stopped or (self.is_paced and events.wait(start + time - monotonic())):
                 return
             picture = Picture(np.ascontiguousarray(image), time, monotonic())
             pictures.put(picture, waits=not self.is_paced)

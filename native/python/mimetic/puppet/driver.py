@@ -54,6 +54,8 @@ class Puppet:
             raise InvalidInput(f"head {head!r}; there are {', '.join(HEADS)}")
         self.taught, self.view = taught, view
         self.mapping = mapping or Mapping(taught)
+        parts = sorted(set(taught.template_parts))
+        self.templates_of_parts = [taught.of_part(part) for part in parts]
         units = [GAZE_UNIT if name.startswith("gaze") else 1.0 for name in taught.channels]
         self.filter = _core.LowLagFilter(np.array(units), filtering or _core.FilterOptions())
         self.stiller = None if head == "free" else HeadStiller(view, image, pose, head)
@@ -116,6 +118,6 @@ class Puppet:
 
     def _recognised(self, scores: NDArray[np.float64]) -> float:
         """The share of the parts whose best template fits, 0 to 1."""
-        best = [scores[self.taught.of_part(part)].max() for part in set(self.taught.template_parts)]
+        best = [scores[templates].max() for templates in self.templates_of_parts]
         sure = np.clip((np.array(best) - LEAST_SCORE) / (GOOD_SCORE - LEAST_SCORE), 0, 1)
         return float(sure.mean())

@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.fit import fitting
-from mimetic.fit.fitting import NoFace
 from mimetic.puppet.live_face import LiveFace, gaze_in, live_face, live_names
 from mimetic.puppet.person_search import PersonSearch
 from mimetic.solve.gaze import SIDES
@@ -84,6 +83,7 @@ class LiveFilter:
     def start_over(self) -> None:
         """Nothing that is known of the face holds any more: another camera, another person."""
         self.stop()
+        self._stillness = _core.StillnessFilter(self.stillness)
         self.face = self._time = None
         self._num_seen, self._num_lost, self._next_search = 0, 0, FIRST_SEARCH
 
@@ -121,7 +121,7 @@ class LiveFilter:
     def _find(self, image: Image) -> bool:
         try:
             self.face = live_face(image, fitting.find_face(image), is_own=False)
-        except (NoFace, InvalidInput):
+        except InvalidInput:  # no face among others
             return False
         self._search = PersonSearch(self._in_background)
         return True

@@ -11,7 +11,6 @@ from time import monotonic, perf_counter
 
 import numpy as np
 
-from mimetic import UnreadableMedia
 from mimetic.puppet.live_filter import LiveFilter, LiveState
 from mimetic.puppet.pictures import Events, NewestPicture, Picture, Source
 
@@ -68,18 +67,19 @@ class LiveSession:
     def run(self, should_stop: Callable[[], bool] = lambda: False) -> None:
         """Until the source ends, `should_stop` or the listener says so.
 
-        Raises UnreadableMedia where the source gives nothing; where it fails later, that is told
-        and the session ends.
+        Raises what a source raises that fails before its first picture; a camera or file that fails
+        later is told, and the session ends.
         """
         feeder = threading.Thread(target=self._feed, name="source", daemon=True)
         feeder.start()
         start: float | None = None
         try:
             while not should_stop():
+                is_closed = self._pictures.is_closed  # before: the last may come while this waits
                 picture = self._pictures.take(POLL)
                 self._tell_events()
                 if picture is None:
-                    if self._pictures.is_closed:
+                    if is_closed:
                         break
                     continue
                 start = monotonic() if start is None else start
@@ -122,9 +122,3 @@ class LiveSession:
     def _tell_events(self) -> None:
         while self._events.lines:
             self._tell(self._events.lines.pop(0))
-
-
-def check_gives_pictures(figures: SessionFigures, name: str) -> None:
-    """Raises UnreadableMedia if a session saw none."""
-    if not figures.num_pictures:
-        raise UnreadableMedia(f"{name} gave no picture")

@@ -46,7 +46,7 @@ class LiveThread:
         self._stop = stop or threading.Event()
         self._newest: tuple[LiveState, LiveFace] | None = None
         self._take: Take | None = None
-        self._take_started = 0.0  # by `monotonic`'s clock
+        self._time_zero = 0.0  # of the pictures' times, by `monotonic`'s clock
         self._microphone: Microphone | None = None
         self.thread = threading.Thread(target=self._run, name="live", daemon=True)
         self.session: LiveSession | None = None
@@ -103,7 +103,6 @@ class LiveThread:
             self._microphone.start()
         with self._lock:
             self._take = Take(self.source.fps)
-            self._take_started = 0.0
 
     @property
     def is_recording(self) -> bool:
@@ -119,8 +118,8 @@ class LiveThread:
         if microphone is not None:
             microphone.stop()
             self.line = microphone.failure or self.line
-            if microphone.is_recorded:
-                offset = microphone.first_sample - self._take_started
+            if microphone.is_recorded and take and take.states:
+                offset = microphone.first_sample - (self._time_zero + take.states[0].time)
         return take if take and take.states else None, offset
 
     def keep_clip_sound(self, take: Take, path: Path) -> bool:
@@ -155,7 +154,7 @@ class LiveThread:
         with self._lock:
             self._newest = state, live.face
             if self._take is not None:
-                self._take_started = self._take_started or picture.arrival
+                self._time_zero = picture.arrival - picture.time
                 self._take.add(state, live.face)
         age = 1000 * (monotonic() - picture.arrival)
         self.line = f"{self.session.figures.rate:.0f} pictures a second, {age:.0f} ms behind"

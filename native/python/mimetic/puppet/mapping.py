@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.puppet.parts import FACE, PARTS, channels_of
+from mimetic.puppet.parts import FACE, PARTS
 from mimetic.puppet.templates import TaughtSet
 
 MODES = ("parts", "face")
@@ -56,10 +56,7 @@ class Mapping:
     def _region(self, part: str, options: _core.InterpolationOptions) -> _Region | None:
         taught = self.taught
         templates = taught.of_part(part)
-        groups = taught.channel_groups
-        channels = channels_of(
-            part, taught.muscles, groups[groups > 0].tolist(), taught.articulators
-        )
+        channels = taught.channels_of(part)
         if not templates or not channels:
             return None
         lower, upper = taught.limits[:, channels]

@@ -79,7 +79,7 @@ def write_run(
     options: RunOptions,
     folder: Path,
     progress: Progress,
-    is_interrupted: Callable[[], bool] = lambda: False,
+    is_interrupted: Callable[[], bool],
 ) -> None:
     """puppet.mp4, the paper's Figs. 11 to 14 and report.html; raises OSError."""
     side_by_side = SideBySide(taught, performance, trace, options.mode)

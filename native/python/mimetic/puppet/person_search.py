@@ -48,7 +48,7 @@ class PersonSearch:
         """A picture that shows the face; most are passed over. time: seconds."""
         self._start = time if self._start is None else self._start
         due = self._start + SEARCHED_SECONDS * self._num_offered / self._num_judged
-        if self.is_over or self._num_offered > self._num_judged or time < due:
+        if self.is_over or self._num_offered >= self._num_judged or time < due:
             return
         if self._thread is None:
             self._num_offered += 1

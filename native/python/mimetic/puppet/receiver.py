@@ -26,6 +26,7 @@ class Receiver:
 
     def __init__(self, address: str, names: Sequence[str], fps: float) -> None:
         scheme, host, port = parse_address(address)
+        self.address = address
         self.num_failed = 0  # datagrams that the system did not take
         self._pack: Pack
         if scheme == "osc":

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,7 +17,7 @@ from mimetic.puppet.pictures import Picture
 from mimetic.puppet.receiver import Receiver
 from mimetic.puppet.sound import Microphone, clip_sound
 from mimetic.puppet.take import Take
-from mimetic.shared.whole_file import whole_file
+from mimetic.shared.json_file import write_json
 
 AUDIO, TAKE = "audio.wav", "take.json"
 
@@ -67,6 +66,8 @@ class Recording:
                 microphone.stop()
             for receiver in self._receivers:
                 receiver.close()
+                if receiver.num_failed:
+                    self._tell(f"{receiver.address}: {receiver.num_failed} packets were not sent")
         footage = self._source.footage if isinstance(self._source, ClipSource) else None
         performance = self._take.performance(footage, self.session.figures.num_skipped)
         self._keep_sound(microphone)
@@ -109,5 +110,4 @@ class Recording:
             "pictures": figures.num_pictures,
             "skipped": figures.num_skipped,
         }
-        with whole_file(self._folder / TAKE) as stream:
-            stream.write(json.dumps(facts, indent=1).encode())
+        write_json(self._folder / TAKE, facts)

@@ -15,11 +15,11 @@ from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.fit.face_fit import FaceFit
 from mimetic.media.cuts import CutWatch
 from mimetic.media.footage import Footage
-from mimetic.muscles.anatomy import Anatomy, attach_skin, modes_of
+from mimetic.muscles.anatomy import Anatomy, factored_skin, modes_of
 from mimetic.muscles.extras import with_lip_shapes
 from mimetic.muscles.eyeballs import eye_geometry
-from mimetic.performance.document import HELD_QUALITY, Performance
-from mimetic.performance.gaze import GAZE
+from mimetic.performance.document import Performance
+from mimetic.performance.gaze import GAZE, modes_with_gaze
 from mimetic.performance.rows import Rows
 from mimetic.puppet.driver import Puppet
 from mimetic.puppet.mapping import UNTAUGHT_STD, Mapping
@@ -29,7 +29,7 @@ from mimetic.shared.progress import ATTACHED, SEARCHED, Progress, stages
 from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_capture import FrameRange, check_range, fit_for
 from mimetic.solve.clip_performance import clip_performance
-from mimetic.solve.walk import SEARCH_AGAIN, find_again
+from mimetic.solve.walk import SEARCH_AGAIN, ClipWalk, find_again
 from mimetic.template.face_template import FaceTemplate, load_template
 
 
@@ -72,12 +72,14 @@ def drive(
     summary = summary if summary is not None else CaptureSummary()
     footage = Footage(path)
     first, last = check_range(frames, footage)
+    if options.neutral is not None and not first <= options.neutral <= last:
+        raise InvalidInput(f"--neutral {options.neutral} is not in frames {first} to {last}")
     finding, attaching, following = stages(
         progress, 0.0 if fit else SEARCHED, ATTACHED, 1 + last - first
     )
     fit = fit_for(footage, (first, last), fit, finding, summary)
-    attaching(0.0, "attaching the muscles")
-    return _Run(footage, fit, taught, options, summary).run((first, last), following)
+    run = _Run(footage, fit, taught, options, summary, attaching)
+    return run.run((first, last), following)
 
 
 class _Run:
@@ -90,11 +92,13 @@ class _Run:
         taught: TaughtSet,
         options: RunOptions,
         summary: CaptureSummary,
+        attaching: Progress,
     ) -> None:
         self.footage, self.fit, self.taught, self.summary = footage, fit, taught, summary
         self.options = options
         self.template: FaceTemplate = load_template()
         self.neutral = fit.neutral_vertices(self.template)
+        self.anatomy = self._anatomy(attaching)
         self.view = PersonView(fit.camera, self.neutral, taught.sides, taught.pixel)
         filtering = _core.FilterOptions()
         filtering.lag = options.lag
@@ -111,10 +115,6 @@ class _Run:
         cuts = CutWatch()
         num_lost = 1  # a head is not known in the first frame
         seconds = 1 / float(self.footage.fps)
-        if self.options.neutral is not None and not first <= self.options.neutral <= last:
-            raise InvalidInput(
-                f"--neutral {self.options.neutral} is not in frames {first} to {last}"
-            )
         for frame, image in self.footage.frames(first, last):
             if not progress(
                 (frame - first) / (1 + last - first), f"driving the face: frame {frame}"
@@ -146,22 +146,24 @@ class _Run:
             )
         return self._performance(frames), self.trace
 
-    def _anatomy(self) -> Anatomy:
-        skin = attach_skin(self.neutral, self.template, calibration=self.fit.calibration)
+    def _anatomy(self, attaching: Progress) -> Anatomy:
+        skin = factored_skin(self.neutral, self.template, self.fit.calibration, attaching)
+        if skin is None:
+            raise UnreadableMedia(f"{self.footage.path.name}: stopped too early, no frame is done")
         anatomy = modes_of(skin)
         has_lips = any(name.startswith(("oris_", "lip_")) for name in self.taught.articulators)
         return with_lip_shapes(anatomy, skin) if has_lips else anatomy
 
     def _performance(self, frames: tuple[int, int]) -> Performance:
-        anatomy = self._anatomy()
+        anatomy = self.anatomy
         values, std = np.array(self.rows.values), np.array(self.rows.values_std)
         muscles, articulators = list(anatomy.muscle_names), list(anatomy.articulator_names)
         fields: dict[str, Any] = {}
         if set(GAZE) <= set(self.taught.channels):
-            fields = self._eyes()
+            eyes = eye_geometry(self.neutral, self.template)
+            fields = eyes.fields((per_degree, 0.0) for per_degree in eyes.lid_per_degree)
+            fields["articulator_modes"] = modes_with_gaze(anatomy.articulator_modes)
             articulators += GAZE
-            modes = anatomy.articulator_modes
-            fields["articulator_modes"] = np.concatenate([modes, np.zeros_like(modes[: len(GAZE)])])
         own, own_std = self._columns(muscles, values, std)
         other, other_std = self._columns(articulators, values, std)
         return clip_performance(
@@ -188,35 +190,14 @@ class _Run:
                 own_std[:, column] = std[:, taught_column]
         return own, own_std
 
-    def _eyes(self) -> dict[str, Any]:
-        eyes = eye_geometry(self.neutral, self.template)
-        return {
-            "eye_centers": eyes.centers,
-            "iris_centers": eyes.fronts(),
-            "eye_of_vertex": eyes.eye_of_vertex,
-            "lid_following": np.array([[per_degree, 0.0] for per_degree in eyes.lid_per_degree]),
-        }
-
     def _notes(self, frames: tuple[int, int]) -> list[str]:
         options = self.options
         lag = 1e3 * float(np.median(self.trace.lag))
-        notes = [
-            *self.footage.warnings,
-            *self.fit.warnings,
+        about = (
             f"driven by {len(self.taught.template_parts)} templates of {len(self.taught.looks)} "
             f"looks ({options.mode}, {options.basis}, head: {options.head}); the filter lags by "
             f"{1e3 * options.lag:.0f} ms at rest, {lag:.0f} ms in the fastest motion of the median "
-            "frame",
-        ]
-        if self.summary.stopped:
-            notes.append(
-                f"stopped by the user: frames {self.rows.frame[0]} to {self.rows.frame[-1]} "
-                f"of {frames[0]} to {frames[1]}"
-            )
-        num_held = int(np.sum(np.array(self.rows.quality) < HELD_QUALITY))
-        if num_held:
-            notes.append(
-                f"the face was lost in {num_held} frames, which are held (quality under 0.2)"
-            )
-        self.summary.warnings = notes
-        return notes
+            "frame"
+        )
+        walk = ClipWalk(self.footage, self.fit, frames, None, self.summary, "face")
+        return walk.notes(self.rows, [about])

@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -30,14 +28,6 @@ RADIUS = 3.0  # pixels of the view that a template is searched for in: what trac
 FREE_RADIUS = 12.0  # the same where the templates follow the face by themselves
 FREE_SCALES = (1 / 1.15, 1 / 1.07, 1.0, 1.07, 1.15)
 FREE_ROTATIONS = tuple(np.radians([-10.0, -5.0, 0.0, 5.0, 10.0]).tolist())
-
-
-class Sight(NamedTuple):
-    """A frame as it was seen."""
-
-    scores: NDArray[np.float64]  # T, peaks of the normalised correlation
-    places: NDArray[np.float64]  # T x 2, pixels of the picture they are matched in
-    head: _core.HeadEstimate | None  # None where no head is followed
 
 
 class PersonView:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic.puppet.parts import KINDS, channels_of
+from mimetic.puppet.parts import KINDS
 from mimetic.puppet.templates import TaughtSet
 
 SCORE_NOISE = 0.02  # least standard deviation of scores of one look: light, noise, the head
@@ -34,11 +34,12 @@ def separability(taught: TaughtSet) -> list[Pair]:
     pairs: list[Pair] = []
     for part in KINDS:
         templates = taught.of_part(part)
+        channels = taught.channels_of(part)
         for k, i in enumerate(templates):
             for j in templates[k + 1 :]:
                 first, second = (int(taught.template_looks[t]) for t in (i, j))
                 difference = taught.example_scores[:, i] - taught.example_scores[:, j]
-                near_first, near_second = _near(taught, part, first, second)
+                near_first, near_second = _near(taught, channels, first, second)
                 d_prime = _d_prime(difference[near_first], difference[near_second])
                 pairs.append(Pair(part, taught.looks[first], taught.looks[second], d_prime))
     return sorted(pairs, key=lambda pair: pair.d_prime)
@@ -57,11 +58,8 @@ def advice(pairs: list[Pair]) -> list[str]:
 
 
 def _near(
-    taught: TaughtSet, part: str, first: int, second: int
+    taught: TaughtSet, channels: list[int], first: int, second: int
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    groups = taught.channel_groups
-    muscles = groups[groups > 0].tolist()
-    channels = channels_of(part, taught.muscles, muscles, taught.articulators)
     span = np.maximum(taught.limits[1] - taught.limits[0], 1e-3)[channels]
     examples = taught.example_values[:, channels] / span
     looks = taught.look_values[:, channels] / span

@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from mimetic.library.preview import head_picture
 from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.performance.head_turn import head_turn
 from mimetic.puppet.figures import draw_controls, draw_scores, shown_templates
 from mimetic.puppet.running import Trace
 from mimetic.puppet.templates import TaughtSet
@@ -20,8 +21,7 @@ PLOT_DPI = 100
 
 def driven_face(performance: Performance, i: int) -> NDArray[np.uint8]:
     """256 x 256 x 3: the head at frame index i as it faces the camera, on light ground."""
-    facing = np.diag([1.0, -1.0, -1.0])
-    turn = facing @ performance.head_pose[i][:3, :3]
+    turn = head_turn(performance.head_pose[i])
     surface = performance.surface(i) @ turn.T
     neutral = performance.neutral_vertices
     picture = head_picture(neutral, surface - neutral, performance.faces).astype(np.float64)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import subprocess
 import sys
 import threading
 import wave
@@ -92,11 +93,12 @@ class Microphone:
                 self._arrivals.append((at, num_samples))
             ffmpeg.process.wait()
         if not self._stop.is_set():
-            self.failure = f"microphone {self._name}: {reason_of(ffmpeg.errors)}"
+            reason = reason_of(ffmpeg.errors, "microphone")
+            self.failure = f"microphone {self._name}: {reason}"
 
-    def _end(self, process: object) -> None:
+    def _end(self, process: subprocess.Popen[bytes]) -> None:
         self._stop.wait()
-        process.kill()  # type: ignore[attr-defined]
+        process.kill()
 
 
 class _WavFile:

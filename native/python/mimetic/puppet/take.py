@@ -9,10 +9,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import UnreadableMedia, _core
+from mimetic import UnreadableMedia
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
-from mimetic.performance.gaze import GAZE
+from mimetic.performance.gaze import GAZE, modes_with_gaze
+from mimetic.performance.rows import Rows
 from mimetic.puppet.live_face import LiveFace
 from mimetic.puppet.live_filter import LiveState
 
@@ -69,15 +70,17 @@ class Take:
         nearest = _nearest(grid, times)
         num_muscles = len(face.anatomy.muscle_names)
         std = np.array([state.std for state in self.states])[nearest]
-        covariances = np.array([state.pose_cov for state in self.states])[nearest]
-        modes = face.anatomy.articulator_modes
+        rows = Rows(
+            pose=self._poses(grid, times),
+            pose_cov=[self.states[i].pose_cov for i in nearest],
+        )
         fields: dict[str, Any] = dict(
             frame=1 + first + np.arange(num_frames),
             fps=self.fps,
             image_size=np.array(face.fit.image_size),
             intrinsics=face.fit.intrinsics,
-            head_pose=self._poses(grid, times),
-            head_pose_cov=_core.nearest_covariances(covariances),
+            head_pose=rows.rigid_poses(),
+            head_pose_cov=rows.pose_covariances(),
             muscles=list(face.anatomy.muscle_names),
             muscle_modes=face.anatomy.muscle_modes,
             groups=face.anatomy.groups,
@@ -86,22 +89,22 @@ class Take:
             articulators=[*face.anatomy.articulator_names, *GAZE],
             articulator_values=values[:, num_muscles:],
             articulator_values_std=std[:, num_muscles:],
-            articulator_modes=np.concatenate([modes, np.zeros_like(modes[: len(GAZE)])]),
+            articulator_modes=modes_with_gaze(face.anatomy.articulator_modes),
             neutral_vertices=face.fit.neutral_vertices(face.template),
             faces=face.template.faces,
             quality=self._qualities(grid, times, nearest),
             notes=self._notes(num_skipped) or None,
-            **_eye_fields(face),
+            **face.eyes.fields((lid.per_degree, lid.rest_pitch) for lid in face.lids),
             **_footage_fields(footage),
         )
         return Performance(**fields)
 
-    def _poses(self, grid: NDArray[np.float64], times: NDArray[np.float64]) -> Any:
+    def _poses(
+        self, grid: NDArray[np.float64], times: NDArray[np.float64]
+    ) -> list[NDArray[np.float64]]:
+        """Not quite rigid between two states."""
         matrices = np.array([state.head_pose for state in self.states])
-        poses = _at(grid, times, matrices.reshape(-1, 16)).reshape(-1, 4, 4)
-        poses[:, :3, :3] = _core.nearest_rotations(np.ascontiguousarray(poses[:, :3, :3]))
-        poses[:, 3] = [0, 0, 0, 1]
-        return poses
+        return list(_at(grid, times, matrices.reshape(-1, 16)).reshape(-1, 4, 4))
 
     def _qualities(
         self, grid: NDArray[np.float64], times: NDArray[np.float64], nearest: NDArray[np.intp]
@@ -128,15 +131,6 @@ def _footage_fields(footage: Footage | None) -> dict[str, Any]:
     if footage is None:
         return {}
     return {"footage": footage.identity, "stored_size": np.array(footage.stored_size)}
-
-
-def _eye_fields(face: LiveFace) -> dict[str, Any]:
-    return {
-        "eye_centers": face.eyes.centers,
-        "iris_centers": face.eyes.fronts(),
-        "eye_of_vertex": face.eyes.eye_of_vertex,
-        "lid_following": np.array([[lid.per_degree, lid.rest_pitch] for lid in face.lids]),
-    }
 
 
 def _at(

@@ -13,12 +13,12 @@ from mimetic.library.expression import limits_of
 from mimetic.media.footage import Footage
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.puppet.matching import still_matcher
-from mimetic.puppet.parts import FACE, PARTS, channels_of
+from mimetic.puppet.parts import KINDS, channels_of
 from mimetic.puppet.seeing import MODEL, HeadStiller, Image, PersonView, Pose, PoseShaker
 from mimetic.puppet.taught_look import Look
 from mimetic.puppet.templates import TaughtSet
 from mimetic.shared.pinhole import camera_of
-from mimetic.shared.progress import Progress
+from mimetic.shared.progress import Progress, check_goes_on
 from mimetic.template.face_template import load_template
 
 DISTINCT = 0.15  # a part's largest difference in a value below which two looks show the same
@@ -79,6 +79,8 @@ class _Teaching:
         self.values = np.hstack([performance.activations, performance.articulator_values])
         groups = performance.groups.tolist()
         self.groups = np.array(groups + [0] * len(performance.articulators))
+        names = (performance.muscles, groups, performance.articulators)
+        self.channels_of = {part: channels_of(part, *names) for part in KINDS}
         self.units = np.array([GAZE_UNIT if n.startswith("gaze") else 1.0 for n in self.channels])
 
     def run(self, looks: Sequence[Look], num_chosen: int, num_examples: int) -> TaughtSet:
@@ -140,7 +142,6 @@ class _Teaching:
         """Frames in which the mouth, the brows or the eyes differ most, a third of them each."""
         rest = self.performance.index_of(next(look.frame for look in looks if look.name == REST))
         performance = self.performance
-        names = (performance.muscles, performance.groups.tolist(), performance.articulators)
         frames: set[int] = set()
         third = number // 3
         for parts, share in (
@@ -148,7 +149,7 @@ class _Teaching:
             (("brow.L", "brow.R"), third),
             (("eye.L", "eye.R"), third),
         ):
-            channels = sorted(channel for part in parts for channel in channels_of(part, *names))
+            channels = sorted(channel for part in parts for channel in self.channels_of[part])
             rows = np.ascontiguousarray((self.values / self.units)[:, channels])
             count = min(share + 1, int(self.usable.sum()))
             indices = _core.distinct_rows(rows, self.usable.tolist(), rest, count)
@@ -174,10 +175,8 @@ class _Teaching:
     ) -> list[tuple[int, str]]:
         """(index of the look, part): of each look the whole face, and parts that look otherwise."""
         templates: list[tuple[int, str]] = []
-        for part in (FACE, *PARTS):
-            muscles, articulators = self.performance.muscles, self.performance.articulators
-            channels = channels_of(part, muscles, self.performance.groups.tolist(), articulators)
-            own = (states / self.units)[:, channels]
+        for part in KINDS:
+            own = (states / self.units)[:, self.channels_of[part]]
             kept: list[int] = []
             for i, look in enumerate(looks):
                 differs = all(np.abs(own[i] - own[j]).max() > DISTINCT for j in kept)
@@ -226,8 +225,7 @@ class _Teaching:
         stiller = None
         for frame, image in self.footage.frames(first, last):
             fraction = (frame - first) / max(1, last - first)
-            if self.progress and not self.progress(fraction, f"looking at frame {frame}"):
-                raise KeyboardInterrupt
+            check_goes_on(self.progress, fraction, f"looking at frame {frame}")
             image = np.ascontiguousarray(image)
             if stiller is None:
                 pose = self.performance.head_pose[start]

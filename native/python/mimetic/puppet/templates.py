@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput
-from mimetic.puppet.parts import KINDS
+from mimetic.puppet.parts import KINDS, channels_of
 from mimetic.shared.array_document import ArrayDocument
 from mimetic.shared.array_file import check_names, is_bounded, open_arrays
 from mimetic.shared.array_writer import write_arrays
@@ -109,12 +109,14 @@ class TaughtSet:
             for pixels, box in zip(parts, self.template_boxes, strict=True)
         ]
 
-    def template_name(self, i: int) -> str:
-        return f"{self.looks[self.template_looks[i]]}, {self.template_parts[i]}"
-
     def of_part(self, part: str) -> list[int]:
         """Indices of a part's templates."""
         return [i for i, name in enumerate(self.template_parts) if name == part]
+
+    def channels_of(self, part: str) -> list[int]:
+        """Indices of the channels that a part moves."""
+        groups = self.channel_groups[self.channel_groups > 0].tolist()
+        return channels_of(part, self.muscles, groups, self.articulators)
 
     def check(self) -> None:
         """Raises InvalidInput: which key, what is wrong."""

@@ -8,15 +8,14 @@ Known are ARKit's names in both spellings, VRM 1.0, Unified Expressions and Meta
 from __future__ import annotations
 
 import re
-import tomllib
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import resources
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mimetic.muscles.anatomy import load_table
 from mimetic.template.face_template import load_template
 
 SEPARATORS = str.maketrans("", "", " _-.:|")
@@ -90,8 +89,7 @@ def mirrored_name(name: str) -> str:
 @cache
 def conventions() -> tuple[Convention, ...]:
     """In the table's order."""
-    text = resources.files("mimetic.data").joinpath("control_names.toml").read_text("utf-8")
-    return tuple(_convention(entry) for entry in tomllib.loads(text)["convention"])
+    return tuple(map(_convention, load_table("control_names.toml")["convention"]))
 
 
 def _convention(entry: Mapping) -> Convention:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from mimetic import _core
 from mimetic.fit.face_fit import FaceFit
 from mimetic.muscles.eyeballs import SIDES, eye_geometry
-from mimetic.performance.gaze import GAZE
+from mimetic.performance.gaze import GAZE, modes_with_gaze
 from mimetic.performance.rows import Rows
 from mimetic.solve.features import EYE_FACES
 from mimetic.template.face_template import FaceTemplate
@@ -84,10 +84,8 @@ class ClipGaze:
             "articulators": [*names, *GAZE],
             "articulator_values": np.hstack([own, self.track.angles]),
             "articulator_values_std": np.hstack([own_std, self.track.std]),
-            "articulator_modes": np.concatenate([modes, np.zeros_like(modes[: len(GAZE)])]),
+            "articulator_modes": modes_with_gaze(modes),
             "neutral_vertices": self.neutral,
-            "eye_centers": self.eyes.centers,
+            **self.eyes.fields((f.per_degree, f.rest_pitch) for f in self.following),
             "iris_centers": self.iris_centers,
-            "eye_of_vertex": self.eyes.eye_of_vertex,
-            "lid_following": np.array([[f.per_degree, f.rest_pitch] for f in self.following]),
         }
