@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any
 
@@ -220,8 +220,7 @@ def _run_rest(options: argparse.Namespace) -> int:
 
 def _run_gaze(options: argparse.Namespace) -> int:
     _refuse(options, "out")
-    if options.set not in gaze.SETS:
-        raise InvalidInput(f"--set {options.set} does not go with `gaze`")
+    _check_set_of(options, gaze.SETS)
     all_scores = []
     for scores in gaze.score_gaze(options.set, _to_stderr):
         all_scores += scores
@@ -232,16 +231,14 @@ def _run_gaze(options: argparse.Namespace) -> int:
 
 def _run_characters(options: argparse.Namespace) -> int:
     _refuse(options, "out")
-    if options.set not in characters.SETS:
-        raise InvalidInput(f"--set {options.set} does not go with `characters`")
+    _check_set_of(options, characters.SETS)
     scores = list(characters.score_characters(options.set, _to_stderr))
     return _show(options, scores, characters.as_json, characters.as_text)
 
 
 def _run_timing(options: argparse.Namespace) -> int:
     _refuse(options, "out")
-    if options.set not in timing.SETS:
-        raise InvalidInput(f"--set {options.set} does not go with `timing`")
+    _check_set_of(options, timing.SETS)
     scores = timing.score_timing(options.set, _to_stderr)
     return _show(options, scores, timing.as_json, timing.as_text)
 
@@ -254,8 +251,7 @@ def _run_keys(options: argparse.Namespace) -> int:
 
 def _run_retarget(options: argparse.Namespace) -> int:
     _refuse(options, "out")
-    if options.set not in retarget.SETS:
-        raise InvalidInput(f"--set {options.set} does not go with `retarget`")
+    _check_set_of(options, retarget.SETS)
     scores = list(retarget.score_retargeting(options.set, _to_stderr))
     return _show(options, scores, retarget.as_json, retarget.as_text)
 
@@ -336,6 +332,12 @@ def _show(
     """Prints what was scored in the form that is asked for; the exit status."""
     print(as_json(scores) if options.json else as_text(scores))
     return 0
+
+
+def _check_set_of(options: argparse.Namespace, sets: Collection[str]) -> None:
+    """Raises InvalidInput on a set that what is scored does not have."""
+    if options.set not in sets:
+        raise InvalidInput(f"--set {options.set} does not go with `{options.what}`")
 
 
 def _check_set(options: argparse.Namespace) -> None:

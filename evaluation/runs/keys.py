@@ -8,15 +8,11 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
-from mimetic import InvalidInput
 from mimetic.character.sparse_curves import USUAL_TOLERANCE, count_keys
-from mimetic.media.footage import Footage
-from mimetic.performance.document import Performance
 from mimetic.score.json_text import json_text
 from mimetic.score.text_table import text_table
-from mimetic.solve import clip_capture
 
-from evaluation.runs.real_labels import CLIPS, footage_of
+from evaluation.runs.real_captures import captured, kept_clips
 
 WAYS = {"general": False, "by phases": True}
 FEW_IN_EVENT = 6
@@ -42,17 +38,8 @@ def score_keys(
 
     last: the last frame that is captured.
     """
-    clips = [clip for clip in CLIPS if folder is None or (folder / f"{clip}.npz").is_file()]
-    if not clips:
-        raise InvalidInput(f"{folder} has no performance of {', '.join(CLIPS)}")
-    for clip in clips:
-        if folder is not None:
-            performance = Performance.load(folder / f"{clip}.npz")
-        else:
-            report(f"{clip}: capture")
-            footage = footage_of(clip)
-            last_frame = min(last, Footage(footage).num_frames)
-            performance = clip_capture.capture(footage, (1, last_frame))
+    for clip in kept_clips(folder):
+        performance = captured(clip, last, report, folder)
         for way, by_phases in WAYS.items():
             count = count_keys(performance, USUAL_TOLERANCE, by_phases)
             of_event = np.array(count.keys_of_event or [np.nan])

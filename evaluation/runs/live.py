@@ -20,7 +20,7 @@ from mimetic.puppet.take import Take
 from mimetic.puppet.warm_up import warm_up
 from mimetic.score.json_text import json_text
 from mimetic.score.text_table import text_table
-from mimetic.solve import clip_capture
+from numpy.typing import NDArray
 
 from evaluation.runs.live_score import (
     GAZE,
@@ -34,8 +34,10 @@ from evaluation.runs.live_score import (
     jitter_at_rest,
     lag_of,
 )
+from evaluation.runs.real_captures import captured
 from evaluation.runs.real_events import score_events
 from evaluation.runs.real_labels import CLIPS, FOLDER, footage_of
+from evaluation.runs.real_still import still_runs
 
 LAST = 600  # frame of each clip that is captured offline
 STILLNESSES = (0.0, DEFAULT_STILLNESS, 1.0)
@@ -68,19 +70,16 @@ def score_live(report: Report, folder: Path | None = None) -> Iterator[list[Live
     for clip in CLIPS:
         footage = Footage(footage_of(clip))
         last = min(LAST, footage.num_frames)
-        if folder is not None and (folder / f"{clip}.npz").is_file():
-            offline = Performance.load(folder / f"{clip}.npz")
-        else:
-            report(f"{clip}: capture, {last} frames")
-            offline = clip_capture.capture(footage.path, (1, last))
+        offline = captured(clip, last, report, folder)
+        runs = still_runs(clip, offline)
         report(f"{clip}: live")
         # Blinks are marked in many more frames than are captured offline
         end = LAST_MARKED if (FOLDER / f"{clip}.blinks.csv").exists() else last
         take = followed(footage, min(footage.num_frames, end))
-        scores = [_offline_score(clip, offline)]
+        scores = [_offline_score(clip, offline, runs)]
         for stillness in STILLNESSES:
             performance = stilled(take, stillness).performance(footage)
-            scores.append(_score(clip, stillness, performance, times_of(take), offline))
+            scores.append(_score(clip, stillness, performance, times_of(take), offline, runs))
         yield scores
 
 
@@ -112,11 +111,11 @@ def times_of(take: Take) -> list[float]:
     return [state.milliseconds for state in take.states]
 
 
-def _offline_score(clip: str, offline: Performance) -> LiveScore:
+def _offline_score(clip: str, offline: Performance, runs: NDArray[np.int64]) -> LiveScore:
     blinks = [one.text() for one in score_events(clip, offline) if one.kind == "blinks"]
     return LiveScore(
         *(clip, OFFLINE, offline.num_frames, int((offline.quality < 0.2).sum()), {}, 0.0),
-        *(jitter_at_rest(clip, offline, offline), np.nan, np.nan, "".join(blinks)),
+        *(jitter_at_rest(runs, offline), np.nan, np.nan, "".join(blinks)),
     )
 
 
@@ -126,6 +125,7 @@ def _score(
     performance: Performance,
     times: list[float],
     offline: Performance,
+    runs: NDArray[np.int64],
 ) -> LiveScore:
     rows, offline_rows = common_rows(performance, offline)
     live, truth = curves_of(performance, rows), curves_of(offline, offline_rows)
@@ -133,7 +133,7 @@ def _score(
     return LiveScore(
         *(clip, f"live, stillness {stillness:g}", performance.num_frames),
         *(int((performance.quality < 0.2).sum()), correlations(live, truth), lag_of(live, truth)),
-        jitter_at_rest(clip, offline, performance),
+        jitter_at_rest(runs, performance),
         *(float(np.median(times)), float(np.quantile(times, 0.95)), "".join(blinks)),
     )
 

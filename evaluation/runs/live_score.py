@@ -8,7 +8,7 @@ from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.performance.head_turn import angles, head_turn
 from numpy.typing import NDArray
 
-from evaluation.runs.real_still import jitter, still_runs
+from evaluation.runs.real_still import jitter
 
 GROUPS = range(1, 8)
 MOVES = 0.03  # standard deviation of a curve that does anything; below it a correlation is noise
@@ -66,10 +66,9 @@ def lag_of(live: Curves, offline: Curves) -> float:
     return EARLIEST + peak + 0.5 * (before - after) / (before - 2 * at + after)
 
 
-def jitter_at_rest(clip: str, stillness_by: Performance, scored: Performance) -> float:
+def jitter_at_rest(runs: NDArray[np.int64], scored: Performance) -> float:
     """Standard deviation of a muscle about a steady motion, where the picture of the face keeps
-    still: root mean square of all muscles, the median of the runs."""
-    runs = still_runs(clip, stillness_by)
+    still; root mean square of all muscles, the median of the runs (R x RUN, frames)."""
     usable = runs[np.isin(runs, scored.frame).all(axis=1)]
     rows = np.searchsorted(scored.frame, usable)
     variance = jitter(scored.activations[rows][..., None])[..., 0]

@@ -8,7 +8,6 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import numpy as np
-from mimetic import InvalidInput
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
 from mimetic.puppet.driver import Puppet
@@ -18,11 +17,11 @@ from mimetic.puppet.teaching import teach
 from mimetic.score.json_text import json_text
 from mimetic.score.text_table import text_table
 from mimetic.shared.pinhole import camera_of
-from mimetic.solve import clip_capture
 from numpy.typing import NDArray
 
 from evaluation.runs.puppet_tolerance import Tolerance, score_tolerance
-from evaluation.runs.real_labels import CLIPS, footage_of
+from evaluation.runs.real_captures import captured, kept_clips
+from evaluation.runs.real_labels import footage_of
 
 LAST = 600  # frame
 NUM_CHOSEN = 12  # looks
@@ -59,25 +58,23 @@ def score_held_out(
     report: Callable[[str], None], folder: Path | None = None
 ) -> Iterator[HeldOut | Blinks]:
     """folder: performances of the clips, NAME.npz; without it they are captured."""
-    names = [clip for clip in CLIPS if folder is None or (folder / f"{clip}.npz").is_file()]
-    if not names:
-        raise InvalidInput(f"{folder} has no performance of {', '.join(CLIPS)}")
-    for name in names:
-        footage = Footage(footage_of(name))
-        if folder is not None:
-            performance = Performance.load(folder / f"{name}.npz")
-        else:
-            report(f"{name}: capture")
-            last = min(LAST, footage.num_frames)
-            performance = clip_capture.capture(footage.path, (1, last))
+    for name in kept_clips(folder):
+        performance = captured(name, LAST, report, folder)
+        if performance.num_frames < 2 * _block_frames(performance):
+            report(f"{name}: left out, shorter than {BLOCK:g} s taught and {BLOCK:g} s tried")
+            continue
         report(f"{name}: teach, drive")
-        yield from _score_clip(name, footage, performance)
+        yield from _score_clip(name, Footage(footage_of(name)), performance)
+
+
+def _block_frames(performance: Performance) -> int:
+    return round(BLOCK * performance.fps)
 
 
 def _score_clip(
     name: str, footage: Footage, performance: Performance
 ) -> Iterator[HeldOut | Blinks]:
-    block = (performance.frame - performance.frame[0]) // round(BLOCK * performance.fps)
+    block = (performance.frame - performance.frame[0]) // _block_frames(performance)
     is_held_out = block % 2 == 1
     left_out = performance.frame[is_held_out].tolist()
     taught = teach(footage, performance, [], NUM_CHOSEN, left_out=left_out)

@@ -31,7 +31,7 @@ NUM_CHOSEN = 8
 Image = NDArray[np.uint8]
 # (kind, amount); inside of the paper's limits is what it says its system takes
 CONDITIONS: tuple[tuple[str, float, bool], ...] = (
-    ("none", 0, True),
+    ("none", 0, False),
     *(("scale", percent, abs(percent) <= 15) for percent in (-25, -15, -7, 7, 15, 25)),
     *(("rotation", degrees, abs(degrees) <= 10) for degrees in (-20, -10, -5, 5, 10, 20)),
     *(("gain", gain, True) for gain in (0.5, 0.75, 1.3)),
@@ -64,10 +64,12 @@ def score_tolerance(report: Callable[[str], None]) -> Iterator[Tolerance]:
         performance = capture(clip.footage, (1, LAST))
         taught = teach(footage, performance, [], NUM_CHOSEN)
         images = [np.ascontiguousarray(image) for _, image in footage.frames(1, LAST)]
+        camera = camera_of(performance.intrinsics, performance.image_size)
+        view = PersonView(camera, performance.neutral_vertices, taught.sides, taught.pixel)
         for head in HEADS:
             plain = 0.0
             for kind, amount, inside in CONDITIONS:
-                error = _error(performance, taught, images, head, kind, amount)
+                error = _error(performance, taught, view, images, head, kind, amount)
                 plain = error if kind == "none" else plain
                 yield Tolerance(clip.name, head, kind, amount, inside, error, error - plain)
 
@@ -75,13 +77,13 @@ def score_tolerance(report: Callable[[str], None]) -> Iterator[Tolerance]:
 def _error(
     performance: Performance,
     taught: TaughtSet,
+    view: PersonView,
     images: list[Image],
     head: str,
     kind: str,
     amount: float,
 ) -> float:
-    camera = camera_of(performance.intrinsics, performance.image_size)
-    view = PersonView(camera, performance.neutral_vertices, taught.sides, taught.pixel)
+    camera = view.camera
     pose = _moved(performance.head_pose[0], kind, amount)
     random = np.random.default_rng(3)
     filtering = _core.FilterOptions()

@@ -8,16 +8,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-from mimetic import InvalidInput
 from mimetic.locate.feature_networks import installed_networks
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
 from mimetic.score.json_text import json_text
 from mimetic.score.text_table import text_table
-from mimetic.solve import clip_capture
 from numpy.typing import NDArray
 
 from evaluation.runs.head_clips import face_mesh_python
+from evaluation.runs.real_captures import captured, kept_clips
 from evaluation.runs.real_events import saturation, score_events
 from evaluation.runs.real_labels import CLIPS, Labels, footage_of, read_labels
 from evaluation.runs.real_methods import by_capture, by_face_mesh, by_fit, by_networks
@@ -39,19 +38,14 @@ def score_real(
     out: a folder in which the captured performances are kept. folder: such a one of
     an earlier run; only the clips and frames in it are scored.
     """
-    clips = [clip for clip in CLIPS if folder is None or (folder / f"{clip}.npz").is_file()]
-    if not clips:
-        raise InvalidInput(f"{folder} has no performance of {', '.join(CLIPS)}; --out leaves them")
-    films = [footage_of(clip) for clip in clips]  # raises before minutes of work on the first
+    clips = kept_clips(folder)
+    for clip in clips:
+        footage_of(clip)  # raises before minutes of work on the first
     python = face_mesh_python(report)
-    for clip, footage in zip(clips, films, strict=True):
+    for clip in clips:
         labels = read_labels(clip)
-        if folder is not None:
-            performance = Performance.load(folder / f"{clip}.npz")
-            labels = labels.rows(np.isin(labels.frame, performance.frame))
-        else:
-            report(f"{clip}: capture, {labels.frame[-1]} frames")
-            performance = clip_capture.capture(footage, (1, int(labels.frame[-1])))
+        performance = captured(clip, int(labels.frame[-1]), report, folder)
+        labels = labels.rows(np.isin(labels.frame, performance.frame))
         if out is not None:
             performance.save(out / f"{clip}.npz")
         yield score_clip(labels, performance, python, report)

@@ -10,12 +10,14 @@ motion; their values are compared with the actor's weights.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass
 
 import numpy as np
 from mimetic import _core
 from mimetic.character.foreign_head import ForeignHead, attach_foreign
+from mimetic.character.shape import Shape
+from mimetic.character.shapes import shapes_of_anatomy, shapes_of_extras
 from mimetic.muscles.anatomy import attach_skin, modes_of
 from mimetic.muscles.extras import attach_extras, gaze_rows, with_lip_shapes
 from mimetic.score.json_text import json_text
@@ -100,26 +102,20 @@ def activations(template: FaceTemplate, course: Course, seed: int) -> tuple[list
     neutral = neutral_vertices(template, identity, seed)
     skin = attach_skin(neutral, template)
     anatomy, extras = with_lip_shapes(modes_of(skin), skin), attach_extras(skin)
-    looks = [i for i, name in enumerate(extras.names) if name.startswith(_looks())]
-    names = [*anatomy.muscle_names, *anatomy.articulator_names, *(extras.names[i] for i in looks)]
-    sources = [anatomy.muscle_modes, anatomy.articulator_modes, np.asarray(extras.modes)[looks]]
-    ranges = [
-        _unit_ranges(len(anatomy.muscle_names)),
-        anatomy.articulator_limits,
-        np.asarray(extras.limits)[looks],
-    ]
+    shapes = shapes_of_anatomy(anatomy)
+    shapes += [shape for shape in shapes_of_extras(extras) if shape.name.startswith(_looks())]
     options = _core.ControlFitOptions()
     options.sparsity, options.ridge, options.unmatched_motion = 0.001, 0.01, 1.0
-    quads = template.faces
     fit = _core.ControlFit(
-        np.concatenate(sources).astype(np.float64),
+        _offsets(shapes),
         np.asarray(template.unit_modes, dtype=np.float64),
-        _core.polygon_areas(neutral, list(range(0, quads.size, 4)), quads.reshape(-1).tolist()),
-        np.concatenate(ranges).astype(np.float64),
+        face_areas(neutral, template.faces),
+        _ranges(shapes),
         _unit_ranges(len(template.unit_names)),
         options,
     )
-    return names, fit.frames(course.weights, np.zeros((len(course.weights), len(names))))
+    values = fit.frames(course.weights, np.zeros((len(course.weights), len(shapes))))
+    return [shape.name for shape in shapes], values
 
 
 def played(
@@ -131,31 +127,35 @@ def played(
     unmatched: float,
 ) -> Floats:
     """T x 52: the character's keys, fitted to what its own muscles do with these activations."""
-    anatomy, extras = bound.anatomy, bound.extras
-    modes = {
-        **dict(zip(anatomy.muscle_names, anatomy.muscle_modes, strict=True)),
-        **dict(zip(anatomy.articulator_names, anatomy.articulator_modes, strict=True)),
-        **dict(zip(extras.names, extras.modes, strict=True)),
-    }
-    ranges = {
-        **dict.fromkeys(anatomy.muscle_names, (0.0, 1.0)),
-        **dict(zip(anatomy.articulator_names, anatomy.articulator_limits, strict=True)),
-        **dict(zip(extras.names, extras.limits, strict=True)),
-    }
+    own = [*shapes_of_anatomy(bound.anatomy), *shapes_of_extras(bound.extras)]
+    by_name = {shape.name: shape for shape in own}
+    shapes = [by_name[name] for name in source_names]
     options = _core.ControlFitOptions()
     options.unmatched_motion = unmatched
-    faces = np.asarray(head.faces)
     fit = _core.ControlFit(
         np.ascontiguousarray(head.expected(np.asarray(template.unit_modes, dtype=np.float64))),
-        np.stack([modes[name] for name in source_names]).astype(np.float64),
-        _core.polygon_areas(
-            head.vertices, list(range(0, faces.size, 3)), faces.reshape(-1).tolist()
-        ),
+        _offsets(shapes),
+        face_areas(head.vertices, head.faces),
         _unit_ranges(len(template.unit_names)),
-        np.array([ranges[name] for name in source_names], dtype=np.float64),
+        _ranges(shapes),
         options,
     )
     return fit.frames(acted, np.zeros((len(acted), len(template.unit_names))))
+
+
+def face_areas(points: Floats, faces: NDArray) -> Floats:
+    """V: each face's area in equal parts for its corners. faces: F x 3 or F x 4."""
+    faces = np.asarray(faces)
+    starts = list(range(0, faces.size, faces.shape[1]))
+    return _core.polygon_areas(points, starts, faces.reshape(-1).tolist())
+
+
+def _offsets(shapes: Sequence[Shape]) -> Floats:
+    return np.stack([shape.offsets for shape in shapes])
+
+
+def _ranges(shapes: Sequence[Shape]) -> Floats:
+    return np.array([(shape.lowest, shape.highest) for shape in shapes])
 
 
 def _scores(

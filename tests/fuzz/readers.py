@@ -38,6 +38,8 @@ from mimetic.puppet.matching import still_matcher
 from mimetic.puppet.separability import separability
 from mimetic.puppet.templates import TaughtSet
 from mimetic.report.html import head_angles
+from mimetic.retarget.controls import load_preset, save_preset
+from mimetic.retarget.face_csv import read_face_csv
 from mimetic.score.score import score
 from mimetic.score.tables import as_json, as_text
 from mimetic.score.truth import Truth
@@ -178,6 +180,22 @@ def _read_landmarks(path: Path) -> None:
     _either(lambda: read_skin(template.vertices[:skin], template.skin_faces, landmarks, template))
 
 
+def _read_face_csv(path: Path) -> None:
+    table = read_face_csv(path, 30.0)
+    if not (np.isfinite(table.values).all() and np.isfinite(table.seconds).all()):
+        raise Broken("a table with a number that is not finite")
+    if table.values.shape != (len(table.seconds), len(table.names)):
+        raise Broken("a table without a value for each name and frame")
+
+
+def _read_preset(path: Path) -> None:
+    rows = load_preset(path)
+    again = path.with_suffix(".again")
+    save_preset(rows, again)
+    if load_preset(again) != rows:
+        raise Broken("what was saved again is not what was read")
+
+
 def _read_points(path: Path) -> None:
     track_points(samples.performance(), read_points(path))
 
@@ -216,6 +234,8 @@ READERS = {
     "person": Reader(partial(samples.batch_files, "person"), batch_files.read_person),
     "table": Reader(partial(samples.batch_files, "table"), batch_files.read_table),
     "landmarks": Reader(samples.landmarks, _read_landmarks),
+    "face-csv": Reader(samples.face_csvs, _read_face_csv),
+    "preset": Reader(samples.presets, _read_preset),
     "points": Reader(samples.points, _read_points),
     "mesh": Reader(samples.meshes, _read_mesh),
     "model": Reader(samples.models, _read_model),

@@ -7,7 +7,7 @@ import base64
 import io
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 from random import Random
@@ -20,6 +20,8 @@ from mimetic.character.gltf import write_chunks
 from mimetic.library.expression import Expression
 from mimetic.locate.eigenspaces import FILE_NAME as SPACES
 from mimetic.locate.landmarks import FILE_NAME as CASCADE
+from mimetic.retarget.controls import FORMAT as PRESET
+from mimetic.retarget.controls import ControlRow
 from mimetic.shared.installed_data import data_folder
 from mimetic.template.face_template import load_template
 from sample_fit import make_fit
@@ -103,6 +105,21 @@ def points() -> list[Sample]:
         Sample(".csv", b"x,y\n150,100\n160.5,120.25\n0,0\n", TEXT),
         Sample(".csv", b'\xef\xbb\xbfx, y\r\n"150",100\r\n\r\n1e2,-3\r\n', TEXT),
     ]
+
+
+def face_csvs() -> list[Sample]:
+    head = b"Timecode,BlendShapeCount,EyeBlinkLeft,HeadYaw"
+    return [
+        Sample(".csv", head + b"\n00:00:00:00.000,2,.5,-0.1\n00:00:00:01.000,2,1,0\n", TEXT),
+        Sample(".csv", head + b'\r\n00:00:00:00.000,2,"0",1e-3\r\n', TEXT),
+    ]
+
+
+def presets() -> list[Sample]:
+    edited = ControlRow("jawOpen", True, 0.8, 0.1, -0.5, 1.5, True)
+    rows = [asdict(row) for row in (edited, ControlRow("smile.L"))]
+    document = {"format": PRESET, "controls": rows}
+    return [Sample(".json", json.dumps(document).encode(), JSON)]
 
 
 def meshes() -> list[Sample]:

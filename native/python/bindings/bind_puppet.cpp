@@ -89,8 +89,7 @@ void bind_puppet(py::module_& m) {
              "groups: n whole numbers, equal for templates of one part. Raises InvalidInput.")
         .def("match", &match_arrays, py::arg("picture").noconvert(),
              "Of a picture (H, W) uint8: scores (n,), places (n, 2) in pixels, (n, 2) of scale and rotation\n"
-             "(rad), and whether all were found by a search of the whole picture.")
-        .def("restart", &TemplateMatcher::restart, "Looks for the templates at their own places again.");
+             "(rad), and whether all were found by a search of the whole picture.");
     py::class_<FrontView>(m, "FrontView", "A face as from straight in front, however the head is turned.")
         .def(py::init<const Camera&, PointsIn, QuadsIn, const FrontViewOptions&>(), "camera"_a, "vertices"_a,
              "faces"_a, "options"_a = FrontViewOptions{},

@@ -17,9 +17,7 @@ void bind_puppet_interpolate(py::module_& m) {
         .def(py::init<>())
         .def_readwrite("basis", &InterpolationOptions::basis)
         .def_readwrite("regularisation", &InterpolationOptions::regularisation,
-                       "0: chosen by cross-validation")
-        .def_readwrite("width", &InterpolationOptions::width,
-                       "of the Gaussian, in spreads of a score; 0: chosen by cross-validation");
+                       "0: chosen by cross-validation");
     py::class_<Interpolation>(m, "Interpolation", "Scores to a state, by examples and radial bases.")
         .def(py::init<MatrixIn, MatrixIn, VectorIn, VectorIn, const InterpolationOptions&>(), "scores"_a,
              "states"_a, "lower"_a, "upper"_a, "options"_a = InterpolationOptions{},

@@ -12,9 +12,6 @@ void bind_register_landmarks(py::module_& m) {
     py::class_<PlacedLandmarks>(m, "PlacedLandmarks", "Landmarks that were placed on a mesh.")
         .def_readonly("places", &PlacedLandmarks::places, "(L, 3), on the mesh, in its frame")
         .def_readonly("sigma", &PlacedLandmarks::sigma, "(L,) standard deviations, interpupillary distances")
-        .def_readonly("presence", &PlacedLandmarks::presence, "0 to 1, that the mesh shows a face")
-        .def_readonly("misfit", &PlacedLandmarks::misfit,
-                      "root mean square of the points seen from the template's, interpupillary distances")
         .def_readonly("mesh_from_template", &PlacedLandmarks::mesh_from_template);
     py::class_<LandmarkFinder>(m, "LandmarkFinder",
                                "Places a template's landmarks on heads of any make, by pictures of both.")

@@ -32,10 +32,10 @@ cv::Mat1f closed(const cv::Mat1f& heights, const cv::Mat1f& is_seen, double pixe
 
 /// Those seen from outside: through the eyes' holes the back of the head is not.
 Quads facing_quads(const Points2& pixels, QuadsIn faces) {
+    require(faces.size() == 0 || (faces.minCoeff() >= 0 && faces.maxCoeff() < pixels.rows()),
+            "a face names a vertex that is not there");
     std::vector<Eigen::Index> kept;
     for (Eigen::Index i = 0; i < faces.rows(); ++i) {
-        require(faces.row(i).minCoeff() >= 0 && faces.row(i).maxCoeff() < pixels.rows(),
-                "a face names a vertex that is not there");
         const Eigen::RowVector2d a = pixels.row(faces(i, 2)) - pixels.row(faces(i, 0));
         const Eigen::RowVector2d b = pixels.row(faces(i, 3)) - pixels.row(faces(i, 1));
         if (a.x() * b.y() - a.y() * b.x() < 0) {  // y is down in pictures

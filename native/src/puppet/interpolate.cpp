@@ -8,6 +8,7 @@
 #include <mimetic/shared/checks.hpp>
 #include <vector>
 
+#include "shared/robust.hpp"
 #include "solve/bounded_step.hpp"
 
 namespace mimetic {
@@ -21,15 +22,6 @@ constexpr double kSumWeight = 1e4;                   // of the weights' sum bein
 constexpr double kLeastSpread = .01;                 // of a template's scores: less is noise
 constexpr double kRidge = 1e-8;                      // makes the solution unique where corners coincide
 constexpr double kLeastMu = 1e-8, kGreatestMu = 10;  // tried by cross-validation, in powers of ten
-
-double median(std::vector<double> values) {
-    if (values.empty()) {
-        return 0;
-    }
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
-}
 
 /// Rows x columns of distances between rows.
 Eigen::MatrixXd distances_between(const MatrixRows& a, const MatrixRows& b) {
@@ -115,33 +107,28 @@ std::vector<double> strengths_of(const InterpolationOptions& options) {
 
 double positive(double width) { return std::isfinite(width) && width > 1e-9 ? width : 1; }
 
-std::vector<double> widths_of(const InterpolationOptions& options, const Eigen::MatrixXd& distances) {
-    if (options.basis == Basis::gaussian && options.width > 0) {
-        return {options.width};
-    }
+std::vector<double> widths_of(Basis basis, const Eigen::MatrixXd& distances) {
     std::vector<double> apart;
     for (Eigen::Index k = 0; k < distances.rows(); ++k) {
         for (Eigen::Index l = 0; l < k; ++l) {
             apart.push_back(distances(k, l));
         }
     }
-    if (options.basis == Basis::linear) {
-        return {positive(median(apart))};
+    const double usual = upper_median(apart);
+    if (basis == Basis::linear) {
+        return {positive(usual)};
     }
     std::vector<double> widths;
     widths.reserve(kWidths.size());
     for (const double factor : kWidths) {
-        widths.push_back(positive(factor * median(apart)));
+        widths.push_back(positive(factor * usual));
     }
     return widths;
 }
 
 }  // namespace
 
-void InterpolationOptions::check() const {
-    check_range("regularisation", regularisation, 0, 1e3);
-    check_range("width", width, 0, 1e3);
-}
+void InterpolationOptions::check() const { check_range("regularisation", regularisation, 0, 1e3); }
 
 Interpolation::Interpolation(MatrixIn scores, MatrixIn states, VectorIn lower, VectorIn upper,
                              const InterpolationOptions& options)
@@ -165,15 +152,14 @@ Interpolation::Interpolation(MatrixIn scores, MatrixIn states, VectorIn lower, V
                      .transpose();
     scores_ = scores * per_score_.asDiagonal();
     const Eigen::MatrixXd distances = distances_between(scores_, scores_);
-    const std::vector<double> widths = widths_of(options, distances), strengths = strengths_of(options);
+    const std::vector<double> widths = widths_of(basis_, distances), strengths = strengths_of(options);
     width_ = widths.front();
     regularisation_ = strengths.front();
     error_ = Eigen::VectorXd::Zero(values.cols());
     double least = std::numeric_limits<double>::infinity();
     for (const double width : count > 1 ? widths : std::vector<double>{}) {
-        const Validation validation =
-            validate(basis_of(basis_, distances, width), distances, values, strengths);
-        usual_distance_ = median(validation.nearest);
+        Validation validation = validate(basis_of(basis_, distances, width), distances, values, strengths);
+        usual_distance_ = upper_median(validation.nearest);
         for (std::size_t i = 0; i < strengths.size(); ++i) {
             const double missed = missed_by(validation.squares[i], values);
             if (missed < least) {

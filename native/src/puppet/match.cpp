@@ -208,13 +208,13 @@ private:
     bool is_everywhere_;
 };
 
-TemplateMatch match_of(const Peak& peak, const PreparedTemplate& look, bool found_again) {
+TemplateMatch match_of(const Peak& peak, const PreparedTemplate& look) {
     if (!std::isfinite(peak.score)) {  // no window of the template's size is in the image
         return {-1, look.place, 1, 0, false};
     }
     const Variant& variant = look.variants[peak.variant];
     return {peak.score, from_level(peak.centre, look.level) + look.trim, variant.scale, variant.rotation,
-            found_again};
+            false};
 }
 
 void check(const LookTemplate& look, std::size_t number) {
@@ -262,7 +262,7 @@ struct TemplateMatcher::State {
         std::vector<TemplateMatch> matches;
         matches.reserve(chosen.size());
         for (std::size_t k = 0; k < chosen.size(); ++k) {
-            matches.push_back(puppet::match_of(searches[k].run(), looks[chosen[k]], is_everywhere));
+            matches.push_back(puppet::match_of(searches[k].run(), looks[chosen[k]]));
         }
         return matches;
     }
@@ -348,8 +348,6 @@ TemplateMatcher::TemplateMatcher(const std::vector<LookTemplate>& templates, con
 TemplateMatcher::~TemplateMatcher() = default;
 TemplateMatcher::TemplateMatcher(TemplateMatcher&&) noexcept = default;
 TemplateMatcher& TemplateMatcher::operator=(TemplateMatcher&&) noexcept = default;
-
-void TemplateMatcher::restart() { state_->offsets.clear(); }
 
 std::vector<TemplateMatch> TemplateMatcher::match(const GrayView& image) {
     require(std::min(image.rows, image.cols) >> (state_->num_levels - 1) >= 1,

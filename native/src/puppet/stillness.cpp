@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <cmath>
 #include <mimetic/puppet/stillness.hpp>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
+#include <mimetic/shared/rotations.hpp>
 #include <numbers>
 #include <random>
 #include <string>
@@ -30,27 +32,22 @@ FilterOptions options_of(double stillness) {
 Eigen::Matrix3d facing() { return Eigen::Vector3d(1, -1, -1).asDiagonal(); }
 
 Eigen::VectorXd flat(const LivePose& pose) {
-    const Eigen::AngleAxisd turn(Eigen::Matrix3d(pose.camera_from_head.linear() * facing()));
     Eigen::VectorXd numbers(6 + pose.values.size());
-    numbers << turn.angle() * turn.axis(), pose.camera_from_head.translation(), pose.values;
+    numbers << rotation_vector(pose.camera_from_head.linear() * facing()),
+        pose.camera_from_head.translation(), pose.values;
     return numbers;
 }
 
 LivePose posed(const Eigen::VectorXd& numbers) {
     LivePose pose;
-    const Eigen::Vector3d turn = numbers.head<3>();
-    const double angle = turn.norm();
-    const Eigen::Vector3d axis = angle > 1e-12 ? Eigen::Vector3d(turn / angle) : Eigen::Vector3d::UnitX();
-    pose.camera_from_head.linear() = Eigen::AngleAxisd(angle, axis).toRotationMatrix() * facing();
+    pose.camera_from_head.linear() = rotation_from_vector(numbers.head<3>()) * facing();
     pose.camera_from_head.translation() = numbers.segment<3>(3);
     pose.values = numbers.tail(numbers.size() - 6);
     return pose;
 }
 
 double checked(double stillness) {
-    if (!(stillness >= 0 && stillness <= 1)) {
-        throw InvalidInput("stillness is " + std::to_string(stillness) + "; it must be 0 to 1");
-    }
+    check_range("stillness", stillness, 0, 1);
     return stillness;
 }
 
@@ -70,9 +67,8 @@ LivePose StillnessFilter::advance(const LivePose& measured, double seconds) {
     if (!numbers.allFinite() || !std::isfinite(seconds)) {
         throw InvalidInput("a live face needs a pose, values and a time that are finite");
     }
-    if (!filter_ || num_numbers_ != numbers.size()) {
-        num_numbers_ = numbers.size();
-        Eigen::VectorXd units = Eigen::VectorXd::Ones(num_numbers_);
+    if (!filter_ || filter_->size() != numbers.size()) {
+        Eigen::VectorXd units = Eigen::VectorXd::Ones(numbers.size());
         units.head<3>().setConstant(kRotation);
         units.segment<3>(3).setConstant(kTranslation);
         filter_.emplace(units, options_of(stillness_));

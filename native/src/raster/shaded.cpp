@@ -14,10 +14,6 @@ constexpr double kAmbient = .35;
 constexpr std::uint8_t kGround = 60;
 constexpr double kNearest = 1e-3;  // metres
 
-Eigen::Vector3d in_camera(const Eigen::Vector3d& point, double distance) {
-    return {point.x(), -point.y(), distance - point.z()};
-}
-
 void check_mesh(const ShadedMesh& mesh) {
     if (mesh.normals.rows() != mesh.vertices.rows() || mesh.colours.rows() != mesh.triangles.rows()) {
         throw InvalidInput("a shaded mesh needs a normal for each vertex and a colour for each triangle");
@@ -33,7 +29,11 @@ void check_mesh(const ShadedMesh& mesh) {
 
 }  // namespace
 
-Points vertex_normals(PointsIn vertices, TrianglesIn triangles) {
+Eigen::Vector3d across_view(const Eigen::Vector3d& point, double distance) {
+    return {point.x(), -point.y(), distance - point.z()};
+}
+
+Points area_normals(PointsIn vertices, TrianglesIn triangles) {
     Points normals = Points::Zero(vertices.rows(), 3);
     for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
         const Eigen::Vector3d a = vertices.row(triangles(t, 0)), b = vertices.row(triangles(t, 1)),
@@ -43,6 +43,11 @@ Points vertex_normals(PointsIn vertices, TrianglesIn triangles) {
             normals.row(triangles(t, k)) += normal;
         }
     }
+    return normals;
+}
+
+Points vertex_normals(PointsIn vertices, TrianglesIn triangles) {
+    Points normals = area_normals(vertices, triangles);
     for (Eigen::Index v = 0; v < normals.rows(); ++v) {
         const double length = normals.row(v).norm();
         if (length > 0) {
@@ -64,7 +69,7 @@ ShadedPicture draw_shaded(const Camera& camera, const ShadedMesh& mesh, double d
         bool is_before = true;
         for (Eigen::Index k = 0; k < 3; ++k) {
             const int v = mesh.triangles(t, k);
-            const Eigen::Vector3d point = in_camera(mesh.vertices.row(v).transpose(), distance);
+            const Eigen::Vector3d point = across_view(mesh.vertices.row(v).transpose(), distance);
             is_before = is_before && point.z() > kNearest;
             corners[static_cast<std::size_t>(k)] = camera.project(point);
             nearness[k] = 1 / point.z();
@@ -105,15 +110,14 @@ Eigen::Vector3d shown_point(const Camera& camera, const ShadedMesh& mesh, double
     }
     Eigen::Matrix3d corners;
     for (Eigen::Index k = 0; k < 3; ++k) {
-        corners.col(k) = in_camera(mesh.vertices.row(mesh.triangles(triangle, k)).transpose(), distance);
+        corners.col(k) = across_view(mesh.vertices.row(mesh.triangles(triangle, k)).transpose(), distance);
     }
     const Eigen::Vector3d ray = camera.ray(pixel.x(), pixel.y());
     const Eigen::Vector3d normal = (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0));
     double depth = normal.dot(corners.col(0)) / normal.dot(ray);
     const double low = corners.row(2).minCoeff(), high = corners.row(2).maxCoeff();
     depth = std::isfinite(depth) ? std::clamp(depth, low, high) : static_cast<double>(raster.depth[at]);
-    const Eigen::Vector3d point = depth * ray;
-    return {point.x(), -point.y(), distance - point.z()};
+    return across_view(depth * ray, distance);
 }
 
 }  // namespace mimetic

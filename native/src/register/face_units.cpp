@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mimetic/muscles/articulators.hpp>
+#include <mimetic/raster/shaded.hpp>
 #include <mimetic/register/face_units.hpp>
 #include <mimetic/shared/checks.hpp>
 #include <utility>
@@ -21,18 +22,6 @@ constexpr double kCornerRoom = .04;  // of the slit's length, without pairs
 
 using Maps = Rows<double, 9>;
 using Square = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-
-Points area_normals(PointsIn vertices, TrianglesIn triangles) {
-    Points normals = Points::Zero(vertices.rows(), 3);
-    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-        const Eigen::Vector3d a = vertices.row(triangles(t, 0)), b = vertices.row(triangles(t, 1)),
-                              c = vertices.row(triangles(t, 2));
-        for (Eigen::Index k = 0; k < 3; ++k) {
-            normals.row(triangles(t, k)) += (b - a).cross(c - a).transpose();
-        }
-    }
-    return normals;
-}
 
 Maps smoothed(const Maps& maps, TrianglesIn triangles) {
     Maps sums = maps;

@@ -41,12 +41,11 @@ FeatureCrop crop_round_points(const Points2& places) {
 
 FaceView settled_view(const ShadedView& view, const FeatureNetworks& networks, FeatureCrop crop) {
     const ColorImage& picture = view.shaded.picture;
-    const ColorView image{picture.pixels.data(), picture.rows, picture.cols, 3 * picture.cols};
     MeshPoints seen;
     FaceView face;
     for (int round = 0; round < kSettling; ++round) {
         face.crop = crop;
-        seen = networks.mesh(image, crop, true);
+        seen = networks.mesh(picture.view(), crop, true);
         crop = crop_round_points(seen.places);
         if (!(crop.side >= 16 && crop.side <= 4 * picture.cols && crop.center.allFinite() &&
               crop.center.cwiseAbs().maxCoeff() < 4 * picture.cols)) {
@@ -79,7 +78,7 @@ Eigen::Vector3d ShadedView::point(const Eigen::Vector2d& pixel) const {
 
 Eigen::Vector2d ShadedView::pixel(const Eigen::Vector3d& point) const {
     const Eigen::Vector3d seen = turn * (point - middle);
-    return camera.project({seen.x(), -seen.y(), distance - seen.z()});
+    return camera.project(across_view(seen, distance));
 }
 
 std::vector<ViewDirection> view_directions() {

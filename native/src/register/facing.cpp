@@ -83,7 +83,6 @@ std::optional<Facing> facing_of(const FaceView& reference, const FaceView& view)
         return std::nullopt;
     }
     Facing facing;
-    facing.presence = view.presence;
     for (int round = 0; round < 3; ++round) {
         const Points from = reference.places(rows, Eigen::all), to = view.places(rows, Eigen::all);
         facing.mesh_from_template = fit_similarity(from, to);
@@ -140,9 +139,7 @@ std::optional<Facing> find_facing(const ShownHead& head, const FeatureNetworks& 
         const Eigen::Vector3d size = (rotations[r] * (high - low)).cwiseAbs() * (kSearchSize / extent);
         std::optional<Facing> seen;
         for (const FeatureCrop& crop : search_crops(size.x(), size.y())) {
-            const ColorImage& picture = view.shaded.picture;
-            const ColorView image{picture.pixels.data(), picture.rows, picture.cols, 3 * picture.cols};
-            if (!(networks.mesh(image, crop).presence > kPresent)) {
+            if (!(networks.mesh(view.shaded.picture.view(), crop).presence > kPresent)) {
                 continue;
             }
             const std::optional<Facing> one = facing_of(reference, settled_view(view, networks, crop));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <mimetic/raster/shaded.hpp>
 #include <mimetic/register/foreign_skin.hpp>
 #include <mimetic/shared/error.hpp>
 #include <string>
@@ -108,20 +109,12 @@ void check_areas(const ForeignSkin& skin) {
 
 /// The nose and the chin of a head look forwards.
 void check_outward(const ForeignSkin& skin, const std::vector<int>& front) {
-    Points normals = Points::Zero(skin.vertices.rows(), 3);
-    for (Eigen::Index t = 0; t < skin.triangles.rows(); ++t) {
-        const Eigen::RowVector3d a = skin.vertices.row(skin.triangles(t, 0));
-        const Eigen::RowVector3d across =
-            (skin.vertices.row(skin.triangles(t, 1)) - a).cross(skin.vertices.row(skin.triangles(t, 2)) - a);
-        for (int k = 0; k < 3; ++k) {
-            normals.row(skin.triangles(t, k)) += across;
-        }
-    }
+    const Points normals = vertex_normals(skin.vertices, skin.triangles);
     double forwards = 0;
     for (const int i : front) {
         Eigen::Index nearest = 0;
         (skin.vertices.rowwise() - skin.landmarks.row(i)).rowwise().squaredNorm().minCoeff(&nearest);
-        forwards += normals(nearest, 2) / std::max(normals.row(nearest).norm(), 1e-300);
+        forwards += normals(nearest, 2);
     }
     if (forwards < 0) {
         throw InvalidInput("the faces look inwards: reverse the order of each face's vertices");

@@ -5,6 +5,7 @@
 #include <mimetic/register/landmark_finder.hpp>
 #include <mimetic/register/registration.hpp>
 #include <mimetic/shared/checks.hpp>
+#include <mimetic/shared/error.hpp>
 #include <mimetic/shared/scale.hpp>
 
 #include "face_details.hpp"
@@ -90,17 +91,28 @@ std::pair<Eigen::RowVector3d, double> middle_of(const std::vector<Eigen::RowVect
     return {middle, median(gaps)};
 }
 
+/// The landmarks' places, each of which must have a name and be a vertex.
+Points places_of(PointsIn vertices, const std::vector<std::string>& names, const std::vector<int>& rows) {
+    require(names.size() == rows.size(), "there must be a name for each landmark");
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (rows[i] < 0 || rows[i] >= vertices.rows()) {
+            throw InvalidInput("landmark " + names[i] + " is vertex " + std::to_string(rows[i]) +
+                               ", which the template does not have");
+        }
+    }
+    return vertices(rows, Eigen::all);
+}
+
 }  // namespace
 
 LandmarkFinder::LandmarkFinder(PointsIn vertices, TrianglesIn triangles, std::vector<std::string> names,
                                const std::vector<int>& landmarks, const FeatureNetworks& networks)
     : names_(std::move(names)),
-      landmarks_(vertices(landmarks, Eigen::all)),
+      landmarks_(places_of(vertices, names_, landmarks)),
       networks_(networks),
       directions_(view_directions()),
       template_(shown_head(vertices, triangles)),
       views_(face_views(template_, networks_, directions_, {})) {
-    require(names_.size() == landmarks.size(), "there must be a name for each landmark");
     for (const FaceView& view : views_) {
         require(view.presence > kPresent, "the networks see no face in the template");
         crops_.push_back(view.crop);
@@ -124,8 +136,7 @@ std::optional<PlacedLandmarks> LandmarkFinder::place(PointsIn vertices, Triangle
     if (views.size() < directions_.size()) {
         return std::nullopt;
     }
-    PlacedLandmarks placed{landmarks_, Eigen::VectorXd(landmarks_.rows()), facing->presence, facing->misfit,
-                           facing->mesh_from_template};
+    PlacedLandmarks placed{landmarks_, Eigen::VectorXd(landmarks_.rows()), facing->mesh_from_template};
     for (Eigen::Index i = 0; i < landmarks_.rows(); ++i) {
         std::vector<Eigen::RowVector3d> places;
         for (std::size_t v = 0; v < views.size(); ++v) {

@@ -5,6 +5,7 @@
 #include <mimetic/retarget/bounded_fit.hpp>
 #include <mimetic/retarget/control_fit.hpp>
 #include <mimetic/shared/checks.hpp>
+#include <mimetic/shared/error.hpp>
 
 namespace mimetic {
 namespace {
@@ -32,13 +33,17 @@ Eigen::VectorXd polygon_areas(PointsIn points, const std::vector<int>& starts,
     for (std::size_t face = 0; face < starts.size(); ++face) {
         const int begin = starts[face];
         const int end = face + 1 < starts.size() ? starts[face + 1] : static_cast<int>(corners.size());
-        require(begin >= 0 && end >= begin + 3 && end <= static_cast<int>(corners.size()),
-                "polygon " + std::to_string(face) + " of the mesh does not have three corners of its own");
+        if (begin < 0 || end < begin + 3 || end > static_cast<int>(corners.size())) {
+            throw InvalidInput("polygon " + std::to_string(face) +
+                               " of the mesh does not have three corners of its own");
+        }
         Eigen::Vector3d doubled = Eigen::Vector3d::Zero();
         for (int c = begin; c < end; ++c) {
             const int vertex = corners[static_cast<std::size_t>(c)];
-            require(vertex >= 0 && vertex < points.rows(),
-                    "polygon " + std::to_string(face) + " of the mesh has a corner that is no vertex");
+            if (vertex < 0 || vertex >= points.rows()) {
+                throw InvalidInput("polygon " + std::to_string(face) +
+                                   " of the mesh has a corner that is no vertex");
+            }
         }
         const Eigen::Vector3d origin = points.row(corners[static_cast<std::size_t>(begin)]);
         for (int c = begin + 1; c + 1 < end; ++c) {
@@ -123,15 +128,14 @@ void ControlFit::read(const ControlFitOptions& options) {
     scale_ = hessian_.diagonal();
 }
 
-Eigen::VectorXd ControlFit::best(VectorIn values, VectorIn expected, VectorIn start) const {
+BoundedProblem ControlFit::problem() const {
     BoundedProblem problem;
     problem.hessian = hessian_;
     problem.hessian.diagonal() += options_.ridge * scale_;
-    problem.linear = slopes_ * values + options_.ridge * scale_.cwiseProduct(expected);
     problem.sparsity = options_.sparsity * scale_;
     problem.lowest = control_range_.col(0);
     problem.highest = control_range_.col(1);
-    return fit_bounded(problem, start);
+    return problem;
 }
 
 MatrixRows ControlFit::frames(MatrixIn values, MatrixIn expected) const {
@@ -140,10 +144,13 @@ MatrixRows ControlFit::frames(MatrixIn values, MatrixIn expected) const {
             "a row of values needs a finite one for each source");
     require(expected.rows() == values.rows() && expected.cols() == num_controls && expected.allFinite(),
             "a row of expected values needs a finite one for each control");
+    BoundedProblem now = problem();
     MatrixRows fitted(values.rows(), num_controls);
     Eigen::VectorXd start = Eigen::VectorXd::Zero(num_controls);
     for (Eigen::Index i = 0; i < values.rows(); ++i) {
-        start = best(values.row(i).transpose(), expected.row(i).transpose(), start);
+        now.linear = slopes_ * values.row(i).transpose() +
+                     options_.ridge * scale_.cwiseProduct(expected.row(i).transpose());
+        start = fit_bounded(now, start);
         fitted.row(i) = start.transpose();
     }
     return fitted;
@@ -153,12 +160,13 @@ MatrixRows ControlFit::mapping() const {
     const Eigen::Index num_controls = of_controls_.rows(), num_sources = of_sources_.rows();
     MatrixRows rows = MatrixRows::Zero(2 * num_sources, num_controls);
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(num_controls);
+    BoundedProblem now = problem();
     for (Eigen::Index s = 0; s < num_sources; ++s) {
         for (const int side : {1, 0}) {
             const double height = source_range_(s, side);
             if (height != 0) {
-                const Eigen::VectorXd values = height * Eigen::VectorXd::Unit(num_sources, s);
-                rows.row(2 * s + 1 - side) = best(values, none, none).transpose() / std::abs(height);
+                now.linear = height * slopes_.col(s);
+                rows.row(2 * s + 1 - side) = fit_bounded(now, none).transpose() / std::abs(height);
             }
         }
     }

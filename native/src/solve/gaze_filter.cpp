@@ -8,14 +8,10 @@
 namespace mimetic {
 namespace {
 
-// Degrees, at 30 frames a second, as the track of a whole clip has them
-constexpr double kDrift = .12, kVergenceDrift = .06;
-constexpr double kTail = 2.5;          // in drifts: from here on an increment counts as a saccade
-constexpr int kRounds = 4;             // of reweighting; a saccade is found in two
-constexpr double kMemory = 1800;       // frames over which what is usual is learnt: a minute
-constexpr double kReach = 4;           // degrees: how far one frame may pull what is usual
-constexpr double kLongestGap = 1;      // seconds
-const GazeState kStart(15, 15, 5, 5);  // standard deviations
+constexpr int kRounds = 4;         // of reweighting; a saccade is found in two
+constexpr double kMemory = 1800;   // frames over which what is usual is learnt: a minute
+constexpr double kReach = 4;       // degrees: how far one frame may pull what is usual
+constexpr double kLongestGap = 1;  // seconds
 
 }  // namespace
 
@@ -23,7 +19,7 @@ GazeFilter::GazeFilter(const Eyeballs& eyes)
     : eyes_(eyes),
       state_(straight_ahead()),
       usual_(straight_ahead()),
-      covariance_(kStart.cwiseAbs2().asDiagonal()) {
+      covariance_(kUnseen.cwiseAbs2().asDiagonal()) {
     eyes_.check();
 }
 

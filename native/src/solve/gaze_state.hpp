@@ -8,6 +8,15 @@ using GazeState = Eigen::Vector4d;  ///< degrees: both eyes' yaw and pitch, verg
 
 inline constexpr double kFixation = 30;  ///< frames
 
+// Degrees a frame, at 30 frames a second; the eyeballs of the canonical head are 1.4 times as large as
+// people's, so that they turn less for the same way of an iris.
+inline constexpr double kDrift = .12;  ///< of fixations
+inline constexpr double kVergenceDrift = .06;
+inline constexpr double kTail = 2.5;  ///< in drifts: from here on an increment counts as a saccade
+
+/// Standard deviations of a state of which nothing is seen.
+inline const GazeState kUnseen(15, 15, 5, 5);
+
 /// The state of eyes that look straight ahead into the distance of a room.
 GazeState straight_ahead();
 

@@ -7,6 +7,7 @@
 
 #include "block_banded.hpp"
 #include "gaze_state.hpp"
+#include "shared/robust.hpp"
 
 namespace mimetic {
 namespace {
@@ -15,15 +16,11 @@ using State = GazeState;
 using Turns = std::vector<std::array<IrisTurn, 2>>;
 using Sequence = std::vector<Eigen::VectorXd>;
 
-// Degrees, at 30 frames a second; the eyeballs of the canonical head are 1.4 times as large as people's, so
-// that they turn less for the same way of an iris.
-constexpr double kDrift = .12;  // of fixations, a frame
-constexpr double kVergenceDrift = .06;
-constexpr double kTail = 2.5;     // in drifts: from here on an increment counts as a saccade
-constexpr double kSaccade = 1.5;  // root mean square increment, for what is not seen
+constexpr double kSaccade = 1.5;  // degrees, root mean square increment at 30 frames a second, unseen
+
 /// A weak pull to straight ahead, without which a clip that shows no eyes has no solution.
 void add_prior(Eigen::MatrixXd& information, Eigen::VectorXd& pull) {
-    const Eigen::Vector4d own = Eigen::Vector4d(15, 15, 5, 5).cwiseAbs2().cwiseInverse() / kFixation / 100;
+    const Eigen::Vector4d own = kUnseen.cwiseAbs2().cwiseInverse() / kFixation / 100;
     information.diagonal() += own;
     pull[2] += own[2] * straight_ahead()[2];
 }
@@ -109,7 +106,7 @@ std::vector<Eigen::Vector4d> variances_of(const Turns& turns, double fps) {
     Eigen::VectorXd unused = Eigen::VectorXd::Zero(4);
     for (std::size_t t = 0; t < turns.size(); ++t) {
         add_irises(turns[t], nullptr, information[t], unused);
-        information[t].diagonal() += Eigen::Vector4d(15, 15, 5, 5).cwiseAbs2().cwiseInverse() / kFixation;
+        information[t].diagonal() += kUnseen.cwiseAbs2().cwiseInverse() / kFixation;
     }
     const double pace = 30 / fps;
     const Eigen::VectorXd increment =
@@ -122,12 +119,6 @@ std::vector<Eigen::Vector4d> variances_of(const Turns& turns, double fps) {
         variances.push_back((eyes * block * eyes.transpose()).diagonal());
     }
     return variances;
-}
-
-double median_of(std::vector<double> values) {
-    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-    std::nth_element(values.begin(), middle, values.end());
-    return *middle;
 }
 
 UsualGaze usual_of(const Sequence& states, const Turns& turns) {
@@ -143,7 +134,7 @@ UsualGaze usual_of(const Sequence& states, const Turns& turns) {
     }
     if (usual.num_seen > 0) {
         for (std::size_t i = 0; i < 4; ++i) {
-            usual.median[static_cast<Eigen::Index>(i)] = median_of(columns[i]);
+            usual.median[static_cast<Eigen::Index>(i)] = upper_median(columns[i]);
         }
     }
     return usual;

@@ -21,7 +21,7 @@ class BasisTest : public ::testing::TestWithParam<Basis> {};
 
 TEST_P(BasisTest, MeetsItsExamplesWithoutRegularisation) {
     const MatrixRows scores = random_rows(1, 9, 4), states = random_rows(2, 9, 6);
-    const Interpolation map(scores, states, all(6, 0), all(6, 1), {GetParam(), 1e-12, 0});
+    const Interpolation map(scores, states, all(6, 0), all(6, 1), {GetParam(), 1e-12});
     for (int k = 0; k < 9; ++k) {
         EXPECT_LT((map.state(scores.row(k).transpose()) - states.row(k).transpose()).norm(), 1e-4);
     }
@@ -65,7 +65,7 @@ TEST(Interpolation, IsLinearBetweenTwoExamplesOnALine) {
     MatrixRows scores(2, 1), states(2, 1);
     scores << .2, .8;
     states << 0, 1;
-    const Interpolation map(scores, states, all(1, -5), all(1, 5), {Basis::linear, 1e-12, 0});
+    const Interpolation map(scores, states, all(1, -5), all(1, 5), {Basis::linear, 1e-12});
     for (const double at : {.2, .35, .5, .65, .8}) {
         EXPECT_NEAR(map.state(all(1, at))[0], (at - .2) / .6, 1e-5);
     }

@@ -3,9 +3,11 @@
 
 import numpy as np
 import pytest
+from mimetic import InvalidInput, _core
 from mimetic.character.foreign_face import Polygons
 from mimetic.character.foreign_mesh import REQUIRED
 from mimetic.character.self_landmarks import find_landmarks, find_on_object
+from mimetic.locate.feature_networks import installed_networks
 from mimetic.template.face_template import load_template
 
 from evaluation.synthetic.characters import BLENDER, GLTF, ODD, Recipe, made
@@ -80,3 +82,12 @@ def test_without_networks_they_are_a_guess(monkeypatch):
     placed = find_landmarks(person.vertices, person.triangles)
     assert "networks" in placed.guess
     assert errors(person, placed).max() < 1
+
+
+@pytest.mark.parametrize("vertex", [-1, 10**9])
+def test_a_landmark_that_is_no_vertex_of_the_template_is_refused(vertex):
+    template = load_template()
+    triangles, _ = _core.cut_faces(template.vertices, template.faces.astype(np.int64))
+    networks = installed_networks()
+    with pytest.raises(InvalidInput, match=f"landmark chin is vertex {vertex}"):
+        _core.LandmarkFinder(template.vertices, triangles, ["chin"], [vertex], networks)

@@ -4,8 +4,10 @@
 import numpy as np
 import pytest
 from mimetic import _core
+from sample_performance import make_performance
 
-from evaluation.runs.puppet import Blinks, HeldOut, _blinks, as_json, as_text
+from evaluation.runs import puppet
+from evaluation.runs.puppet import Blinks, HeldOut, _blinks, as_json, as_text, score_held_out
 from evaluation.runs.puppet_tolerance import CONDITIONS, Tolerance, _moved, disturbed
 
 CAMERA = _core.Camera(400.0, 400.0, 159.5, 119.5, 320, 240)
@@ -46,6 +48,16 @@ def test_every_condition_changes_the_picture_and_keeps_its_size():
 def test_a_blink_is_counted_once_from_shut_to_open():
     closure = np.array([0, 0.2, 0.6, 0.9, 0.45, 0.55, 0.2, 0, 0, 0.45, 0.2, 0.8, 0.1])
     assert _blinks(closure) == [(2, 6), (11, 12)]
+
+
+def test_a_clip_without_time_to_hold_out_is_left_out_and_said(tmp_path, monkeypatch):
+    performance = make_performance(72)
+    assert performance.num_frames / performance.fps < 2 * puppet.BLOCK
+    performance.save(tmp_path / "single_face.npz")
+    monkeypatch.setattr(puppet, "teach", lambda *_, **__: pytest.fail("taught"))
+    lines = []
+    assert list(score_held_out(lines.append, tmp_path)) == []
+    assert lines == ["single_face: left out, shorter than 4 s taught and 4 s tried"]
 
 
 def test_the_tables_have_what_was_scored():

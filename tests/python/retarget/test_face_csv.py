@@ -92,6 +92,10 @@ def test_time_codes_always_go_on(fps):
         ("Timecode,BlendShapeCount,A\n0:0:0,1,1\n", "line 2: '0:0:0' is no time code"),
         ("Timecode,BlendShapeCount,A\n0:0:0:0,1,x\n", "line 2: could not convert"),
         ("Timecode,BlendShapeCount,A\n0:0:0:0,1,nan\n", "line 2: a value is not finite"),
+        ("Timecode,BlendShapeCount,A\nnan:0:0:0,1,1\n", "line 2: 'nan:0:0:0' is not a finite"),
+        ("Timecode,BlendShapeCount,A\n0:0:inf:0,1,1\n", "line 2: '0:0:inf:0' is not a finite"),
+        (f"Timecode,{'B' * 200_000}\n", "line 1: field larger than field limit"),
+        (f"Timecode,BlendShapeCount,A\n0:0:0:0,1,{'1' * 200_000}\n", "line 2: field larger"),
     ],
 )
 def test_what_is_no_table_is_refused(tmp_path, content, message):

@@ -13,7 +13,6 @@ enum class Basis {
 struct InterpolationOptions {
     Basis basis = Basis::linear;
     double regularisation = 0;  ///< 0: chosen by cross-validation; to 1e3. Examples are met exactly near 0
-    double width = 0;           ///< of the Gaussian, in spreads of a score; 0: chosen by cross-validation
     void check() const;         ///< throws InvalidInput: field, value, limit
 };
 

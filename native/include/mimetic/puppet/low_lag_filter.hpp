@@ -21,6 +21,7 @@ public:
     /// Values `seconds` after those before, > 0.
     Eigen::VectorXd advance(VectorIn values, double seconds);
 
+    Eigen::Index size() const { return units_.size(); }
     const Eigen::VectorXd& lags() const { return lags_; }  ///< s, of each value in the last step
     void set_options(const FilterOptions& options);        ///< from the next step on; throws InvalidInput
     void restart();                                        ///< the next values are taken as they are

@@ -60,9 +60,6 @@ public:
     /// The peak of each template, in their order. Images may change in size.
     std::vector<TemplateMatch> match(const GrayView& image);
 
-    /// Looks for the templates at their own places again.
-    void restart();
-
 private:
     struct State;
     std::unique_ptr<State> state_;

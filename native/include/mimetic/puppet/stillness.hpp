@@ -33,7 +33,6 @@ private:
     double stillness_;
     /// Of the rotation vector from facing the camera, translation, values
     std::optional<LowLagFilter> filter_;
-    Eigen::Index num_numbers_ = 0;
 };
 
 /// What a stillness costs and gives at a rate.

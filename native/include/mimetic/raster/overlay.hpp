@@ -23,6 +23,8 @@ struct ColorImage {
     int rows = 0;
     int cols = 0;
     std::vector<std::uint8_t> pixels;
+
+    ColorView view() const { return {pixels.data(), rows, cols, 3 * std::ptrdiff_t{cols}}; }
 };
 
 class DepthMap;

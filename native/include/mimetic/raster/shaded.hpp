@@ -21,8 +21,15 @@ struct ShadedPicture {
     Raster raster;  ///< depth: metres along the camera's z
 };
 
+/// Normals at vertices (V x 3), the sums of those of the triangles round each, twice their areas long.
+Points area_normals(PointsIn vertices, TrianglesIn triangles);
+
 /// Unit normals at vertices (V x 3), by the area of the triangles round each; 0 where there are none.
 Points vertex_normals(PointsIn vertices, TrianglesIn triangles);
+
+/// A point of the camera's frame, of one that is turned to y up and z towards the viewer and lies `distance`
+/// metres before the camera; and back.
+Eigen::Vector3d across_view(const Eigen::Vector3d& point, double distance);
 
 /// Draws a mesh whose frame is the camera's but turned to y up and z towards the viewer, `distance` metres
 /// before the camera. light: unit, from the mesh towards the lamp. Triangles with a corner behind the camera

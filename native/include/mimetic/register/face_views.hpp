@@ -36,7 +36,6 @@ std::vector<FaceView> face_views(const ShownHead& head, const FeatureNetworks& n
 /// How a mesh of any axes and size lies: a face was found in pictures of it.
 struct Facing {
     Similarity mesh_from_template;
-    double presence = 0;
     double misfit = 0;  ///< root mean square from the template's points, interpupillary distances
 };
 

@@ -9,8 +9,6 @@ namespace mimetic {
 struct PlacedLandmarks {
     Points places;          ///< L x 3, on the mesh, in its frame
     Eigen::VectorXd sigma;  ///< L, standard deviation of each, interpupillary distances
-    double presence = 0;    ///< 0 to 1, of the network: that the mesh shows a face
-    double misfit = 0;  ///< root mean square of the points seen from the template, interpupillary distances
     Similarity mesh_from_template;
 };
 
@@ -22,6 +20,7 @@ struct PlacedLandmarks {
 class LandmarkFinder {
 public:
     /// The template: V x 3, metres, head frame; landmarks: names, and vertices. networks: outlive this.
+    /// Throws InvalidInput: a landmark without a name, or that is no vertex; a template without a face.
     LandmarkFinder(PointsIn vertices, TrianglesIn triangles, std::vector<std::string> names,
                    const std::vector<int>& landmarks, const FeatureNetworks& networks);
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include <mimetic/retarget/bounded_fit.hpp>
 #include <mimetic/shared/types.hpp>
 #include <vector>
 
@@ -57,7 +58,7 @@ public:
     Eigen::VectorXd source_explained() const;
 
 private:
-    Eigen::VectorXd best(VectorIn values, VectorIn expected, VectorIn start) const;
+    BoundedProblem problem() const;  ///< but for `linear`, which each row of values has its own of
     void read(const ControlFitOptions& options);
 
     ControlFitOptions options_;

@@ -63,8 +63,6 @@ def nearest_surface() -> _core.ControlFitOptions:
 
 def turns(values: NDArray[np.float64], rotation_mode: str) -> tuple[str, NDArray[np.float64]]:
     """The property that a rotation mode reads, and its curves (N x 3 or 4), for turns about x."""
-    angles = TURN * values
-    zeros = np.zeros_like(angles)
-    c, s = np.cos(angles), np.sin(angles)
-    rows = [zeros + 1, zeros, zeros, zeros, c, -s, zeros, s, c]
-    return rotation_channels(np.stack(rows, axis=1).reshape(-1, 3, 3), rotation_mode)
+    vectors = np.zeros((len(values), 3))
+    vectors[:, 0] = TURN * values
+    return rotation_channels(_core.from_rotation_vectors(vectors), rotation_mode)

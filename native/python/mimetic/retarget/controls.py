@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, fields, replace
@@ -14,9 +13,8 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput
 from mimetic.retarget.control_names import mirrored_name
-from mimetic.shared.json_file import read_json
+from mimetic.shared.json_file import read_json, write_json
 from mimetic.shared.shown_text import shortened
-from mimetic.shared.whole_file import whole_file
 
 FORMAT = "mimetic controls 1"
 LARGEST_PRESET = 2_000_000  # bytes
@@ -118,9 +116,7 @@ def _side(name: str) -> str:
 
 def save_preset(rows: Sequence[ControlRow], path: str | os.PathLike[str]) -> None:
     """Writes a table as JSON, whole or not at all."""
-    document = {"format": FORMAT, "controls": [asdict(row) for row in rows]}
-    with whole_file(Path(path)) as stream:
-        stream.write(f"{json.dumps(document, indent=1)}\n".encode())
+    write_json(Path(path), {"format": FORMAT, "controls": [asdict(row) for row in rows]})
 
 
 def load_preset(path: str | os.PathLike[str]) -> list[ControlRow]:

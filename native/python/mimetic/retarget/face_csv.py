@@ -11,6 +11,7 @@ import csv
 import io
 import math
 import os
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -81,14 +82,14 @@ def read_face_csv(path: str | os.PathLike[str], fps: float) -> FaceTable:
     if path.stat().st_size > LARGEST:
         raise InvalidInput(f"{path}: larger than {LARGEST / 1e6:.0f} MB")
     rows = csv.reader(path.read_text("utf-8", errors="replace").splitlines())
-    head = next(rows, [])
+    head = _first_line(path, rows)
     if tuple(head[:2]) != FIRST_COLUMNS or len(set(head)) < len(head):
         raise InvalidInput(
             f"{path}: a table of Live Link Face begins with {','.join(FIRST_COLUMNS)}"
         )
     seconds, values = [], []
-    for number, row in enumerate(rows, 2):
-        try:
+    try:
+        for row in rows:
             if len(row) != len(head):
                 raise ValueError(f"{len(row)} values, not {len(head)}")
             seconds.append(seconds_of(row[0], fps))
@@ -96,10 +97,17 @@ def read_face_csv(path: str | os.PathLike[str], fps: float) -> FaceTable:
             if not np.isfinite(numbers).all():
                 raise ValueError("a value is not finite")
             values.append(numbers)
-        except ValueError as error:
-            raise InvalidInput(shortened(f"{path}: line {number}: {error}")) from None
+    except (csv.Error, ValueError) as error:
+        raise InvalidInput(shortened(f"{path}: line {rows.line_num}: {error}")) from None
     table = np.array(values, dtype=np.float64).reshape(len(values), len(head) - 2)
     return FaceTable(tuple(head[2:]), np.array(seconds, dtype=np.float64), table)
+
+
+def _first_line(path: Path, rows: Iterator[list[str]]) -> list[str]:
+    try:
+        return next(rows, [])
+    except csv.Error as error:
+        raise InvalidInput(shortened(f"{path}: line 1: {error}")) from None
 
 
 def time_code(seconds: float, fps: float) -> str:
@@ -118,6 +126,8 @@ def seconds_of(code: str, fps: float) -> float:
     if len(parts) != 4:
         raise ValueError(f"{code!r} is no time code HH:MM:SS:FF.mmm")
     hours, minutes, seconds, frames = (float(part) for part in parts)
+    if not math.isfinite(hours + minutes + seconds + frames):
+        raise ValueError(f"{code!r} is not a finite time")
     return 3600 * hours + 60 * minutes + seconds + frames / fps
 
 

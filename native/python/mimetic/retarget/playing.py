@@ -26,6 +26,7 @@ DRIVEN = 5e-3  # of a control's range: a curve that stays below is none
 EARS_BEHIND = 0.08  # metres, of the middle of a face
 MOST_NAMED = 24  # in one list of a message
 BLINKS = {"eyeBlinkLeft": "lid_upper.L", "eyeBlinkRight": "lid_upper.R"}
+NOT_CANONICAL = "the performance is not of the canonical head: capture the clip again"
 UNPLAYED = 0.1  # share of what a muscle does by itself: below it no control stands for it
 READABLE = (
     0.05  # share of a control's motion that a face can make: below it is no control of a face
@@ -110,7 +111,7 @@ def play(
     expected = _by_names(performance, names, known)
     has_muscles = bool(len(used.source_names))
     if expected is None and not has_muscles and unit_shares(names, known).any():
-        raise InvalidInput("the performance is not of the canonical head: capture the clip again")
+        raise InvalidInput(NOT_CANONICAL)
     moves = _moves(used)
     is_named = unit_shares(names, known).any(axis=1) & (expected is not None)
     if has_muscles:
@@ -161,7 +162,7 @@ def origin_from_ears(centre: Floats) -> Floats:
     return -np.asarray(centre, dtype=np.float64) - np.array([0.0, EARS_BEHIND, 0.0])
 
 
-def unit_values(performance: Performance, options: _core.ControlFitOptions | None = None) -> Floats:
+def unit_values(performance: Performance) -> Floats:
     """N x 52: the performance as values of the face units, on the performer's own mesh.
 
     A lid that is shut is a full blink, though the unit's lids travel further: on other heads it is
@@ -169,8 +170,8 @@ def unit_values(performance: Performance, options: _core.ControlFitOptions | Non
     """
     template = load_template()
     points = np.asarray(performance.neutral_vertices, dtype=np.float64)
-    if points.shape != template.vertices.shape:
-        raise InvalidInput("the performance is not of the canonical head: capture the clip again")
+    if not _is_canonical(performance):
+        raise InvalidInput(NOT_CANONICAL)
     shapes = shapes_of(performance.without_detail())
     fit = _core.ControlFit(
         np.asarray(template.unit_modes, dtype=np.float64),
@@ -178,7 +179,7 @@ def unit_values(performance: Performance, options: _core.ControlFitOptions | Non
         _areas(points, *_polygons(template.faces)),
         np.tile([0.0, 1.0], (len(template.unit_names), 1)),
         np.array([(shape.lowest, shape.highest) for shape in shapes]),
-        options or _core.ControlFitOptions(),
+        _core.ControlFitOptions(),
     )
     values = np.stack([shape.values for shape in shapes], axis=1)
     units = fit.frames(values, np.zeros((len(values), len(template.unit_names))))
@@ -189,12 +190,16 @@ def unit_values(performance: Performance, options: _core.ControlFitOptions | Non
     return units
 
 
+def _is_canonical(performance: Performance) -> bool:
+    return performance.neutral_vertices.shape == load_template().vertices.shape
+
+
 def _by_names(
     performance: Performance, names: Sequence[str], known: Mapping[str, KnownName]
 ) -> Floats | None:
     """N x K: what names say; None where they say nothing of this performance's mesh."""
     shares = unit_shares(names, known)
-    if not shares.any() or performance.neutral_vertices.shape != load_template().vertices.shape:
+    if not shares.any() or not _is_canonical(performance):
         return None
     return unit_values(performance) @ shares.T
 
