@@ -21,10 +21,11 @@ py::array_t<int> rows_array(const std::vector<int>& rows) {
 SkinContact make_contact(PointsIn rest, const CompressedRows& stencils, const std::vector<Slit>& slits,
                          const std::vector<EyeRest>& eyes, const SkinModel& model,
                          const std::vector<bool>& free, const std::vector<int>& moves_with,
-                         const std::vector<int>& read) {
+                         const std::vector<int>& read, const std::optional<CompressedRows>& carrier) {
     const py::gil_scoped_release release;
     const TouchPoints touch{rest, stencils.matrix, slits};
-    return SkinContact(touch, eyes, {model, free, moves_with, read});
+    return SkinContact(touch, eyes,
+                       {model, free, moves_with, read, carrier ? carrier->matrix : SparseRows{}});
 }
 
 py::tuple shapes_of_contact(const SkinContact& contact,
@@ -83,11 +84,13 @@ void bind_skin_contact(py::module_& m) {
         "Frictionless contact between the lips and between the lids of a head, quasi-static.\n\n"
         "Displacements are in the head frame, or in that of `turned`; metres.")
         .def(py::init(&make_contact), py::kw_only(), "rest"_a, "stencils"_a, "slits"_a, "eyes"_a, "model"_a,
-             "free"_a, "moves_with"_a, "read"_a,
+             "free"_a, "moves_with"_a, "read"_a, "carrier"_a = py::none(),
              "rest: (C, 3), the points that can touch; stencils: CompressedRows of the C x B matrix that "
-             "makes\nthem of base vertices; model: its unknowns are those that are `free` (B,); "
-             "moves_with: (V,), the\nbase vertex that each of the head's goes with, -1 for none; read: (B,), "
-             "the head's vertex that is\neach base vertex. Raises InvalidInput.")
+             "makes\nthem of base vertices; model: its unknowns are those of its vertices that are `free` "
+             "(S,); "
+             "moves_with: (V,),\nthe base vertex that each of the head's goes with, -1 for none; read: (B,), "
+             "the head's vertex that is\neach base vertex; carrier: CompressedRows (B, S) that make the base "
+             "vertices' motion of the model's,\nnone if they are the same. Raises InvalidInput.")
         .def_property_readonly(
             "vertices", [](const SkinContact& self) { return rows_array(self.vertices()); },
             "(K,) of the head, that are tested")

@@ -187,6 +187,12 @@ void bind_pull(py::module_& m) {
         "skin"_a, "jaw"_a, "head"_a,
         "(3, V, 3): the attachments to the bone move with it, the skin follows. Raises InvalidInput.");
     m.def(
+        "jaw_on_head",
+        [](const DoubleArray& on_skin, const Jaw& jaw, const HeadOnJaw& head) {
+            return array_of_stack(jaw_on_head(stack_of(on_skin, "on_skin"), jaw, head));
+        },
+        "on_skin"_a, "jaw"_a, "head"_a, "The same where the skin's motions are known, (3, S, 3).");
+    m.def(
         "lid_modes",
         [](const MeshPointer& mesh) {
             MatrixRows modes;

@@ -163,6 +163,14 @@ void bind_register(py::module_& m) {
         .def_property_readonly("vertices", &LippedSurface::vertices)
         .def_property_readonly("normals", &LippedSurface::normals)
         .def_property_readonly("lip", &LippedSurface::lip, "(N,), 1 on the upper lip to -1 on the lower");
+    m.def(
+        "carrier_rows",
+        [](const SkinPlaces& places, const CompressedRows& stencils, double reach) {
+            return CompressedRows{carrier_rows(places, stencils.matrix, reach)};
+        },
+        "places"_a, "stencils"_a, "reach"_a, release_gil(),
+        "CompressedRows (P, S): how places on a refined skin (stencils, N x S) move with control vertices,\n"
+        "the less the farther off they are, not at all from `reach` metres on. Raises InvalidInput.");
     m.def("warp_points", &warp_points, "points"_a, "source"_a, "target"_a, release_gil(),
           "Points (P, 3) moved as sources (K, 3) go to targets; raises InvalidInput.");
     m.def(

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <mimetic/contact/skin_contact.hpp>
 #include <mimetic/muscles/articulators.hpp>
+#include <mimetic/muscles/attach.hpp>
 #include <mimetic/shared/error.hpp>
 #include <numeric>
 #include <utility>
@@ -42,56 +43,60 @@ SparseRows compact(const SparseRows& stencils, std::vector<int>& used) {
     return result;
 }
 
-/// Response of all base vertices to unit upward forces on some of them: B x 3 a row, xyz interleaved.
+/// What the base vertices are of the model's unknowns, B x U.
+SparseRows basis_of(const YieldingSkin& skin) {
+    SparseRows carrier = skin.carrier;
+    if (carrier.rows() == 0) {
+        const auto count = static_cast<Eigen::Index>(skin.free.size());
+        carrier.resize(count, count);
+        carrier.setIdentity();
+    }
+    Flags free(static_cast<Eigen::Index>(skin.free.size()));
+    std::copy(skin.free.begin(), skin.free.end(), free.begin());
+    SparseRows basis = keep_columns(carrier, free);
+    if (basis.cols() != skin.model.num_unknowns()) {
+        throw InvalidInput("the skin's model has " + std::to_string(skin.model.num_unknowns()) +
+                           " unknowns, " + std::to_string(basis.cols()) + " vertices are free");
+    }
+    return basis;
+}
+
+/// Motion of the model's unknowns under unit upward forces on base vertices.
 class Lift {
 public:
-    Lift(const YieldingSkin& skin, const std::vector<int>& vertices)
-        : model_(skin.model), vertices_(vertices), unknown_(skin.free.size(), -1) {
-        int count = 0;
-        for (std::size_t v = 0; v < skin.free.size(); ++v) {
-            unknown_[v] = skin.free[v] ? count++ : -1;
-        }
-        if (count != skin.model.num_unknowns()) {
-            throw InvalidInput("the skin's model has " + std::to_string(skin.model.num_unknowns()) +
-                               " unknowns, " + std::to_string(count) + " vertices are free");
-        }
-    }
+    /// lifted: rows of the basis of the vertices that forces act on, F x U
+    Lift(const SkinModel& model, const SparseRows& lifted) : model_(model), lifted_(lifted) {}
 
-    /// upwards: M x U newtons, M x 3B metres
+    /// upwards: M x F newtons, M x 3U metres
     MatrixRows solve(const MatrixRows& upwards) const {
         Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(3 * model_.num_unknowns(), upwards.rows());
-        for (std::size_t u = 0; u < vertices_.size(); ++u) {
-            if (const int row = unknown_[static_cast<std::size_t>(vertices_[u])]; row >= 0) {
-                loads.row(3 * row + 1) = upwards.col(static_cast<Eigen::Index>(u)).transpose();
-            }
-        }
-        const Eigen::MatrixXd solved = model_.solve_loads(loads);
-        MatrixRows response =
-            MatrixRows::Zero(upwards.rows(), 3 * static_cast<Eigen::Index>(unknown_.size()));
-        for (std::size_t v = 0; v < unknown_.size(); ++v) {
-            if (unknown_[v] >= 0) {
-                response.middleCols(3 * static_cast<Eigen::Index>(v), 3) =
-                    solved.middleRows(3 * unknown_[v], 3).transpose();
-            }
-        }
-        return response;
+        loads(Eigen::seqN(1, model_.num_unknowns(), 3), Eigen::all) =
+            lifted_.transpose() * upwards.transpose();
+        return model_.solve_loads(loads).transpose();
     }
 
 private:
     const SkinModel& model_;
-    const std::vector<int>& vertices_;
-    std::vector<int> unknown_;
+    const SparseRows& lifted_;
 };
 
-/// Which base vertices move enough to be noticed. base: M x 3B.
-std::vector<bool> noticed(const FloatRows& base) {
-    std::vector<bool> result(static_cast<std::size_t>(base.cols() / 3), false);
-    for (Eigen::Index m = 0; m < base.rows(); ++m) {
-        const float least = kNoticed * std::max(base.row(m).cwiseAbs().maxCoeff(), 1e-30f);
-        for (std::size_t v = 0; v < result.size(); ++v) {
+/// Which base vertices move enough to be noticed. unknowns: M x 3U; basis: B x U.
+std::vector<bool> noticed(const FloatRows& unknowns, const SparseRows& basis) {
+    std::vector<bool> carries(static_cast<std::size_t>(basis.cols()), false);
+    for (Eigen::Index m = 0; m < unknowns.rows(); ++m) {
+        const float least = kNoticed * std::max(unknowns.row(m).cwiseAbs().maxCoeff(), 1e-30f);
+        for (std::size_t v = 0; v < carries.size(); ++v) {
             const float moved =
-                base.row(m).segment<3>(3 * static_cast<Eigen::Index>(v)).cwiseAbs().maxCoeff();
-            result[v] = result[v] || moved > least;
+                unknowns.row(m).segment<3>(3 * static_cast<Eigen::Index>(v)).cwiseAbs().maxCoeff();
+            carries[v] = carries[v] || moved > least;
+        }
+    }
+    std::vector<bool> result(static_cast<std::size_t>(basis.rows()), false);
+    for (Eigen::Index row = 0; row < basis.rows(); ++row) {
+        for (SparseRows::InnerIterator entry(basis, row); entry; ++entry) {
+            if (carries[static_cast<std::size_t>(entry.col())]) {
+                result[static_cast<std::size_t>(row)] = true;
+            }
         }
     }
     return result;
@@ -105,12 +110,12 @@ struct SkinContact::Parts {
     std::vector<int> vertices, moved;
     std::vector<Eigen::Index> on_eyes;  // of what lies on eyes, the row of `moved`
     bool by_vertex = false;             // loads are on the base vertices, not on the points
-    FloatRows response;                 // loads x 3W; while it is solved, x 3B
+    FloatRows response;                 // loads x 3W; while it is solved, x 3U of the model's unknowns
     int num_slits = 0;
     std::unique_ptr<const ContactSolver> solver;
 
-    void solve(const TouchPoints& touch, const YieldingSkin& skin, const std::vector<int>& used);
-    void keep_moved(const YieldingSkin& skin, const std::vector<int>& lids);
+    void solve(const TouchPoints& touch, const SkinModel& model, const SparseRows& lifted);
+    void keep_moved(const YieldingSkin& skin, const SparseRows& basis, const std::vector<int>& lids);
 };
 
 Points EyeRest::push(PointsIn displacement) const {
@@ -142,25 +147,22 @@ EyeRest rest_on_eye(const MuscleSurface& surface, PointsIn margin, PointsIn rest
     return eye;
 }
 
-void SkinContact::Parts::solve(const TouchPoints& touch, const YieldingSkin& skin,
-                               const std::vector<int>& used) {
+void SkinContact::Parts::solve(const TouchPoints& touch, const SkinModel& model, const SparseRows& lifted) {
     // Forces on points come down to forces on base vertices: solved are the fewer of the two
     by_vertex = stencils.cols() < stencils.rows();
     const SparseRows narrow = stencils.cast<float>().cast<double>();
+    const SparseRows at_points = narrow * lifted;
     const MatrixRows loads =
         by_vertex ? MatrixRows(MatrixRows::Identity(narrow.cols(), narrow.cols())) : MatrixRows(narrow);
-    const Lift lift(skin, used);
-    const auto num_base = static_cast<Eigen::Index>(skin.free.size());
-    response.resize(loads.rows(), 3 * num_base);
+    const Lift lift(model, lifted);
+    response.resize(loads.rows(), 3 * lifted.cols());
     FloatRows points(loads.rows(), 3 * narrow.rows());
     for (Eigen::Index start = 0; start < loads.rows(); start += kBlock) {
         const Eigen::Index count = std::min(kBlock, loads.rows() - start);
         const MatrixRows solved = lift.solve(loads.middleRows(start, count));
         response.middleRows(start, count) = solved.cast<float>();
         for (Eigen::Index m = 0; m < count; ++m) {
-            const Points base = Eigen::Map<const Points>(solved.row(m).data(), num_base, 3);
-            const Points at_used = base(used, Eigen::all);
-            const Points at = narrow * at_used;
+            const Points at = at_points * Eigen::Map<const Points>(solved.row(m).data(), lifted.cols(), 3);
             points.row(start + m) = Eigen::Map<const Eigen::RowVectorXd>(at.data(), at.size()).cast<float>();
         }
     }
@@ -171,8 +173,9 @@ void SkinContact::Parts::solve(const TouchPoints& touch, const YieldingSkin& ski
     solver = std::make_unique<const ContactSolver>(touch.rest, touch.slits, points);
 }
 
-void SkinContact::Parts::keep_moved(const YieldingSkin& skin, const std::vector<int>& lids) {
-    const std::vector<bool> moves = noticed(response);
+void SkinContact::Parts::keep_moved(const YieldingSkin& skin, const SparseRows& basis,
+                                    const std::vector<int>& lids) {
+    const std::vector<bool> moves = noticed(response, basis);
     std::vector<int> row(skin.moves_with.size(), -1);
     std::vector<bool> is_on_eye(skin.moves_with.size(), false);
     for (const int vertex : lids) {
@@ -188,10 +191,20 @@ void SkinContact::Parts::keep_moved(const YieldingSkin& skin, const std::vector<
     for (const int vertex : lids) {
         on_eyes.push_back(row[static_cast<std::size_t>(skin.read[static_cast<std::size_t>(vertex)])]);
     }
-    FloatRows kept = FloatRows::Zero(response.rows(), 3 * static_cast<Eigen::Index>(moved.size()));
+    std::vector<int> base;
+    std::vector<Eigen::Index> columns;
     for (std::size_t w = 0; w < moved.size(); ++w) {
         if (const int with = skin.moves_with[static_cast<std::size_t>(moved[w])]; with >= 0) {
-            kept.middleCols<3>(3 * static_cast<Eigen::Index>(w)) = response.middleCols<3>(3 * with);
+            base.push_back(with);
+            columns.push_back(3 * static_cast<Eigen::Index>(w));
+        }
+    }
+    const Eigen::SparseMatrix<float, Eigen::RowMajor> rows = keep_rows(basis, base).cast<float>();
+    FloatRows kept = FloatRows::Zero(response.rows(), 3 * static_cast<Eigen::Index>(moved.size()));
+    for (Eigen::Index m = 0; m < response.rows(); ++m) {
+        const Corrections at = rows * Eigen::Map<const Corrections>(response.row(m).data(), basis.cols(), 3);
+        for (std::size_t i = 0; i < columns.size(); ++i) {
+            kept.row(m).segment<3>(columns[i]) = at.row(static_cast<Eigen::Index>(i));
         }
     }
     response = std::move(kept);
@@ -199,8 +212,8 @@ void SkinContact::Parts::keep_moved(const YieldingSkin& skin, const std::vector<
 
 SkinContact::SkinContact(const TouchPoints& touch, const std::vector<EyeRest>& eyes,
                          const YieldingSkin& skin) {
-    const auto num_base = static_cast<Eigen::Index>(skin.free.size());
-    if (touch.stencils.cols() != num_base || static_cast<Eigen::Index>(skin.read.size()) != num_base) {
+    const auto num_base = static_cast<Eigen::Index>(skin.read.size());
+    if (touch.stencils.cols() != num_base || (skin.carrier.rows() != 0 && skin.carrier.rows() != num_base)) {
         throw InvalidInput("contact is given a skin of different numbers of vertices");
     }
     auto parts = std::make_shared<Parts>();
@@ -216,8 +229,9 @@ SkinContact::SkinContact(const TouchPoints& touch, const std::vector<EyeRest>& e
             parts->vertices.push_back(skin.read.at(static_cast<std::size_t>(vertex)));
         }
     }
-    parts->solve(touch, skin, used);
-    parts->keep_moved(skin, lids);
+    const SparseRows basis = basis_of(skin);
+    parts->solve(touch, skin.model, keep_rows(basis, used));
+    parts->keep_moved(skin, basis, lids);
     parts_ = std::move(parts);
 }
 

@@ -131,15 +131,18 @@ MatrixRows jaw_under_skin(const Jaw& jaw, const HeadOnJaw& head) {
     return under;
 }
 
-MatrixRows jaw_modes(const AttachedSkin& skin, const Jaw& jaw, const HeadOnJaw& head) {
+MatrixRows jaw_on_head(const MatrixRows& on_skin, const Jaw& jaw, const HeadOnJaw& head) {
     const auto [least, most] = std::minmax_element(head.rigid.begin(), head.rigid.end());
     if (head.moves_with.size() != head.vertices.rows() ||
         (!head.rigid.empty() && (*least < 0 || *most >= head.vertices.rows()))) {
         throw InvalidInput("the jaw moves vertices that are not among the head's " +
                            std::to_string(head.vertices.rows()));
     }
-    MatrixRows modes =
-        spread(skin.respond(skin.foundation_forces(jaw_under_skin(jaw, head))), head.moves_with);
+    if (on_skin.rows() != static_cast<Eigen::Index>(kJawMotions.size())) {
+        throw InvalidInput("got " + std::to_string(on_skin.rows()) + " motions of the jaw, there are " +
+                           std::to_string(kJawMotions.size()));
+    }
+    MatrixRows modes = spread(on_skin, head.moves_with);
     for (Eigen::Index i = 0; i < modes.rows(); ++i) {
         const Points moved = jaw.motion(kJawMotions[i], head.vertices(head.rigid, Eigen::all));
         for (std::size_t k = 0; k < head.rigid.size(); ++k) {
@@ -147,6 +150,10 @@ MatrixRows jaw_modes(const AttachedSkin& skin, const Jaw& jaw, const HeadOnJaw& 
         }
     }
     return modes;
+}
+
+MatrixRows jaw_modes(const AttachedSkin& skin, const Jaw& jaw, const HeadOnJaw& head) {
+    return jaw_on_head(skin.respond(skin.foundation_forces(jaw_under_skin(jaw, head))), jaw, head);
 }
 
 MatrixRows lid_modes(const std::shared_ptr<const SkinMesh>& mesh) {

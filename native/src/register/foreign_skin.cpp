@@ -13,9 +13,9 @@
 namespace mimetic {
 namespace {
 
-constexpr int kMaxSkinVertices = 80'000;  // 70,000 take 1.2 GB and 40 s; a face needs 5,000
-constexpr double kMaxOffSkin = .02;       // m, of a landmark given as a point, at the template's size
-constexpr int kMaxAround = 256;           // triangles at a vertex
+constexpr int kMaxSkinVertices = 200'000;
+constexpr double kMaxOffSkin = .02;  // m, of a landmark given as a point, at the template's size
+constexpr int kMaxAround = 256;      // triangles at a vertex
 
 /// Row of `vertices` that is nearest to a place.
 int nearest_to(const Eigen::RowVector3d& place, const Points& points, const std::vector<int>& rows) {
@@ -78,7 +78,7 @@ void check_size(const Triangles& triangles, const std::vector<int>& own, const W
     if (own.size() > static_cast<std::size_t>(kMaxSkinVertices)) {
         throw InvalidInput("the skin has " + std::to_string(own.size()) + " vertices, at most " +
                            std::to_string(kMaxSkinVertices) +
-                           " can be solved: attach the muscles to a coarser copy of the mesh");
+                           " are taken: attach the muscles to a coarser copy of the mesh");
     }
     if (own.empty()) {
         throw InvalidInput("the part of the mesh that carries the landmarks has no faces with an extent");

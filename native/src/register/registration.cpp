@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/LU>
 #include <algorithm>
+#include <mimetic/muscles/articulators.hpp>
 #include <mimetic/register/registration.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/skin/skin.hpp>
@@ -91,6 +92,25 @@ SkinPlaces LippedSurface::find(PointsIn points, PointsIn normals, VectorIn lip) 
         vertex = around_.used()[static_cast<std::size_t>(vertex)];
     }
     return around_.closest(points, near, vertices_);
+}
+
+SparseRows carrier_rows(const SkinPlaces& places, const SparseRows& stencils, double reach) {
+    if (places.corners.size() != 0 &&
+        (places.corners.minCoeff() < 0 || places.corners.maxCoeff() >= stencils.rows())) {
+        throw InvalidInput("places lie on a skin of more than " + std::to_string(stencils.rows()) +
+                           " vertices");
+    }
+    SparseRows weights(places.corners.rows(), stencils.rows());
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(static_cast<std::size_t>(places.corners.size()));
+    for (Eigen::Index i = 0; i < places.corners.rows(); ++i) {
+        const double share = smooth_step(2 - 2 * places.gaps[i] / reach);
+        for (int k = 0; k < 3 && share > 0; ++k) {
+            entries.emplace_back(static_cast<int>(i), places.corners(i, k), share * places.weights(i, k));
+        }
+    }
+    weights.setFromTriplets(entries.begin(), entries.end());
+    return weights * stencils;
 }
 
 Points warp_points(PointsIn points, PointsIn source, PointsIn target) {

@@ -52,7 +52,7 @@ protected:
         }
     }
 
-    SkinContact make() const {
+    SkinContact make(const SparseRows& carrier = {}) const {
         const auto [points, slits] = number_slits({slit}, free);
         SparseRows stencils(static_cast<Eigen::Index>(points.size()), vertices.rows());
         for (std::size_t i = 0; i < points.size(); ++i) {
@@ -62,7 +62,7 @@ protected:
         moves_with.push_back(slit.upper[2]);  // a lash
         moves_with.push_back(-1);             // a tooth
         return SkinContact({vertices(points, Eigen::all), stencils, slits}, {},
-                           {*model, free, moves_with, same});
+                           {*model, free, moves_with, same, carrier});
     }
 
     /// The upper rim pressed 3 mm down, with what is tied to it; of the whole head.
@@ -94,6 +94,26 @@ TEST_F(SkinContactTest, RimsThatOverlapArePartedAndOthersLeftAlone) {
     const double lifted = relieved(slit.upper[2], 1) + .003;
     EXPECT_GT(lifted, 1e-4);
     EXPECT_NEAR(relieved(vertices.rows(), 1), lifted, 1e-7);
+}
+
+TEST_F(SkinContactTest, ASkinThatIsCarriedYieldsByItsShare) {
+    SparseRows carrier(vertices.rows(), vertices.rows());
+    carrier.setIdentity();
+    EXPECT_TRUE(make(carrier).relieve(pressed()).isApprox(make().relieve(pressed()), 1e-9));
+    // What is not carried does not yield, what is pressed against it does all of it
+    const int row = kSide + 1;
+    for (int v = 0; v < vertices.rows(); ++v) {
+        if (v < (kSide / 2 + 1) * row) {
+            carrier.row(v) *= 0;
+        }
+    }
+    const SkinContact half = make(carrier);
+    const Points relieved = half.relieve(pressed());
+    EXPECT_GT(half.gaps(relieved).size() ? half.gaps(relieved).minCoeff() : 0., -1e-4);
+    for (const int vertex : slit.lower) {
+        EXPECT_TRUE(relieved.row(vertex).isZero(0));
+    }
+    EXPECT_THROW(make(SparseRows(3, vertices.rows())), InvalidInput);
 }
 
 TEST_F(SkinContactTest, AnotherFrameGivesTheSameTurned) {

@@ -43,6 +43,23 @@ LippedSurface lipped(const Sheet& from) {
     return LippedSurface(from.vertices, from.triangles, surface, lips);
 }
 
+TEST(CarrierRows, APlaceMovesWithItsCornersTheLessTheFartherOffItIs) {
+    SkinPlaces places{Triangles(3, 3), Points(3, 3), Eigen::Vector3d(.001, .0075, .02)};
+    places.corners << 0, 1, 2, 0, 1, 2, 0, 1, 2;
+    places.weights << .5, .25, .25, .5, .25, .25, .5, .25, .25;
+    SparseRows stencils(3, 2);
+    stencils.insert(0, 0) = 1;
+    stencils.insert(1, 1) = 1;
+    stencils.insert(2, 0) = .5;
+    stencils.insert(2, 1) = .5;
+    const Eigen::MatrixXd rows = carrier_rows(places, stencils, .01);
+    EXPECT_TRUE(rows.row(0).isApprox(Eigen::RowVector2d(.625, .375)));
+    EXPECT_TRUE(rows.row(1).isApprox(.5 * Eigen::RowVector2d(.625, .375)));
+    EXPECT_TRUE(rows.row(2).isZero(0));
+    places.corners(0, 0) = 3;
+    EXPECT_THROW(carrier_rows(places, stencils, .01), InvalidInput);
+}
+
 TEST(CutFaces, AQuadIsCutAlongItsShorterDiagonal) {
     Points points(4, 3);
     points << 0, 0, 0, 3, 1, 0, 4, 4, 0, 1, 3, 0;

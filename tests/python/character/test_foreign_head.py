@@ -13,34 +13,12 @@ from mimetic.character.landmarks_file import read_landmarks
 from mimetic.muscles import anatomy
 from mimetic.muscles.extras import attach_extras
 from mimetic.skin.mesh import SkinMesh, find_place, multiply
-from mimetic.template.face_template import load_template
 
 from evaluation.anatomy import foreign_sheet
-from evaluation.anatomy.foreign_agreement import compare, disguise
+from evaluation.anatomy.foreign_agreement import compare
 from evaluation.anatomy.mesh_file import read_obj
 
 GRID = 0.003  # m between the points of the scan
-
-
-@pytest.fixture(scope="module")
-def template():
-    return load_template()
-
-
-@pytest.fixture(scope="module")
-def head(template):
-    """Another person, meshed anew, 1.3 times as large, turned and moved, with eyes and teeth."""
-    return disguise(template, seed=3, identity=0.25, kept=0.75)
-
-
-@pytest.fixture(scope="module")
-def direct(template, head):
-    return anatomy.attach(head.mesh.neutral, template)
-
-
-@pytest.fixture(scope="module")
-def foreign(template, head):
-    return attach_foreign(head.vertices, head.faces, head.landmarks, template)
 
 
 def scan(template):

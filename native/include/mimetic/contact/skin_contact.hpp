@@ -36,10 +36,11 @@ EyeRest rest_on_eye(const MuscleSurface& surface, PointsIn margin, PointsIn rest
 
 /// The deformable skin that contact acts on: B base vertices, V of the whole head.
 struct YieldingSkin {
-    const SkinModel& model;       ///< its unknowns are the free base vertices
-    std::vector<bool> free;       ///< B; held ones do not move
+    const SkinModel& model;       ///< its unknowns are the free vertices
+    std::vector<bool> free;       ///< of the model's S vertices; held ones do not move
     std::vector<int> moves_with;  ///< V, the base vertex that each vertex of the head goes with; -1: none
     std::vector<int> read;        ///< B, the vertex of the head that is each base vertex
+    SparseRows carrier;           ///< B x S, how the model's vertices carry these; empty: they are the same
 };
 
 /// Frictionless contact between the lips and between the lids of a head, quasi-static.

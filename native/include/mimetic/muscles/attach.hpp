@@ -133,6 +133,9 @@ HeadOnJaw head_on_jaw(const std::shared_ptr<const SkinMesh>& mesh, const Jaw& ja
 /// Displacement of the bone under the skin in the jaw's three motions at value 1, 3 x 3N.
 MatrixRows jaw_under_skin(const Jaw& jaw, const HeadOnJaw& head);
 
+/// Motions of a skin in the jaw's three (3 x 3S) as modes of the whole head, 3 x 3V.
+MatrixRows jaw_on_head(const MatrixRows& on_skin, const Jaw& jaw, const HeadOnJaw& head);
+
 /// Modes of the jaw's three motions over the whole head, 3 x 3V: the attachments to the bone move with it,
 /// the skin follows.
 MatrixRows jaw_modes(const AttachedSkin& skin, const Jaw& jaw, const HeadOnJaw& head);

@@ -33,6 +33,10 @@ private:
     NearestPoints nearest_;  // among the vertices that triangles have, by place, normal and lip
 };
 
+/// How vertices with places on a refined skin (stencils, N x S) are carried by its control vertices: P x S.
+/// The share falls smoothly from all at half of `reach` (metres, of the gap between) to none.
+SparseRows carrier_rows(const SkinPlaces& places, const SparseRows& stencils, double reach);
+
 /// Points P x 3 warped so that sources (K x 3) reach their targets; radial basis function -r. Conditionally
 /// positive definite of order 1 [Wendland 2004]: a constant is enough beside it, so points far from all
 /// landmarks are neither sheared nor scaled. Throws InvalidInput if two sources are at one place.

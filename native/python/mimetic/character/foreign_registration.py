@@ -2,14 +2,18 @@
 """Registration of the template to another head: by landmarks, then as an elastic skin.
 
 First a radial-basis warp through the landmarks, then rounds of non-rigid closest points (Amberg
-2007) with our own shell as the regulariser: the foundation of `_core.SkinModel` is the pull to the
-surface, strong across the skin and weak along it, its membrane and bending keep the mesh even.
+2007), the first of them coarse, with our own shell as the regulariser: the foundation of
+`_core.SkinModel` is the pull to the surface, strong across the skin and weak along it, its membrane
+and bending keep the mesh even.
 Metres, head frame, the template's size.
 """
 
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +21,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core
 from mimetic.character.foreign_mesh import ForeignSkin
 from mimetic.shared.progress import Progress, check_goes_on
-from mimetic.skin.mesh import SkinMesh
+from mimetic.skin.mesh import SkinMesh, split_quads
 from mimetic.template.face_template import FaceTemplate
 
 REACHES = (0.030, 0.015, 0.010)  # m; of the pull in each round
@@ -61,7 +65,9 @@ def lay_template(
             )
         for number, reach in enumerate(REACHES):
             check_goes_on(progress, number / len(REACHES), "fitting the template to the head")
-            closer = _sound(template, _draw(mesh, landmark_vertices, targets, skin, reach))
+            pull = partial(_draw, mesh, landmark_vertices, targets, skin, reach)
+            closer = _coarsely(mesh, pull) if number == 0 else None
+            closer = closer or _sound(template, pull(_refined(mesh)))
             if closer is None:  # it folded over: the round before fits less closely, without folds
                 break
             mesh = closer
@@ -69,12 +75,43 @@ def lay_template(
 
 
 def _sound(template: FaceTemplate, neutral: NDArray[np.float64]) -> SkinMesh | None:
-    mesh = SkinMesh(template, neutral)
     try:
+        mesh = SkinMesh(template, neutral)
         _ = mesh.vertices  # raises where faces stay turned over
     except InvalidInput:
         return None
     return mesh
+
+
+@dataclass(frozen=True)
+class _Patch:
+    """The template's skin at one density: N vertices made of its control vertices."""
+
+    skin: _core.LippedSurface
+    stencils: _core.CompressedRows
+
+
+def _refined(mesh: SkinMesh) -> _Patch:
+    return _Patch(lipped(mesh), mesh.stencils)
+
+
+def _coarse(mesh: SkinMesh) -> _Patch:
+    """The limits of the control vertices alone: a third of the work, near enough to go on from."""
+    count = int(mesh.template.num_skin_vertices)
+    vertices = np.ascontiguousarray(mesh.vertices[:count])
+    triangles = split_quads(mesh.vertices, mesh.faces)
+    surface = _core.MuscleSurface(vertices, triangles, [True] * len(triangles))
+    rows = np.arange(count + 1)
+    own = _core.CompressedRows(rows, rows[:-1], np.ones(count), count)
+    return _Patch(_core.LippedSurface(vertices, triangles, surface, _lips(mesh)), own)
+
+
+def _coarsely(mesh: SkinMesh, pull: Callable[[_Patch], NDArray[np.float64]]) -> SkinMesh | None:
+    """None where so few vertices fold over."""
+    try:
+        return _sound(mesh.template, pull(_coarse(mesh)))
+    except InvalidInput:
+        return None
 
 
 def _draw(
@@ -83,6 +120,7 @@ def _draw(
     targets: NDArray[np.float64],
     skin: ForeignSkin,
     reach: float,
+    patch: _Patch,
 ) -> NDArray[np.float64]:
     """One round: neutral V x 3 after the skin was drawn to what lies within reach."""
     template = mesh.template
@@ -98,9 +136,9 @@ def _draw(
     ]
     return _core.draw_to_surface(
         neutral=mesh.neutral,
-        skin=lipped(mesh),
-        outer=outer,
-        stencils=mesh.stencils,
+        skin=patch.skin,
+        outer=outer[: len(patch.skin.vertices)],
+        stencils=patch.stencils,
         held=landmark_vertices,
         followers=[(leaders.tolist(), parts.tolist()) for leaders, parts in followers],
         targets=targets,

@@ -7,6 +7,7 @@ with its sources.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -45,11 +46,7 @@ def extras_table() -> list[dict]:
 def attach_extras(skin: AttachedSkin) -> Extras:
     """The extras of a person whose skin is attached (`anatomy.attach_skin`)."""
     mesh = skin.mesh
-    extras = place_extras(mesh)
-    stencil_rows = mesh.stencil_rows_at([extra.measured.vertex for extra in extras])
-    mouth = _core.MouthFrame(mesh)
-    responses = _core.extra_responses(skin, mesh.surface, mouth, extras, stencil_rows)
-    modes = dict(zip(loading_names(), skin.spread(responses), strict=True))
+    modes = dict(zip(loading_names(), skin.spread(loading_responses(skin)), strict=True))
     for frame in eye_frames(mesh):
         eye = mesh.template.part_vertices(f"eye.{frame.side}")
         lids = EyeLids(frame)
@@ -62,14 +59,21 @@ def attach_extras(skin: AttachedSkin) -> Extras:
     return collect(modes)
 
 
-def with_lip_shapes(anatomy: Anatomy, skin: AttachedSkin) -> Anatomy:
-    """The anatomy with LIP_SHAPES among its articulators."""
+def loading_responses(
+    skin: AttachedSkin, names: Sequence[str] | None = None
+) -> NDArray[np.float64]:
+    """E x S x 3 of the skin's control vertices, of all in `loading_names` or of some."""
     mesh = skin.mesh
     every = dict(zip(loading_names(), place_extras(mesh), strict=True))
-    extras = [every[name] for name in LIP_SHAPES]
+    extras = [every[name] for name in names or every]
     stencil_rows = mesh.stencil_rows_at([extra.measured.vertex for extra in extras])
     mouth = _core.MouthFrame(mesh)
-    responses = _core.extra_responses(skin, mesh.surface, mouth, extras, stencil_rows)
+    return _core.extra_responses(skin, mesh.surface, mouth, extras, stencil_rows)
+
+
+def with_lip_shapes(anatomy: Anatomy, skin: AttachedSkin) -> Anatomy:
+    """The anatomy with LIP_SHAPES among its articulators."""
+    responses = loading_responses(skin, LIP_SHAPES)
     return replace(
         anatomy,
         articulator_names=(*anatomy.articulator_names, *LIP_SHAPES),
