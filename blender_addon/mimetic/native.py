@@ -167,6 +167,12 @@ def fingerprint() -> ModuleType:
     return fingerprint
 
 
+def face_lines() -> ModuleType:
+    from mimetic.report import face_lines
+
+    return face_lines
+
+
 def fitted_lines() -> ModuleType:
     from mimetic.fit import lines as fitted_lines
 

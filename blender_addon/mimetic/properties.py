@@ -265,6 +265,37 @@ class MimeticScene(bpy.types.PropertyGroup):
         description="Draw the fitted face over its frames in the clip editor",
         update=_redraw_clips,
     )
+    show_capture: BoolProperty(
+        name="Captured Face",
+        default=True,
+        description="Draw the captured face over every frame of its take in the clip editor",
+        update=_redraw_clips,
+    )
+    show_capture_mesh: BoolProperty(
+        name="Surface",
+        default=True,
+        description="The skin's mesh, where nothing covers it",
+        update=_redraw_clips,
+    )
+    show_capture_features: BoolProperty(
+        name="Lids, Lips, Irises",
+        default=True,
+        description="The margins of lids and lips, and the irises' rims",
+        update=_redraw_clips,
+    )
+    show_capture_landmarks: BoolProperty(
+        name="Landmarks",
+        default=True,
+        description="The landmarks that are seen",
+        update=_redraw_clips,
+    )
+    show_quality: BoolProperty(
+        name="Quality",
+        default=True,
+        description="A strip over the scene's range at the bottom: red where the face was lost and "
+        "is held, by yellow to green where the picture is well explained",
+        update=_redraw_clips,
+    )
     use_live_pins: BoolProperty(
         name="Follow Pins",
         default=True,

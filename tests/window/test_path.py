@@ -20,8 +20,8 @@ def test_footage_becomes_an_animated_face(folder, screen, extension, clip, work,
     }
     result = folder.walk(screen, "walk_path.py", work, pictures, settings, seconds=900)
     assert not result.failures()
-    steps = {"face-found", "landmark-dragged", "capturing", "head-held-still", "baked"}
-    assert steps | {"baked-muscles"} <= set(result.pictures)
+    steps = {"face-found", "landmark-dragged", "capturing", "captured-face", "head-held-still"}
+    assert steps | {"baked", "baked-muscles"} <= set(result.pictures)
     assert muscle_targets((work / "face.glb").read_bytes()) >= 36
     ran = subprocess.run(
         [VALIDATOR, work / "face.glb"], capture_output=True, text=True, check=False

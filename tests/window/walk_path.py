@@ -157,6 +157,23 @@ def capture_again(walk: Walk) -> Steps:
     walk.check("all frames are captured", captured_frames() == list(range(first, last + 1)))
 
 
+def look_at_the_capture(walk: Walk) -> Steps:
+    """Every captured frame shows the face over the footage."""
+    overlay = importlib.import_module(f"{PACKAGE}.overlay.captured")
+    with bpy.context.temp_override(**override("CLIP_EDITOR")):
+        bpy.ops.clip.view_all(fit_view=True)
+    frames = captured_frames()
+    for frame in (frames[0], frames[-1]):
+        # As keys and the timeline do it: a script's `frame_set` leaves the editor's picture behind
+        with bpy.context.temp_override(**override("CLIP_EDITOR")):
+            bpy.ops.screen.frame_offset(delta=frame - bpy.context.scene.frame_current)
+        yield 0.5
+        seen = overlay._last
+        walk.check("the captured face is drawn", seen.drawn is not None and seen.drawn[0] == frame)
+    walk.check("the strip of quality is drawn", seen.strip is not None)
+    yield from walk.picture("captured-face")
+
+
 def hold_the_head_still(walk: Walk) -> Steps:
     invoke("CLIP_EDITOR", bpy.ops.mimetic.hold_head_still)
     yield from walk.until(is_idle, 60, "holding the head still ends")
@@ -219,6 +236,7 @@ def steps(walk: Walk) -> Steps:
     yield from drag_a_landmark(walk)
     yield from stop_once(walk)
     yield from capture_again(walk)
+    yield from look_at_the_capture(walk)
     yield from hold_the_head_still(walk)
     yield from bake_and_export(walk)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is drawn over faces: muscles and strain in the 3D view, the fit in the clip editor.
+"""What is drawn over faces: muscles and strain in the 3D view, fit and take in the clip editor.
 
 The drawing is never part of the face: switched off, nothing of it is left.
 """
@@ -7,7 +7,7 @@ The drawing is never part of the face: switched off, nothing of it is left.
 import bpy
 from bpy.app.handlers import persistent
 
-from . import drawing, fitted, live
+from . import captured, drawing, fitted, live
 
 _handles = []  # handles of Blender's draw callbacks
 
@@ -16,6 +16,7 @@ _handles = []  # handles of Blender's draw callbacks
 def forget_all(*_) -> None:
     """Another file is open: what is cached is of faces that no longer exist."""
     live.forget()
+    captured.forget()
 
 
 @persistent
@@ -39,6 +40,7 @@ def register() -> None:
         (bpy.types.SpaceView3D, drawing.draw_faces, "POST_VIEW"),
         (bpy.types.SpaceView3D, drawing.draw_legend, "POST_PIXEL"),
         (bpy.types.SpaceClipEditor, fitted.draw_fit, "POST_PIXEL"),
+        (bpy.types.SpaceClipEditor, captured.draw_capture, "POST_PIXEL"),
     ):
         _handles.append((space, space.draw_handler_add(draw, (), "WINDOW", kind)))
     for handlers, handler in HANDLERS:
@@ -53,3 +55,4 @@ def unregister() -> None:
         space.draw_handler_remove(handle, "WINDOW")
     live.forget()
     fitted.forget()
+    captured.forget()

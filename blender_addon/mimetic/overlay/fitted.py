@@ -10,9 +10,9 @@ from gpu_extras.batch import batch_for_shader
 
 from .. import native, scene_in
 from ..scene_out import face_fit
+from . import captured, picture
 
 COLOUR = (0.1, 0.9, 1.0, 0.3)
-SPAN = 16.0  # pictures
 
 _last: tuple[object, int, object] | None = None  # fit, frame, batch
 
@@ -20,11 +20,8 @@ _last: tuple[object, int, object] | None = None  # fit, frame, batch
 def draw_fit() -> None:
     context = bpy.context
     settings = context.scene.mimetic
-    clip = getattr(context, "edit_movieclip", None)
-    if not settings.show_fit or native.problem() or clip is None:
+    if not settings.show_fit or not picture.has_place(context) or captured.is_drawn(context):
         return
-    if context.space_data.show_stable and clip.tracking.stabilization.use_2d_stabilization:
-        return  # Blender does not give the picture's place then
     batch = _batch(context)
     if batch is None:
         return
@@ -33,20 +30,11 @@ def draw_fit() -> None:
     gpu.state.line_width_set(1.0)
     try:
         with gpu.matrix.push_pop():
-            _lay_over_picture(context.region.view2d)
+            picture.lay_over(context.region.view2d)
             shader.uniform_float("color", COLOUR)
             batch.draw(shader)
     finally:
         gpu.state.blend_set("NONE")
-
-
-def _lay_over_picture(view) -> None:
-    """From 0 to 1 over the picture to the region's pixels."""
-    # Far apart: Blender gives whole pixels
-    low, high = (view.view_to_region(at, at, clip=False) for at in (-SPAN, SPAN))
-    size = [(high[i] - low[i]) / (2 * SPAN) for i in (0, 1)]
-    gpu.matrix.translate([0.5 * (low[i] + high[i]) for i in (0, 1)])
-    gpu.matrix.scale(size)
 
 
 def _batch(context):

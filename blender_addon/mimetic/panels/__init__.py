@@ -3,10 +3,11 @@
 
 import bpy
 
-from . import capture, controls, curves, expressions, head, live, muscles
+from . import capture, clip_overlays, controls, curves, expressions, head, live, muscles
 
 CLASSES = (
     *capture.CLASSES,
+    *clip_overlays.CLASSES,
     *head.CLASSES,
     *live.CLASSES,
     *muscles.CLASSES,

@@ -70,7 +70,6 @@ class Capture:
         row.operator("mimetic.unpin", icon="UNPINNED")
         row.operator("mimetic.show_landmarks", text="", icon="ADD")
         row.prop(settings, "use_live_pins", text="", icon="FORWARD")
-        row.prop(settings, "show_fit", text="", icon="MESH_GRID")
         if not settings.use_live_pins:
             layout.operator("mimetic.follow_pins")
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/Geometry>
 #include <cmath>
-#include <map>
 #include <mimetic/raster/depth.hpp>
 #include <mimetic/raster/overlay.hpp>
 #include <mimetic/shared/checks.hpp>
@@ -90,14 +89,12 @@ OverlayPainter::OverlayPainter(const Camera& camera, int num_vertices, QuadsIn f
     : camera_(camera),
       options_(options),
       num_vertices_(num_vertices),
-      faces_(faces),
+      mesh_(faces, num_vertices),
       landmarks_(std::move(landmarks)) {
     options.check();
     const auto fits = [num_vertices](int vertex) { return vertex >= 0 && vertex < num_vertices; };
-    if (!std::all_of(faces_.data(), faces_.data() + faces_.size(), fits) ||
-        !std::all_of(landmarks_.begin(), landmarks_.end(), fits)) {
-        throw InvalidInput("a face or landmark names a vertex outside 0 to " +
-                           std::to_string(num_vertices - 1));
+    if (!std::all_of(landmarks_.begin(), landmarks_.end(), fits)) {
+        throw InvalidInput("a landmark names a vertex outside 0 to " + std::to_string(num_vertices - 1));
     }
     // Pixel (0, 0) is a centre, so enlarging keeps the corner at (-0.5, -0.5) in place.
     const double scale = options.scale;
@@ -108,18 +105,6 @@ OverlayPainter::OverlayPainter(const Camera& camera, int num_vertices, QuadsIn f
                camera.width * options.scale,
                camera.height * options.scale};
     camera_.check();
-    std::map<std::pair<int, int>, std::size_t> known;
-    for (int f = 0; f < faces_.rows(); ++f) {
-        for (int k = 0; k < 4; ++k) {
-            const auto ends = std::minmax(faces_(f, k), faces_(f, (k + 1) % 4));
-            const auto [place, is_new] = known.emplace(std::pair(ends.first, ends.second), edges_.size());
-            if (is_new) {
-                edges_.push_back({ends.first, ends.second, {f, -1}});
-            } else {
-                edges_[place->second].faces[1] = f;
-            }
-        }
-    }
 }
 
 std::vector<OverlayPainter::Place> OverlayPainter::find_places(PointsIn points_in_camera,
@@ -135,15 +120,6 @@ std::vector<OverlayPainter::Place> OverlayPainter::find_places(PointsIn points_i
         }
     }
     return places;
-}
-
-bool OverlayPainter::is_turned_to_camera(int face, PointsIn vertices_in_camera) const {
-    if (face < 0) {
-        return false;
-    }
-    const auto at = [&](int k) { return Eigen::Vector3d(vertices_in_camera.row(faces_(face, k))); };
-    const Eigen::Vector3d normal = (at(2) - at(0)).cross(at(3) - at(1));
-    return normal.dot(at(0)) < 0;
 }
 
 ColorImage OverlayPainter::paint(const ColorView& image, PointsIn vertices_in_camera, double quality,
@@ -163,15 +139,14 @@ ColorImage OverlayPainter::paint(const ColorView& image, PointsIn vertices_in_ca
                          static_cast<std::size_t>(image.stride));
     cv::resize(source, canvas, canvas.size(), 0, 0, cv::INTER_CUBIC);
 
-    const DepthMap depth = render_depth(camera_, vertices_in_camera, faces_);
+    const DepthMap depth = render_depth(camera_, vertices_in_camera, mesh_.faces());
     const std::vector<Place> places = find_places(vertices_in_camera, depth, options_.depth_tolerance);
     cv::Mat mask = cv::Mat::zeros(canvas.size(), CV_8U);
-    for (const Edge& edge : edges_) {
+    const std::vector<bool> turned = mesh_.turned_to_camera(vertices_in_camera);
+    for (const QuadEdges::Edge& edge : mesh_.edges()) {
         const Place& first = places[static_cast<std::size_t>(edge.first)];
         const Place& second = places[static_cast<std::size_t>(edge.second)];
-        if (first.is_shown && second.is_shown &&
-            (is_turned_to_camera(edge.faces[0], vertices_in_camera) ||
-             is_turned_to_camera(edge.faces[1], vertices_in_camera))) {
+        if (first.is_shown && second.is_shown && QuadEdges::is_turned(edge, turned)) {
             cv::line(mask, to_fixed(first.pixel), to_fixed(second.pixel), kWhite, 1, cv::LINE_AA,
                      kSubpixelBits);
         }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <array>
-#include <memory>
+#include <mimetic/raster/quad_edges.hpp>
 #include <mimetic/shared/camera.hpp>
 #include <mimetic/shared/image.hpp>
 #include <mimetic/shared/types.hpp>
@@ -44,11 +43,6 @@ public:
                      const std::vector<Points>& rings = {}) const;
 
 private:
-    struct Edge {
-        int first, second;
-        std::array<int, 2> faces;  ///< the second is -1 on a boundary
-    };
-
     /// Where a vertex is in the enlarged picture.
     struct Place {
         Eigen::Vector2d pixel = Eigen::Vector2d::Zero();
@@ -56,14 +50,12 @@ private:
     };
 
     std::vector<Place> find_places(PointsIn points_in_camera, const DepthMap& depth, double tolerance) const;
-    bool is_turned_to_camera(int face, PointsIn vertices_in_camera) const;
 
     Camera camera_;  ///< of the enlarged picture
     OverlayOptions options_;
     int num_vertices_;
-    Quads faces_;
+    QuadEdges mesh_;
     std::vector<int> landmarks_;
-    std::vector<Edge> edges_;
 };
 
 }  // namespace mimetic

@@ -12,6 +12,7 @@ import subprocess
 import threading
 from collections.abc import Generator
 from fractions import Fraction
+from functools import lru_cache
 from pathlib import Path
 from typing import Protocol
 
@@ -68,9 +69,8 @@ class FaceDrawing:
         else:
             self.vertices = np.arange(template.num_skin_vertices)
             faces = np.asarray(template.skin_faces)
-            is_hidden = template.in_region(*HIDDEN_REGIONS)
-            visible_faces = ~is_hidden[faces].any(axis=1)
-            landmarks = [v for v in template.landmark_vertices.tolist() if not is_hidden[v]]
+            visible_faces = shown_faces(template)
+            landmarks = [template.landmark(name) for name in shown_landmarks(template)]
         faces = np.ascontiguousarray(faces, dtype=np.int32)
         # The limit surface, where the face is, lies inside of the control mesh.
         self.mesh = _core.SubdividedMesh(faces, len(self.vertices), 0)
@@ -96,6 +96,20 @@ class FaceDrawing:
             np.ascontiguousarray(circle[1:] @ pose[:3, :3].T + pose[:3, 3])
             for circle in iris_circles(self.performance, i)
         ]
+
+
+@lru_cache(maxsize=2)
+def shown_faces(template: FaceTemplate) -> NDArray[np.bool_]:
+    """Which of the skin's faces are drawn."""
+    is_hidden = template.in_region(*HIDDEN_REGIONS)
+    return ~is_hidden[template.skin_faces].any(axis=1)
+
+
+@lru_cache(maxsize=2)
+def shown_landmarks(template: FaceTemplate) -> list[str]:
+    """Landmarks on what is drawn."""
+    is_hidden = template.in_region(*HIDDEN_REGIONS)
+    return [name for name in template.landmark_names if not is_hidden[template.landmark(name)]]
 
 
 def write_overlay(

@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws a captured take over its footage in the clip editor: surface, lids and lips, irises,
+landmarks, and the quality of each frame."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass
+
+import blf
+import bpy
+import gpu
+import numpy as np
+from gpu_extras.batch import batch_for_shader
+
+from .. import clips, native, scene_in, takes
+from . import picture
+
+MESH, FEATURES, IRISES = (0.15, 1.0, 0.45, 0.2), (1.0, 0.75, 0.1, 0.95), (0.2, 0.75, 1.0, 0.95)
+LANDMARKS, LANDMARK_SIZE = (1.0, 0.2, 0.6, 0.95), 4.0
+STRIP_BOTTOM, STRIP_HEIGHT = 22, 6  # pixels at a UI scale of 1, above Blender's own strips
+TEXT_SIZE = 12
+
+
+@dataclass
+class Seen:
+    """A take as it was last read, by what says that its file is still the same."""
+
+    stamp: tuple
+    lines: object = None  # mimetic.report.face_lines.PerformanceLines; None: it cannot be drawn
+    rows: dict[int, int] | None = None  # index of each captured frame
+    drawn: tuple | None = None  # frame, batches of what is drawn in it
+    strip: tuple | None = None  # what it was made for, and its batch
+
+
+_last: Seen | None = None
+
+
+def forget() -> None:
+    global _last
+    _last = None
+
+
+def draw_capture() -> None:
+    context = bpy.context
+    settings = context.scene.mimetic
+    if not settings.show_capture or not picture.has_place(context):
+        return
+    seen = _seen(context)
+    if seen is None or seen.lines is None:
+        return
+    frame = scene_in.shown_frame(context)
+    gpu.state.blend_set("ALPHA")
+    try:
+        if frame in seen.rows:
+            _draw_face(context, seen, frame, settings)
+        if settings.show_quality:
+            _draw_quality(context, seen, frame)
+    finally:
+        gpu.state.point_size_set(1.0)
+        gpu.state.blend_set("NONE")
+
+
+def is_drawn(context) -> bool:
+    """Whether the frame on show has a captured face over it: the fitted one would lie beneath."""
+    if not context.scene.mimetic.show_capture:
+        return False
+    seen = _seen(context)
+    return bool(seen and seen.lines) and scene_in.shown_frame(context) in seen.rows
+
+
+def _seen(context) -> Seen | None:
+    """The take of the clip on show, read again only when its file is another one."""
+    global _last
+    clip = context.edit_movieclip
+    holder = takes.of_clip(context.scene, clip)
+    path = takes.find(holder) if holder else ""
+    if not path:
+        return None
+    mark = clips.fingerprint(clip)
+    facts = os.stat(path)
+    stamp = (path, facts.st_mtime_ns, facts.st_size, clip.name, mark)
+    if _last is None or _last.stamp != stamp:
+        _last = Seen(stamp)
+        try:
+            performance = takes.load(takes.Take(path, clip.name, mark))
+            _last.lines = native.face_lines().PerformanceLines(performance)
+            _last.rows = {int(frame): i for i, frame in enumerate(performance.frame)}
+        except native.known_errors():  # the buttons say so; a head's take alone has no face
+            pass
+    return _last
+
+
+def _draw_face(context, seen: Seen, frame: int, settings) -> None:
+    if seen.drawn is None or seen.drawn[0] != frame:
+        lines = seen.lines.draw(seen.rows[frame])
+        marks = lines.marks[np.array(lines.marks_shown, dtype=bool)]
+        seen.drawn = (
+            frame,
+            *(_batch(part, "LINES") for part in (lines.mesh, lines.features, lines.rings)),
+            _batch(marks, "POINTS"),
+        )
+    _, mesh, features, irises, landmarks = seen.drawn
+    shader = gpu.shader.from_builtin("UNIFORM_COLOR")
+    scale = context.preferences.system.pixel_size
+    gpu.state.point_size_set(LANDMARK_SIZE * scale)
+    with gpu.matrix.push_pop():
+        picture.lay_over(context.region.view2d)
+        for batch, colour, is_on in (
+            (mesh, MESH, settings.show_capture_mesh),
+            (features, FEATURES, settings.show_capture_features),
+            (irises, IRISES, settings.show_capture_features),
+            (landmarks, LANDMARKS, settings.show_capture_landmarks),
+        ):
+            if is_on and batch is not None:
+                shader.uniform_float("color", colour)
+                batch.draw(shader)
+
+
+def _batch(places, kind: str):
+    if not len(places):
+        return None
+    points = np.column_stack([places, np.zeros(len(places), dtype=np.float32)])
+    return batch_for_shader(gpu.shader.from_builtin("UNIFORM_COLOR"), kind, {"pos": points})
+
+
+def _draw_quality(context, seen: Seen, frame: int) -> None:
+    """Along the bottom, as Blender's own strips: the scene's range over the region's width."""
+    scene, clip, region = context.scene, context.edit_movieclip, context.region
+    scale = context.preferences.system.ui_scale
+    per_frame = region.width / max(scene.frame_end - scene.frame_start + 1, 1)
+    left = per_frame * (clip.frame_start - clip.frame_offset - scene.frame_start)
+    place = (left, per_frame, STRIP_BOTTOM * scale, STRIP_HEIGHT * scale)
+    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
+    if seen.strip is None or seen.strip[0] != place:
+        points, colours = native.face_lines().quality_strip(seen.lines.performance, *place)
+        content = {"pos": points, "color": colours}
+        seen.strip = (place, batch_for_shader(shader, "TRIS", content))
+    seen.strip[1].draw(shader)
+    text = seen.lines.quality_text(seen.rows.get(frame))
+    blf.size(0, TEXT_SIZE * scale)
+    blf.color(0, 1, 1, 1, 1)
+    blf.enable(0, blf.SHADOW)
+    blf.shadow(0, 3, 0, 0, 0, 1)
+    blf.position(0, 10 * scale, (STRIP_BOTTOM + STRIP_HEIGHT + 6) * scale, 0)
+    blf.draw(0, text)
+    blf.disable(0, blf.SHADOW)
