@@ -6,7 +6,7 @@ import pytest
 from mimetic import InvalidInput
 from mimetic.library.expression import Expression
 from mimetic.puppet.separability import advice, separability
-from mimetic.puppet.taught_look import Look, parse_look, parse_state
+from mimetic.puppet.taught_look import Look, parse_look, parse_shown_look, parse_state
 from sample_taught import make_taught
 
 
@@ -18,23 +18,38 @@ def test_a_look_is_named_by_its_frame_and_parts():
             parse_look(text)
 
 
-def test_a_state_is_sliders_or_a_kept_expression(performance, tmp_path):
+def test_a_look_that_is_shown_has_no_frame():
+    assert parse_shown_look("eyes closed:eyes") == Look("eyes closed", 0, ("eye.L", "eye.R"))
+    for text in ("smile=120", "", " ", "a:nose"):
+        with pytest.raises(InvalidInput):
+            parse_shown_look(text)
+
+
+def test_a_state_is_sliders_a_kept_expression_or_a_solved_frame(performance, tmp_path):
     name = performance.muscles[0]
-    assert parse_state(f"smile={name}:.8,jaw_open:.2", performance) == (
+    channels = {*performance.muscles, *performance.articulators}
+    assert parse_state(f"smile={name}:.8,jaw_open:.2", channels) == (
         "smile",
         {name: 0.8, "jaw_open": 0.2},
     )
     path = tmp_path / "wide.expression.npz"
     values = np.array([[0.0, 0.1], [0.6, 0.2]])
     Expression([name, "elsewhere"], values, np.full((2, 2), 0.05), 25.0).save(path)
-    assert parse_state(f"wide={path}", performance) == ("wide", {name: 0.6})
+    assert parse_state(f"wide={path}", channels) == ("wide", {name: 0.6})
+    solved = tmp_path / "solved.npz"
+    performance.save(solved)
+    look, values = parse_state(f"wide={solved}:{performance.frame[7]}", channels)
+    assert look == "wide" and values.keys() == channels
+    assert values[name] == performance.activations[7, 0]
+    with pytest.raises(InvalidInput, match="frame 999 is not in the performance"):
+        parse_state(f"wide={solved}:999", channels)
     for text, message in (
         ("x=nothing:1", "nothing"),
         ("x=jaw_open:a", "not a number"),
         ("x", "NAME="),
     ):
         with pytest.raises(InvalidInput, match=message):
-            parse_state(text, performance)
+            parse_state(text, channels)
 
 
 def test_looks_that_score_alike_are_named_and_others_are_not():

@@ -76,6 +76,11 @@ class LiveFilter:
     def stillness(self, stillness: float) -> None:
         self._stillness.stillness = stillness
 
+    @property
+    def is_settled(self) -> bool:
+        """Whether the person's head is known as well as it will be."""
+        return self.face is not None and self._search is None and not self._is_neutral_due
+
     def set_neutral(self) -> None:
         """The next picture shows the face at rest: the head is fitted to it, in the background."""
         self._is_neutral_due = True

@@ -9,22 +9,25 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.library.expression import limits_of
 from mimetic.media.footage import Footage
 from mimetic.performance.document import HELD_QUALITY, Performance
-from mimetic.puppet.matching import still_matcher
-from mimetic.puppet.parts import KINDS, channels_of
 from mimetic.puppet.seeing import MODEL, HeadStiller, Image, PersonView, Pose, PoseShaker
+from mimetic.puppet.set_making import (
+    REST,
+    Channels,
+    Sample,
+    TaughtLook,
+    cut,
+    make_set,
+    templates_of,
+)
 from mimetic.puppet.taught_look import Look
 from mimetic.puppet.templates import TaughtSet
 from mimetic.shared.pinhole import camera_of
 from mimetic.shared.progress import Progress, check_goes_on
 from mimetic.template.face_template import load_template
 
-DISTINCT = 0.15  # a part's largest difference in a value below which two looks show the same
 MOST_EXAMPLES = 200
-GAZE_UNIT = 30.0  # degrees that count as an activation of 1
-REST = "neutral"
 
 
 def teach(
@@ -75,13 +78,10 @@ class _Teaching:
             raise InvalidInput("the performance is not of Mimetic's head: capture the clip again")
         camera = camera_of(performance.intrinsics, performance.image_size)
         self.view = PersonView(camera, performance.neutral_vertices)
-        self.channels = [*performance.muscles, *performance.articulators]
+        self.channels = Channels(
+            performance.muscles, performance.groups.tolist(), performance.articulators
+        )
         self.values = np.hstack([performance.activations, performance.articulator_values])
-        groups = performance.groups.tolist()
-        self.groups = np.array(groups + [0] * len(performance.articulators))
-        names = (performance.muscles, groups, performance.articulators)
-        self.channels_of = {part: channels_of(part, *names) for part in KINDS}
-        self.units = np.array([GAZE_UNIT if n.startswith("gaze") else 1.0 for n in self.channels])
 
     def run(self, looks: Sequence[Look], num_chosen: int, num_examples: int) -> TaughtSet:
         looks = self._with_rest(looks)
@@ -93,48 +93,30 @@ class _Teaching:
                 raise InvalidInput(
                     f"look {look.name}: the head was not followed in frame {look.frame}"
                 )
-        states = np.array([self._state(look) for look in looks])
-        templates = self._templates(looks, states)
-        boxes = np.array([self.view.boxes(part) for _, part in templates])
-        cut = [
-            _cut(pictures[looks[i].frame], box)
-            for (i, _), box in zip(templates, boxes, strict=True)
+        states = [self._state(look) for look in looks]
+        templates = [
+            cut(self.view.boxes(part), part, i, pictures[looks[i].frame])
+            for i, part in templates_of(looks, states, self.channels)
         ]
-        parts = [part for _, part in templates]
-        matcher = still_matcher(cut, boxes, parts)
         values = self._example_values(looks, states, pictures.keys(), num_examples)
         # Each frame twice: as it was seen, and as it might have been
-        seen = [(f, p) for f in sorted(values) for p in (pictures[f], shaken[f])]
-        example_frames = [frame for frame, _ in seen]
-        example_scores = np.array([matcher.match(picture)[0] for _, picture in seen])
-        example_values = np.array([values[frame] for frame in example_frames])
-        limits = limits_of(self.channels, self.performance.muscles)
-        limits[0] = np.minimum(limits[0], example_values.min(axis=0))
-        limits[1] = np.maximum(limits[1], example_values.max(axis=0))
-        return TaughtSet(
-            pixel=self.view.pixel,
-            sides=self.view.sides,
-            looks=[look.name for look in looks],
-            look_frames=np.array([look.frame for look in looks]),
-            look_values=states,
-            neutral=[look.name for look in looks].index(REST),
-            channels=self.channels,
-            channel_groups=self.groups,
-            limits=limits,
-            template_parts=parts,
-            template_looks=np.array([i for i, _ in templates]),
-            template_boxes=boxes,
-            template_pixels=np.concatenate([picture.ravel() for picture in cut]),
-            example_scores=example_scores,
-            example_values=example_values,
-            footage=list(self.footage.identity),
-            example_frames=np.array(example_frames),
+        samples = [
+            Sample(picture, values[frame], frame)
+            for frame in sorted(values)
+            for picture in (pictures[frame], shaken[frame])
+        ]
+        taught_looks = [
+            TaughtLook(look.name, look.frame, state)
+            for look, state in zip(looks, states, strict=True)
+        ]
+        return make_set(
+            self.view, self.channels, taught_looks, templates, samples, list(self.footage.identity)
         )
 
     def _with_rest(self, looks: Sequence[Look]) -> list[Look]:
         if any(look.name == REST for look in looks):
             return list(looks)
-        size = np.abs(self.values / self.units).sum(axis=1)
+        size = np.abs(self.values / self.channels.units).sum(axis=1)
         best = int(np.where(self.usable, size, np.inf).argmin())
         return [Look(REST, int(self.performance.frame[best])), *looks]
 
@@ -149,8 +131,8 @@ class _Teaching:
             (("brow.L", "brow.R"), third),
             (("eye.L", "eye.R"), third),
         ):
-            channels = sorted(channel for part in parts for channel in self.channels_of[part])
-            rows = np.ascontiguousarray((self.values / self.units)[:, channels])
+            channels = sorted(channel for part in parts for channel in self.channels.of_parts[part])
+            rows = np.ascontiguousarray((self.values / self.channels.units)[:, channels])
             count = min(share + 1, int(self.usable.sum()))
             indices = _core.distinct_rows(rows, self.usable.tolist(), rest, count)
             frames |= {int(performance.frame[i]) for i in indices if i != rest}
@@ -168,27 +150,12 @@ class _Teaching:
     def _state(self, look: Look) -> NDArray[np.float64]:
         if look.values is None:
             return self.values[self.performance.index_of(look.frame)]
-        return np.array([look.values.get(name, 0.0) for name in self.channels])
-
-    def _templates(
-        self, looks: Sequence[Look], states: NDArray[np.float64]
-    ) -> list[tuple[int, str]]:
-        """(index of the look, part): of each look the whole face, and parts that look otherwise."""
-        templates: list[tuple[int, str]] = []
-        for part in KINDS:
-            own = (states / self.units)[:, self.channels_of[part]]
-            kept: list[int] = []
-            for i, look in enumerate(looks):
-                differs = all(np.abs(own[i] - own[j]).max() > DISTINCT for j in kept)
-                if part in look.parts or (not look.parts and differs) or look.name == REST:
-                    kept.append(i)
-            templates += [(i, part) for i in kept]
-        return templates
+        return self.channels.state(look)
 
     def _example_values(
         self,
         looks: Sequence[Look],
-        states: NDArray[np.float64],
+        states: Sequence[NDArray[np.float64]],
         seen: Iterable[int],
         number: int,
     ) -> dict[int, NDArray[np.float64]]:
@@ -233,8 +200,3 @@ class _Teaching:
             head = stiller.tracker.advance(image)
             if not head.held:
                 yield frame, image, np.asarray(head.camera_from_head)
-
-
-def _cut(picture: Image, box: NDArray[np.int64]) -> Image:
-    x, y, width, height = box
-    return np.ascontiguousarray(picture[y : y + height, x : x + width])

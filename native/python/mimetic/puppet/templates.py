@@ -20,6 +20,7 @@ LEAST_SIDE, MOST_SIDE = 8, 512  # pixels of a template
 LARGEST_VALUE = 1e3
 DTYPES = {"f": np.float64, "i": np.int64, "B": np.uint8}
 # key: (kind of number, shape); T templates, L looks, C channels, K examples, B pixels of all
+# templates, H x W pixels of the view
 REQUIRED: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "pixel": ("f", (1,)),
     "sides": ("f", (4,)),
@@ -40,6 +41,8 @@ REQUIRED: dict[str, tuple[str, tuple[int | str, ...]]] = {
 OPTIONAL: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "footage": ("U", (2,)),
     "example_frames": ("i", ("K",)),
+    "example_pictures": ("B", ("K", "H", "W")),
+    "example_looks": ("i", ("K",)),
 }
 DOCUMENT = ArrayDocument(
     what="taught set",
@@ -48,7 +51,7 @@ DOCUMENT = ArrayDocument(
     optional=OPTIONAL,
     accepted={"f": "fiu", "i": "iu", "U": "U", "B": "u"},
     dtypes=DTYPES,
-    largest={"L": 100, "C": 1000, "T": 300, "K": 1000, "B": 20_000_000},
+    largest={"L": 100, "C": 1000, "T": 300, "K": 1000, "B": 20_000_000, "H": 1000, "W": 1000},
     advice="teach again",
 )
 
@@ -77,6 +80,9 @@ class TaughtSet:
     example_values: NDArray[np.float64]  # K x C
     footage: list[str] | None = None  # file name, fingerprint
     example_frames: NDArray[np.int64] | None = None  # K, of the footage; 0: not of a solved frame
+    # With both, single looks can be taught again
+    example_pictures: NDArray[np.uint8] | None = None  # K x H x W, the view
+    example_looks: NDArray[np.int64] | None = None  # K, index of the look it was taken for, or -1
 
     def __post_init__(self) -> None:
         self.pixel = float(np.asarray(self.pixel, dtype=np.float64).reshape(-1)[0])
@@ -139,6 +145,13 @@ class TaughtSet:
         if (self.limits[0] > self.limits[1]).any():
             raise InvalidInput("taught set limits must have the least values first")
         self._check_templates(lengths["L"])
+        if self.example_pictures is not None:
+            width, height = self.view_size
+            if self.example_pictures.shape[1:] != (height, width):
+                raise InvalidInput(f"taught set example_pictures are not {width} x {height} pixels")
+        looks = self.example_looks
+        if looks is not None and (looks.min() < -1 or looks.max() >= lengths["L"]):
+            raise InvalidInput("taught set example_looks name looks that are not there")
 
     def _check_templates(self, num_looks: int) -> None:
         if not 0 <= self.neutral < num_looks:
