@@ -64,7 +64,8 @@ class FaceDrawing:
         template = _template_of(performance)
         if template is None:
             vertices, faces = np.unique(performance.faces, return_inverse=True)
-            faces, visible_faces, landmarks = faces.reshape(-1, 4), slice(None), []
+            faces, landmarks = faces.reshape(-1, 4), []
+            visible_faces = np.ones(len(faces), dtype=bool)
             self.vertices = vertices
         else:
             self.vertices = np.arange(template.num_skin_vertices)
