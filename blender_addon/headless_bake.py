@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes a file in a Blender without a window: what `mimetic bake` and `mimetic library assets`
-start as a child process.
+"""Writes a file in a Blender without a window: what `mimetic bake`, `mimetic shapes` and `mimetic
+library assets` start as a child process.
 
 Run by a Python that has the bpy module. Standard input: a line with a request as JSON; the file it
 names as `answer` gets {"text": ...} or, for bad input, {"error": ...}. Standard input then stays
@@ -79,6 +79,10 @@ def bake(request: dict) -> dict:
         if library := request.get("library"):
             assets = importlib.import_module(f"{extension}.scene_out.asset_file")
             return {"text": assets.write(library, request["out"])}
+        if shapes := request.get("shapes"):
+            shapes_file = importlib.import_module(f"{extension}.scene_out.shapes_file")
+            head = (shapes["file"], shapes["object"], shapes["landmarks"])
+            return {"text": shapes_file.write(request["out"], *head)}
         new_file = importlib.import_module(f"{extension}.scene_out.new_file")
         files = (request["performance"], request["out"], request["footage"])
         options = (request["with_detail"], request["tolerance"], request["with_units"])

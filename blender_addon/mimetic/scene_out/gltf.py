@@ -15,9 +15,15 @@ from . import contact_curves
 
 
 def export(
-    scene: bpy.types.Scene, path: str | os.PathLike[str], face: bpy.types.Object | None = None
+    scene: bpy.types.Scene,
+    path: str | os.PathLike[str],
+    face: bpy.types.Object | None = None,
+    is_animated: bool = True,
 ) -> None:
-    """Writes a face, the scene's baked one if None; whole, or raises OSError and writes nothing."""
+    """Writes a face, the scene's baked one if None; whole, or raises OSError and writes nothing.
+
+    is_animated: with its curves; without, the mesh and its morph targets alone.
+    """
     path = Path(path)
     face = face or scene.mimetic.face
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
@@ -39,7 +45,7 @@ def export(
                 export_morph=True,
                 export_morph_normal=True,
                 export_morph_animation=True,
-                export_animations=True,
+                export_animations=is_animated,
                 export_animation_mode="ACTIVE_ACTIONS",
                 export_nla_strips_merged_animation_name="Performance",
                 export_force_sampling=True,
@@ -49,9 +55,10 @@ def export(
             )
         # Blender's exporter multiplies by the rate's base where it should divide: at 23.976 frames
         # a second a minute would come out 120 ms short
-        rate = scene_in.timing(scene, None).scene_rate
-        files = native.gltf()
-        aside.write_bytes(files.split_negative(files.retime(aside.read_bytes(), rate)))
+        if is_animated:
+            rate = scene_in.timing(scene, None).scene_rate
+            files = native.gltf()
+            aside.write_bytes(files.split_negative(files.retime(aside.read_bytes(), rate)))
         os.replace(aside, path)
 
 

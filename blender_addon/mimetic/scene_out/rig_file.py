@@ -30,12 +30,8 @@ def write(
     everything else; its scripts do not run. Returns what was written.
     """
     performance = native.performances().Performance.load(performance_path)
-    try:
-        bpy.ops.wm.open_mainfile(filepath=rig_path, load_ui=False, use_scripts=False)
-    except RuntimeError as error:
-        raise native.invalid_input(f"--target {rig_path}: {error}") from None
-    scene = bpy.context.scene
     where = f"--target {Path(rig_path).name}"
+    scene = open_file(rig_path, where)
     obj = _object(scene, where, name, settings)
     footage = clip.load(scene, footage_path) if footage_path else None
     take = takes.take_name(footage_path or performance_path)
@@ -53,8 +49,25 @@ def write(
     else:
         summary = _turn(scene, performance, take, _target(obj, where, settings), settings, footage)
         text = f"{summary.num_curves} curves on {summary.where}, {_frames(summary)}"
-    _save(Path(out).absolute())
+    save(Path(out).absolute())
     return text
+
+
+def open_file(path: str, where: str) -> bpy.types.Scene:
+    """Opens a user's file without running its scripts; returns its scene. where: names it."""
+    try:
+        bpy.ops.wm.open_mainfile(filepath=path, load_ui=False, use_scripts=False)
+    except RuntimeError as error:
+        raise native.invalid_input(f"{where}: {error}") from None
+    return bpy.context.scene
+
+
+def find_object(scene: bpy.types.Scene, where: str, name: str) -> bpy.types.Object:
+    """Raises what bad input raises if the scene does not have it."""
+    if name not in scene.objects:
+        names = ", ".join(sorted(other.name for other in scene.objects)[:12])
+        raise native.invalid_input(f"{where} has no object {name}; it has {names or 'none'}")
+    return scene.objects[name]
 
 
 def _turn(scene, performance, take: str, target: head.Target, settings: dict, footage):
@@ -85,7 +98,8 @@ def _plays_own(obj: bpy.types.Object, where: str, choice: str) -> bool:
     return bool(native.control_names().known_names(key.name for key in own_keys.own_keys(obj)))
 
 
-def _save(path: Path) -> None:
+def save(path: Path) -> None:
+    """The open file as a copy, whole."""
     # Beside `out`, so that relative paths hold once it has its name
     aside = path.with_name(f".{path.stem}.{os.getpid()}.blend")
     try:
@@ -109,10 +123,7 @@ def _play(scene: bpy.types.Scene, performance, take: str, face, footage) -> str:
 
 
 def _object(scene: bpy.types.Scene, where: str, name: str, settings: dict) -> bpy.types.Object:
-    if name not in scene.objects:
-        names = ", ".join(sorted(other.name for other in scene.objects)[:12])
-        raise native.invalid_input(f"{where} has no object {name}; it has {names or 'none'}")
-    obj = scene.objects[name]
+    obj = find_object(scene, where, name)
     if obj.type != "ARMATURE":
         if settings["bone"] or settings["neck"]:
             raise native.invalid_input(

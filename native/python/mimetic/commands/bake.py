@@ -17,7 +17,7 @@ from mimetic.performance.document import Performance
 from mimetic.retarget.controls import load_preset
 from mimetic.retarget.face_csv import write_face_csv
 from mimetic.shared.regular_file import check_input, check_target
-from mimetic.shared.shown_text import shown
+from mimetic.shared.shown_text import shortened, shown
 
 SUFFIXES = (".glb", ".blend", ".csv")
 
@@ -138,11 +138,11 @@ def _preset(path: Path | None) -> str | None:
     return str(path.absolute())
 
 
-def parse_target(text: str) -> dict:
-    """The file and the object of RIG.blend:OBJECT."""
+def parse_target(text: str, form: str = "--target RIG.blend:OBJECT") -> dict:
+    """The file and the object of a text of this form."""
     path, _, name = text.rpartition(":")
     if not path.endswith(".blend") or not name:
-        raise InvalidInput(f"--target {text}: give it as RIG.blend:OBJECT")
+        raise InvalidInput(f"{shortened(text)}: give it as {form}")
     check_input(path, "the .blend of a rig")
     return {"file": str(Path(path).absolute()), "object": name}
 

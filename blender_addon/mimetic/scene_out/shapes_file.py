@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""ARKit's 52 shapes on a head in a copy of a .blend, or as .glb: what `mimetic shapes` calls."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+from .. import native, scene_in, writable
+from . import arkit, gltf, rig_file
+
+
+def write(out: str, file: str, name: str, landmarks_path: str | None) -> str:
+    """Opens `file`, gives its object `name` the shapes, and writes `out` whole.
+
+    Landmarks are those of the file, else those that the head was attached by, empties and vertex
+    groups with their names, else they place themselves. Returns what was written.
+    """
+    where = Path(file).name
+    scene = rig_file.open_file(file, where)
+    head = rig_file.find_object(scene, where, name)
+    if head.type != "MESH" or head.mode == "EDIT":
+        state = "was saved in edit mode; leave it and save" if head.type == "MESH" else "is no mesh"
+        raise native.invalid_input(f"{where}:{name} {state}")
+    writable.check(writable.no_shapes(head))
+    own, remark = _marked(scene, head, landmarks_path)
+    parts = native.foreign_face()
+    polygons = parts.Polygons(own.starts, own.corners)
+    face = parts.attach_face(own.points, polygons, own.landmarks, own.matrix)
+    shapes, notes = face.unit_shapes()
+    added, kept = arkit.add(head, shapes)
+    if Path(out).suffix == ".glb":
+        gltf.export(scene, out, head, is_animated=False)
+    else:
+        rig_file.save(Path(out).absolute())
+    text = f"{len(added)} of ARKit's shapes on {name}"
+    if kept:
+        text += f"; {len(kept)} keys of such names stay as they were"
+    return "; ".join(filter(None, (text, remark, *face.notes, *notes)))
+
+
+def _marked(scene, head, landmarks_path: str | None) -> tuple[scene_in.ForeignHead, str]:
+    """The head with its landmarks, and what to know of them."""
+    own = scene_in.bound_head(scene, head)
+    if landmarks_path:
+        marks = native.landmarks_file().read_landmarks(Path(landmarks_path))
+        return replace(own, landmarks=marks), ""
+    if own.landmarks:
+        return own, ""
+    polygons = native.foreign_face().Polygons(own.starts, own.corners)
+    marks = native.self_landmarks().find_on_object(own.points, polygons, own.matrix)
+    if marks.guess:
+        raise native.invalid_input(f"{head.name}: {marks.guess}; give the places by --landmarks")
+    doubtful = f"doubtful landmarks: {', '.join(marks.doubtful)}" if marks.doubtful else ""
+    return replace(own, landmarks=marks.places), doubtful
