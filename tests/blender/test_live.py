@@ -199,6 +199,31 @@ def test_an_error_in_a_tick_leaves_nothing_behind(face, extension, monkeypatch):
     assert face.name not in extension("scene_out.contact").still_faces
 
 
+def test_digits_freeze_channels_and_let_them_go(scene, extension, monkeypatch):
+    operators, live, jobs = extension("operators.live"), extension("live"), extension("jobs")
+    settings = scene.mimetic.live
+
+    class Pressed(jobs.Modal):
+        handle, _told = operators.MIMETIC_OT_live.handle, 1.0
+
+    def press(key, value="PRESS", is_repeat=False):
+        event = SimpleNamespace(type=key, value=value, is_repeat=is_repeat)
+        assert pressed.modal(bpy.context, event) == {"RUNNING_MODAL"}
+
+    pressed, session = Pressed(), SimpleNamespace(commands=[], is_recording=False)
+    monkeypatch.setattr(live, "active", session)
+    monkeypatch.setattr(jobs, "running", jobs.Run("Live"))
+    assert len(operators.DIGITS) == len(CHANNELS)
+    press("TWO")
+    press("TWO", "RELEASE")
+    press("TWO", is_repeat=True)  # a key that is held freezes once
+    press("FIVE")
+    assert live.frozen(settings) == {"head_rotation", "brows"}
+    assert operators._hints(session, settings).endswith("frozen: rotation, brows")
+    press("TWO")
+    assert settings.channels == CHANNELS - {"BROWS"} and session.commands == []
+
+
 def test_a_take_can_be_punched_in(scene, face, extension):
     driven = Session(extension)
 

@@ -8,9 +8,11 @@ from bpy.types import Operator
 
 from .. import editors, jobs, live, native, outcome, scene_in, scene_out
 from ..greyed import Greyed
+from ..live_settings import CHANNELS
 
 TOLD_EVERY = 0.5  # seconds
 KEYS = {"N": "NEUTRAL", "R": "RECORD", "ESC": "STOP"}
+DIGITS = ("ONE", "TWO", "THREE", "FOUR", "FIVE")  # keys of the channels, in the panel's order
 # What the viewport and the panels need; all else could change what the session writes to
 PASSED = {
     *("MOUSEMOVE", "INBETWEEN_MOUSEMOVE", "LEFTMOUSE", "MIDDLEMOUSE", "WHEELUPMOUSE"),
@@ -71,6 +73,11 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
         if event.type in KEYS and event.value == "PRESS":
             session.commands.append(KEYS[event.type])
             return {"RUNNING_MODAL"}
+        if event.type in DIGITS and event.value == "PRESS" and not event.is_repeat:
+            channel = CHANNELS[DIGITS.index(event.type)][0]
+            context.scene.mimetic.live.channels ^= {channel}
+            self._told = 0.0  # the status bar says so at once
+            return {"RUNNING_MODAL"}
         if event.type == "TIMER":
             return self._tick(context, session)
         # Undo would replace the scene that the session writes to
@@ -90,7 +97,9 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
         if time.monotonic() - self._told >= TOLD_EVERY:
             self._told = time.monotonic()
             session.run.what = session.line()
-            context.workspace.status_text_set(f"{session.run.text()}   |   {_hints(session)}")
+            context.workspace.status_text_set(
+                f"{session.run.text()}   |   {_hints(session, settings)}"
+            )
             editors.redraw("VIEW_3D")
         if not session.thread.is_running:
             return self._end(context, session)
@@ -182,9 +191,11 @@ def _finished(operator, context, session, message: str):
     return outcome.finished(operator, context, message, **facts)
 
 
-def _hints(session) -> str:
+def _hints(session, settings) -> str:
     record = "R ends the take" if session.is_recording else "R records"
-    return f"N sets neutral, {record}, Esc stops"
+    text = f"N sets neutral, {record}, 1 to {len(DIGITS)} freeze channels, Esc stops"
+    names = [name.lower() for channel, name, _ in CHANNELS if channel not in settings.channels]
+    return f"{text}   |   frozen: {', '.join(names)}" if names else text
 
 
 CLASSES = (MIMETIC_OT_live, MIMETIC_OT_live_command)
