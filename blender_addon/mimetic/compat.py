@@ -49,6 +49,18 @@ def assign_action(id_block: bpy.types.ID, action: bpy.types.Action, name: str) -
     action.layers[0].strips[0].channelbag(animation.action_slot, ensure=True)
 
 
+def join_action(action: bpy.types.Action, id_block: bpy.types.ID) -> bool:
+    """Has an action move `id_block` too, by a slot of its own; whether actions can do that."""
+    if not ACTIONS_HAVE_SLOTS:
+        return False
+    animation = id_block.animation_data or id_block.animation_data_create()
+    slot = action.slots.new(id_block.id_type, id_block.name)
+    animation.action = action
+    animation.action_slot = slot
+    action.layers[0].strips[0].channelbag(slot, ensure=True)
+    return True
+
+
 def curves(id_block: bpy.types.ID):
     """The holder of `fcurves` and `groups` that moves `id_block`, or None."""
     animation = id_block.animation_data

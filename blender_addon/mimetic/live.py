@@ -10,7 +10,7 @@ from pathlib import Path
 
 import bpy
 
-from . import clips, compat, jobs, native, scene_in, scene_out, takes, writable
+from . import clips, compat, jobs, native, scene_in, scene_out, takes, targets
 from .live_settings import CHANNELS, package_channels
 
 NO_SOURCE = "Choose a clip, or load the scene's footage"
@@ -52,9 +52,7 @@ active: Session | None = None
 
 def no_live(context) -> str:
     """Why no session can be started."""
-    if reason := scene_in.no_face(context):
-        return reason
-    return writable.no_sliders(scene_in.face_of(context))
+    return targets.no_rest(context)
 
 
 def source_of(context, is_paced: bool = True):

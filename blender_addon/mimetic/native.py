@@ -119,6 +119,12 @@ def contact_shapes() -> ModuleType:
     return contact_shapes
 
 
+def control_object() -> ModuleType:
+    from mimetic.character import control_object
+
+    return control_object
+
+
 def control_names() -> ModuleType:
     from mimetic.retarget import control_names
 

@@ -194,6 +194,12 @@ class MimeticFace(bpy.types.PropertyGroup):
     gaze_pitch_left: _gaze_slider("Left Eye Up", "L", 1, *PITCHES)
     gaze_yaw_right: _gaze_slider("Right Eye to the Left", "R", 0, *YAWS)
     gaze_pitch_right: _gaze_slider("Right Eye Up", "R", 1, *PITCHES)
+    control_object: PointerProperty(
+        name="Control Object",
+        type=bpy.types.Object,
+        description="The armature whose bones drive the face's shape keys",
+    )
+    has_controls: BoolProperty(description="Whether it was given one: it may have been deleted")
     controls: CollectionProperty(
         type=control_rows.MimeticControl, description="How performances drive its own shape keys"
     )

@@ -150,8 +150,17 @@ def face_of(context) -> bpy.types.Object | None:
     active = context.active_object
     if active is not None and is_face(active):
         return active
+    if active is not None and (controlled_face := face_by_control(context.scene, active)):
+        return controlled_face
     face = context.scene.mimetic.face
     return face if face is not None and face.name in context.scene.objects else None
+
+
+def face_by_control(scene: bpy.types.Scene, control: bpy.types.Object) -> bpy.types.Object | None:
+    """The face whose control object an armature is."""
+    if control.type != "ARMATURE":
+        return None
+    return next((obj for obj in scene.objects if obj.mimetic.control_object == control), None)
 
 
 def shown_face(context) -> bpy.types.Object | None:

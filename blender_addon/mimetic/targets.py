@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 
 from . import clips, native, scene_in, writable
-from .scene_out import expression_strips, expressions, face_bones, own_keys, rigs
+from .scene_out import control_object, expression_strips, expressions, face_bones, own_keys, rigs
 
 
 def no_bake(context) -> str:
@@ -132,18 +132,53 @@ def no_expression_on_face(context) -> str:
     face = scene_in.face_of(context)
     if face.data.shape_keys is None:
         return f"{face.name} has no sliders"
-    return writable.no_sliders(face)
+    return writable.no_sliders(face) or control_object.no_values(face)
 
 
 def no_expression_strips(context) -> str:
     """Why there is nothing to compose."""
-    if reason := scene_in.no_face(context) or writable.no_sliders(scene_in.face_of(context)):
+    if reason := no_rest(context):
         return reason
     if not expression_strips.strips_of(scene_in.face_of(context)):
         return "Add expression strips to the face first"
     return ""
 
 
+def no_added_controls(context) -> str:
+    """Why the face cannot be given a control object."""
+    if reason := scene_in.no_face(context):
+        return reason
+    face = scene_in.face_of(context)
+    if not scene_in.is_face(face):
+        return f"{face.name} has no sliders: attach muscles first"
+    if control_object.of(face) is not None:
+        return f"{face.name} has one already: {control_object.of(face).name}"
+    if reason := control_object.no_controls(face):
+        return reason
+    animation = face.data.shape_keys.animation_data
+    if animation is not None and (animation.action or animation.nla_tracks):
+        return f"{face.name}'s shape keys have curves: Bake to Control Object instead"
+    return ""
+
+
+def no_removed_controls(context) -> str:
+    """Why there is no control object to take away."""
+    if reason := scene_in.no_face(context):
+        return reason
+    face = scene_in.face_of(context)
+    return "" if face.mimetic.has_controls else f"{face.name} has no control object"
+
+
 def no_rest(context) -> str:
-    """Why the face's sliders cannot be put to 0."""
-    return scene_in.no_face(context) or writable.no_sliders(scene_in.face_of(context))
+    """Why the face's sliders cannot be put to 0, or to anything else."""
+    if reason := scene_in.no_face(context):
+        return reason
+    face = scene_in.face_of(context)
+    return writable.no_sliders(face) or control_object.no_values(face)
+
+
+def no_export(context) -> str:
+    """Why the face cannot be written as glTF, whose exporter reads curves of shape keys alone."""
+    if reason := scene_in.no_visible_face(context):
+        return reason
+    return control_object.no_values(scene_in.face_of(context))

@@ -58,6 +58,19 @@ def test_a_blend_opens_with_face_curves_camera_and_footage(
     assert bpy.data.images["Face Skin"].packed_file
 
 
+def test_a_blend_opens_with_a_control_object_that_plays(performance, performance_file, tmp_path):
+    out = tmp_path / "face.blend"
+    ran = run_bake(performance_file, "--out", out, "--control-object")
+    assert ran.returncode == 0, ran.stderr
+    bpy.ops.wm.open_mainfile(filepath=str(out))
+    control = bpy.data.objects["Face Controls"]
+    assert control.animation_data.action.name == "take"
+    bpy.context.scene.frame_set(20)
+    keys = bpy.data.objects["Face"].data.shape_keys.key_blocks
+    actual = [keys[name].value for name in performance.muscles]
+    np.testing.assert_allclose(actual, performance.activations[19], atol=1e-5)
+
+
 def test_a_glb_is_written(performance_file, tmp_path):
     out = tmp_path / "face.glb"
     ran = run_bake(performance_file, "--out", out)
@@ -85,12 +98,13 @@ def test_names_that_are_no_text_are_baked(performance_file, footage, tmp_path, s
     [
         (["{missing}", "--out", "{out}.glb"], "no such file"),
         (["{performance}", "--out", "{out}.fbx"], ".glb, .blend, .csv"),
+        (["{performance}", "--out", "{out}.glb", "--control-object"], "is of a .blend"),
         (["{performance}", "--out", "{out}/nowhere/face.glb"], "no folder"),
         (["{text}", "--out", "{out}.glb"], "not a performance"),
         (["{performance}", "--out", "{out}.glb", "--footage", "{text}"], "text"),
         (["{performance}", "--out", "{out}.glb", "--blender-python", "{missing}"], "missing"),
     ],
-    ids=["missing", "suffix", "folder", "damaged", "footage", "python"],
+    ids=["missing", "suffix", "control_object", "folder", "damaged", "footage", "python"],
 )
 def test_bad_input_gets_status_2_and_one_line(arguments, said, performance_file, tmp_path):
     text = tmp_path / "text.npz"

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import bpy
-from bpy.props import BoolProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 from bpy.types import Operator
 
 from .. import clips, native, scene_in, scene_out, takes, targets, writable
@@ -59,6 +59,15 @@ class MIMETIC_OT_bake(Job, Operator):
         default=False,
         description="Keys at onset, apex, release and end of each event first",
     )
+    to: EnumProperty(
+        name="To",
+        items=(
+            ("AUTO", "As Before", "The control object of a face that has one, else shape keys"),
+            ("KEYS", "Shape Keys", "Curves on the values of the face's shape keys"),
+            ("CONTROLS", "Control Object", "Curves on the bones of an armature that drives them"),
+        ),
+        description="What is keyed, and edited afterwards",
+    )
     use_units: BoolProperty(
         name="Action Units",
         default=False,
@@ -110,6 +119,8 @@ class MIMETIC_OT_bake(Job, Operator):
             head = writable.own_object(context.scene, bound_name)
             return self.write_bound(context.scene, performance, name, head, clip)
         appearance, contact = dress
+        face = scene_out.face.find(context.scene, performance)
+        use_controls = self.uses_controls(face)
         summary = scene_out.bake(
             context.scene,
             performance,
@@ -122,6 +133,7 @@ class MIMETIC_OT_bake(Job, Operator):
             tolerance=self.tolerance if self.use_few_keys else 0.0,
             with_units=self.use_units,
             by_phases=self.use_phases,
+            use_controls=use_controls,
         )
         face = context.scene.mimetic.face
         self.facts = {"object": face.name, "camera": context.scene.camera.name, **_made(summary)}
@@ -138,9 +150,22 @@ class MIMETIC_OT_bake(Job, Operator):
         scene_out.canonical.select_only(context.view_layer, face)
         return message
 
+    def uses_controls(self, face) -> bool:
+        if remark := scene_out.control_object.forget_lost(face):
+            self.report({"WARNING"}, remark)
+        if self.to == "AUTO":
+            return scene_out.control_object.of(face) is not None
+        return self.to == "CONTROLS"
+
     def write_bound(self, scene, performance, take, head, clip):
         """On a character's own head; the message names all that it cannot play."""
-        summary = scene_out.bound.bake(scene, performance, take, head, clip, self.use_head_motion)
+        place = scene, performance, take, head, clip, self.use_head_motion
+        if self.uses_controls(head):
+            tolerance = self.tolerance if self.use_few_keys else 0.0
+            summary = scene_out.bound_controls.bake(*place, tolerance, self.use_phases)
+        else:
+            writable.check(scene_out.control_object.no_keys(head))
+            summary = scene_out.bound.bake(*place)
         self.facts = {"object": head.name, "left_out": list(summary.left_out), **_made(summary)}
         for remark in summary.left_out:
             self.report({"WARNING"}, remark)

@@ -4,7 +4,7 @@ from bpy.props import StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ExportHelper
 
-from .. import native, outcome, scene_in, scene_out
+from .. import native, outcome, scene_in, scene_out, targets
 from ..greyed import Greyed
 
 
@@ -17,7 +17,7 @@ class MIMETIC_OT_export_gltf(Greyed, Operator, ExportHelper):
     filename_ext = ".glb"
     filter_glob: StringProperty(default="*.glb", options={"HIDDEN"})
 
-    obstacle = staticmethod(scene_in.no_visible_face)
+    obstacle = staticmethod(targets.no_export)
 
     def execute(self, context):
         path = bpy.path.ensure_ext(bpy.path.abspath(self.filepath), ".glb")

@@ -12,9 +12,13 @@ from . import (
     actions,
     arkit,
     bound,
+    bound_controls,
     camera,
     canonical,
     clip,
+    control_object,
+    control_removal,
+    control_take,
     expression_strips,
     expressions,
     face,
@@ -36,11 +40,15 @@ __all__ = [
     "arkit",
     "bake",
     "bound",
+    "bound_controls",
     "camera",
     "canonical",
     "clip",
+    "control_object",
+    "control_removal",
     "expression_strips",
     "expressions",
+    "face",
     "face_fit",
     "few_keys",
     "foreign",
@@ -75,6 +83,7 @@ def bake(
     tolerance: float = 0.0,
     with_units: bool = False,
     by_phases: bool = False,
+    use_controls: bool = False,
 ) -> BakeSummary:
     """Puts the face, its curves, its camera and the footage behind it into the scene.
 
@@ -84,13 +93,14 @@ def bake(
     its groups of muscles too; contact_shapes: of mimetic.contact_shapes; given, even if empty, lips
     and lids are kept apart when sliders are moved afterwards too, and no longer if not given;
     is_reset: what was changed by hand on a face that was there is undone instead of kept;
-    tolerance: by how much few keys with handles may miss the shapes' values, 0 for a key a frame;
-    by_phases: few keys at onset, apex, release and end of events first;
-    with_units: sliders of FACS's action units, and an action asset each, beside the muscles.
+    tolerance, by_phases: of few keys, as `actions.key_shapes` has them;
+    with_units: sliders of FACS's action units, and an action asset each, beside the muscles;
+    use_controls: curves lie on a control object that drives the shape keys, not on these.
     The scene's rate, frame range and resolution stay as they are. Raises InvalidInput, and changes
     nothing then, where face or camera are linked from another file.
     """
     writable.check(targets.no_update(scene))
+    writable.check(control_object.no_bake(face.find(scene, performance), use_controls))
     placement = native.placement()
     if tolerance > 0:
         native.sparse_curves().check_tolerance(tolerance)
@@ -112,11 +122,19 @@ def bake(
     if with_units:
         expressions.ensure_units(timing.scene_rate)
     motion = placement.head_motion(performance, world_from_camera)
-    names = face.key_names(obj)
-    num_curves = actions.key_shapes(obj, take, frames, shapes, names, tolerance, by_phases)
-    num_curves += actions.key_motion(obj, take, frames, motion)
+    like = take, frames, motion, shapes, tolerance, by_phases
+    if use_controls:
+        num_curves = control_take.key_face(scene, obj, performance, *like)
+    else:
+        num_curves = _key_face(obj, *like)
     _show_camera(scene, performance, world_from_camera, footage, timing, take)
     return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, hand_changes.text())
+
+
+def _key_face(obj: bpy.types.Object, take: str, frames, motion, shapes, *keys_like) -> int:
+    names = face.key_names(obj)
+    num_curves = actions.key_shapes(obj, take, frames, shapes, names, *keys_like)
+    return num_curves + actions.key_motion(obj, take, frames, motion)
 
 
 def _show_camera(scene, performance, world_from_camera, footage, timing, take: str) -> None:

@@ -35,13 +35,19 @@ def key_shapes(
     for shape in moving_shapes:
         path = f'key_blocks["{bpy.utils.escape_identifier(key_names[shape.name])}"].value'
         curve = compat.new_curve(holder, path, 0, shape.group)
-        if tolerance > 0:
-            reduce = native.sparse_curves().sparse_keys
-            keys_of_shape = reduce(frames, shape.values, tolerance, by_phases)
-            fill_sparse(curve, keys_of_shape)
-        else:
-            fill(curve, frames, shape.values, LINEAR)
+        fill_values(curve, frames, shape.values, tolerance, by_phases)
     return len(moving_shapes)
+
+
+def fill_values(
+    curve: bpy.types.FCurve, frames, values, tolerance: float, by_phases: bool, unit: float = 1.0
+) -> None:
+    """Keys a curve by values (N) times `unit`: few keys within a tolerance of them, 0 for all."""
+    if tolerance > 0:
+        keys = native.sparse_curves().sparse_keys(frames, values, tolerance, by_phases)
+        fill_sparse(curve, keys if unit == 1 else keys.scaled(unit))
+    else:
+        fill(curve, frames, values * unit, LINEAR)
 
 
 def key_motion(face, take: str, frames, motion) -> int:
@@ -93,6 +99,14 @@ def driver_paths(id_block: bpy.types.ID) -> set[str]:
     return {driver.data_path for driver in animation.drivers} if animation else set()
 
 
+def put_away(id_block: bpy.types.ID) -> None:
+    """Takes what moves data off it; the action stays in the file."""
+    animation = id_block.animation_data
+    if animation is not None and animation.action is not None:
+        animation.action.use_fake_user = True
+        animation.action = None
+
+
 def new_take(id_block: bpy.types.ID, name: str):
     """Assigns a new action and returns the holder of its curves."""
     animation = id_block.animation_data
@@ -138,6 +152,22 @@ def fill_sparse(curve: bpy.types.FCurve, keys) -> None:
     ):
         points.foreach_set(name, np.asarray(rows, dtype=np.float32).reshape(-1))
     curve.update()
+
+
+def copy_keys(source: bpy.types.FCurve, target: bpy.types.FCurve) -> None:
+    """Gives a curve without keys those of another, with their handles."""
+    count = len(source.keyframe_points)
+    target.keyframe_points.add(count)
+    for name in ("interpolation", "easing", "handle_left_type", "handle_right_type"):
+        kinds = np.empty(count, dtype=np.int32)
+        source.keyframe_points.foreach_get(name, kinds)
+        target.keyframe_points.foreach_set(name, kinds)
+    for name in ("co", "handle_left", "handle_right"):
+        rows = np.empty(2 * count, dtype=np.float32)
+        source.keyframe_points.foreach_get(name, rows)
+        target.keyframe_points.foreach_set(name, rows)
+    target.extrapolation = source.extrapolation
+    target.update()
 
 
 def dense_values(curve: bpy.types.FCurve):

@@ -45,14 +45,14 @@ def bake(
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
     shapes = native.shapes().slider_shapes_of(performance)
     keys = head_object.data.shape_keys
-    sliders = _sliders(head_object, shapes)
+    sliders = sliders_of(head_object, shapes)
     driven_keys = own_keys.driven_keys(keys)
     playable = [
         (key, shape)
         for shape in shapes
         if (key := sliders.get(shape.name)) and key.name not in driven_keys
     ]
-    remarks = _left_out(head_object, shapes, sliders, driven_keys)
+    remarks = no_play(head_object, shapes, sliders, driven_keys)
     if not playable:
         raise native.invalid_input("; ".join(remarks))
     if use_head_motion and (mover := moved_by(head_object)):
@@ -78,7 +78,7 @@ def bake(
         num_curves,
         channels is not None,
         tuple(remarks),
-        tuple(_untouched(head_object, {shape.name for shape in shapes})),
+        tuple(untouched_by(head_object, {shape.name for shape in shapes})),
     )
 
 
@@ -138,7 +138,7 @@ def rotation_of(obj: bpy.types.Object) -> Matrix:
     return obj.rotation_euler.to_matrix()
 
 
-def _sliders(head: bpy.types.Object, shapes: Sequence) -> dict[str, bpy.types.ShapeKey]:
+def sliders_of(head: bpy.types.Object, shapes: Sequence) -> dict[str, bpy.types.ShapeKey]:
     """The head's key for each shape that it has one for."""
     blocks = head.data.shape_keys.key_blocks
     names = {shape: state.key for shape, state in by_hand.look(head).items()}
@@ -146,7 +146,8 @@ def _sliders(head: bpy.types.Object, shapes: Sequence) -> dict[str, bpy.types.Sh
     return {name: key for name, key in own.items() if key is not None}
 
 
-def _left_out(head, shapes: Sequence, sliders: Mapping, driven_keys: set[str]) -> list[str]:
+def no_play(head, shapes: Sequence, sliders: Mapping, driven_keys: set[str]) -> list[str]:
+    """What of the shapes a head does not play, in sentences."""
     notes = []
     if missing := [shape.name for shape in shapes if shape.name not in sliders]:
         notes.append(f"{head.name} has no slider {', '.join(missing)}")
@@ -158,7 +159,7 @@ def _left_out(head, shapes: Sequence, sliders: Mapping, driven_keys: set[str]) -
     return notes
 
 
-def _untouched(head: bpy.types.Object, names: set[str]) -> list[str]:
+def untouched_by(head: bpy.types.Object, names: set[str]) -> list[str]:
     return [
         entry.name
         for entry in head.mimetic.shapes

@@ -26,8 +26,8 @@ def ensure(
     A performance that does not say what it is of has the scene's face. is_reset: changes made by
     hand go. Tells, too, what was kept of them.
     """
-    face = _face_of(scene, performance.footage[1] if performance.footage else "")
-    if face is None or face.name not in scene.objects or not _has_faces(face, performance.faces):
+    face = find(scene, performance)
+    if face is None:
         face = new(performance.neutral_vertices, performance.faces)
         scene.collection.objects.link(face)
     if performance.footage:
@@ -38,6 +38,13 @@ def ensure(
     if subdivide(face, subdivision, is_reset):
         hand_changes.things.append("the subdivision")
     return face, hand_changes
+
+
+def find(scene, performance) -> bpy.types.Object | None:
+    """The face that a performance goes on: of its footage, and of its topology."""
+    face = _face_of(scene, performance.footage[1] if performance.footage else "")
+    is_there = face is not None and face.name in scene.objects
+    return face if is_there and _has_faces(face, performance.faces) else None
 
 
 def _face_of(scene, mark: str) -> bpy.types.Object | None:

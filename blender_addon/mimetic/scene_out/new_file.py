@@ -21,13 +21,14 @@ def write(
     tolerance: float = 0.0,
     with_units: bool = False,
     by_phases: bool = False,
+    with_controls: bool = False,
 ) -> str:
     """Bakes into the scene that is open, which must be empty, and writes it whole or not at all.
 
     Unlike baking into a user's scene this sets the scene's rate, range and resolution to the
     footage's. with_detail: shapes for what the muscles leave unexplained too. tolerance: of few
     keys with handles, 0 for a key a frame. with_units: sliders of action units too.
-    by_phases: few keys at the phases of events first.
+    by_phases: few keys at the phases of events first. with_controls: curves on a control object.
     Returns what was written; raises what the package raises for bad input, and OSError.
     """
     performance = native.performances().Performance.load(performance_path)
@@ -51,6 +52,7 @@ def write(
         tolerance=tolerance,
         with_units=with_units,
         by_phases=by_phases,
+        use_controls=with_controls,
     )
     takes.keep(scene, footage, performance_path)
     scene.frame_set(scene.frame_start)

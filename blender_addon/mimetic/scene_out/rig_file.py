@@ -9,7 +9,17 @@ from pathlib import Path
 import bpy
 
 from .. import native, scene_in, takes
-from . import bound, clip, face_bones, head, own_controls, own_keys, rigs
+from . import (
+    bound,
+    bound_controls,
+    clip,
+    control_object,
+    face_bones,
+    head,
+    own_controls,
+    own_keys,
+    rigs,
+)
 
 
 def write(
@@ -45,7 +55,7 @@ def write(
         summary = own_controls.bake(scene, performance, take, obj, played, footage)
         text = f"{summary.num_curves} curves on {obj.name}, {_frames(summary)}; {summary.text}"
     elif scene_in.is_face(obj):
-        text = _play(scene, performance, take, obj, footage)
+        text = _play(scene, performance, take, obj, footage, settings)
     else:
         summary = _turn(scene, performance, take, _target(obj, where, settings), settings, footage)
         text = f"{summary.num_curves} curves on {summary.where}, {_frames(summary)}"
@@ -115,15 +125,22 @@ def _frames(summary) -> str:
     return f"frames {summary.first:.6g} to {summary.last:.6g}"
 
 
-def _play(scene: bpy.types.Scene, performance, take: str, face, footage) -> str:
-    """The performance on a head's own sliders, as the button Bake puts it there."""
-    summary = bound.bake(scene, performance, take, face, footage)
+def _play(scene: bpy.types.Scene, performance, take: str, face, footage, settings: dict) -> str:
+    """The performance on a head's own sliders or control object, as the button Bake puts it."""
+    control_object.forget_lost(face)
+    on_bones = settings.get("control_object") or control_object.of(face)
+    bake = bound_controls.bake if on_bones else bound.bake
+    summary = bake(scene, performance, take, face, footage)
     remarks = "".join(f"; {remark}" for remark in summary.left_out)
     return f"{summary.num_curves} curves on {face.name}, {_frames(summary)}{remarks}"
 
 
 def _object(scene: bpy.types.Scene, where: str, name: str, settings: dict) -> bpy.types.Object:
     obj = find_object(scene, where, name)
+    if settings.get("control_object") and not scene_in.is_face(obj):
+        raise native.invalid_input(
+            f"{where}:{name} has no muscles for --control-object; attach them, or leave it out"
+        )
     if obj.type != "ARMATURE":
         if settings["bone"] or settings["neck"]:
             raise native.invalid_input(

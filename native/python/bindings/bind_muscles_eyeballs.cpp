@@ -49,10 +49,16 @@ void bind_muscles_eyeballs(py::module_& m) {
     m.def(
         "gaze_direction", [](double yaw, double pitch) { return gaze_direction({yaw, pitch}); }, "yaw"_a,
         "pitch"_a, "Unit vector (3,) in the head frame; degrees.");
+    m.def(
+        "gaze_offsets", &gaze_offsets, "yaw"_a, "pitch"_a, "distance"_a,
+        "Where eyes look on an upright plane at a distance, against straight ahead: (N, 2), to the subject's "
+        "left\nand up, of N turns in degrees. Raises InvalidInput.");
     py::class_<LidFollowing>(m, "LidFollowing", "How an upper lid goes along as the eye looks up and down.")
         .def(py::init(
                  [](double per_degree, double rest_pitch) { return LidFollowing{per_degree, rest_pitch}; }),
              "per_degree"_a, "rest_pitch"_a)
+        .def_readonly_static("HIGHEST_CARRIED", &LidFollowing::kHighestCarried)
+        .def_readonly_static("LOWEST_CARRIED", &LidFollowing::kLowestCarried)
         .def_readonly("per_degree", &LidFollowing::per_degree)
         .def_readonly("rest_pitch", &LidFollowing::rest_pitch)
         .def("seen", &LidFollowing::seen, "own"_a, "pitch"_a,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/surface/centre_of_motion.hpp>
 #include <mimetic/surface/edge_loop.hpp>
 #include <mimetic/surface/nearest.hpp>
 #include <mimetic/surface/places.hpp>
@@ -144,6 +145,9 @@ void bind_surface(py::module_& m) {
             },
             "The same for d position / d s and d position / d t.");
 
+    m.def("centre_of_motion", &centre_of_motion, "points"_a, "displacements"_a,
+          "The middle (3,) of what displacements (V, 3) of points (V, 3) move, by their squares. Raises "
+          "InvalidInput.");
     py::class_<SubdividedMesh>(
         m, "SubdividedMesh",
         "A quad mesh refined `levels` times, its vertices on the limit surface; refined "

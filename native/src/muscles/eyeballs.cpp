@@ -9,8 +9,6 @@ namespace mimetic {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kHighestCarried = .7;  // of the opening: lids do not shut by looking down
-constexpr double kLowestCarried = -.6;
 constexpr Eigen::Index kTurnModes = 5;
 
 /// Closure by the gaze alone, negative as the lid rises.
@@ -19,7 +17,9 @@ Eigen::ArrayXd carried_at(const LidFollowing& lid, const Eigen::VectorXd& closur
     if (closure.size() != pitch.size()) {
         throw InvalidInput("a lid's closure and the gaze need the same number of values");
     }
-    return (lid.per_degree * (lid.rest_pitch - pitch.array())).max(kLowestCarried).min(kHighestCarried);
+    return (lid.per_degree * (lid.rest_pitch - pitch.array()))
+        .max(LidFollowing::kLowestCarried)
+        .min(LidFollowing::kHighestCarried);
 }
 
 }  // namespace
@@ -107,6 +107,23 @@ MatrixRows eye_turn_weights(const Eigen::VectorXd& yaw, const Eigen::VectorXd& p
         weights.row(i) << x, y, share * x * x, share * x * y, share * y * y;
     }
     return weights;
+}
+
+Eigen::MatrixX2d gaze_offsets(const Eigen::VectorXd& yaw, const Eigen::VectorXd& pitch, double distance) {
+    if (yaw.size() != pitch.size()) {
+        throw InvalidInput("yaw and pitch need the same number of values");
+    }
+    Eigen::MatrixX2d offsets(yaw.size(), 2);
+    for (Eigen::Index i = 0; i < yaw.size(); ++i) {
+        if (!(std::abs(yaw[i]) <= kFarthestTurn && std::abs(pitch[i]) <= kFarthestTurn)) {
+            throw InvalidInput("an eye is turned by " + std::to_string(yaw[i]) + " and " +
+                               std::to_string(pitch[i]) + " degrees; a target in front of it reaches " +
+                               std::to_string(kFarthestTurn));
+        }
+        const Eigen::Vector3d d = gaze_direction({yaw[i], pitch[i]});
+        offsets.row(i) << distance * d.x() / d.z(), distance * d.y() / d.z();
+    }
+    return offsets;
 }
 
 Eigen::VectorXd LidFollowing::seen(const Eigen::VectorXd& own, const Eigen::VectorXd& pitch) const {

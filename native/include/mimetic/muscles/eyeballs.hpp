@@ -38,6 +38,12 @@ MatrixRows eye_turn_modes(PointsIn points, const Eigen::RowVector3d& centre);
 /// Weights of the five modes, N x 5, for N turns.
 MatrixRows eye_turn_weights(const Eigen::VectorXd& yaw, const Eigen::VectorXd& pitch);
 
+/// Where eyes look on an upright plane so far in front of them, against straight ahead: N x 2, to the
+/// subject's left and up, in the distance's unit, of N turns in degrees. Throws InvalidInput where sizes
+/// differ, or an eye turns by more than kFarthestTurn.
+inline constexpr double kFarthestTurn = 75;
+Eigen::MatrixX2d gaze_offsets(const Eigen::VectorXd& yaw, const Eigen::VectorXd& pitch, double distance);
+
 /// Of the eye's turn up and down, at the middle of the upper lid: it goes nearly as far as the eye (Becker
 /// and Fuchs 1988, J. Neurophysiology 60); the share is assumed.
 inline constexpr double kUpperFollows = 0.8;
@@ -46,6 +52,8 @@ inline constexpr double kUpperFollows = 0.8;
 struct LidFollowing {
     double per_degree = 0;  ///< share of the opening that the lid is lowered by for each degree downwards
     double rest_pitch = 0;  ///< degrees: the gaze at which it is not carried
+    static constexpr double kHighestCarried = .7;  ///< of the opening: lids do not shut by looking down
+    static constexpr double kLowestCarried = -.6;
 
     /// Closure that is seen (N, 0 open to 1 shut) of the lid's own at gazes (N, degrees), and the inverse.
     /// Throw InvalidInput where sizes differ.

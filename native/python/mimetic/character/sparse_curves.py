@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +25,17 @@ class SparseKeys:
     right: NDArray[np.float64]
     error: float  # farthest from the dense curve at its frames
     keys_of_event: list[int]  # by phases: how many each event has, from onset to end
+
+    def scaled(self, unit: float) -> SparseKeys:
+        """The same keys of a curve in other units, whose values are `unit` times as large."""
+        factors = np.array([1.0, unit])
+        return replace(
+            self,
+            points=self.points * factors,
+            left=self.left * factors,
+            right=self.right * factors,
+            error=self.error * abs(unit),
+        )
 
 
 def sparse_keys(

@@ -61,6 +61,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="few keys at onset, apex, release and end of each event first",
     )
+    parser.add_argument(
+        "--control-object",
+        action="store_true",
+        help="curves on the bones of an armature that drives the face's muscles, for pose "
+        "libraries, mirrored poses and a gaze target, instead of on the shape keys (.blend)",
+    )
     parser.add_argument("--bone", help="the armature's head (default: found by its name)")
     parser.add_argument(
         "--neck", help="the armature's neck (default: found by its name; '' for none)"
@@ -107,7 +113,10 @@ def run_bake(arguments: argparse.Namespace) -> int:
             "smoothing": arguments.smoothing,
             "controls": arguments.controls,
             "preset": _preset(arguments.preset),
+            "control_object": arguments.control_object,
         }
+        if arguments.control_object and arguments.controls == "own":
+            raise InvalidInput("--control-object drives muscles; leave --controls own out")
         if arguments.detail:
             raise InvalidInput("--detail is of the person's own face; a --target takes the head")
         if arguments.action_units:
@@ -125,6 +134,7 @@ def run_bake(arguments: argparse.Namespace) -> int:
         arguments.few_keys,
         arguments.action_units,
         arguments.by_phases,
+        arguments.control_object,
     )
     print(f"{arguments.out}: {text}")
     return 0
@@ -168,6 +178,7 @@ def bake(
     tolerance: float | None = None,
     with_units: bool = False,
     by_phases: bool = False,
+    with_controls: bool = False,
 ) -> str:
     """Writes `out`, whole or not at all; returns a line that says what is in it.
 
@@ -176,7 +187,7 @@ def bake(
     with_detail: shapes and curves of the surface that the muscles leave unexplained too.
     tolerance: by how much few keys with handles may miss an activation; None keys every frame.
     with_units: sliders of FACS's action units, which need the canonical mesh. by_phases: few keys
-    at the phases of each event first.
+    at the phases of each event first. with_controls: curves on a control object, for a .blend.
     Raises InvalidInput, UnreadableMedia, and OSError where `out` cannot be written.
     """
     if by_phases and tolerance is None:
@@ -188,6 +199,8 @@ def bake(
         raise InvalidInput(f"--out {out.name}: bake writes {', '.join(SUFFIXES)} files")
     if target and out.suffix != ".blend":
         raise InvalidInput(f"--out {out.name}: a target is written as .blend")
+    if with_controls and out.suffix != ".blend":
+        raise InvalidInput(f"--out {out.name}: --control-object is of a .blend")
     check_input(performance, "the performance.npz of a capture")
     if footage is not None:
         check_footage(performance, footage)
@@ -204,5 +217,6 @@ def bake(
         "tolerance": tolerance or 0.0,
         "with_units": with_units,
         "by_phases": by_phases,
+        "with_controls": with_controls,
     }
     return write_by_blender(request, out, blender_python)

@@ -1,0 +1,70 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from bpy.props import BoolProperty
+from bpy.types import Operator
+
+from .. import native, outcome, scene_in, scene_out, targets
+
+
+class MIMETIC_OT_add_control_object(Operator):
+    """Give the face an armature whose bones drive its sliders: for pose libraries, pasting mirrored
+    poses and a gaze target. One that was deleted is made again"""
+
+    bl_idname = "mimetic.add_control_object"
+    bl_label = "Add Control Object"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if reason := targets.no_added_controls(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context):
+        face = scene_in.face_of(context)
+        try:
+            control = scene_out.control_object.ensure(context.scene, face)
+        except native.known_errors() as error:
+            return outcome.cancelled(self, context, str(error))
+        scene_out.canonical.select_only(context.view_layer, control)
+        num_bones = len(control.data.bones)
+        message = (
+            f"{control.name} drives {face.name} by {num_bones} bones: Pose Mode, sidebar, Item"
+        )
+        return outcome.finished(
+            self, context, message, object=control.name, face=face.name, num_bones=num_bones
+        )
+
+
+class MIMETIC_OT_remove_control_object(Operator):
+    """Take the face's control object away"""
+
+    bl_idname = "mimetic.remove_control_object"
+    bl_label = "Remove Control Object"
+    bl_options = {"REGISTER", "UNDO"}
+
+    use_curves: BoolProperty(
+        name="Keep Motion",
+        default=True,
+        description="Key what it does on the shape keys, a key a frame; otherwise the face stays "
+        "as it looks now. Its takes stay in the file either way",
+    )
+
+    @classmethod
+    def poll(cls, context):
+        if reason := targets.no_removed_controls(context):
+            cls.poll_message_set(reason)
+        return not reason
+
+    def execute(self, context):
+        face = scene_in.face_of(context)
+        try:
+            num_curves = scene_out.control_removal.remove(context.scene, face, self.use_curves)
+        except native.known_errors() as error:
+            return outcome.cancelled(self, context, str(error))
+        scene_out.canonical.select_only(context.view_layer, face)
+        kept = f", whose motion is {num_curves} curves of its own now" if num_curves else ""
+        message = f"{face.name} is driven by its shape keys again{kept}"
+        return outcome.finished(self, context, message, object=face.name, num_curves=num_curves)
+
+
+CLASSES = (MIMETIC_OT_add_control_object, MIMETIC_OT_remove_control_object)
