@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The control object of a face drives it as its shape keys' own curves do."""
 
+from dataclasses import replace
+
 import bpy
 import numpy as np
 import pytest
@@ -105,6 +107,18 @@ def test_groups_add_to_their_muscles(scene, face):
     control.update_tag()
     bpy.context.view_layer.update()
     assert keys.key_blocks[group.name].value == pytest.approx(0.5)
+
+
+def test_a_gaze_without_a_target_changes_nothing(extension, scene, looking):  # noqa: F811
+    from mimetic import InvalidInput
+
+    keys = baked(extension, scene, looking).data.shape_keys
+    action = keys.animation_data.action
+    values = looking.articulator_values.copy()
+    values[-1, looking.articulators.index("gaze_yaw.L")] = 80
+    with pytest.raises(InvalidInput, match="75"):
+        baked(extension, scene, replace(looking, articulator_values=values), use_controls=True)
+    assert keys.animation_data.action == action and not scene.mimetic.face.mimetic.has_controls
 
 
 def test_the_gaze_follows_its_target(extension, scene, looking):  # noqa: F811

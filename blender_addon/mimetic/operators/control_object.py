@@ -3,9 +3,10 @@ from bpy.props import BoolProperty
 from bpy.types import Operator
 
 from .. import native, outcome, scene_in, scene_out, targets
+from ..greyed import Greyed
 
 
-class MIMETIC_OT_add_control_object(Operator):
+class MIMETIC_OT_add_control_object(Greyed, Operator):
     """Give the face an armature whose bones drive its sliders: for pose libraries, pasting mirrored
     poses and a gaze target. One that was deleted is made again"""
 
@@ -13,11 +14,7 @@ class MIMETIC_OT_add_control_object(Operator):
     bl_label = "Add Control Object"
     bl_options = {"REGISTER", "UNDO"}
 
-    @classmethod
-    def poll(cls, context):
-        if reason := targets.no_added_controls(context):
-            cls.poll_message_set(reason)
-        return not reason
+    obstacle = staticmethod(targets.no_added_controls)
 
     def execute(self, context):
         face = scene_in.face_of(context)
@@ -35,7 +32,7 @@ class MIMETIC_OT_add_control_object(Operator):
         )
 
 
-class MIMETIC_OT_remove_control_object(Operator):
+class MIMETIC_OT_remove_control_object(Greyed, Operator):
     """Take the face's control object away"""
 
     bl_idname = "mimetic.remove_control_object"
@@ -49,11 +46,7 @@ class MIMETIC_OT_remove_control_object(Operator):
         "as it looks now. Its takes stay in the file either way",
     )
 
-    @classmethod
-    def poll(cls, context):
-        if reason := targets.no_removed_controls(context):
-            cls.poll_message_set(reason)
-        return not reason
+    obstacle = staticmethod(targets.no_removed_controls)
 
     def execute(self, context):
         face = scene_in.face_of(context)

@@ -39,7 +39,7 @@ def bake(
         )
     is_object_moved = use_head_motion and not carries
     channels = bound.motion(scene, performance, head_object) if is_object_moved else None
-    control_take.put_keys_away(head_object)
+    control_take.put_keys_away(head_object, performance)
     control = control_object.ensure(scene, head_object)
     num_curves = control_take.key(head_object, performance, take, frames, tolerance, by_phases)
     if channels is not None:

@@ -21,7 +21,7 @@ def key_face(
     Blender 4.4 and later in the same action. keys_like: tolerance of few keys and whether they
     lie at phases. Returns the number of curves.
     """
-    put_keys_away(obj)
+    put_keys_away(obj, performance)
     control = control_object.ensure(scene, obj)
     num_curves = key(obj, performance, take, frames, *keys_like)
     if control_object.carries(obj):
@@ -63,9 +63,14 @@ def key(
     return num_curves
 
 
-def put_keys_away(obj: bpy.types.Object) -> None:
+def put_keys_away(obj: bpy.types.Object, performance) -> None:
     """Before a face gets its control object: takes on the shape keys and, of a face that it shall
-    move, on the object play no longer; they stay in the file."""
+    move, on the object play no longer; they stay in the file.
+
+    Raises InvalidInput, and changes nothing, where the performance cannot be keyed on it.
+    """
+    if control_object.channels_of(obj)[1]:
+        native.control_object().gaze_locations(performance)
     if control_object.of(obj) is not None:
         return
     actions.put_away(obj.data.shape_keys)
