@@ -151,22 +151,12 @@ def no_added_controls(context) -> str:
     face = scene_in.face_of(context)
     if not scene_in.is_face(face):
         return f"{face.name} has no sliders: attach muscles first"
-    if control_object.of(face) is not None:
-        return f"{face.name} has one already: {control_object.of(face).name}"
     if reason := control_object.no_controls(face):
         return reason
     animation = face.data.shape_keys.animation_data
     if animation is not None and (animation.action or animation.nla_tracks):
         return f"{face.name}'s shape keys have curves: Bake to Control Object instead"
     return ""
-
-
-def no_removed_controls(context) -> str:
-    """Why there is no control object to take away."""
-    if reason := scene_in.no_face(context):
-        return reason
-    face = scene_in.face_of(context)
-    return "" if face.mimetic.has_controls else f"{face.name} has no control object"
 
 
 def no_rest(context) -> str:

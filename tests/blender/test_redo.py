@@ -133,6 +133,17 @@ def with_bound_head(fixture) -> None:
     bpy.context.scene.mimetic.performance_path = fixture("acted")[1]
 
 
+def with_sliders(fixture) -> None:
+    assert bpy.ops.mimetic.add_face() == {"FINISHED"}
+    bpy.context.active_object.matrix_world = STANDS
+
+
+def with_control_object(fixture) -> None:
+    """A face that a control object drives by a take of its own."""
+    bpy.context.scene.mimetic.performance_path = str(fixture("performance_file"))
+    assert bpy.ops.mimetic.bake(to="CONTROLS") == {"FINISHED"}
+
+
 def with_own_head(fixture) -> None:
     points, faces, _ = fixture("parts")
     new_head(points, faces.tolist())
@@ -236,6 +247,9 @@ def library_folder(tmp_path):
 CASES = [
     Case("bake", with_face),
     Case("bake", with_bound_head),
+    Case("bake", with_control_object),
+    Case("add_control_object", with_sliders),
+    Case("remove_control_object", with_control_object),
     Case("bake_head", with_rig),
     Case("bake_head", with_moving_rig),
     Case("bake_head", with_empty),

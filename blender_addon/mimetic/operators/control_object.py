@@ -18,6 +18,9 @@ class MIMETIC_OT_add_control_object(Greyed, Operator):
 
     def execute(self, context):
         face = scene_in.face_of(context)
+        # Not `obstacle`'s: the redo panel asks that while what it will undo is still there
+        if control := scene_out.control_object.of(face):
+            return outcome.cancelled(self, context, f"{face.name} has one already: {control.name}")
         try:
             control = scene_out.control_object.ensure(context.scene, face)
         except native.known_errors() as error:
@@ -46,10 +49,12 @@ class MIMETIC_OT_remove_control_object(Greyed, Operator):
         "as it looks now. Its takes stay in the file either way",
     )
 
-    obstacle = staticmethod(targets.no_removed_controls)
+    obstacle = staticmethod(scene_in.no_face)
 
     def execute(self, context):
         face = scene_in.face_of(context)
+        if not face.mimetic.has_controls:
+            return outcome.cancelled(self, context, f"{face.name} has no control object")
         try:
             num_curves = scene_out.control_removal.remove(context.scene, face, self.use_curves)
         except native.known_errors() as error:
