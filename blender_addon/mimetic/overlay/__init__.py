@@ -7,7 +7,7 @@ The drawing is never part of the face: switched off, nothing of it is left.
 import bpy
 from bpy.app.handlers import persistent
 
-from . import captured, drawing, fitted, live
+from . import captured, drawing, fitted, live, picture
 
 _handles = []  # handles of Blender's draw callbacks
 
@@ -27,6 +27,13 @@ def notice_changes(scene, depsgraph) -> None:
             live.mark_changed(update.id.name)
 
 
+def draw_clip() -> None:
+    """The take over its footage, or the fit where there is none."""
+    context = bpy.context
+    if picture.has_place(context) and not captured.draw_capture(context):
+        fitted.draw_fit(context)
+
+
 HANDLERS = (
     (bpy.app.handlers.load_post, forget_all),
     (bpy.app.handlers.undo_post, forget_all),
@@ -39,8 +46,7 @@ def register() -> None:
     for space, draw, kind in (
         (bpy.types.SpaceView3D, drawing.draw_faces, "POST_VIEW"),
         (bpy.types.SpaceView3D, drawing.draw_legend, "POST_PIXEL"),
-        (bpy.types.SpaceClipEditor, fitted.draw_fit, "POST_PIXEL"),
-        (bpy.types.SpaceClipEditor, captured.draw_capture, "POST_PIXEL"),
+        (bpy.types.SpaceClipEditor, draw_clip, "POST_PIXEL"),
     ):
         _handles.append((space, space.draw_handler_add(draw, (), "WINDOW", kind)))
     for handlers, handler in HANDLERS:

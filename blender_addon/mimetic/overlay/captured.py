@@ -7,19 +7,16 @@ from __future__ import annotations
 import os
 from dataclasses import dataclass
 
-import blf
-import bpy
 import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from .. import clips, native, scene_in, takes
-from . import picture
+from . import picture, text
 
 MESH, FEATURES, IRISES = (0.15, 1.0, 0.45, 0.2), (1.0, 0.75, 0.1, 0.95), (0.2, 0.75, 1.0, 0.95)
 LANDMARKS, LANDMARK_SIZE = (1.0, 0.2, 0.6, 0.95), 4.0
 STRIP_BOTTOM, STRIP_HEIGHT = 22, 6  # pixels at a UI scale of 1, above Blender's own strips
-TEXT_SIZE = 12
 
 
 @dataclass
@@ -28,8 +25,7 @@ class Seen:
 
     stamp: tuple
     lines: object = None  # mimetic.report.face_lines.PerformanceLines; None: it cannot be drawn
-    rows: dict[int, int] | None = None  # index of each captured frame
-    drawn: tuple | None = None  # frame, batches of what is drawn in it
+    drawn: tuple | None = None  # a frame's index, batches of what is drawn in it
     strip: tuple | None = None  # what it was made for, and its batch
 
 
@@ -41,32 +37,26 @@ def forget() -> None:
     _last = None
 
 
-def draw_capture() -> None:
-    context = bpy.context
+def draw_capture(context) -> bool:
+    """Returns whether the frame on show has a captured face: a fitted one would lie beneath."""
     settings = context.scene.mimetic
-    if not settings.show_capture or not picture.has_place(context):
-        return
+    if not settings.show_capture:
+        return False
     seen = _seen(context)
     if seen is None or seen.lines is None:
-        return
+        return False
     frame = scene_in.shown_frame(context)
+    row = seen.lines.row_of(frame)
     gpu.state.blend_set("ALPHA")
     try:
-        if frame in seen.rows:
-            _draw_face(context, seen, frame, settings)
+        if row is not None:
+            _draw_face(context, seen, row, settings)
         if settings.show_quality:
-            _draw_quality(context, seen, frame)
+            _draw_quality(context, seen, row)
     finally:
         gpu.state.point_size_set(1.0)
         gpu.state.blend_set("NONE")
-
-
-def is_drawn(context) -> bool:
-    """Whether the frame on show has a captured face over it: the fitted one would lie beneath."""
-    if not context.scene.mimetic.show_capture:
-        return False
-    seen = _seen(context)
-    return bool(seen and seen.lines) and scene_in.shown_frame(context) in seen.rows
+    return row is not None
 
 
 def _seen(context) -> Seen | None:
@@ -85,18 +75,17 @@ def _seen(context) -> Seen | None:
         try:
             performance = takes.load(takes.Take(path, clip.name, mark))
             _last.lines = native.face_lines().PerformanceLines(performance)
-            _last.rows = {int(frame): i for i, frame in enumerate(performance.frame)}
         except native.known_errors():  # the buttons say so; a head's take alone has no face
             pass
     return _last
 
 
-def _draw_face(context, seen: Seen, frame: int, settings) -> None:
-    if seen.drawn is None or seen.drawn[0] != frame:
-        lines = seen.lines.draw(seen.rows[frame])
+def _draw_face(context, seen: Seen, row: int, settings) -> None:
+    if seen.drawn is None or seen.drawn[0] != row:
+        lines = seen.lines.draw(row)
         marks = lines.marks[np.array(lines.marks_shown, dtype=bool)]
         seen.drawn = (
-            frame,
+            row,
             *(_batch(part, "LINES") for part in (lines.mesh, lines.features, lines.rings)),
             _batch(marks, "POINTS"),
         )
@@ -124,7 +113,7 @@ def _batch(places, kind: str):
     return batch_for_shader(gpu.shader.from_builtin("UNIFORM_COLOR"), kind, {"pos": points})
 
 
-def _draw_quality(context, seen: Seen, frame: int) -> None:
+def _draw_quality(context, seen: Seen, row: int | None) -> None:
     """Along the bottom, as Blender's own strips: the scene's range over the region's width."""
     scene, clip, region = context.scene, context.edit_movieclip, context.region
     scale = context.preferences.system.ui_scale
@@ -137,11 +126,6 @@ def _draw_quality(context, seen: Seen, frame: int) -> None:
         content = {"pos": points, "color": colours}
         seen.strip = (place, batch_for_shader(shader, "TRIS", content))
     seen.strip[1].draw(shader)
-    text = seen.lines.quality_text(seen.rows.get(frame))
-    blf.size(0, TEXT_SIZE * scale)
-    blf.color(0, 1, 1, 1, 1)
-    blf.enable(0, blf.SHADOW)
-    blf.shadow(0, 3, 0, 0, 0, 1)
-    blf.position(0, 10 * scale, (STRIP_BOTTOM + STRIP_HEIGHT + 6) * scale, 0)
-    blf.draw(0, text)
-    blf.disable(0, blf.SHADOW)
+    with text.style(scale):
+        above = (STRIP_BOTTOM + STRIP_HEIGHT + 6) * scale
+        text.write(seen.lines.quality_text(row), 10 * scale, above)

@@ -9,11 +9,10 @@ import gpu
 from gpu_extras.batch import batch_for_shader
 
 from .. import native
-from . import live
+from . import live, text
 
 HIDDEN_OPACITY = 0.14  # of lines behind something
 LEGEND_SIZE = (260, 12)  # pixels at a UI scale of 1
-TEXT_SIZE = 12
 MARGIN = 24
 
 
@@ -131,21 +130,12 @@ def _draw_scale(context, settings, lowest: float, highest: float) -> None:
     gpu.state.blend_set("ALPHA")
     batch_for_shader(shader, "TRI_STRIP", {"pos": points, "color": colours}).draw(shader)
     gpu.state.blend_set("NONE")
-    blf.size(0, TEXT_SIZE * ui_scale)
-    blf.color(0, 1, 1, 1, 1)
-    blf.enable(0, blf.SHADOW)
-    blf.shadow(0, 3, 0, 0, 0, 1)
-    for share in (0, 0.25, 0.5, 0.75, 1):
-        text = f"{(2 * share - 1) * settings.strain_limit:+.3g} %" if share != 0.5 else "0"
-        wide, high = blf.dimensions(0, text)
-        _write(text, left + share * width - wide / 2, bottom - high - 4 * ui_scale)
     measure = settings.bl_rna.properties["strain_measure"].enum_items[settings.strain_measure].name
     title = f"Skin strain, {measure.lower()}: {100 * lowest:+.1f} to {100 * highest:+.1f} %"
-    wide, _ = blf.dimensions(0, title)
-    _write(title, left + (width - wide) / 2, bottom + height + 6 * ui_scale)
-    blf.disable(0, blf.SHADOW)
-
-
-def _write(text: str, x: float, y: float) -> None:
-    blf.position(0, x, y, 0)
-    blf.draw(0, text)
+    with text.style(ui_scale):
+        for share in (0, 0.25, 0.5, 0.75, 1):
+            mark = f"{(2 * share - 1) * settings.strain_limit:+.3g} %" if share != 0.5 else "0"
+            wide, high = blf.dimensions(0, mark)
+            text.write(mark, left + share * width - wide / 2, bottom - high - 4 * ui_scale)
+        wide, _ = blf.dimensions(0, title)
+        text.write(title, left + (width - wide) / 2, bottom + height + 6 * ui_scale)

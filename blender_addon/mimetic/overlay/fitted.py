@@ -3,24 +3,22 @@
 
 from __future__ import annotations
 
-import bpy
 import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from .. import native, scene_in
 from ..scene_out import face_fit
-from . import captured, picture
+from . import picture
 
 COLOUR = (0.1, 0.9, 1.0, 0.3)
 
 _last: tuple[object, int, object] | None = None  # fit, frame, batch
 
 
-def draw_fit() -> None:
-    context = bpy.context
+def draw_fit(context) -> None:
     settings = context.scene.mimetic
-    if not settings.show_fit or not picture.has_place(context) or captured.is_drawn(context):
+    if not settings.show_fit:
         return
     batch = _batch(context)
     if batch is None:

@@ -55,12 +55,9 @@ def bake(
     remarks = no_play(head_object, shapes, sliders, driven_keys)
     if not playable:
         raise native.invalid_input("; ".join(remarks))
-    if use_head_motion and (mover := moved_by(head_object)):
+    if use_head_motion and (remark := no_motion(head_object)):
         use_head_motion = False
-        remarks.append(
-            f"{head_object.name} is moved by {mover}: the head's motion is left to Bake Head "
-            "(panel Head)"
-        )
+        remarks.append(remark)
     channels = motion(scene, performance, head_object) if use_head_motion else None
     holder = actions.continued_take(keys, f"{take} muscles")
     if stale := _silence(head_object, holder):
@@ -80,6 +77,14 @@ def bake(
         tuple(remarks),
         tuple(untouched_by(head_object, {shape.name for shape in shapes})),
     )
+
+
+def no_motion(head: bpy.types.Object) -> str:
+    """Why the head's motion is not keyed on an object, or the empty string."""
+    mover = moved_by(head)
+    if not mover:
+        return ""
+    return f"{head.name} is moved by {mover}: the head's motion is left to Bake Head (panel Head)"
 
 
 def moved_by(head: bpy.types.Object) -> str:

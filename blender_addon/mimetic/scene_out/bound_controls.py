@@ -30,13 +30,9 @@ def bake(
     if not sliders:
         raise native.invalid_input("; ".join(remarks))
     carries = control_object.carries(head_object)
-    mover = "" if carries else bound.moved_by(head_object)
-    if mover and use_head_motion:
+    if use_head_motion and not carries and (remark := bound.no_motion(head_object)):
         use_head_motion = False
-        remarks.append(
-            f"{head_object.name} is moved by {mover}: the head's motion is left to Bake Head "
-            "(panel Head)"
-        )
+        remarks.append(remark)
     is_object_moved = use_head_motion and not carries
     channels = bound.motion(scene, performance, head_object) if is_object_moved else None
     control_take.put_keys_away(head_object, performance)

@@ -25,7 +25,8 @@ BROUGHT_BY = {
 
 
 def library_part(package: str) -> str:
-    return next(part for part, starts in BROUGHT_BY.items() if package.startswith(starts))
+    parts = (part for part, starts in BROUGHT_BY.items() if package.startswith(starts))
+    return next(parts, "other libraries")  # another BLAS, for one
 
 
 def packages(wheel: zipfile.ZipFile) -> dict[str, str]:

@@ -11,9 +11,9 @@ from pathlib import Path
 
 from mimetic import InvalidInput, _core
 from mimetic.commands.console import Console
+from mimetic.commands.live_source import open_source
 from mimetic.commands.on_clip import save_performance, tell_results
 from mimetic.performance.document import Performance
-from mimetic.puppet.camera_source import CameraSource, is_camera
 from mimetic.puppet.channels import CHANNELS, check_channels
 from mimetic.puppet.clip_source import ClipSource
 from mimetic.puppet.live_filter import DEFAULT_STILLNESS
@@ -73,15 +73,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run_record(arguments: argparse.Namespace) -> int:
     options = _options_of(arguments)
-    source: CameraSource | ClipSource
-    if is_camera(arguments.source):
-        source = CameraSource(arguments.source)
-        inputs = []
-    else:
-        source = ClipSource(arguments.source, is_paced=not arguments.every_frame)
-        inputs = [source.footage.path]
-        if arguments.microphone:
-            raise InvalidInput("--microphone goes with a camera; a clip has its own sound")
+    source, inputs = open_source(arguments.source, arguments.every_frame)
+    if arguments.microphone and isinstance(source, ClipSource):
+        raise InvalidInput("--microphone goes with a camera; a clip has its own sound")
     out = take_folder(arguments.out)
     prepare_folder(out, (*OF_A_CLIP, AUDIO, TAKE), *inputs)
     with staging(out) as folder, Console() as console, listen_for_interrupt() as interrupt:

@@ -10,9 +10,8 @@ from pathlib import Path
 
 from mimetic import InvalidInput
 from mimetic.commands.console import Console
+from mimetic.commands.live_source import open_source
 from mimetic.commands.taught_set import page_of, save_set
-from mimetic.puppet.camera_source import CameraSource, is_camera
-from mimetic.puppet.clip_source import ClipSource
 from mimetic.puppet.live_filter import LiveFilter
 from mimetic.puppet.live_session import LiveSession
 from mimetic.puppet.live_teaching import LiveTeaching, LiveTeachingOptions
@@ -70,12 +69,7 @@ def teach_from_camera(arguments: argparse.Namespace) -> int:
     old = TaughtSet.load(arguments.again) if arguments.again else None
     if old is not None and not arguments.look:
         raise InvalidInput("--again: name the looks to teach again with --look")
-    source: CameraSource | ClipSource
-    if is_camera(arguments.camera):
-        source, inputs = CameraSource(arguments.camera), []
-    else:
-        source = ClipSource(arguments.camera, is_paced=not arguments.every_frame)
-        inputs = [source.footage.path]
+    source, inputs = open_source(arguments.camera, arguments.every_frame)
     for target in (out, page_of(out)):
         check_target(target, *inputs)
     live = LiveFilter(stillness=0.0, in_background=not arguments.every_frame)

@@ -23,6 +23,7 @@ class PerformanceLines:
 
     def __init__(self, performance: Performance) -> None:
         self.performance = performance
+        self._rows = {int(frame): i for i, frame in enumerate(performance.frame)}
         template = load_template()
         if np.array_equal(performance.faces, template.faces):
             num_skin = template.num_skin_vertices
@@ -44,6 +45,10 @@ class PerformanceLines:
             features,
             marks,
         )
+
+    def row_of(self, frame: int) -> int | None:
+        """The index of a frame number; None for one that was not captured."""
+        return self._rows.get(frame)
 
     def draw(self, i: int) -> _core.DrawnLines:
         """What is seen at frame index `i`."""
