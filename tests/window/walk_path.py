@@ -169,7 +169,8 @@ def look_at_the_capture(walk: Walk) -> Steps:
             bpy.ops.screen.frame_offset(delta=frame - bpy.context.scene.frame_current)
         yield 0.5
         seen = overlay._last
-        walk.check("the captured face is drawn", seen.drawn is not None and seen.drawn[0] == frame)
+        row = seen.lines.row_of(frame)
+        walk.check("the captured face is drawn", seen.drawn is not None and seen.drawn[0] == row)
     walk.check("the strip of quality is drawn", seen.strip is not None)
     yield from walk.picture("captured-face")
 
