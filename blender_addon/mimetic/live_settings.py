@@ -26,7 +26,7 @@ def package_channels(chosen) -> frozenset[str]:
 
 
 class MimeticLive(bpy.types.PropertyGroup):
-    source: EnumProperty(name="Source", items=SOURCES)
+    source: EnumProperty(name="Source", items=SOURCES, description="What the face is driven by")
     camera: StringProperty(
         name="Camera",
         default="camera:0",

@@ -88,7 +88,7 @@ class MimeticHead(bpy.types.PropertyGroup):
         subtype="FACTOR",
         description="Part of the turns that the neck takes; head and neck together turn as filmed",
     )
-    mode: EnumProperty(name="Motion", items=HEAD_MODES)
+    mode: EnumProperty(name="Motion", items=HEAD_MODES, description="What the motion starts from")
     rest_frame: IntProperty(
         name="Rest Frame",
         min=0,
@@ -355,7 +355,9 @@ class MimeticScene(bpy.types.PropertyGroup):
         description="Colour the skin by how it is stretched from rest",
         update=_redraw,
     )
-    strain_measure: EnumProperty(name="Strain", items=STRAIN_MEASURES, update=_redraw)
+    strain_measure: EnumProperty(
+        name="Strain", items=STRAIN_MEASURES, update=_redraw, description="What the colours show"
+    )
     strain_limit: FloatProperty(
         name="Scale",
         description="Strain at which the colours end",

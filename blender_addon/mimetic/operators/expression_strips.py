@@ -17,7 +17,14 @@ class MIMETIC_OT_sequence_expression(OnFace, Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     is_mirrored: BoolProperty(name="Mirrored", description="The other side's")
-    strength: FloatProperty(name="Strength", default=1.0, min=0.0, max=1.0, subtype="FACTOR")
+    strength: FloatProperty(
+        name="Strength",
+        default=1.0,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        description="What the expression's values are multiplied by",
+    )
 
     def execute(self, context):
         scene, face = context.scene, scene_in.face_of(context)
@@ -47,7 +54,9 @@ class MIMETIC_OT_compose_expressions(Greyed, Operator):
     bl_label = "Compose Strips"
     bl_options = {"REGISTER", "UNDO"}
 
-    name: StringProperty(name="Name", default="Composition")
+    name: StringProperty(
+        name="Name", default="Composition", description="Of the action that the strips become"
+    )
 
     obstacle = staticmethod(targets.no_expression_strips)
 

@@ -27,13 +27,16 @@ class MIMETIC_OT_keep_expression(Greyed, Operator):
     bl_label = "Keep Expression"
     bl_options = {"REGISTER", "UNDO"}
 
-    name: StringProperty(name="Name", default="Expression")
+    name: StringProperty(
+        name="Name", default="Expression", description="Of the asset, and of its action"
+    )
     kind: EnumProperty(
         name="Keep",
         items=(
             ("STILL", "Still", "What the sliders are at now"),
             ("MOTION", "Motion", "What the curves do over some frames, from rest to rest"),
         ),
+        description="What of the face is kept",
     )
     frame_first: IntProperty(name="First", description="Scene frame at which it begins")
     frame_last: IntProperty(name="Last", description="Scene frame at which it ends")
@@ -212,7 +215,11 @@ class MIMETIC_OT_load_expressions(Job, Operator):
     bl_label = "Load Library"
     bl_options = {"REGISTER", "UNDO"}
 
-    directory: StringProperty(name="Folder", subtype="DIR_PATH")
+    directory: StringProperty(
+        name="Folder",
+        subtype="DIR_PATH",
+        description="Library to load: a folder that `mimetic library` made",
+    )
     filter_folder: BoolProperty(default=True, options={"HIDDEN"})
 
     @classmethod
@@ -251,7 +258,9 @@ class MIMETIC_OT_save_expression(OfExpression, Operator):
     bl_idname = "mimetic.save_expression"
     bl_label = "Save to Library"
 
-    directory: StringProperty(name="Folder", subtype="DIR_PATH")
+    directory: StringProperty(
+        name="Folder", subtype="DIR_PATH", description="Library to write to, made if it is missing"
+    )
     filter_folder: BoolProperty(default=True, options={"HIDDEN"})
     use_replace: BoolProperty(name="Replace", description="Even if the folder has one of its name")
 

@@ -153,7 +153,8 @@ class MIMETIC_OT_live_command(Greyed, Operator):
             ("NEUTRAL", "Set Neutral", "The face is at rest now"),
             ("RECORD", "Record", "Begin or end a take"),
             ("STOP", "Stop", "End the session; takes are kept"),
-        )
+        ),
+        description="What the session does",
     )
 
     @classmethod

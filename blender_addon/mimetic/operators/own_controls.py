@@ -140,6 +140,7 @@ class MIMETIC_OT_mirror_controls(OnControls, Operator):
     from_side: EnumProperty(
         name="From",
         items=(("L", "Left", "The character's left"), ("R", "Right", "The character's right")),
+        description="Side whose rows the other side gets",
     )
 
     def execute(self, context):
@@ -155,7 +156,12 @@ class Preset(OnControls):
     """Mixin of operators on a preset's file."""
 
     filename_ext = ".json"
-    filepath: StringProperty(name="Preset", subtype="FILE_PATH", options={"SKIP_SAVE"})
+    filepath: StringProperty(
+        name="Preset",
+        subtype="FILE_PATH",
+        options={"SKIP_SAVE"},
+        description="Table of controls, a .json file",
+    )
     filter_glob: StringProperty(default="*.json", options={"HIDDEN"})
 
     def invoke(self, context, event):

@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The manual's pages that say what the program says are as the program says it now."""
+
+import ast
+
+import addon_sources
+import messages
+import pytest
+from make import WRITTEN
+from manual_pages import ROOT
+
+GUIDE = ROOT / "docs" / "guide"
+
+
+@pytest.mark.parametrize("name", WRITTEN)
+def test_written_pages_are_up_to_date(name):
+    """`scripts/make_manual` writes them."""
+    assert (GUIDE / name).read_text(encoding="utf-8") == WRITTEN[name]()
+
+
+def test_every_panel_and_button_is_in_the_manual():
+    page = (GUIDE / "panels.md").read_text(encoding="utf-8")
+    panels = [panel.label for panel in addon_sources.panels()]
+    assert len(panels) >= 9 and [label for label in panels if f"\n## {label}\n" not in page] == []
+    buttons = [one for one in addon_sources.operators() if not one.is_internal]
+    assert len(buttons) >= 40
+    assert [one.idname for one in buttons if f"| **{one.label}** |" not in page] == []
+
+
+def test_operators_are_read_from_the_sources_whole():
+    """As many as register: none is missed by the way that it is written."""
+    import re
+
+    text = "".join(
+        path.read_text(encoding="utf-8")
+        for path in (ROOT / "blender_addon" / "mimetic" / "operators").glob("*.py")
+    )
+    names = set(re.findall(r'bl_idname = "(mimetic\.\w+)"', text))
+    assert {one.idname for one in addon_sources.operators()} == names
+
+
+def test_every_button_and_setting_has_a_tooltip():
+    """What Blender shows when the pointer rests on it."""
+    bare = [one.idname for one in addon_sources.operators() if not one.description]
+    for operator in addon_sources.operators():
+        bare += [
+            f"{operator.idname} {setting.name}"
+            for setting in operator.settings
+            if not setting.is_hidden and not setting.description
+        ]
+    bare += [
+        f"{setting.group}.{setting.name}"
+        for setting in addon_sources.every_setting()
+        if not setting.is_hidden and not setting.is_group and not setting.description
+    ]
+    assert bare == []
+
+
+def test_every_message_is_in_the_manual_and_none_that_is_not():
+    page = (GUIDE / "messages.md").read_text(encoding="utf-8")
+    every = messages.messages()
+    assert len(every) > 400
+    assert [f"{one.source}: {one.text}" for one in messages.missing(page)] == []
+    assert messages.unused(page) == []
+
+
+SAID = """
+def obstacle(self, context):
+    reason = no_clip(context)
+    if not reason:
+        reason = f"{context.name} is hidden; show it first"
+    return reason or "Select the head's mesh first"
+
+def execute(self, context):
+    message = f"{self.name} has no curves at all"
+    if self.is_long:
+        raise native.invalid_input("the clip is " + f"{self.length} frames too long: cut it")
+    self.report({"INFO"}, "All is well and done")
+    self.report({"WARNING"}, "That was beside the footage")
+    return outcome.cancelled(self, context, message)
+"""
+
+
+def test_messages_are_found_however_they_are_given():
+    functions = [one for one in ast.parse(SAID).body if isinstance(one, ast.FunctionDef)]
+    texts = {
+        messages.plain(text)
+        for function in functions
+        for said in messages._said_by(function, is_addon=True)
+        for text in messages._texts(said, function)
+    }
+    assert texts == {
+        "… is hidden; show it first",
+        "Select the head's mesh first",
+        "… has no curves at all",
+        "the clip is … frames too long: cut it",
+        "That was beside the footage",
+    }
+
+
+def test_a_message_that_the_page_lacks_is_noticed():
+    page = (GUIDE / "messages.md").read_text(encoding="utf-8")
+    row = "| `Choose an expression` |"
+    assert row in page
+    assert "Choose an expression" in [one.text for one in messages.missing(page.replace(row, ""))]
+    invented = page + "\n| `the moon is … too large` | |\n"
+    assert messages.unused(invented) == ["the moon is … too large"]
