@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "arrays.hpp"
 
+#include <mimetic/shared/threads.hpp>
+
 namespace mimetic::bindings {
 void bind_shared(pybind11::module_& m);
 void bind_shared_rows(pybind11::module_& m);
@@ -47,6 +49,7 @@ PYBIND11_MODULE(_core, m) {
     m.attr("__version__") = MIMETIC_VERSION;
     pybind11::register_exception<InvalidInput>(m, "InvalidInput", PyExc_ValueError);
     pybind11::register_exception<UnreadableMedia>(m, "UnreadableMedia", PyExc_OSError);
+    follow_thread_limit();
     // In the order of the stages; within one, a class before the signatures that name it, which the stubs
     // repeat
     bindings::bind_shared(m);

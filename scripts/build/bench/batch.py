@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Times batches of clips cut from the fetched footage, and watches the batch's own memory."""
+"""Times batches of clips cut from the fetched footage, and watches the batch's own memory.
+
+Beside each the floor: the same clips by `mimetic capture`, from as many loops that know nothing of
+each other. What two of them gain over one is what the machine's second core gives to this work.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +11,15 @@ import argparse
 import itertools
 import os
 import re
+import resource
 import shutil
 import subprocess
 import sys
+import threading
 import time
 from pathlib import Path
 
+from mimetic.batch.pool import ONE_THREAD
 from mimetic.media.ffmpeg import ffmpeg_program
 from mimetic.media.footage import Footage
 
@@ -55,6 +62,34 @@ def run(clips: Path, out: Path, num_processes: int) -> tuple[float, list[float],
     return seconds, tenths, text.strip().splitlines()[-1]
 
 
+def capture_in_loops(clips: Path, out: Path, num_loops: int) -> float:
+    """Seconds of so many loops at a time, each with its share of the clips."""
+    shutil.rmtree(out, ignore_errors=True)
+    paths = sorted(clips.iterdir())
+
+    def capture(share: list[Path]) -> None:
+        for path in share:
+            command = [sys.executable, "-m", "mimetic", "capture", path, "--out", out / path.stem]
+            environment = {**ONE_THREAD, **os.environ}
+            subprocess.run(command, env=environment, check=True, capture_output=True)
+
+    loops = [
+        threading.Thread(target=capture, args=(paths[i::num_loops],)) for i in range(num_loops)
+    ]
+    start = time.monotonic()
+    for loop in loops:
+        loop.start()
+    for loop in loops:
+        loop.join()
+    return time.monotonic() - start
+
+
+def processor_seconds() -> float:
+    """Of all processes that this one has started and that have ended."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
 def memory_mb(pid: int) -> float:
     try:
         status = Path(f"/proc/{pid}/status").read_text()
@@ -69,19 +104,31 @@ def main() -> None:
     parser.add_argument("--clips", type=int, default=8)
     parser.add_argument("--frames", type=int, default=60)
     parser.add_argument("--processes", type=int, nargs="+", default=[1, 2])
+    parser.add_argument("--no-floor", action="store_true", help="the batches alone")
     options = parser.parse_args()
     clips = FOLDER / f"clips_{options.clips}_{options.frames}"
     cut_clips(clips, options.clips, options.frames)
     print(f"{options.clips} clips of {options.frames} frames, {os.cpu_count()} cores")
-    first = None
+    first = first_floor = None
     for number in options.processes:
-        load = os.getloadavg()[0]
+        load, used = os.getloadavg()[0], processor_seconds()
         seconds, sizes, line = run(clips, FOLDER / f"out_{number}", number)
-        first = first or seconds
+        first, used = first or seconds, processor_seconds() - used
         print(
             f"{number} processes: {seconds:.1f} s, {first / seconds:.2f} times the first "
-            f"(load before: {load:.1f})\n  {line}\n  memory of the batch itself over time, MB: "
-            f"{' '.join(f'{size:.0f}' for size in sizes)}",
+            f"({used:.1f} s of processor time, load before: {load:.1f})\n  {line}\n"
+            f"  memory of the batch itself over time, MB: {' '.join(f'{s:.0f}' for s in sizes)}",
+            flush=True,
+        )
+        if options.no_floor:
+            continue
+        used = processor_seconds()
+        floor = capture_in_loops(clips, FOLDER / f"floor_{number}", number)
+        first_floor, used = first_floor or floor, processor_seconds() - used
+        print(
+            f"  floor, {number} loops of `mimetic capture`: {floor:.1f} s, "
+            f"{first_floor / floor:.2f} times the first ({used:.1f} s of processor time); "
+            f"the batch takes {seconds / floor:.3f} of it",
             flush=True,
         )
 

@@ -144,3 +144,21 @@ def test_four_hundred_tasks_leave_nothing_open_and_need_no_more_memory():
     assert len(outcomes) == 400 and not any(outcome.status for outcome in outcomes.values())
     (first_files, first_mb), (last_files, last_mb) = states[100], states[-1]
     assert last_files <= first_files + 8 and last_mb < first_mb + 3
+
+
+PARALLEL = """
+import numpy as np
+from pathlib import Path
+from mimetic._core import FlowMethod, FlowOptions, compute_flow
+options = FlowOptions()
+options.method = FlowMethod.dis
+image = np.random.default_rng(1).integers(0, 255, (240, 320), dtype=np.uint8)
+compute_flow(image, np.roll(image, 1, axis=1), options)
+lines = Path('/proc/self/status').read_text().splitlines()
+raise SystemExit(next(line for line in lines if line.startswith('Threads:')))
+"""
+
+
+def test_a_process_of_the_batch_starts_no_threads():
+    outcome = run(Pool(1, 0), {"clip": script(PARALLEL)})["clip"]
+    assert outcome.message.split() == ["Threads:", "1"]
