@@ -34,9 +34,8 @@ that it says what `mimetic COMMAND --help` says. From a checkout a command is `.
 
 Units are seconds, metres, radians and pixels unless an option names another; frames count from 1,
 and `A:B` is from A up to and with B. A pixel's X goes right and its Y down from the middle of the
-picture's top left pixel. Files that a command reads are never changed. An activation lies between
-0 (at rest) and 1 (all that the muscle can do), an articulator's value between the limits that
-`mimetic info` prints.
+picture's top left pixel. Files that a command reads are never changed.
+An activation lies between 0 (at rest) and 1 (all that the muscle can do).
 
 | exit status | what it means |
 | --- | --- |
