@@ -86,7 +86,7 @@ def bake(request: dict) -> dict:
         new_file = importlib.import_module(f"{extension}.scene_out.new_file")
         files = (request["performance"], request["out"], request["footage"])
         options = (request["with_detail"], request["tolerance"], request["with_units"])
-        options += (request["by_phases"], request["with_controls"])
+        options += (request["by_phases"], request["with_controls"], request["as_arkit"])
         return {"text": new_file.write(*files, *options)}
     except native.known_errors() as error:
         return {"error": str(error)}

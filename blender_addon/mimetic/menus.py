@@ -12,12 +12,12 @@ CLIP = (
     *("find_face", "pick_face", "show_landmarks", "pin", "unpin", "follow_pins", None),
     *("calibrate", "capture", "track_head", "load_performance", "find_missing", None),
     *("hold_head_still", "release_head", "set_rest_frame", None),
-    *("bake", "reduce_keys", "bake_head", "export_gltf"),
+    *("bake", "reduce_keys", "bake_head", "export_gltf", "export_character"),
 )
 OBJECT = (
     *("load_clip", "scene_as_clip", "find_face", "calibrate", None),
     *("capture", "track_head", "load_performance", "find_missing", None),
-    *("bake", "reduce_keys", "export_gltf", None),
+    *("bake", "reduce_keys", "export_gltf", "export_character", None),
     *("find_head_bones", "bake_head", None),
     *("live", None),
     *("add_face", "rest_face", "add_landmarks", "attach_muscles", "add_arkit_shapes", None),

@@ -367,6 +367,12 @@ def timing() -> ModuleType:
     return timing
 
 
+def unit_fit() -> ModuleType:
+    from mimetic.retarget import unit_fit
+
+    return unit_fit
+
+
 def array(matrix):
     """A matrix of Blender's as the package takes them."""
     return np.array(matrix, dtype=np.float64)

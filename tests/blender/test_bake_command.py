@@ -97,14 +97,15 @@ def test_names_that_are_no_text_are_baked(performance_file, footage, tmp_path, s
     ("arguments", "said"),
     [
         (["{missing}", "--out", "{out}.glb"], "no such file"),
-        (["{performance}", "--out", "{out}.fbx"], ".glb, .blend, .csv"),
+        (["{performance}", "--out", "{out}.obj"], ".blend, .glb, .fbx, .usdc, .abc, .csv, .osc"),
+        (["{performance}", "--out", "{out}.blend", "--names", "arkit"], "arkit is of .glb"),
         (["{performance}", "--out", "{out}.glb", "--control-object"], "is of a .blend"),
         (["{performance}", "--out", "{out}/nowhere/face.glb"], "no folder"),
         (["{text}", "--out", "{out}.glb"], "not a performance"),
         (["{performance}", "--out", "{out}.glb", "--footage", "{text}"], "text"),
         (["{performance}", "--out", "{out}.glb", "--blender-python", "{missing}"], "missing"),
     ],
-    ids=["missing", "suffix", "control_object", "folder", "damaged", "footage", "python"],
+    ids=["missing", "suffix", "names", "control_object", "folder", "damaged", "footage", "python"],
 )
 def test_bad_input_gets_status_2_and_one_line(arguments, said, performance_file, tmp_path):
     text = tmp_path / "text.npz"
@@ -196,7 +197,7 @@ def test_a_target_with_sliders_plays_the_muscles(performance, extension, tmp_pat
         ("{rig}", [], "RIG.blend:OBJECT"),
         ("{missing}:rig", [], "no such file"),
         ("{rig}:nobody", [], "no object nobody"),
-        ("{rig}:rig", ["--out", "face.glb"], ".blend"),
+        ("{rig}:rig", ["--out", "face.csv"], ".blend"),
     ],
     ids=["form", "missing", "object", "suffix"],
 )

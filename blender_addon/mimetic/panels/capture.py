@@ -98,7 +98,9 @@ class Capture:
         head = targets.bound_head(context)
         text = f"Bake on {head.name}" if head else "Bake"
         layout.operator("mimetic.bake", text=text, icon="ACTION")
-        layout.operator("mimetic.export_gltf", icon="EXPORT")
+        row = layout.row(align=True)
+        row.operator("mimetic.export_gltf", icon="EXPORT")
+        row.operator("mimetic.export_character", text="", icon="FILE_3D")
 
 
 def wrapped(text: str, width: int) -> list[str]:

@@ -19,6 +19,7 @@ from . import (
     control_object,
     control_removal,
     control_take,
+    exports,
     expression_strips,
     expressions,
     face,
@@ -46,6 +47,7 @@ __all__ = [
     "clip",
     "control_object",
     "control_removal",
+    "exports",
     "expression_strips",
     "expressions",
     "face",
@@ -84,6 +86,7 @@ def bake(
     with_units: bool = False,
     by_phases: bool = False,
     use_controls: bool = False,
+    as_arkit: bool = False,
 ) -> BakeSummary:
     """Puts the face, its curves, its camera and the footage behind it into the scene.
 
@@ -95,7 +98,8 @@ def bake(
     is_reset: what was changed by hand on a face that was there is undone instead of kept;
     tolerance, by_phases: of few keys, as `actions.key_shapes` has them;
     with_units: sliders of FACS's action units, and an action asset each, beside the muscles;
-    use_controls: curves lie on a control object that drives the shape keys, not on these.
+    use_controls: curves lie on a control object that drives the shape keys, not on these;
+    as_arkit: the face has ARKit's 52 shapes instead of muscles, whose groups it cannot have.
     The scene's rate, frame range and resolution stay as they are. Raises InvalidInput, and changes
     nothing then, where face or camera are linked from another file.
     """
@@ -110,10 +114,8 @@ def bake(
         world_from_camera = placement.WORLD_FROM_SCENE_CAMERA
     timing = scene_in.timing(scene, footage)
     frames = scene_in.scene_frames(performance, timing)
-    parts = native.shapes()
-    units = parts.shapes_of_units(performance.neutral_vertices) if with_units else []
-    shapes = [*parts.shapes_of(performance), *units, *(contact_shapes or ())]
-    groups = parts.groups_of(performance) if with_groups else []
+    shapes = _shapes(performance, with_units, as_arkit) + (contact_shapes or [])
+    groups = native.shapes().groups_of(performance) if with_groups else []
     obj, hand_changes = face.ensure(scene, performance, shapes, groups, subdivision, is_reset)
     obj.mimetic.use_contact = contact_shapes is not None
     if appearance is not None:
@@ -129,6 +131,14 @@ def bake(
         num_curves = _key_face(obj, *like)
     _show_camera(scene, performance, world_from_camera, footage, timing, take)
     return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, hand_changes.text())
+
+
+def _shapes(performance, with_units: bool, as_arkit: bool) -> list:
+    if as_arkit:
+        return native.unit_fit().unit_shapes(performance)
+    parts = native.shapes()
+    units = parts.shapes_of_units(performance.neutral_vertices) if with_units else []
+    return [*parts.shapes_of(performance), *units]
 
 
 def _key_face(obj: bpy.types.Object, take: str, frames, motion, shapes, *keys_like) -> int:

@@ -5,13 +5,13 @@ from __future__ import annotations
 
 import os
 import tempfile
-from contextlib import contextmanager, nullcontext
+from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import bpy
 
 from .. import compat, native, scene_in
-from . import contact_curves
+from . import contact_curves, selection
 
 
 def export(
@@ -20,26 +20,29 @@ def export(
     face: bpy.types.Object | None = None,
     is_animated: bool = True,
 ) -> None:
-    """Writes a face, the scene's baked one if None; whole, or raises OSError and writes nothing.
+    """Writes a face, the scene's baked one if None, with its rig and what hangs on that; whole, or
+    raises OSError and writes nothing.
 
     is_animated: with its curves; without, the mesh and its morph targets alone.
     """
     path = Path(path)
     face = face or scene.mimetic.face
+    objects = selection.character_objects(scene, face)
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
         aside = Path(folder, "face.glb")
-        with (
-            _only_selected(face),
-            contact_curves.with_keys(scene, face) as has_contact,
-            # Contact's keys come behind the groups', whose number must not change then
-            nullcontext() if has_contact else _without_idle_groups(face),
-        ):
+        with ExitStack() as stack:
+            stack.enter_context(selection.selected_alone(objects, face))
+            for obj in selection.with_shape_keys(objects):
+                # Contact's keys come behind the groups', whose number must not change then
+                if not stack.enter_context(contact_curves.with_keys(scene, obj)):
+                    stack.enter_context(_without_idle_groups(obj))
             bpy.ops.export_scene.gltf(
                 filepath=str(aside),
                 export_format="GLB",
                 use_selection=True,
                 export_yup=True,
                 export_apply=False,
+                export_def_bones=True,
                 export_image_format="JPEG",
                 export_image_quality=90,
                 export_morph=True,
@@ -88,19 +91,3 @@ def _without_idle_groups(face: bpy.types.Object):
     finally:
         for key in idle:
             key.mute = False
-
-
-@contextmanager
-def _only_selected(face: bpy.types.Object):
-    view_layer = bpy.context.view_layer
-    names = [obj.name for obj in view_layer.objects if obj.select_get()]
-    active = view_layer.objects.active
-    for obj in view_layer.objects:
-        obj.select_set(obj == face)
-    view_layer.objects.active = face
-    try:
-        yield
-    finally:
-        for obj in view_layer.objects:
-            obj.select_set(obj.name in names)
-        view_layer.objects.active = active

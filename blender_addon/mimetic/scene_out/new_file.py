@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A performance as a file of its own, .blend or .glb, from a scene made for it."""
+"""A performance as a file of its own, .blend or for other programs, from a scene made for it."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import bpy
 from mathutils import Euler
 
 from .. import compat, native, takes
-from . import bake, clip, gltf
+from . import bake, clip, exports
 
 
 def write(
@@ -22,6 +22,7 @@ def write(
     with_units: bool = False,
     by_phases: bool = False,
     with_controls: bool = False,
+    as_arkit: bool = False,
 ) -> str:
     """Bakes into the scene that is open, which must be empty, and writes it whole or not at all.
 
@@ -29,6 +30,7 @@ def write(
     footage's. with_detail: shapes for what the muscles leave unexplained too. tolerance: of few
     keys with handles, 0 for a key a frame. with_units: sliders of action units too.
     by_phases: few keys at the phases of events first. with_controls: curves on a control object.
+    as_arkit: ARKit's 52 shapes instead of muscles; for files of other programs.
     Returns what was written; raises what the package raises for bad input, and OSError.
     """
     performance = native.performances().Performance.load(performance_path)
@@ -39,8 +41,8 @@ def write(
     set_up(scene, performance)
     footage = clip.load(scene, footage_path) if footage_path else None
     take = takes.take_name(footage_path or performance_path)
-    is_blend = Path(out).suffix != ".glb"
-    contact = native.contact_shapes().contact_shapes(performance)
+    is_blend = Path(out).suffix == ".blend"
+    contact = None if as_arkit else native.contact_shapes().contact_shapes(performance)
     summary = bake(
         scene,
         performance,
@@ -53,15 +55,18 @@ def write(
         with_units=with_units,
         by_phases=by_phases,
         use_controls=with_controls,
+        as_arkit=as_arkit,
     )
     takes.keep(scene, footage, performance_path)
     scene.frame_set(scene.frame_start)
     if is_blend:
         light(scene)
         save(out, footage)
+        loses = ""
     else:
-        gltf.export(scene, out)
-    return f"{summary.num_curves} curves, frames {summary.first:.6g} to {summary.last:.6g}"
+        loses = exports.write(scene, out, scene.mimetic.face)
+    frames = f"frames {summary.first:.6g} to {summary.last:.6g}"
+    return "; ".join(filter(None, (f"{summary.num_curves} curves, {frames}", loses)))
 
 
 def set_up(scene: bpy.types.Scene, performance) -> None:

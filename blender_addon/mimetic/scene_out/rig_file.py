@@ -14,6 +14,7 @@ from . import (
     bound_controls,
     clip,
     control_object,
+    exports,
     face_bones,
     head,
     own_controls,
@@ -37,7 +38,8 @@ def write(
     object, or an armature's head and neck, gets the head's motion. settings: controls, "own",
     "muscles", or "auto" for what there is, muscles first; bone and neck, found by name where None;
     neck_share; smoothing, of the head's motion alone. The file keeps its own rate, range and
-    everything else; its scripts do not run. Returns what was written.
+    everything else; its scripts do not run. Other files than .blend have the object, its rig and
+    what hangs on them. Returns what was written.
     """
     performance = native.performances().Performance.load(performance_path)
     where = f"--target {Path(rig_path).name}"
@@ -59,8 +61,10 @@ def write(
     else:
         summary = _turn(scene, performance, take, _target(obj, where, settings), settings, footage)
         text = f"{summary.num_curves} curves on {summary.where}, {_frames(summary)}"
-    save(Path(out).absolute())
-    return text
+    if Path(out).suffix == ".blend":
+        save(Path(out).absolute())
+        return text
+    return "; ".join(filter(None, (text, exports.write(scene, out, obj))))
 
 
 def open_file(path: str, where: str) -> bpy.types.Scene:

@@ -1,17 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is sent is read back on a local socket and compared."""
 
+import dataclasses
 import socket
 import struct
 
 import numpy as np
 import pytest
+from acting import make_acting
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.performance.gaze import GAZE
-from mimetic.puppet.arkit import ArkitShapes, shape_factors, shape_names
-from mimetic.puppet.live_face import live_names
+from mimetic.puppet.live_face import canonical_anatomy, live_names
 from mimetic.puppet.live_filter import LiveState
+from mimetic.puppet.live_units import live_units
 from mimetic.puppet.receiver import Receiver, parse_address
+from mimetic.retarget.unit_fit import unit_order, unit_values
 
 
 @pytest.fixture(scope="module")
@@ -93,8 +96,9 @@ def test_osc_carries_shapes_muscles_and_the_head(listener, names):
     assert all(len(packet) <= 1400 for packet in packets)
     messages = [message for packet in packets for message in osc_messages(packet)]
     blends = {values[0]: values[1] for address, values in messages if address.endswith("Blend/Val")}
-    assert blends["MouthSmileLeft"] == pytest.approx(0.6) and blends["MouthSmileRight"] == 0
-    assert blends["JawOpen"] == pytest.approx(0.25) == blends["jaw_open"]
+    assert blends["MouthSmileLeft"] > 0.15 and blends["MouthSmileRight"] < 0.02
+    assert blends["JawOpen"] == pytest.approx(0.25, abs=0.03)
+    assert blends["jaw_open"] == pytest.approx(0.25)
     assert blends["zygomaticus_major.L"] == pytest.approx(0.4)
     assert len(blends) == 52 + len(names) - len(GAZE)
     addresses = [address for address, _ in messages]
@@ -125,11 +129,12 @@ def test_livelink_carries_61_numbers(listener, names):
     values = {"lid_upper__R": 1.0, "gaze_yaw__L": 15.0, "gaze_pitch__R": -10.0, "jaw_side": -0.5}
     (packet,) = sent(listener, "livelink", names, state_of(names, **values))
     numbers = livelink(packet)
-    weights = dict(zip(shape_names(), numbers, strict=False))
+    weights = dict(zip(unit_order(), numbers, strict=False))
     assert weights["eyeBlinkRight"] == 1 and weights["eyeBlinkLeft"] == 0
-    assert weights["eyeLookOutLeft"] == pytest.approx(0.495) and weights["eyeLookInLeft"] == 0
-    assert weights["eyeLookDownRight"] == pytest.approx(0.4) and weights["eyeLookUpRight"] == 0
-    assert weights["jawRight"] == pytest.approx(0.5) and weights["jawLeft"] == 0
+    # As far as the sliders of a head look: 35 degrees sideways, 30 down
+    assert weights["eyeLookOutLeft"] == pytest.approx(15 / 35) and weights["eyeLookInLeft"] == 0
+    assert weights["eyeLookDownRight"] == pytest.approx(1 / 3) and weights["eyeLookUpRight"] == 0
+    assert weights["jawRight"] > 0.3 and weights["jawLeft"] == 0
     np.testing.assert_allclose(
         numbers[52:], [0, 0, 0, np.radians(15), 0, 0, 0, np.radians(10), 0], atol=1e-6
     )
@@ -143,16 +148,34 @@ def test_livelink_turns_the_head_about_arkits_axes(listener, names, axis, number
     np.testing.assert_allclose(livelink(packet)[52:55], expected, atol=1e-6)
 
 
-def test_shapes_are_arkits_and_of_values_that_there_are(names):
-    assert len(shape_names()) == len(set(shape_names())) == 52
-    assert set(shape_factors()) <= set(shape_names())
-    assert {name for parts in shape_factors().values() for name in parts} <= set(names)
-    # Every muscle shows in some shape
-    matrix = np.array(
-        [ArkitShapes(names).weights(s * row) for row in np.eye(len(names)) for s in (1, -1)]
-    )
-    moved = matrix.any(axis=1).reshape(-1, 2).any(axis=1)
+def test_every_value_shows_in_some_unit(names):
+    rows = np.concatenate([np.eye(len(names)), -np.eye(len(names))])
+    rows[:, [names.index(name) for name in GAZE]] *= 20  # degrees
+    weights = live_units().weights(rows)
+    moved = (weights > 0.02).any(axis=1).reshape(2, -1).any(axis=0)
     assert [name for name, moves in zip(names, moved, strict=True) if not moves] == []
+
+
+def test_what_is_sent_live_is_what_a_table_has(names):
+    """One map for both: the same state, by its head's own modes, as a frame of a performance."""
+    values = {"jaw_open": 0.6, "zygomaticus_major.L": 0.8, "lid_upper.R": 0.4, "mentalis.R": 0.5}
+    row = np.zeros(len(names))
+    for name, value in values.items():
+        row[names.index(name)] = value
+    live = live_units().weights(row[None])[0]
+    anatomy = canonical_anatomy()
+    count = len(anatomy.muscle_names)
+    acting = make_acting({"jaw_open": np.zeros(1)})
+    performance = dataclasses.replace(
+        acting,
+        muscles=list(anatomy.muscle_names),
+        muscle_modes=anatomy.muscle_modes,
+        activations=row[None, :count],
+        articulators=list(anatomy.articulator_names),
+        articulator_modes=anatomy.articulator_modes,
+        articulator_values=row[None, count:-4],
+    )
+    np.testing.assert_allclose(unit_values(performance)[0], live, atol=0.02)
 
 
 @pytest.mark.parametrize(

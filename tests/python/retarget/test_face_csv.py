@@ -16,8 +16,7 @@ from mimetic.retarget.face_csv import (
     time_code,
     write_face_csv,
 )
-from mimetic.retarget.playing import unit_values
-from mimetic.template.face_template import load_template
+from mimetic.retarget.unit_fit import unit_order, unit_values
 
 RISE = np.linspace(0, 1, 6)
 
@@ -51,7 +50,7 @@ def test_units_and_turns_stand_under_their_names(acting):
     table = face_table(acting)
     column = dict(zip(table.names, table.values.T, strict=True))
     units = unit_values(acting)
-    for index, unit in enumerate(load_template().unit_names):
+    for index, unit in enumerate(unit_order()):
         np.testing.assert_array_equal(column[unit[0].upper() + unit[1:]], units[:, index])
     assert column["JawOpen"][-1] > 0.85
     np.testing.assert_allclose(column["EyeBlinkRight"], RISE[::-1], atol=1e-9)

@@ -110,13 +110,15 @@ class Chunks:
 
 
 def read_weights(glb: bytes) -> tuple[np.ndarray, np.ndarray, list[str]]:
-    """Morph weights of a file with one animated mesh.
+    """Morph weights of a file's first animated mesh; raises InvalidInput where none is.
 
     returns: seconds (N), weights (N x T), names of the targets (T).
     """
     chunks = Chunks(glb)
-    sampler = _weights_sampler(chunks.document)
-    names = chunks.document["meshes"][0]["extras"]["targetNames"]
+    if not (animated := _animated_meshes(chunks.document)):
+        raise InvalidInput("the glTF file has no animated morph weights")
+    mesh, sampler = animated[0]
+    names = mesh["extras"]["targetNames"]
     weights = chunks.accessor(sampler["output"]).reshape(-1, len(names))
     return chunks.accessor(sampler["input"])[:, 0].copy(), weights.copy(), names
 
@@ -151,10 +153,12 @@ def split_negative(glb: bytes) -> bytes:
     whose weight goes below gets a second one, `<name>.negative`, with the opposite displacement.
     """
     chunks = Chunks(glb)
-    if not any(mesh.get("weights") for mesh in chunks.document["meshes"]):
-        return glb
-    (mesh,) = chunks.document["meshes"]
-    sampler = _weights_sampler(chunks.document)
+    for mesh, sampler in _animated_meshes(chunks.document):
+        _split_mesh(chunks, mesh, sampler)
+    return chunks.to_bytes()
+
+
+def _split_mesh(chunks: Chunks, mesh: dict, sampler: dict) -> None:
     names = mesh["extras"]["targetNames"]
     output = chunks.document["accessors"][sampler["output"]]
     weights = chunks.accessor(sampler["output"]).reshape(-1, len(names))
@@ -170,12 +174,14 @@ def split_negative(glb: bytes) -> bytes:
     chunks.views[output["bufferView"]] = bytearray(both.astype(np.float32).tobytes())
     output["byteOffset"], output["count"] = 0, both.size
     output.pop("min", None), output.pop("max", None)
-    return chunks.to_bytes()
 
 
-def _weights_sampler(document: dict) -> dict:
+def _animated_meshes(document: dict) -> list[tuple[dict, dict]]:
+    """Meshes whose morph weights are animated, each once, and what samples them."""
+    pairs: dict[int, dict] = {}
     for animation in document.get("animations", []):
         for channel in animation["channels"]:
             if channel["target"]["path"] == "weights":
-                return animation["samplers"][channel["sampler"]]
-    raise InvalidInput("the glTF file has no animated morph weights")
+                mesh = document["nodes"][channel["target"]["node"]]["mesh"]
+                pairs.setdefault(mesh, animation["samplers"][channel["sampler"]])
+    return [(document["meshes"][mesh], sampler) for mesh, sampler in pairs.items()]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""`mimetic bake`: a performance as .glb or .blend, by the Blender extension in a child process; as
-Live Link Face's .csv."""
+"""`mimetic bake`: a performance as .blend, .glb, .fbx, .usdc or .abc, by the Blender extension in a
+child process; as Live Link Face's .csv; as timed OSC messages, .osc."""
 
 from __future__ import annotations
 
@@ -14,22 +14,60 @@ from mimetic.commands.blender_process import add_blender_python, write_by_blende
 from mimetic.head.smoothing import USUAL_STRENGTH
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.performance.document import Performance
+from mimetic.puppet.osc_file import write_osc
 from mimetic.retarget.controls import load_preset
 from mimetic.retarget.face_csv import write_face_csv
 from mimetic.shared.regular_file import check_input, check_target
 from mimetic.shared.shown_text import shortened, shown
 
-SUFFIXES = (".glb", ".blend", ".csv")
+TABLES = {".csv": write_face_csv, ".osc": write_osc}  # what needs no Blender
+EXPORTS = (".glb", ".fbx", ".usdc", ".abc")
+SUFFIXES = (".blend", *EXPORTS, *TABLES)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("performance", type=Path, help="performance.npz of a capture")
-    parser.add_argument("--out", type=Path, required=True, help="FACE.glb, FACE.blend or FACE.csv")
+    parser.add_argument(
+        "--out",
+        type=Path,
+        required=True,
+        help=f"FACE and one of {', '.join(SUFFIXES)}: what each format loses is in "
+        "docs/guide/exporting.md",
+    )
+    parser.add_argument(
+        "--names",
+        choices=("muscles", "arkit"),
+        default="muscles",
+        help="shapes of an exported face: our muscles, jaw, lids and lips, or ARKit's 52 "
+        "(default: %(default)s; a --target has its own)",
+    )
     parser.add_argument(
         "--footage",
         type=Path,
         help="the captured clip: its colours on the skin, and the clip behind the face",
     )
+    add_face_arguments(parser)
+    parser.add_argument(
+        "--action-units",
+        action="store_true",
+        help="sliders of FACS's action units too, left and right, and in a .blend an action each",
+    )
+    parser.add_argument(
+        "--by-phases",
+        action="store_true",
+        help="few keys at onset, apex, release and end of each event first",
+    )
+    parser.add_argument(
+        "--control-object",
+        action="store_true",
+        help="curves on the bones of an armature that drives the face's muscles, for pose "
+        "libraries, mirrored poses and a gaze target, instead of on the shape keys (.blend)",
+    )
+    _add_target_arguments(parser)
+
+
+def _add_target_arguments(parser: argparse.ArgumentParser) -> None:
+    """A character, and what of it plays."""
     parser.add_argument(
         "--target",
         metavar="RIG.blend:OBJECT",
@@ -49,23 +87,6 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--preset",
         type=Path,
         help="how a --target's own controls are driven: a table that Save Controls wrote",
-    )
-    add_face_arguments(parser)
-    parser.add_argument(
-        "--action-units",
-        action="store_true",
-        help="sliders of FACS's action units too, left and right, and in a .blend an action each",
-    )
-    parser.add_argument(
-        "--by-phases",
-        action="store_true",
-        help="few keys at onset, apex, release and end of each event first",
-    )
-    parser.add_argument(
-        "--control-object",
-        action="store_true",
-        help="curves on the bones of an armature that drives the face's muscles, for pose "
-        "libraries, mirrored poses and a gaze target, instead of on the shape keys (.blend)",
     )
     parser.add_argument("--bone", help="the armature's head (default: found by its name)")
     parser.add_argument(
@@ -119,6 +140,8 @@ def run_bake(arguments: argparse.Namespace) -> int:
             raise InvalidInput("--control-object drives muscles; leave --controls own out")
         if arguments.detail:
             raise InvalidInput("--detail is of the person's own face; a --target takes the head")
+        if arguments.names != "muscles":
+            raise InvalidInput("--names are of the person's own face; a --target has its own")
         if arguments.action_units:
             raise InvalidInput("--action-units are the face's; a --target takes the head")
         if arguments.few_keys is not None:
@@ -135,6 +158,7 @@ def run_bake(arguments: argparse.Namespace) -> int:
         arguments.action_units,
         arguments.by_phases,
         arguments.control_object,
+        arguments.names == "arkit",
     )
     print(f"{arguments.out}: {text}")
     return 0
@@ -155,6 +179,18 @@ def parse_target(text: str, form: str = "--target RIG.blend:OBJECT") -> dict:
         raise InvalidInput(f"{shortened(text)}: give it as {form}")
     check_input(path, "the .blend of a rig")
     return {"file": str(Path(path).absolute()), "object": name}
+
+
+def _check_kind(out: Path, has_target: bool, with_controls: bool, as_arkit: bool) -> None:
+    """Raises InvalidInput for a kind of file that does not hold what is asked for."""
+    if out.suffix not in SUFFIXES:
+        raise InvalidInput(f"--out {out.name}: bake writes {', '.join(SUFFIXES)} files")
+    if has_target and out.suffix in TABLES:
+        raise InvalidInput(f"--out {out.name}: a target is written as .blend, {', '.join(EXPORTS)}")
+    if with_controls and out.suffix != ".blend":
+        raise InvalidInput(f"--out {out.name}: --control-object is of a .blend")
+    if as_arkit and out.suffix not in EXPORTS:
+        raise InvalidInput(f"--out {out.name}: --names arkit is of {', '.join(EXPORTS)}")
 
 
 def check_footage(performance: os.PathLike[str], footage: os.PathLike[str]) -> None:
@@ -179,6 +215,7 @@ def bake(
     with_units: bool = False,
     by_phases: bool = False,
     with_controls: bool = False,
+    as_arkit: bool = False,
 ) -> str:
     """Writes `out`, whole or not at all; returns a line that says what is in it.
 
@@ -188,6 +225,7 @@ def bake(
     tolerance: by how much few keys with handles may miss an activation; None keys every frame.
     with_units: sliders of FACS's action units, which need the canonical mesh. by_phases: few keys
     at the phases of each event first. with_controls: curves on a control object, for a .blend.
+    as_arkit: ARKit's 52 shapes instead of muscles, in a file for other programs.
     Raises InvalidInput, UnreadableMedia, and OSError where `out` cannot be written.
     """
     if by_phases and tolerance is None:
@@ -195,20 +233,17 @@ def bake(
     if tolerance is not None:
         check_tolerance(tolerance)
     out = Path(os.path.realpath(out))
-    if out.suffix not in SUFFIXES:
-        raise InvalidInput(f"--out {out.name}: bake writes {', '.join(SUFFIXES)} files")
-    if target and out.suffix != ".blend":
-        raise InvalidInput(f"--out {out.name}: a target is written as .blend")
-    if with_controls and out.suffix != ".blend":
-        raise InvalidInput(f"--out {out.name}: --control-object is of a .blend")
+    _check_kind(out, target is not None, with_controls, as_arkit)
+    if as_arkit and (with_detail or with_units):
+        raise InvalidInput("--names arkit leaves our shapes out, --detail and --action-units too")
     check_input(performance, "the performance.npz of a capture")
     if footage is not None:
         check_footage(performance, footage)
     check_target(out, performance, *([] if footage is None else [footage]))
-    if out.suffix == ".csv":
+    if write_table := TABLES.get(out.suffix):
         if footage is not None or with_detail or with_units or tolerance is not None:
             raise InvalidInput(f"--out {out.name}: a table takes no option but the performance")
-        return write_face_csv(Performance.load(performance), out)
+        return write_table(Performance.load(performance), out)
     request = {
         "performance": str(Path(performance).absolute()),
         "footage": None if footage is None else str(Path(footage).absolute()),
@@ -218,5 +253,6 @@ def bake(
         "with_units": with_units,
         "by_phases": by_phases,
         "with_controls": with_controls,
+        "as_arkit": as_arkit,
     }
     return write_by_blender(request, out, blender_python)

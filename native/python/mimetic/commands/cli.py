@@ -32,7 +32,7 @@ COMMANDS = {
     ),
     "head": ("mimetic.commands.head", "video of a head -> its motion alone, overlay, plot"),
     "points": ("mimetic.commands.points", "where pixels of one frame go in all others"),
-    "bake": ("mimetic.commands.bake", "a performance -> animated head in a .blend or .glb"),
+    "bake": ("mimetic.commands.bake", "a performance -> animated head, .blend or for others"),
     "shapes": ("mimetic.commands.shapes", "a head of any make -> ARKit's 52 blend shapes on it"),
     "analyse": (
         "mimetic.commands.analyse",

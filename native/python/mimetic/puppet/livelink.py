@@ -11,8 +11,8 @@ from collections.abc import Sequence
 
 from mimetic.performance.gaze import GAZE
 from mimetic.performance.head_turn import angles, head_turn
-from mimetic.puppet.arkit import ArkitShapes
 from mimetic.puppet.live_filter import LiveState
+from mimetic.puppet.live_units import live_units
 
 VERSION = 6
 SUBJECT = "Mimetic"
@@ -20,10 +20,10 @@ NUM_VALUES = 61  # 52 shapes; head yaw, pitch, roll; left eye's yaw, pitch, roll
 
 
 class LiveLinkPackets:
-    """Packets of one subject. names: of the states' values; fps: nominal."""
+    """Packets of one subject. names: of the states' values, `live_names`; fps: nominal."""
 
     def __init__(self, names: Sequence[str], fps: float, subject: str = SUBJECT) -> None:
-        self._shapes = ArkitShapes(names)
+        self._units = live_units()
         self._gaze = [list(names).index(name) for name in GAZE]
         self._fps = max(1, round(fps))
         encoded = subject.encode()
@@ -38,7 +38,7 @@ class LiveLinkPackets:
         )
         eyes = left_yaw, -left_pitch, 0.0, right_yaw, -right_pitch, 0.0
         head = angles(head_turn(state.head_pose))
-        values = [*self._shapes.weights(state.values).tolist(), *head, *eyes]
+        values = [*self._units.weights(state.values[None])[0].tolist(), *head, *eyes]
         frame = time_of_day() * self._fps
         code = struct.pack("!If", int(frame), frame % 1) + struct.pack("!II", self._fps, 1)
         return [self._head + code + struct.pack(f"!B{NUM_VALUES}f", NUM_VALUES, *values)]

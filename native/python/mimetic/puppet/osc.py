@@ -1,44 +1,45 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""OSC bundles of the VMC protocol: blend shapes, then Apply, and the head as a bone."""
+"""OSC bundles of the VMC protocol: the head as a bone, blend shapes, then Apply."""
 
 from __future__ import annotations
 
 import struct
 from collections.abc import Iterable, Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from mimetic.performance.gaze import GAZE
 from mimetic.performance.head_turn import head_turn, quaternion
-from mimetic.puppet.arkit import ArkitShapes, shape_names
-from mimetic.puppet.live_filter import LiveState
+from mimetic.retarget.unit_fit import unit_order
 
 LARGEST_BUNDLE = 1400  # bytes: a datagram that no network on the way has to split
-BUNDLE = b"#bundle\0" + struct.pack("!Q", 1)  # 1: at once
+BUNDLE = b"#bundle\0"
+AT_ONCE = 1  # time tag
+
+Floats = NDArray[np.float64]
 
 
-class VmcPackets:
-    """Bundles of each state.
+def vmc_messages(
+    head_pose: Floats, weights: Floats, names: Sequence[str], values: Floats, seconds: float
+) -> list[bytes]:
+    """One state of a face as the VMC protocol has it.
 
-    names: of the states' values. The 52 shapes are sent under ARKit's names with a capital, as
-    avatars made for face tracking have them, muscles and articulators under their own.
+    head_pose: 4 x 4, camera from head; weights: 52, in the order of `unit_order`, sent under
+    ARKit's names with a capital, as avatars made for face tracking have them; values: by name, sent
+    under these, but for gaze, which the weights have.
     """
-
-    def __init__(self, names: Sequence[str]) -> None:
-        self._shapes = ArkitShapes(names)
-        self._shape_names = [name[0].upper() + name[1:] for name in shape_names()]
-        self._own = [(i, name) for i, name in enumerate(names) if name not in GAZE]
-
-    def pack(self, state: LiveState) -> list[bytes]:
-        weights = self._shapes.weights(state.values)
-        w, x, y, z = quaternion(head_turn(state.head_pose)).tolist()
-        # Unity's axes are left-handed, and avatars look along z: x is mirrored
-        head = ("Head", 0.0, 0.0, 0.0, x, -y, -z, w)
-        messages = [message("/VMC/Ext/Bone/Pos", *head)]
-        values = [(name, float(v)) for name, v in zip(self._shape_names, weights, strict=True)]
-        values += [(name, float(state.values[i])) for i, name in self._own]
-        messages += [message("/VMC/Ext/Blend/Val", name, value) for name, value in values]
-        messages.append(message("/VMC/Ext/Blend/Apply"))
-        messages += [message("/VMC/Ext/OK", 1), message("/VMC/Ext/T", state.time)]
-        return bundles(messages)
+    w, x, y, z = quaternion(head_turn(head_pose)).tolist()
+    # Unity's axes are left-handed, and avatars look along z: x is mirrored
+    messages = [message("/VMC/Ext/Bone/Pos", "Head", 0.0, 0.0, 0.0, x, -y, -z, w)]
+    blends = [
+        (name[0].upper() + name[1:], float(weight))
+        for name, weight in zip(unit_order(), weights, strict=True)
+    ]
+    blends += [(n, float(v)) for n, v in zip(names, values, strict=True) if n not in GAZE]
+    messages += [message("/VMC/Ext/Blend/Val", name, value) for name, value in blends]
+    messages.append(message("/VMC/Ext/Blend/Apply"))
+    return [*messages, message("/VMC/Ext/OK", 1), message("/VMC/Ext/T", float(seconds))]
 
 
 def message(address: str, *values: str | float | int) -> bytes:
@@ -54,12 +55,13 @@ def message(address: str, *values: str | float | int) -> bytes:
     return _text(address) + _text(tags) + body
 
 
-def bundles(messages: Iterable[bytes]) -> list[bytes]:
+def bundles(messages: Iterable[bytes], time_tag: int = AT_ONCE) -> list[bytes]:
     """As few bundles as hold the messages in their order."""
-    packed = [BUNDLE]
+    head = BUNDLE + struct.pack("!Q", time_tag)
+    packed = [head]
     for one in messages:
-        if len(packed[-1]) + 4 + len(one) > LARGEST_BUNDLE and packed[-1] != BUNDLE:
-            packed.append(BUNDLE)
+        if len(packed[-1]) + 4 + len(one) > LARGEST_BUNDLE and packed[-1] != head:
+            packed.append(head)
         packed[-1] += struct.pack("!i", len(one)) + one
     return packed
 

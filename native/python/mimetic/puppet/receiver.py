@@ -11,7 +11,7 @@ from urllib.parse import urlsplit
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.puppet.live_filter import LiveState
 from mimetic.puppet.livelink import LiveLinkPackets
-from mimetic.puppet.osc import VmcPackets
+from mimetic.puppet.vmc import VmcPackets
 
 SCHEMES = ("osc", "livelink")
 Pack = Callable[[LiveState], list[bytes]]

@@ -19,15 +19,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput
-from mimetic.muscles.anatomy import load_table
 from mimetic.performance.document import Performance
 from mimetic.performance.gaze import gaze_of, has_gaze
 from mimetic.performance.head_turn import angles, head_turn
-from mimetic.retarget.playing import unit_values
+from mimetic.retarget.unit_fit import unit_order, unit_values
 from mimetic.shared.regular_file import check_input
 from mimetic.shared.shown_text import shortened
 from mimetic.shared.whole_file import whole_file
-from mimetic.template.face_template import load_template
 
 FIRST_COLUMNS = ("Timecode", "BlendShapeCount")
 TURNS = tuple(
@@ -50,14 +48,11 @@ def face_table(performance: Performance) -> FaceTable:
 
     Raises InvalidInput for a performance that is not of the canonical mesh.
     """
-    order = load_table("arkit_shapes.toml")["order"]
-    units = load_template().unit_names
-    shapes = unit_values(performance)[:, [units.index(name) for name in order]]
     heads = np.array([angles(head_turn(pose)) for pose in np.asarray(performance.head_pose)])
     return FaceTable(
-        (*(name[0].upper() + name[1:] for name in order), *TURNS),
+        (*(name[0].upper() + name[1:] for name in unit_order()), *TURNS),
         (np.asarray(performance.frame) - 1) / performance.fps,
-        np.hstack([shapes, heads, _eyes(performance)]),
+        np.hstack([unit_values(performance), heads, _eyes(performance)]),
     )
 
 

@@ -15,18 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.character.shapes import Shape, shapes_of, slider_shapes_of
+from mimetic.character.shapes import slider_shapes_of
 from mimetic.performance.document import Performance
 from mimetic.retarget.control_names import KnownName, known_names, unit_shares
 from mimetic.retarget.controls import ControlRow, ControlSurface
+from mimetic.retarget.unit_fit import NOT_CANONICAL, unit_order, unit_values
 from mimetic.template.face_template import load_template
 
 MOVES = 1e-6  # of the mesh's extent: a control that displaces less on this mesh moves nothing of it
 DRIVEN = 5e-3  # of a control's range: a curve that stays below is none
 EARS_BEHIND = 0.08  # metres, of the middle of a face
 MOST_NAMED = 24  # in one list of a message
-BLINKS = {"eyeBlinkLeft": "lid_upper.L", "eyeBlinkRight": "lid_upper.R"}
-NOT_CANONICAL = "the performance is not of the canonical head: capture the clip again"
 UNPLAYED = 0.1  # share of what a muscle does by itself: below it no control stands for it
 READABLE = (
     0.05  # share of a control's motion that a face can make: below it is no control of a face
@@ -162,46 +161,17 @@ def origin_from_ears(centre: Floats) -> Floats:
     return -np.asarray(centre, dtype=np.float64) - np.array([0.0, EARS_BEHIND, 0.0])
 
 
-def unit_values(performance: Performance) -> Floats:
-    """N x 52: the performance as values of the face units, on the performer's own mesh.
-
-    A lid that is shut is a full blink, though the unit's lids travel further: on other heads it is
-    what shuts the eye. Raises InvalidInput for a performance that is not of the canonical mesh.
-    """
-    template = load_template()
-    points = np.asarray(performance.neutral_vertices, dtype=np.float64)
-    if not _is_canonical(performance):
-        raise InvalidInput(NOT_CANONICAL)
-    shapes = shapes_of(performance.without_detail())
-    fit = _core.ControlFit(
-        np.asarray(template.unit_modes, dtype=np.float64),
-        _offsets(shapes),
-        _areas(points, *_polygons(template.faces)),
-        np.tile([0.0, 1.0], (len(template.unit_names), 1)),
-        np.array([(shape.lowest, shape.highest) for shape in shapes]),
-        _core.ControlFitOptions(),
-    )
-    values = np.stack([shape.values for shape in shapes], axis=1)
-    units = fit.frames(values, np.zeros((len(values), len(template.unit_names))))
-    for unit, lid in BLINKS.items():
-        if lid in performance.articulators:
-            closure = performance.articulator_values[:, performance.articulators.index(lid)]
-            units[:, template.unit_names.index(unit)] = np.clip(closure, 0.0, 1.0)
-    return units
-
-
-def _is_canonical(performance: Performance) -> bool:
-    return performance.neutral_vertices.shape == load_template().vertices.shape
-
-
 def _by_names(
     performance: Performance, names: Sequence[str], known: Mapping[str, KnownName]
 ) -> Floats | None:
     """N x K: what names say; None where they say nothing of this performance's mesh."""
     shares = unit_shares(names, known)
-    if not shares.any() or not _is_canonical(performance):
+    is_canonical = performance.neutral_vertices.shape == load_template().vertices.shape
+    if not shares.any() or not is_canonical:
         return None
-    return unit_values(performance) @ shares.T
+    template, order = load_template(), unit_order()
+    columns = [order.index(name) for name in template.unit_names]
+    return unit_values(performance)[:, columns] @ shares.T
 
 
 def _fit(
@@ -249,16 +219,8 @@ def _moves(surface: ControlSurface) -> NDArray[np.bool_]:
     return reach > MOVES * extent
 
 
-def _offsets(shapes: Sequence[Shape]) -> Floats:
-    return np.ascontiguousarray(np.stack([shape.offsets for shape in shapes]), dtype=np.float64)
-
-
 def _areas(points: Floats, starts: NDArray, corners: NDArray) -> Floats:
     return _core.polygon_areas(points, np.asarray(starts).tolist(), np.asarray(corners).tolist())
-
-
-def _polygons(quads: NDArray[np.int32]) -> tuple[NDArray, NDArray]:
-    return np.arange(0, quads.size, 4), quads.reshape(-1)
 
 
 def _listed(names: Sequence[str], most: int = 6) -> str:

@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import bpy
+from bpy.props import EnumProperty, StringProperty
+from bpy.types import Operator
+from bpy_extras.io_utils import ExportHelper
+
+from .. import native, outcome, scene_in, scene_out, targets
+from ..greyed import Greyed
+
+SUFFIXES = {"FBX": ".fbx", "USD": ".usdc", "ALEMBIC": ".abc"}
+
+
+class MIMETIC_OT_export_character(Greyed, Operator, ExportHelper):
+    """Write the face, with its rig if it has one, for other programs, by Blender's own exporters"""
+
+    bl_idname = "mimetic.export_character"
+    bl_label = "Export FBX, USD, Alembic"
+
+    format: EnumProperty(
+        name="Format",
+        items=(
+            ("FBX", "FBX", "Shape keys, bones and their curves, a key every frame"),
+            ("USD", "USD", "Blend shapes and skeletons"),
+            ("ALEMBIC", "Alembic", "The vertices of every frame, for renderers"),
+        ),
+    )
+    filter_glob: StringProperty(default="*.fbx;*.usdc;*.abc", options={"HIDDEN"})
+
+    obstacle = staticmethod(targets.no_export)
+
+    @property
+    def filename_ext(self):
+        return SUFFIXES[self.format]
+
+    def execute(self, context):
+        path = bpy.path.ensure_ext(bpy.path.abspath(self.filepath), self.filename_ext)
+        try:
+            loses = scene_out.exports.export(context.scene, path, scene_in.face_of(context))
+        except native.known_errors() as error:
+            return outcome.cancelled(self, context, str(error))
+        return outcome.finished(self, context, f"Wrote {path}; {loses}", file=path)

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A face or character for other programs, by Blender's own exporters, and what each loses."""
+
+from __future__ import annotations
+
+import math
+import os
+import tempfile
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack, contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+
+from .. import compat, native
+from . import contact_curves, gltf, negative_keys, selection
+
+
+@dataclass(frozen=True)
+class Format:
+    name: str
+    is_built: Callable[[], bool]  # whether this Blender has its exporter
+    write: Callable[[str, int, int], None]  # the selected objects; first and last frame
+    loses: str  # for the user
+
+
+def _fbx(path: str, first: int, last: int) -> None:
+    bpy.ops.export_scene.fbx(
+        filepath=path,
+        check_existing=False,
+        use_selection=True,
+        object_types={"MESH", "ARMATURE", "EMPTY"},
+        use_mesh_modifiers=False,
+        mesh_smooth_type="FACE",
+        add_leaf_bones=False,
+        use_armature_deform_only=True,
+        bake_anim=True,
+        bake_anim_use_all_bones=True,
+        bake_anim_use_nla_strips=False,
+        bake_anim_use_all_actions=False,
+        bake_anim_force_startend_keying=True,
+        bake_anim_simplify_factor=0.0,
+    )
+
+
+def _usd(path: str, first: int, last: int) -> None:
+    bpy.ops.wm.usd_export(
+        filepath=path,
+        check_existing=False,
+        selected_objects_only=True,
+        export_animation=True,
+        export_shapekeys=True,
+        export_armatures=True,
+        only_deform_bones=True,
+        export_subdivision="BEST_MATCH",
+        evaluation_mode="VIEWPORT",
+    )
+
+
+def _alembic(path: str, first: int, last: int) -> None:
+    bpy.ops.wm.alembic_export(
+        filepath=path,
+        check_existing=False,
+        as_background_job=False,
+        selected=True,
+        start=first,
+        end=last,
+        evaluation_mode="VIEWPORT",
+    )
+
+
+FORMATS = {
+    ".fbx": Format(
+        "FBX",
+        lambda: "fbx" in dir(bpy.ops.export_scene),
+        _fbx,
+        "weights are keyed every frame as percent, turns as Euler angles; limits of sliders and "
+        "subdivision are lost",
+    ),
+    ".usdc": Format(
+        "USD",
+        lambda: bpy.app.build_options.usd,
+        _usd,
+        "blend shapes' names have _ for every dot and space; limits of sliders are lost",
+    ),
+    ".abc": Format(
+        "Alembic",
+        lambda: bpy.app.build_options.alembic,
+        _alembic,
+        "every frame's vertices without shape keys, materials and pictures: nothing can be edited",
+    ),
+}
+
+
+def no_format(suffix: str) -> str:
+    """Why a file of this kind cannot be written, or nothing."""
+    if suffix not in FORMATS:
+        return f"{suffix or 'no suffix'}: files are written as {', '.join(FORMATS)}"
+    kind = FORMATS[suffix]
+    if kind.is_built():
+        return ""
+    return f"This Blender has no {kind.name} exporter: enable its add-on, or take another build"
+
+
+def write(scene: bpy.types.Scene, path: str | os.PathLike[str], character) -> str:
+    """The same as `export`, and glTF too, which loses nothing that is said."""
+    if Path(path).suffix != ".glb":
+        return export(scene, path, character)
+    gltf.export(scene, path, character)
+    return ""
+
+
+def export(
+    scene: bpy.types.Scene, path: str | os.PathLike[str], character: bpy.types.Object
+) -> str:
+    """Writes a face, or a character with its rig, whole or not at all; says what the format loses.
+
+    The file has the frames of the character's curves, the scene's range where it has none; the
+    scene stays as it is. Raises what bad input raises where this Blender cannot write it, and
+    OSError.
+    """
+    path = Path(path)
+    if reason := no_format(path.suffix):
+        raise native.invalid_input(reason)
+    kind = FORMATS[path.suffix]
+    objects = selection.character_objects(scene, character)
+    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
+        aside = Path(folder, path.name)
+        shaped = selection.with_shape_keys(objects)
+        with ExitStack() as stack:
+            stack.enter_context(selection.selected_alone(objects, character))
+            for obj in shaped:
+                stack.enter_context(contact_curves.with_keys(scene, obj))
+            stack.enter_context(negative_keys.split(shaped))
+            stack.enter_context(_unsubdivided(objects))
+            first, last = stack.enter_context(_whole_range(scene, objects))
+            try:
+                kind.write(str(aside), first, last)
+            except RuntimeError as error:  # what the exporter reported
+                raise OSError(f"{path}: {str(error).strip()}") from None
+        if not aside.is_file():
+            raise OSError(f"{path}: Blender's {kind.name} exporter wrote nothing")
+        os.replace(aside, path)
+    return f"{kind.name}: {kind.loses}"
+
+
+@contextmanager
+def _unsubdivided(objects: list[bpy.types.Object]) -> Iterator[None]:
+    """Shape keys move control vertices: subdivision is for the program that opens the file."""
+    hidden = [
+        modifier
+        for obj in objects
+        for modifier in obj.modifiers
+        if modifier.type in ("SUBSURF", "MULTIRES") and modifier.show_viewport
+    ]
+    for modifier in hidden:
+        modifier.show_viewport = False
+    try:
+        yield
+    finally:
+        for modifier in hidden:
+            modifier.show_viewport = True
+
+
+@contextmanager
+def _whole_range(
+    scene: bpy.types.Scene, objects: list[bpy.types.Object]
+) -> Iterator[tuple[int, int]]:
+    """The frames of the objects' curves as the scene's range for the while."""
+    before = scene.frame_start, scene.frame_end, scene.frame_current_final
+    holders = [compat.curves(block) for obj in objects for block in (obj, _keys(obj)) if block]
+    ends = [
+        end
+        for holder in holders
+        if holder is not None
+        for curve in holder.fcurves
+        for end in curve.range()
+    ]
+    if ends:
+        scene.frame_start, scene.frame_end = math.floor(min(ends)), math.ceil(max(ends))
+    try:
+        yield scene.frame_start, scene.frame_end
+    finally:
+        scene.frame_start, scene.frame_end, current = before
+        scene.frame_set(math.floor(current), subframe=current % 1)
+
+
+def _keys(obj: bpy.types.Object) -> bpy.types.Key | None:
+    return getattr(obj.data, "shape_keys", None)

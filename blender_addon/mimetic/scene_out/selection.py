@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an exporter takes: a character's objects, selected alone for the while."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+
+import bpy
+
+EXPORTED = {"MESH", "ARMATURE", "EMPTY"}
+
+
+def character_objects(scene: bpy.types.Scene, obj: bpy.types.Object) -> list[bpy.types.Object]:
+    """A face or rig with what moves it and hangs on it (armature, eyes, teeth), as far as seen."""
+    rigs = {modifier.object for modifier in obj.modifiers if modifier.type == "ARMATURE"}
+    if obj.parent is not None and obj.parent.type == "ARMATURE":
+        rigs.add(obj.parent)
+    roots = {obj, *rigs} - {None}
+    members = roots | {child for root in roots for child in root.children_recursive}
+    for other in scene.objects:
+        if any(m.type == "ARMATURE" and m.object in roots for m in other.modifiers):
+            members.add(other)
+    return [o for o in scene.objects if o in members and o.type in EXPORTED and o.visible_get()]
+
+
+def with_shape_keys(objects: Iterable[bpy.types.Object]) -> list[bpy.types.Object]:
+    """Meshes that have shape keys."""
+    return [obj for obj in objects if obj.type == "MESH" and obj.data.shape_keys]
+
+
+@contextmanager
+def selected_alone(objects: Iterable[bpy.types.Object], active: bpy.types.Object) -> Iterator[None]:
+    """Selects these objects and no others, and puts the selection back."""
+    objects = set(objects)
+    view_layer = bpy.context.view_layer
+    names = [obj.name for obj in view_layer.objects if obj.select_get()]
+    active_before = view_layer.objects.active
+    for obj in view_layer.objects:
+        obj.select_set(obj in objects)
+    view_layer.objects.active = active
+    try:
+        yield
+    finally:
+        for obj in view_layer.objects:
+            obj.select_set(obj.name in names)
+        view_layer.objects.active = active_before
