@@ -73,7 +73,7 @@ def bake(request: dict) -> dict:
             return {
                 "text": rig_file.write(
                     *(request["performance"], request["out"], target["file"], target["object"]),
-                    *(target["settings"], request["footage"]),
+                    *(target["settings"], request["footage"], request["curves"]),
                 )
             }
         if library := request.get("library"):
@@ -87,6 +87,7 @@ def bake(request: dict) -> dict:
         files = (request["performance"], request["out"], request["footage"])
         options = (request["with_detail"], request["tolerance"], request["with_units"])
         options += (request["by_phases"], request["with_controls"], request["as_arkit"])
+        options += (request["curves"],)
         return {"text": new_file.write(*files, *options)}
     except native.known_errors() as error:
         return {"error": str(error)}

@@ -101,11 +101,36 @@ def curves_in(action: bpy.types.Action) -> list[bpy.types.FCurve]:
     return [curve for strip in strips for bag in strip.channelbags for curve in bag.fcurves]
 
 
-def add_strip(track: bpy.types.NlaTrack, name: str, start: float, action: bpy.types.Action):
-    """A strip that plays an action on what the track belongs to."""
+def slot_of(user: bpy.types.AnimData | bpy.types.NlaStrip) -> str:
+    """Identifier of the slot by which an action moves what it is assigned to; "" without slots."""
+    slot = user.action_slot if ACTIONS_HAVE_SLOTS else None
+    return slot.identifier if slot else ""
+
+
+def assign(id_block: bpy.types.ID, action: bpy.types.Action, slot: str) -> None:
+    """Has an action move `id_block`, by a slot that `slot_of` named."""
+    animation = id_block.animation_data or id_block.animation_data_create()
+    animation.action = action
+    if ACTIONS_HAVE_SLOTS:
+        animation.action_slot = action.slots.get(slot)
+
+
+def curves_of(action: bpy.types.Action, slot: str) -> list[bpy.types.FCurve]:
+    """The curves of one slot of an action, whatever it is assigned to."""
+    if not ACTIONS_HAVE_SLOTS:
+        return list(action.fcurves)
+    strips = (strip for layer in action.layers for strip in layer.strips)
+    bags = (bag for strip in strips for bag in strip.channelbags)
+    return [curve for bag in bags if bag.slot.identifier == slot for curve in bag.fcurves]
+
+
+def add_strip(
+    track: bpy.types.NlaTrack, name: str, start: float, action: bpy.types.Action, slot: str = ""
+):
+    """A strip that plays an action, by its first slot if none is named, on what the track is of."""
     strip = track.strips.new(name, int(start), action)
     if ACTIONS_HAVE_SLOTS and action.slots:
-        strip.action_slot = action.slots[0]
+        strip.action_slot = action.slots.get(slot) or action.slots[0]
     length = strip.frame_end - strip.frame_start
     strip.frame_start = start  # whole frames alone by the call above
     strip.frame_end = start + length

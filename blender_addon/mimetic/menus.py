@@ -7,17 +7,26 @@ from bpy.types import Menu
 from . import native, operators
 
 # None draws a line. In the order of the work, from footage to file, as in the panel
+CURVES = (
+    *("smooth_curves", "reduce_keys", "exaggerate_curves", "offset_curves", "mirror_curves"),
+    "retime_curves",
+)
+TAKES = ("play_take", "compare_take", "blend_takes", "remove_take", "mark_lost", "unmark_lost")
 CLIP = (
     *("load_clip", "scene_as_clip", None),
     *("find_face", "pick_face", "show_landmarks", "pin", "unpin", "follow_pins", None),
     *("calibrate", "capture", "track_head", "load_performance", "find_missing", None),
     *("hold_head_still", "release_head", "set_rest_frame", None),
-    *("bake", "reduce_keys", "bake_head", "export_gltf", "export_character"),
+    *("bake", "bake_head", "export_gltf", "export_character", None),
+    *(*TAKES, None),
+    *CURVES,
 )
 OBJECT = (
     *("load_clip", "scene_as_clip", "find_face", "calibrate", None),
     *("capture", "track_head", "load_performance", "find_missing", None),
-    *("bake", "reduce_keys", "export_gltf", "export_character", None),
+    *("bake", "export_gltf", "export_character", None),
+    *(*TAKES, None),
+    *(*CURVES, None),
     *("find_head_bones", "bake_head", None),
     *("live", None),
     *("add_face", "rest_face", "add_landmarks", "attach_muscles", "add_arkit_shapes", None),

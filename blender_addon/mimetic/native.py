@@ -5,27 +5,12 @@ from __future__ import annotations
 
 import importlib
 import sys
-import tomllib
-from dataclasses import dataclass
-from enum import Enum
 from functools import cache, lru_cache
-from pathlib import Path
 from types import ModuleType
 
 import numpy as np
 
-
-class State(Enum):
-    ready = "ready"
-    missing = "missing"
-    broken = "broken"
-    other_version = "other version"
-
-
-@dataclass(frozen=True)
-class Status:
-    state: State
-    text: str  # what is wrong and what to do; the version if all is well
+from .module_status import State, Status, extension_version
 
 
 @cache
@@ -135,6 +120,18 @@ def controls() -> ModuleType:
     from mimetic.retarget import controls
 
     return controls
+
+
+def curve_keys() -> ModuleType:
+    from mimetic.character import curve_keys
+
+    return curve_keys
+
+
+def curve_settings() -> ModuleType:
+    from mimetic.character import curve_settings
+
+    return curve_settings
 
 
 def expression_cutting() -> ModuleType:
@@ -361,6 +358,12 @@ def strain_map() -> ModuleType:
     return strain_map
 
 
+def take_facts() -> ModuleType:
+    from mimetic.performance import take_facts
+
+    return take_facts
+
+
 def timing() -> ModuleType:
     from mimetic.media import timing
 
@@ -387,9 +390,3 @@ def known_errors() -> tuple[type[Exception], ...]:
 def invalid_input(text: str) -> Exception:
     """What to raise for bad input; among `known_errors`."""
     return importlib.import_module("mimetic").InvalidInput(text)
-
-
-@cache
-def extension_version() -> str:
-    manifest = Path(__file__).with_name("blender_manifest.toml")
-    return tomllib.loads(manifest.read_text(encoding="utf-8"))["version"]

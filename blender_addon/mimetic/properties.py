@@ -15,7 +15,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from . import compat, control_rows, editors, writable
+from . import compat, control_rows, editors, take_rows, writable
 from .live_settings import MimeticLive
 from .scene_out import contact, expressions, gaze, rigs
 
@@ -184,7 +184,7 @@ def _gaze_slider(name: str, side: str, axis: int, lowest: float, highest: float)
     )
 
 
-class MimeticFace(bpy.types.PropertyGroup):
+class MimeticFace(take_rows.HasTakes, bpy.types.PropertyGroup):
     lid_following: FloatVectorProperty(
         size=4,
         description="How the left and the right upper lid go along with the eyes: closure for a "
@@ -375,6 +375,7 @@ CLASSES = (
     MimeticShape,
     MimeticLandmark,
     control_rows.MimeticControl,
+    *take_rows.CLASSES,
     MimeticFace,
     MimeticFootage,
     MimeticClip,

@@ -72,6 +72,13 @@ def load(take: Take):
     return performance
 
 
+def load_edited(path: str, curves: dict | None):
+    """A Performance with its curves edited by the fields of a CurveSettings, if there are any."""
+    performance = native.performances().Performance.load(path)
+    parts = native.curve_settings()
+    return parts.edited(performance, parts.CurveSettings(**(curves or {})))
+
+
 def action_name(take: Take, performance) -> str:
     """What a bake's actions are called after: the clip, else the footage, else the file."""
     footage = performance.footage[0] if performance.footage else ""

@@ -6,7 +6,15 @@ from __future__ import annotations
 import bpy
 
 from . import clips, native, scene_in, writable
-from .scene_out import control_object, expression_strips, expressions, face_bones, own_keys, rigs
+from .scene_out import (
+    control_object,
+    expression_strips,
+    expressions,
+    face_bones,
+    face_curves,
+    own_keys,
+    rigs,
+)
 
 
 def no_bake(context) -> str:
@@ -73,14 +81,38 @@ def no_head_target(context) -> str:
 
 
 def no_curves(context) -> str:
-    """Why the face's curves cannot be replaced by few keys."""
-    if reason := scene_in.no_face(context) or writable.no_shapes(scene_in.face_of(context)):
+    """Why the face's curves cannot be edited."""
+    if reason := scene_in.no_face(context):
         return reason
-    keys = scene_in.face_of(context).data.shape_keys
-    animation = keys.animation_data if keys else None
-    if animation is None or animation.action is None:
+    face = scene_in.face_of(context)
+    if face.data.shape_keys is None:
+        return f"{face.name} has no sliders"
+    if reason := writable.no_sliders(face):
+        return reason
+    if not (curves := face_curves.of(face)):
         return "The face has no curves yet: bake a performance first"
-    return "" if animation.action.library is None else "The face's action is another file's"
+    libraries = {row.curve.id_data.library for row in curves} - {None}
+    return "The face's action is another file's" if libraries else ""
+
+
+def take_owner(context) -> bpy.types.Object | None:
+    """Whose takes buttons mean: the active character's, if it has any, else the face's."""
+    active = context.active_object
+    if active is not None and len(active.mimetic.takes):
+        return active
+    return scene_in.face_of(context)
+
+
+def no_take_list(context) -> str:
+    """Why there are no takes to play."""
+    if reason := scene_in.no_start():
+        return reason
+    obj = take_owner(context)
+    if obj is None or not len(obj.mimetic.takes):
+        return "No take yet: bake a performance first"
+    if obj.mode == "EDIT":
+        return f"Leave {obj.name}'s edit mode first"
+    return writable.no_motion(obj)
 
 
 def no_controls(context) -> str:

@@ -35,10 +35,13 @@ def state(extension) -> dict:
     scene = bpy.context.scene
     scene.frame_set(scene.frame_current)
     written = {"settings": settings_of(scene.mimetic)}
+    marks = [(marker.name, marker.frame) for marker in scene.timeline_markers]
+    written["markers"] = sorted(marks)
     written["assets"] = sorted(action.name for action in bpy.data.actions if action.asset_data)
     for shown in scene.objects:
         written[shown.name] = np.array(shown.matrix_world)
         written[f"{shown.name} curves"] = curves_of(extension, shown)
+        written[f"{shown.name} takes"] = [row.name for row in shown.mimetic.takes]
         written[f"{shown.name} controls"] = [
             [entry.name, *(getattr(entry, name) for name in extension("control_rows").FIELDS)]
             for entry in shown.mimetic.controls
@@ -123,6 +126,20 @@ def with_face(fixture) -> None:
     scene.mimetic.performance_path = str(fixture("performance_file"))
     assert bpy.ops.mimetic.bake() == {"FINISHED"}
     scene.mimetic.camera.matrix_world = STANDS
+
+
+def with_takes(fixture) -> None:
+    """A face with two takes, of which the second plays; both were lost for a while."""
+    with_face(fixture)
+    assert bpy.ops.mimetic.bake(exaggeration=0.5) == {"FINISHED"}
+    for row in bpy.context.scene.mimetic.face.mimetic.takes:
+        lost = row.lost.add()
+        lost.first, lost.last = 5, 7
+
+
+def with_marks(fixture) -> None:
+    with_takes(fixture)
+    assert bpy.ops.mimetic.mark_lost() == {"FINISHED"}
 
 
 def with_bound_head(fixture) -> None:
@@ -267,6 +284,17 @@ CASES = [
     Case("add_face", lambda fixture: None),
     Case("rest_face", with_face),
     Case("reduce_keys", with_face),
+    Case("play_take", with_takes, values={"take": "take"}),
+    Case("remove_take", with_takes, values={"take": "take"}),
+    Case("compare_take", with_takes, values={"take": "take"}),
+    Case("blend_takes", with_takes, values={"take": "take"}),
+    Case("mark_lost", with_takes),
+    Case("unmark_lost", with_marks),
+    Case("smooth_curves", with_face),
+    Case("exaggerate_curves", with_control_object, values={"factor": 1.5}),
+    Case("offset_curves", with_face, values={"by": "NEUTRAL"}),
+    Case("mirror_curves", with_control_object),
+    Case("retime_curves", with_face, values={"factor": 2.0, "frames_later": 3.0}),
     Case("fit_controls", with_character),
     Case("bake_controls", with_controls),
     Case("mirror_controls", with_controls),

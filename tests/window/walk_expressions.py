@@ -153,7 +153,8 @@ def look_at_the_curves(walk: Walk) -> Steps:
     for frame in range(1, 61):
         keys.key_blocks[SMILE].value = max(0.0, 1 - abs(frame - 30) / 15)
         keys.key_blocks[SMILE].keyframe_insert("value", frame=frame)
-    curves = sys.modules[f"{PACKAGE}.scene_out"].few_keys.curves_of(face())
+    scene_out = sys.modules[f"{PACKAGE}.scene_out"]
+    curves = [row.curve for row in scene_out.face_curves.of(face())]
     for point in curves[0].keyframe_points:
         point.interpolation = "LINEAR"
     _, area = area_of("NLA_EDITOR")

@@ -25,6 +25,7 @@ from . import (
     scene_time,
     sliders,
     stabilise,
+    take_list,
 )
 
 CLASSES = (
@@ -37,6 +38,7 @@ CLASSES = (
     missing.MIMETIC_OT_find_missing,
     bake.MIMETIC_OT_bake,
     *curves.CLASSES,
+    *take_list.CLASSES,
     *expressions.CLASSES,
     *expression_strips.CLASSES,
     gltf.MIMETIC_OT_export_gltf,

@@ -1,13 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
 from .. import clips, native, scene_in, scene_out, takes, targets, writable
 from ..jobs import Job
+from .take_options import TakeOptions
 
 
-class MIMETIC_OT_bake(Job, Operator):
+class MIMETIC_OT_bake(TakeOptions, Job, Operator):
     """Put the performance into the scene: face, muscle curves, head motion, footage and camera"""
 
     bl_idname = "mimetic.bake"
@@ -59,6 +60,36 @@ class MIMETIC_OT_bake(Job, Operator):
         default=False,
         description="Keys at onset, apex, release and end of each event first",
     )
+    smoothing: FloatProperty(
+        name="Smoothing",
+        default=0.0,
+        min=0.0,
+        max=10.0,
+        soft_max=1.0,
+        precision=3,
+        step=1,
+        description="Seconds that neighbouring frames of a curve weigh in by, as a standard "
+        "deviation; 0 leaves curves as captured. Of muscles, jaw, lids and lips",
+    )
+    neutral_frame: IntProperty(
+        name="Neutral Frame",
+        default=0,
+        min=0,
+        description="Footage frame in which the actor's face is what the character's is at rest; "
+        "0: none",
+    )
+    exaggeration: FloatProperty(
+        name="Exaggeration",
+        default=1.0,
+        min=0.0,
+        max=10.0,
+        soft_max=3.0,
+        description="That the expression is multiplied by, within what each muscle can do",
+    )
+    group_exaggeration: StringProperty(
+        name="Of Groups",
+        description="Factors of single groups instead, as in: Brow Raisers=1.5, Lip Corners=0.8",
+    )
     to: EnumProperty(
         name="To",
         items=(
@@ -93,14 +124,17 @@ class MIMETIC_OT_bake(Job, Operator):
                 f"{clip.name} is missing: look for it (Find Missing Files), or untick "
                 "Footage as Skin"
             )
-        return scene_in.take(context), options, head.name if head else ""
+        settings = native.curve_settings().settings_of(
+            self.smoothing, self.neutral_frame, self.exaggeration, self.group_exaggeration
+        )
+        return scene_in.take(context), options, head.name if head else "", settings
 
     def work(self, inputs, progress):
-        take, options, bound_name = inputs
-        performance = takes.load(take)
+        take, options, bound_name, settings = inputs
+        performance = native.curve_settings().edited(takes.load(take), settings)
         name = takes.action_name(take, performance)
         if options is None:
-            return performance, name, take.clip_name, None, bound_name
+            return performance, name, take, None, bound_name
         footage, use_contact, use_detail = options
         if not use_detail:
             performance = performance.without_detail()
@@ -110,16 +144,20 @@ class MIMETIC_OT_bake(Job, Operator):
         if not progress(0.9, "projecting the texture" if footage else "painting"):
             return None
         appearance = native.appearance().appearance_of(performance, footage)
-        return performance, name, take.clip_name, (appearance, contact), ""
+        return performance, name, take, (appearance, contact), ""
 
     def write(self, context, result):
-        performance, name, clip_name, dress, bound_name = result
-        clip = bpy.data.movieclips.get(clip_name)
+        performance, name, take, dress, bound_name = result
+        clip = bpy.data.movieclips.get(take.clip_name)
         if bound_name:
             head = writable.own_object(context.scene, bound_name)
-            return self.write_bound(context.scene, performance, name, head, clip)
+            before = scene_out.take_list.now(head)
+            message = self.write_bound(context.scene, performance, name, head, clip)
+            like = performance, name, take, clip, self.settings(), before
+            return message + self.note_take(context, head, *like)
         appearance, contact = dress
         face = scene_out.face.find(context.scene, performance)
+        before = scene_out.take_list.now(face)
         use_controls = self.uses_controls(face)
         summary = scene_out.bake(
             context.scene,
@@ -141,6 +179,8 @@ class MIMETIC_OT_bake(Job, Operator):
             f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
             f"on {face.name}"
         )
+        like = performance, name, take, clip, self.settings(), before
+        message += self.note_take(context, face, *like)
         if summary.kept:
             message += f"; {summary.kept} (Reset Hand Changes undoes that)"
         if clip and clips.is_missing(clip):
@@ -149,6 +189,19 @@ class MIMETIC_OT_bake(Job, Operator):
             message += "; other objects are out of view, View > Local View shows them again"
         scene_out.canonical.select_only(context.view_layer, face)
         return message
+
+    def settings(self) -> str:
+        """Of this bake, for the list of takes."""
+        parts = ["a key a frame"]
+        if self.use_few_keys:
+            parts = [f"few keys within {self.tolerance:.3g}"]
+            parts += ["at phases"] if self.use_phases else []
+        parts += [f"smoothed over {self.smoothing:.3g} s"] if self.smoothing else []
+        parts += [f"neutral in frame {self.neutral_frame}"] if self.neutral_frame else []
+        parts += [f"exaggerated by {self.exaggeration:.3g}"] if self.exaggeration != 1 else []
+        parts += [self.group_exaggeration] if self.group_exaggeration else []
+        parts += ["detail"] if self.use_detail else []
+        return ", ".join(parts)
 
     def uses_controls(self, face) -> bool:
         if remark := scene_out.control_object.forget_lost(face):

@@ -7,10 +7,11 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 from bpy.types import Operator
 
-from .. import control_rows, native, outcome, scene_in, takes, targets, writable
+from .. import control_rows, native, outcome, scene_in, scene_out, takes, targets, writable
 from ..greyed import Greyed
 from ..jobs import Job
 from ..scene_out import face_bones, own_controls, own_keys
+from .take_options import TakeOptions
 
 MANY = 0.98  # of the work: fitting
 
@@ -94,7 +95,7 @@ class MIMETIC_OT_fit_controls(Fitting, Operator):
         return f"{message}; {played.summary()}" if played else f"{message}; no performance yet"
 
 
-class MIMETIC_OT_bake_controls(Fitting, Operator):
+class MIMETIC_OT_bake_controls(TakeOptions, Fitting, Operator):
     """Put the performance on the active character's own shape keys, or the bones of its face, and
     the head's motion on the object or the head's bone; actions that were there stay in the file"""
 
@@ -111,6 +112,7 @@ class MIMETIC_OT_bake_controls(Fitting, Operator):
         character = writable.own_object(context.scene, name)
         clip = bpy.data.movieclips.get(take.clip_name)
         action_name = takes.action_name(take, performance)
+        before = scene_out.take_list.now(character)
         bake = face_bones.bake if character.type == "ARMATURE" else own_controls.bake
         summary = bake(
             context.scene, performance, action_name, character, played, clip, self.use_head_motion
@@ -124,9 +126,10 @@ class MIMETIC_OT_bake_controls(Fitting, Operator):
             "unmatched": list(played.unmatched),
             "explained": played.explained,
         }
+        like = performance, action_name, take, clip, "own controls", before
         return (
             f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
-            f"on {name}; {summary.text}"
+            f"on {name}; {summary.text}{self.note_take(context, character, *like)}"
         )
 
 

@@ -3,7 +3,7 @@
 
 import bpy
 
-from . import capture, clip_overlays, controls, curves, expressions, head, live, muscles
+from . import capture, clip_overlays, controls, curves, expressions, head, live, muscles, takes
 
 CLASSES = (
     *capture.CLASSES,
@@ -11,6 +11,7 @@ CLASSES = (
     *head.CLASSES,
     *live.CLASSES,
     *muscles.CLASSES,
+    *takes.CLASSES,
     *curves.CLASSES,
     *controls.CLASSES,
     *expressions.CLASSES,

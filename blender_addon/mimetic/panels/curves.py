@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The face's curves: how many keys they have, and few of them to drag."""
+"""The face's curves: how many keys they have, and edits of many at once."""
 
 from bpy.types import Panel
 
@@ -18,10 +18,19 @@ class MIMETIC_PT_curves(Muscles, Panel):
 
     def draw(self, context):
         layout = self.layout
-        curves = scene_out.few_keys.curves_of(scene_in.shown_face(context))
+        curves = [row.curve for row in scene_out.face_curves.of(scene_in.shown_face(context))]
         count = sum(len(curve.keyframe_points) for curve in curves)
         layout.label(text=f"{len(curves)} curves, {count} keys" if curves else "No curves yet")
-        layout.operator("mimetic.reduce_keys", icon="HANDLE_ALIGNED")
+        column = layout.column(align=True)
+        row = column.row(align=True)
+        row.operator("mimetic.smooth_curves", icon="MOD_SMOOTH")
+        row.operator("mimetic.reduce_keys", icon="HANDLE_ALIGNED")
+        row = column.row(align=True)
+        row.operator("mimetic.exaggerate_curves", icon="FULLSCREEN_ENTER")
+        row.operator("mimetic.offset_curves", icon="EMPTY_SINGLE_ARROW")
+        row = column.row(align=True)
+        row.operator("mimetic.mirror_curves", icon="MOD_MIRROR")
+        row.operator("mimetic.retime_curves", icon="TIME")
 
 
 CLASSES = (MIMETIC_PT_curves,)

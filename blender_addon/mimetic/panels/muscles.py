@@ -66,13 +66,19 @@ class MIMETIC_PT_muscles(Muscles, Panel):
         column.operator("mimetic.add_arkit_shapes", icon="SHAPEKEY_DATA")
 
     def draw_group(self, layout, face, group, sliders, blocks):
-        """A group's own slider in the header; its sides and its muscles below."""
+        """A group's own slider in the header, and how far its strongest muscle is; its sides and
+        its muscles below."""
         header, body = layout.panel(f"mimetic_{group}", default_closed=True)
         both = next((block for block in sliders if block.name == group), None)
         if both:
             header.prop(both, "value", text=group, slider=True)
         else:
             header.label(text=group)
+        if both and blocks:
+            strongest = max(abs(block.value) for block in blocks)
+            bar = header.row()
+            bar.ui_units_x = 2.5
+            bar.progress(factor=min(strongest, 1.0), text=f"{strongest:.2f}")
         if not body:
             return
         if sides := [block for block in sliders if block != both]:

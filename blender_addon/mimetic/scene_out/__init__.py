@@ -19,10 +19,12 @@ from . import (
     control_object,
     control_removal,
     control_take,
+    curve_edits,
     exports,
     expression_strips,
     expressions,
     face,
+    face_curves,
     face_fit,
     few_keys,
     foreign,
@@ -30,10 +32,13 @@ from . import (
     head,
     landmarks,
     live,
+    lost_markers,
     materials,
     rigs,
     sliders,
     stabilised,
+    take_comparison,
+    take_list,
 )
 
 __all__ = [
@@ -47,10 +52,12 @@ __all__ = [
     "clip",
     "control_object",
     "control_removal",
+    "curve_edits",
     "exports",
     "expression_strips",
     "expressions",
     "face",
+    "face_curves",
     "face_fit",
     "few_keys",
     "foreign",
@@ -58,9 +65,12 @@ __all__ = [
     "head",
     "landmarks",
     "live",
+    "lost_markers",
     "rigs",
     "sliders",
     "stabilised",
+    "take_comparison",
+    "take_list",
 ]
 
 

@@ -10,7 +10,8 @@ from .. import compat, native
 
 LINEAR = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["LINEAR"].value
 BEZIER = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["BEZIER"].value
-ALIGNED = bpy.types.Keyframe.bl_rna.properties["handle_left_type"].enum_items["ALIGNED"].value
+HANDLES = bpy.types.Keyframe.bl_rna.properties["handle_left_type"].enum_items
+ALIGNED, FREE = HANDLES["ALIGNED"].value, HANDLES["FREE"].value
 ROTATION_PATHS = ("rotation_quaternion", "rotation_euler", "rotation_axis_angle")
 CONSTANT = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["CONSTANT"].value
 
@@ -152,27 +153,3 @@ def fill_sparse(curve: bpy.types.FCurve, keys) -> None:
     ):
         points.foreach_set(name, np.asarray(rows, dtype=np.float32).reshape(-1))
     curve.update()
-
-
-def copy_keys(source: bpy.types.FCurve, target: bpy.types.FCurve) -> None:
-    """Gives a curve without keys those of another, with their handles."""
-    count = len(source.keyframe_points)
-    target.keyframe_points.add(count)
-    for name in ("interpolation", "easing", "handle_left_type", "handle_right_type"):
-        kinds = np.empty(count, dtype=np.int32)
-        source.keyframe_points.foreach_get(name, kinds)
-        target.keyframe_points.foreach_set(name, kinds)
-    for name in ("co", "handle_left", "handle_right"):
-        rows = np.empty(2 * count, dtype=np.float32)
-        source.keyframe_points.foreach_get(name, rows)
-        target.keyframe_points.foreach_set(name, rows)
-    target.extrapolation = source.extrapolation
-    target.update()
-
-
-def dense_values(curve: bpy.types.FCurve):
-    """Frames and values (N each) of a curve's keys."""
-    points = curve.keyframe_points
-    rows = np.empty(2 * len(points), dtype=np.float32)
-    points.foreach_get("co", rows)
-    return rows[::2].astype(np.float64), rows[1::2].astype(np.float64)

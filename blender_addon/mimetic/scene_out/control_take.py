@@ -6,7 +6,7 @@ from __future__ import annotations
 import bpy
 
 from .. import compat, native
-from . import actions, control_bones, control_object, face, head
+from . import actions, control_bones, control_object, face, head, key_table
 
 GAZE_GROUP, HEAD_GROUP = "Gaze", "Head"
 
@@ -99,7 +99,8 @@ def join(control: bpy.types.Object, obj: bpy.types.Object) -> None:
     for source in sources:
         group = source.group.name if source.group else HEAD_GROUP
         curve = compat.new_curve(holder, source.data_path, source.array_index, group)
-        actions.copy_keys(source, curve)
+        key_table.write(curve, key_table.read(source))
+        curve.extrapolation = source.extrapolation
     for name, note in own.items():
         take[name] = note
     bpy.data.actions.remove(own)

@@ -3,42 +3,66 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
-from .. import compat, native
-from . import actions
+import numpy as np
+
+from .. import native
+from . import actions, key_table
+from .face_curves import Chosen
+from .key_table import KeyTable
 
 
 @dataclass(frozen=True)
 class Reduction:
     keys_before: int
     keys_after: int
-    error: float  # the farthest that a curve has moved at one of its keys
+    error: float  # the farthest that a curve has moved at one of its keys, of a full activation
 
 
-def curves_of(face) -> list:
-    """The curves of the face's shape keys."""
-    keys = face.data.shape_keys
-    if keys is None or keys.animation_data is None or keys.animation_data.action is None:
-        return []
-    return list(compat.curves(keys).fcurves)
-
-
-def reduce(face, tolerance: float, by_phases: bool = False) -> Reduction:
-    """Replaces the keys of every curve of the face's shapes that has one a frame.
+def reduce(chosen: Sequence[Chosen], tolerance: float, by_phases: bool = False) -> Reduction:
+    """Replaces chosen keys that lie side by side by few, where they are one a frame.
 
     by_phases: keys lie at onset, apex, release and end of each event first.
     """
+    native.sparse_curves().check_tolerance(tolerance)
     before = after = 0
     error = 0.0
-    for curve in curves_of(face):
-        if any(point.interpolation != "LINEAR" for point in curve.keyframe_points):
-            continue  # few already, or someone's own
-        frames, values = actions.dense_values(curve)
-        before += len(frames)
-        keys = native.sparse_curves().sparse_keys(frames, values, tolerance, by_phases)
-        if len(keys.points) < len(frames):
-            actions.fill_sparse(curve, keys)
-            error = max(error, keys.error)
-        after += min(len(keys.points), len(frames))
+    for one in chosen:
+        table = key_table.read(one.of.curve)
+        is_dense = one.is_chosen & (table.columns["interpolation"] == actions.LINEAR)
+        parts = []
+        for run in _runs(one.is_chosen):
+            part = table.rows(run)
+            # Elsewhere keys are few already, or someone's own
+            if one.is_chosen[run][0] and is_dense[run].all():
+                part, moved = _reduced(part, one.of.unit, tolerance, by_phases)
+                error = max(error, moved)
+            parts.append(part)
+        few = key_table.joined(parts)
+        before += int(is_dense.sum())
+        after += len(few.keys.points) - int((~is_dense).sum())
+        if len(few.keys.points) < len(table.keys.points):
+            key_table.write(one.of.curve, few)
     return Reduction(before, after, error)
+
+
+def _runs(is_chosen: np.ndarray) -> list[slice]:
+    """Neighbours that are all chosen, or all not."""
+    ends = np.flatnonzero(np.diff(is_chosen.astype(np.int8))) + 1
+    bounds = [0, *(int(end) for end in ends), len(is_chosen)]
+    return [slice(*pair) for pair in pairwise(bounds)]
+
+
+def _reduced(
+    table: KeyTable, unit: float, tolerance: float, by_phases: bool
+) -> tuple[KeyTable, float]:
+    frames, values = table.keys.points.T
+    keys = native.sparse_curves().sparse_keys(frames, values / unit, tolerance, by_phases)
+    if len(keys.points) >= len(frames):
+        return table, 0.0
+    few = key_table.as_cubics(table, keys.affine(unit, 0.0), actions.ALIGNED, actions.BEZIER)
+    few.columns["interpolation"][-1] = table.columns["interpolation"][-1]  # to what comes after
+    return few, keys.error

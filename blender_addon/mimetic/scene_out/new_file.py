@@ -9,8 +9,8 @@ from pathlib import Path
 import bpy
 from mathutils import Euler
 
-from .. import compat, native, takes
-from . import bake, clip, exports
+from .. import compat, native, scene_in, takes
+from . import bake, clip, exports, take_list
 
 
 def write(
@@ -23,6 +23,7 @@ def write(
     by_phases: bool = False,
     with_controls: bool = False,
     as_arkit: bool = False,
+    curves: dict | None = None,
 ) -> str:
     """Bakes into the scene that is open, which must be empty, and writes it whole or not at all.
 
@@ -31,9 +32,10 @@ def write(
     keys with handles, 0 for a key a frame. with_units: sliders of action units too.
     by_phases: few keys at the phases of events first. with_controls: curves on a control object.
     as_arkit: ARKit's 52 shapes instead of muscles; for files of other programs.
+    curves: `takes.load_edited`'s.
     Returns what was written; raises what the package raises for bad input, and OSError.
     """
-    performance = native.performances().Performance.load(performance_path)
+    performance = takes.load_edited(performance_path, curves)
     if not with_detail:
         performance = performance.without_detail()
     appearance = native.appearance().appearance_of(performance, footage_path)
@@ -57,6 +59,10 @@ def write(
         use_controls=with_controls,
         as_arkit=as_arkit,
     )
+    frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
+    file_name = Path(performance_path).name
+    face = scene.mimetic.face
+    take_list.note(face, performance, take, file_name, frames, "by mimetic bake", {})
     takes.keep(scene, footage, performance_path)
     scene.frame_set(scene.frame_start)
     if is_blend:

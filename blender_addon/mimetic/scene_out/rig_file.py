@@ -20,6 +20,7 @@ from . import (
     own_controls,
     own_keys,
     rigs,
+    take_list,
 )
 
 
@@ -30,6 +31,7 @@ def write(
     name: str,
     settings: dict,
     footage_path: str | None = None,
+    curves: dict | None = None,
 ) -> str:
     """Opens `rig_path`, keys the performance on its object `name`, and writes `out` whole.
 
@@ -37,17 +39,18 @@ def write(
     are asked for, plays those; an armature plays the face on its bones if asked for; any other
     object, or an armature's head and neck, gets the head's motion. settings: controls, "own",
     "muscles", or "auto" for what there is, muscles first; bone and neck, found by name where None;
-    neck_share; smoothing, of the head's motion alone. The file keeps its own rate, range and
-    everything else; its scripts do not run. Other files than .blend have the object, its rig and
-    what hangs on them. Returns what was written.
+    neck_share; smoothing, of the head's motion alone. curves: `takes.load_edited`'s. The file
+    keeps its own rate, range and everything else; its scripts do not run. Other files than .blend
+    have the object, its rig and what hangs on them. Returns what was written.
     """
-    performance = native.performances().Performance.load(performance_path)
+    performance = takes.load_edited(performance_path, curves)
     where = f"--target {Path(rig_path).name}"
     scene = open_file(rig_path, where)
     obj = _object(scene, where, name, settings)
     footage = clip.load(scene, footage_path) if footage_path else None
     take = takes.take_name(footage_path or performance_path)
     choice = settings.get("controls", "auto")
+    before = take_list.now(obj)
     if obj.type == "ARMATURE" and choice == "own":
         text = _play_bones(
             scene, performance, take, _target(obj, where, settings), settings, footage
@@ -61,6 +64,9 @@ def write(
     else:
         summary = _turn(scene, performance, take, _target(obj, where, settings), settings, footage)
         text = f"{summary.num_curves} curves on {summary.where}, {_frames(summary)}"
+    frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
+    file_name = Path(performance_path).name
+    take_list.note(obj, performance, take, file_name, frames, "by mimetic bake", before)
     if Path(out).suffix == ".blend":
         save(Path(out).absolute())
         return text

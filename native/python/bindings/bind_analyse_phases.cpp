@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/analyse/curve_edits.hpp>
 #include <mimetic/analyse/delays.hpp>
 #include <mimetic/analyse/group_curves.hpp>
 #include <mimetic/analyse/phases.hpp>
@@ -127,10 +128,27 @@ void bind_sparse_curve(py::module_& m) {
         "InvalidInput.");
 }
 
+void bind_curve_edits(py::module_& m) {
+    m.def(
+        "smooth_curve",
+        [](const Eigen::VectorXd& frames, const Eigen::VectorXd& values, const Eigen::VectorXd& at,
+           double width) {
+            SmoothedCurve curve = smooth_curve(frames, values, at, width);
+            return std::pair{std::move(curve.values), std::move(curve.slopes)};
+        },
+        "frames"_a, "values"_a, "at"_a, "width"_a, py::call_guard<py::gil_scoped_release>(),
+        "Values and slopes (M,) at frames `at` (M,) of a curve (N,) smoothed by a width in frames; see "
+        "curve_edits.hpp.\nRaises InvalidInput.");
+    m.def("retimed_frames", &retimed_frames, "frames"_a, "first"_a, "last"_a, "factor"_a,
+          "Frames (N,) of which those from `first` to `last` take `factor` times as long. Raises "
+          "InvalidInput.");
+}
+
 }  // namespace
 
 void bind_analyse_phases(py::module_& m) {
     bind_sparse_curve(m);
+    bind_curve_edits(m);
     bind_shape(m);
     bind_fit(m);
     bind_delay(m);

@@ -10,7 +10,8 @@ from mimetic.analyse.timing import analyse_timing
 from mimetic.commands.cli import main
 from mimetic.library.composing import Placing, compose, parse_placing
 from mimetic.library.cutting import cut_motion
-from mimetic.library.expression import Expression, mirrored_name
+from mimetic.library.expression import Expression
+from mimetic.muscles.sides import mirrored_name
 from mimetic.performance.document import Performance
 from sample_performance import make_performance
 

@@ -235,6 +235,16 @@ def gaze_locations(performance: Performance) -> dict[str, NDArray[np.float64]]:
     return {GAZE_BONE: both, f"{GAZE_BONE}.L": eyes[0] - both, f"{GAZE_BONE}.R": eyes[1] - both}
 
 
+def gaze_channels() -> list[tuple[str, int, str]]:
+    """Bone, axis of its location, and what the mirror calls it (`mimetic.muscles.sides`)."""
+    bones = (GAZE_BONE, f"{GAZE_BONE}.L", f"{GAZE_BONE}.R")
+    return [
+        (bone, axis, f"{stem}{bone.removeprefix(GAZE_BONE)}")
+        for bone in bones
+        for axis, stem in ((0, "gaze_yaw"), (1, "gaze_depth"), (2, "gaze_pitch"))
+    ]
+
+
 def eye_centres(
     kind: str, points: NDArray[np.float64], fields: Mapping[str, NDArray]
 ) -> dict[str, NDArray[np.float64]]:

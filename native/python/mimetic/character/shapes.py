@@ -59,7 +59,7 @@ def shapes_of(performance: Performance) -> list[Shape]:
         shapes += [
             shape_of_values(name, group, modes, values, lowest, highest)
             for (name, group, lowest, highest), modes, values in zip(
-                map(_listed, performance.articulators),
+                map(listed, performance.articulators),
                 performance.articulator_modes,
                 seen_articulators(performance).T,
                 strict=True,
@@ -77,7 +77,7 @@ def shapes_of(performance: Performance) -> list[Shape]:
     return shapes
 
 
-def _listed(articulator: str) -> tuple[str, str, float, float]:
+def listed(articulator: str) -> tuple[str, str, float, float]:
     """Its name, what it is listed under, and the range of its slider."""
     for row in lip_rows():
         if row["name"] == articulator:

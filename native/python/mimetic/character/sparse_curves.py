@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
+from mimetic.character.curve_keys import CurveKeys, cubic_keys
 from mimetic.performance.document import Performance
 
 USUAL_TOLERANCE = 0.02  # of an activation
@@ -17,25 +18,17 @@ LEAST_TOLERANCE, MOST_TOLERANCE = 1e-4, 0.5
 
 
 @dataclass(frozen=True)
-class SparseKeys:
-    """Keys of one curve: frame and value each, K x 2, of the key and of its two handles."""
+class SparseKeys(CurveKeys):
+    """Few keys that stand for a dense curve."""
 
-    points: NDArray[np.float64]
-    left: NDArray[np.float64]
-    right: NDArray[np.float64]
     error: float  # farthest from the dense curve at its frames
     keys_of_event: list[int]  # by phases: how many each event has, from onset to end
 
     def scaled(self, unit: float) -> SparseKeys:
         """The same keys of a curve in other units, whose values are `unit` times as large."""
-        factors = np.array([1.0, unit])
-        return replace(
-            self,
-            points=self.points * factors,
-            left=self.left * factors,
-            right=self.right * factors,
-            error=self.error * abs(unit),
-        )
+        keys = self.affine(unit, 0.0)
+        error = self.error * abs(unit)
+        return SparseKeys(keys.points, keys.left, keys.right, error, self.keys_of_event)
 
 
 def sparse_keys(
@@ -58,15 +51,9 @@ def sparse_keys(
         curve, keys_of_event = _core.reduce_by_phases(frames, values, stds, tolerance)
     else:
         curve, keys_of_event = _core.reduce_curve(frames, values, tolerance), []
-    spans = np.diff(curve.frames) / 3
-    before = np.concatenate([spans[:1], spans]) if len(spans) else np.ones(1)
-    after = np.concatenate([spans, spans[-1:]]) if len(spans) else np.ones(1)
-    points = np.column_stack([curve.frames, curve.values])
-    left, right = (
-        np.column_stack([curve.frames + reach, curve.values + reach * curve.slopes])
-        for reach in (-before, after)
-    )
-    return SparseKeys(points, left, right, float(curve.error), list(keys_of_event))
+    keys = cubic_keys(curve.frames, curve.values, curve.slopes, curve.slopes)
+    error = float(curve.error)
+    return SparseKeys(keys.points, keys.left, keys.right, error, list(keys_of_event))
 
 
 def check_tolerance(tolerance: float) -> None:

@@ -6,9 +6,11 @@ from __future__ import annotations
 
 import argparse
 import os
+from dataclasses import asdict
 from pathlib import Path
 
 from mimetic import InvalidInput
+from mimetic.character.curve_settings import CurveSettings, edited, parse_factors
 from mimetic.character.sparse_curves import USUAL_TOLERANCE, check_tolerance
 from mimetic.commands.blender_process import add_blender_python, write_by_blender
 from mimetic.head.smoothing import USUAL_STRENGTH
@@ -63,6 +65,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="curves on the bones of an armature that drives the face's muscles, for pose "
         "libraries, mirrored poses and a gaze target, instead of on the shape keys (.blend)",
     )
+    add_curve_arguments(parser)
     _add_target_arguments(parser)
 
 
@@ -101,6 +104,33 @@ def _add_target_arguments(parser: argparse.ArgumentParser) -> None:
         default=USUAL_STRENGTH,
         help="strength of the smoothing of the head's motion on a target: what the standard "
         "deviations of poses are multiplied by (default: %(default)s; 0 leaves frames as measured)",
+    )
+
+
+def add_curve_arguments(parser: argparse.ArgumentParser) -> None:
+    """What is done to curves before they are keyed."""
+    parser.add_argument(
+        "--smooth-curves",
+        type=float,
+        default=0.0,
+        metavar="SECONDS",
+        help="smooth the curves of muscles, jaw, lids and lips: what neighbouring frames weigh in "
+        "by, as a standard deviation in seconds (default: 0, as captured)",
+    )
+    parser.add_argument(
+        "--exaggerate",
+        nargs="+",
+        default=[],
+        metavar="[GROUP=]FACTOR",
+        help="multiply the expression, of all muscles or of a group such as brow-raisers=1.5, "
+        "within what each muscle can do",
+    )
+    parser.add_argument(
+        "--neutral",
+        type=int,
+        default=0,
+        metavar="FRAME",
+        help="the footage's frame in which the actor's face is what the character's is at rest",
     )
 
 
@@ -159,6 +189,9 @@ def run_bake(arguments: argparse.Namespace) -> int:
         arguments.by_phases,
         arguments.control_object,
         arguments.names == "arkit",
+        CurveSettings(
+            arguments.smooth_curves, arguments.neutral, parse_factors(arguments.exaggerate)
+        ),
     )
     print(f"{arguments.out}: {text}")
     return 0
@@ -216,6 +249,7 @@ def bake(
     by_phases: bool = False,
     with_controls: bool = False,
     as_arkit: bool = False,
+    curves: CurveSettings | None = None,
 ) -> str:
     """Writes `out`, whole or not at all; returns a line that says what is in it.
 
@@ -226,6 +260,7 @@ def bake(
     with_units: sliders of FACS's action units, which need the canonical mesh. by_phases: few keys
     at the phases of each event first. with_controls: curves on a control object, for a .blend.
     as_arkit: ARKit's 52 shapes instead of muscles, in a file for other programs.
+    curves: edits of the performance's curves before they are keyed.
     Raises InvalidInput, UnreadableMedia, and OSError where `out` cannot be written.
     """
     if by_phases and tolerance is None:
@@ -240,10 +275,13 @@ def bake(
     if footage is not None:
         check_footage(performance, footage)
     check_target(out, performance, *([] if footage is None else [footage]))
+    curves = curves or CurveSettings()
+    if not curves.changes_nothing():  # what is wrong with it is said before Blender starts
+        edited(Performance.load(performance), curves)
     if write_table := TABLES.get(out.suffix):
         if footage is not None or with_detail or with_units or tolerance is not None:
             raise InvalidInput(f"--out {out.name}: a table takes no option but the performance")
-        return write_table(Performance.load(performance), out)
+        return write_table(edited(Performance.load(performance), curves), out)
     request = {
         "performance": str(Path(performance).absolute()),
         "footage": None if footage is None else str(Path(footage).absolute()),
@@ -254,5 +292,6 @@ def bake(
         "by_phases": by_phases,
         "with_controls": with_controls,
         "as_arkit": as_arkit,
+        "curves": asdict(curves),
     }
     return write_by_blender(request, out, blender_python)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput
 from mimetic.media.timing import check_rate
 from mimetic.muscles.articulators import ARTICULATORS
+from mimetic.muscles.sides import mirrored_name, mirrored_sign
 from mimetic.shared.array_document import ArrayDocument
 from mimetic.shared.array_file import check_names, is_bounded, open_arrays
 from mimetic.shared.array_writer import write_arrays
@@ -44,9 +45,7 @@ DOCUMENT = ArrayDocument(
     advice="keep the expression again",
 )
 LARGEST_VALUE = 180.0  # degrees of a gaze; activations end at 1
-LEFT, RIGHT = ".L", ".R"
 UNKNOWN = (-90.0, 90.0)  # range of an articulator that has none in the table: degrees of a gaze
-TURNED = ("jaw_side", "gaze_yaw")  # positive to the subject's left: the mirror turns the sign
 
 
 @dataclass
@@ -138,19 +137,6 @@ class Expression:
         """Reads and checks a file; raises UnreadableMedia or InvalidInput."""
         with open_arrays(path, "a kept expression (of `mimetic library`)") as archive:
             return cls(**DOCUMENT.read(archive))
-
-
-def mirrored_name(name: str) -> str:
-    """Of the muscle or articulator at the same place on the other side."""
-    for side, other in ((LEFT, RIGHT), (RIGHT, LEFT)):
-        if name.endswith(side):
-            return name.removesuffix(side) + other
-    return name
-
-
-def mirrored_sign(name: str) -> float:
-    """What a value is multiplied by when it changes sides."""
-    return -1.0 if name.removesuffix(LEFT).removesuffix(RIGHT) in TURNED else 1.0
 
 
 def mirrored_values(values: Mapping[str, float]) -> dict[str, float]:

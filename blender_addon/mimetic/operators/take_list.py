@@ -1,0 +1,153 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Takes of the active face or character: which plays, two at once, and where the face was lost."""
+
+from bpy.props import FloatProperty, StringProperty
+from bpy.types import Operator
+
+from .. import editors, native, outcome, scene_in, scene_out, targets
+from ..greyed import Greyed
+
+
+def _names(self, context, text) -> list[str]:
+    obj = targets.take_owner(context)
+    return [row.name for row in obj.mimetic.takes] if obj else []
+
+
+class OnTake(Greyed):
+    """Mixin. Subclasses give `use(context, obj, row)`: the line for the user, and facts."""
+
+    take: StringProperty(
+        name="Take", search=_names, description="A take of the list; empty: the row that is shown"
+    )
+
+    obstacle = staticmethod(targets.no_take_list)
+
+    def execute(self, context):
+        obj, scene = targets.take_owner(context), context.scene
+        try:
+            row = scene_out.take_list.find(obj, self.take)
+            facts = {"object": obj.name, "take": row.name}
+            message, more = self.use(context, obj, row)
+        except native.known_errors() as error:
+            return outcome.cancelled(self, context, str(error))
+        scene.frame_set(scene.frame_current, subframe=scene.frame_subframe)
+        editors.redraw()
+        return outcome.finished(self, context, message, **facts, **more)
+
+
+class MIMETIC_OT_play_take(OnTake, Operator):
+    """Have a take move the face, alone; the one that does now stays in the list"""
+
+    bl_idname = "mimetic.play_take"
+    bl_label = "Play Take"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def use(self, context, obj, row):
+        is_whole = scene_out.take_list.play(obj, row)
+        if scene_out.lost_markers.ours(context.scene):
+            scene_out.lost_markers.show(context.scene, row)
+        message = f"{row.name} plays on {obj.name}"
+        if not is_whole:
+            message += "; contact and detail were made for a later bake and rest: bake it again"
+        return message, {}
+
+
+class MIMETIC_OT_remove_take(OnTake, Operator):
+    """Take a take off the list, and its actions out of the file where nothing else uses them"""
+
+    bl_idname = "mimetic.remove_take"
+    bl_label = "Remove Take"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def use(self, context, obj, row):
+        name = row.name
+        actions = scene_out.take_list.remove(obj, row)
+        gone = f", with {', '.join(actions)}" if actions else "; its actions are used elsewhere"
+        return f"{name} is removed{gone}", {"actions": actions}
+
+
+class MIMETIC_OT_compare_take(OnTake, Operator):
+    """Put a copy of the face beside it that plays a take at the same time; delete it as any
+    object"""
+
+    bl_idname = "mimetic.compare_take"
+    bl_label = "Compare Side by Side"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def use(self, context, obj, row):
+        name = row.name
+        twin = scene_out.take_comparison.stand_beside(context.scene, obj, row)
+        return f"{twin.name} plays {name} beside {obj.name}", {"copy": twin.name}
+
+
+class MIMETIC_OT_blend_takes(OnTake, Operator):
+    """Play a take over the one that plays now, as strips of the NLA, by an influence"""
+
+    bl_idname = "mimetic.blend_takes"
+    bl_label = "Blend In"
+    bl_options = {"REGISTER", "UNDO"}
+
+    influence: FloatProperty(
+        name="Influence",
+        default=0.5,
+        min=0.0,
+        max=1.0,
+        subtype="FACTOR",
+        description="From the take that plays, 0, to the one blended in, 1; it can be keyed in the "
+        "NLA",
+    )
+    over: StringProperty(
+        name="Over", search=_names, description="The take below; empty: the one that plays"
+    )
+
+    def use(self, context, obj, row):
+        takes = scene_out.take_list
+        under = takes.find(obj, self.over) if self.over else takes.playing(obj)
+        if under is None:
+            raise native.invalid_input(f"No take plays on {obj.name}: play one first, or name it")
+        takes.blend(obj, under, row, self.influence)
+        return f"{row.name} over {under.name} at {self.influence:.0%}", {"over": under.name}
+
+
+class MIMETIC_OT_mark_lost(OnTake, Operator):
+    """Mark in the timeline where the face of a take was lost and is held, instead of marks of
+    another take"""
+
+    bl_idname = "mimetic.mark_lost"
+    bl_label = "Mark Lost Frames"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def use(self, context, obj, row):
+        count = scene_out.lost_markers.show(context.scene, row)
+        what = "1 lost range" if count == 1 else f"{count} lost ranges"
+        message = f"{what} of {row.name} marked" if count else f"{row.name} was never lost"
+        return message, {"num_ranges": count}
+
+
+class MIMETIC_OT_unmark_lost(Greyed, Operator):
+    """Remove the marks of lost frames; markers of your own stay"""
+
+    bl_idname = "mimetic.unmark_lost"
+    bl_label = "Remove Marks of Lost Frames"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def obstacle(cls, context):
+        return scene_in.no_start()
+
+    def execute(self, context):
+        count = scene_out.lost_markers.clear(context.scene)
+        if not count:
+            return outcome.cancelled(self, context, "No lost frames are marked", "INFO")
+        editors.redraw()
+        return outcome.finished(self, context, f"{count} markers removed")
+
+
+CLASSES = (
+    MIMETIC_OT_play_take,
+    MIMETIC_OT_remove_take,
+    MIMETIC_OT_compare_take,
+    MIMETIC_OT_blend_takes,
+    MIMETIC_OT_mark_lost,
+    MIMETIC_OT_unmark_lost,
+)

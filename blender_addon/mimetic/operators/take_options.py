@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What every bake does about takes: the row in the list, and the take that was edited by hand."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from bpy.props import BoolProperty, EnumProperty
+
+from .. import native, scene_in, scene_out
+
+
+class TakeOptions:
+    """Mixin of operators that bake."""
+
+    edited: EnumProperty(
+        name="If Edited",
+        items=(
+            ("NEW", "New Take", "The edited take stays in the list, and the new one plays"),
+            ("KEEP", "Keep", "The edited take plays on, and the new one waits in the list"),
+            ("REPLACE", "Replace", "The edited take and its curves go"),
+        ),
+        description="What becomes of the take that plays if its curves were edited since its bake",
+        options={"SKIP_SAVE"},
+    )
+    replace_take: BoolProperty(
+        name="Replace Take",
+        description="The new take takes the place of the one that plays, unless that was edited",
+        options={"SKIP_SAVE"},
+    )
+    use_strips: BoolProperty(
+        name="As NLA Strips",
+        description="Strips on tracks of their own instead of active actions: room for keys above",
+    )
+
+    def note_take(self, context, obj, performance, name, take, clip, settings, before) -> str:
+        """Lists what was baked on `obj`; take: `takes.Take`; before: `take_list.now` before the
+        bake. Returns what the message adds."""
+        takes = scene_out.take_list
+        earlier = next((r for r in reversed(obj.mimetic.takes) if takes.plays(r, before)), None)
+        earlier_name = earlier.name if earlier else ""
+        is_edited = earlier is not None and takes.is_edited(earlier)
+        frames = scene_in.scene_frames(performance, scene_in.timing(context.scene, clip))
+        file_name = native.shown_text().shown(Path(take.path).name)
+        row = takes.note(obj, performance, name, file_name, frames, settings, before)
+        if row is None:
+            return f"; {obj.name} is a library override, which keeps no list of takes"
+        new = row.name
+        is_replaced = self.edited == "REPLACE" if is_edited else self.replace_take
+        is_kept = is_edited and self.edited == "KEEP"
+        remark = ""
+        if earlier_name and is_replaced:
+            takes.remove(obj, obj.mimetic.takes[earlier_name])
+            remark = f"; {earlier_name} is replaced" + (", edits and all" if is_edited else "")
+            if earlier_name == name or earlier_name.startswith(f"{name}."):
+                obj.mimetic.takes[new].name = new = earlier_name
+        elif is_kept:
+            takes.play(obj, obj.mimetic.takes[earlier_name])
+            remark = f"; {earlier_name} was edited and plays on, {new} waits in Takes"
+        elif is_edited:
+            remark = f"; {earlier_name} was edited: it is kept in Takes, {new} plays"
+        if self.use_strips and not is_kept:
+            takes.as_strips(obj, obj.mimetic.takes[new])
+        self.facts = {**(self.facts or {}), "take": new}
+        return remark

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The takes of the active face or character: which plays, how well each was captured."""
+
+from bpy.types import Panel, UIList
+
+from .. import native, scene_out, targets
+from .capture import wrapped
+from .muscles import Muscles
+
+
+class MIMETIC_UL_takes(UIList):
+    def draw_item(self, context, layout, data, item, icon, active_data, active_property, index=0):
+        row = layout.row(align=True)
+        playing = scene_out.take_list.playing(item.id_data)
+        is_playing = playing is not None and playing.name == item.name
+        row.label(text="", icon="PLAY" if is_playing else "ACTION")
+        row.label(text=item.name, icon="GREASEPENCIL" if item.is_edited else "NONE")
+        numbers = row.row(align=True)
+        numbers.ui_units_x = 5.5
+        numbers.label(text=f"{item.first} to {item.last}")
+        lost = row.row(align=True)
+        lost.ui_units_x = 3.0
+        lost.label(text=f"{item.num_lost} lost" if item.num_lost else "")
+
+
+class MIMETIC_PT_takes(Muscles, Panel):
+    bl_idname = "MIMETIC_PT_takes"
+    bl_label = "Takes"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return not native.problem() and targets.take_owner(context) is not None
+
+    def draw(self, context):
+        layout = self.layout
+        obj = targets.take_owner(context)
+        face = obj.mimetic
+        if not len(face.takes):
+            layout.label(text=f"{obj.name}: no take yet")
+            return
+        row = layout.row()
+        row.template_list("MIMETIC_UL_takes", "", face, "takes", face, "active_take", rows=3)
+        column = row.column(align=True)
+        column.operator("mimetic.play_take", text="", icon="PLAY")
+        column.operator("mimetic.remove_take", text="", icon="X")
+        if 0 <= face.active_take < len(face.takes):
+            self.draw_take(layout, face.takes[face.active_take])
+        row = layout.row(align=True)
+        row.operator("mimetic.compare_take", text="Compare", icon="MOD_ARRAY")
+        row.operator("mimetic.blend_takes", icon="NLA")
+        row = layout.row(align=True)
+        row.operator("mimetic.mark_lost", icon="MARKER_HLT")
+        if scene_out.lost_markers.ours(context.scene):
+            row.operator("mimetic.unmark_lost", text="", icon="X")
+
+    def draw_take(self, layout, take):
+        column = layout.column(align=True)
+        lines = [
+            f"{take.clip or take.performance}, frames {take.first} to {take.last}",
+            f"quality {take.quality:.2f}, {take.num_lost} frames lost",
+            f"baked {take.date}; {take.settings}",
+        ]
+        for line in lines:
+            for part in wrapped(line, 44):
+                column.label(text=part)
+        if take.is_edited:
+            column.label(text="Edited since its bake", icon="GREASEPENCIL")
+
+
+CLASSES = (MIMETIC_UL_takes, MIMETIC_PT_takes)

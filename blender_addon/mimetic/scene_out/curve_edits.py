@@ -1,0 +1,139 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Edits of a face's curves: each is one pass over the chosen curves, keys as arrays."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import bpy
+import numpy as np
+
+from .. import native
+from . import actions, key_table
+from .face_curves import Chosen, FaceCurve, head_curves
+from .key_table import KeyTable
+
+
+def smooth(chosen: Sequence[Chosen], frames: float) -> float:
+    """Takes off what changes faster than a width in scene frames; returns the farthest that a key
+    has moved, of a full activation. Keys stay where they are in time."""
+    parts, farthest = native.curve_keys(), 0.0
+    for one in chosen:
+        table = key_table.read(one.of.curve)
+        at = parts.sample_frames(table.keys.points[:, 0])
+        values = key_table.values_at(one.of.curve, at)
+        keys = table.keys.smoothed(at, values, frames, one.is_chosen)
+        moves = np.abs(keys.points[:, 1] - table.keys.points[:, 1]).max() / abs(one.of.unit)
+        farthest = max(farthest, float(moves))
+        is_curved = one.is_chosen & (table.columns["interpolation"] == actions.BEZIER)
+        for name in ("handle_left_type", "handle_right_type"):
+            table.columns[name][is_curved] = actions.ALIGNED
+        key_table.write(one.of.curve, table.with_keys(keys))
+    return farthest
+
+
+def exaggerate(chosen: Sequence[Chosen], factor: float, at: float | None, has_limits: bool) -> int:
+    """Values times `factor` about rest, or about what each curve is at a scene frame; returns how
+    many keys were kept within what their shape can do."""
+    native.curve_keys().check_factor(factor)
+
+    def larger(row: FaceCurve) -> tuple[float, float]:
+        centre = 0.0 if at is None else row.curve.evaluate(at)
+        return factor, centre * (1 - factor)
+
+    return _affine(chosen, larger, has_limits)
+
+
+def shift(chosen: Sequence[Chosen], amount: float, has_limits: bool) -> int:
+    """Values plus an amount, of which 1 is a full activation; returns as `exaggerate`."""
+    return _affine(chosen, lambda row: (1.0, amount * row.unit), has_limits)
+
+
+def set_neutral(chosen: Sequence[Chosen], at: float, has_limits: bool) -> int:
+    """Values less what each curve is at a scene frame; returns as `exaggerate`."""
+    return _affine(chosen, lambda row: (1.0, -row.curve.evaluate(at)), has_limits)
+
+
+def _affine(
+    chosen: Sequence[Chosen], change: Callable[[FaceCurve], tuple], has_limits: bool
+) -> int:
+    beyond = 0
+    for one in chosen:
+        table = key_table.read(one.of.curve)
+        keys = table.keys.affine(*change(one.of), one.is_chosen)
+        if has_limits:
+            keys, count = keys.limited(*one.of.limits, one.is_chosen)
+            beyond += count
+        key_table.write(one.of.curve, table.with_keys(keys))
+    return beyond
+
+
+def span(chosen: Sequence[Chosen]) -> tuple[float, float]:
+    """Scene frames of the first and the last chosen key."""
+    frames = [key_table.read(one.of.curve).keys.points[one.is_chosen, 0] for one in chosen]
+    return min(float(f[0]) for f in frames), max(float(f[-1]) for f in frames)
+
+
+def retime(
+    curves: Sequence[bpy.types.FCurve], first: float, last: float, factor: float, later: float
+) -> None:
+    """What lies between two scene frames takes `factor` times as long; all after it moves along,
+    and everything `later` frames."""
+    for curve in curves:
+        table = key_table.read(curve)
+        key_table.write(curve, table.with_keys(table.keys.retimed(first, last, factor, later)))
+
+
+def ends(curves: Sequence[bpy.types.FCurve]) -> tuple[float, float]:
+    """Scene frames of the first and the last key of curves."""
+    ranges = [curve.range() for curve in curves]
+    return float(min(first for first, _ in ranges)), float(max(last for _, last in ranges))
+
+
+def curves_to_retime(
+    face: bpy.types.Object, chosen: Sequence[Chosen], with_head: bool
+) -> list[bpy.types.FCurve]:
+    head = [curve for curve in head_curves(face) if not curve.lock] if with_head else []
+    return [*(one.of.curve for one in chosen), *head]
+
+
+def mirror(chosen: Sequence[Chosen], curves: Sequence[FaceCurve], how: str, share: float) -> int:
+    """Gives curves what their counterparts of the other side do, by a share from 0 to 1; returns
+    how many have changed.
+
+    curves: all of the face. how: SWAP, each side the other's; LEFT, the left's on both; RIGHT;
+    BOTH, the mean of the two. What lies in the middle is turned by SWAP, half by BOTH.
+    """
+    twin_of = native.curve_keys().twin_of
+    by_shape = {row.shape: row for row in curves}
+    names = {one.of.shape for one in chosen}
+    names |= {twin_of(name)[0] for name in names}
+    changes = []
+    for name in sorted(names & set(by_shape)):
+        twin_name, sign = twin_of(name)
+        row, twin = by_shape[name], by_shape.get(twin_name)
+        if twin is None or row.curve.lock:
+            continue
+        weight = {"SWAP": 1.0, "BOTH": 0.5}.get(how, 0.0)
+        if not weight and row.side and row.side[1] != how[0]:
+            weight = 1.0
+        if weight and share:
+            factor = sign * row.unit / twin.unit
+            changes.append((row, _mixed(row, twin, weight * share, factor)))
+    for row, table in changes:  # only now: all were read before any was written
+        key_table.write(row.curve, table)
+    return len(changes)
+
+
+def _mixed(row: FaceCurve, twin: FaceCurve, share: float, factor: float) -> KeyTable:
+    own, other = key_table.read(row.curve), key_table.read(twin.curve)
+    if share == 1:
+        return other.with_keys(other.keys.affine(factor, 0.0))
+    parts = native.curve_keys()
+    frames = np.unique(np.concatenate([own.keys.points[:, 0], other.keys.points[:, 0]]))
+    at = parts.slope_frames(frames)
+    samples = [parts.samples(key_table.values_at(one.curve, at)) for one in (row, twin)]
+    keys = parts.mixed(frames, list(zip((1 - share, factor * share), samples, strict=True)))
+    is_straight = all(table.is_of("interpolation", actions.LINEAR) for table in (own, other))
+    kind = actions.LINEAR if is_straight else actions.BEZIER
+    return key_table.as_cubics(own, keys, actions.FREE, kind)

@@ -1,0 +1,151 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The curves that move a face, on its shape keys or its control object, and which of them an edit
+is meant for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from .. import compat, native
+from . import by_hand, control_bones, control_object
+
+SIDES = (".L", ".R")
+
+
+@dataclass(frozen=True)
+class FaceCurve:
+    """A curve of one muscle, articulator or shape; its values are the shape's times `unit`."""
+
+    curve: bpy.types.FCurve
+    shape: str
+    group: str
+    unit: float
+    lowest: float  # what the shape can do
+    highest: float
+
+    @property
+    def side(self) -> str:
+        return self.shape[-2:] if self.shape.endswith(SIDES) else ""
+
+    @property
+    def limits(self) -> tuple[float, float]:
+        """Of the curve's own values."""
+        low, high = self.lowest * self.unit, self.highest * self.unit
+        return min(low, high), max(low, high)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """Which curves an edit is meant for."""
+
+    on: str = "ALL"  # "CURVES", the selected ones; "KEYS", the selected keys of any
+    group: str = ""  # its name; "" for all
+    side: str = "BOTH"  # "LEFT", "RIGHT"
+    with_rest: bool = False  # contact and detail too, which no group has
+
+
+@dataclass(frozen=True)
+class Chosen:
+    """A curve, and which of its K keys."""
+
+    of: FaceCurve
+    is_chosen: np.ndarray
+
+
+def of(face: bpy.types.Object) -> list[FaceCurve]:
+    """All curves of a face, in the order of its sliders."""
+    rows = _of_keys(face)
+    if control_object.of(face) is not None:
+        rows += _of_controls(face)
+    return rows
+
+
+def head_curves(face: bpy.types.Object) -> list[bpy.types.FCurve]:
+    """What moves the head: the object, or the control object's bone."""
+    movers = [(face, "")]
+    if (control := control_object.of(face)) is not None:
+        movers.append((control, f'pose.bones["{native.control_object().HEAD}"].'))
+    return [
+        curve
+        for mover, prefix in movers
+        if (holder := compat.curves(mover)) is not None
+        for curve in holder.fcurves
+        if curve.data_path.startswith((f"{prefix}location", f"{prefix}rotation"))
+    ]
+
+
+def choose(face: bpy.types.Object, choice: Choice) -> list[Chosen]:
+    """The curves that are meant; raises InvalidInput where there are none. Locked ones are not."""
+    curves = of(face)
+    parts = native.shapes()
+    rest = (parts.DETAIL, parts.CONTACT)
+    groups = list(dict.fromkeys(row.group for row in curves if row.group not in rest))
+    if choice.group and choice.group not in groups:
+        raise native.invalid_input(
+            f"{face.name} has no curves of a group {choice.group}: it has {', '.join(groups)}"
+        )
+    side = {"LEFT": ".L", "RIGHT": ".R"}.get(choice.side, "")
+    chosen = []
+    for row in curves:
+        is_of_group = row.group == choice.group if choice.group else row.group not in rest
+        is_rest = row.group in rest and choice.with_rest and not choice.group
+        if not (is_of_group or is_rest) or (side and row.side != side) or row.curve.lock:
+            continue
+        flags = _flags(row.curve, choice.on)
+        if flags.any():
+            chosen.append(Chosen(row, flags))
+    if not chosen:
+        what = {"CURVES": "curve", "KEYS": "key"}.get(choice.on)
+        where = f" of {choice.group}" if choice.group else ""
+        reason = f"no {what}{where} is selected (Graph Editor)" if what else f"no curve{where}"
+        raise native.invalid_input(f"{face.name}: {reason} that is not locked")
+    return chosen
+
+
+def _flags(curve: bpy.types.FCurve, on: str) -> np.ndarray:
+    flags = np.ones(len(curve.keyframe_points), dtype=np.bool_)
+    if on == "KEYS":
+        curve.keyframe_points.foreach_get("select_control_point", flags)
+    elif on == "CURVES" and not curve.select:
+        flags[:] = False
+    return flags
+
+
+def _of_keys(face: bpy.types.Object) -> list[FaceCurve]:
+    keys = face.data.shape_keys
+    holder = compat.curves(keys) if keys else None
+    if holder is None:
+        return []
+    by_path = {curve.data_path: curve for curve in holder.fcurves}
+    names, rows = by_hand.keys_now(face), []
+    for shape, entry in by_hand.entries_of(face).items():
+        key = keys.key_blocks.get(names.get(shape, ""))
+        curve = by_path.get(key.path_from_id("value")) if key else None
+        if curve is not None:
+            limits = key.slider_min, key.slider_max
+            rows.append(FaceCurve(curve, shape, entry.group, 1.0, *limits))
+    return rows
+
+
+def _of_controls(face: bpy.types.Object) -> list[FaceCurve]:
+    holder = compat.curves(control_object.of(face))
+    if holder is None:
+        return []
+    parts = native.control_object()
+    by_path = {(curve.data_path, curve.array_index): curve for curve in holder.fcurves}
+    channels, _ = control_object.channels_of(face)
+    rows = []
+    for channel in channels:
+        curve = by_path.get((control_bones.path_of(channel), channel.index))
+        if curve is not None:
+            limits = channel.lowest, channel.highest
+            rows.append(FaceCurve(curve, channel.shape, channel.group, channel.unit, *limits))
+    for bone, axis, shape in parts.gaze_channels():
+        if curve := by_path.get((f'pose.bones["{bone}"].location', axis)):
+            rows.append(
+                FaceCurve(curve, shape, parts.GAZE_GROUP, parts.GAZE_DISTANCE, -np.inf, np.inf)
+            )
+    return rows

@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The takes of a face or a character: which actions each has, which plays, which were edited."""
+
+from __future__ import annotations
+
+import datetime
+import hashlib
+
+import bpy
+import numpy as np
+
+from .. import compat, native
+from . import actions, control_object, key_table, take_strips
+
+KEYS, OBJECT, CONTROL = "KEYS", "OBJECT", "CONTROL"
+MARK_DIGITS = 4  # of handles, which Blender may compute again
+
+
+def owners(obj: bpy.types.Object | None) -> dict[str, bpy.types.ID]:
+    """What of a face or character actions may move."""
+    if obj is None:
+        return {}
+    blocks = {OBJECT: obj, CONTROL: control_object.of(obj)}
+    blocks[KEYS] = obj.data.shape_keys if obj.type == "MESH" else None
+    return {name: block for name, block in blocks.items() if block is not None}
+
+
+def now(obj: bpy.types.Object | None) -> dict[str, tuple]:
+    """The action that moves each owner, or our uppermost strip's, and its slot."""
+    current = {}
+    for name, block in owners(obj).items():
+        animation = block.animation_data
+        if animation is not None and animation.action is not None:
+            current[name] = animation.action, compat.slot_of(animation)
+        elif (strip := take_strips.top(block)) is not None:
+            current[name] = strip.action, compat.slot_of(strip)
+    return current
+
+
+def note(obj, performance, name: str, path: str, frames, settings: str, before: dict):
+    """Adds the take that was just baked to the list, and returns its row; None for a library
+    override, which keeps no such list.
+
+    frames: N, of the scene; before: what `now` was before the bake, whose actions are not its.
+    """
+    if obj.override_library:
+        return None
+    facts = native.take_facts().facts_of(performance)
+    for block in owners(obj).values():
+        take_strips.clear(block)  # of the takes before, which stay in the list
+    row = obj.mimetic.takes.add()
+    row.name = _free_name(obj, name)
+    row.clip = native.shown_text().shown(performance.footage[0]) if performance.footage else ""
+    row.performance = path
+    row.first, row.last, row.quality = facts.first, facts.last, facts.quality
+    row.scene_first, row.scene_last = float(frames[0]), float(frames[-1])
+    row.num_lost = facts.num_held
+    for first, last in facts.held:
+        lost = row.lost.add()
+        lost.first, lost.last = float(frames[first]), float(frames[last])
+    row.date = datetime.datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
+    row.settings = settings
+    for owner, (action, slot) in now(obj).items():
+        if (action, slot) != before.get(owner):
+            part = row.parts.add()
+            part.name, part.action, part.slot = owner, action, slot
+    row.mark, row.surface = mark_of(row), _surface_of(obj)
+    obj.mimetic.active_take = len(obj.mimetic.takes) - 1
+    return row
+
+
+def playing(obj: bpy.types.Object | None):
+    """The row of the take whose actions move the face now, or None."""
+    if obj is None:
+        return None
+    current = now(obj)
+    return next((row for row in reversed(obj.mimetic.takes) if plays(row, current)), None)
+
+
+def plays(row, current: dict) -> bool:
+    """Whether a take's actions are all among `now`'s."""
+    parts = {part.name: (part.action, part.slot) for part in row.parts}
+    return bool(parts) and all(current.get(owner) == part for owner, part in parts.items())
+
+
+def find(obj: bpy.types.Object, name: str):
+    """A take by its name, or the row that is shown; raises InvalidInput."""
+    takes = obj.mimetic.takes
+    if name and name not in takes:
+        names = ", ".join(row.name for row in takes) or "none"
+        raise native.invalid_input(f"{obj.name} has no take {name}: it has {names}")
+    if name:
+        return takes[name]
+    if not 0 <= obj.mimetic.active_take < len(takes):
+        raise native.invalid_input(f"{obj.name} has no take yet: bake a performance")
+    return takes[obj.mimetic.active_take]
+
+
+def is_edited(row) -> bool:
+    """Whether curves of a take are no longer as they were baked; the row remembers it."""
+    row.is_edited = row.is_edited or mark_of(row) != row.mark
+    return row.is_edited
+
+
+def mark_of(row) -> str:
+    """Of all keys of a take's curves."""
+    digest = hashlib.sha256()
+    for part in row.parts:
+        curves = compat.curves_of(part.action, part.slot) if part.action else ()
+        for curve in sorted(curves, key=lambda curve: (curve.data_path, curve.array_index)):
+            table = key_table.read(curve)
+            digest.update(f"{part.name} {curve.data_path} {curve.array_index}".encode())
+            digest.update(table.keys.points.astype(np.float32).tobytes())
+            kinds = table.columns["interpolation"]
+            digest.update(kinds.tobytes())
+            is_curved = kinds == actions.BEZIER
+            for handles in (table.keys.left, table.keys.right):
+                digest.update(np.round(handles[is_curved], MARK_DIGITS).tobytes())
+    return digest.hexdigest()
+
+
+def no_play(obj: bpy.types.Object, row) -> str:
+    """Why a take cannot play, or nothing."""
+    names = {part.name for part in row.parts}
+    if not names or any(part.action is None for part in row.parts):
+        return f"the actions of {row.name} were removed: bake it again"
+    if CONTROL in names and control_object.of(obj) is None:
+        return f"{row.name} is of a control object, which {obj.name} no longer has: add it again"
+    if CONTROL not in names and KEYS in names and (control := control_object.of(obj)):
+        return (
+            f"{row.name} is on {obj.name}'s shape keys, which {control.name} drives: "
+            "Remove Control Object first"
+        )
+    return ""
+
+
+def _surface_of(obj: bpy.types.Object) -> str:
+    """Of the shapes of contact and detail that the face has now, which a bake makes anew."""
+    digest = hashlib.sha256()
+    for entry in _rest_of(obj):
+        digest.update(f"{entry.name} ".encode() + np.array(entry.offsets, np.float32).tobytes())
+    return digest.hexdigest()
+
+
+def _rest_of(obj: bpy.types.Object) -> list:
+    parts = native.shapes()
+    return [entry for entry in obj.mimetic.shapes if entry.group in (parts.CONTACT, parts.DETAIL)]
+
+
+def _suit(obj: bpy.types.Object, row) -> bool:
+    """Has a take move shapes of contact and detail only if they were made for it; says whether.
+    Else lips and lids are kept apart as when sliders are moved by hand."""
+    if KEYS not in row.parts or not (rest := _rest_of(obj)):
+        return True
+    is_own, keys = row.surface == _surface_of(obj), obj.data.shape_keys
+    blocks = [keys.key_blocks[entry.name] for entry in rest if entry.name in keys.key_blocks]
+    paths = {block.path_from_id("value") for block in blocks}
+    part = row.parts[KEYS]
+    for curve in compat.curves_of(part.action, part.slot):
+        if curve.data_path in paths:
+            curve.mute = not is_own
+    if not is_own:
+        for block in blocks:
+            block.value = 0.0
+    return is_own
+
+
+def play(obj: bpy.types.Object, row) -> bool:
+    """Has a take move the face alone; says whether contact and detail are its own. Raises
+    InvalidInput, and changes nothing then."""
+    if reason := no_play(obj, row):
+        raise native.invalid_input(reason)
+    for block in owners(obj).values():
+        take_strips.clear(block)
+    parts = {part.name: part for part in row.parts}
+    of_takes = {part.action for other in obj.mimetic.takes for part in other.parts}
+    for owner, block in owners(obj).items():
+        if owner in parts:
+            compat.assign(block, parts[owner].action, parts[owner].slot)
+        elif block.animation_data is not None and block.animation_data.action in of_takes:
+            block.animation_data.action = None
+    obj.mimetic.active_take = obj.mimetic.takes.find(row.name)
+    return _suit(obj, row)
+
+
+def blend(obj: bpy.types.Object, under, over, influence: float) -> None:
+    """Has one take play over another, as strips; raises InvalidInput, and changes nothing then."""
+    for row in (under, over):
+        if reason := no_play(obj, row):
+            raise native.invalid_input(reason)
+    if under.name == over.name:
+        raise native.invalid_input(f"{over.name} plays already: choose another take to blend in")
+    take_strips.play(owners(obj), [(under, 1.0), (over, influence)])
+    for row in (under, over):
+        _suit(obj, row)
+
+
+def as_strips(obj: bpy.types.Object, row) -> None:
+    """Has a take play as strips, which leaves room for keys and strips of the user's above."""
+    take_strips.play(owners(obj), [(row, 1.0)])
+
+
+def remove(obj: bpy.types.Object, row) -> list[str]:
+    """Takes a row off the list, and its actions out of the file where nothing else uses them;
+    returns their names."""
+    index = obj.mimetic.takes.find(row.name)
+    parts = [part.action for part in row.parts if part.action is not None]
+    is_playing = plays(row, now(obj))
+    obj.mimetic.takes.remove(index)
+    kept = {part.action for other in obj.mimetic.takes for part in other.parts}
+    gone = [action for action in dict.fromkeys(parts) if action not in kept]
+    for block in owners(obj).values():
+        take_strips.clear(block, gone)
+        if is_playing and block.animation_data and block.animation_data.action in gone:
+            block.animation_data.action = None
+    names = []
+    for action in gone:
+        action.use_fake_user = False
+        if not action.users:
+            names.append(action.name)
+            bpy.data.actions.remove(action)
+    obj.mimetic.active_take = min(max(index - 1, 0), max(len(obj.mimetic.takes) - 1, 0))
+    return names
+
+
+def _free_name(obj: bpy.types.Object, name: str) -> str:
+    number, free = 1, name
+    while free in obj.mimetic.takes:
+        number += 1
+        free = f"{name}.{number:03d}"
+    return free

@@ -1,0 +1,58 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a face or a character remembers of what was baked on it: `object.mimetic.takes`."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+
+class MimeticTakePart(bpy.types.PropertyGroup):
+    """An action of a take, and what it moves (its name): OBJECT, KEYS or CONTROL."""
+
+    action: PointerProperty(type=bpy.types.Action)
+    slot: StringProperty(description="Identifier of the action's slot; empty before Blender 4.4")
+
+
+class MimeticLostRange(bpy.types.PropertyGroup):
+    """Scene frames in which the face was lost and is held."""
+
+    first: FloatProperty(description="Scene frame in which it begins")
+    last: FloatProperty(description="Scene frame with which it ends")
+
+
+class MimeticTake(bpy.types.PropertyGroup):
+    """A bake of a performance; its name is the take's."""
+
+    clip: StringProperty(name="Clip", description="The footage that it was captured from")
+    performance: StringProperty(name="Performance", description="Name of the file")
+    first: IntProperty(name="First", description="Footage frame")
+    last: IntProperty(name="Last", description="Footage frame")
+    scene_first: FloatProperty(description="Scene frame of the first key")
+    scene_last: FloatProperty(description="Scene frame of the last key")
+    quality: FloatProperty(name="Quality", description="The median, from 0 to 1")
+    num_lost: IntProperty(name="Lost", description="Frames in which the face was lost and is held")
+    lost: CollectionProperty(type=MimeticLostRange)
+    date: StringProperty(name="Date", description="When it was baked")
+    settings: StringProperty(name="Settings", description="How it was baked")
+    parts: CollectionProperty(type=MimeticTakePart)
+    mark: StringProperty(description="Of its curves as they were baked")
+    surface: StringProperty(description="Of the shapes of contact and detail that were made for it")
+    is_edited: BoolProperty(description="Whether its curves were seen to differ from the bake's")
+
+
+class HasTakes:
+    """Mixin of the properties of a face."""
+
+    takes: CollectionProperty(type=MimeticTake, description="What was baked on it, oldest first")
+    active_take: IntProperty(name="Take", description="The row whose details are shown")
+
+
+CLASSES = (MimeticTakePart, MimeticLostRange, MimeticTake)

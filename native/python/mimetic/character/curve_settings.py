@@ -1,0 +1,137 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a bake makes of a performance's curves before it keys them: smoother, from rest, larger."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, _core
+from mimetic.character.curve_keys import check_factor, check_width
+from mimetic.character.shapes import GROUPS, listed
+from mimetic.muscles.articulators import ARTICULATORS
+from mimetic.muscles.extras import lip_rows
+from mimetic.performance.document import Performance
+from mimetic.performance.gaze import GAZE
+
+Floats = NDArray[np.float64]
+Row = tuple[str, str, float, float]
+ALL_GROUPS = ""
+
+
+@dataclass(frozen=True)
+class CurveSettings:
+    """Edits of the curves of muscles, jaw, lids and lips; the gaze, the head and detail stay."""
+
+    # Seconds, of `_core.smooth_curve`; 0 leaves curves as captured
+    smoothing: float = 0.0
+    # Of the footage, in which the actor's face is what the character's is at rest; 0: none
+    neutral_frame: int = 0
+    # By group, ALL_GROUPS for those that are not named
+    factors: Mapping[str, float] = field(default_factory=dict)
+
+    def changes_nothing(self) -> bool:
+        is_as_large = all(factor == 1 for factor in self.factors.values())
+        return not self.smoothing and not self.neutral_frame and is_as_large
+
+
+def group_names() -> list[str]:
+    """What factors may name."""
+    names = [*ARTICULATORS, *(row["name"] for row in lip_rows())]
+    return [*GROUPS.values(), *dict.fromkeys(listed(name)[1] for name in names)]
+
+
+def settings_of(
+    smoothing: float = 0.0,
+    neutral_frame: int = 0,
+    exaggeration: float = 1.0,
+    of_groups: str = "",
+) -> CurveSettings:
+    """Settings as a form has them; of_groups: GROUP=FACTOR, ... Raises InvalidInput."""
+    texts = [text.strip() for text in of_groups.split(",") if text.strip()]
+    if bare := [text for text in texts if "=" not in text]:
+        raise InvalidInput(f"exaggeration {bare[0]}: give GROUP=FACTOR")
+    factors = {ALL_GROUPS: exaggeration, **parse_factors(texts)}
+    return CurveSettings(smoothing, neutral_frame, factors)
+
+
+def parse_factors(texts: Sequence[str]) -> dict[str, float]:
+    """Factors by group of texts FACTOR or GROUP=FACTOR; raises InvalidInput."""
+    factors = {}
+    for text in texts:
+        group, _, number = text.rpartition("=")
+        names = {_plain(name): name for name in group_names()}
+        if group and _plain(group) not in names:
+            raise InvalidInput(f"exaggeration {text}: groups are {', '.join(names)}")
+        try:
+            factor = float(number)
+        except ValueError:
+            raise InvalidInput(f"exaggeration {text}: give FACTOR or GROUP=FACTOR") from None
+        check_factor(factor)
+        factors[names[_plain(group)] if group else ALL_GROUPS] = factor
+    return factors
+
+
+def _plain(group: str) -> str:
+    return group.strip().lower().replace(" ", "-")
+
+
+def edited(performance: Performance, settings: CurveSettings) -> Performance:
+    """The performance with its curves edited.
+
+    They are smoothed over seconds, whatever the rate; then what they are in the neutral frame is
+    taken off; then they are multiplied by their group's factor, within what each can do. Raises
+    InvalidInput.
+    """
+    check_width(settings.smoothing)
+    for factor in settings.factors.values():
+        check_factor(factor)
+    if settings.changes_nothing():
+        return performance
+    muscles = [
+        (name, GROUPS[int(group)], 0.0, 1.0)
+        for name, group in zip(performance.muscles, performance.groups, strict=True)
+    ]
+    articulators = [listed(name) for name in performance.articulators]
+    return replace(
+        performance,
+        activations=_edited(performance, performance.activations, muscles, settings),
+        articulator_values=_edited(
+            performance, performance.articulator_values, articulators, settings
+        ),
+    )
+
+
+def _edited(
+    performance: Performance, values: Floats, rows: Sequence[Row], settings: CurveSettings
+) -> Floats:
+    """N x C values with a row for each column: name, group, lowest, highest."""
+    frames = performance.frame.astype(np.float64)
+    width = settings.smoothing * performance.fps
+    neutral = _index(performance, settings.neutral_frame)
+    result = values.copy()
+    for i, (name, group, lowest, highest) in enumerate(rows):
+        if name in GAZE:
+            continue
+        column = np.ascontiguousarray(values[:, i])
+        if width > 0:
+            column, _ = _core.smooth_curve(frames, column, frames, width)
+        rest = 0.0 if neutral is None else column[neutral]
+        factor = settings.factors.get(group, settings.factors.get(ALL_GROUPS, 1.0))
+        result[:, i] = np.clip((column - rest) * factor, lowest, highest)
+    return result
+
+
+def _index(performance: Performance, frame: int) -> int | None:
+    if not frame:
+        return None
+    rows = np.flatnonzero(performance.frame == frame)
+    if not len(rows):
+        raise InvalidInput(
+            f"neutral frame {frame} is not in the performance, which has {performance.frame[0]} to "
+            f"{performance.frame[-1]}"
+        )
+    return int(rows[0])
