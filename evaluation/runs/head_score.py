@@ -51,9 +51,7 @@ def score_head(
     true_angles = angles_of(truth[:, :3, :3])
     angles = np.full_like(true_angles, np.nan)
     if rest.any():
-        aligned_rotations = (
-            poses[:, :3, :3] @ _mean_turn(truth[rest, :3, :3], poses[rest, :3, :3]).T
-        )
+        aligned_rotations = rotations_like(poses, truth, rest)
         angles[has_pose] = angles_of(aligned_rotations[has_pose])
         figures |= _translation(poses[has_pose], aligned_rotations[has_pose], truth[has_pose])
         has_pose[has_pose] &= (
@@ -63,6 +61,11 @@ def score_head(
     figures |= _of_errors(errors, true_angles[:, AXES.index("yaw")], kind)
     figures["lost"] = float(np.sum(~has_pose))
     return HeadScore(clip, kind, method, figures, angles, true_angles)
+
+
+def rotations_like(poses: NDArray, truth: NDArray, rest: NDArray) -> NDArray[np.float64]:
+    """Rotations (N,3,3) of the poses, about axes that are the truth's in the frames `rest`."""
+    return poses[:, :3, :3] @ _mean_turn(truth[rest, :3, :3], poses[rest, :3, :3]).T
 
 
 def _of_errors(errors: NDArray, yaw: NDArray, kind: str) -> dict[str, float]:
@@ -88,15 +91,20 @@ def _of_errors(errors: NDArray, yaw: NDArray, kind: str) -> dict[str, float]:
 
 
 def _translation(poses: NDArray, rotations: NDArray, truth: NDArray) -> dict[str, float]:
-    """Error in % of distance, for the scale and the point of the head that fit best.
+    """Error in % of distance."""
+    off = np.linalg.norm(aligned_places(poses, rotations, truth) - truth[:, :3, 3], axis=1)
+    return {"translation": float(100 * np.mean(off / np.linalg.norm(truth[:, :3, 3], axis=1)))}
+
+
+def aligned_places(poses: NDArray, rotations: NDArray, truth: NDArray) -> NDArray[np.float64]:
+    """Where the head is (N,3), for the scale and the point of the head that fit the truth best.
 
     One camera cannot distinguish a large head far away from a small one nearby, and each method
     has a point of its own for a head's origin.
     """
     system = np.concatenate([poses[:, :3, 3:], rotations], axis=2).reshape(-1, 4)
     solution = np.linalg.lstsq(system, truth[:, :3, 3].ravel(), rcond=1e-6)[0]
-    off = np.linalg.norm((system @ solution).reshape(-1, 3) - truth[:, :3, 3], axis=1)
-    return {"translation": float(100 * np.mean(off / np.linalg.norm(truth[:, :3, 3], axis=1)))}
+    return (system @ solution).reshape(-1, 3)
 
 
 def angles_of(camera_from_head: NDArray[np.float64]) -> NDArray[np.float64]:
