@@ -71,6 +71,27 @@ def test_a_blend_opens_with_a_control_object_that_plays(performance, performance
     np.testing.assert_allclose(actual, performance.activations[19], atol=1e-5)
 
 
+def test_a_blend_has_curves_that_were_edited_as_asked(performance, performance_file, tmp_path):
+    from mimetic.character.curve_settings import CurveSettings, edited, parse_factors
+
+    out = tmp_path / "face.blend"
+    options = ["--smooth-curves", "0.08", "--neutral", "4", "--exaggerate"]
+    factors = ["1.5", "lip-corners=0.5"]
+    ran = run_bake(performance_file, "--out", out, *options, *factors)
+    assert ran.returncode == 0, ran.stderr
+    bpy.ops.wm.open_mainfile(filepath=str(out))
+    bpy.context.scene.frame_set(20)
+    face = bpy.data.objects["Face"]
+    settings = CurveSettings(0.08, 4, parse_factors(factors))
+    expected = edited(performance, settings).activations[19]
+    keys = face.data.shape_keys.key_blocks
+    actual = [keys[name].value for name in performance.muscles]
+    np.testing.assert_allclose(actual, expected, atol=1e-5)
+    assert np.abs(expected - performance.activations[19]).max() > 0.1
+    (row,) = face.mimetic.takes
+    assert (row.first, row.last, row.settings) == (1, 40, "by mimetic bake")
+
+
 def test_a_glb_is_written(performance_file, tmp_path):
     out = tmp_path / "face.glb"
     ran = run_bake(performance_file, "--out", out)
@@ -101,11 +122,16 @@ def test_names_that_are_no_text_are_baked(performance_file, footage, tmp_path, s
         (["{performance}", "--out", "{out}.blend", "--names", "arkit"], "arkit is of .glb"),
         (["{performance}", "--out", "{out}.glb", "--control-object"], "is of a .blend"),
         (["{performance}", "--out", "{out}/nowhere/face.glb"], "no folder"),
+        (["{performance}", "--out", "{out}.blend", "--neutral", "99"], "neutral frame 99 is not"),
+        (["{performance}", "--out", "{out}.glb", "--exaggerate", "nose=2"], "groups are"),
         (["{text}", "--out", "{out}.glb"], "not a performance"),
         (["{performance}", "--out", "{out}.glb", "--footage", "{text}"], "text"),
         (["{performance}", "--out", "{out}.glb", "--blender-python", "{missing}"], "missing"),
     ],
-    ids=["missing", "suffix", "names", "control_object", "folder", "damaged", "footage", "python"],
+    ids=[
+        *("missing", "suffix", "names", "control_object", "folder", "neutral", "group"),
+        *("damaged", "footage", "python"),
+    ],
 )
 def test_bad_input_gets_status_2_and_one_line(arguments, said, performance_file, tmp_path):
     text = tmp_path / "text.npz"

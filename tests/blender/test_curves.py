@@ -67,6 +67,22 @@ def test_smoothing_takes_jitter_away_and_leaves_keys_where_they_are(extension, f
     assert result()["num_curves"] >= 36
 
 
+def test_lids_are_smoothed_where_they_are_asked_for_alone(extension, face):
+    lid = "lid_upper.L"
+    row = rows(extension, face)[lid]
+    row.curve.keyframe_points[20].co.y += 0.5
+    row.curve.update()
+    before = keyed(extension, face, lid)
+    assert bpy.ops.mimetic.smooth_curves() == {"FINISHED"}
+    np.testing.assert_array_equal(keyed(extension, face, lid), before)
+    options = [{"use_lids_and_gaze": True}, {"group": row.group}]
+    for i, option in enumerate(options):
+        assert bpy.ops.mimetic.smooth_curves(**option) == {"FINISHED"}
+        after = keyed(extension, face, lid)
+        assert after[20, 1] < before[20, 1] - 0.02, i
+        before = after
+
+
 @pytest.mark.parametrize("rate", RATES)
 def test_smoothing_is_the_same_at_every_scene_rate(extension, scene, performance, rate):
     jitter = 0.05 * (-1.0) ** np.arange(40)[:, None]

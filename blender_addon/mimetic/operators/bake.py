@@ -69,7 +69,7 @@ class MIMETIC_OT_bake(TakeOptions, Job, Operator):
         precision=3,
         step=1,
         description="Seconds that neighbouring frames of a curve weigh in by, as a standard "
-        "deviation; 0 leaves curves as captured. Of muscles, jaw, lids and lips",
+        "deviation; 0 leaves curves as captured. Of muscles, jaw and lips: lids blink too fast",
     )
     neutral_frame: IntProperty(
         name="Neutral Frame",

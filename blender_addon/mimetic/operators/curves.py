@@ -113,13 +113,21 @@ class MIMETIC_OT_smooth_curves(OnCurves, Operator):
         description="Seconds of the scene that neighbours weigh in by, as a standard deviation: "
         "the same at every frame rate",
     )
+    use_lids_and_gaze: BoolProperty(
+        name="Lids and Gaze Too",
+        description="Smooth them where all curves are meant, too: blinks and jumps of the eyes are "
+        "short and lose height",
+    )
     takes_rest = True
 
     def edit(self, context, face, chosen):
+        if self.on == "ALL" and not self.group and not self.use_lids_and_gaze:
+            gaze, is_lid = native.gaze_shapes().GAZE_GROUP, native.curve_settings().is_lid
+            chosen = [c for c in chosen if c.of.group != gaze and not is_lid(c.of.shape)]
         rate = scene_in.timing(context.scene, None).scene_rate
         farthest = scene_out.curve_edits.smooth(chosen, self.seconds * rate)
         message = f"{_count(chosen)} smoothed; keys moved by up to {farthest:.3f}"
-        return message, {"error": farthest}
+        return message, {"error": farthest, "num_curves": len(chosen)}
 
 
 class WithinLimits:

@@ -165,6 +165,18 @@ def test_smoothing_is_the_same_at_any_rate_and_leaves_the_gaze():
     np.testing.assert_array_equal(few.articulator_values, slow.articulator_values)
 
 
+def test_blinks_stay_as_the_rest_is_smoothed():
+    lids = np.zeros((30, 2))
+    lids[10:13] = 1.0
+    performance = make_performance(30, articulators=["lid_upper.L", "jaw_open"])
+    performance = dataclasses.replace(performance, articulator_values=lids)
+    result = edited(performance, CurveSettings(smoothing=0.1))
+    np.testing.assert_array_equal(result.articulator_values[:, 0], lids[:, 0])
+    assert result.articulator_values[:, 1].max() < 0.8
+    result = edited(performance, CurveSettings(smoothing=0.1, smooths_lids=True))
+    assert result.articulator_values[:, 0].max() < 0.8
+
+
 @pytest.mark.parametrize(
     ("texts", "message"),
     [

@@ -20,6 +20,7 @@ from mimetic.performance.gaze import GAZE
 Floats = NDArray[np.float64]
 Row = tuple[str, str, float, float]
 ALL_GROUPS = ""
+LIDS = ("lid_upper", "lid_lower")
 
 
 @dataclass(frozen=True)
@@ -32,10 +33,17 @@ class CurveSettings:
     neutral_frame: int = 0
     # By group, ALL_GROUPS for those that are not named
     factors: Mapping[str, float] = field(default_factory=dict)
+    # Lids too: blinks lose height, as they are short (evaluation.runs.curve_smoothing)
+    smooths_lids: bool = False
 
     def changes_nothing(self) -> bool:
         is_as_large = all(factor == 1 for factor in self.factors.values())
         return not self.smoothing and not self.neutral_frame and is_as_large
+
+
+def is_lid(name: str) -> bool:
+    """Of an articulator or shape: what blinks."""
+    return name.startswith(LIDS)
 
 
 def group_names() -> list[str]:
@@ -117,7 +125,7 @@ def _edited(
         if name in GAZE:
             continue
         column = np.ascontiguousarray(values[:, i])
-        if width > 0:
+        if width > 0 and (settings.smooths_lids or not is_lid(name)):
             column, _ = _core.smooth_curve(frames, column, frames, width)
         rest = 0.0 if neutral is None else column[neutral]
         factor = settings.factors.get(group, settings.factors.get(ALL_GROUPS, 1.0))

@@ -114,8 +114,8 @@ def add_curve_arguments(parser: argparse.ArgumentParser) -> None:
         type=float,
         default=0.0,
         metavar="SECONDS",
-        help="smooth the curves of muscles, jaw, lids and lips: what neighbouring frames weigh in "
-        "by, as a standard deviation in seconds (default: 0, as captured)",
+        help="smooth the curves of muscles, jaw and lips (lids blink too fast): what neighbouring "
+        "frames weigh in by, as a standard deviation in seconds (default: 0, as captured)",
     )
     parser.add_argument(
         "--exaggerate",
