@@ -23,6 +23,7 @@ class MIMETIC_OT_export_character(Greyed, Operator, ExportHelper):
             ("USD", "USD", "Blend shapes and skeletons"),
             ("ALEMBIC", "Alembic", "The vertices of every frame, for renderers"),
         ),
+        description="What the file is read by",
     )
     filter_glob: StringProperty(default="*.fbx;*.usdc;*.abc", options={"HIDDEN"})
 
