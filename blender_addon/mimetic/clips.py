@@ -16,6 +16,18 @@ from . import native
 _read: dict[str, tuple[tuple, str]] = {}  # path: the file's state when read, and its fingerprint
 
 
+def name_of(clip: bpy.types.MovieClip | None) -> str:
+    return clip.name if clip else ""
+
+
+def named(name: str) -> bpy.types.MovieClip:
+    """The clip that a job has worked on; raises InvalidInput if it is gone by now."""
+    clip = bpy.data.movieclips.get(name)
+    if clip is None:
+        raise native.invalid_input(f"{name} was removed or renamed meanwhile: load it again")
+    return clip
+
+
 def path_of(clip: bpy.types.MovieClip) -> str:
     return bpy.path.abspath(clip.filepath, library=clip.library)
 

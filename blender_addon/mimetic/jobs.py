@@ -1,21 +1,34 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Long work: read the scene, work in a thread that knows no Blender, write once."""
+"""Long work: read the scene, work in a thread that knows no Blender, write once.
+
+One job is at work at a time; those that may wait do so in the order in which they were pressed.
+The window stays free meanwhile: a job knows what it writes to by name, and looks when it does.
+"""
 
 from __future__ import annotations
 
+import contextlib
 import queue
 import threading
+import time
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+
+import bpy
 
 from . import editors, native, outcome
 from .greyed import Greyed
 
+TELLING = 0.02  # of the work, from which on the time left is told
+
 
 @dataclass
 class Run:
-    """One job at work. The worker posts, the main thread reads."""
+    """One job at work, or waiting for its turn. The worker posts, the main thread reads."""
 
     label: str
+    subject: str = ""  # the clip that it works on
+    begin: Callable[[], None] | None = None  # starts it when its turn comes
     keeps_part: bool = False  # when it is stopped
     is_endless: bool = False  # it runs until it is stopped
     posts: queue.SimpleQueue = field(default_factory=queue.SimpleQueue)
@@ -25,6 +38,7 @@ class Run:
     what: str = ""
     result: object = None
     error: BaseException | None = None
+    begun: float = 0.0
 
     def start(self, work, inputs) -> None:
         def target() -> None:
@@ -34,6 +48,7 @@ class Run:
                 self.posts.put(("error", error))
 
         # A daemon: Blender must be able to quit while the work goes on
+        self.begun = time.monotonic()
         self.thread = threading.Thread(target=target, name=self.label, daemon=True)
         self.thread.start()
 
@@ -44,7 +59,7 @@ class Run:
 
     def is_done(self) -> bool:
         """Reads what the worker posted; true once it ended."""
-        while True:
+        while self.thread.is_alive() or not self.posts.empty():
             try:
                 kind, value = self.posts.get_nowait()
             except queue.Empty:
@@ -54,15 +69,26 @@ class Run:
             else:
                 setattr(self, kind, value)
                 self.thread.join()
-                return True
+        return True
+
+    def name(self) -> str:
+        return f"{self.label}, {self.subject}" if self.subject else self.label
 
     def text(self) -> str:
         if self.is_endless:
             return f"{self.label}: {self.what}"
-        return f"{self.label}: {self.fraction:.0%} {self.what}".rstrip()
+        text = f"{self.label}: {self.fraction:.0%} {self.what}".rstrip()
+        return f"{text}{self._time_left()}"
+
+    def _time_left(self) -> str:
+        if not TELLING <= self.fraction < 1:
+            return ""
+        left = int((time.monotonic() - self.begun) * (1 - self.fraction) / self.fraction)
+        return f", {left // 60}:{left % 60:02d} left"
 
 
 running: Run | None = None
+waiting: list[Run] = []
 
 
 def busy() -> str:
@@ -73,14 +99,37 @@ def busy() -> str:
 def stop_running() -> None:
     """Asks the job at work to end and waits for it: the extension is going away."""
     global running
+    waiting.clear()
     if running:
         running.stop.set()
         running.thread.join()
         running = None
 
 
+@contextlib.contextmanager
+def _as_if_idle() -> Iterator[None]:
+    """What is asked within is answered as if no job were at work."""
+    global running
+    at_work, running = running, None
+    try:
+        yield
+    finally:
+        running = at_work
+
+
+def _take_turns(run: Run) -> None:
+    """A run has ended, or waits no more: whose turn it is begins."""
+    global running
+    if run in waiting:
+        waiting.remove(run)
+    elif run is running:
+        running = waiting.pop(0) if waiting else None
+        if running:
+            running.begin()
+
+
 class Modal(Greyed):
-    """Mixin of operators that run on beside the window, one at a time, until they `leave`.
+    """Mixin of operators that run on beside the window until they `leave`.
 
     Subclasses give `handle(context, event)`, which returns what `modal` does. Where it raises,
     nothing of the operator stays behind either: no timer, no text, no run that blocks the next.
@@ -88,17 +137,22 @@ class Modal(Greyed):
 
     tick_seconds = 0.05
     _timer = None
+    _run: Run | None = None
 
     def enter(self, context, run: Run) -> set[str]:
+        """With a run that has begun, or that waits."""
         global running
-        running = run
+        if run not in waiting:
+            running = run
+        self._run = run
         manager = context.window_manager
         self._timer = manager.event_timer_add(self.tick_seconds, window=context.window)
         manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
-        if running is None:  # the extension was switched off underneath
+        if self._run is not running and self._run not in waiting:
+            # It waits no more, or the extension was switched off underneath
             self.leave(context)
             return {"CANCELLED"}
         try:
@@ -109,18 +163,18 @@ class Modal(Greyed):
 
     def cancel(self, context):
         """Blender ends the operator, as on loading a file."""
-        if running:
-            running.stop.set()
+        if self._run:
+            self._run.stop.set()
         self.leave(context)
 
     def leave(self, context) -> None:
-        global running
-        running = None
+        if self._run:
+            _take_turns(self._run)
         if self._timer is not None:
             context.window_manager.event_timer_remove(self._timer)
             self._timer = None
-        if context.workspace is not None:
-            context.workspace.status_text_set(None)
+        for workspace in bpy.data.workspaces:  # another one may be on show by now
+            workspace.status_text_set(None)
 
 
 class Job(Modal):
@@ -132,7 +186,30 @@ class Job(Modal):
     """
 
     keeps_part = False  # what a stopped job has done so far
+    needs_object_mode = True  # to write
     facts: dict | None = None  # what scripts are told `write` made, besides its message
+    _scene_name = ""
+
+    @classmethod
+    def subject(cls, context) -> str:
+        """The clip it works on, if it may wait while another job is at work on another clip."""
+        return ""
+
+    @classmethod
+    def poll(cls, context):
+        if running is None or cls._cannot_wait(context):
+            return super().poll(context)
+        with _as_if_idle():
+            return super().poll(context)
+
+    @classmethod
+    def _cannot_wait(cls, context) -> str:
+        """Why it cannot be pressed while another job is at work."""
+        if running is None:
+            return ""
+        subject = cls.subject(context)
+        is_apart = subject and subject not in {run.subject for run in (running, *waiting)}
+        return "" if is_apart and not running.is_endless else busy()
 
     def execute(self, context):
         """Blocks until done: scripts, batch and tests."""
@@ -147,26 +224,43 @@ class Job(Modal):
     def invoke(self, context, event):
         if context.window is None:
             return self.execute(context)
-        if reason := busy():
+        if reason := self._cannot_wait(context):
             return outcome.cancelled(self, context, reason)
         try:
             inputs = self.read(context)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        run = Run(self.bl_label, self.keeps_part)
-        run.start(self.work, inputs)
+        run = Run(self.bl_label, self.subject(context), keeps_part=self.keeps_part)
+        run.begin = lambda: run.start(self.work, inputs)
+        self._scene_name = context.scene.name
+        if running:
+            waiting.append(run)
+        else:
+            run.begin()
         return self.enter(context, run)
 
     def handle(self, context, event):
-        if event.type in {"ESC", "RIGHTMOUSE"} and event.value == "PRESS":
-            running.stop.set()
-        if event.type == "TIMER":
+        if event.type == "TIMER" and self._run is running:
             is_done = running.is_done()
-            self._show(context)
-            if is_done:
+            reason = self._hindrance(context) if is_done else ""
+            self._show(context, reason)
+            if is_done and not reason:
                 return self._end(context)
-        # Every other event is blocked: an undo now would replace the scene that the job writes to
-        return {"RUNNING_MODAL"}
+        # Esc that ends the playback is not meant for us
+        if event.type == "ESC" and event.value == "PRESS" and not is_playing():
+            if running.is_done():  # it waits for the scene to be ready
+                running.result = None
+            running.stop.set()
+            return {"RUNNING_MODAL"}
+        return {"PASS_THROUGH"}
+
+    def _hindrance(self, context) -> str:
+        """Why the result cannot be put into the scene as the window stands."""
+        if running.stop.is_set() or running.error or not self.needs_object_mode:
+            return ""
+        if context.scene.name != self._scene_name and self._scene_name in bpy.data.scenes:
+            return f"is done: go back to the scene {self._scene_name}, where it belongs"
+        return "" if context.mode == "OBJECT" else "is done: go to Object Mode, where it is written"
 
     def _end(self, context):
         run = running
@@ -190,7 +284,17 @@ class Job(Modal):
             return outcome.finished(self, context, f"Stopped. {message}", "WARNING", **facts)
         return outcome.finished(self, context, message, **facts)
 
-    def _show(self, context) -> None:
-        stopping = "stopping" if running.stop.is_set() else "Esc stops"
-        context.workspace.status_text_set(f"{running.text()}   |   {stopping}")
+    def _show(self, context, reason: str) -> None:
+        if reason:
+            context.workspace.status_text_set(f"{running.label} {reason}   |   Esc discards it")
+        else:
+            hint = "stopping" if running.stop.is_set() else "Esc stops"
+            then = f"   |   {len(waiting)} more" if waiting else ""
+            context.workspace.status_text_set(f"{running.text()}   |   {hint}{then}")
         editors.redraw("CLIP_EDITOR", "VIEW_3D")
+
+
+def is_playing() -> bool:
+    """Whether a window plays the animation."""
+    windows = bpy.context.window_manager.windows
+    return any(window.screen.is_animation_playing for window in windows)

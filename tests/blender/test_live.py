@@ -191,8 +191,10 @@ def test_an_error_in_a_tick_leaves_nothing_behind(face, extension, monkeypatch):
     jobs.running = live.active.run
     session = live.active
     session.thread.start()
+    pressed = Pressed()
+    pressed._run = jobs.running
     with pytest.raises(RuntimeError, match="no such face"):
-        Pressed().modal(bpy.context, SimpleNamespace(type="TIMER", value="NOTHING"))
+        pressed.modal(bpy.context, SimpleNamespace(type="TIMER", value="NOTHING"))
     session.thread.join(60)
     assert not session.thread.is_running
     assert live.active is None and not jobs.busy()
@@ -213,6 +215,7 @@ def test_digits_freeze_channels_and_let_them_go(scene, extension, monkeypatch):
     pressed, session = Pressed(), SimpleNamespace(commands=[], is_recording=False)
     monkeypatch.setattr(live, "active", session)
     monkeypatch.setattr(jobs, "running", jobs.Run("Live"))
+    pressed._run = jobs.running
     assert len(operators.DIGITS) == len(CHANNELS)
     press("TWO")
     press("TWO", "RELEASE")

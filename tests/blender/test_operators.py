@@ -3,6 +3,7 @@
 
 import threading
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -167,6 +168,84 @@ def test_a_run_hands_over_what_went_wrong(extension):
     run.thread.join(5)
     assert run.is_done()
     assert isinstance(run.error, ValueError)
+
+
+def test_a_job_waits_its_turn_behind_one_on_another_clip(extension, scene, footage, monkeypatch):
+    """As two buttons pressed one after the other; Blender's window is a stand-in."""
+    jobs, face = extension("jobs"), extension("operators.face").MIMETIC_OT_find_face
+    order, gates = [], {"first": threading.Event(), "second": threading.Event()}
+    manager = SimpleNamespace(
+        event_timer_add=lambda *_args, **_kwargs: object(),
+        event_timer_remove=lambda _timer: None,
+        modal_handler_add=lambda _operator: None,
+        mimetic_result="",
+    )
+
+    class Pressed(jobs.Job):
+        bl_label, bl_idname, needs_object_mode = "Job", "MIMETIC_OT_job", False
+
+        @classmethod
+        def subject(cls, _context):
+            return cls.clip
+
+        def read(self, _context):
+            return self.clip
+
+        def work(self, clip, progress):
+            gates[clip].wait(10)
+            progress(0.5, "")
+            return clip
+
+        def write(self, _context, clip):
+            order.append(clip)
+            return clip
+
+        def report(self, *_message):
+            pass
+
+    context = SimpleNamespace(
+        window=object(), scene=scene, mode="OBJECT", window_manager=manager, workspace=scene.mimetic
+    )
+    context.workspace = SimpleNamespace(status_text_set=lambda _text: None)
+    tick = SimpleNamespace(type="TIMER", value="NOTHING")
+    click = SimpleNamespace(type="RIGHTMOUSE", value="PRESS")
+    first, second, again = (
+        type(clip, (Pressed,), {"clip": clip})() for clip in ("first", "second", "first")
+    )
+    assert first.invoke(context, None) == {"RUNNING_MODAL"}
+    assert again.invoke(context, None) == {"CANCELLED"}  # what it reads would be old
+    assert second.invoke(context, None) == {"RUNNING_MODAL"}
+    assert [run.subject for run in jobs.waiting] == ["second"]
+    bpy.ops.mimetic.load_clip(filepath=str(footage))
+    assert face.poll(bpy.context)  # another clip's
+    gates["second"].set()
+    assert second.modal(context, tick) == {"PASS_THROUGH"}  # it has not begun
+    assert first.modal(context, click) == {"PASS_THROUGH"}
+    gates["first"].set()
+    for pressed in (first, second):
+        while pressed.modal(context, tick) == {"PASS_THROUGH"}:
+            pass
+    assert order == ["first", "second"]
+    assert jobs.running is None and not jobs.waiting
+
+
+def test_a_result_waits_until_the_scene_can_take_it(extension, scene, performance_file):
+    bpy.ops.mimetic.load_performance(filepath=str(performance_file))
+    bpy.ops.mimetic.bake()
+    jobs = extension("jobs")
+    context = SimpleNamespace(scene=scene, mode="EDIT_MESH")
+    run = jobs.running = jobs.Run("Bake")
+    try:
+        job = SimpleNamespace(needs_object_mode=True, _scene_name=scene.name)
+        assert "Object Mode" in jobs.Job._hindrance(job, context)
+        context.mode = "OBJECT"
+        assert jobs.Job._hindrance(job, context) == ""
+        context.scene = bpy.data.scenes.new("Other")
+        assert scene.name in jobs.Job._hindrance(job, context)
+        run.stop.set()
+        assert jobs.Job._hindrance(job, context) == ""
+    finally:
+        jobs.running = None
 
 
 def test_captures_do_not_overwrite_one_another(extension, tmp_path):

@@ -139,6 +139,7 @@ def stop_once(walk: Walk) -> Steps:
     # The first sixth is the muscles' attaching, in which there is nothing to keep yet
     yield from walk.until(lambda: progress() > 0.25, 240, "the capture tells its progress")
     yield from walk.picture("capturing")
+    yield from work_meanwhile(walk)
     walk.check("the capture still runs when Esc is pressed", not is_idle())
     press("CLIP_EDITOR", "ESC")
     yield from walk.until(is_idle, 30, "Esc stops the capture")
@@ -146,6 +147,43 @@ def stop_once(walk: Walk) -> Steps:
     wanted = STOPPED[1] - STOPPED[0] + 1
     walk.check("what was captured is kept", 0 < len(frames) < wanted, f"{len(frames)} of {wanted}")
     walk.check("a marked file", Path(path).exists() and kept_of_clip().performance_path == path)
+
+
+def work_meanwhile(walk: Walk) -> Steps:
+    """Scrubbing, a menu, playback and an undo, while a capture is at work."""
+    scene = bpy.context.scene
+    before = scene.frame_current
+    press("CLIP_EDITOR", "RIGHT_ARROW")
+    yield 0.5
+    walk.check("an arrow key goes to the next frame", scene.frame_current == before + 1)
+    press("CLIP_EDITOR", "RIGHTMOUSE")
+    yield 0.5
+    press("CLIP_EDITOR", "ESC")
+    yield 0.5
+    walk.check("a right-click and Esc in its menu stop nothing", not stopping())
+    with bpy.context.temp_override(**override("CLIP_EDITOR")):
+        bpy.ops.screen.animation_play()
+    yield 1.0
+    walk.check("the animation plays", scene.frame_current != before + 1)
+    press("CLIP_EDITOR", "ESC")
+    yield 0.5
+    walk.check("Esc ends the playback alone", not stopping() and not is_playing())
+    with bpy.context.temp_override(**override("CLIP_EDITOR")):
+        bpy.ops.ed.undo()
+    yield 0.5
+    walk.check("an undo leaves it at work", not is_idle() and not stopping())
+    with bpy.context.temp_override(**override("CLIP_EDITOR")):
+        bpy.ops.ed.redo()
+    yield 0.5
+
+
+def stopping() -> bool:
+    running = importlib.import_module(f"{PACKAGE}.jobs").running
+    return running is None or running.stop.is_set()
+
+
+def is_playing() -> bool:
+    return bpy.context.window_manager.windows[0].screen.is_animation_playing
 
 
 def capture_again(walk: Walk) -> Steps:

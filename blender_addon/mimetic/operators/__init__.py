@@ -25,6 +25,7 @@ from . import (
     scene_time,
     sliders,
     stabilise,
+    stop,
     take_list,
 )
 
@@ -50,6 +51,7 @@ CLASSES = (
     *own_controls.CLASSES,
     *control_object.CLASSES,
     *live.CLASSES,
+    stop.MIMETIC_OT_stop,
     sliders.MIMETIC_OT_add_face,
     sliders.MIMETIC_OT_rest_face,
 )

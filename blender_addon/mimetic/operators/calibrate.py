@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-import bpy
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out
+from .. import clips, native, scene_in, scene_out
 from ..jobs import Job
 from . import arguments
 
@@ -16,6 +15,11 @@ skin is held and how strong the muscles are; the fit keeps it for every capture"
     bl_options = {"UNDO"}
 
     obstacle = staticmethod(scene_in.no_fit)
+    needs_object_mode = False
+
+    @classmethod
+    def subject(cls, context):
+        return clips.name_of(scene_in.clip_of(context))
 
     def read(self, context):
         clip = scene_in.clip_of(context)
@@ -39,6 +43,6 @@ skin is held and how strong the muscles are; the fit keeps it for every capture"
 
     def write(self, context, result):
         clip_name, fit = result
-        scene_out.face_fit.keep(bpy.data.movieclips[clip_name], fit)
+        scene_out.face_fit.keep(clips.named(clip_name), fit)
         self.facts = {"clip": clip_name, "frames": list(fit.calibration.frames)}
         return f"Calibrated: {fit.calibration.described()}"

@@ -4,7 +4,7 @@ from bpy.props import StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ImportHelper
 
-from .. import clips, native, outcome, scene_in, scene_out, takes
+from .. import clips, native, outcome, scene_out, takes
 from ..greyed import Greyed
 
 
@@ -19,7 +19,7 @@ class MIMETIC_OT_load_clip(Greyed, Operator, ImportHelper):
 
     @classmethod
     def obstacle(cls, context):
-        return scene_in.no_start()
+        return native.problem()  # also while a job is at work on another clip
 
     def execute(self, context):
         path = bpy.path.abspath(self.filepath)

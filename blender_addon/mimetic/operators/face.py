@@ -3,9 +3,9 @@ import bpy
 from bpy.props import BoolProperty, FloatVectorProperty, IntProperty
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out
+from .. import clips, native, scene_in, scene_out
 from ..greyed import Greyed
-from ..jobs import Job
+from ..jobs import Job, is_playing
 
 LARGEST = (-1.0, -1.0)  # no place: of several faces the largest is taken
 
@@ -36,6 +36,11 @@ class MIMETIC_OT_find_face(Job, Operator):
     )
 
     obstacle = staticmethod(scene_in.no_footage)
+    needs_object_mode = False
+
+    @classmethod
+    def subject(cls, context):
+        return clips.name_of(scene_in.clip_of(context))
 
     def read(self, context):
         frame = scene_in.shown_frame(context) if self.use_shown_frame else self.frame
@@ -49,11 +54,12 @@ class MIMETIC_OT_find_face(Job, Operator):
 
     def write(self, context, result):
         clip_name, fit = result
-        clip = bpy.data.movieclips[clip_name]
+        clip = clips.named(clip_name)
         scene_out.face_fit.store(clip, fit)
         self.facts = {"clip": clip_name, "frame": fit.frame, "warnings": list(fit.warnings)}
         # What was found is on show at once; frame_set() would leave the clip editors behind
-        context.scene.frame_current = clip.frame_start - 1 + fit.frame - clip.frame_offset
+        if clip == scene_in.clip_of(context) and not is_playing():
+            context.scene.frame_current = clip.frame_start - 1 + fit.frame - clip.frame_offset
         message = (
             f"Face found in frame {fit.frame}; drag its landmarks in the clip editor to pin them"
         )

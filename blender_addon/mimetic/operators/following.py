@@ -4,7 +4,7 @@ import statistics
 import bpy
 from bpy.props import StringProperty
 
-from .. import native, scene_in, scene_out, takes
+from .. import clips, native, scene_in, scene_out, takes
 from ..jobs import Job
 from . import arguments
 
@@ -18,6 +18,7 @@ class Following(arguments.FrameRange, Job):
 
     bl_options = {"UNDO"}
     keeps_part = True
+    needs_object_mode = False
     message = "{first} to {last}"
 
     filepath: StringProperty(
@@ -27,6 +28,10 @@ class Following(arguments.FrameRange, Job):
     )
 
     obstacle = staticmethod(scene_in.no_footage)
+
+    @classmethod
+    def subject(cls, context):
+        return clips.name_of(scene_in.clip_of(context))
 
     def option(self, context):
         return None
@@ -58,6 +63,9 @@ class Following(arguments.FrameRange, Job):
 
     def write(self, context, result):
         self.facts, message = result
-        clip = bpy.data.movieclips[self.facts["clip"]]
-        takes.keep(context.scene, clip, self.facts["performance"])
+        path = self.facts["performance"]
+        clip = bpy.data.movieclips.get(self.facts["clip"])
+        if clip is None:
+            return f"{message}: {self.facts['clip']} is gone from this file, the take is {path}"
+        takes.keep(context.scene, clip, path)
         return message

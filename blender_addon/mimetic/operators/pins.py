@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-import bpy
 from bpy.types import Operator
 
-from .. import editors, native, outcome, pins, scene_in, scene_out
+from .. import clips, editors, native, outcome, pins, scene_in, scene_out
 from ..greyed import Greyed
 from ..jobs import Job
 from ..scene_out import landmarks
@@ -69,6 +68,7 @@ class MIMETIC_OT_show_landmarks(Job, Operator):
     bl_idname = "mimetic.show_landmarks"
     bl_label = "Landmarks Here"
     bl_options = {"UNDO"}
+    needs_object_mode = False
 
     @classmethod
     def obstacle(cls, context):
@@ -88,7 +88,7 @@ class MIMETIC_OT_show_landmarks(Job, Operator):
 
     def write(self, context, result):
         clip_name, fit, frame = result
-        scene_out.face_fit.store(bpy.data.movieclips[clip_name], fit)
+        scene_out.face_fit.store(clips.named(clip_name), fit)
         self.facts = {"clip": clip_name, "frames": [view.frame for view in fit.views]}
         return f"The face is fitted to {len(fit.views)} frames now, frame {frame} among them"
 

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-import bpy
 from bpy.props import FloatProperty
 from bpy.types import Operator
 
-from .. import native, outcome, scene_in, scene_out, takes, writable
+from .. import clips, native, outcome, scene_in, scene_out, takes, writable
 from ..greyed import Greyed
 from ..jobs import Job
 from . import arguments
@@ -24,6 +23,7 @@ class MIMETIC_OT_hold_head_still(Job, Operator):
     )
 
     obstacle = staticmethod(scene_in.no_stabilising)
+    needs_object_mode = False
 
     def read(self, context):
         smoothing = arguments.chosen(self, "smoothing", context.scene.mimetic.head)
@@ -38,7 +38,7 @@ class MIMETIC_OT_hold_head_still(Job, Operator):
 
     def write(self, context, result):
         performance, clip_name = result
-        clip = bpy.data.movieclips[clip_name]
+        clip = clips.named(clip_name)
         num_frames = scene_out.stabilised.hold_still(clip, performance)
         self.facts = {"clip": clip_name, "num_frames": num_frames}
         return f"The head is held still in {num_frames} frames of {clip.name}"

@@ -28,9 +28,15 @@ class Capture:
         if run.is_endless:
             layout.label(text=run.text())
             return
-        layout.progress(factor=run.fraction, text=run.text())
+        row = layout.row(align=True)
+        row.progress(factor=run.fraction, text=run.text())
+        row.operator("mimetic.stop", text="", icon="X").index = 0
+        for i, later in enumerate(jobs.waiting, start=1):
+            row = layout.row(align=True)
+            row.label(text=f"Then: {later.name()}")
+            row.operator("mimetic.stop", text="", icon="X").index = i
         keeps = " and keeps what is done" if run.keeps_part else ""
-        layout.label(text=f"Esc or right-click stops{keeps}")
+        layout.label(text=f"Esc stops{keeps}")
 
     def draw_footage(self, layout, context, settings):
         layout.operator("mimetic.load_clip", icon="FILE_MOVIE")

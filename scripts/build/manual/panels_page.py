@@ -32,7 +32,12 @@ and every setting, in their own words: `scripts/make_manual` writes this page fr
 sources. A button that cannot run is grey and says why, as messages do
 ([messages.md](messages.md)). Each is in the menus Object > Mimetic or Clip > Mimetic too, and F3
 finds it by its name; scripts call it by the name in the last column
-([scripting.md](scripting.md)). Long ones show their progress in the status bar; Esc ends them.
+([scripting.md](scripting.md)). Long ones show
+their progress and the time left in the status bar, and leave the window free meanwhile: scrub,
+play, undo, load the next clip. *Capture*, *Head Only*, *Find Face* and *Calibrate* wait their turn
+behind one that is at work on another clip. Esc ends the one at work (while the animation plays Esc
+ends that alone), the cross beside it in the panel too. What a job writes into objects waits until
+you are in Object Mode and in its scene again; the status bar says so.
 """
 
 

@@ -1,0 +1,31 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from bpy.props import IntProperty
+from bpy.types import Operator
+
+from .. import jobs, outcome
+from ..greyed import Greyed
+
+
+class MIMETIC_OT_stop(Greyed, Operator):
+    """Stop a job; a capture keeps what is done so far. Esc stops the one at work"""
+
+    bl_idname = "mimetic.stop"
+    bl_label = "Stop"
+    bl_options = {"INTERNAL"}
+
+    index: IntProperty(
+        name="Job", min=0, options={"SKIP_SAVE"}, description="0: at work; from 1 on: waiting"
+    )
+
+    @classmethod
+    def obstacle(cls, context):
+        return "" if jobs.running and not jobs.running.is_endless else "No job is at work"
+
+    def execute(self, context):
+        if self.index == 0:
+            jobs.running.stop.set()
+        elif self.index <= len(jobs.waiting):
+            jobs.waiting.pop(self.index - 1)
+        else:
+            return outcome.cancelled(self, context, f"{len(jobs.waiting)} jobs wait")
+        return outcome.finished(self, context, "")
