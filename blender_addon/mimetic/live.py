@@ -5,12 +5,13 @@ from __future__ import annotations
 
 import os
 import time
+from contextlib import ExitStack
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import bpy
 
-from . import clips, compat, jobs, native, scene_in, scene_out, takes, targets
+from . import clips, compat, fast_view, jobs, native, scene_in, scene_out, takes, targets
 from .live_settings import CHANNELS, package_channels
 
 NO_SOURCE = "Choose a clip, or load the scene's footage"
@@ -24,6 +25,8 @@ class Session:
     run: jobs.Run
     thread: object  # mimetic.puppet.live_thread.LiveThread
     puppet: object  # scene_out.live.Puppet
+    fast: fast_view.FastView | None = None
+    view: object = None  # overlay.session.SessionView, where there is a window
     start: float = 1.0  # scene frame of the take that is recorded
     sound: Path | None = None  # of that take's microphone
     due: float | None = None  # when a take begins that is counted down, by `monotonic`'s clock
@@ -38,6 +41,15 @@ class Session:
     def seconds_left(self) -> int | None:
         """Of the countdown."""
         return None if self.due is None else max(1, round(self.due - time.monotonic() + 0.5))
+
+    def end(self) -> None:
+        """Leaves nothing behind but what was recorded, however the session ended."""
+        with ExitStack() as ends:
+            ends.callback(self.puppet.end)
+            if self.fast is not None:
+                ends.callback(self.fast.end)
+            if self.view is not None:
+                ends.callback(self.view.close)
 
     def line(self) -> str:
         """For the user: what goes on."""
@@ -67,6 +79,13 @@ def source_of(context, is_paced: bool = True):
     if not path:
         raise native.invalid_input(NO_SOURCE)
     return native.clip_source().ClipSource(path, is_paced)
+
+
+def taught_of(settings):
+    """The taught set that the settings name, or None; raises what `known_errors` has."""
+    if not settings.taught_set:
+        return None
+    return native.taught_sets().TaughtSet.load(bpy.path.abspath(settings.taught_set))
 
 
 def frozen(settings) -> frozenset[str]:

@@ -10,6 +10,17 @@ SOURCES = (
     ("CAMERA", "Camera", "A camera of this computer"),
     ("CLIP", "Clip", "A video file, at its own speed, in a camera's place"),
 )
+# As the package's uses of a taught set, in capitals
+SET_USES = (
+    ("SHARPEN", "Sharpen", "Correct what is measured live by what the set says, each by its error"),
+    ("DRIVE", "Drive", "Take what the set knows from the set alone"),
+)
+CORNERS = (
+    ("TOP_LEFT", "Top Left", ""),
+    ("TOP_RIGHT", "Top Right", ""),
+    ("BOTTOM_LEFT", "Bottom Left", ""),
+    ("BOTTOM_RIGHT", "Bottom Right", ""),
+)
 # As the package's channels, in capitals
 CHANNELS = (
     ("HEAD_POSITION", "Position", "Where the head is"),
@@ -42,6 +53,15 @@ class MimeticLive(bpy.types.PropertyGroup):
         name="Microphone",
         description="Recorded beside a camera: its name, on Linux `default`; empty records none",
     )
+    taught_set: StringProperty(
+        name="Taught Set",
+        subtype="FILE_PATH",
+        options={"ANIMATABLE", *compat.RELATIVE_PATH},
+        description="Looks of this person that were taught (`mimetic puppet teach`); may be empty",
+    )
+    set_use: EnumProperty(
+        name="Use of the Set", items=SET_USES, description="What the taught set is for"
+    )
     stillness: FloatProperty(
         name="Stillness",
         default=0.5,
@@ -57,10 +77,35 @@ class MimeticLive(bpy.types.PropertyGroup):
         default={identifier for identifier, _, _ in CHANNELS},
         description="What moves and is recorded; all else stays, and keeps the curves that it has",
     )
-    use_subdivision: BoolProperty(
-        name="Subdivision",
-        description="Keep the face's subdivision while it is driven; without a graphics card that "
-        "does it, drawing takes far longer",
+    use_fast_view: BoolProperty(
+        name="Fast View",
+        default=True,
+        description="Draw the 3D view without subdivision of the face, anti-aliasing and overlays "
+        "while a session runs: without a graphics card they take most of the time",
+    )
+    show_picture: BoolProperty(
+        name="Picture",
+        default=True,
+        description="Show the camera's picture in the 3D view while a session runs",
+    )
+    show_plots: BoolProperty(
+        name="Plots",
+        default=True,
+        description="Show what groups of muscles, jaw and lids did in the last seconds",
+    )
+    view_size: IntProperty(
+        name="Size",
+        default=240,
+        min=100,
+        max=1000,
+        subtype="PIXEL",
+        description="Width of picture and plots, at a UI scale of 1",
+    )
+    view_corner: EnumProperty(
+        name="Corner",
+        items=CORNERS,
+        default="BOTTOM_LEFT",
+        description="Where in the 3D view picture and plots are",
     )
     countdown: IntProperty(
         name="Countdown", default=0, min=0, max=60, description="Seconds before a take begins"

@@ -266,6 +266,12 @@ def live_thread() -> ModuleType:
     return live_thread
 
 
+def taught_sets() -> ModuleType:
+    from mimetic.puppet import templates as taught_sets
+
+    return taught_sets
+
+
 @lru_cache(maxsize=64)
 def stillness_figures(stillness: float, fps: float):
     """What a stillness costs and gives: `lag_frames`, `jitter_share`."""

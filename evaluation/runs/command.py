@@ -29,6 +29,7 @@ from evaluation.runs import (
     head,
     keys,
     live,
+    live_taught,
     locate,
     puppet,
     real,
@@ -263,10 +264,13 @@ def _run_live(options: argparse.Namespace) -> int:
         scores += of_clip
         if not options.json:
             print(live.as_text(of_clip), end="\n\n", flush=True)
+    of_clips = live_taught.score_taught(_to_stderr, options.performances)
+    taught = [score for of_clip in of_clips for score in of_clip]
     if not options.json:
+        print(live_taught.as_text(taught), end="\n\n", flush=True)
         print(live.speed_text(live.speed(_to_stderr)))
     else:
-        print(live.as_json(scores))
+        print(live.as_json([*scores, *taught]))
     return 0
 
 

@@ -7,6 +7,7 @@ import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from mimetic import _core
@@ -17,6 +18,8 @@ from mimetic.performance.document import Performance
 from mimetic.performance.gaze import GAZE as GAZE_ANGLES
 from mimetic.puppet.live_filter import DEFAULT_STILLNESS, LiveFilter
 from mimetic.puppet.take import Take
+from mimetic.puppet.taught_follower import SHARPEN
+from mimetic.puppet.templates import TaughtSet
 from mimetic.puppet.warm_up import warm_up
 from mimetic.score.json_text import json_text
 from mimetic.score.text_table import text_table
@@ -61,6 +64,7 @@ class LiveScore:
     jitter: float
     milliseconds: float  # of a picture, median
     slow: float  # 95 of 100 take less
+    search: float  # seconds in all of the looks for the face and the person's head, beside those
     blinks: str = ""
 
 
@@ -79,13 +83,16 @@ def score_live(report: Report, folder: Path | None = None) -> Iterator[list[Live
         scores = [_offline_score(clip, offline, runs)]
         for stillness in STILLNESSES:
             performance = stilled(take, stillness).performance(footage)
-            scores.append(_score(clip, stillness, performance, times_of(take), offline, runs))
+            scores.append(_score(clip, stillness, performance, take, offline, runs))
         yield scores
 
 
-def followed(footage: Footage, last: int) -> Take:
+def followed(
+    footage: Footage, last: int, taught: TaughtSet | None = None, use: str = SHARPEN
+) -> Take:
     """A clip as a camera's pictures, none skipped, without the last filter."""
-    live, take = LiveFilter(stillness=0.0, in_background=False), Take(float(footage.fps))
+    live = LiveFilter(stillness=0.0, in_background=False, taught=taught, use=use)
+    take = Take(float(footage.fps))
     for frame, image in footage.frames(1, last):
         state = live.advance(image, (frame - 1) / float(footage.fps))
         if state is not None and live.face is not None:
@@ -107,15 +114,20 @@ def stilled(take: Take, stillness: float) -> Take:
 
 
 def times_of(take: Take) -> list[float]:
-    """Milliseconds of each picture."""
-    return [state.milliseconds for state in take.states]
+    """Milliseconds of each picture, without the search, which a session has in a thread."""
+    return [state.milliseconds - state.search_milliseconds for state in take.states]
+
+
+def search_of(take: Take) -> float:
+    """Seconds that looking for the face and the person's head took in all."""
+    return sum(state.search_milliseconds for state in take.states) / 1000
 
 
 def _offline_score(clip: str, offline: Performance, runs: NDArray[np.int64]) -> LiveScore:
     blinks = [one.text() for one in score_events(clip, offline) if one.kind == "blinks"]
     return LiveScore(
         *(clip, OFFLINE, offline.num_frames, int((offline.quality < 0.2).sum()), {}, 0.0),
-        *(jitter_at_rest(runs, offline), np.nan, np.nan, "".join(blinks)),
+        *(jitter_at_rest(runs, offline), np.nan, np.nan, np.nan, "".join(blinks)),
     )
 
 
@@ -123,7 +135,7 @@ def _score(
     clip: str,
     stillness: float,
     performance: Performance,
-    times: list[float],
+    take: Take,
     offline: Performance,
     runs: NDArray[np.int64],
 ) -> LiveScore:
@@ -134,12 +146,19 @@ def _score(
         *(clip, f"live, stillness {stillness:g}", performance.num_frames),
         *(int((performance.quality < 0.2).sum()), correlations(live, truth), lag_of(live, truth)),
         jitter_at_rest(runs, performance),
-        *(float(np.median(times)), float(np.quantile(times, 0.95)), "".join(blinks)),
+        *timed(take),
+        "".join(blinks),
     )
 
 
-def speed(report: Report) -> dict[str, tuple[float, float]]:
-    """Milliseconds of a picture of CAMERA's size, median and 95 of 100, by clip."""
+def timed(take: Take) -> tuple[float, float, float]:
+    """Milliseconds of a picture, median and 95 of 100; seconds of the search."""
+    times = times_of(take)
+    return float(np.median(times)), float(np.quantile(times, 0.95)), search_of(take)
+
+
+def speed(report: Report) -> dict[str, tuple[float, float, float]]:
+    """What `timed` gives of pictures of CAMERA's size, by clip."""
     result = {}
     with tempfile.TemporaryDirectory() as folder:
         for clip in CLIPS:
@@ -153,12 +172,12 @@ def speed(report: Report) -> dict[str, tuple[float, float]]:
             ]
             with running(command) as ffmpeg:
                 ffmpeg.process.wait()
-            times = times_of(followed(Footage(enlarged), TIMED))
-            result[clip] = float(np.median(times)), float(np.quantile(times, 0.95))
+            result[clip] = timed(followed(Footage(enlarged), TIMED))
     return result
 
 
-def as_json(scores: list[LiveScore]) -> str:
+def as_json(scores: list[Any]) -> str:
+    """Of rows of both tables, this one's and `live_taught`'s."""
     return json_text([asdict(score) for score in scores])
 
 
@@ -170,6 +189,7 @@ def as_text(scores: list[LiveScore]) -> str:
         "jitter": ("jitter at rest", ".4f"),
         "milliseconds": ("ms", ".0f"),
         "slow": ("95 %", ".0f"),
+        "search": ("search, s", ".1f"),
         "held": ("held", ".0f"),
     }
     rows = {f"{s.clip}, {s.way}": asdict(s) | s.correlation for s in scores}
@@ -178,12 +198,12 @@ def as_text(scores: list[LiveScore]) -> str:
     return "\n".join(lines)
 
 
-def speed_text(speeds: dict[str, tuple[float, float]]) -> str:
+def speed_text(speeds: dict[str, tuple[float, float, float]]) -> str:
     """Of pictures of a camera's size, and what each stillness costs and gives at 30 a second."""
     lines = [
         f"{clip} at {CAMERA[0]} x {CAMERA[1]}: {median:.0f} ms a picture (95 % under {slow:.0f}), "
-        f"{1000 / median:.0f} a second"
-        for clip, (median, slow) in speeds.items()
+        f"{1000 / median:.0f} a second; beside it {search:.1f} s of looking for the head"
+        for clip, (median, slow, search) in speeds.items()
     ]
     for stillness in (0.0, 0.25, 0.5, 0.75, 1.0):
         figures = _core.stillness_figures(stillness, 30.0)

@@ -166,7 +166,7 @@ def test_the_face_follows_and_is_put_back(face, extension):
     contact = extension("scene_out.contact")
     assert face.name in contact.still_faces
     assert not face.modifiers["Subdivision"].show_viewport
-    driven.session.puppet.end()
+    driven.session.end()
     driven.session.puppet.restore()
     assert face.name not in contact.still_faces
     assert face.modifiers["Subdivision"].show_viewport
@@ -198,6 +198,7 @@ def test_an_error_in_a_tick_leaves_nothing_behind(face, extension, monkeypatch):
     session.thread.join(60)
     assert not session.thread.is_running
     assert live.active is None and not jobs.busy()
+    assert bpy.context.preferences.system.viewport_aa != "OFF"
     assert face.name not in extension("scene_out.contact").still_faces
 
 
@@ -262,6 +263,35 @@ def test_a_source_that_is_none_is_said(scene, face, source, path, message):
     scene.mimetic.live.source, scene.mimetic.live.clip_path = source, path
     with pytest.raises(RuntimeError, match=message):
         bpy.ops.mimetic.live()
+
+
+def test_a_taught_set_that_is_none_is_said(scene, face, tmp_path):
+    scene.mimetic.live.taught_set = str(tmp_path / "no_set.npz")
+    with pytest.raises(RuntimeError, match=r"no_set\.npz"):
+        bpy.ops.mimetic.live()
+
+
+def test_fast_view_puts_back_what_it_lowered(face, extension):
+    preferences, modifier = bpy.context.preferences, face.modifiers["Subdivision"]
+    before, is_dirty = preferences.system.viewport_aa, preferences.is_dirty
+    assert before != "OFF" and modifier.show_viewport
+    fast = extension("fast_view").FastView(face)
+    assert preferences.system.viewport_aa == "OFF" and not modifier.show_viewport
+    assert preferences.is_dirty == is_dirty  # else Blender would keep it when it quits
+    fast.end()
+    fast.end()
+    assert preferences.system.viewport_aa == before and modifier.show_viewport
+    assert preferences.is_dirty == is_dirty
+
+
+def test_fast_view_leaves_what_was_changed_or_off_meanwhile(face, extension):
+    system, modifier = bpy.context.preferences.system, face.modifiers["Subdivision"]
+    before, modifier.show_viewport = system.viewport_aa, False
+    fast = extension("fast_view").FastView(face)
+    system.viewport_aa = "FXAA"
+    fast.end()
+    assert system.viewport_aa == "FXAA" and not modifier.show_viewport
+    system.viewport_aa = before
 
 
 def test_without_a_face_the_button_is_grey():

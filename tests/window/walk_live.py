@@ -49,11 +49,23 @@ def add_the_face(walk: Walk) -> Steps:
     settings.clip_path = str(walk.folder / walk.settings["clip"])
 
 
+def drawn_fast() -> tuple[bool, ...]:
+    """What Fast View lowers: each must be off while a session runs, and on before and after."""
+    face = bpy.context.view_layer.objects.active
+    return (
+        face.modifiers["Subdivision"].show_viewport,
+        bpy.context.preferences.system.viewport_aa != "OFF",
+        area_of("VIEW_3D")[1].spaces.active.overlay.show_overlays,
+    )
+
+
 def follow(walk: Walk) -> Steps:
     before = values()
+    walk.check("all is drawn before", all(drawn_fast()), drawn_fast())
     bpy.ops.ed.undo_push(message="before")
     invoke("VIEW_3D", bpy.ops.mimetic.live)
     walk.check("the session runs beside the window", live().active is not None)
+    walk.check("it is drawn fast", not any(drawn_fast()), drawn_fast())
     yield from walk.until(lambda: values() != before, 60, "the face follows")
     first, start = num_worked_on(), time.monotonic()
     seen = set()
@@ -63,7 +75,20 @@ def follow(walk: Walk) -> Steps:
     rate = (num_worked_on() - first) / LOOKED
     walk.check("pictures are worked on all the time", rate > 2, f"{rate:.1f} a second")
     walk.check("and shown", len(seen) > LOOKED, f"{len(seen) / LOOKED:.1f} a second")
+    view = live().active.view
+    walk.check("the camera's picture is drawn", view._texture is not None, view._texture)
+    lines = live().active.thread.trace.draw(0, 0, 9, 9)
+    walk.check("the plots have lines", len(lines.points) > 99, len(lines.points))
     yield from walk.picture("live")
+    settings = bpy.context.scene.mimetic.live
+    settings.show_plots, settings.view_corner, settings.view_size = False, "TOP_RIGHT", 320
+    yield from walk.picture("live-picture-alone")
+    settings.show_picture = False
+    yield 0.5
+    drawn = view._shown
+    yield 1.0
+    walk.check("switched off nothing is drawn", view._shown is drawn)
+    settings.show_picture = settings.show_plots = True
 
 
 def record(walk: Walk) -> Steps:
@@ -77,8 +102,11 @@ def record(walk: Walk) -> Steps:
     yield from walk.until(lambda: live().active.takes, 20, "R ends it")
     press("VIEW_3D", "N")
     yield 1.0
+    view = live().active.view
     press("VIEW_3D", "ESC")
     yield from walk.until(is_idle, 20, "Esc ends the session")
+    walk.check("nothing is left of picture and plots", view._handle is None and not view._texture)
+    walk.check("all is drawn again", all(drawn_fast()), drawn_fast())
     face = bpy.context.view_layer.objects.active
     animation = face.data.shape_keys.animation_data
     walk.check("the take is an action", animation is not None and animation.action is not None)
@@ -93,11 +121,28 @@ def record(walk: Walk) -> Steps:
     walk.check("one undo takes it back", animation is None or animation.action is None)
 
 
+def load_a_file(walk: Walk) -> Steps:
+    """While a session runs: it ends, and what it lowered is put back."""
+    path = str(walk.folder / "session.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    view_of = live()
+    invoke("VIEW_3D", bpy.ops.mimetic.live)
+    view = view_of.active.view
+    yield 1.0
+    walk.check("it is drawn fast again", not any(drawn_fast()), drawn_fast())
+    bpy.ops.wm.open_mainfile(filepath=path)
+    yield 1.0
+    walk.check("a file that is opened ends the session", live().active is None and is_idle())
+    walk.check("it leaves no drawing behind", view._handle is None)
+    walk.check("and all is drawn as before", all(drawn_fast()), drawn_fast())
+
+
 def steps(walk: Walk) -> Steps:
     yield from install(walk, PACKAGE)
     yield from add_the_face(walk)
     yield from follow(walk)
     yield from record(walk)
+    yield from load_a_file(walk)
 
 
 start(steps)

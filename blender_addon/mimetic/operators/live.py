@@ -6,9 +6,10 @@ import time
 from bpy.props import EnumProperty
 from bpy.types import Operator
 
-from .. import editors, jobs, live, native, outcome, scene_in, scene_out
+from .. import editors, fast_view, jobs, live, native, outcome, scene_in, scene_out
 from ..greyed import Greyed
 from ..live_settings import CHANNELS
+from ..overlay import session as session_view
 
 TOLD_EVERY = 0.5  # seconds
 KEYS = {"N": "NEUTRAL", "R": "RECORD", "ESC": "STOP"}
@@ -53,7 +54,7 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
             return outcome.cancelled(self, context, str(error))
         finally:
             if session is not None:
-                session.puppet.end()
+                session.end()
         if not message:
             return outcome.cancelled(self, context, "No face was seen; nothing was changed")
         return _finished(self, context, session, message)
@@ -65,6 +66,7 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
             live.active = _session(context)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
+        live.active.view = session_view.SessionView(live.active.thread)
         live.active.thread.start()
         return self.enter(context, live.active.run)
 
@@ -93,6 +95,8 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
         if session.due is not None and time.monotonic() >= session.due:
             live.begin_take(context, session)
         show(session)
+        if session.view is not None and session.view.has_news(settings):
+            session_view.redraw()
         # What is shown is drawn by itself; lines of text cost as much, and are read more slowly
         if time.monotonic() - self._told >= TOLD_EVERY:
             self._told = time.monotonic()
@@ -138,7 +142,7 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
         session, live.active = live.active, None
         jobs.Modal.leave(self, context)
         if session is not None:
-            session.puppet.end()
+            session.end()
 
 
 class MIMETIC_OT_live_command(Greyed, Operator):
@@ -178,11 +182,15 @@ def _session(context, is_blocking: bool = False):
     settings = context.scene.mimetic.live
     source = live.source_of(context, is_paced=not is_blocking)
     run = jobs.Run("Live", is_endless=True)
-    thread = native.live_thread().LiveThread(source, settings.stillness, run.stop, is_blocking)
+    taught, use = live.taught_of(settings), settings.set_use.lower()
+    thread = native.live_thread().LiveThread(
+        source, settings.stillness, run.stop, is_blocking, taught, use
+    )
     run.thread = thread.thread
     face = scene_in.face_of(context)
-    puppet = scene_out.live.Puppet(context.scene, face, settings.use_subdivision)
-    return live.Session(run, thread, puppet)
+    puppet = scene_out.live.Puppet(context.scene, face)
+    fast = fast_view.FastView(face) if settings.use_fast_view else None
+    return live.Session(run, thread, puppet, fast)
 
 
 def _finished(operator, context, session, message: str):

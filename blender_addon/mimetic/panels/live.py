@@ -20,6 +20,9 @@ class MIMETIC_PT_live(Muscles, Panel):
         column = layout.column()
         column.enabled = session is None
         self.draw_source(column, context, settings)
+        column.prop(settings, "taught_set")
+        if settings.taught_set:
+            column.row().prop(settings, "set_use", expand=True)
         layout.prop(settings, "stillness", slider=True)
         fps = 30.0 if session is None else session.thread.source.fps
         figures = native.stillness_figures(settings.stillness, fps)
@@ -29,8 +32,9 @@ class MIMETIC_PT_live(Muscles, Panel):
         layout.column(align=True).prop(settings, "channels")
         row = layout.row()
         row.enabled = session is None
-        row.prop(settings, "use_subdivision")
+        row.prop(settings, "use_fast_view")
         layout.prop(settings, "countdown")
+        self.draw_view(layout, settings)
         if session is None:
             layout.operator("mimetic.live", icon="PLAY")
             return
@@ -43,6 +47,15 @@ class MIMETIC_PT_live(Muscles, Panel):
             row.operator("mimetic.live_command", text=text).command = command
         for line in wrapped(session.line(), 44):
             layout.label(text=line)
+
+    def draw_view(self, layout, settings):
+        row = layout.row(align=True, heading="In the View")
+        row.prop(settings, "show_picture", toggle=True)
+        row.prop(settings, "show_plots", toggle=True)
+        row = layout.row(align=True)
+        row.active = settings.show_picture or settings.show_plots
+        row.prop(settings, "view_corner", text="")
+        row.prop(settings, "view_size")
 
     def draw_source(self, layout, context, settings):
         layout.row().prop(settings, "source", expand=True)

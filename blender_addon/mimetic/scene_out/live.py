@@ -26,9 +26,7 @@ class TakeSummary:
 class Puppet:
     """A face while a live session moves it, by name: an undo may replace the object."""
 
-    def __init__(
-        self, scene: bpy.types.Scene, face: bpy.types.Object, use_subdivision: bool
-    ) -> None:
+    def __init__(self, scene: bpy.types.Scene, face: bpy.types.Object) -> None:
         self.name = face.name
         keys = face.data.shape_keys
         driven = own_keys.driven_keys(keys)
@@ -48,10 +46,6 @@ class Puppet:
         # Contact costs more than a picture's time; afterwards it is looked at again
         contact.still_faces.add(self.name)
         self._rest_contact(face)
-        smoothers = [m for m in face.modifiers if m.type == "SUBSURF" and m.show_viewport]
-        self._hidden = [] if use_subdivision else [modifier.name for modifier in smoothers]
-        for name in self._hidden:
-            face.modifiers[name].show_viewport = False
 
     @property
     def sliders(self) -> set[str]:
@@ -79,9 +73,6 @@ class Puppet:
         contact.still_faces.discard(self.name)
         if face := bpy.data.objects.get(self.name):
             self._rest_contact(face)
-            for modifier in face.modifiers:
-                modifier.show_viewport |= modifier.name in self._hidden
-        self._hidden = []
 
     def _rest_contact(self, face) -> None:
         if contact.key_of(face) is not None:

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <mimetic/puppet/front_view.hpp>
 #include <mimetic/puppet/match.hpp>
+#include <mimetic/puppet/texels.hpp>
 
 #include "arrays.hpp"
 
@@ -117,6 +119,22 @@ void bind_puppet(py::module_& m) {
         },
         py::arg("image").noconvert(), "scale"_a,
         "A grey picture of a frame (H, W, 3), `scale` times as large; .02 to 8. Raises InvalidInput.");
+    m.def(
+        "texels_of",
+        [](const ImageArray& image, int most_cols) {
+            const ColorView view = view_image<3>(image, "the picture");
+            Texels texels;
+            {
+                const py::gil_scoped_release unlocked;
+                texels = texels_of(view, most_cols);
+            }
+            py::array_t<float> array({texels.rows, texels.cols, 4});
+            std::copy(texels.values.begin(), texels.values.end(), array.mutable_data());
+            return array;
+        },
+        py::arg("image").noconvert(), "most_cols"_a,
+        "A picture (H, W, 3) as graphics cards take it: (h, w, 4) float32, rows from the bottom up, red, "
+        "green,\nblue and opacity from 0 to 1, w at most most_cols (16 to 4096). Raises InvalidInput.");
     m.def(
         "correlation_map",
         [](const ImageArray& image, const ImageArray& picture) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/puppet/interpolate.hpp>
 #include <mimetic/puppet/low_lag_filter.hpp>
+#include <mimetic/puppet/sharpening.hpp>
 
 #include "arrays.hpp"
 
@@ -41,6 +42,19 @@ void bind_puppet_interpolate(py::module_& m) {
              "(n,) filtered, of values `seconds` after those before.")
         .def_property_readonly("lags", &LowLagFilter::lags, "s, of each value in the last step")
         .def("restart", &LowLagFilter::restart, "The next values are taken as they are.");
+    py::class_<Sharpening>(m, "Sharpening",
+                           "Live values corrected by taught ones, each by its variance; see sharpening.hpp.")
+        .def(py::init<Eigen::Index>(), "size"_a, "size: number of values. Raises InvalidInput.")
+        .def(
+            "advance",
+            [](Sharpening& sharpening, VectorIn values, VectorIn std, VectorIn taught, VectorIn taught_std,
+               double seconds) {
+                const ValuesWithStd now = sharpening.advance({values, std}, {taught, taught_std}, seconds);
+                return py::make_tuple(now.values, now.std);
+            },
+            "values"_a, "std"_a, "taught"_a, "taught_std"_a, "seconds"_a,
+            "Values and standard deviations (n,), `seconds` after those before. Raises InvalidInput.")
+        .def("restart", &Sharpening::restart, "Nothing is known of the live values any more.");
 }
 
 }  // namespace mimetic::bindings

@@ -104,7 +104,7 @@ def live_states(extension: str, face: bpy.types.Object) -> Callable[[int], None]
     from mimetic.puppet.live_face import live_names
 
     parts = importlib.import_module(f"{extension}.scene_out.live")
-    puppet = parts.Puppet(bpy.context.scene, face, use_subdivision=True)
+    puppet = parts.Puppet(bpy.context.scene, face)
     names, lids = live_names(), [LidFollowing(0.03, 0.0)] * 2
     random = np.random.default_rng(1)
     values = random.uniform(0, 0.5, (ROUNDS + 5, len(names)))

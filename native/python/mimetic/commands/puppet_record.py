@@ -19,6 +19,8 @@ from mimetic.puppet.clip_source import ClipSource
 from mimetic.puppet.live_filter import DEFAULT_STILLNESS
 from mimetic.puppet.receiver import parse_address
 from mimetic.puppet.recording import AUDIO, TAKE, Recording, RecordingOptions
+from mimetic.puppet.taught_follower import SHARPEN, USES
+from mimetic.puppet.templates import TaughtSet
 from mimetic.puppet.warm_up import warm_up
 from mimetic.shared.interrupts import Interrupt, listen_for_interrupt
 from mimetic.shared.results import OF_A_CLIP, PERFORMANCE, prepare_folder, publish, staging
@@ -48,6 +50,19 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="0 least lag to 1 least jitter (default: %(default)s); what it costs is printed",
     )
     parser.add_argument(
+        "--set",
+        type=Path,
+        metavar="SET.npz",
+        help="looks of this person that were taught (`mimetic puppet teach`)",
+    )
+    parser.add_argument(
+        "--set-use",
+        choices=USES,
+        default=SHARPEN,
+        help="sharpen: correct what the live filter measures, each by its variance (default); "
+        "drive: take what the set knows from the set alone",
+    )
+    parser.add_argument(
         "--freeze",
         default="",
         metavar="CHANNEL,...",
@@ -74,6 +89,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run_record(arguments: argparse.Namespace) -> int:
     options = _options_of(arguments)
     source, inputs = open_source(arguments.source, arguments.every_frame)
+    inputs = [*inputs, arguments.set] if arguments.set else inputs
     if arguments.microphone and isinstance(source, ClipSource):
         raise InvalidInput("--microphone goes with a camera; a clip has its own sound")
     out = take_folder(arguments.out)
@@ -122,6 +138,8 @@ def _options_of(arguments: argparse.Namespace) -> RecordingOptions:
         microphone=arguments.microphone,
         receivers=tuple(arguments.send),
         in_background=not arguments.every_frame,
+        taught=TaughtSet.load(arguments.set) if arguments.set else None,
+        use=arguments.set_use,
     )
 
 

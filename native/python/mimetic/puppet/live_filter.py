@@ -7,7 +7,7 @@ its own head follows some seconds later (`PersonSearch`), without a break.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from time import perf_counter
 
 import numpy as np
@@ -16,7 +16,10 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core
 from mimetic.fit import fitting
 from mimetic.puppet.live_face import LiveFace, gaze_in, live_face, live_names
+from mimetic.puppet.mapping import State
 from mimetic.puppet.person_search import PersonSearch
+from mimetic.puppet.taught_follower import SHARPEN, TaughtFollower
+from mimetic.puppet.templates import TaughtSet
 from mimetic.solve.gaze import SIDES
 from mimetic.solve.walk import PROOF, find_again
 
@@ -35,7 +38,9 @@ class LiveState:
     time: seconds; head_pose: 4 x 4, camera from head, metres; values: as `live_names` has them,
     activations 0 to 1, gaze in degrees; std: of them, gaze 0; is_held: nothing was measured, and
     the state is the last one's; is_proved: enough pictures on end showed it to be a face, and no
-    chance likeness; milliseconds: that it took; pose_cov: 6 x 6, of the measured pose.
+    chance likeness; milliseconds: that it took; pose_cov: 6 x 6, of the measured pose;
+    search_milliseconds: of those, for finding the face and the person's head, which a session looks
+    for in a thread.
     """
 
     time: float
@@ -47,6 +52,7 @@ class LiveState:
     is_proved: bool
     milliseconds: float
     pose_cov: NDArray[np.float64]
+    search_milliseconds: float = 0.0
 
 
 class LiveFilter:
@@ -54,13 +60,22 @@ class LiveFilter:
 
     stillness: 0 least lag to 1 least jitter (`StillnessFilter`). in_background: whether the
     person's head is searched for in a thread, as a live session needs it; otherwise `advance` takes
-    as long as that does, and the same pictures always give the same states. Raises InvalidInput.
+    as long as that does, and the same pictures always give the same states. taught: looks of the
+    person, which drive the face or sharpen what is measured, by `use`, of taught_follower.USES.
+    Raises InvalidInput.
     """
 
-    def __init__(self, stillness: float = DEFAULT_STILLNESS, in_background: bool = True) -> None:
+    def __init__(
+        self,
+        stillness: float = DEFAULT_STILLNESS,
+        in_background: bool = True,
+        taught: TaughtSet | None = None,
+        use: str = SHARPEN,
+    ) -> None:
         self._stillness = _core.StillnessFilter(stillness)
         self._in_background = in_background
         self.names = live_names()
+        self.follower = None if taught is None else TaughtFollower(taught, self.names, use)
         self.face: LiveFace | None = None
         self._search: PersonSearch | None = None
         self._is_neutral_due = False
@@ -84,6 +99,8 @@ class LiveFilter:
     def set_neutral(self) -> None:
         """The next picture shows the face at rest: the head is fitted to it, in the background."""
         self._is_neutral_due = True
+        if self.follower is not None:
+            self.follower.set_neutral()
 
     def start_over(self) -> None:
         """Nothing that is known of the face holds any more: another camera, another person."""
@@ -109,6 +126,7 @@ class LiveFilter:
         self._improve(image, time)
         assert self.face is not None
         guess = self._guess(image)
+        searched = perf_counter() - start
         estimate = self.face.tracker.advance(image, guess)
         if not estimate.held:
             self._num_seen += 1
@@ -121,7 +139,9 @@ class LiveFilter:
             if guess is not None and time - self._seen_at > STRANGER:
                 self.start_over()
                 return self.advance(image, time)
-        return self._state(estimate, time, since, start)
+        state = self._state(image, estimate, time, since)
+        took = perf_counter() - start
+        return replace(state, milliseconds=1000 * took, search_milliseconds=1000 * searched)
 
     def _find(self, image: Image) -> bool:
         try:
@@ -162,23 +182,27 @@ class LiveFilter:
         return find_again(image, 1, self.face.fit)
 
     def _state(
-        self, estimate: _core.FrameEstimate, time: float, since: float, start: float
+        self, image: Image, estimate: _core.FrameEstimate, time: float, since: float
     ) -> LiveState:
         face = self.face
         assert face is not None
-        pose, values = self._stillness.advance(estimate.camera_from_head, estimate.values, since)
         gaze = gaze_in(face.gaze, face.camera, estimate, since)
+        seen = State(np.asarray(estimate.values), np.asarray(estimate.values_std))
+        if self.follower is not None and not estimate.held:
+            pose = np.asarray(estimate.camera_from_head)
+            seen = self.follower.advance(image, face, pose, seen, gaze[1::2], since)
+        pose, values = self._stillness.advance(estimate.camera_from_head, seen.values, since)
         values = np.concatenate([values, gaze])
         for eye, side in enumerate(SIDES):
             lid = self.names.index(f"lid_upper.{side}")
             pitch = gaze[2 * eye + 1 : 2 * eye + 2]
             values[lid] = face.lids[eye].own(values[lid : lid + 1], pitch)[0]
-        std = np.concatenate([estimate.values_std, np.zeros(len(gaze))])
+        std = np.concatenate([seen.std, np.zeros(len(gaze))])
         return LiveState(
             *(time, np.array(pose), values, std),
             quality=0.0 if estimate.held else float(estimate.quality),
             is_held=bool(estimate.held),
             is_proved=self._num_seen >= PROOF,
-            milliseconds=1000 * (perf_counter() - start),
+            milliseconds=0.0,
             pose_cov=np.array(estimate.pose_cov),
         )

@@ -13,10 +13,13 @@ from mimetic.puppet.channels import Freezer
 from mimetic.puppet.clip_source import ClipSource
 from mimetic.puppet.live_face import LiveFace
 from mimetic.puppet.live_filter import LiveFilter, LiveState
+from mimetic.puppet.live_plots import LiveTrace
 from mimetic.puppet.live_session import LiveSession
 from mimetic.puppet.pictures import Picture
 from mimetic.puppet.sound import Microphone, clip_sound
 from mimetic.puppet.take import Take
+from mimetic.puppet.taught_follower import SHARPEN
+from mimetic.puppet.templates import TaughtSet
 from mimetic.puppet.warm_up import warm_up
 
 
@@ -24,7 +27,7 @@ class LiveThread:
     """Follows a source until it is stopped; the host asks for the newest state.
 
     stop: set from outside, it ends the session. is_blocking: nothing runs in a thread: `start`
-    works through the whole clip and records it.
+    works through the whole clip and records it. taught, use: as of a `LiveFilter`.
     """
 
     def __init__(
@@ -33,12 +36,15 @@ class LiveThread:
         stillness: float,
         stop: threading.Event | None = None,
         is_blocking: bool = False,
+        taught: TaughtSet | None = None,
+        use: str = SHARPEN,
     ) -> None:
         self.source = source
         self.line = "starting"
         self.error: BaseException | None = None
         self._filter: LiveFilter | None = None
         self._stillness, self._is_blocking = stillness, is_blocking
+        self._taught, self._use = taught, use
         self._is_neutral_due = False
         self._freezer: Freezer | None = None
         self._frozen: frozenset[str] = frozenset()
@@ -50,6 +56,8 @@ class LiveThread:
         self._microphone: Microphone | None = None
         self.thread = threading.Thread(target=self._run, name="live", daemon=True)
         self.session: LiveSession | None = None
+        self.trace: LiveTrace | None = None  # of what is shown, as soon as there is a filter
+        self.picture: Picture | None = None  # the newest that was worked on
 
     def start(self) -> None:
         if self._is_blocking:
@@ -131,17 +139,23 @@ class LiveThread:
     def _run(self) -> None:
         try:
             warm_up()
-            self._filter = LiveFilter(self._stillness, in_background=not self._is_blocking)
+            self._filter = LiveFilter(
+                self._stillness, not self._is_blocking, self._taught, self._use
+            )
             self._freezer = Freezer(self._filter.names)
+            self.trace = LiveTrace(self._filter.names, self._filter.follower)
             self.session = LiveSession(self.source, self._filter, self._see, self._tell)
             self.line = "looking for a face"
             self.session.run(self._stop.is_set)
         except BaseException as error:
             self.error = error
+        finally:
+            self.picture = self.trace = None
 
     def _see(self, picture: Picture, state: LiveState | None) -> bool:
         live, freezer = self._filter, self._freezer
         assert live is not None and freezer is not None and self.session is not None
+        self.picture = picture
         live.stillness = self._stillness
         if self._is_neutral_due:
             self._is_neutral_due = False
@@ -153,6 +167,8 @@ class LiveThread:
         state = replace(state, head_pose=pose, values=values)
         with self._lock:
             self._newest = state, live.face
+            if self.trace is not None:
+                self.trace.add(state.time, state.values)
             if self._take is not None:
                 self._time_zero = picture.arrival - picture.time
                 self._take.add(state, live.face)

@@ -17,6 +17,8 @@ from mimetic.puppet.pictures import Picture
 from mimetic.puppet.receiver import Receiver
 from mimetic.puppet.sound import Microphone, clip_sound
 from mimetic.puppet.take import Take
+from mimetic.puppet.taught_follower import SHARPEN
+from mimetic.puppet.templates import TaughtSet
 from mimetic.shared.json_file import write_json
 
 AUDIO, TAKE = "audio.wav", "take.json"
@@ -32,6 +34,8 @@ class RecordingOptions:
     microphone: str | None = None
     receivers: tuple[str, ...] = ()
     in_background: bool = True
+    taught: TaughtSet | None = None
+    use: str = SHARPEN  # of taught_follower.USES
 
 
 class Recording:
@@ -45,7 +49,9 @@ class Recording:
         tell: Tell,
     ) -> None:
         self._source, self._folder, self._options, self._tell = source, folder, options, tell
-        self._filter = LiveFilter(options.stillness, options.in_background)
+        self._filter = LiveFilter(
+            options.stillness, options.in_background, options.taught, options.use
+        )
         names = self._filter.names
         self._receivers = [Receiver(one, names, source.fps) for one in options.receivers]
         self._freezer = Freezer(names, options.frozen)

@@ -1,0 +1,38 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Prints what drawing a live face costs in a Blender window with software OpenGL, in ms."""
+
+from __future__ import annotations
+
+import os
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT / "tests" / "window"))
+from blender_window import BlenderFolder, Screen  # noqa: E402
+
+
+def main() -> int:
+    extension = Path(os.environ["MIMETIC_WINDOW_EXTENSION"])
+    work = Path(tempfile.mkdtemp(prefix="mimetic-window-", dir="/tmp"))
+    pictures = ROOT / "out" / "window"
+    pictures.mkdir(parents=True, exist_ok=True)
+    try:
+        shutil.copy(extension, work)
+        with Screen() as screen:
+            settings = {"extension": extension.name}
+            folder = BlenderFolder.prepared()
+            findings = folder.walk(screen, "walk_live_drawing.py", work, pictures, settings, 600)
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+    for name, ms in findings.arrays.get("rows", []):
+        print(f"{name:24} {ms:6.0f} ms")
+    for failure in findings.failures():
+        print(failure, file=sys.stderr)
+    return 1 if findings.failures() else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
