@@ -9,7 +9,7 @@ from bpy.props import BoolProperty, FloatProperty, StringProperty
 from . import native
 
 # The last: setting another marks the row as edited
-FIELDS = ("is_on", "gain", "offset", "lowest", "highest", "is_edited")
+FIELDS = ("is_on", "gain", "offset", "lowest", "highest", "curve", "is_edited")
 
 
 def _edit(self, context) -> None:
@@ -52,6 +52,17 @@ class MimeticControl(bpy.types.PropertyGroup):
         max=1000.0,
         update=_edit,
         description="Values are cut here",
+    )
+    curve: FloatProperty(
+        name="Curve",
+        default=1.0,
+        min=0.1,
+        max=10.0,
+        soft_min=0.5,
+        soft_max=2.0,
+        update=_edit,
+        description="Before gain and offset: above 1 small motions become smaller, below 1 larger; "
+        "full ones stay",
     )
     is_edited: BoolProperty(
         name="Edited", description="Changed by hand: fitting again leaves the row as it is"

@@ -63,6 +63,7 @@ class MIMETIC_PT_controls(Muscles, Panel):
         limits = box.row(align=True)
         limits.prop(control, "lowest")
         limits.prop(control, "highest")
+        layout.prop(control, "curve")
         for line in wrapped(control.remark, 44):
             layout.label(text=line)
 

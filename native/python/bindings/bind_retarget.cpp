@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/retarget/bounded_fit.hpp>
 #include <mimetic/retarget/control_fit.hpp>
+#include <mimetic/retarget/response.hpp>
 
 #include "arrays.hpp"
 
@@ -13,6 +14,12 @@ void bind_retarget(py::module_& m) {
     m.def("polygon_areas", &polygon_areas, "points"_a, "starts"_a, "corners"_a,
           "A share of each polygon's area for the vertices (V,) of its corners, square units of points\n"
           "(V, 3). starts: the first corner of each polygon; corners: vertices. Raises InvalidInput.");
+    m.def(
+        "played_values",
+        [](const Eigen::VectorXd& fitted, double gain, double offset, double lowest, double highest,
+           double curve) { return played_values(fitted, {gain, offset, lowest, highest, curve}); },
+        "fitted"_a, "gain"_a, "offset"_a, "lowest"_a, "highest"_a, "curve"_a,
+        "Fitted values (N,) of a control as they are played; see response.hpp. Raises InvalidInput.");
     py::class_<ControlFitOptions>(m, "ControlFitOptions", "See control_fit.hpp for each field.")
         .def(py::init<>())
         .def_readwrite("sparsity", &ControlFitOptions::sparsity)

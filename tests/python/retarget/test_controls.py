@@ -18,6 +18,20 @@ def test_a_row_scales_shifts_and_cuts():
     np.testing.assert_allclose(values, [0.0, 0.55, 0.9])
 
 
+def test_a_row_bends_small_motions_and_leaves_full_ones():
+    row = dataclasses.replace(ROWS[1], curve=2.0)
+    np.testing.assert_allclose(row.played(np.array([0.0, 0.5, 1.0])), [0.0, 0.25, 1.0])
+
+
+def test_a_curve_of_a_preset_has_limits(tmp_path):
+    path = tmp_path / "hero.json"
+    save_preset([dataclasses.replace(ROWS[1], curve=2.5)], path)
+    assert load_preset(path)[0].curve == 2.5
+    path.write_text(path.read_text().replace("2.5", "0.0"))
+    with pytest.raises(InvalidInput, match=r"eyeBlinkRight\): its curve is 0; it lies from 0.1"):
+        load_preset(path)
+
+
 def test_edited_rows_survive_a_refit_and_others_follow_the_character():
     ranges = {"jawOpen": (0, 1.5), "eyeBlinkLeft": (0, 1), "new": (-1, 1)}
     rows = refitted([dataclasses.replace(ROWS[2], gain=5), EDITED], ranges)

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput
+from mimetic import InvalidInput, _core
 from mimetic.retarget.control_names import mirrored_name
 from mimetic.shared.json_file import read_json, write_json
 from mimetic.shared.shown_text import shortened
@@ -19,11 +19,15 @@ from mimetic.shared.shown_text import shortened
 FORMAT = "mimetic controls 1"
 LARGEST_PRESET = 2_000_000  # bytes
 MOST = 1000.0  # of gain, offset and bounds
+CURVES = 0.1, 10.0  # least and greatest
 
 
 @dataclass(frozen=True)
 class ControlRow:
-    """How one control is driven: gain times what is fitted, plus offset, cut to the range."""
+    """How one control is driven: gain times what is fitted, plus offset, cut to the range.
+
+    curve: the power to which the fitted value's share of its end of the range is raised first.
+    """
 
     control: str
     is_on: bool = True
@@ -32,10 +36,13 @@ class ControlRow:
     lowest: float = 0.0
     highest: float = 1.0
     is_edited: bool = False  # by hand: a refit leaves it
+    curve: float = 1.0
 
     def played(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Values as fitted (N) to values as played."""
-        return np.clip(self.gain * values + self.offset, self.lowest, self.highest)
+        return _core.played_values(
+            values, self.gain, self.offset, self.lowest, self.highest, self.curve
+        )
 
 
 @dataclass(frozen=True)
@@ -149,6 +156,11 @@ def _row(path: str | os.PathLike[str], number: int, entry: object) -> ControlRow
         if not is_truth and not (isinstance(value, int | float) and abs(value) <= MOST):
             raise InvalidInput(shortened(f"{where}: {name} is {value!r}; it lies within {MOST:g}"))
     row = ControlRow(**entry)
+    if not CURVES[0] <= row.curve <= CURVES[1]:
+        raise InvalidInput(
+            f"{where} ({row.control}): its curve is {row.curve:g}; it lies from {CURVES[0]:g} to "
+            f"{CURVES[1]:g}"
+        )
     if row.lowest > row.highest:
         raise InvalidInput(
             f"{where} ({row.control}): its range is from {row.lowest} to {row.highest}"
