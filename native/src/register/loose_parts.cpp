@@ -6,12 +6,15 @@
 #include <mimetic/register/loose_parts.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/surface/nearest.hpp>
+#include <mimetic/surface/ways.hpp>
 
 namespace mimetic {
 namespace {
 
 constexpr double kNearSkin = .008;    // m at the template's size: lashes, brows, beards
 constexpr std::size_t kSamples = 16;  // vertices by which a part is classified
+// An eyeball's middle lies this near to the template's, and its vertices so far from that, in its radii
+constexpr double kEyeMiddle = .5, kEyeNearest = .6, kEyeFarthest = 1.5;
 constexpr std::size_t kMaxFollowing = 50'000;
 
 constexpr double kTop = .13;     // m of a head, from its top, by whose width its size is guessed
@@ -53,6 +56,30 @@ Votes vote(const Points& points, const Points& roots, const std::vector<Template
     return votes;
 }
 
+/// The sphere of an eyeball of the template, of radius 0 where it has none.
+Sphere eyeball(PointsIn laid, const std::vector<TemplatePart>& parts, TemplatePart eye) {
+    std::vector<Eigen::Index> rows;
+    for (std::size_t v = 0; v < parts.size(); ++v) {
+        if (parts[v] == eye) {
+            rows.push_back(static_cast<Eigen::Index>(v));
+        }
+    }
+    return rows.size() < 4 ? Sphere{Eigen::Vector3d::Zero(), 0} : nearest_sphere(laid(rows, Eigen::all));
+}
+
+/// Whether a part's sampled points lie around the middle of an eyeball, as its skin does. What of the
+/// template they are nearest to does not say that: socket and lids lie as near to a ball as the template's
+/// own few vertices.
+bool is_around(const Sphere& eye, PointsIn points) {
+    if (!(eye.radius > 0) ||
+        (points.colwise().mean() - eye.centre.transpose()).norm() > kEyeMiddle * eye.radius) {
+        return false;
+    }
+    const Eigen::VectorXd distances = (points.rowwise() - eye.centre.transpose()).rowwise().norm();
+    return distances.minCoeff() > kEyeNearest * eye.radius &&
+           distances.maxCoeff() < kEyeFarthest * eye.radius;
+}
+
 }  // namespace
 
 LooseParts sort_loose_parts(const ForeignSkin& skin, PointsIn laid, const std::vector<TemplatePart>& parts) {
@@ -68,6 +95,8 @@ LooseParts sort_loose_parts(const ForeignSkin& skin, PointsIn laid, const std::v
         return sorted;
     }
     const NearestPoints on_template(laid), on_skin(skin.vertices);
+    const std::array<Sphere, 2> eyes{eyeball(laid, parts, TemplatePart::left_eye),
+                                     eyeball(laid, parts, TemplatePart::right_eye)};
     for (const auto& [label, vertices] : loose) {
         std::vector<int> sample;
         const std::size_t step = (vertices.size() + kSamples - 1) / kSamples;
@@ -80,12 +109,15 @@ LooseParts sort_loose_parts(const ForeignSkin& skin, PointsIn laid, const std::v
             like.push_back(parts[static_cast<std::size_t>(vertex)]);
         }
         const Votes votes = vote(points, skin.vertices(on_skin.find(points), Eigen::all), like);
-        const bool is_on_jaw = votes.mostly(votes.jaw), is_still = votes.mostly(votes.still);
+        const std::array<bool, 2> is_eye{votes.mostly(votes.left) || is_around(eyes[0], points),
+                                         votes.mostly(votes.right) || is_around(eyes[1], points)};
+        const bool is_still = votes.mostly(votes.still) || is_eye[0] || is_eye[1];
+        const bool is_on_jaw = votes.mostly(votes.jaw) && !is_still;
         for (const int vertex : vertices) {
             const auto v = static_cast<std::size_t>(vertex);
             sorted.on_jaw[v] = is_on_jaw;
-            sorted.on_eye[0][v] = votes.mostly(votes.left);
-            sorted.on_eye[1][v] = votes.mostly(votes.right);
+            sorted.on_eye[0][v] = is_eye[0];
+            sorted.on_eye[1][v] = is_eye[1];
         }
         if (votes.mostly(votes.near) && !is_on_jaw && !is_still) {
             sorted.following.insert(sorted.following.end(), vertices.begin(), vertices.end());

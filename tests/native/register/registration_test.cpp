@@ -191,6 +191,65 @@ TEST_F(ForeignSkinTest, WhatLiesAtOnePlaceIsOneAndTheRestIsLoose) {
     EXPECT_TRUE(on_jaw.following.empty());
 }
 
+/// Points of a sphere, ring by ring from pole to pole.
+Points ball(int rings, int around, double radius, const Eigen::RowVector3d& centre) {
+    Points points(static_cast<Eigen::Index>(rings) * around, 3);
+    for (int i = 0; i < rings; ++i) {
+        const double down = M_PI * (i + .5) / rings;
+        for (int j = 0; j < around; ++j) {
+            const double side = 2 * M_PI * j / around;
+            points.row(static_cast<Eigen::Index>(i) * around + j) =
+                centre + radius * Eigen::RowVector3d(std::sin(down) * std::cos(side),
+                                                     std::sin(down) * std::sin(side), std::cos(down));
+        }
+    }
+    return points;
+}
+
+TEST(LoosePartsTest, ADenseEyeballIsOneThoughTheTemplatesSocketLiesNearer) {
+    const Sheet sheet_ahead = sheet(10, .1, 0);
+    const Eigen::RowVector3d centre(.05, .05, -.016);
+    const int rings = 60, around = 90;
+    const Points own = ball(rings, around, .0155, centre);
+    const Eigen::Index count = sheet_ahead.vertices.rows();
+    Points points(count + own.rows(), 3);
+    points << sheet_ahead.vertices, own;
+    Triangles strips(2 * (rings - 1) * around, 3);
+    Eigen::Index row = 0;
+    for (int i = 0; i + 1 < rings; ++i) {
+        for (int j = 0; j < around; ++j) {
+            const int a = i * around + j, b = i * around + (j + 1) % around;
+            strips.row(row++) << a, a + around, b;
+            strips.row(row++) << b, a + around, b + around;
+        }
+    }
+    Triangles triangles(sheet_ahead.triangles.rows() + strips.rows(), 3);
+    triangles << sheet_ahead.triangles, (strips.array() + static_cast<int>(count)).matrix();
+    NamedPlaces marks;
+    marks.names = {"nose", "chin"};
+    marks.places.resize(2, 3);
+    marks.places << .05, .05, 0, .05, .02, 0;
+    marks.front = {0, 1};
+    const Eigen::VectorXi face =
+        Eigen::VectorXi::LinSpaced(triangles.rows(), 0, static_cast<int>(triangles.rows()) - 1);
+    const ForeignSkin skin = read_foreign_skin(points, {triangles, face}, marks, {});
+    const Points eye = ball(5, 8, .0158, centre), socket = ball(20, 30, .0162, centre);
+    Points laid(eye.rows() + socket.rows(), 3);
+    laid << eye, socket;
+    std::vector<TemplatePart> parts(static_cast<std::size_t>(laid.rows()), TemplatePart::other);
+    std::fill_n(parts.begin(), eye.rows(), TemplatePart::right_eye);
+    const LooseParts sorted = sort_loose_parts(skin, laid, parts);
+    EXPECT_TRUE(sorted.on_eye[1][static_cast<std::size_t>(count) + 100]);
+    EXPECT_FALSE(sorted.on_eye[0][static_cast<std::size_t>(count) + 100]);
+    EXPECT_FALSE(sorted.on_eye[1][7]);
+    EXPECT_TRUE(sorted.following.empty());
+    // A lash, which lies at the eyeball's front and not around it, is none
+    const Points lash = ball(60, 90, .002, centre + Eigen::RowVector3d(0, 0, .0165));
+    points.bottomRows(own.rows()) = lash;
+    const ForeignSkin with_lash = read_foreign_skin(points, {triangles, face}, marks, {});
+    EXPECT_FALSE(sort_loose_parts(with_lash, laid, parts).on_eye[1][static_cast<std::size_t>(count) + 100]);
+}
+
 TEST_F(ForeignSkinTest, BadMeshesAreNamed) {
     const CutFaces cut{triangles, face};
     NamedPlaces off = marks;

@@ -2,7 +2,8 @@
 """What lies on and in a foreign head besides its skin: teeth, eyes, lashes, hair.
 
 A loose part is what most of it lies nearest to on the registered template: lower teeth and
-tongue go with the jaw, upper teeth and eyes stay, what lies close to the skin follows it.
+tongue go with the jaw, upper teeth and eyes stay, what lies close to the skin follows it. What lies
+around an eyeball's middle as its surface does is an eyeball, however finely it is meshed.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from mimetic import _core
 from mimetic.character.foreign_mesh import ForeignSkin
 from mimetic.muscles.anatomy import SIDES
+from mimetic.muscles.eyeballs import limit_of
 from mimetic.template.face_template import FaceTemplate
 
 PARTS = {
@@ -35,7 +37,12 @@ class LooseParts:
         part = np.full(len(template.vertices), int(_core.TemplatePart.other), np.int32)
         for name, like in PARTS.items():
             part[template.part_vertices(name)] = int(like)
-        parts_by_kind = _core.sort_loose_parts(skin.mesh, laid_vertices, part)
+        laid = np.array(laid_vertices, dtype=np.float64)
+        for side in SIDES:
+            # The control vertices of so coarse a ball lie far outside of it
+            ball = template.part_vertices(f"eye.{side}")
+            laid[ball] = limit_of(laid, template, ball)
+        parts_by_kind = _core.sort_loose_parts(skin.mesh, laid, part)
         self.on_jaw = parts_by_kind.on_jaw
         self.eyes = {side: parts_by_kind.on_eye(number) for number, side in enumerate(SIDES)}
         self.following, self.roots = parts_by_kind.following, parts_by_kind.roots
