@@ -217,6 +217,33 @@ def test_a_target_with_sliders_plays_the_muscles(performance, extension, tmp_pat
     assert len(extension("compat").curves(face).fcurves) >= 6  # it moves as the actor's head
 
 
+def test_a_target_plays_by_a_control_object(acted, tmp_path):
+    performance, file = acted
+    bpy.ops.mimetic.add_face()
+    name = bpy.context.active_object.name
+    rig, out = tmp_path / "character.blend", tmp_path / "played.blend"
+    bpy.context.scene.render.fps = 25
+    bpy.ops.wm.save_as_mainfile(filepath=str(rig))
+    ran = run_bake(file, "--out", out, "--target", f"{rig}:{name}", "--control-object")
+    assert ran.returncode == 0, ran.stderr
+    bpy.ops.wm.open_mainfile(filepath=str(out))
+    scene, face = bpy.context.scene, bpy.data.objects[name]
+    assert bpy.data.objects[f"{name} Controls"].animation_data.action
+    keys = face.data.shape_keys
+    assert keys.animation_data.action is None  # drivers alone
+    for frame in (5, 24):
+        scene.frame_set(frame)
+        actual = [keys.key_blocks[muscle].value for muscle in performance.muscles]
+        np.testing.assert_allclose(actual, performance.activations[frame - 1], atol=1e-5)
+
+
+def test_a_control_object_needs_muscles(acted, rig_file, tmp_path):
+    out = tmp_path / "x.blend"
+    ran = run_bake(acted[1], "--out", out, "--target", f"{rig_file}:rig", "--control-object")
+    assert ran.returncode == 2 and "has no muscles for --control-object" in ran.stderr
+    assert not out.exists()
+
+
 @pytest.mark.parametrize(
     ("target", "more", "said"),
     [

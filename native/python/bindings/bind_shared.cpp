@@ -158,6 +158,8 @@ void bind_shared(py::module_& m) {
         "poses"_a, "rounding"_a,
         "(N,) which of (N, 4, 4) turn and shift without scaling or mirroring; rounding: of R R' - 1.");
     m.attr("PUPIL_DISTANCE") = kPupilDistance;
+    m.def("drawn_apart", &drawn_apart, "points"_a, "least"_a,
+          "(N, 3): points moved apart in x and z until none are nearer there, metres.\nRaises InvalidInput.");
     m.def("spread_rows", &spread_rows, "rows"_a, "first"_a, "allowed"_a, "count"_a, "least"_a = 0.0,
           py::call_guard<py::gil_scoped_release>(),
           "Rows of a table (N, D) that lie well apart: `first`, then repeatedly the allowed row farthest "

@@ -8,6 +8,7 @@ import operator
 import numpy as np
 import pytest
 from mimetic import InvalidInput, _core
+from mimetic.character.canonical_head import make_head
 from mimetic.character.control_object import (
     GAZE_DISTANCE,
     JAW_BONE,
@@ -21,6 +22,7 @@ from mimetic.character.control_object import (
     places_of,
 )
 from mimetic.character.gaze_shapes import look_values, turn_weights
+from mimetic.character.placement import to_object
 from mimetic.character.shapes import GROUPS, JAW_AND_LIDS
 
 FUNCTIONS = {"sin": math.sin, "cos": math.cos, "degrees": math.degrees, "min": min, "max": max}
@@ -117,10 +119,29 @@ def test_sides_are_pairs_below_their_groups():
 
 def test_bones_stand_before_what_they_move():
     sliders = [Slider("muscle.L", GROUPS[1], 0.0, 1.0), Slider("lid_upper.L", "Lids", 0.0, 1.0)]
-    points = np.array([[0.03, -0.1, 0.02], [0.0, 0.0, 0.0]])
-    field = np.array([[0.0, 0.0, 0.01], [0.0, 0.0, 0.0]])
-    places = places_of(channels_of(sliders, []), points, {s.shape: field for s in sliders})
+    points = np.array([[0.03, -0.1, 0.02], [0.02, -0.1, 0.05]])
+    fields = dict(
+        zip(("muscle.L", "lid_upper.L"), 0.01 * np.eye(2)[:, :, None] * [0, 0, 1], strict=True)
+    )
+    places = places_of(channels_of(sliders, []), points, fields)
     np.testing.assert_allclose(places["muscle.L"], points[0] + [0, -0.02, 0])
+
+
+def test_bones_of_a_mouths_corner_stand_apart():
+    head = make_head()
+    sliders = [Slider(s.name, s.group, s.lowest, s.highest) for s in head.shapes]
+    channels = channels_of(sliders, [])
+    fields = {shape.name: to_object(shape.offsets) for shape in head.shapes}
+    places = places_of(channels, to_object(head.vertices), fields)
+    front = np.array(list(places.values()))[:, [0, 2]]
+    apart = np.linalg.norm(front[:, None] - front, axis=2)
+    assert apart[np.triu_indices(len(front), 1)].min() > 0.0058
+    for name, place in places.items():
+        if name.endswith(".L"):
+            other = places[f"{name.removesuffix('.L')}.R"]
+            np.testing.assert_allclose(place, other * [-1, 1, 1], atol=1e-3)
+    # Still before what they move: the highest of the corner's is the one that lifts it
+    assert places["levator_anguli_oris.L"][2] > places["depressor_anguli_oris.L"][2]
 
 
 def test_a_gaze_needs_all_its_shapes():

@@ -37,6 +37,7 @@ ACTIVATION, STRENGTH, VALUE = "activation", "strength", "value"  # properties of
 JAW_TRAVEL = {"jaw_side": (0, 0.03), "jaw_thrust": (1, -0.03), "jaw_open": (2, -0.03)}
 GAZE_DISTANCE = 0.5
 LIFT = 0.02  # of a bone off the skin
+APART = 0.006  # of bones seen from the front: muscles of a mouth's corner have nearly one middle
 COLUMN = 0.115  # of the groups' bones from the middle of the face
 COLUMN_STEP = 0.02
 NOT_BY_BONES = (DETAIL, CONTACT, ACTION_UNITS, GAZE_GROUP)
@@ -124,7 +125,8 @@ def parents_of(channels: Sequence[Channel]) -> dict[str, str]:
 def places_of(
     channels: Sequence[Channel], points: NDArray[np.float64], fields: Mapping[str, NDArray]
 ) -> dict[str, NDArray[np.float64]]:
-    """Where each bone stands: before the skin that it moves, groups in columns beside the face.
+    """Where each bone stands: before the skin that it moves, as far apart that each can be picked;
+    groups in columns beside the face.
 
     points: V x 3, the face at rest; fields: V x 3 displacements of each shape at value 1.
     """
@@ -136,7 +138,8 @@ def places_of(
             places.setdefault(channel.bone, []).append(centre)
     lift = np.array([0.0, -LIFT, 0.0])
     means = {bone: np.mean(several, axis=0) + lift for bone, several in places.items()}
-    return means | _columns(channels, means)
+    apart = _core.drawn_apart(np.array(list(means.values())).reshape(-1, 3), APART)
+    return dict(zip(means, apart, strict=True)) | _columns(channels, means)
 
 
 def centre_of(points: NDArray[np.float64], field: NDArray) -> NDArray[np.float64]:
