@@ -13,7 +13,6 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import blender_module
 
-PICTURE = 320  # pixels, the height of a frame
 IDENTITY = {"sex_male": 1.0, "age_old": 0.6, "weight": 0.5, "nose_hump": 0.8}
 
 
@@ -35,21 +34,13 @@ def main() -> int:
 def build(arguments: argparse.Namespace, folder: Path) -> None:
     import bpy
     import head_scene
-    from mimetic.character.foreign_mesh import REQUIRED
+    from contact_sheet import PICTURE, character_row, clip_row, spread
     from mimetic.performance.document import Performance
-    from mimetic.template.face_template import load_template
+    from mimetic.shared.png import png_bytes
 
     scene = bpy.context.scene
-    template = load_template()
-    head = head_scene.new_head(template, template.neutral(IDENTITY))
-    names = template.unit_names if arguments.known_names else _plain_names(template.unit_names)
-    head_scene.add_shape_keys(head, names, np.asarray(template.unit_modes))
-    for name in REQUIRED:
-        group = head.vertex_groups.new(name=name)
-        group.add([template.landmark(name)], 1.0, "REPLACE")
+    head = new_character(arguments.known_names)
     bpy.context.view_layer.objects.active = head
-    if not arguments.known_names:
-        bpy.ops.mimetic.attach_muscles()
     performance = Performance.load(arguments.performance)
     scene.render.fps = round(performance.fps)
     scene.render.fps_base = scene.render.fps / performance.fps
@@ -62,52 +53,36 @@ def build(arguments: argparse.Namespace, folder: Path) -> None:
     head_scene.look_from(scene, *head_scene.VIEWS["front"])
     bpy.ops.wm.save_as_mainfile(filepath=str(blend.resolve()), compress=True)
     sheet = arguments.out / "arkit_head.png"
-    frames = arguments.frames or _spread(performance.frame, 6)
-    _sheet(scene, arguments.footage, frames, folder, sheet)
+    frames = arguments.frames or spread(performance.frame, 6)
+    rows = clip_row(arguments.footage, frames), character_row(scene, frames, folder)
+    sheet.write_bytes(png_bytes(np.vstack(rows)))
     print(f"{blend} and {sheet}: frames {', '.join(map(str, frames))}")
+
+
+def new_character(has_known_names: bool):
+    """The head with its 52 keys; with muscles, unless the keys' names are known."""
+    import bpy
+    import head_scene
+    from mimetic.character.foreign_mesh import REQUIRED
+    from mimetic.template.face_template import load_template
+
+    template = load_template()
+    head = head_scene.new_head(template, template.neutral(IDENTITY))
+    names = template.unit_names if has_known_names else _plain_names(template.unit_names)
+    head_scene.add_shape_keys(head, names, np.asarray(template.unit_modes))
+    for name in REQUIRED:
+        group = head.vertex_groups.new(name=name)
+        group.add([template.landmark(name)], 1.0, "REPLACE")
+    bpy.context.view_layer.objects.active = head
+    if not has_known_names:
+        bpy.ops.mimetic.attach_muscles()
+    return head
 
 
 def _plain_names(units: list[str]) -> list[str]:
     """Names that say nothing, and in another order than the units'."""
     order = np.random.default_rng(0).permutation(len(units))
     return [f"Key {number + 1:02d}" for number in order]
-
-
-def _spread(frames: np.ndarray, count: int) -> list[int]:
-    return [int(f) for f in frames[np.linspace(0, len(frames) - 1, count + 2)[1:-1].astype(int)]]
-
-
-def _sheet(scene, footage: Path, frames: list[int], folder: Path, out: Path) -> None:
-    """The clip's frames above, the character's below."""
-    import bpy
-    from mimetic.media.footage import Footage
-    from mimetic.shared.png import png_bytes
-
-    scene.render.engine = "BLENDER_WORKBENCH"
-    scene.display.shading.light = "STUDIO"
-    scene.display.shading.color_type = "TEXTURE"
-    scene.display.shading.show_cavity = True
-    scene.display.render_aa = "8"
-    clip = Footage(footage)
-    columns = []
-    for frame in frames:
-        scene.frame_set(frame)
-        scene.render.filepath = str(folder / "frame.png")
-        bpy.ops.render.render(write_still=True)
-        picture = bpy.data.images.load(scene.render.filepath)
-        pixels = np.array(picture.pixels).reshape(PICTURE, PICTURE, -1)[::-1, :, :3]
-        bpy.data.images.remove(picture)
-        drawn = np.round(255 * pixels).astype(np.uint8)
-        columns.append(np.vstack([_square(clip.read(frame)), drawn]))
-    out.write_bytes(png_bytes(np.hstack(columns)))
-
-
-def _square(picture: np.ndarray) -> np.ndarray:
-    """The middle of a picture, PICTURE pixels wide and high."""
-    height, width = picture.shape[:2]
-    side = min(height, width)
-    steps = np.arange(PICTURE) * side // PICTURE
-    return picture[(height - side) // 2 + steps][:, (width - side) // 2 + steps]
 
 
 if __name__ == "__main__":

@@ -22,18 +22,33 @@ EYES = ("ORG-eye.L", "ORG-eye.R")
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--out", type=Path, required=True, help="write this .blend")
+    parser.add_argument(
+        "--new-face", action="store_true", help="Rigify's face of skin chains, not the legacy one"
+    )
     arguments = parser.parse_args()
-    return blender_module.run("make_rigify_face", lambda _folder: build(arguments.out))
+    return blender_module.run(
+        "make_rigify_face", lambda _folder: build(arguments.out, arguments.new_face)
+    )
 
 
-def build(out: Path) -> None:
+def build(out: Path, has_new_face: bool) -> None:
+    import bpy
+
+    head, rig = new_character(has_new_face)
+    out.parent.mkdir(parents=True, exist_ok=True)
+    bpy.ops.wm.save_as_mainfile(filepath=str(out.resolve()), compress=True)
+    print(f"{out}: {len(head.vertex_groups)} groups of {head.name} on {rig.name}")
+
+
+def new_character(has_new_face: bool):
+    """The head with muscles, and its rig, which is active."""
     import bpy
     import head_scene
     from mimetic.character.foreign_mesh import REQUIRED
     from mimetic.template.face_template import load_template
     from rigify_rig import generate_rig
 
-    rig = generate_rig(with_face=True)
+    rig = generate_rig(with_face=True, has_new_face=has_new_face)
     template = load_template()
     eyes = np.array([rig.data.bones[name].head_local for name in EYES])
     head = head_scene.new_head(template, _onto(template, eyes))
@@ -48,9 +63,7 @@ def build(out: Path) -> None:
     rig.select_set(True)
     bpy.context.view_layer.objects.active = rig
     bpy.ops.object.parent_set(type="ARMATURE_AUTO")
-    out.parent.mkdir(parents=True, exist_ok=True)
-    bpy.ops.wm.save_as_mainfile(filepath=str(out.resolve()), compress=True)
-    print(f"{out}: {len(head.vertex_groups)} groups of {head.name} on {rig.name}")
+    return head, rig
 
 
 def _onto(template, eyes: np.ndarray) -> np.ndarray:

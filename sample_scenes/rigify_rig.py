@@ -11,10 +11,11 @@ import sys
 import tempfile
 
 
-def generate_rig(with_face: bool = False):
+def generate_rig(with_face: bool = False, has_new_face: bool = False):
     """Rigify's human, from the hips to the head, generated in the open file.
 
-    with_face: with the bones of its (legacy) face too.
+    with_face: with the bones of its (legacy) face too; has_new_face: upgraded to the face of skin
+    chains, as Rigify's own button does.
     """
     import bpy
 
@@ -29,6 +30,9 @@ def generate_rig(with_face: bool = False):
     bones = metarig.data.edit_bones
     for bone in [bone for bone in bones if not stays(bone)]:
         bones.remove(bone)
+    if has_new_face:
+        bpy.ops.object.mode_set(mode="POSE")
+        bpy.ops.pose.rigify_upgrade_face()
     bpy.ops.object.mode_set(mode="OBJECT")
     bpy.ops.pose.rigify_generate()
     metarig.hide_render = True

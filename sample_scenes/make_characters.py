@@ -1,0 +1,211 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Build a .blend of each kind of character that plays a performance, and a contact sheet of all.
+
+canonical: our head; foreign: another person's, decimated, turned and 1.3 times as large, with
+landmarks that place themselves; arkit: 52 keys whose names were changed; suzanne: Blender's monkey;
+rigify, rigify_new: the bones of Rigify's faces, legacy and new.
+"""
+
+from __future__ import annotations
+
+import argparse
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import blender_module
+
+MARGIN = 1.15  # of the pictures about the face
+FOREIGN = {"sex_male": 1.0, "age_old": 0.5, "weight": -0.4, "nose_hump": 0.8}
+# Places on Blender's monkey of size .25, from the middle of its bounding box: metres to its left,
+# and up. Landmarks that place themselves take its long upper lip for the mouth.
+MONKEY = {
+    **{"eye_inner": (0.0215, 0.031), "eye_outer": (0.069, 0.033)},
+    **{
+        "brow_inner": (0.028, 0.074),
+        "brow_outer": (0.074, 0.062),
+        "mouth_corner": (0.0125, -0.093),
+    },
+    **{"nose_bridge": (0, 0.02), "nose_tip": (0, -0.024), "chin": (0, -0.112)},
+    **{"lip_upper_inner": (0, -0.093), "lip_lower_inner": (0, -0.104)},
+}
+NEAR = 0.004  # m in the front view, of the vertices that a place may mean: the foremost is
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("performance", type=Path, help="performance.npz of a capture")
+    parser.add_argument("--footage", type=Path, required=True, help="the clip it is from")
+    parser.add_argument("--out", type=Path, required=True, metavar="DIR")
+    parser.add_argument("--frames", type=int, nargs="+", help="frames of the sheet")
+    parser.add_argument("--only", choices=CHARACTERS, nargs="+", default=list(CHARACTERS))
+    arguments = parser.parse_args()
+    if len(arguments.only) == 1:
+        return blender_module.run("make_characters", lambda folder: build(arguments, folder))
+    # A process each: Blender does not forget a Rigify that was in it
+    for name in arguments.only:
+        command = [sys.executable, __file__, arguments.performance, "--footage", arguments.footage]
+        command += ["--out", arguments.out, "--only", name]
+        frames = ["--frames", *map(str, arguments.frames)] if arguments.frames else []
+        if status := subprocess.run([*map(str, command), *frames], check=False).returncode:
+            return status
+    return _join(arguments)
+
+
+def build(arguments: argparse.Namespace, folder: Path) -> None:
+    import bpy
+    import contact_sheet
+    from mimetic.performance.document import Performance
+    from mimetic.shared.png import png_bytes
+
+    (name,) = arguments.only
+    scene = bpy.context.scene
+    performance = Performance.load(arguments.performance)
+    scene.render.fps = round(performance.fps)
+    scene.render.fps_base = scene.render.fps / performance.fps
+    scene.frame_start, scene.frame_end = int(performance.frame[0]), int(performance.frame[-1])
+    scene.mimetic.performance_path = str(arguments.performance.resolve())
+    mesh = CHARACTERS[name]()
+    is_own = name in ("arkit", "rigify", "rigify_new")
+    (bpy.ops.mimetic.bake_controls if is_own else bpy.ops.mimetic.bake)(use_head_motion=False)
+    _frame(scene, mesh)
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    blend = (arguments.out / f"{name}.blend").resolve()
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend), compress=True)
+    frames = arguments.frames or contact_sheet.spread(performance.frame, 6)
+    row = contact_sheet.character_row(scene, frames, folder)
+    (arguments.out / f"{name}.png").write_bytes(png_bytes(row))
+    np.save(_row_file(arguments.out, name), row)
+    print(f"{blend}: frames {', '.join(map(str, frames))} in {name}.png")
+
+
+def _canonical():
+    import bpy
+
+    bpy.ops.mimetic.add_face()
+    return bpy.context.active_object
+
+
+def _foreign():
+    import bpy
+    import head_scene
+    from mimetic.template.face_template import load_template
+
+    template = load_template()
+    head = head_scene.new_head(template, template.neutral(FOREIGN))
+    head.modifiers.clear()
+    head.modifiers.new("Half", "DECIMATE").ratio = 0.6
+    bpy.context.view_layer.objects.active = head
+    bpy.ops.object.modifier_apply(modifier="Half")
+    head.scale = (1.3,) * 3
+    return _bound(head)
+
+
+def _suzanne():
+    import bpy
+
+    bpy.ops.mesh.primitive_monkey_add(size=0.25)
+    monkey = bpy.context.active_object
+    monkey.modifiers.new("Smooth", "SUBSURF").levels = 2
+    bpy.ops.object.modifier_apply(modifier="Smooth")
+    bpy.ops.object.shade_smooth()
+    points = np.array([vertex.co for vertex in monkey.data.vertices])
+    middle = (points.min(axis=0) + points.max(axis=0)) / 2
+    for name, (x, z) in MONKEY.items():
+        for side, sign in ((".L", 1), (".R", -1)) if x else (("", 1),):
+            apart = np.hypot(points[:, 0] - middle[0] - sign * x, points[:, 2] - middle[2] - z)
+            near = np.flatnonzero(apart < max(NEAR, apart.min() + 1e-6))
+            foremost = int(near[points[near, 1].argmin()])
+            monkey.vertex_groups.new(name=name + side).add([foremost], 1.0, "REPLACE")
+    bpy.ops.mimetic.attach_muscles()
+    return monkey
+
+
+def _bound(head):
+    """With muscles at landmarks that placed themselves."""
+    import bpy
+
+    bpy.context.view_layer.objects.active = head
+    bpy.ops.mimetic.add_landmarks()
+    bpy.context.view_layer.objects.active = head
+    bpy.ops.mimetic.attach_muscles()
+    return head
+
+
+def _arkit():
+    import make_arkit_head
+
+    return make_arkit_head.new_character(False)
+
+
+def _rigify(has_new_face: bool):
+    import make_rigify_face
+
+    return make_rigify_face.new_character(has_new_face)[0]
+
+
+CHARACTERS: dict[str, Callable] = {
+    "canonical": _canonical,
+    "foreign": _foreign,
+    "arkit": _arkit,
+    "suzanne": _suzanne,
+    "rigify": lambda: _rigify(False),
+    "rigify_new": lambda: _rigify(True),
+}
+
+
+def _frame(scene, mesh) -> None:
+    """A camera before the middle of the mesh, which looks along -y, as high as that."""
+    import bpy
+    import head_scene
+
+    head_scene.set_up_studio(scene, 320, 320, 16)
+    corners = np.array([mesh.matrix_world @ corner for corner in map(_vector, mesh.bound_box)])
+    lowest, highest = corners.min(axis=0), corners.max(axis=0)
+    middle, height = (lowest + highest) / 2, highest[2] - lowest[2]
+    camera = scene.camera
+    camera.data.type, camera.data.ortho_scale = "ORTHO", MARGIN * height
+    camera.location = (middle[0], lowest[1] - 4 * height, middle[2])
+    camera.rotation_euler = (np.pi / 2, 0, 0)
+    camera.data.clip_end = 100
+    for obj in scene.objects:
+        obj.hide_render = obj.type in ("EMPTY", "ARMATURE")
+    bpy.context.view_layer.update()
+
+
+def _vector(corner):
+    from mathutils import Vector
+
+    return Vector(corner)
+
+
+def _row_file(folder: Path, name: str) -> Path:
+    return folder / f".{name}.npy"
+
+
+def _join(arguments: argparse.Namespace) -> int:
+    """The clip's row above all others, as characters.png."""
+    import contact_sheet
+    from mimetic.performance.document import Performance
+    from mimetic.shared.png import png_bytes
+
+    frames = arguments.frames or contact_sheet.spread(
+        Performance.load(arguments.performance).frame, 6
+    )
+    rows = [contact_sheet.clip_row(arguments.footage, frames)]
+    for name in arguments.only:
+        rows.append(np.load(_row_file(arguments.out, name)))
+        _row_file(arguments.out, name).unlink()
+    sheet = arguments.out / "characters.png"
+    sheet.write_bytes(png_bytes(np.vstack(rows)))
+    print(f"{sheet}: the clip, {', '.join(arguments.only)}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
