@@ -12,9 +12,9 @@ std::vector<int> spread_rows(MatrixIn rows, const std::vector<int>& first, const
                              int count, double least = 0);
 
 /// Points of a front view moved apart in x and z, y kept, until no two are nearer than `least` there: each
-/// pair that is gives way by equal parts, and what is in the middle (x = 0) stays there, so that what is mirrored
-/// stays so. Where there is no room for all
-/// they end nearer. Throws InvalidInput for a distance below 0, or points that are not finite.
+/// pair that is gives way by equal parts, and what is in the middle (x = 0) stays there, so that what is
+/// mirrored stays so. Where there is no room for all they end nearer. Throws InvalidInput for a distance
+/// below 0, or points that are not finite.
 Points drawn_apart(PointsIn points, double least);
 
 }  // namespace mimetic
