@@ -208,6 +208,22 @@ def test_bake_to_character_is_the_commands(extension, loaded):
     assert loaded.animation_data.action.name == "hero head"
 
 
+def test_a_bake_to_the_character_edits_curves_and_is_a_take(extension, loaded):
+    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
+    before = {name: values.max() for name, values in key_curves(extension, loaded).items()}
+    assert bpy.ops.mimetic.bake_controls(exaggeration=0.5) == {"FINISHED"}
+    after = {name: values.max() for name, values in key_curves(extension, loaded).items()}
+    assert after["jawOpen"] == pytest.approx(0.5 * before["jawOpen"], rel=0.1), (before, after)
+    rows = [(row.name, row.settings) for row in loaded.mimetic.takes]
+    assert rows == [
+        ("hero", "own controls"),
+        ("hero.002", "own controls, exaggerated by 0.5"),
+    ]
+    assert bpy.ops.mimetic.play_take(take="hero") == {"FINISHED"}
+    again = {name: values.max() for name, values in key_curves(extension, loaded).items()}
+    assert again == before
+
+
 def test_the_table_is_heeded_and_survives_a_refit(extension, loaded):
     assert bpy.ops.mimetic.fit_controls() == {"FINISHED"}
     assert not any(entry.is_edited for entry in loaded.mimetic.controls)

@@ -1,14 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 from bpy.types import Operator
 
 from .. import clips, native, scene_in, scene_out, takes, targets, writable
 from ..jobs import Job
+from .curve_options import CurveOptions
 from .take_options import TakeOptions
 
 
-class MIMETIC_OT_bake(TakeOptions, Job, Operator):
+class MIMETIC_OT_bake(CurveOptions, TakeOptions, Job, Operator):
     """Put the performance into the scene: face, muscle curves, head motion, footage and camera"""
 
     bl_idname = "mimetic.bake"
@@ -60,36 +61,6 @@ class MIMETIC_OT_bake(TakeOptions, Job, Operator):
         default=False,
         description="Keys at onset, apex, release and end of each event first",
     )
-    smoothing: FloatProperty(
-        name="Smoothing",
-        default=0.0,
-        min=0.0,
-        max=10.0,
-        soft_max=1.0,
-        precision=3,
-        step=1,
-        description="Seconds that neighbouring frames of a curve weigh in by, as a standard "
-        "deviation; 0 leaves curves as captured. Of muscles, jaw and lips: lids blink too fast",
-    )
-    neutral_frame: IntProperty(
-        name="Neutral Frame",
-        default=0,
-        min=0,
-        description="Footage frame in which the actor's face is what the character's is at rest; "
-        "0: none",
-    )
-    exaggeration: FloatProperty(
-        name="Exaggeration",
-        default=1.0,
-        min=0.0,
-        max=10.0,
-        soft_max=3.0,
-        description="That the expression is multiplied by, within what each muscle can do",
-    )
-    group_exaggeration: StringProperty(
-        name="Of Groups",
-        description="Factors of single groups instead, as in: Brow Raisers=1.5, Lip Corners=0.8",
-    )
     to: EnumProperty(
         name="To",
         items=(
@@ -124,10 +95,7 @@ class MIMETIC_OT_bake(TakeOptions, Job, Operator):
                 f"{clip.name} is missing: look for it (Find Missing Files), or untick "
                 "Footage as Skin"
             )
-        settings = native.curve_settings().settings_of(
-            self.smoothing, self.neutral_frame, self.exaggeration, self.group_exaggeration
-        )
-        return scene_in.take(context), options, head.name if head else "", settings
+        return scene_in.take(context), options, head.name if head else "", self.curve_settings()
 
     def work(self, inputs, progress):
         take, options, bound_name, settings = inputs
@@ -196,10 +164,7 @@ class MIMETIC_OT_bake(TakeOptions, Job, Operator):
         if self.use_few_keys:
             parts = [f"few keys within {self.tolerance:.3g}"]
             parts += ["at phases"] if self.use_phases else []
-        parts += [f"smoothed over {self.smoothing:.3g} s"] if self.smoothing else []
-        parts += [f"neutral in frame {self.neutral_frame}"] if self.neutral_frame else []
-        parts += [f"exaggerated by {self.exaggeration:.3g}"] if self.exaggeration != 1 else []
-        parts += [self.group_exaggeration] if self.group_exaggeration else []
+        parts += self.curve_remarks()
         parts += ["detail"] if self.use_detail else []
         return ", ".join(parts)
 

@@ -11,6 +11,7 @@ from .. import control_rows, native, outcome, scene_in, scene_out, takes, target
 from ..greyed import Greyed
 from ..jobs import Job
 from ..scene_out import face_bones, own_controls, own_keys
+from .curve_options import CurveOptions
 from .take_options import TakeOptions
 
 MANY = 0.98  # of the work: fitting
@@ -48,18 +49,22 @@ class Fitting(OnControls, Job):
         surface = surface_of(context, character) if has_take else None
         is_rig = character.type == "ARMATURE"
         options = native.bone_channels().nearest_surface() if is_rig else None
-        return character.name, surface, rows, take, options
+        return character.name, surface, rows, take, options, self.curve_settings()
+
+    def curve_settings(self):
+        """Of a fit: curves as captured."""
+        return native.curve_settings().CurveSettings()
 
     def is_reset(self) -> bool:
         return False
 
     def work(self, inputs, progress):
-        name, surface, rows, take, options = inputs
+        name, surface, rows, take, options, settings = inputs
         if take is None:
             return name, rows, None, None, None
         if not progress(0.0, "reading the performance"):
             return None
-        performance = takes.load(take)
+        performance = native.curve_settings().edited(takes.load(take), settings)
         if not progress(0.2, "fitting the controls"):
             return None
         played = native.playing().play(performance, surface, rows, options)
@@ -95,7 +100,7 @@ class MIMETIC_OT_fit_controls(Fitting, Operator):
         return f"{message}; {played.summary()}" if played else f"{message}; no performance yet"
 
 
-class MIMETIC_OT_bake_controls(TakeOptions, Fitting, Operator):
+class MIMETIC_OT_bake_controls(CurveOptions, TakeOptions, Fitting, Operator):
     """Put the performance on the active character's own shape keys, or the bones of its face, and
     the head's motion on the object or the head's bone; actions that were there stay in the file"""
 
@@ -126,7 +131,8 @@ class MIMETIC_OT_bake_controls(TakeOptions, Fitting, Operator):
             "unmatched": list(played.unmatched),
             "explained": played.explained,
         }
-        like = performance, action_name, take, clip, "own controls", before
+        settings = ", ".join(["own controls", *self.curve_remarks()])
+        like = performance, action_name, take, clip, settings, before
         return (
             f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
             f"on {name}; {summary.text}{self.note_take(context, character, *like)}"

@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What every bake can do to curves before it keys them."""
+
+from __future__ import annotations
+
+from bpy.props import FloatProperty, IntProperty, StringProperty
+
+from .. import native
+
+
+class CurveOptions:
+    """Mixin of operators that bake."""
+
+    smoothing: FloatProperty(
+        name="Smoothing",
+        default=0.0,
+        min=0.0,
+        max=10.0,
+        soft_max=1.0,
+        precision=3,
+        step=1,
+        description="Seconds that neighbouring frames of a curve weigh in by, as a standard "
+        "deviation; 0 leaves curves as captured. Of muscles, jaw and lips: lids blink too fast",
+    )
+    neutral_frame: IntProperty(
+        name="Neutral Frame",
+        default=0,
+        min=0,
+        description="Footage frame in which the actor's face is what the character's is at rest; "
+        "0: none",
+    )
+    exaggeration: FloatProperty(
+        name="Exaggeration",
+        default=1.0,
+        min=0.0,
+        max=10.0,
+        soft_max=3.0,
+        description="That the expression is multiplied by, within what each muscle can do",
+    )
+    group_exaggeration: StringProperty(
+        name="Of Groups",
+        description="Factors of single groups instead, as in: Brow Raisers=1.5, Lip Corners=0.8",
+    )
+
+    def curve_settings(self):
+        """`mimetic.character.curve_settings.CurveSettings` of this call; raises InvalidInput."""
+        return native.curve_settings().settings_of(
+            self.smoothing, self.neutral_frame, self.exaggeration, self.group_exaggeration
+        )
+
+    def curve_remarks(self) -> list[str]:
+        """The same for the list of takes, nothing where curves are as captured."""
+        parts = [f"smoothed over {self.smoothing:.3g} s"] if self.smoothing else []
+        parts += [f"neutral in frame {self.neutral_frame}"] if self.neutral_frame else []
+        parts += [f"exaggerated by {self.exaggeration:.3g}"] if self.exaggeration != 1 else []
+        return [*parts, self.group_exaggeration] if self.group_exaggeration else parts
