@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from last_result import result
+from panel_texts import drawn
 from test_bake import METRES, evaluated_vertices
 from test_bake_bound import curves_of, hero, loaded, slider, world_at  # noqa: F401
 from test_gaze import looking  # noqa: F401
@@ -26,6 +27,12 @@ def baked(extension, scene, performance, **options):
     scene.render.fps, scene.render.fps_base = 25, 1.0
     extension("scene_out").bake(scene, performance, "take", subdivision=0, **options)
     return scene.mimetic.face
+
+
+def test_a_button_beside_the_faces_name_adds_and_removes_it(face):
+    assert "mimetic.remove_control_object" in drawn("MIMETIC_PT_muscles")
+    assert bpy.ops.mimetic.remove_control_object() == {"FINISHED"}
+    assert "mimetic.add_control_object" in drawn("MIMETIC_PT_muscles")
 
 
 def shown(face) -> list[np.ndarray]:

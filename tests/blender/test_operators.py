@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
+from panel_texts import drawn
 
 
 def curve_values(extension, face) -> dict[str, np.ndarray]:
@@ -216,6 +217,8 @@ def test_a_job_waits_its_turn_behind_one_on_another_clip(extension, scene, foota
     assert again.invoke(context, None) == {"CANCELLED"}  # what it reads would be old
     assert second.invoke(context, None) == {"RUNNING_MODAL"}
     assert [run.subject for run in jobs.waiting] == ["second"]
+    shown = drawn("MIMETIC_PT_capture_view")
+    assert "Then: Job, second" in shown and shown.count("mimetic.stop") == 2
     bpy.ops.mimetic.load_clip(filepath=str(footage))
     assert face.poll(bpy.context)  # another clip's
     gates["second"].set()
