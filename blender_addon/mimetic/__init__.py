@@ -3,6 +3,7 @@
 
 from . import (
     contact,
+    drops,
     jobs,
     menus,
     operators,
@@ -16,7 +17,19 @@ from . import (
 )
 
 # In this order: panels and operators refer to the properties
-PARTS = (preferences, properties, outcome, operators, menus, panels, overlay, contact, pins, takes)
+PARTS = (
+    preferences,
+    properties,
+    outcome,
+    operators,
+    drops,
+    menus,
+    panels,
+    overlay,
+    contact,
+    pins,
+    takes,
+)
 
 
 def register() -> None:

@@ -28,6 +28,25 @@ def test_load_clip_shows_what_it_loaded(scene, footage):
     assert len(bpy.data.movieclips) == 1
 
 
+def test_a_dropped_film_is_loaded_without_a_file_browser(scene, footage):
+    """What Blender does with the path of a file that is dropped."""
+    handler = bpy.types.MIMETIC_FH_clip
+    assert footage.suffix in handler.bl_file_extensions.split(";")
+    for kind, is_taken in (("CLIP_EDITOR", True), ("VIEW_3D", True), ("TEXT_EDITOR", False)):
+        assert handler.poll_drop(SimpleNamespace(area=SimpleNamespace(type=kind))) == is_taken
+    assert handler.bl_import_operator == "mimetic.load_clip"
+    bpy.ops.mimetic.load_clip("INVOKE_DEFAULT", filepath=str(footage))
+    assert scene.mimetic.clip.size[:] == (400, 300)
+
+
+def test_a_dropped_take_is_loaded(scene, performance_file):
+    handler = bpy.types.MIMETIC_FH_performance
+    assert performance_file.suffix in handler.bl_file_extensions.split(";")
+    assert handler.bl_import_operator == "mimetic.load_performance"
+    bpy.ops.mimetic.load_performance("INVOKE_DEFAULT", filepath=str(performance_file))
+    assert scene.mimetic.performance_path == str(performance_file)
+
+
 @pytest.mark.parametrize("content", [b"", b"no film at all" * 100], ids=["empty", "text"])
 def test_what_is_no_film_changes_nothing(scene, tmp_path, content):
     path = tmp_path / "film.mp4"

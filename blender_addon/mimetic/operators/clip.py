@@ -2,13 +2,13 @@
 import bpy
 from bpy.props import StringProperty
 from bpy.types import Operator
-from bpy_extras.io_utils import ImportHelper
 
 from .. import clips, native, outcome, scene_out, takes
 from ..greyed import Greyed
+from .opened import Opened
 
 
-class MIMETIC_OT_load_clip(Greyed, Operator, ImportHelper):
+class MIMETIC_OT_load_clip(Greyed, Operator, Opened):
     """Load footage of a face, and show it in the clip editor"""
 
     bl_idname = "mimetic.load_clip"

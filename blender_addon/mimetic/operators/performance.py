@@ -4,13 +4,13 @@ from pathlib import Path
 import bpy
 from bpy.props import StringProperty
 from bpy.types import Operator
-from bpy_extras.io_utils import ImportHelper
 
 from .. import clips, native, outcome, scene_in, scene_out, takes
 from ..greyed import Greyed
+from .opened import Opened
 
 
-class MIMETIC_OT_load_performance(Greyed, Operator, ImportHelper):
+class MIMETIC_OT_load_performance(Greyed, Operator, Opened):
     """Choose a captured performance to bake; its clip is shown, if that can be found"""
 
     bl_idname = "mimetic.load_performance"

@@ -37,8 +37,10 @@ class MIMETIC_PT_muscles(Muscles, Panel):
         row.operator("mimetic.rest_face", icon="LOOP_BACK", text="")
         row.operator("mimetic.add_face", icon="ADD", text="")
         row.operator("mimetic.add_arkit_shapes", icon="OUTLINER_OB_FORCE_FIELD", text="")
-        change = "remove" if face.mimetic.has_controls else "add"
-        row.operator(f"mimetic.{change}_control_object", icon="ARMATURE_DATA", text="")
+        if face.mimetic.has_controls:
+            row.operator("mimetic.remove_control_object", icon="ARMATURE_DATA", text="")
+        else:
+            row.operator("mimetic.add_control_object", icon="ARMATURE_DATA", text="")
         if len(face.mimetic.landmarks):
             row.operator("mimetic.attach_muscles", icon="SHAPEKEY_DATA", text="")
         row = layout.row()
