@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import os
 import sys
@@ -29,6 +30,12 @@ def run(program: str, build: Callable[[Path], None]) -> int:
     # Blender 4.5 as a module does not come to its end once Rigify has been in it
     headless.leave()
     return 0
+
+
+def arrange_screens(scene, shown) -> None:
+    """As a baked file opens: through the camera, with the object's curves and sliders beside."""
+    headless = f"bl_ext.{_headless().REPOSITORY}.mimetic"
+    importlib.import_module(f"{headless}.scene_out.opened_view").arrange(scene, shown)
 
 
 def _headless() -> ModuleType:

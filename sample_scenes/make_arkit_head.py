@@ -51,6 +51,7 @@ def build(arguments: argparse.Namespace, folder: Path) -> None:
     blend = arguments.out / "arkit_head.blend"
     head_scene.set_up_studio(scene, PICTURE, PICTURE, 16)
     head_scene.look_from(scene, *head_scene.VIEWS["front"])
+    blender_module.arrange_screens(scene, head)
     bpy.ops.wm.save_as_mainfile(filepath=str(blend.resolve()), compress=True)
     sheet = arguments.out / "arkit_head.png"
     frames = arguments.frames or spread(performance.frame, 6)

@@ -263,3 +263,20 @@ def test_a_bad_target_gets_status_2_and_one_line(
     assert said in ran.stderr
     assert len(ran.stderr.strip().splitlines()) == 1
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_blend_opens_in_a_view_that_shows_it(performance_file, footage, tmp_path):
+    out = tmp_path / "face.blend"
+    ran = run_bake(performance_file, "--out", out, "--footage", footage)
+    assert ran.returncode == 0, ran.stderr
+    bpy.ops.wm.open_mainfile(filepath=str(out), load_ui=True)
+    areas = bpy.context.window_manager.windows[0].screen.areas
+    spaces = {area.type: area.spaces.active for area in areas}
+    view = spaces["VIEW_3D"]
+    assert view.region_3d.view_perspective == "CAMERA"
+    assert (view.shading.type, view.shading.color_type) == ("SOLID", "TEXTURE")
+    assert spaces["GRAPH_EDITOR"].dopesheet.show_only_selected
+    assert spaces["PROPERTIES"].context == "DATA"
+    face = bpy.data.objects["Face"]
+    assert bpy.context.view_layer.objects.active == face and face.select_get()
+    assert bpy.context.scene.sync_mode == "FRAME_DROP"

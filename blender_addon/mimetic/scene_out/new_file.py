@@ -10,7 +10,7 @@ import bpy
 from mathutils import Euler
 
 from .. import compat, native, scene_in, takes
-from . import bake, clip, exports, take_list
+from . import bake, clip, exports, opened_view, take_list
 
 
 def write(
@@ -66,7 +66,7 @@ def write(
     takes.keep(scene, footage, performance_path)
     scene.frame_set(scene.frame_start)
     if is_blend:
-        light(scene)
+        show(scene)
         save(out, footage)
         loses = ""
     else:
@@ -84,8 +84,9 @@ def set_up(scene: bpy.types.Scene, performance) -> None:
     scene.view_settings.view_transform = "Standard"
 
 
-def light(scene: bpy.types.Scene) -> None:
-    """A soft light from over the camera, so that a first render shows something."""
+def show(scene: bpy.types.Scene) -> None:
+    """Screens that show the face, and a soft light from over the camera for a first render."""
+    opened_view.arrange(scene, scene.mimetic.face)
     sun = bpy.data.objects.new("Key Light", bpy.data.lights.new("Key Light", "SUN"))
     sun.data.energy = 2.0
     sun.data.angle = 0.5

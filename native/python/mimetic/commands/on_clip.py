@@ -97,6 +97,7 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
             return not interrupt()
 
         num_frames = 1 + last - first
+        console.tell(beginning(footage, first, num_frames, fit is None))
         search_cost = 0.0 if fit else SEARCHED
         following_cost = costs.followed_once + num_frames * costs.followed_each
         finding, following, drawing, _ = stages(
@@ -133,6 +134,16 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
         if failure:
             raise failure
     return interrupt.status
+
+
+def beginning(footage: Footage, first: int, num_frames: int, is_searched: bool) -> str:
+    """What a run will do, before it does it; how long is told once some of it is done."""
+    seconds = num_frames / float(footage.fps)
+    searching = "finding the face, " if is_searched else ""
+    return (
+        f"{footage.path.name}: {searching}following it through {num_frames} frames from {first} on "
+        f"({seconds:.1f} s), drawing it over them; Ctrl-C keeps the part that is finished"
+    )
 
 
 def _given_fits(arguments: argparse.Namespace) -> tuple[FaceFit | None, FaceFit | None]:

@@ -1,0 +1,16 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a command says before it works on a clip."""
+
+from fractions import Fraction
+from pathlib import Path
+from types import SimpleNamespace
+
+from mimetic.commands.on_clip import beginning
+
+
+def test_a_run_says_at_its_start_what_it_will_do():
+    footage = SimpleNamespace(path=Path("folder/clip.mp4"), fps=Fraction(25))
+    text = beginning(footage, 11, 50, is_searched=True)
+    assert text.startswith("clip.mp4: finding the face, following it through 50 frames from 11 on")
+    assert "(2.0 s)" in text and "Ctrl-C keeps" in text
+    assert "finding" not in beginning(footage, 11, 50, is_searched=False)
