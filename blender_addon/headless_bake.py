@@ -87,7 +87,7 @@ def bake(request: dict) -> dict:
         files = (request["performance"], request["out"], request["footage"])
         options = (request["with_detail"], request["tolerance"], request["with_units"])
         options += (request["by_phases"], request["with_controls"], request["as_arkit"])
-        options += (request["curves"],)
+        options += (request["curves"], request["with_eye_nodes"])
         return {"text": new_file.write(*files, *options)}
     except native.known_errors() as error:
         return {"error": str(error)}

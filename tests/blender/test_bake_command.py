@@ -119,7 +119,7 @@ def test_names_that_are_no_text_are_baked(performance_file, footage, tmp_path, s
     [
         (["{missing}", "--out", "{out}.glb"], "no such file"),
         (["{performance}", "--out", "{out}.obj"], ".blend, .glb, .fbx, .usdc, .abc, .csv, .osc"),
-        (["{performance}", "--out", "{out}.blend", "--names", "arkit"], "arkit is of .glb"),
+        (["{performance}", "--out", "{out}.blend", "--names", "arkit"], "--eyes are of .glb"),
         (["{performance}", "--out", "{out}.glb", "--control-object"], "is of a .blend"),
         (["{performance}", "--out", "{out}/nowhere/face.glb"], "no folder"),
         (["{performance}", "--out", "{out}.blend", "--neutral", "99"], "neutral frame 99 is not"),

@@ -113,3 +113,48 @@ def test_a_canonical_head_looks_by_its_own_sliders(extension, scene, looking):
     yaw = looking.articulator_values[9, -4]
     look = head.data.shape_keys.key_blocks["look_out.L" if yaw > 0 else "look_in.L"]
     assert look.value == pytest.approx(min(1.0, abs(yaw) / 35), abs=1e-3)
+
+
+def test_eyes_that_are_nodes_turn_as_the_shapes_do(extension, scene, looking, tmp_path):
+    """Read back from a .glb: all vertices where the face with shapes has them, and two nodes."""
+    scene.render.fps, scene.render.fps_base = 25, 1.0
+    rows = slice(0, 12)
+    fields = ("frame", "head_pose", "head_pose_cov", "activations", "activations_std", "quality")
+    fields += ("articulator_values",)
+    short = dataclasses.replace(
+        looking, **{name: np.asarray(getattr(looking, name))[rows] for name in fields}
+    )
+    eye_of = np.asarray(short.eye_of_vertex)
+    still = {
+        name: np.where((eye_of == 0)[:, None], getattr(short, name), 0).astype(np.float32)
+        for name in ("muscle_modes", "articulator_modes")
+    }
+    short = dataclasses.replace(short, **still)
+    extension("scene_out").bake(scene, short, "take")
+    face = scene.mimetic.face
+    frames = (1, 5, 11)
+    expected = [evaluated_vertices(face, frame) for frame in frames]
+    eyes = extension("scene_out.eye_nodes").split(scene, short, None, "take")
+    assert not any(key.name.startswith("eye_") for key in face.data.shape_keys.key_blocks)
+    path = tmp_path / "face.glb"
+    extension("scene_out.gltf").export(scene, path, face)
+    for frame, points in zip(frames, expected, strict=True):
+        for number, obj in enumerate((face, *eyes)):
+            actual = evaluated_vertices(obj, frame)
+            assert np.abs(actual - points[eye_of == number]).max() < METRES
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.context.scene.render.fps = 25
+    bpy.ops.import_scene.gltf(filepath=str(path))
+    nodes = {obj.name: obj for obj in bpy.context.scene.objects if obj.type == "MESH"}
+    assert {"Eye.L", "Eye.R"} < nodes.keys()
+    for i, frame in enumerate(frames):
+        bpy.context.scene.frame_set(frame - 1)  # the importer's first frame is 0
+        for number, name in enumerate(("Eye.L", "Eye.R")):
+            assert nodes[name].parent is not None
+            actual = nodes[name].matrix_world.translation
+            middle = expected[i][eye_of == number + 1].mean(axis=0)
+            assert np.linalg.norm(np.array(actual) - middle) < 2e-3
+            looks = np.array(nodes[name].matrix_local.to_3x3()) @ [0, -1, 0]
+            yaw, pitch = np.radians(short.articulator_values[frame - 1, -4:][2 * number :][:2])
+            ahead = [np.sin(yaw) * np.cos(pitch), -np.cos(yaw) * np.cos(pitch), np.sin(pitch)]
+            np.testing.assert_allclose(looks, ahead, atol=1e-3)

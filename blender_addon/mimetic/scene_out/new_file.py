@@ -10,7 +10,7 @@ import bpy
 from mathutils import Euler
 
 from .. import compat, native, scene_in, takes
-from . import bake, clip, exports, opened_view, take_list
+from . import bake, clip, exports, eye_nodes, opened_view, take_list
 
 
 def write(
@@ -24,6 +24,7 @@ def write(
     with_controls: bool = False,
     as_arkit: bool = False,
     curves: dict | None = None,
+    with_eye_nodes: bool = False,
 ) -> str:
     """Bakes into the scene that is open, which must be empty, and writes it whole or not at all.
 
@@ -31,8 +32,8 @@ def write(
     footage's. with_detail: shapes for what the muscles leave unexplained too. tolerance: of few
     keys with handles, 0 for a key a frame. with_units: sliders of action units too.
     by_phases: few keys at the phases of events first. with_controls: curves on a control object.
-    as_arkit: ARKit's 52 shapes instead of muscles; for files of other programs.
-    curves: `takes.load_edited`'s.
+    as_arkit: ARKit's 52 shapes instead of muscles, with_eye_nodes: eyeballs as objects that turn,
+    both for other programs. curves: `takes.load_edited`'s.
     Returns what was written; raises what the package raises for bad input, and OSError.
     """
     performance = takes.load_edited(performance_path, curves)
@@ -60,8 +61,7 @@ def write(
         as_arkit=as_arkit,
     )
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
-    file_name = Path(performance_path).name
-    face = scene.mimetic.face
+    face, file_name = scene.mimetic.face, Path(performance_path).name
     take_list.note(face, performance, take, file_name, frames, "by mimetic bake", {})
     takes.keep(scene, footage, performance_path)
     scene.frame_set(scene.frame_start)
@@ -70,9 +70,16 @@ def write(
         save(out, footage)
         loses = ""
     else:
-        loses = exports.write(scene, out, scene.mimetic.face)
+        loses = _export(scene, out, performance, footage, take if with_eye_nodes else "")
     frames = f"frames {summary.first:.6g} to {summary.last:.6g}"
     return "; ".join(filter(None, (f"{summary.num_curves} curves, {frames}", loses)))
+
+
+def _export(scene, out: str, performance, footage, eyes_take: str) -> str:
+    """The baked face for other programs; says what is lost. eyes_take: of eyes as objects."""
+    if eyes_take:
+        eye_nodes.split(scene, performance, footage, eyes_take)
+    return exports.write(scene, out, scene.mimetic.face)
 
 
 def set_up(scene: bpy.types.Scene, performance) -> None:

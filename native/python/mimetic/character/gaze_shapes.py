@@ -50,6 +50,16 @@ def turn_weights(yaw: NDArray[np.float64], pitch: NDArray[np.float64]) -> NDArra
     return _core.eye_turn_weights(np.ascontiguousarray(yaw), np.ascontiguousarray(pitch))
 
 
+def eye_quaternions(yaw: NDArray[np.float64], pitch: NDArray[np.float64]) -> NDArray[np.float64]:
+    """N x 4, w first: the turns that those shapes make, in the frame of objects (looking along -y,
+    z up); degrees. The shortest way from straight ahead, as eyes take it."""
+    weights = turn_weights(yaw, pitch)
+    down, left = weights[:, 0], weights[:, 1]
+    ahead = np.cos(np.radians(yaw)) * np.cos(np.radians(pitch))
+    half = np.sqrt(2 * (1 + ahead))  # twice the cosine of half of the turn
+    return np.column_stack([half / 2, down / half, np.zeros_like(down), left / half])
+
+
 def turned_keys(side: str, yaw: float, pitch: float) -> dict[str, float]:
     """The values of one eye's shapes by name; radians."""
     weights = turn_weights(np.degrees([yaw]), np.degrees([pitch]))[0]

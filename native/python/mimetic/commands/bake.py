@@ -44,6 +44,13 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "(default: %(default)s; a --target has its own)",
     )
     parser.add_argument(
+        "--eyes",
+        choices=("shapes", "nodes"),
+        default="shapes",
+        help="what turns the eyes of an exported face: its shapes, or eyeballs that are objects of "
+        "their own (default: %(default)s)",
+    )
+    parser.add_argument(
         "--footage",
         type=Path,
         help="the captured clip: its colours on the skin, and the clip behind the face",
@@ -170,8 +177,8 @@ def run_bake(arguments: argparse.Namespace) -> int:
             raise InvalidInput("--control-object drives muscles; leave --controls own out")
         if arguments.detail:
             raise InvalidInput("--detail is of the person's own face; a --target takes the head")
-        if arguments.names != "muscles":
-            raise InvalidInput("--names are of the person's own face; a --target has its own")
+        if arguments.names != "muscles" or arguments.eyes != "shapes":
+            raise InvalidInput("--names and --eyes are of the person's own face, not a --target's")
         if arguments.action_units:
             raise InvalidInput("--action-units are the face's; a --target takes the head")
         if arguments.few_keys is not None:
@@ -192,6 +199,7 @@ def run_bake(arguments: argparse.Namespace) -> int:
         CurveSettings(
             arguments.smooth_curves, arguments.neutral, parse_factors(arguments.exaggerate)
         ),
+        arguments.eyes == "nodes",
     )
     print(f"{arguments.out}: {text}")
     return 0
@@ -214,7 +222,7 @@ def parse_target(text: str, form: str = "--target RIG.blend:OBJECT") -> dict:
     return {"file": str(Path(path).absolute()), "object": name}
 
 
-def _check_kind(out: Path, has_target: bool, with_controls: bool, as_arkit: bool) -> None:
+def _check_kind(out: Path, has_target: bool, with_controls: bool, is_remade: bool) -> None:
     """Raises InvalidInput for a kind of file that does not hold what is asked for."""
     if out.suffix not in SUFFIXES:
         raise InvalidInput(f"--out {out.name}: bake writes {', '.join(SUFFIXES)} files")
@@ -222,8 +230,8 @@ def _check_kind(out: Path, has_target: bool, with_controls: bool, as_arkit: bool
         raise InvalidInput(f"--out {out.name}: a target is written as .blend, {', '.join(EXPORTS)}")
     if with_controls and out.suffix != ".blend":
         raise InvalidInput(f"--out {out.name}: --control-object is of a .blend")
-    if as_arkit and out.suffix not in EXPORTS:
-        raise InvalidInput(f"--out {out.name}: --names arkit is of {', '.join(EXPORTS)}")
+    if is_remade and out.suffix not in EXPORTS:
+        raise InvalidInput(f"--out {out.name}: --names and --eyes are of {', '.join(EXPORTS)}")
 
 
 def check_footage(performance: os.PathLike[str], footage: os.PathLike[str]) -> None:
@@ -250,6 +258,7 @@ def bake(
     with_controls: bool = False,
     as_arkit: bool = False,
     curves: CurveSettings | None = None,
+    with_eye_nodes: bool = False,
 ) -> str:
     """Writes `out`, whole or not at all; returns a line that says what is in it.
 
@@ -259,8 +268,8 @@ def bake(
     tolerance: by how much few keys with handles may miss an activation; None keys every frame.
     with_units: sliders of FACS's action units, which need the canonical mesh. by_phases: few keys
     at the phases of each event first. with_controls: curves on a control object, for a .blend.
-    as_arkit: ARKit's 52 shapes instead of muscles, in a file for other programs.
-    curves: edits of the performance's curves before they are keyed.
+    as_arkit: ARKit's 52 shapes instead of muscles, with_eye_nodes: eyeballs as objects that turn,
+    in a file for other programs. curves: edits of the performance's curves before they are keyed.
     Raises InvalidInput, UnreadableMedia, and OSError where `out` cannot be written.
     """
     if by_phases and tolerance is None:
@@ -268,7 +277,7 @@ def bake(
     if tolerance is not None:
         check_tolerance(tolerance)
     out = Path(os.path.realpath(out))
-    _check_kind(out, target is not None, with_controls, as_arkit)
+    _check_kind(out, target is not None, with_controls, as_arkit or with_eye_nodes)
     if as_arkit and (with_detail or with_units):
         raise InvalidInput("--names arkit leaves our shapes out, --detail and --action-units too")
     check_input(performance, "the performance.npz of a capture")
@@ -293,5 +302,6 @@ def bake(
         "with_controls": with_controls,
         "as_arkit": as_arkit,
         "curves": asdict(curves),
+        "with_eye_nodes": with_eye_nodes,
     }
     return write_by_blender(request, out, blender_python)
