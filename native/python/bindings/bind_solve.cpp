@@ -53,7 +53,10 @@ void bind_options(py::module_& m) {
                        "rad a frame squared")
         .def_readwrite("translation_acceleration", &SmootherOptions::translation_acceleration,
                        "metres a frame squared")
-        .def_readwrite("max_iterations", &SmootherOptions::max_iterations);
+        .def_readwrite("max_iterations", &SmootherOptions::max_iterations)
+        .def_readwrite("fixed_first", &SmootherOptions::fixed_first,
+                       "frames at the start whose states stay as they are")
+        .def_readwrite("fixed_last", &SmootherOptions::fixed_last, "the same at the end");
 }
 
 void bind_model(py::module_& m) {

@@ -157,6 +157,15 @@ void bind_surface(py::module_& m) {
         .def_property_readonly("num_refined", &SubdividedMesh::num_refined)
         .def_property_readonly("faces", &SubdividedMesh::faces, "(F * 4^levels, 4) int32")
         .def_property_readonly("parent_face", &SubdividedMesh::parent_face, "(F * 4^levels,) int32")
+        .def(
+            "place_of",
+            [](const SubdividedMesh& mesh, int triangle, const Eigen::Vector3d& weights) {
+                const SubdividedMesh::FacePlace place = mesh.place_of(triangle, weights);
+                return py::make_tuple(place.face, place.st);
+            },
+            "triangle"_a, "weights"_a,
+            "The face of the control mesh and (s, t) there, (2,), of a point of a triangle of "
+            "triangles_of(faces), by the\nweights (3,) of its corners. Raises InvalidInput.")
         .def("positions", &SubdividedMesh::positions, py::arg("vertices").noconvert(), release_gil(),
              "vertices: (V, 3) float64\nreturns: (num_refined, 3)")
         .def("normals", &SubdividedMesh::normals, py::arg("vertices").noconvert(), release_gil(),

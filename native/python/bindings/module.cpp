@@ -34,6 +34,7 @@ void bind_head_rig_motion(pybind11::module_& m);
 void bind_solve(pybind11::module_& m);
 void bind_solve_sightings(pybind11::module_& m);
 void bind_solve_gaze(pybind11::module_& m);
+void bind_solve_corrections(pybind11::module_& m);
 void bind_analyse(pybind11::module_& m);
 void bind_analyse_phases(pybind11::module_& m);
 void bind_analyse_comparison(pybind11::module_& m);
@@ -82,6 +83,7 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_solve(m);
     bindings::bind_solve_sightings(m);
     bindings::bind_solve_gaze(m);
+    bindings::bind_solve_corrections(m);
     bindings::bind_analyse(m);
     bindings::bind_analyse_phases(m);
     bindings::bind_analyse_comparison(m);

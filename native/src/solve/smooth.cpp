@@ -57,6 +57,26 @@ Blocks shown_around(const std::vector<FrameEstimate>& estimates, const Blocks& s
     return around;
 }
 
+/// Frames that keep their states: their neighbours' accelerations know them, nothing moves them.
+void fix_ends(const SmootherOptions& options, SequenceProblem& problem) {
+    const auto count = static_cast<int>(problem.pull.size());
+    const auto is_fixed = [&](int t) {
+        return t < options.fixed_first || (t < count && t >= count - options.fixed_last);
+    };
+    for (int t = 0; t < count; ++t) {
+        const auto at = static_cast<std::size_t>(t);
+        if (is_fixed(t)) {
+            problem.pull[at].setZero();
+        }
+        if (is_fixed(t) || is_fixed(t + 1)) {
+            problem.matrix.first[at].setZero();
+        }
+        if (is_fixed(t) || is_fixed(t + 2)) {
+            problem.matrix.second[at].setZero();
+        }
+    }
+}
+
 SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const Blocks& steps,
                              const FaceMotion& motion, const RestPull* rest_pull,
                              const SmootherOptions& options) {
@@ -98,6 +118,7 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
         problem.upper.push_back(motion.upper - estimate.values);
     }
     add_acceleration(estimates, weights, problem);
+    fix_ends(options, problem);
     return problem;
 }
 
@@ -190,6 +211,8 @@ void SmootherOptions::check() const {
         }
     }
     check_range("SmootherOptions.max_iterations", max_iterations, 1, 100000);
+    check_range("SmootherOptions.fixed_first", fixed_first, 0, 100000);
+    check_range("SmootherOptions.fixed_last", fixed_last, 0, 100000);
 }
 
 std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, const FaceMotion& motion,

@@ -85,7 +85,7 @@ void check_levels(QuadsIn faces, int levels) {
 SubdividedMesh::SubdividedMesh(QuadsIn faces, int num_vertices, int levels) {
     check_faces(faces, num_vertices);
     check_levels(faces, levels);
-    const int side = 1 << levels;
+    const int side = side_ = 1 << levels;
     faces_.resize(faces.rows() * side * side, 4);
     parent_.resize(faces_.rows());
     Grid grid(faces, num_vertices, side);
@@ -113,6 +113,22 @@ SubdividedMesh::SubdividedMesh(QuadsIn faces, int num_vertices, int levels) {
     }
     limit_ = LimitSurface(faces, num_vertices,
                           Eigen::Map<const Eigen::VectorXi>(grid.face_index().data(), st.rows()), st);
+}
+
+SubdividedMesh::FacePlace SubdividedMesh::place_of(int triangle, const Eigen::Vector3d& weights) const {
+    const auto num_faces = static_cast<int>(faces_.rows());
+    check_range("triangle", triangle, 0, 2 * num_faces - 1);
+    const Points2 corners{{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+    const int face = triangle % num_faces;
+    const int child = face % (side_ * side_);
+    Eigen::Vector2d place(child % side_, child / side_);
+    for (int corner = 0; corner < 3; ++corner) {
+        place += weights[corner] * corners
+                                       .row(kQuadHalves[static_cast<std::size_t>(triangle / num_faces)]
+                                                       [static_cast<std::size_t>(corner)])
+                                       .transpose();
+    }
+    return {parent_[face], (place / side_).cwiseMax(0).cwiseMin(1)};
 }
 
 }  // namespace mimetic

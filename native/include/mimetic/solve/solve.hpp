@@ -137,6 +137,8 @@ struct SmootherOptions {
     double rotation_acceleration = 0.01;     ///< rad a frame squared
     double translation_acceleration = 2e-3;  ///< metres a frame squared
     int max_iterations = 200;                ///< of the bounds
+    int fixed_first = 0;                     ///< frames at the start whose states stay as they are
+    int fixed_last = 0;                      ///< the same at the end
     void check() const;                      ///< throws InvalidInput: field, value, limit
 };
 

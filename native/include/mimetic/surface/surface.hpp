@@ -46,11 +46,21 @@ public:
     int num_refined() const { return limit_.num_points(); }
     const Quads& faces() const { return faces_; }                   ///< refined, oriented as their parents
     const Eigen::VectorXi& parent_face() const { return parent_; }  ///< of each refined face
+
+    /// A point of the control mesh: a face of it, and (s, t) there, as `LimitSurface` has them.
+    struct FacePlace {
+        int face;
+        Eigen::Vector2d st;
+    };
+    /// Where a point of a triangle of `triangles_of(faces())` lies, by the weights of its corners. Throws
+    /// InvalidInput for no such triangle.
+    FacePlace place_of(int triangle, const Eigen::Vector3d& weights) const;
     const SparseRows& stencils() const { return limit_.position_stencils(); }
     Points positions(PointsIn vertices) const { return limit_.positions(vertices); }
     Points normals(PointsIn vertices) const { return limit_.normals(vertices); }
 
 private:
+    int side_;  // children along an edge
     Quads faces_;
     Eigen::VectorXi parent_;
     LimitSurface limit_;

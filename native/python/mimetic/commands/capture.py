@@ -11,23 +11,35 @@ from pathlib import Path
 from mimetic.commands.on_clip import add_clip_arguments, run_on_clip
 from mimetic.fit.face_fit import FaceFit
 from mimetic.media.footage import Footage
+from mimetic.performance.corrections import load_corrections
 from mimetic.performance.document import Performance
 from mimetic.report.html import write_report
 from mimetic.report.overlay import write_overlay
 from mimetic.shared.progress import ATTACHED, Costs, Progress
 from mimetic.solve.capture_summary import CaptureSummary
-from mimetic.solve.clip_capture import capture
+from mimetic.solve.clip_capture import capture, check_range
+from mimetic.solve.refining import check_of_capture
 
 COSTS = Costs(followed_once=ATTACHED, followed_each=1.0, drawn_each=0.5, written=60.0)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_clip_arguments(parser, "face")
+    parser.add_argument(
+        "--corrections",
+        type=Path,
+        metavar="FILE.json",
+        help="what a person says of single frames (docs/guide/corrections.md), as measurements",
+    )
 
 
 def run_capture(arguments: argparse.Namespace) -> int:
+    corrections = load_corrections(arguments.corrections) if arguments.corrections else ()
+    if corrections:
+        check_of_capture(corrections, check_range(arguments.frames, Footage(arguments.footage)))
+
     def follow(fit: FaceFit | None, progress: Progress, summary: CaptureSummary) -> Performance:
-        return capture(arguments.footage, arguments.frames, fit, progress, summary)
+        return capture(arguments.footage, arguments.frames, fit, progress, summary, corrections)
 
     return run_on_clip(arguments, COSTS, follow, write_pictures)
 

@@ -22,6 +22,10 @@ COMMANDS = {
         "mimetic.commands.capture",
         "video of a face -> muscles, head motion, overlay, report",
     ),
+    "refine": (
+        "mimetic.commands.refine",
+        "a performance solved again around corrected frames, in seconds",
+    ),
     "fit": (
         "mimetic.commands.fit",
         "video of a face -> the person's head, and the canonical picture",

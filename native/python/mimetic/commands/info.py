@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mimetic.performance.corrections import corrected_frames
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.performance.gaze import gaze_range, has_gaze
 
@@ -52,5 +53,7 @@ def describe(performance: Performance) -> str:
         )
     if performance.detail_modes is not None:
         lines.append(f"detail       {len(performance.detail_modes)} modes")
+    if corrected := corrected_frames(performance):
+        lines.append(f"corrected    {', '.join(map(str, corrected))}")
     lines += [f"note         {note}" for note in performance.notes or ()]
     return "\n".join(lines)

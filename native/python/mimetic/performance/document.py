@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core
 from mimetic.media.clip_fingerprint import is_fingerprint
 from mimetic.performance.clip_keys import check_clip, check_size
+from mimetic.performance.corrections import from_texts
 from mimetic.performance.gaze import check_eyes, seen_articulators, with_eyes_turned
 from mimetic.shared.array_document import ArrayDocument
 from mimetic.shared.array_file import check_names, is_bounded, open_arrays
@@ -23,6 +24,7 @@ SCHEMA = 1
 CHECKED_AT_ONCE = 4096  # frames, for the memory's sake
 HELD_QUALITY = 0.2  # frames under it are held, not invented
 LARGEST = {"N": 10_000_000, "V": 2_000_000, "F": 4_000_000} | dict.fromkeys("PAMK", 1000)
+LARGEST |= {"E": 600_000, "C": 100_000}
 
 # key: (kind of number, shape); letters are lengths that must agree between the keys
 REQUIRED: dict[str, tuple[str, tuple[int | str, ...]]] = {
@@ -56,6 +58,8 @@ OPTIONAL: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "eye_of_vertex": ("i", ("V",)),
     "iris_centers": ("f", (2, 3)),
     "lid_following": ("f", (2, 2)),
+    "evidence": ("m", ("N", "E")),
+    "corrections": ("U", ("C",)),
 }
 # Modes are kept in single precision: 1e-7 of a displacement of centimetres, at half the memory.
 DTYPES = {"f": np.float64, "m": np.float32, "i": np.int64}
@@ -114,6 +118,9 @@ class Performance:
     eye_of_vertex: NDArray[np.int64] | None = None  # V, 0 none, 1 left, 2 right
     # 2 x 2: closure of the upper lid a degree downwards, the pitch at which it is not carried
     lid_following: NDArray[np.float64] | None = None
+    # N x E, what the pictures say about pose and values (`_core.pack_evidence`), for refining
+    evidence: NDArray[np.float32] | None = None
+    corrections: list[str] | None = None  # C: JSON of `performance.corrections`, one frame each
 
     def __post_init__(self) -> None:
         for key, (kind, shape) in (REQUIRED | OPTIONAL).items():
@@ -205,6 +212,7 @@ class Performance:
             raise InvalidInput("performance has no frames, no faces or no muscles")
         self._check_finite()
         self._check_ranges()
+        from_texts(self.corrections or [])
         check_eyes(self, lengths["V"])
 
     def _check_finite(self) -> None:

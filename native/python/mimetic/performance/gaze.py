@@ -67,6 +67,19 @@ def seen_articulators(performance: WithEyes, frames: slice = slice(None)) -> NDA
     return values
 
 
+def own_articulators(performance: WithEyes, seen: NDArray[np.float64]) -> NDArray[np.float64]:
+    """N x A articulators' values from what is seen of them: the inverse of `seen_articulators`."""
+    values = seen.copy()
+    if not has_gaze(performance):
+        return values
+    for side, follow in zip(SIDES, _lids_of(performance), strict=True):
+        if (lid := f"lid_upper.{side}") in performance.articulators:
+            column = performance.articulators.index(lid)
+            pitch = values[:, performance.articulators.index(f"gaze_pitch.{side}")]
+            values[:, column] = follow.own(values[:, column], pitch)
+    return values
+
+
 def expression_of(performance: WithEyes) -> NDArray[np.float64]:
     """N x A: how far each articulator is from rest, of which 1 is far; gaze is in degrees."""
     scale = [1 / FAR_GAZE if name in GAZE else 1.0 for name in performance.articulators]

@@ -31,7 +31,9 @@ class RefinedSurface:
 
     def __init__(self, performance: Performance) -> None:
         self.performance = performance
-        self.used, faces = np.unique(_opaque(performance.faces), return_inverse=True)
+        self.kept_faces = _opaque(performance.faces)  # rows of the performance's
+        kept = performance.faces[self.kept_faces]
+        self.used, faces = np.unique(kept, return_inverse=True)
         faces = np.ascontiguousarray(faces.reshape(-1, 4), dtype=np.int32)
         self.mesh = _core.SubdividedMesh(faces, len(self.used), LEVELS)
         self.faces = np.ascontiguousarray(self.mesh.faces, dtype=np.int32)
@@ -44,11 +46,12 @@ class RefinedSurface:
 
 
 def _opaque(faces: NDArray[np.int64]) -> NDArray[np.int64]:
-    """All faces but the lashes: cards a centimetre before the skin that shows between the hairs."""
+    """Rows of all faces but the lashes, which stand a centimetre before the skin behind them."""
     template = load_template()
+    rows = np.arange(len(faces))
     if not np.array_equal(faces, template.faces):
-        return faces
-    return np.delete(faces, template.part_faces("lashes.L", "lashes.R"), axis=0)
+        return rows
+    return np.delete(rows, template.part_faces("lashes.L", "lashes.R"))
 
 
 def places_under(

@@ -33,6 +33,7 @@ class Rows:
     detail_std: list[NDArray[np.float64]] = field(default_factory=list)
     quality: list[float] = field(default_factory=list)
     irises: list[NDArray[np.float64]] = field(default_factory=list)  # 2 x 5, as the estimate's
+    evidence: list[NDArray[np.float32]] = field(default_factory=list)
 
     def append(self, state: State) -> None:
         # Copies: a view would keep all the estimate, a tenth of a megabyte a frame.
@@ -46,6 +47,7 @@ class Rows:
         self.detail_std.append(np.array(estimate.detail_std))
         self.quality.append(0.0 if state.held else estimate.quality)
         self.irises.append(np.array(estimate.irises) * (not state.held))
+        self.evidence.append(_core.pack_evidence(estimate) * np.float32(not state.held))
 
     def reversed(self) -> Self:
         return type(self)(*(getattr(self, column.name)[::-1] for column in fields(self)))

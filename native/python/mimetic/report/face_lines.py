@@ -6,16 +6,21 @@ The same surface as in `overlay.mp4`; hidden parts are left out.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
 from mimetic.muscles.feature_lines import feature_lines
+from mimetic.performance.corrections import corrected_frames
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.performance.gaze import has_gaze, iris_circles, seen_articulators
 from mimetic.report.overlay import shown_faces, shown_landmarks
 from mimetic.shared.pinhole import camera_of
 from mimetic.template.face_template import load_template
+
+CORRECTED = (0.2, 0.5, 1.0, 1.0)  # colour of a corrected frame's box
 
 
 class PerformanceLines:
@@ -66,7 +71,9 @@ class PerformanceLines:
         if i is None:
             return "not captured"
         quality = float(self.performance.quality[i])
-        return f"quality {quality:.2f}" + ("" if quality >= HELD_QUALITY else ", lost: held")
+        text = f"quality {quality:.2f}" + ("" if quality >= HELD_QUALITY else ", lost: held")
+        is_corrected = self.performance.frame[i] in corrected_frames(self.performance)
+        return text + (", corrected" if is_corrected else "")
 
 
 def _modes_of(performance: Performance) -> NDArray[np.float32]:
@@ -76,21 +83,30 @@ def _modes_of(performance: Performance) -> NDArray[np.float32]:
 
 
 def quality_strip(
-    performance: Performance, left: float, per_frame: float, bottom: float, height: float
+    performance: Performance,
+    left: float,
+    per_frame: float,
+    bottom: float,
+    height: float,
+    corrected: Sequence[int] | None = None,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Triangles of a strip with a box for each captured frame: points 6N x 2, colours 6N x 4.
+    """Triangles of a strip with a box for each captured frame, and above it for each corrected one.
 
-    left: of frame 1; per_frame: width of a frame; all in the picture's unit. From red, lost, by
-    yellow to green, well explained.
+    Points 6K x 2, colours 6K x 4. left: of frame 1; per_frame: width of a frame; all in the
+    picture's unit. From red, lost, by yellow to green, well explained; corrected frames blue, the
+    performance's own where none are given.
     """
-    starts = left + per_frame * (performance.frame - 1.0)
+    corrected = corrected_frames(performance) if corrected is None else corrected
+    frames = np.concatenate([performance.frame, np.array(corrected, dtype=np.int64)])
+    starts = left + per_frame * (frames - 1.0)
     corners = np.empty((len(starts), 6, 2), dtype=np.float32)
     corners[:, :, 0] = starts[:, None] + per_frame * np.array([0, 1, 1, 0, 1, 0])
     corners[:, :, 1] = bottom + height * np.array([0, 0, 1, 0, 1, 1])
+    corners[performance.num_frames :, :, 1] += height
     quality = np.where(performance.quality < HELD_QUALITY, 0.0, performance.quality)
     colours = np.empty((len(starts), 6, 4), dtype=np.float32)
-    colours[..., 0] = np.clip(2 - 2 * quality, 0, 0.9)[:, None]
-    colours[..., 1] = np.clip(1.6 * quality, 0, 0.8)[:, None]
-    colours[..., 2] = 0.1
-    colours[..., 3] = 0.9
+    colours[: performance.num_frames, :, 0] = np.clip(2 - 2 * quality, 0, 0.9)[:, None]
+    colours[: performance.num_frames, :, 1] = np.clip(1.6 * quality, 0, 0.8)[:, None]
+    colours[..., 2:] = 0.1, 0.9
+    colours[performance.num_frames :] = CORRECTED
     return corners.reshape(-1, 2), colours.reshape(-1, 4)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, __version__, _core
 from mimetic.media.footage import Footage
+from mimetic.performance.corrections import corrected_frames
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.performance.gaze import expression_of, gaze_range, has_gaze
 from mimetic.report.overlay import FaceDrawing
@@ -110,7 +111,7 @@ def _parts(performance: Performance, footage: Footage, summary: CaptureSummary) 
     )
     yield "<p class='caption'>Activation from 0 to 1 by the seven groups; solid: the subject's "
     yield "left, dashed: right. Bands: one standard deviation. Grey: held frames, in which "
-    yield "nothing was measured.</p>"
+    yield "nothing was measured; blue lines: frames that a person corrected.</p>"
     if performance.articulators:
         yield "<h2>Jaw, lids and gaze</h2>" + _plot(
             _articulator_figure(performance), "articulators"
@@ -142,6 +143,8 @@ def _facts(performance: Performance, summary: CaptureSummary) -> str:
         (f"{int((performance.quality < HELD_QUALITY).sum())}", "frames held"),
         (f"{names[peak.argmax()].replace('_', ' ')}", f"strongest muscle, {peak.max():.2f}"),
     ]
+    if corrected := corrected_frames(performance):
+        facts.append((f"{len(corrected)}", "frames corrected"))
     if has_gaze(performance):
         low, high = gaze_range(performance)[0]
         facts.append((f"{low:.0f}° to {high:.0f}°", "gaze, to the subject's left"))
@@ -215,6 +218,11 @@ def _shade_held(axes: Axes, performance: Performance) -> None:
         )
 
 
+def _mark_corrected(axes: Axes, performance: Performance) -> None:
+    for frame in corrected_frames(performance):
+        axes.axvline(frame, color="#2f6fde", linewidth=0.8, alpha=0.7)
+
+
 def _muscle_figure(performance: Performance) -> Figure:
     figure, axes = _figure(4, 2, 10.5)
     for group, panel in zip(GROUPS, axes.flat, strict=False):
@@ -229,6 +237,7 @@ def _muscle_figure(performance: Performance) -> Figure:
             _draw(panel, performance.frame, curve, std, colour, label, "-" if side == "L" else "--")
         _set_activation_axes(panel, f"{group}  {GROUPS[group]}")
         _shade_held(panel, performance)
+        _mark_corrected(panel, performance)
     mean = [
         performance.activations[:, performance.groups == group].mean(axis=1) for group in GROUPS
     ]
@@ -271,6 +280,7 @@ def _articulator_figure(performance: Performance) -> Figure:
         if len(members) > 1:
             panel.legend(loc="upper right", fontsize=7.5, frameon=False)
         _shade_held(panel, performance)
+        _mark_corrected(panel, performance)
     for panel in list(axes.flat)[len(pairs) :]:
         panel.remove()
     for panel in axes[-1]:
@@ -310,6 +320,7 @@ def _head_figure(performance: Performance) -> Figure:
         panel.set_ylim(bottom, top + 0.15 * (top - bottom))  # room for the names
         panel.legend(loc="upper right", fontsize=7.5, frameon=False, ncols=3)
         _shade_held(panel, performance)
+        _mark_corrected(panel, performance)
     return figure
 
 

@@ -26,6 +26,7 @@ from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import Anatomy, AttachedSkin, factored_skin, modes_of
 from mimetic.muscles.detail import detail_of
 from mimetic.muscles.extras import with_lip_shapes
+from mimetic.performance.corrections import Corrections
 from mimetic.performance.document import Performance
 from mimetic.performance.projection import rescaled
 from mimetic.performance.rows import Rows, State
@@ -45,6 +46,7 @@ from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_performance import clip_performance
 from mimetic.solve.find_face import Rest, find_rest, joined_with_others
 from mimetic.solve.gaze import ClipGaze
+from mimetic.solve.refining import check_of_capture, refined, within
 from mimetic.solve.walk import ClipWalk, Image, Pose, proved
 from mimetic.template.face_template import load_template
 
@@ -175,16 +177,19 @@ def capture(
     fit: FaceFit | None = None,
     progress: Progress | None = None,
     summary: CaptureSummary | None = None,
+    corrections: Corrections = (),
 ) -> Performance:
     """Follows the head and solves the muscles in `frames` (both ends included; the whole clip).
 
     progress: called with (fraction, text) every frame; when it returns False the frames done so far
-    are returned, and `notes` say so. summary: filled with how it went. Raises NoFace,
-    UnreadableMedia, InvalidInput.
+    are returned, and `notes` say so. summary: filled with how it went. corrections: what a person
+    says of some of the frames, measured beside the pictures. Raises NoFace, UnreadableMedia,
+    InvalidInput.
     """
     summary = summary if summary is not None else CaptureSummary()
     footage = Footage(path)
     first, last = check_range(frames, footage)
+    check_of_capture(corrections, (first, last))
     if first == last:
         raise InvalidInput(
             f"{footage.path.name}: one frame ({first}) shows no motion; capture needs at least two"
@@ -193,7 +198,14 @@ def capture(
         progress, 0.0 if fit else SEARCHED, ATTACHED, 1 + last - first
     )
     fit = fit_for(footage, (first, last), fit, finding, summary)
-    return ClipCapture(footage, fit, (first, last), following, summary, attaching).run()
+    walk = ClipCapture(footage, fit, (first, last), following, summary, attaching)
+    walk.pinned_poses = {c.frame: c.pose.head_pose for c in corrections if c.pose is not None}
+    performance = walk.run()
+    if corrections:
+        start = time.perf_counter()
+        performance = refined(performance, within(corrections, performance))
+        summary.add("honour the corrections", time.perf_counter() - start)
+    return performance
 
 
 class ClipCapture:
@@ -213,6 +225,8 @@ class ClipCapture:
         attaching: Progress | None = None,
     ) -> None:
         self.walk = ClipWalk(footage, fit, frames, progress, summary, "face")
+        self.pinned_poses: dict[int, Pose] = {}  # by frame: where a lost face is
+        self._is_lost = False
         start = time.perf_counter()
         self.template = load_template()
         self.neutral = fit.neutral_vertices(self.template)
@@ -273,7 +287,10 @@ class ClipCapture:
     def advance(
         self, tracker: _core.FaceTracker, frame: int, image: Image, guess: Pose | None = None
     ) -> _core.FrameEstimate:
+        if self._is_lost:
+            guess = self.pinned_poses.get(frame, guess)
         estimate = tracker.advance(image, guess)
+        self._is_lost = estimate.held
         self.walk.summary.add_tracker(estimate.times)
         return estimate
 
@@ -302,6 +319,7 @@ class ClipCapture:
             detail_modes=self.detail.modes,
             detail_coefficients=np.array(rows.detail),
             detail_coefficients_std=np.array(rows.detail_std),
+            evidence=np.array(rows.evidence),
             notes=self.walk.notes(rows, fit.calibration.notes()) or None,
         )
 

@@ -1,0 +1,294 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Corrections honoured: frames of a performance are solved again with what a person measured.
+
+What the pictures said of each frame is in the performance (`evidence`), so no picture is read.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import InvalidInput, _core
+from mimetic.muscles.anatomy import Anatomy, muscle_names
+from mimetic.muscles.articulators import ARTICULATORS
+from mimetic.muscles.extras import LIP_SHAPES, lip_rows
+from mimetic.muscles.feature_lines import feature_lines
+from mimetic.performance.corrections import (
+    Corrections,
+    FrameCorrection,
+    check_corrections,
+    from_texts,
+    texts_of,
+)
+from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.performance.gaze import GAZE, own_articulators, seen_articulators
+from mimetic.performance.pinned_places import PinnedPlaces
+from mimetic.shared.pinhole import camera_of
+from mimetic.shared.progress import Progress
+from mimetic.solve.tracking import face_motion
+from mimetic.template.face_template import load_template
+
+DIRECTIONS = ("both", "forward", "backward")
+FIXED = 12  # frames beside those that are solved, which they join without a jump
+FrameSpan = tuple[int, int]
+Show = Callable[[float], bool]  # fraction -> go on?
+
+
+def refined(
+    performance: Performance,
+    corrections: Corrections,
+    frames: tuple[int | None, int | None] | None = None,
+    direction: str = "both",
+    progress: Progress | None = None,
+) -> Performance:
+    """The performance with all `corrections` and no others, as measurements beside the pictures'.
+
+    frames: those that may change, the last included; without them all that corrections reach, old
+    and new ones: `forward` none before the first of them, `backward` none after the last. progress
+    may stop it: the performance is given back as it was. Raises InvalidInput.
+    """
+    check_refinable(performance)
+    template = load_template()
+    first, last = int(performance.frame[0]), int(performance.frame[-1])
+    names = [*performance.muscles, *performance.articulators]
+    check_corrections(corrections, (first, last), template.num_skin_faces, names)
+    before = from_texts(performance.corrections or [])
+    if direction not in DIRECTIONS:
+        raise InvalidInput(f"direction {direction!r}: it must be one of {', '.join(DIRECTIONS)}")
+    spans = _spans(performance, (*before, *corrections), frames, direction)
+    refinement = Refinement(performance)
+    for number, span in enumerate(spans):
+
+        def show(fraction: float, number: int = number, span: FrameSpan = span) -> bool:
+            text = f"refining frames {performance.frame[span[0]]} to {performance.frame[span[1]]}"
+            return progress is None or progress((number + fraction) / len(spans), text)
+
+        if not refinement.solve(span, corrections, show):
+            return performance
+    return refinement.result(corrections)
+
+
+def check_of_capture(corrections: Corrections, frames: FrameSpan) -> None:
+    """Before a capture of these frames; raises InvalidInput."""
+    names = [*muscle_names(), *ARTICULATORS, *LIP_SHAPES]
+    check_corrections(corrections, frames, load_template().num_skin_faces, names)
+
+
+def within(corrections: Corrections, performance: Performance) -> Corrections:
+    """Those of its frames: a capture that was stopped has fewer."""
+    frames = set(performance.frame.tolist())
+    return tuple(entry for entry in corrections if entry.frame in frames)
+
+
+def check_refinable(performance: Performance) -> None:
+    """Raises InvalidInput for a performance that cannot be solved again."""
+    if performance.evidence is None:
+        raise InvalidInput(
+            "this performance keeps no evidence of its pictures (an earlier version made it, or it "
+            "is no capture): capture the footage again"
+        )
+    template = load_template()
+    if not np.array_equal(performance.faces, template.faces):
+        raise InvalidInput("this performance is not of Mimetic's own head: it cannot be refined")
+
+
+def _spans(
+    performance: Performance,
+    corrections: Corrections,
+    frames: tuple[int | None, int | None] | None,
+    direction: str,
+) -> list[FrameSpan]:
+    """Rows to solve, in runs, both ends included."""
+    first, last = int(performance.frame[0]), int(performance.frame[-1])
+    low, high = frames or (None, None)
+    low = first if low is None else low
+    high = last if high is None else high
+    if low > high or high < first or low > last:
+        raise InvalidInput(f"frames {low}:{high}: the performance has frames {first} to {last}")
+    if corrections and direction == "forward":
+        low = max(low, min(entry.frame for entry in corrections))
+    if corrections and direction == "backward":
+        high = min(high, max(entry.frame for entry in corrections))
+    spans: list[FrameSpan] = []
+    for entry in sorted(corrections, key=lambda entry: entry.frame - entry.reach):
+        begin = max(low, entry.frame - int(entry.reach))
+        end = min(high, entry.frame + int(entry.reach))
+        if begin > end:
+            continue
+        begin, end = (
+            int(np.searchsorted(performance.frame, begin)),
+            int(np.searchsorted(performance.frame, end, side="right")) - 1,
+        )
+        if spans and begin <= spans[-1][1] + FIXED:
+            spans[-1] = spans[-1][0], max(end, spans[-1][1])
+        elif begin <= end:
+            spans.append((begin, end))
+    return spans
+
+
+class Refinement:
+    """A performance whose rows are solved again, run by run."""
+
+    def __init__(self, performance: Performance) -> None:
+        self.performance = performance
+        self.template = load_template()
+        self.camera = camera_of(performance.intrinsics, performance.image_size)
+        self.names = [name for name in performance.articulators if name not in GAZE]
+        self.columns = [performance.articulators.index(name) for name in self.names]
+        anatomy = anatomy_of(performance, self.names, self.columns)
+        neutral = performance.neutral_vertices
+        self.motion = face_motion(neutral, self.template, anatomy)
+        self.poses = performance.head_pose.copy()
+        self.pose_covariances = performance.head_pose_cov.copy()
+        self.values = np.hstack(
+            [performance.activations, seen_articulators(performance)[:, self.columns]]
+        )
+        own_std = performance.articulator_values_std
+        if own_std is None:
+            own_std = np.full(performance.articulator_values.shape, 0.1)
+        self.own_std = own_std.copy()
+        self.values_std = np.hstack([performance.activations_std, own_std[:, self.columns]])
+        assert performance.evidence is not None  # `check_refinable`
+        self.evidence = performance.evidence.copy()
+        self.moved = np.zeros(performance.num_frames, dtype=bool)
+
+    def solve(
+        self, span: FrameSpan, corrections: Corrections, show: Callable[[float], bool]
+    ) -> bool:
+        """Rows of a span, both ends included; false, with nothing changed, when stopped."""
+        begin, end = span
+        first = max(0, begin - FIXED)
+        after = min(self.performance.num_frames, end + 1 + FIXED)
+        options = _core.SmootherOptions()
+        options.fixed_first, options.fixed_last = begin - first, after - 1 - end
+        measured = [
+            self._measured(entry, self.performance.index_of(entry.frame) - first)
+            for entry in corrections
+            if begin <= np.searchsorted(self.performance.frame, entry.frame) <= end
+        ]
+        estimates = [self._estimate(i) for i in range(first, after)]
+        is_stopped = False
+
+        def go_on(fraction: float) -> bool:
+            nonlocal is_stopped
+            is_stopped = is_stopped or not show(fraction)
+            return not is_stopped
+
+        solved = _core.smooth_corrected(
+            estimates, self.motion, self.camera, measured, options, go_on
+        )
+        if is_stopped:
+            return False
+        for i in range(begin, end + 1):
+            estimate = solved[i - first]
+            self.poses[i], self.values[i] = estimate.camera_from_head, estimate.values
+            self.pose_covariances[i], self.values_std[i] = estimate.pose_cov, estimate.values_std
+            self.evidence[i] = _core.pack_evidence(estimate)
+        self.moved[begin : end + 1] = True
+        return True
+
+    def _estimate(self, i: int) -> _core.FrameEstimate:
+        quality = float(self.performance.quality[i])
+        return _core.stored_estimate(
+            *(self.poses[i], self.pose_covariances[i], self.values[i], self.values_std[i]),
+            *(self.evidence[i], quality, quality < HELD_QUALITY),
+        )
+
+    def _measured(self, entry: FrameCorrection, index: int) -> _core.Correction:
+        i = self.performance.index_of(entry.frame)
+        pins = []
+        if entry.pins:
+            places = PinnedPlaces(self.template, entry.pins)
+            points = places.positions(self._unmoved(i))
+            modes = np.stack([places.positions(mode) for mode in self._modes()])
+            pins = [
+                _core.SkinPin(points[k], modes[:, k].copy(), np.array(pin.pixel), pin.std)
+                for k, pin in enumerate(entry.pins)
+            ]
+        pose = entry.pose
+        poses = (
+            []
+            if pose is None
+            else [_core.PosePin(pose.head_pose, pose.rotation_std, pose.translation_std)]
+        )
+        return _core.Correction(index, entry.reach, pins, poses, list(self._sums(entry)))
+
+    def _sums(self, entry: FrameCorrection) -> Iterator[_core.ValuePin]:
+        names = [*self.performance.muscles, *self.names]
+        for name, pinned in entry.values.items():
+            weights = np.zeros(len(names))
+            weights[names.index(name)] = 1.0
+            yield _core.ValuePin(weights, pinned.value, pinned.std)
+        if entry.lip_gap is not None:
+            lines = feature_lines(self.template)
+            upper, lower = lines["lip_upper_inner"], lines["lip_lower_inner"]
+            modes = self._modes()
+            neutral = self.performance.neutral_vertices
+            for share in (0.3, 0.5, 0.7):  # of the way from corner to corner
+                top, bottom = (line[round(share * (len(line) - 1))] for line in (upper, lower))
+                weights = np.array(modes[:, top, 1] - modes[:, bottom, 1], dtype=np.float64)
+                at_rest = float(neutral[top, 1] - neutral[bottom, 1])
+                yield _core.ValuePin(weights, entry.lip_gap.value - at_rest, entry.lip_gap.std)
+
+    def _modes(self) -> NDArray[np.float32]:
+        """M x V x 3 of muscles, then of the articulators that are solved for."""
+        performance = self.performance
+        assert performance.articulator_modes is not None
+        return np.concatenate(
+            [performance.muscle_modes, performance.articulator_modes[self.columns]]
+        )
+
+    def _unmoved(self, i: int) -> NDArray[np.float64]:
+        """V x 3: a frame's surface without what muscles and articulators do."""
+        performance = self.performance
+        if performance.detail_modes is None or performance.detail_coefficients is None:
+            return performance.neutral_vertices
+        shape = (-1, performance.neutral_vertices.size)
+        detail = performance.detail_coefficients[i].astype(np.float32)
+        moved = detail @ performance.detail_modes.reshape(shape)
+        return performance.neutral_vertices + moved.reshape(-1, 3)
+
+    def result(self, corrections: Corrections) -> Performance:
+        performance = self.performance
+        num_muscles = len(performance.muscles)
+        articulators, std = performance.articulator_values.copy(), self.own_std
+        rows, columns = self.moved, np.array(self.columns, dtype=np.intp)
+        seen = seen_articulators(performance)
+        seen[np.ix_(rows, columns)] = self.values[rows, num_muscles:]
+        articulators[rows] = own_articulators(performance, seen)[rows]
+        std[np.ix_(rows, columns)] = self.values_std[rows, num_muscles:]
+        poses = self.poses.copy()
+        poses[rows, :3, :3] = _core.nearest_rotations(np.ascontiguousarray(poses[rows, :3, :3]))
+        poses[:, 3] = [0, 0, 0, 1]
+        return replace(
+            performance,
+            head_pose=poses,
+            head_pose_cov=_core.nearest_covariances(self.pose_covariances),
+            activations=np.clip(self.values[:, :num_muscles], 0, 1),
+            activations_std=self.values_std[:, :num_muscles],
+            articulator_values=articulators,
+            articulator_values_std=std,
+            evidence=self.evidence,
+            corrections=texts_of(corrections) or None,
+        )
+
+
+def anatomy_of(performance: Performance, names: list[str], columns: list[int]) -> Anatomy:
+    """The performance's own modes, with the articulators' limits by their names."""
+    limits = ARTICULATORS | {row["name"]: tuple(row["limits"]) for row in lip_rows()}
+    if unknown := [name for name in names if name not in limits]:
+        raise InvalidInput(f"this version knows no articulator {unknown[0]}: update Mimetic")
+    assert performance.articulator_modes is not None
+    return Anatomy(
+        tuple(performance.muscles),
+        performance.groups.astype(np.int32),
+        performance.muscle_modes,
+        np.zeros(len(performance.muscles)),
+        tuple(names),
+        performance.articulator_modes[columns],
+        np.array([limits[name] for name in names], dtype=np.float64).reshape(-1, 2),
+    )

@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Corrections of a rendered clip whose mouth something covers while it opens, against its truth."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from clips import ffmpeg
+from mimetic import InvalidInput
+from mimetic.commands.cli import main
+from mimetic.performance.corrections import (
+    FrameCorrection,
+    Pinned,
+    SkinPin,
+    corrected_frames,
+    save_corrections,
+)
+from mimetic.performance.document import Performance
+from mimetic.performance.pinned_places import PinnedPlaces, place_under
+from mimetic.performance.places import RefinedSurface
+from mimetic.score.truth import Truth
+from mimetic.solve.clip_capture import capture, find_face
+from mimetic.solve.refining import refined
+from mimetic.template.face_template import load_template
+
+FIRST, LAST = 36, 46  # frames in which the mouth is covered; it opens at 33
+CORRECTED, REACH = (38, 44), 7.0
+
+
+@pytest.fixture(scope="module")
+def spoilt(rendered_clip, tmp_path_factory):
+    """Footage, fit and capture of the clip with a hand's colour before the mouth for a while."""
+    folder = tmp_path_factory.mktemp("spoilt")
+    footage = folder / "spoilt.mp4"
+    truth = Truth.load(rendered_clip.truth)
+    fit = find_face(rendered_clip.footage, 1)
+    template = load_template()
+    corners = [template.landmark(f"mouth_corner.{side}") for side in "LR"]
+    mouth = fit.neutral_vertices(template)[corners] @ fit.head_pose[:3, :3].T + fit.head_pose[:3, 3]
+    (left, y), (right, _) = truth_pixels(mouth, fit.intrinsics)
+    width = abs(right - left)
+    box = (min(left, right) - 0.3 * width, y - 0.4 * width, 1.6 * width, 1.3 * width)
+    x, y, w, h = (round(float(number)) for number in box)
+    enabled = f"enable='between(n,{FIRST - 1},{LAST - 1})'"
+    draw = f"drawbox=x={x}:y={y}:w={w}:h={h}:color=0x9c6a52:t=fill:{enabled}"
+    ffmpeg("-i", rendered_clip.footage, "-vf", draw, "-c:v", "libx264", "-crf", "12", footage)
+    return footage, fit, capture(footage, fit=fit), truth
+
+
+def truth_pixels(points, intrinsics):
+    pixels = points @ intrinsics.T
+    return pixels[:, :2] / pixels[:, 2:]
+
+
+@pytest.fixture(scope="module")
+def places(spoilt):
+    """Places of the lower face, as pins of the first frame, and their true pixels in all."""
+    _, _, performance, truth = spoilt
+    surface = RefinedSurface(performance)
+    moved = np.linalg.norm(truth.tracks[FIRST + 4] - truth.tracks[FIRST - 6], axis=1)
+    pins, points = [], []
+    for k in np.argsort(-moved)[:60]:
+        if not truth.visible[:, k].all():
+            continue
+        place = place_under(surface, tuple(truth.tracks[0, k]), 0)
+        if place is not None and place[0] < load_template().num_skin_faces:
+            pins.append(SkinPin(*place, tuple(truth.tracks[0, k])))
+            points.append(k)
+    return pins, truth.tracks[:, points]
+
+
+def pixels_of(performance, pins, frames):
+    """Frames x P x 2."""
+    at = PinnedPlaces(load_template(), pins)
+    rows = [performance.index_of(frame) for frame in frames]
+    return np.stack(
+        [performance.project(at.positions(performance.surface_in_camera(i))) for i in rows]
+    )
+
+
+def error(performance, places, frames):
+    pins, tracks = places
+    off = pixels_of(performance, pins, frames) - tracks[[frame - 1 for frame in frames]]
+    return float(np.sqrt((off**2).sum(axis=2).mean()))
+
+
+def corrections_of(places, frames=CORRECTED, count=3):
+    pins, tracks = places
+    chosen = [0, len(pins) // 3, 2 * len(pins) // 3][:count]
+    return tuple(
+        FrameCorrection(
+            frame,
+            REACH,
+            tuple(replace(pins[k], pixel=tuple(tracks[frame - 1, k]), std=1.0) for k in chosen),
+        )
+        for frame in frames
+    )
+
+
+def test_pins_in_two_frames_mend_a_covered_mouth(spoilt, places):
+    performance = spoilt[2]
+    after = refined(performance, corrections_of(places))
+    covered = range(FIRST, LAST + 1)
+    assert error(performance, places, covered) > 2 * error(after, places, covered)
+    assert corrected_frames(after) == list(CORRECTED)
+
+
+def test_frames_beyond_the_reach_stay(spoilt, places):
+    performance = spoilt[2]
+    after = refined(performance, corrections_of(places))
+    far = np.abs(performance.frame[:, None] - np.array(CORRECTED)).min(axis=1) > REACH
+    assert far.sum() > 20
+    for key in ("activations", "articulator_values", "head_pose", "activations_std"):
+        np.testing.assert_allclose(
+            getattr(after, key)[far], getattr(performance, key)[far], atol=1e-6
+        )
+    np.testing.assert_array_equal(after.quality, performance.quality)
+
+
+def test_a_pins_own_point_lands_within_its_deviation(spoilt, places):
+    corrections = corrections_of(places, CORRECTED[:1], count=1)
+    after = refined(spoilt[2], corrections)
+    pins = corrections[0].pins
+    wanted = np.array([pin.pixel for pin in pins])
+    off = pixels_of(after, pins, CORRECTED[:1])[0] - wanted
+    assert np.linalg.norm(off, axis=1).max() < 1.0
+
+
+def test_a_value_is_taken_and_its_neighbours_follow_it(spoilt):
+    performance = spoilt[2]
+    lid = performance.articulators.index("lid_upper.L")
+    correction = FrameCorrection(15, 6, values={"lid_upper.L": Pinned(0.8, 0.02)})
+    after = refined(performance, (correction,))
+    moved = after.articulator_values[:, lid] - performance.articulator_values[:, lid]
+    at = performance.index_of(15)
+    assert moved[at] > 0.5
+    assert moved[at] > moved[at + 2] > moved[at + 4] > -1e-3
+    other = performance.articulators.index("lid_upper.R")
+    np.testing.assert_allclose(
+        after.articulator_values[:, other], performance.articulator_values[:, other], atol=0.03
+    )
+
+
+def test_lips_are_brought_together(spoilt):
+    from mimetic.muscles.feature_lines import feature_lines
+
+    performance, lines = spoilt[2], feature_lines(load_template())
+    after = refined(performance, (FrameCorrection(15, 6, lip_gap=Pinned(0.004, 2e-4)),))
+    at = performance.index_of(15)
+    upper, lower = (lines[f"lip_{lip}_inner"] for lip in ("upper", "lower"))
+    middle = (upper[len(upper) // 2], lower[len(lower) // 2])
+    surface = after.without_detail().surface(at)
+    assert abs(surface[middle[0], 1] - surface[middle[1], 1] - 0.004) < 6e-4
+
+
+def test_corrections_that_are_gone_are_taken_back(spoilt, places):
+    performance = spoilt[2]
+    again = refined(refined(performance, corrections_of(places)), ())
+    assert again.corrections is None
+    np.testing.assert_allclose(again.activations, performance.activations, atol=0.02)
+    np.testing.assert_allclose(again.head_pose, performance.head_pose, atol=1e-3)
+
+
+def test_a_direction_and_a_range_leave_other_frames_alone(spoilt, places):
+    performance, corrections = spoilt[2], corrections_of(places)
+    rows = {"forward": slice(0, 37), "backward": slice(44, None)}
+    for direction, kept in rows.items():
+        after = refined(performance, corrections, direction=direction)
+        np.testing.assert_array_equal(after.activations[kept], performance.activations[kept])
+        assert np.abs(after.activations - performance.activations).max() > 0.05
+    after = refined(performance, corrections, frames=(40, 46))
+    changed = np.flatnonzero(np.abs(after.activations - performance.activations).max(axis=1) > 1e-9)
+    assert changed.min() >= 39 and changed.max() <= 45
+
+
+def test_a_stopped_refinement_changes_nothing(spoilt, places):
+    performance = spoilt[2]
+    kept = refined(performance, corrections_of(places), progress=lambda *_: False)
+    np.testing.assert_array_equal(kept.activations, performance.activations)
+
+
+def test_a_performance_without_evidence_is_refused(spoilt, places):
+    with pytest.raises(InvalidInput, match=r"keeps no evidence.*capture the footage again"):
+        refined(replace(spoilt[2], evidence=None), corrections_of(places))
+
+
+def test_a_capture_honours_them_as_a_refinement_does(spoilt, places, tmp_path):
+    footage, fit, performance, _ = spoilt
+    corrections = corrections_of(places)
+    at_once = capture(footage, fit=fit, corrections=corrections)
+    after = refined(performance, corrections)
+    np.testing.assert_allclose(at_once.activations, after.activations, atol=1e-3)
+    np.testing.assert_allclose(at_once.head_pose, after.head_pose, atol=1e-4)
+    assert corrected_frames(at_once) == list(CORRECTED)
+
+
+def test_the_command_refines_a_file_and_refuses_wrong_ones(spoilt, places, tmp_path, capsys):
+    footage, _, performance, _ = spoilt
+    file, out = tmp_path / "p.npz", tmp_path / "refined.npz"
+    performance.save(file)
+    save_corrections(tmp_path / "c.json", corrections_of(places))
+    command = ["refine", str(file), str(footage), "--corrections", str(tmp_path / "c.json")]
+    assert main([*command, "--out", str(out)]) == 0
+    assert corrected_frames(Performance.load(out)) == list(CORRECTED)
+    assert "2 frames corrected" in capsys.readouterr().err
+    before = file.read_bytes()
+    save_corrections(tmp_path / "c.json", (FrameCorrection(900),))
+    assert main(command) == 2
+    message = capsys.readouterr().err.strip().splitlines()[-1]
+    assert "corrections of frame 900: the capture has frames 1 to 50" in message
+    assert main(["capture", str(footage), "--out", str(tmp_path / "o"), *command[3:]]) == 2
+    assert "frame 900: the capture has frames 1 to 50" in capsys.readouterr().err
+    assert file.read_bytes() == before
