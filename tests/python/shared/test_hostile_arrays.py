@@ -8,6 +8,7 @@ import resource
 import struct
 import subprocess
 import sys
+import warnings
 import zipfile
 
 import numpy as np
@@ -17,7 +18,7 @@ from mimetic.commands.cli import main
 from mimetic.locate import eigenspaces, landmarks
 from mimetic.performance.document import Performance
 from mimetic.score.truth import Truth
-from mimetic.shared.array_file import open_arrays
+from mimetic.shared.array_file import is_bounded, open_arrays
 from mimetic.shared.installed_data import data_folder
 from sample_performance import make_performance
 
@@ -239,3 +240,16 @@ def test_an_archives_list_of_contents_cannot_fill_the_memory(tmp_path):
     with pytest.raises(UnreadableMedia, match="list of contents is too long"), open_arrays(path):
         pass
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 30_000
+
+
+@pytest.mark.parametrize("kind", ["f2", "f4", "f8", "i8", "u1", "?"])
+def test_numbers_of_every_type_are_held_against_the_limit_without_a_warning(kind):
+    """numpy 2 compares in the array's own type, in which the limit may be infinite."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert is_bounded(np.array([0, 1], kind)) and is_bounded(np.array([], kind))
+        if kind[0] == "f":
+            for number in (np.inf, -np.inf, np.nan):
+                assert not is_bounded(np.array([0, number], kind))
+        if kind in ("f4", "f8"):
+            assert not is_bounded(np.array([2e15], kind))

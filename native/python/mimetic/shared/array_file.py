@@ -205,7 +205,8 @@ def check_shape(
 
 def is_bounded(numbers: np.ndarray) -> bool:
     """Whether all are finite and no larger than anything that is measured."""
-    low, high = (numbers.min(), numbers.max()) if numbers.size else (0, 0)
+    # As Python's floats: numpy 2 makes the limit a half, and so infinite, beside an array of halves
+    low, high = (float(numbers.min()), float(numbers.max())) if numbers.size else (0.0, 0.0)
     return bool(low >= -LARGEST_NUMBER and high <= LARGEST_NUMBER)  # False for nan, too
 
 
