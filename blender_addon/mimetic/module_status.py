@@ -23,6 +23,14 @@ class Status:
     text: str  # what is wrong and what to do; the version if all is well
 
 
+def no_module_for(python: str) -> Status:
+    return Status(
+        State.missing,
+        f"This build of Mimetic carries no module for {python}. "
+        "Install the Mimetic zip made for this Blender",
+    )
+
+
 @cache
 def extension_version() -> str:
     manifest = Path(__file__).with_name("blender_manifest.toml")

@@ -10,7 +10,7 @@ from types import ModuleType
 
 import numpy as np
 
-from .module_status import State, Status, extension_version
+from .module_status import State, Status, extension_version, no_module_for
 
 
 @cache
@@ -21,11 +21,7 @@ def status() -> Status:
     except ModuleNotFoundError as error:
         python = f"Python {sys.version_info.major}.{sys.version_info.minor} on {sys.platform}"
         if error.name in ("mimetic", "mimetic._core"):
-            return Status(
-                State.missing,
-                f"This build of Mimetic carries no module for {python}. "
-                "Install the Mimetic zip made for this Blender",
-            )
+            return no_module_for(python)
         return Status(State.broken, f"Mimetic's module needs {error.name}, which is missing")
     except ImportError as error:
         return Status(
@@ -90,6 +86,12 @@ def clip_fingerprint() -> ModuleType:
     from mimetic.media import clip_fingerprint
 
     return clip_fingerprint
+
+
+def correcting() -> ModuleType:
+    from mimetic.solve import correcting
+
+    return correcting
 
 
 def composing() -> ModuleType:

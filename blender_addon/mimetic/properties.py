@@ -15,7 +15,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from . import compat, control_rows, editors, take_rows, writable
+from . import compat, control_rows, correction_settings, editors, take_rows, writable
 from .live_settings import MimeticLive
 from .scene_out import contact, expressions, gaze, rigs
 
@@ -228,7 +228,7 @@ class MimeticFace(take_rows.HasTakes, bpy.types.PropertyGroup):
     )
 
 
-class MimeticFootage(bpy.types.PropertyGroup):
+class MimeticFootage(correction_settings.KeepsCorrections, bpy.types.PropertyGroup):
     """What belongs to footage, by the fingerprint of its content, which is the name."""
 
     face_fit: StringProperty(
@@ -256,7 +256,7 @@ class MimeticClip(bpy.types.PropertyGroup):
     )
 
 
-class MimeticScene(bpy.types.PropertyGroup):
+class MimeticScene(correction_settings.CorrectionSettings, bpy.types.PropertyGroup):
     clip: PointerProperty(
         name="Footage", type=bpy.types.MovieClip, description="Movie clip with the face"
     )

@@ -10,6 +10,7 @@ import pytest
 from mathutils import Euler, Matrix
 from test_attach_muscles import new_head, put_landmarks
 from test_capture import clip_path  # noqa: F401
+from test_corrections import captured, captured_file  # noqa: F401
 from test_expressions import BROWS, bump, face, smile  # noqa: F401
 from test_head import rig  # noqa: F401
 from test_own_controls import character, played  # noqa: F401
@@ -65,6 +66,7 @@ def settings_of(settings) -> dict:
     names = [bool(part) and part.name for part in (settings.clip, settings.face, settings.camera)]
     of_clip = settings.clip.mimetic.footage[:1] if settings.clip else []
     kept += [footage.performance_path for footage in of_clip]
+    kept += [footage.corrections for footage in of_clip]
     fit = [json.loads(footage.face_fit or "{}") for footage in of_clip]  # of few digits
     return {"kept": kept, "names": names, "at": head.rest_frame, "fit": fit}
 
@@ -159,6 +161,16 @@ def with_control_object(fixture) -> None:
     """A face that a control object drives by a take of its own."""
     bpy.context.scene.mimetic.performance_path = str(fixture("performance_file"))
     assert bpy.ops.mimetic.bake(to="CONTROLS") == {"FINISHED"}
+
+
+def with_captured(fixture) -> None:
+    """A clip with its take, at a captured frame."""
+    fixture("captured")
+
+
+def with_correction(fixture) -> None:
+    fixture("captured")
+    assert bpy.ops.mimetic.correct_value(value_name="jaw_open", value=0.4) == {"FINISHED"}
 
 
 def with_own_head(fixture) -> None:
@@ -278,6 +290,10 @@ CASES = [
     Case("pin", with_dragged_landmark),
     Case("unpin", with_pin),
     Case("follow_pins", with_dragged_landmark),
+    Case("correct_value", with_captured, values={"value_name": "jaw_open", "value": 0.4}),
+    Case("correct_pose", with_captured, values={"turn": (0.0, 5.0, 0.0)}),
+    Case("pin_skin", with_captured, values={"grab": (200.0, 160.0), "to": (205.0, 160.0)}),
+    Case("delete_correction", with_correction),
     Case("add_landmarks", with_own_head),
     Case("attach_muscles", with_landmarks),
     Case("add_arkit_shapes", with_landmarks),

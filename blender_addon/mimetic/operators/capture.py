@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from bpy.types import Operator
 
-from .. import native
+from .. import corrections, native, scene_in
 from .following import Following
 
 
@@ -12,8 +12,13 @@ class MIMETIC_OT_capture(Following, Operator):
     bl_label = "Capture"
     message = "Captured frames {first} to {last}"
 
+    def option(self, context):
+        return corrections.of_clip(scene_in.clip_of(context))
+
     @staticmethod
     def follow(option, footage_path, frames, fit, progress):
+        first, last = frames or (None, None)
+        within = tuple(c for c in option if (first or 1) <= c.frame <= (last or c.frame))
         return native.clip_capture().capture(
-            footage_path, frames=frames, fit=fit, progress=progress
+            footage_path, frames=frames, fit=fit, progress=progress, corrections=within
         )

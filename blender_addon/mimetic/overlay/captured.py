@@ -11,11 +11,12 @@ import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
-from .. import clips, native, scene_in, takes
+from .. import clips, corrections, native, scene_in, takes
 from . import picture, text
 
 MESH, FEATURES, IRISES = (0.15, 1.0, 0.45, 0.2), (1.0, 0.75, 0.1, 0.95), (0.2, 0.75, 1.0, 0.95)
 LANDMARKS, LANDMARK_SIZE = (1.0, 0.2, 0.6, 0.95), 4.0
+PINS, PIN_SIZE = (1.0, 1.0, 1.0, 0.95), 7.0
 STRIP_BOTTOM, STRIP_HEIGHT = 22, 6  # pixels at a UI scale of 1, above Blender's own strips
 
 
@@ -35,6 +36,7 @@ _last: Seen | None = None
 def forget() -> None:
     global _last
     _last = None
+    corrections.forget()
 
 
 def draw_capture(context) -> bool:
@@ -104,6 +106,22 @@ def _draw_face(context, seen: Seen, row: int, settings) -> None:
             if is_on and batch is not None:
                 shader.uniform_float("color", colour)
                 batch.draw(shader)
+        _draw_pins(context, shader)
+
+
+def _draw_pins(context, shader) -> None:
+    """Each from the skin's place as captured to the pixel where it belongs."""
+    board = corrections.shown_board(context)
+    try:
+        entries = corrections.of_clip(context.edit_movieclip)
+        places = board.lines(entries, scene_in.shown_frame(context)) if board and entries else ()
+    except native.known_errors():  # of a capture with fewer frames
+        return
+    if len(places):
+        shader.uniform_float("color", PINS)
+        _batch(places, "LINES").draw(shader)
+        gpu.state.point_size_set(PIN_SIZE * context.preferences.system.pixel_size)
+        _batch(places[1::2], "POINTS").draw(shader)
 
 
 def _batch(places, kind: str):
@@ -120,11 +138,13 @@ def _draw_quality(context, seen: Seen, row: int | None) -> None:
     per_frame = region.width / max(scene.frame_end - scene.frame_start + 1, 1)
     left = per_frame * (clip.frame_start - clip.frame_offset - scene.frame_start)
     place = (left, per_frame, STRIP_BOTTOM * scale, STRIP_HEIGHT * scale)
+    corrected = tuple(corrections.frames_of(clip))
     shader = gpu.shader.from_builtin("SMOOTH_COLOR")
-    if seen.strip is None or seen.strip[0] != place:
-        points, colours = native.face_lines().quality_strip(seen.lines.performance, *place)
+    if seen.strip is None or seen.strip[0] != (place, corrected):
+        performance = seen.lines.performance
+        points, colours = native.face_lines().quality_strip(performance, *place, corrected)
         content = {"pos": points, "color": colours}
-        seen.strip = (place, batch_for_shader(shader, "TRIS", content))
+        seen.strip = ((place, corrected), batch_for_shader(shader, "TRIS", content))
     seen.strip[1].draw(shader)
     with text.style(scale):
         above = (STRIP_BOTTOM + STRIP_HEIGHT + 6) * scale

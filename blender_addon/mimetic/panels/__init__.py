@@ -3,11 +3,23 @@
 
 import bpy
 
-from . import capture, clip_overlays, controls, curves, expressions, head, live, muscles, takes
+from . import (
+    capture,
+    clip_overlays,
+    controls,
+    corrections,
+    curves,
+    expressions,
+    head,
+    live,
+    muscles,
+    takes,
+)
 
 CLASSES = (
     *capture.CLASSES,
     *clip_overlays.CLASSES,
+    *corrections.CLASSES,
     *head.CLASSES,
     *live.CLASSES,
     *muscles.CLASSES,

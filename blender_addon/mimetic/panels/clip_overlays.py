@@ -6,10 +6,10 @@ from bpy.types import Panel
 from .. import native, scene_in, takes
 
 
-class MIMETIC_PT_clip_overlays(Panel):
-    bl_idname = "MIMETIC_PT_clip_overlays"
+class OfClip:
+    """Mixin of panels under the steps in the clip editor's sidebar."""
+
     bl_parent_id = "MIMETIC_PT_capture_clip"
-    bl_label = "Over the Footage"
     bl_space_type = "CLIP_EDITOR"
     bl_region_type = "UI"
     bl_category = "Mimetic"
@@ -17,6 +17,11 @@ class MIMETIC_PT_clip_overlays(Panel):
     @classmethod
     def poll(cls, context):
         return not native.problem() and scene_in.clip_of(context) is not None
+
+
+class MIMETIC_PT_clip_overlays(OfClip, Panel):
+    bl_idname = "MIMETIC_PT_clip_overlays"
+    bl_label = "Over the Footage"
 
     def draw(self, context):
         layout = self.layout

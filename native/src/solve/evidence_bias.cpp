@@ -14,6 +14,9 @@ constexpr double kRotationStd = 6e-3;     // rad
 constexpr double kTranslationStd = 1e-3;  // metres
 constexpr double kBoundStd = 1e-4;        // of a value's shift to its bound
 constexpr double kNearest = .02;          // metres before the camera
+// Share of its variance by which the bias may miss a correction: its deviation weighs it against others and
+// the pictures of its frame, where it is a measurement itself, and must not count twice
+constexpr double kMissed = .01;
 
 void append(CorrectionRows& rows, const Eigen::RowVectorXd& row, double residual, double std) {
     const Eigen::Index count = rows.residual.size();
@@ -114,7 +117,7 @@ void EvidenceBias::solve() {
     for (std::size_t k = 0; k < count; ++k) {
         const Eigen::Index own = rows_[k].residual.size();
         missing.segment(begin[k], own) = rows_[k].residual;
-        noise.segment(begin[k], own) = rows_[k].std.cwiseAbs2();
+        noise.segment(begin[k], own) = kMissed * rows_[k].std.cwiseAbs2();
         const Eigen::MatrixXd moved = rows_[k].rows * variance_.asDiagonal();
         for (std::size_t other = 0; other < count; ++other) {
             spread.block(begin[k], begin[other], own, rows_[other].residual.size()) =

@@ -1,0 +1,149 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Frames of a take corrected in the clip editor, and refined."""
+
+import json
+
+import bpy
+import numpy as np
+import pytest
+from last_result import result
+from test_capture import clip_path  # noqa: F401
+
+FRAMES, FRAME = (1, 30), 15
+
+
+@pytest.fixture(scope="module")
+def captured_file(clip_path, tmp_path_factory):  # noqa: F811
+    """A capture of the clip's first second."""
+    from mimetic.solve import clip_capture
+
+    path = tmp_path_factory.mktemp("captured") / "take.npz"
+    fit = clip_capture.find_face(clip_path, 3)
+    clip_capture.capture(clip_path, FRAMES, fit).save(path)
+    return path
+
+
+@pytest.fixture
+def captured(scene, clip_path, captured_file):  # noqa: F811
+    """The clip, with its take, at a frame."""
+    bpy.ops.mimetic.load_clip(filepath=str(clip_path))
+    bpy.ops.mimetic.load_performance(filepath=str(captured_file))
+    scene.frame_set(FRAME)
+    return scene.mimetic.clip
+
+
+@pytest.fixture
+def performance(captured_file):
+    from mimetic.performance.document import Performance
+
+    return Performance.load(captured_file)
+
+
+def kept(extension, clip):
+    return extension("corrections").of_clip(clip)
+
+
+def nose(performance) -> tuple[float, float]:
+    from mimetic.template.face_template import load_template
+
+    vertex = load_template().landmark("lip_upper")
+    i = performance.index_of(FRAME)
+    x, y = performance.project(performance.surface_in_camera(i)[[vertex]])[0]
+    return float(x), float(y)
+
+
+def refine(tmp_path, **options):
+    from mimetic.performance.document import Performance
+
+    path = tmp_path / "refined.npz"
+    assert bpy.ops.mimetic.refine(filepath=str(path), **options) == {"FINISHED"}
+    return Performance.load(path)
+
+
+def test_a_place_of_the_skin_goes_where_it_is_dragged(extension, captured, performance, tmp_path):
+    x, y = nose(performance)
+    assert bpy.ops.mimetic.pin_skin(grab=(x, y), to=(x, y - 3), reach=6.0) == {"FINISHED"}
+    ((pin,),) = [entry.pins for entry in kept(extension, captured)]
+    np.testing.assert_allclose(pin.pixel, (x, y - 3), atol=1e-3)
+    refined = refine(tmp_path)
+    assert result()["frames"] == [FRAME]
+    board = extension("corrections").native.correcting().PinBoard(refined)
+    ends = board.lines(kept(extension, captured), FRAME) * (400, 300)
+    assert np.linalg.norm(ends[0] - ends[1]) < pin.std
+    far = np.abs(performance.frame - FRAME) > 6
+    np.testing.assert_allclose(refined.head_pose[far], performance.head_pose[far], atol=1e-6)
+    assert json.loads(refined.corrections[0])["frame"] == FRAME
+
+
+def test_a_pin_is_grabbed_again(extension, captured, performance):
+    x, y = nose(performance)
+    bpy.ops.mimetic.pin_skin(grab=(x, y), to=(x + 12, y))
+    bpy.ops.mimetic.pin_skin(grab=(x + 13, y), to=(x, y + 9))
+    ((pin,),) = [entry.pins for entry in kept(extension, captured)]
+    np.testing.assert_allclose(pin.pixel, (x, y + 9), atol=1e-3)
+
+
+def test_beside_the_face_nothing_is_pinned(extension, captured):
+    with pytest.raises(RuntimeError, match="no skin of the captured face is seen at 2, 3"):
+        bpy.ops.mimetic.pin_skin(grab=(2, 3), to=(5, 5))
+    assert kept(extension, captured) == ()
+
+
+def test_values_and_pose_are_stated(extension, captured, performance, tmp_path):
+    bpy.ops.mimetic.correct_value(value_name="lid_upper.L", value=0.9, std=0.02, reach=4.0)
+    bpy.ops.mimetic.correct_value(value_name="lip_gap", value=0.004, std=2e-4, frame=22)
+    bpy.ops.mimetic.correct_pose(turn=(0.0, 3.0, 0.0), frame=8, reach=20.0)
+    assert [entry.frame for entry in kept(extension, captured)] == [8, FRAME, 22]
+    refined = refine(tmp_path)
+    lid = performance.articulators.index("lid_upper.L")
+    i = performance.index_of(FRAME)
+    assert refined.articulator_values[i, lid] > 0.6 > performance.articulator_values[i, lid]
+    i = performance.index_of(8)
+    turned = refined.head_pose[i, :3, :3] @ performance.head_pose[i, :3, :3].T
+    angle = np.degrees(np.arccos((np.trace(turned) - 1) / 2))
+    assert 2 < angle < 4
+    with pytest.raises(RuntimeError, match="the take has no such value"):
+        bpy.ops.mimetic.correct_value(value_name="nose")
+    with pytest.raises(RuntimeError, match="frame 200 is not in the performance"):
+        bpy.ops.mimetic.correct_value(frame=200)
+
+
+def test_refining_makes_a_take_and_keeps_the_one_before(captured, captured_file, scene, tmp_path):
+    before = captured_file.read_bytes()
+    bpy.ops.mimetic.correct_value(value_name="jaw_open", value=0.4)
+    refine(tmp_path)
+    assert captured_file.read_bytes() == before
+    assert scene.mimetic.clip.mimetic.footage[0].performance_path.endswith("refined.npz")
+
+
+def test_a_deleted_correction_is_taken_back(extension, captured, performance, tmp_path):
+    bpy.ops.mimetic.correct_value(value_name="jaw_open", value=0.5)
+    jaw, i = performance.articulators.index("jaw_open"), performance.index_of(FRAME)
+    assert refine(tmp_path).articulator_values[i, jaw] > 0.4
+    assert bpy.ops.mimetic.delete_correction() == {"FINISHED"}
+    back = refine(tmp_path)
+    np.testing.assert_allclose(back.articulator_values, performance.articulator_values, atol=0.03)
+    with pytest.raises(RuntimeError, match="nothing is corrected in frame 15"):
+        bpy.ops.mimetic.delete_correction()
+
+
+def test_corrections_live_in_the_file_and_in_its_next_capture(extension, captured, scene, tmp_path):
+    bpy.ops.mimetic.correct_value(value_name="jaw_open", value=0.5, frame=6)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
+    clip = bpy.context.scene.mimetic.clip
+    assert [entry.frame for entry in kept(extension, clip)] == [6]
+    path = tmp_path / "again.npz"
+    bpy.ops.mimetic.capture(filepath=str(path), frame_first=1, frame_last=8)
+    from mimetic.performance.document import Performance
+
+    again = Performance.load(path)
+    assert again.articulator_values[5, again.articulators.index("jaw_open")] > 0.35
+    assert json.loads(again.corrections[0])["frame"] == 6
+
+
+def test_corrections_edited_into_nonsense_are_refused(extension, captured):
+    extension("clips").ensure(captured).corrections = '{"schema": 1, "corrections": [{}]}'
+    with pytest.raises(RuntimeError, match="lacks frame"):
+        bpy.ops.mimetic.correct_value(value_name="jaw_open", value=0.5)
+    assert extension("corrections").frames_of(captured) == []
