@@ -1,6 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Networks for eyes and mouth: on a real face beside points marked by hand, and without files."""
 
+import os
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 from mimetic import InvalidInput, UnreadableMedia, _core
@@ -126,3 +130,29 @@ def test_damaged_files_are_refused_in_one_line(tmp_path, monkeypatch):
     with pytest.raises(UnreadableMedia, match="damaged") as error:
         installed_networks()
     assert "\n" not in str(error.value)
+
+
+FITTED = """
+import hashlib, sys
+import numpy as np
+from mimetic.fit.fitting import find_face
+from mimetic.media.footage import Footage
+fit = find_face(Footage(sys.argv[1]).read(int(sys.argv[2])))
+print(hashlib.sha256(np.array(fit.identity).tobytes()).hexdigest())
+"""
+
+
+def test_the_fit_is_the_same_to_the_bit_however_many_threads_work(networks, fetched_clip):
+    """On one core too: OpenCV's networks round otherwise where they know of one thread."""
+    command = [sys.executable, "-c", FITTED, str(fetched_clip("single_face.mp4")), str(FRAME)]
+    prints = {
+        subprocess.run(
+            command,
+            env={**os.environ, "OPENCV_FOR_THREADS_NUM": limit},
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        for limit in ("1", "2", "3")
+    }
+    assert len(prints) == 1 and prints.pop().strip()
