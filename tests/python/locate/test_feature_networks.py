@@ -138,7 +138,7 @@ import numpy as np
 from mimetic.fit.fitting import find_face
 from mimetic.media.footage import Footage
 fit = find_face(Footage(sys.argv[1]).read(int(sys.argv[2])))
-print(hashlib.sha256(np.array(fit.identity).tobytes()).hexdigest())
+print(hashlib.sha256(np.array([*fit.identity.values()]).tobytes()).hexdigest())
 """
 
 
