@@ -11,7 +11,7 @@ from pathlib import Path
 
 import bpy
 
-from . import clips, compat, fast_view, jobs, native, scene_in, scene_out, takes, targets
+from . import clips, compat, fast_view, jobs, native, scene_in, takes, targets
 from .live_settings import CHANNELS, package_channels
 
 NO_SOURCE = "Choose a clip, or load the scene's footage"
@@ -24,7 +24,7 @@ class Session:
 
     run: jobs.Run
     thread: object  # mimetic.puppet.live_thread.LiveThread
-    puppet: object  # scene_out.live.Puppet
+    puppet: object  # scene_out.live.Puppet, or scene_out.live_controls.ControlPuppet
     fast: fast_view.FastView | None = None
     view: object = None  # overlay.session.SessionView, where there is a window
     start: float = 1.0  # scene frame of the take that is recorded
@@ -64,6 +64,8 @@ active: Session | None = None
 
 def no_live(context) -> str:
     """Why no session can be started."""
+    if context.scene.mimetic.live.driven == "CONTROLS":
+        return targets.no_controls(context)
     return targets.no_rest(context)
 
 
@@ -112,9 +114,7 @@ def end_take(context, session: Session) -> str:
     performance = take.performance()
     name = takes.take_name(path)
     channels = package_channels(context.scene.mimetic.live.channels)
-    summary = scene_out.live.record(
-        context.scene, session.puppet, performance, name, session.start, channels
-    )
+    summary = session.puppet.record(context.scene, performance, name, session.start, channels)
     path, notes = takes.save(performance, path, takes.spare_path(_clip_name(session)))
     session.takes.append(path)
     session.notes += [*summary.remarks, *notes]

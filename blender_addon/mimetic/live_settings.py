@@ -15,6 +15,10 @@ SET_USES = (
     ("SHARPEN", "Sharpen", "Correct what is measured live by what the set says, each by its error"),
     ("DRIVE", "Drive", "Take what the set knows from the set alone"),
 )
+DRIVEN = (
+    ("MUSCLES", "Muscles", "The muscles' sliders of the face"),
+    ("CONTROLS", "Own Controls", "The active character's own shape keys, or its face's bones"),
+)
 CORNERS = (
     ("TOP_LEFT", "Top Left", ""),
     ("TOP_RIGHT", "Top Right", ""),
@@ -52,6 +56,9 @@ class MimeticLive(bpy.types.PropertyGroup):
     microphone: StringProperty(
         name="Microphone",
         description="Recorded beside a camera: its name, on Linux `default`; empty records none",
+    )
+    driven: EnumProperty(
+        name="Drives", items=DRIVEN, description="What of the character a session moves"
     )
     taught_set: StringProperty(
         name="Taught Set",

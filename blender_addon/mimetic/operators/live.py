@@ -113,7 +113,7 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
         """Whether the session is to end."""
         if command == "NEUTRAL":
             session.thread.set_neutral()
-            session.puppet.rest = None
+            session.puppet.set_neutral()
         elif command == "RECORD" and (session.is_recording or session.due is not None):
             session.due = None
             if message := live.end_take(context, session):
@@ -175,7 +175,7 @@ def show(session) -> None:
     newest = session.thread.newest()
     if newest is not None:
         state, face = newest
-        session.puppet.show(session.thread.names, state, face.lids)
+        session.puppet.show(session.thread.names, state, face)
 
 
 def _session(context, is_blocking: bool = False):
@@ -187,9 +187,15 @@ def _session(context, is_blocking: bool = False):
         source, settings.stillness, run.stop, is_blocking, taught, use
     )
     run.thread = thread.thread
-    face = scene_in.face_of(context)
-    puppet = scene_out.live.Puppet(context.scene, face)
-    fast = fast_view.FastView(face) if settings.use_fast_view else None
+    if settings.driven == "CONTROLS":
+        shown = context.active_object
+        puppet = scene_out.live_controls.ControlPuppet(context.scene, shown)
+        if shown.type == "ARMATURE":
+            shown = scene_out.face_bones.deformed_face(context.scene, shown)
+    else:
+        shown = scene_in.face_of(context)
+        puppet = scene_out.live.Puppet(context.scene, shown)
+    fast = fast_view.FastView(shown) if settings.use_fast_view else None
     return live.Session(run, thread, puppet, fast)
 
 

@@ -20,6 +20,7 @@ class MIMETIC_PT_live(Muscles, Panel):
         column = layout.column()
         column.enabled = session is None
         self.draw_source(column, context, settings)
+        column.row().prop(settings, "driven", expand=True)
         column.prop(settings, "taught_set")
         if settings.taught_set:
             column.row().prop(settings, "set_use", expand=True)

@@ -135,6 +135,20 @@ def key(scene, performance, armature: bpy.types.Object, played, footage=None) ->
     return num_curves
 
 
+def pose(armature: bpy.types.Object, own: list, values: dict[str, float]) -> None:
+    """Puts bones as values of their channels say, as `key` would key them."""
+    for channel in own:
+        bone = armature.pose.bones.get(channel.bone)
+        if bone is None:
+            continue
+        value = values[channel.name]
+        if channel.is_turn:
+            path, rows = native.bone_channels().turns(np.array([value]), bone.rotation_mode)
+            setattr(bone, path, rows[0])
+        else:
+            bone.location[channel.axis] = value * _unit(armature)
+
+
 def _unit(armature: bpy.types.Object) -> float:
     """A bone's location at value 1, in the armature's own unit."""
     metre = bpy.context.scene.unit_settings.scale_length or 1.0

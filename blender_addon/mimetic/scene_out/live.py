@@ -23,6 +23,47 @@ class TakeSummary:
     remarks: tuple[str, ...]  # what is not played, in sentences
 
 
+class LiveHead:
+    """The object that a live head moves, from where it stands; its name may outlive an undo."""
+
+    def __init__(self, scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
+        self._place_before = {path: tuple(getattr(obj, path)) for path in PLACE_PATHS}
+        mover = bound.moved_by(obj)
+        self.remark = f"{obj.name} is moved by {mover}: its head stays" if mover else ""
+        self._stand = None if mover else stand_of(scene, obj)
+        self.rest = None  # head pose from which the head moves
+
+    def show(self, obj: bpy.types.Object, pose) -> None:
+        """pose: 4 x 4, camera from head."""
+        if self._stand is None:
+            return
+        self.rest = pose if self.rest is None else self.rest
+        channels = native.driven_face().head_channels(pose[None], self.rest, self._stand)
+        setattr(obj, channels.rotation_path, channels.rotations[0])
+        obj.location = channels.locations[0]
+
+    def restore(self, obj: bpy.types.Object) -> None:
+        if self._stand is not None:
+            for path, place in self._place_before.items():
+                setattr(obj, path, place)
+
+    def record(self, obj, performance, take: str, frames, channels: frozenset[str]) -> int:
+        """Keys those of the head's channels; returns the number of curves."""
+        wanted = [channel for channel in HEAD_PATHS if channel in channels]
+        if self._stand is None or not wanted:
+            return 0
+        rest = performance.head_pose[0] if self.rest is None else self.rest
+        motion = native.driven_face().head_channels(performance.head_pose, rest, self._stand)
+        holder = actions.continued_take(obj, f"{take} head")
+        num_curves = 0
+        if "head_rotation" in wanted:
+            num_curves += actions.key_rotations(holder, "", "Head", frames, motion)
+        if "head_position" in wanted:
+            actions.clear(holder, "location")
+            num_curves += actions.key_columns(holder, "location", "Head", frames, motion.locations)
+        return num_curves
+
+
 class Puppet:
     """A face while a live session moves it, by name: an undo may replace the object."""
 
@@ -38,11 +79,7 @@ class Puppet:
         self._values = np.empty(len(keys.key_blocks), dtype=np.float32)
         keys.key_blocks.foreach_get("value", self._values)
         self._values_before = self._values.copy()
-        self._place_before = {path: tuple(getattr(face, path)) for path in PLACE_PATHS}
-        mover = bound.moved_by(face)
-        self.remark = f"{face.name} is moved by {mover}: its head stays" if mover else ""
-        self.stand = None if mover else stand_of(scene, face)
-        self.rest = None  # head pose from which the head moves
+        self.head = LiveHead(scene, face)
         # Contact costs more than a picture's time; afterwards it is looked at again
         contact.still_faces.add(self.name)
         self._rest_contact(face)
@@ -51,22 +88,21 @@ class Puppet:
     def sliders(self) -> set[str]:
         return set(self._numbers)
 
-    def show(self, names, state, lids) -> None:
-        """Puts the face as a live state has it."""
+    def set_neutral(self) -> None:
+        """The head moves from its next pose on."""
+        self.head.rest = None
+
+    def show(self, names, state, live_face) -> None:
+        """Puts the face as a live state has it; live_face: the `LiveFace` that it is of."""
         face = bpy.data.objects.get(self.name)
         if face is None:
             return
         parts = native.driven_face()
-        values = parts.slider_values(names, state.values, lids, self._numbers)
+        values = parts.slider_values(names, state.values, live_face.lids, self._numbers)
         for shape, value in values.items():
             self._values[self._numbers[shape]] = value
-        self._write_values(face, self._values)
-        if self.stand is None:
-            return
-        self.rest = state.head_pose if self.rest is None else self.rest
-        channels = parts.head_channels(state.head_pose[None], self.rest, self.stand)
-        setattr(face, channels.rotation_path, channels.rotations[0])
-        face.location = channels.locations[0]
+        write_values(face, self._values)
+        self.head.show(face, state.head_pose)
 
     def end(self) -> None:
         """Whoever moves the face from now on, its lips and lids are kept apart again."""
@@ -83,15 +119,20 @@ class Puppet:
         face = bpy.data.objects.get(self.name)
         if face is None:
             return
-        self._write_values(face, self._values_before)
-        if self.stand is not None:
-            for path, place in self._place_before.items():
-                setattr(face, path, place)
+        write_values(face, self._values_before)
+        self.head.restore(face)
 
-    def _write_values(self, face, values) -> None:
-        keys = face.data.shape_keys
-        if len(keys.key_blocks) != len(values):
-            return  # shapes came or went meanwhile
+    def record(
+        self, scene: bpy.types.Scene, performance, take: str, start: float, channels: frozenset[str]
+    ) -> TakeSummary:
+        """Keys a take; see `record`."""
+        return record(scene, self, performance, take, start, channels)
+
+
+def write_values(face: bpy.types.Object, values) -> None:
+    """Sets all shape keys at once, unless some came or went since `values` were read."""
+    keys = face.data.shape_keys
+    if len(keys.key_blocks) == len(values):
         keys.key_blocks.foreach_set("value", values)
         keys.update_tag()
 
@@ -135,7 +176,7 @@ def record(
     shapes = [s for s in shapes_of(performance) if parts.channel_of_slider(s.name) in channels]
     playable = [s for s in shapes if names.get(s.name) in keys.key_blocks]
     playable = [s for s in playable if names[s.name] not in driven]
-    remarks = [puppet.remark] if puppet.remark else []
+    remarks = [puppet.head.remark] if puppet.head.remark else []
     if left_out := sorted({s.name for s in shapes} - {s.name for s in playable}):
         remarks.append(f"{face.name} has no slider of its own for {', '.join(left_out)}")
     num_curves = 0
@@ -145,21 +186,5 @@ def record(
             key = keys.key_blocks[names[shape.name]]
             actions.key_slider(holder, key, shape.group, frames, shape.values)
         num_curves = len(playable)
-    num_curves += _record_head(puppet, face, performance, take, frames, channels)
+    num_curves += puppet.head.record(face, performance, take, frames, channels)
     return TakeSummary(float(frames[0]), float(frames[-1]), num_curves, tuple(remarks))
-
-
-def _record_head(puppet: Puppet, face, performance, take: str, frames, channels) -> int:
-    wanted = [channel for channel in HEAD_PATHS if channel in channels]
-    if puppet.stand is None or not wanted:
-        return 0
-    rest = performance.head_pose[0] if puppet.rest is None else puppet.rest
-    motion = native.driven_face().head_channels(performance.head_pose, rest, puppet.stand)
-    holder = actions.continued_take(face, f"{take} head")
-    num_curves = 0
-    if "head_rotation" in wanted:
-        num_curves += actions.key_rotations(holder, "", "Head", frames, motion)
-    if "head_position" in wanted:
-        actions.clear(holder, "location")
-        num_curves += actions.key_columns(holder, "location", "Head", frames, motion.locations)
-    return num_curves

@@ -105,13 +105,14 @@ def live_states(extension: str, face: bpy.types.Object) -> Callable[[int], None]
 
     parts = importlib.import_module(f"{extension}.scene_out.live")
     puppet = parts.Puppet(bpy.context.scene, face)
-    names, lids = live_names(), [LidFollowing(0.03, 0.0)] * 2
+    names = live_names()
+    followed = SimpleNamespace(lids=[LidFollowing(0.03, 0.0)] * 2)
     random = np.random.default_rng(1)
     values = random.uniform(0, 0.5, (ROUNDS + 5, len(names)))
     pose = np.diag([1.0, -1.0, -1.0, 1.0])
 
     def show(i: int) -> None:
-        puppet.show(names, SimpleNamespace(values=values[i], head_pose=pose), lids)
+        puppet.show(names, SimpleNamespace(values=values[i], head_pose=pose), followed)
         bpy.context.view_layer.update()
         evaluated_face = face.evaluated_get(bpy.context.evaluated_depsgraph_get())
         assert len(evaluated_face.data.vertices)

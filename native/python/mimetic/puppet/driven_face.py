@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a live state is on a face in a scene: values of its sliders, and its object's motion."""
+"""What a live state is on a face in a scene: values of its sliders or of its maker's own controls,
+and its object's motion."""
 
 from __future__ import annotations
 
@@ -15,6 +16,12 @@ from mimetic.character.placement import WORLD_FROM_SCENE_CAMERA
 from mimetic.character.rig_motion import Channels, Motion, carried_channels
 from mimetic.performance.gaze import GAZE
 from mimetic.puppet.channels import channel_of
+from mimetic.puppet.live_face import LiveFace
+from mimetic.puppet.live_filter import LiveState
+from mimetic.puppet.live_units import live_units
+from mimetic.retarget.control_names import known_names, unit_shares
+from mimetic.retarget.controls import ControlRow, ControlSurface
+from mimetic.retarget.playing import READABLE, by_shares, fit_of, moving, refuse_unknown, table_of
 from mimetic.solve.gaze import SIDES
 
 Floats = NDArray[np.float64]
@@ -86,3 +93,56 @@ def head_channels(poses: Floats, rest: Floats, stand: Stand) -> Channels:
     )
     locations = None if channels.locations is None else channels.locations[1:]
     return Channels(channels.rotation_path, channels.rotations[1:], locations)
+
+
+class DrivenControls:
+    """As `mimetic.retarget.playing.play` drives them, but for a face that is followed live.
+
+    surface, rows, options: as there. Raises InvalidInput if there is nothing to go by.
+    """
+
+    def __init__(
+        self,
+        surface: ControlSurface,
+        rows: Sequence[ControlRow] | None = None,
+        options: _core.ControlFitOptions | None = None,
+    ) -> None:
+        table = table_of(surface, rows)
+        used = surface.without(name for name in surface.control_names if name not in table)
+        names = list(used.control_names)
+        self._shares = unit_shares(names, known_names(names))
+        is_named = self._shares.any(axis=1)
+        self._fit: _core.ControlFit | None = None
+        is_matched = np.zeros(len(names), dtype=bool)
+        self._only_named = is_named
+        if len(used.source_names):
+            self._fit = fit_of(used, options)
+            moves = moving(used)
+            is_matched = moves & (self._fit.readable > READABLE)
+            self._only_named = is_named & ~moves
+        elif not is_named.any():
+            refuse_unknown(names)
+        # Eyes that turn rigidly are no muscles' sliders: as for a bake, gaze is by its sliders
+        self._sources = list(used.source_names)
+        self._played = [name for name in self._sources if not name.startswith("eye_")]
+        kept = np.flatnonzero(is_matched | self._only_named)
+        self._kept = [(int(k), table[names[k]]) for k in kept]
+        self.names = [names[k] for k in kept]
+
+    def values(self, names: Sequence[str], state: LiveState, face: LiveFace) -> dict[str, float]:
+        """Each control's value in a state; names: of the state's values."""
+        expected = self._expected(state)
+        if self._fit is None:
+            fitted = expected
+        else:
+            own = slider_values(names, state.values, face.lids, self._played)
+            row = np.array([own.get(name, 0.0) for name in self._sources])
+            fitted = self._fit.frames(row[None], expected[None])[0]
+        fitted[self._only_named] = expected[self._only_named]
+        return {row.control: float(row.played(fitted[k : k + 1])[0]) for k, row in self._kept}
+
+    def _expected(self, state: LiveState) -> Floats:
+        """What the controls' names say, 0 of those that are unknown."""
+        if not self._shares.any():
+            return np.zeros(len(self._shares))
+        return by_shares(live_units().weights(state.values[None]), self._shares)[0]

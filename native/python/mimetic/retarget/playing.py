@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NoReturn
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,7 +104,7 @@ def play(
     rows: the table of controls; those off or missing are not driven; None drives all within their
     ranges. Raises InvalidInput if there is nothing to go by: no muscles and no known name.
     """
-    table = _table(surface, rows)
+    table = table_of(surface, rows)
     used = surface.without(name for name in surface.control_names if name not in table)
     names = list(used.control_names)
     known = known_names(names)
@@ -111,7 +112,7 @@ def play(
     has_muscles = bool(len(used.source_names))
     if expected is None and not has_muscles and unit_shares(names, known).any():
         raise InvalidInput(NOT_CANONICAL)
-    moves = _moves(used)
+    moves = moving(used)
     is_named = unit_shares(names, known).any(axis=1) & (expected is not None)
     if has_muscles:
         fit, values, explained, source_values = _fit(performance, used, expected, options)
@@ -120,10 +121,7 @@ def play(
         unplayed = _unplayed(fit, used.source_names, source_values)
     else:
         if not is_named.any():
-            raise InvalidInput(
-                "no muscles are attached to the head, and of its controls no name is known "
-                f"({_listed(names)}): attach muscles to it first"
-            )
+            refuse_unknown(names)
         values, explained, unplayed = np.zeros((performance.num_frames, len(names))), None, []
         is_matched, only_named = np.zeros(len(names), bool), is_named
     if expected is not None:
@@ -169,9 +167,28 @@ def _by_names(
     is_canonical = performance.neutral_vertices.shape == load_template().vertices.shape
     if not shares.any() or not is_canonical:
         return None
-    template, order = load_template(), unit_order()
-    columns = [order.index(name) for name in template.unit_names]
-    return unit_values(performance)[:, columns] @ shares.T
+    return by_shares(unit_values(performance), shares)
+
+
+def by_shares(units: Floats, shares: Floats) -> Floats:
+    """T x K of controls whose names have shares (K x 52, as `unit_shares`) of the units (T x 52, in
+    the order of `unit_order`)."""
+    columns = [unit_order().index(name) for name in load_template().unit_names]
+    return units[:, columns] @ shares.T
+
+
+def fit_of(
+    surface: ControlSurface, options: _core.ControlFitOptions | None = None
+) -> _core.ControlFit:
+    """Of a character's controls to its muscles."""
+    return _core.ControlFit(
+        surface.controls,
+        surface.sources,
+        _areas(surface.points, surface.starts, surface.corners),
+        surface.control_range,
+        surface.source_range,
+        options or _core.ControlFitOptions(),
+    )
 
 
 def _fit(
@@ -180,14 +197,7 @@ def _fit(
     expected: Floats | None,
     options: _core.ControlFitOptions | None,
 ) -> tuple[_core.ControlFit, Floats, float, Floats]:
-    fit = _core.ControlFit(
-        surface.controls,
-        surface.sources,
-        _areas(surface.points, surface.starts, surface.corners),
-        surface.control_range,
-        surface.source_range,
-        options or _core.ControlFitOptions(),
-    )
+    fit = fit_of(surface, options)
     curves = {shape.name: shape.values for shape in slider_shapes_of(performance)}
     none = np.zeros(performance.num_frames)
     source_values = np.stack([curves.get(name, none) for name in surface.source_names], axis=1)
@@ -203,7 +213,16 @@ def _unplayed(fit: _core.ControlFit, names: Sequence[str], values: Floats) -> li
     return [name for s, name in enumerate(names) if moves[s] and share[s] < UNPLAYED]
 
 
-def _table(surface: ControlSurface, rows: Sequence[ControlRow] | None) -> dict[str, ControlRow]:
+def refuse_unknown(names: Sequence[str]) -> NoReturn:
+    """Controls of these names cannot be played on a head without muscles: raises InvalidInput."""
+    raise InvalidInput(
+        "no muscles are attached to the head, and of its controls no name is known "
+        f"({_listed(names)}): attach muscles to it first"
+    )
+
+
+def table_of(surface: ControlSurface, rows: Sequence[ControlRow] | None) -> dict[str, ControlRow]:
+    """Rows of the controls that are driven, by name; None drives all within their ranges."""
     if rows is not None:
         return {row.control: row for row in rows if row.is_on}
     ranges = zip(surface.control_names, surface.control_range, strict=True)
@@ -213,7 +232,8 @@ def _table(surface: ControlSurface, rows: Sequence[ControlRow] | None) -> dict[s
     }
 
 
-def _moves(surface: ControlSurface) -> NDArray[np.bool_]:
+def moving(surface: ControlSurface) -> NDArray[np.bool_]:
+    """Which of the controls move anything of the mesh."""
     extent = float(np.ptp(surface.points, axis=0).max()) if len(surface.points) else 0.0
     reach = np.abs(surface.controls).max(axis=(1, 2), initial=0)
     return reach > MOVES * extent

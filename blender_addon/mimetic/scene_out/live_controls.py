@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A live face on the shape keys or bones that a character's maker gave it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+
+from .. import control_rows, native, scene_in
+from . import face_bones, own_controls, own_keys
+from .live import HEAD_PATHS, LiveHead, TakeSummary, write_values
+
+
+@dataclass(frozen=True)
+class _Start:
+    """Where a take lies in the scene, as a movie clip says it."""
+
+    frame_start: float
+    frame_offset: int
+
+
+class ControlPuppet:
+    """A character while a live session moves its own controls, by name: an undo may replace it.
+
+    They are fitted once, here. A head with muscles that nothing else moves is moved too; that of a
+    rig, or of a character with known names alone, is keyed when a take ends. Raises InvalidInput.
+    """
+
+    def __init__(self, scene: bpy.types.Scene, character: bpy.types.Object) -> None:
+        self.name = character.name
+        self._is_rig = character.type == "ARMATURE"
+        if self._is_rig:
+            self._surface = face_bones.surface(scene, character)
+            self._options = native.bone_channels().nearest_surface()
+        else:
+            self._surface, self._options = own_keys.surface(character), None
+        ranges = (face_bones if self._is_rig else own_keys).ranges(character)
+        self._rows = native.controls().refitted(control_rows.rows_of(character), ranges)
+        self._driven = native.driven_face().DrivenControls(self._surface, self._rows, self._options)
+        self._head = None
+        if self._is_rig:
+            own = face_bones.channels(character)
+            self._channels = [channel for channel in own if channel.name in self._driven.names]
+            bones = {channel.bone for channel in self._channels}
+            self._before = {b: character.pose.bones[b].matrix_basis.copy() for b in bones}
+        else:
+            blocks = character.data.shape_keys.key_blocks
+            self._values_before = np.empty(len(blocks), dtype=np.float32)
+            blocks.foreach_get("value", self._values_before)
+            if scene_in.is_face(character):
+                self._head = LiveHead(scene, character)
+
+    def set_neutral(self) -> None:
+        """The head moves from its next pose on."""
+        if self._head is not None:
+            self._head.rest = None
+
+    def show(self, names, state, face) -> None:
+        """Puts the character as a live state has it; face: the `LiveFace` that it is of."""
+        character = bpy.data.objects.get(self.name)
+        if character is None:
+            return
+        values = self._driven.values(names, state, face)
+        if self._is_rig:
+            face_bones.pose(character, self._channels, values)
+            return
+        blocks = character.data.shape_keys.key_blocks
+        numbers = self._values_before.copy()
+        for name, value in values.items():
+            if (number := blocks.find(name)) >= 0:
+                numbers[number] = value
+        write_values(character, numbers)
+        if self._head is not None:
+            self._head.show(character, state.head_pose)
+
+    def end(self) -> None:
+        """Nothing of the character was switched off."""
+
+    def restore(self) -> None:
+        """Puts the character as it was before."""
+        character = bpy.data.objects.get(self.name)
+        if character is None:
+            return
+        if self._is_rig:
+            for bone, matrix in self._before.items():
+                if bone in character.pose.bones:
+                    character.pose.bones[bone].matrix_basis = matrix
+            return
+        write_values(character, self._values_before)
+        if self._head is not None:
+            self._head.restore(character)
+
+    def record(
+        self, scene: bpy.types.Scene, performance, take: str, start: float, channels: frozenset[str]
+    ) -> TakeSummary:
+        """Keys a take as a bake does; of channels, those of the head alone can be left out."""
+        character = scene.objects[self.name]
+        played = native.playing().play(performance, self._surface, self._rows, self._options)
+        bake = face_bones.bake if self._is_rig else own_controls.bake
+        place = _Start(start, int(performance.frame[0]) - 1)
+        moves_head = bool(channels & set(HEAD_PATHS))
+        summary = bake(scene, performance, take, character, played, place, moves_head)
+        return TakeSummary(summary.first, summary.last, summary.num_curves, (summary.text,))
