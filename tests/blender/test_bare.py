@@ -31,8 +31,9 @@ def bare(tmp_path) -> Path:
     """A folder with Blender's module and what it needs, and nothing else."""
     packages = tmp_path / "packages"
     packages.mkdir()
-    for folder in site.getsitepackages():
-        for entry in Path(folder).iterdir():
+    # Of those that Python names some need not be there: Debian's are beside a venv's own
+    for folder in filter(Path.is_dir, map(Path, site.getsitepackages())):
+        for entry in folder.iterdir():
             if not entry.name.lower().startswith(OURS) and entry.suffix != ".pth":
                 (packages / entry.name).symlink_to(entry)
     assert (packages / "bpy").exists() and not list(packages.glob("mimetic*"))

@@ -19,12 +19,12 @@ def live_settings(scene, clip):  # noqa: F811
 
 def test_known_names_move_live_and_are_put_back(character, live_settings, extension):  # noqa: F811
     keys = character.data.shape_keys.key_blocks
-    keys["mouthSmileLeft"].value = 0.25
+    keys["mouthSmileLeft"].value, keys["Hair"].value = 0.25, 0.5
     driven, seen = Session(extension), []
     driven.run(60, lambda: seen.append(keys["mouthSmileLeft"].value))
     driven.stop()
     assert driven.session.thread.error is None
-    assert np.ptp(seen) > 0.2 and keys["Hair"].value == 0
+    assert np.ptp(seen) > 0.2 and keys["Hair"].value == 0.5
     driven.session.end()
     driven.session.puppet.restore()
     assert keys["mouthSmileLeft"].value == pytest.approx(0.25)

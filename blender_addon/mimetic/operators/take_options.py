@@ -7,7 +7,7 @@ from pathlib import Path
 
 from bpy.props import BoolProperty, EnumProperty
 
-from .. import native, scene_in, scene_out
+from .. import scene_in, scene_out
 
 
 class TakeOptions:
@@ -41,7 +41,7 @@ class TakeOptions:
         earlier_name = earlier.name if earlier else ""
         is_edited = earlier is not None and takes.is_edited(earlier)
         frames = scene_in.scene_frames(performance, scene_in.timing(context.scene, clip))
-        file_name = native.shown_text().shown(Path(take.path).name)
+        file_name = Path(take.path).name
         row = takes.note(obj, performance, name, file_name, frames, settings, before)
         if row is None:
             return f"; {obj.name} is a library override, which keeps no list of takes"

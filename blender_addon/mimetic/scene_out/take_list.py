@@ -51,7 +51,7 @@ def note(obj, performance, name: str, path: str, frames, settings: str, before: 
     row = obj.mimetic.takes.add()
     row.name = _free_name(obj, name)
     row.clip = native.shown_text().shown(performance.footage[0]) if performance.footage else ""
-    row.performance = path
+    row.performance = native.shown_text().shown(path)
     row.first, row.last, row.quality = facts.first, facts.last, facts.quality
     row.scene_first, row.scene_last = float(frames[0]), float(frames[-1])
     row.num_lost = facts.num_held
