@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Two takes of a face: curves edited in the panel, a clip baked again, side by side, blended."""
+
+import json
+import sys
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parent))
+from walk import Steps, Walk, area_of, install, invoke, open_sidebar, override, start
+
+PACKAGE = "bl_ext.user_default.mimetic"
+LEFT, RIGHT = "zygomaticus_major.L", "zygomaticus_major.R"
+SHOWN = ("MIMETIC_PT_takes", "MIMETIC_PT_curves", "MIMETIC_PT_muscles")
+
+
+def is_idle() -> bool:
+    return sys.modules[f"{PACKAGE}.jobs"].running is None
+
+
+def result() -> dict:
+    return json.loads(bpy.context.window_manager.mimetic_result)
+
+
+def face() -> bpy.types.Object:
+    return bpy.context.scene.mimetic.face
+
+
+def playing() -> str:
+    row = sys.modules[f"{PACKAGE}.scene_out"].take_list.playing(face())
+    return row.name if row else ""
+
+
+def values(name: str) -> np.ndarray:
+    rows = sys.modules[f"{PACKAGE}.scene_out"].face_curves.of(face())
+    curve = next(row.curve for row in rows if row.shape == name)
+    return np.array([point.co.y for point in curve.keyframe_points])
+
+
+def roughness(name: str) -> float:
+    return float(np.abs(np.diff(values(name), n=2)).mean())
+
+
+def show_the_panels(walk: Walk) -> Steps:
+    """Only those that this is about, opened: the sidebar is not as high as all of them."""
+    yield from open_sidebar(walk, "VIEW_3D", "Mimetic")
+    panels = sys.modules[f"{PACKAGE}.panels"].CLASSES
+    for panel in reversed(panels):
+        if issubclass(panel, bpy.types.Panel) and panel.bl_space_type == "VIEW_3D":
+            bpy.utils.unregister_class(panel)
+    for panel in panels:
+        if panel.__name__ in SHOWN[:2]:
+            panel.bl_options = set()
+            bpy.utils.register_class(panel)
+    yield 0.5
+
+
+def bring_the_panels_back() -> None:
+    """The extension takes all of them away when it ends."""
+    for panel in sys.modules[f"{PACKAGE}.panels"].CLASSES:
+        if not panel.is_registered:
+            bpy.utils.register_class(panel)
+
+
+def bake(walk: Walk, name: str, **options: object) -> Steps:
+    bpy.context.scene.mimetic.performance_path = str(walk.folder / f"{name}.performance.npz")
+    invoke("VIEW_3D", bpy.ops.mimetic.bake, **options)
+    yield from walk.until(is_idle, 120, f"the bake of {name} ends")
+
+
+def press(operator, **options: object) -> None:
+    """As a button: with a step for undo."""
+    with bpy.context.temp_override(**override("VIEW_3D")):
+        operator("INVOKE_DEFAULT", True, **options)
+
+
+def edit_the_curves(walk: Walk) -> Steps:
+    before = roughness(LEFT), values(LEFT).max(), values(RIGHT).max()
+    press(bpy.ops.mimetic.smooth_curves, seconds=0.08)
+    yield 0.3
+    walk.check("smoothing takes jitter away", roughness(LEFT) < 0.4 * before[0], roughness(LEFT))
+    walk.check("and leaves the smile", values(LEFT).max() > 0.9 * before[1], values(LEFT).max())
+    press(bpy.ops.mimetic.mirror_curves, how="LEFT", group="Lip Corners")
+    walk.check("both corners smile alike", np.abs(values(LEFT) - values(RIGHT)).max() < 1e-6)
+    with bpy.context.temp_override(**override("VIEW_3D")):
+        bpy.ops.ed.undo()
+    yield 0.3
+    walk.check("one undo takes the mirror back", values(RIGHT).max() < 0.7, values(RIGHT).max())
+    walk.check("and no more", roughness(LEFT) < 0.4 * before[0])
+    yield from walk.picture("curves")
+
+
+def work_on_takes(walk: Walk) -> Steps:
+    yield from bake(walk, "again")
+    walk.check("the edited take is kept", "hero was edited" in result()["message"], result())
+    walk.check("the new one plays", playing() == "again", playing())
+    invoke("VIEW_3D", bpy.ops.mimetic.mark_lost)
+    marks = [marker.frame for marker in bpy.context.scene.timeline_markers]
+    walk.check("lost frames are marked", sorted(marks) == [37, 49], marks)
+    bpy.context.scene.frame_set(12)
+    yield from walk.picture("takes")
+    invoke("VIEW_3D", bpy.ops.mimetic.compare_take, take="hero")
+    bpy.context.scene.frame_set(12)
+    with bpy.context.temp_override(**override("VIEW_3D")):
+        bpy.ops.view3d.view_axis(type="FRONT")
+        bpy.ops.view3d.view_all()
+    yield from walk.picture("takes-compared")
+    bpy.data.objects.remove(bpy.data.objects[result()["copy"]])
+    invoke("VIEW_3D", bpy.ops.mimetic.blend_takes, take="hero", over="again", influence=0.5)
+    bpy.context.view_layer.objects.active = face()
+    area_of("DOPESHEET_EDITOR")[1].ui_type = "NLA_EDITOR"
+    yield from walk.picture("takes-blended")
+    invoke("VIEW_3D", bpy.ops.mimetic.play_take, take="hero")
+    walk.check("a take plays alone again", playing() == "hero", playing())
+
+
+def steps(walk: Walk) -> Steps:
+    yield from install(walk, PACKAGE)
+    bpy.data.objects.remove(bpy.data.objects["Cube"])
+    bpy.context.scene.render.fps = 25
+    yield from bake(walk, "hero")
+    walk.check("a row is in the list", [row.name for row in face().mimetic.takes] == ["hero"])
+    yield from show_the_panels(walk)
+    yield from edit_the_curves(walk)
+    yield from work_on_takes(walk)
+    bring_the_panels_back()
+
+
+start(steps)
