@@ -29,6 +29,7 @@ INPUTS = (
     "cmake",
     "pyproject.toml",
     "native",
+    "blender_addon",  # `mimetic bake` brings it
     "build/data",
     "scripts/build/extension",
 )
