@@ -10,7 +10,10 @@ from __future__ import annotations
 import ast
 import re
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
+
+from message_texts import LEAST_LETTERS, Sources, files_of, letters, plain, texts
 
 ROOT = Path(__file__).resolve().parents[3]
 PACKAGE = ROOT / "native" / "python" / "mimetic"
@@ -20,7 +23,7 @@ ERRORS = {
     *("InvalidInput", "UnreadableMedia", "NoFace", "NothingSeen", "ArgumentTypeError"),
     "invalid_input",
 }
-LEAST_LETTERS = 9  # of a message that can be looked up
+LISTS = ("warnings", "notes", "remarks")
 LEAST_OF_A_LINE, MOST_OF_A_LINE = (
     4,
     30,
@@ -33,6 +36,7 @@ class Message:
     source: str
 
 
+@cache
 def messages() -> list[Message]:
     """All of them, each text once."""
     every = [*_of_python(PACKAGE), *_of_python(ADDON), *_of_core()]
@@ -67,33 +71,26 @@ def lines(page: str) -> list[str]:
     return [plain(line) for line in re.findall(r"^\| `([^`]+)` \|", page, re.MULTILINE)]
 
 
-def plain(text: str) -> str:
-    return " ".join(re.sub("…(…| …)+", "…", text.replace("`", "").replace("\\|", "|")).split())
-
-
-def letters(text: str) -> int:
-    return len(re.findall(r"[A-Za-z]", text))
-
-
 def _pattern(line: str) -> re.Pattern[str]:
     return re.compile(".*".join(re.escape(part) for part in line.split("…")))
 
 
 def _of_python(folder: Path) -> list[Message]:
-    texts = []
-    for path in sorted(folder.rglob("*.py")):
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+    found = []
+    trees = files_of(folder)
+    sources = Sources.of(trees.values())
+    for path, tree in trees.items():
         name = path.relative_to(ROOT).as_posix()
-        functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
-        for function in functions:
-            for said in _said_by(function, is_addon=folder == ADDON):
-                for text in _texts(said, function):
-                    if letters(plain(text)) >= LEAST_LETTERS:
-                        texts.append(Message(plain(text), f"{name}:{said.lineno}"))
-    return texts
+        for function in ast.walk(tree):
+            if isinstance(function, ast.FunctionDef):
+                for said in said_by(function, is_addon=folder == ADDON):
+                    for text in texts(said, function, sources):
+                        if letters(plain(text)) >= LEAST_LETTERS:
+                            found.append(Message(plain(text), f"{name}:{said.lineno}"))
+    return found
 
 
-def _said_by(function: ast.FunctionDef, is_addon: bool) -> list[ast.expr]:
+def said_by(function: ast.FunctionDef, is_addon: bool) -> list[ast.expr]:
     """Expressions that are messages: of errors, of warnings, of why a button is grey."""
     said: list[ast.expr] = []
     is_reason = function.name.startswith(("no_", "obstacle", "busy", "problem", "_no_"))
@@ -101,6 +98,10 @@ def _said_by(function: ast.FunctionDef, is_addon: bool) -> list[ast.expr]:
         if isinstance(node, ast.Raise) and isinstance(node.exc, ast.Call):
             if _name(node.exc.func) in ERRORS:
                 said += node.exc.args[:1]
+        elif isinstance(node, ast.Call) and _is_warning(node.func):
+            said += node.args[:1]
+        elif isinstance(node, (ast.Assign, ast.AugAssign)) and _is_of_lists(node):
+            said += node.value.elts if isinstance(node.value, ast.List) else [node.value]
         elif isinstance(node, ast.Call) and is_addon:
             level = ast.unparse(node.args[0]) if node.args else ""
             if _name(node.func) == "cancelled":
@@ -112,37 +113,18 @@ def _said_by(function: ast.FunctionDef, is_addon: bool) -> list[ast.expr]:
     return said
 
 
-def _texts(node: ast.expr, function: ast.FunctionDef) -> list[str]:
-    """What the expression can say; names are followed to where the function gives them."""
-    if isinstance(node, ast.Constant) and isinstance(node.value, str):
-        return [node.value]
-    if isinstance(node, ast.JoinedStr):
-        parts = [part.value if isinstance(part, ast.Constant) else "…" for part in node.values]
-        return ["".join(str(part) for part in parts)]
-    if isinstance(node, ast.BinOp):
-        return [
-            left + right
-            for left in _texts(node.left, function) or ["…"]
-            for right in _texts(node.right, function) or ["…"]
-        ]
-    if isinstance(node, ast.IfExp):
-        return [*_texts(node.body, function), *_texts(node.orelse, function)]
-    if isinstance(node, ast.BoolOp):
-        return [text for one in node.values for text in _texts(one, function)]
-    if isinstance(node, ast.Name):
-        given = [
-            line.value
-            for line in ast.walk(function)
-            if isinstance(line, ast.Assign) and getattr(line.targets[0], "id", "") == node.id
-        ]
-        return [
-            text for one in given if node.id not in _names(one) for text in _texts(one, function)
-        ]
-    return []
+def _is_of_lists(node: ast.Assign | ast.AugAssign) -> bool:
+    """Whether it says what a list of notes is given: not where lists are merely joined."""
+    if isinstance(node, ast.AugAssign):
+        return _name(node.target) in LISTS
+    return _name(node.targets[0]) in LISTS and isinstance(node.value, ast.List)
 
 
-def _names(node: ast.expr) -> set[str]:
-    return {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
+def _is_warning(called: ast.expr) -> bool:
+    """Of `warnings.warn`, and of what adds to a list of warnings, notes or remarks."""
+    return isinstance(called, ast.Attribute) and (
+        called.attr == "warn" or (called.attr == "append" and _name(called.value) in LISTS)
+    )
 
 
 def _name(called: ast.expr) -> str:

@@ -4,6 +4,7 @@
 import ast
 
 import addon_sources
+import message_texts
 import messages
 import pytest
 from make import WRITTEN
@@ -59,12 +60,19 @@ def test_every_button_and_setting_has_a_tooltip():
 def test_every_message_is_in_the_manual_and_none_that_is_not():
     page = (GUIDE / "messages.md").read_text(encoding="utf-8")
     every = messages.messages()
-    assert len(every) > 400
+    assert len(every) > 500
     assert [f"{one.source}: {one.text}" for one in messages.missing(page)] == []
     assert messages.unused(page) == []
 
 
 SAID = """
+LOCAL = "make it local first of all"
+WORDS = (("no such file", "there is no such {device}"), ("denied", "the {device} may not be used"))
+KINDS = {"A": "the first kind is not there", "B": "the second kind is not there"}
+
+def _bent(value):
+    return "" if value else f"{value} is bent out of shape"
+
 def obstacle(self, context):
     reason = no_clip(context)
     if not reason:
@@ -78,23 +86,55 @@ def execute(self, context):
     self.report({"INFO"}, "All is well and done")
     self.report({"WARNING"}, "That was beside the footage")
     return outcome.cancelled(self, context, message)
+
+def read(self, text, kind):
+    for value, name in ((self.rate, "the rate"), (self.size, "the size")):
+        if value < 0:
+            raise InvalidInput(f"{name} is {value}")
+    for word, reason in WORDS:
+        if word in text:
+            raise InvalidInput(f"{text}: {reason.format(device='camera')}")
+    if kind:
+        raise InvalidInput(shortened(KINDS[kind]))
+    if self.is_linked:
+        raise InvalidInput(f"{text}: {LOCAL}")
+    notes = ["recorded as it was seen"]
+    notes += [f"frames {first} are left out" for first in self.lost]
+    if bent := _bent(text):
+        notes.append(bent)
+    raise InvalidInput("{} faces are one too many".format(text))
+    message = "What is said later on is none of the earlier"
 """
 
 
 def test_messages_are_found_however_they_are_given():
-    functions = [one for one in ast.parse(SAID).body if isinstance(one, ast.FunctionDef)]
+    """In tables, dicts, names, constants, functions, lists of notes."""
+    tree = ast.parse(SAID)
+    sources = message_texts.Sources.of([tree])
+    functions = [one for one in tree.body if isinstance(one, ast.FunctionDef)]
     texts = {
         messages.plain(text)
         for function in functions
-        for said in messages._said_by(function, is_addon=True)
-        for text in messages._texts(said, function)
+        for said in messages.said_by(function, is_addon=True)
+        for text in message_texts.texts(said, function, sources)
     }
-    assert texts == {
+    assert texts - {""} == {
         "… is hidden; show it first",
         "Select the head's mesh first",
         "… has no curves at all",
         "the clip is … frames too long: cut it",
         "That was beside the footage",
+        "the rate is …",
+        "the size is …",
+        "…: there is no such …",
+        "…: the … may not be used",
+        "the first kind is not there",
+        "the second kind is not there",
+        "…: make it local first of all",
+        "recorded as it was seen",
+        "frames … are left out",
+        "… is bent out of shape",
+        "… faces are one too many",
     }
 
 
