@@ -42,6 +42,22 @@ def test_one_zip_under_100_mb_has_the_modules_of_all_blenders(zip_file, wheel):
     assert pythons == {"311", "313"}
 
 
+def test_the_manuals_table_of_its_parts_is_true(zip_file):
+    """To half a megabyte: sizes.py prints it."""
+    ran = subprocess.run(
+        [sys.executable, ROOT / "scripts" / "build" / "extension" / "sizes.py", zip_file],
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    rows = re.findall(r"^(\S.*?) +([\d.]+) +([\d.]+)$", ran.stdout, re.MULTILINE)
+    page = (ROOT / "docs" / "guide" / "installing.md").read_text(encoding="utf-8")
+    table = re.findall(r"^\| (\S.*?) \| ([\d.]+) \| ([\d.]+) \|$", page, re.MULTILINE)
+    now = {(part, i): float(mb) for part, *both in rows for i, mb in enumerate(both)}
+    stated = {(part, i): float(mb) for part, *both in table for i, mb in enumerate(both)}
+    assert len(rows) >= 11 and stated == pytest.approx(now, abs=0.5)
+
+
 def test_the_licence_of_every_library_is_in_the_zip(zip_file, wheel):
     libraries = {name for name in wheel.namelist() if name.startswith("mimetic.libs/")}
     assert len(libraries) > 20
