@@ -9,7 +9,7 @@ EDITORS = {"CLIP_EDITOR": "the clip editor", "VIEW_3D": "the 3D view"}
 # What a panel is for, and the page that says more of it; in the order of use
 ABOUT = {
     "Mimetic": "From footage to file, top to bottom: "
-    "[the first minute](../../README.md#the-first-minute-in-blender), [fitting.md](fitting.md), "
+    "[the first minute](first-minute.md), [fitting.md](fitting.md), "
     "[calibration.md](calibration.md).",
     "Over the Footage": "What the clip editor draws over each frame.",
     "Head": "The head's motion on an object or on a character's bones, and the clip with the head "
