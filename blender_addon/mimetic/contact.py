@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
-from . import native, scene_in
+from . import heads, native, scene_in
 from .scene_out import contact as contact_key
 from .scene_out import sliders
 
@@ -141,7 +141,7 @@ def _waits(depsgraph) -> bool:
 
 def _maker(scene, face: bpy.types.Object, rest: np.ndarray) -> Callable:
     """Makes the mimetic.live_contact.LiveContact of a face, of our own mesh or another's."""
-    head = scene_in.remembered_head(scene, face)
+    head = heads.remembered_head(scene, face)
     if head is None:
         return lambda: native.live_contact().live_contact(rest)
     parts = native.foreign_face()

@@ -5,14 +5,13 @@ takes it back, and written into the take that a refinement or a capture makes.""
 from __future__ import annotations
 
 import json
-import os
 
 import bpy
 
-from . import clips, native, scene_in, takes
+from . import clips, native, scene_in, shown_take
 
 _read: dict[str, tuple] = {}  # JSON that was read: its corrections
-_board: tuple | None = None  # stamp of a take's file, its PinBoard
+_board = None  # the PinBoard of the take that was read last
 
 
 def of_clip(clip: bpy.types.MovieClip | None) -> tuple:
@@ -44,29 +43,16 @@ def frames_of(clip: bpy.types.MovieClip | None) -> list[int]:
 def board(context):
     """Where pins are put on the clip's take; raises what reading the take raises."""
     global _board
-    take = scene_in.take(context)
-    facts = os.stat(take.path)
-    stamp = (take.path, facts.st_mtime_ns, facts.st_size)
-    if _board is None or _board[0] != stamp:
-        _board = (stamp, native.correcting().PinBoard(takes.load(take)))
-    return _board[1]
-
-
-def shown_board(context):
-    """The same for drawing: None where there is no take that pins could be on."""
-    take = takes.of_clip(context.scene, scene_in.clip_of(context))
-    if take is None or not takes.find(take):
-        return None
-    try:
-        return board(context)
-    except native.known_errors():
-        return None
+    performance = shown_take.performance(context)
+    if _board is None or _board.performance is not performance:
+        _board = native.correcting().PinBoard(performance)
+    return _board
 
 
 def value_names(settings, context, text: str) -> list[str]:
     """What a value may be of, for a search."""
-    there = shown_board(context)
-    return native.correcting().value_names(there.performance) if there else []
+    performance = shown_take.performance_or_none(context)
+    return native.correcting().value_names(performance) if performance else []
 
 
 def forget() -> None:

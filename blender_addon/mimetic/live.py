@@ -101,7 +101,7 @@ def begin_take(context, session: Session) -> None:
     microphone = context.scene.mimetic.live.microphone
     session.sound = None
     if microphone and context.scene.mimetic.live.source == "CAMERA":
-        session.sound = Path(_path(session)).with_suffix(".wav")
+        session.sound = Path(_paths(session)[0]).with_suffix(".wav")
     session.thread.begin_take(microphone if session.sound else "", session.sound)
 
 
@@ -110,12 +110,12 @@ def end_take(context, session: Session) -> str:
     take, offset = session.thread.end_take()
     if take is None:
         return ""
-    path = _path(session)
+    paths = _paths(session)
     performance = take.performance()
-    name = takes.take_name(path)
+    name = takes.take_name(paths[0])
     channels = package_channels(context.scene.mimetic.live.channels)
     summary = session.puppet.record(context.scene, performance, name, session.start, channels)
-    path, notes = takes.save(performance, path, takes.spare_path(_clip_name(session)))
+    path, notes = takes.save(performance, *paths)
     session.takes.append(path)
     session.notes += [*summary.remarks, *notes]
     _lay_sound(context.scene, session, take, path, offset)
@@ -138,10 +138,6 @@ def _lay_sound(scene, session: Session, take, path: str, offset: float | None) -
         session.notes.append(f"{sound} is kept, but not laid in the sequencer: {error}".strip())
 
 
-def _path(session: Session) -> str:
-    return takes.capture_path(_clip_name(session))
-
-
-def _clip_name(session: Session) -> str:
+def _paths(session: Session) -> tuple[str, str]:
     name = session.thread.source.name.replace(":", " ").replace(os.sep, " ")
-    return f"live {Path(name).stem}"
+    return takes.new_paths(f"live {Path(name).stem}")

@@ -38,15 +38,21 @@ def save(performance, path: str, spare_path: str) -> tuple[str, list[str]]:
     return path, [*notes]
 
 
-def capture_path(clip_name: str) -> str:
-    """Where a capture goes: beside the .blend, or with the user's files if there is none yet."""
+def new_paths(clip_name: str, path: str = "") -> tuple[str, str]:
+    """Where a new take of a clip goes, and where if it cannot be written there: for `save`.
+
+    path: as the user gave it; "" for one beside the .blend, or with the user's files if there is
+    no .blend yet.
+    """
+    spare = _spare_path(clip_name)
+    if path:
+        return bpy.path.abspath(path), spare
     if not bpy.data.filepath:
-        return spare_path(clip_name)
-    return _new_take(Path(bpy.path.abspath("//")), clip_name)
+        return spare, spare
+    return _new_take(Path(bpy.path.abspath("//")), clip_name), spare
 
 
-def spare_path(clip_name: str) -> str:
-    """Where a capture goes if its own folder cannot be written to."""
+def _spare_path(clip_name: str) -> str:
     folder = bpy.utils.extension_path_user(__package__, path="captures", create=True)
     return _new_take(Path(folder), clip_name)
 
@@ -94,6 +100,15 @@ def keep(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None, path: str) ->
     """Makes a file the take of a clip, or of the scene while it has no clip."""
     holder = scene.mimetic if clip is None else clips.ensure(clip)
     holder.performance_path = _relative(os.path.abspath(path), bpy.data.filepath)
+
+
+def keep_for(scene: bpy.types.Scene, clip_name: str, path: str) -> list[str]:
+    """Makes a file the take of the clip of a name; returns what the user should know."""
+    clip = bpy.data.movieclips.get(clip_name)
+    if clip is None:  # deleted while the job ran
+        return [f"{clip_name} is gone from this file, the take is {path}"]
+    keep(scene, clip, path)
+    return []
 
 
 def of_clip(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None):

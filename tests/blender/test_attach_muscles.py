@@ -23,7 +23,7 @@ def head(parts):
 def landmark_file(extension, folder) -> str:
     """The landmarks of the active head's empties."""
     scene, head = bpy.context.scene, bpy.context.active_object
-    landmarks = extension("scene_in").foreign_head(scene, head).landmarks
+    landmarks = extension("heads").foreign_head(scene, head).landmarks
     path = folder / "landmarks.json"
     path.write_text(json.dumps({name: place.tolist() for name, place in landmarks.items()}))
     return str(path)
@@ -116,7 +116,7 @@ def test_landmarks_by_vertex_groups_are_their_vertices(extension, scene, parts, 
         group = head.vertex_groups.new(name=name)
         group.add([vertex], 1.0, "REPLACE")
         group.add([vertex + 1], 0.4, "REPLACE")
-    assert extension("scene_in").foreign_head(scene, head).landmarks == parts[2]
+    assert extension("heads").foreign_head(scene, head).landmarks == parts[2]
 
 
 def test_landmarks_by_a_file_are_those_of_the_empties(extension, scene, parts, head, tmp_path):
@@ -155,7 +155,7 @@ def test_landmarks_of_what_is_no_face_are_marked_as_guesses():
 
 def test_a_head_that_changed_meanwhile_gets_no_landmarks(head, extension):
     operator = extension("operators.foreign").MIMETIC_OT_add_landmarks
-    read = extension("scene_in").foreign_head(bpy.context.scene, head)
+    read = extension("heads").foreign_head(bpy.context.scene, head)
     head.data.vertices.add(1)
     with pytest.raises(extension("native").known_errors(), match="changed meanwhile: it had"):
         operator.write(None, bpy.context, (read, None))

@@ -2,6 +2,7 @@
 """Frames of a take corrected in the clip editor, and refined."""
 
 import json
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -114,6 +115,27 @@ def test_refining_makes_a_take_and_keeps_the_one_before(captured, captured_file,
     refine(tmp_path)
     assert captured_file.read_bytes() == before
     assert scene.mimetic.clip.mimetic.footage[0].performance_path.endswith("refined.npz")
+
+
+def test_a_refined_take_that_cannot_be_written_is_kept_elsewhere(captured, tmp_path):
+    bpy.ops.mimetic.correct_value(value_name="jaw_open", value=0.4)
+    file = tmp_path / "file"
+    file.touch()
+    path = file / "refined.npz"
+    assert bpy.ops.mimetic.refine(filepath=str(path)) == {"FINISHED"}
+    assert f"{path} cannot be written" in result()["message"]
+    assert Path(result()["performance"]).is_file()
+
+
+def test_the_take_is_read_once_for_drawing_and_for_corrections(extension, captured, monkeypatch):
+    takes, readings = extension("takes"), []
+    load = takes.load
+    monkeypatch.setattr(takes, "load", lambda take: readings.append(take) or load(take))
+    extension("overlay.captured").forget()
+    performance = extension("shown_take").performance_or_none(bpy.context)
+    bpy.ops.mimetic.correct_value(value_name="jaw_open", value=0.4)
+    assert extension("corrections").board(bpy.context).performance is performance
+    assert len(readings) == 1
 
 
 def test_a_deleted_correction_is_taken_back(extension, captured, performance, tmp_path):

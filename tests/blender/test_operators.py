@@ -273,10 +273,10 @@ def test_a_result_waits_until_the_scene_can_take_it(extension, scene, performanc
 def test_captures_do_not_overwrite_one_another(extension, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
     takes = extension("takes")
-    first = Path(takes.capture_path("clip.mp4"))
+    first = Path(takes.new_paths("clip.mp4")[0])
     assert first.parent == tmp_path
     first.touch()
-    second = Path(takes.capture_path("clip.mp4"))
+    second = Path(takes.new_paths("clip.mp4")[0])
     assert second != first
     assert not second.exists()
 
@@ -286,6 +286,7 @@ def test_the_shown_frame_counts_start_and_offset(extension, scene, footage):
     scene.mimetic.clip.frame_start, scene.mimetic.clip.frame_offset = 11, 5
     scene.frame_set(13)
     assert extension("scene_in").shown_frame(bpy.context) == 8
+    assert extension("scene_in").scene_frame(scene.mimetic.clip, 8) == 13
     scene.frame_set(1)
     assert extension("scene_in").shown_frame(bpy.context) == 1
 

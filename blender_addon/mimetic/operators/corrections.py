@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Corrections of single frames: pins on the captured skin, values, the head's pose."""
 
-import bpy
 from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from .. import corrections, editors, native, outcome, scene_in, takes
+from .. import corrections, editors, native, outcome, scene_in, shown_take, takes
 from ..greyed import Greyed
 from ..jobs import Job
 
@@ -151,18 +150,18 @@ class MIMETIC_OT_correct_value(Correcting, Operator):
 
     def invoke(self, context, event):
         """From what was captured: the slider in the redo panel moves on from there."""
-        board = corrections.shown_board(context)
+        performance = shown_take.performance_or_none(context)
         frame = self.frame or scene_in.shown_frame(context)
-        if board is not None and not self.properties.is_property_set("value"):
+        if performance is not None and not self.properties.is_property_set("value"):
             try:
-                at = native.correcting().value_at(board.performance, frame, self.value_name)
+                at = native.correcting().value_at(performance, frame, self.value_name)
             except native.known_errors() as error:
                 return outcome.cancelled(self, context, str(error))
             self.value = at
         return self.execute(context)
 
     def change(self, context, earlier, frame):
-        performance = corrections.board(context).performance
+        performance = shown_take.performance(context)
         performance.index_of(frame)
         if self.value_name not in native.correcting().value_names(performance):
             raise native.invalid_input(f"value_name {self.value_name}: the take has no such value")
@@ -186,7 +185,7 @@ class MIMETIC_OT_correct_pose(Correcting, Operator):
     reach: REACH
 
     def change(self, context, earlier, frame):
-        performance = corrections.board(context).performance
+        performance = shown_take.performance(context)
         return native.correcting().with_turn(
             earlier, performance, frame, list(self.turn), list(self.shift), self.reach
         )
@@ -214,8 +213,7 @@ class MIMETIC_OT_show_correction(Greyed, Operator):
     obstacle = staticmethod(scene_in.no_clip)
 
     def execute(self, context):
-        clip = scene_in.clip_of(context)
-        context.scene.frame_current = self.frame + clip.frame_start - 1 - clip.frame_offset
+        context.scene.frame_current = scene_in.scene_frame(scene_in.clip_of(context), self.frame)
         return {"FINISHED"}
 
 
@@ -253,10 +251,7 @@ class MIMETIC_OT_refine(Job, Operator):
 
     def read(self, context):
         clip = scene_in.clip_of(context)
-        paths = (
-            bpy.path.abspath(self.filepath) or takes.capture_path(clip.name),
-            takes.spare_path(clip.name),
-        )
+        paths = takes.new_paths(clip.name, self.filepath)
         frames = (self.frame_first or None, self.frame_last or None)
         return scene_in.take(context), corrections.of_clip(clip), frames, self.direction, paths
 
@@ -273,18 +268,16 @@ class MIMETIC_OT_refine(Job, Operator):
         refined = native.correcting().refined(performance, entries, frames, direction.lower(), show)
         if is_stopped:
             return None
-        path, _ = takes.save(refined, *paths)
-        facts = {"clip": take.clip_name, "performance": path}
-        return facts | {"frames": [entry.frame for entry in entries]}
+        path, remarks = takes.save(refined, *paths)
+        frames = [entry.frame for entry in entries]
+        facts = {"clip": take.clip_name, "performance": path, "frames": frames}
+        return facts, [f"Refined about {len(frames)} corrected frames", *remarks]
 
     def write(self, context, result):
-        self.facts = result
-        clip = bpy.data.movieclips.get(result["clip"])
-        if clip is None:
-            return f"{result['clip']} is gone from this file, the take is {result['performance']}"
-        takes.keep(context.scene, clip, result["performance"])
+        self.facts, remarks = result
+        clip_name, path = self.facts["clip"], self.facts["performance"]
         editors.redraw("CLIP_EDITOR")
-        return f"Refined about {len(result['frames'])} corrected frames"
+        return "; ".join([*remarks, *takes.keep_for(context.scene, clip_name, path)])
 
 
 CLASSES = (

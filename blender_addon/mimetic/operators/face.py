@@ -59,7 +59,7 @@ class MIMETIC_OT_find_face(Job, Operator):
         self.facts = {"clip": clip_name, "frame": fit.frame, "warnings": list(fit.warnings)}
         # What was found is on show at once; frame_set() would leave the clip editors behind
         if clip == scene_in.clip_of(context) and not is_playing():
-            context.scene.frame_current = clip.frame_start - 1 + fit.frame - clip.frame_offset
+            context.scene.frame_current = scene_in.scene_frame(clip, fit.frame)
         message = (
             f"Face found in frame {fit.frame}; drag its landmarks in the clip editor to pin them"
         )

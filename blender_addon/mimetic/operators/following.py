@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import statistics
 
-import bpy
 from bpy.props import StringProperty
 
 from .. import clips, native, scene_in, scene_out, takes
@@ -38,10 +37,7 @@ class Following(arguments.FrameRange, Job):
 
     def read(self, context):
         footage = scene_in.footage(context)
-        paths = (
-            bpy.path.abspath(self.filepath) or takes.capture_path(footage.clip_name),
-            takes.spare_path(footage.clip_name),
-        )
+        paths = takes.new_paths(footage.clip_name, self.filepath)
         fit = scene_out.face_fit.of_clip(scene_in.clip_of(context))
         return footage, arguments.frame_range(self, context), fit, paths, self.option(context)
 
@@ -59,13 +55,9 @@ class Following(arguments.FrameRange, Job):
             "quality": round(statistics.median(quality), 3),
             "num_held": sum(one < held_quality for one in quality),
         }
-        return facts, "; ".join([message, *remarks])
+        return facts, [message, *remarks]
 
     def write(self, context, result):
-        self.facts, message = result
-        path = self.facts["performance"]
-        clip = bpy.data.movieclips.get(self.facts["clip"])
-        if clip is None:
-            return f"{message}: {self.facts['clip']} is gone from this file, the take is {path}"
-        takes.keep(context.scene, clip, path)
-        return message
+        self.facts, remarks = result
+        clip_name, path = self.facts["clip"], self.facts["performance"]
+        return "; ".join([*remarks, *takes.keep_for(context.scene, clip_name, path)])

@@ -3,7 +3,7 @@ import bpy
 from bpy.props import StringProperty
 from bpy.types import Operator
 
-from .. import native, scene_in, scene_out
+from .. import heads, native, scene_out
 from ..jobs import Job
 
 
@@ -15,14 +15,14 @@ class MIMETIC_OT_add_landmarks(Job, Operator):
     bl_label = "Add Landmarks"
     bl_options = {"REGISTER", "UNDO"}
 
-    obstacle = staticmethod(scene_in.no_foreign_head)
+    obstacle = staticmethod(heads.no_foreign_head)
 
     def read(self, context):
         head = context.active_object
-        if empties := scene_in.landmark_empties(context.scene, head):
+        if empties := heads.landmark_empties(context.scene, head):
             message = f"There are landmarks for {head.name}: {', '.join(empties)}"
             raise native.invalid_input(message)
-        return scene_in.foreign_head(context.scene, head)
+        return heads.foreign_head(context.scene, head)
 
     def work(self, head, progress):
         polygons = native.foreign_face().Polygons(head.starts, head.corners)
@@ -34,7 +34,7 @@ class MIMETIC_OT_add_landmarks(Job, Operator):
 
     def write(self, context, result):
         head, landmarks = result
-        object_ = scene_in.unchanged(head)
+        object_ = heads.unchanged(head)
         doubtful = landmarks.doubtful
         scene_out.foreign.add(context, object_, landmarks.places, doubtful)
         self.facts = {
@@ -66,11 +66,11 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
         description="JSON file, name to vertex or place; empty takes empties and vertex groups",
     )
 
-    obstacle = staticmethod(scene_in.no_foreign_head)
+    obstacle = staticmethod(heads.no_foreign_head)
 
     def read(self, context):
         path = bpy.path.abspath(self.filepath) if self.filepath else ""
-        return scene_in.foreign_head(context.scene, context.active_object), path
+        return heads.foreign_head(context.scene, context.active_object), path
 
     def work(self, inputs, progress):
         head, path = inputs
@@ -84,7 +84,7 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
 
     def write(self, context, result):
         head, landmarks, face = result
-        object_ = scene_in.unchanged(head)
+        object_ = heads.unchanged(head)
         hand_changes = scene_out.foreign.attach(object_, head, landmarks, face)
         for note in face.notes:
             self.report({"WARNING"}, f"{head.name}: {note}")
@@ -101,10 +101,10 @@ class MIMETIC_OT_add_arkit_shapes(Job, Operator):
     bl_label = "Add ARKit Shapes"
     bl_options = {"REGISTER", "UNDO"}
 
-    obstacle = staticmethod(scene_in.no_bound_head)
+    obstacle = staticmethod(heads.no_bound_head)
 
     def read(self, context):
-        return scene_in.bound_head(context.scene, context.active_object)
+        return heads.bound_head(context.scene, context.active_object)
 
     def work(self, head, progress):
         face = _attached(head, head.landmarks, progress)
@@ -112,7 +112,7 @@ class MIMETIC_OT_add_arkit_shapes(Job, Operator):
 
     def write(self, context, result):
         head, (shapes, notes) = result
-        object_ = scene_in.unchanged(head)
+        object_ = heads.unchanged(head)
         added, kept = scene_out.arkit.add(object_, shapes)
         for note in notes:
             self.report({"WARNING"}, f"{object_.name}: {note}")

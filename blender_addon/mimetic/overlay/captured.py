@@ -4,14 +4,13 @@ landmarks, and the quality of each frame."""
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass
 
 import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
-from .. import clips, corrections, native, scene_in, takes
+from .. import corrections, native, scene_in, shown_take
 from . import picture, text
 
 MESH, FEATURES, IRISES = (0.15, 1.0, 0.45, 0.2), (1.0, 0.75, 0.1, 0.95), (0.2, 0.75, 1.0, 0.95)
@@ -22,10 +21,10 @@ STRIP_BOTTOM, STRIP_HEIGHT = 22, 6  # pixels at a UI scale of 1, above Blender's
 
 @dataclass
 class Seen:
-    """A take as it was last read, by what says that its file is still the same."""
+    """A take as it was last drawn."""
 
-    stamp: tuple
-    lines: object = None  # mimetic.report.face_lines.PerformanceLines; None: it cannot be drawn
+    performance: object
+    lines: object  # mimetic.report.face_lines.PerformanceLines; None: a head's alone has no face
     drawn: tuple | None = None  # a frame's index, batches of what is drawn in it
     strip: tuple | None = None  # what it was made for, and its batch
 
@@ -37,6 +36,7 @@ def forget() -> None:
     global _last
     _last = None
     corrections.forget()
+    shown_take.forget()
 
 
 def draw_capture(context) -> bool:
@@ -62,23 +62,15 @@ def draw_capture(context) -> bool:
 
 
 def _seen(context) -> Seen | None:
-    """The take of the clip on show, read again only when its file is another one."""
     global _last
-    clip = context.edit_movieclip
-    holder = takes.of_clip(context.scene, clip)
-    path = takes.find(holder) if holder else ""
-    if not path:
+    performance = shown_take.performance_or_none(context)
+    if performance is None:
         return None
-    mark = clips.fingerprint(clip)
-    facts = os.stat(path)
-    stamp = (path, facts.st_mtime_ns, facts.st_size, clip.name, mark)
-    if _last is None or _last.stamp != stamp:
-        _last = Seen(stamp)
+    if _last is None or _last.performance is not performance:
         try:
-            performance = takes.load(takes.Take(path, clip.name, mark))
-            _last.lines = native.face_lines().PerformanceLines(performance)
-        except native.known_errors():  # the buttons say so; a head's take alone has no face
-            pass
+            _last = Seen(performance, native.face_lines().PerformanceLines(performance))
+        except native.known_errors():
+            _last = Seen(performance, None)
     return _last
 
 
@@ -111,10 +103,11 @@ def _draw_face(context, seen: Seen, row: int, settings) -> None:
 
 def _draw_pins(context, shader) -> None:
     """Each from the skin's place as captured to the pixel where it belongs."""
-    board = corrections.shown_board(context)
     try:
         entries = corrections.of_clip(context.edit_movieclip)
-        places = board.lines(entries, scene_in.shown_frame(context)) if board and entries else ()
+        if not entries:
+            return
+        places = corrections.board(context).lines(entries, scene_in.shown_frame(context))
     except native.known_errors():  # of a capture with fewer frames
         return
     if len(places):
@@ -136,7 +129,7 @@ def _draw_quality(context, seen: Seen, row: int | None) -> None:
     scene, clip, region = context.scene, context.edit_movieclip, context.region
     scale = context.preferences.system.ui_scale
     per_frame = region.width / max(scene.frame_end - scene.frame_start + 1, 1)
-    left = per_frame * (clip.frame_start - clip.frame_offset - scene.frame_start)
+    left = per_frame * (scene_in.scene_frame(clip, 1) - scene.frame_start)
     place = (left, per_frame, STRIP_BOTTOM * scale, STRIP_HEIGHT * scale)
     corrected = tuple(corrections.frames_of(clip))
     shader = gpu.shader.from_builtin("SMOOTH_COLOR")

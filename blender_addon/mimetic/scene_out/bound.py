@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import bpy
 from mathutils import Matrix
 
-from .. import native, scene_in, world, writable
+from .. import heads, native, scene_in, world, writable
 from . import actions, by_hand, head, own_keys, standing
 
 
@@ -124,7 +124,7 @@ def motion(scene: bpy.types.Scene, performance, head: bpy.types.Object):
 
 def object_from_character(scene: bpy.types.Scene, head: bpy.types.Object):
     """4 x 4: a face of our own mesh lies in its object as the character frame does."""
-    head_landmarks = scene_in.remembered_head(scene, head)
+    head_landmarks = heads.remembered_head(scene, head)
     if head_landmarks is None:
         return native.array(Matrix.Identity(4))
     parts = native.bound_head()

@@ -33,7 +33,7 @@ def add(context, head: bpy.types.Object, places: Mapping, doubtful: Sequence) ->
 def attach(obj: bpy.types.Object, head, landmarks: Mapping, muscles) -> str:
     """Shape keys of a `mimetic.foreign_face.ForeignFace`; remembers what it was made from.
 
-    head: scene_in.ForeignHead. Returns a message on keys that were changed by hand and stay.
+    head: heads.ForeignHead. Returns a message on keys that were changed by hand and stay.
     """
     writable.check(writable.no_shapes(obj))
     to_head = native.placement().to_head

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
-from .. import native, scene_in, writable
+from .. import heads, native, writable
 from . import arkit, gltf, rig_file
 
 
@@ -39,9 +39,9 @@ def write(out: str, file: str, name: str, landmarks_path: str | None) -> str:
     return "; ".join(filter(None, (text, remark, *face.notes, *notes)))
 
 
-def _marked(scene, head, landmarks_path: str | None) -> tuple[scene_in.ForeignHead, str]:
+def _marked(scene, head, landmarks_path: str | None) -> tuple[heads.ForeignHead, str]:
     """The head with its landmarks, and what to know of them."""
-    own = scene_in.bound_head(scene, head)
+    own = heads.bound_head(scene, head)
     if landmarks_path:
         marks = native.landmarks_file().read_landmarks(Path(landmarks_path))
         return replace(own, landmarks=marks), ""

@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Heads that muscles are attached to, as plain values: meshes at rest, and their landmarks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import bpy
+import numpy as np
+
+from . import native, scene_in, world, writable
+
+
+@dataclass(frozen=True)
+class ForeignHead:
+    """A mesh to attach muscles to, as it rests."""
+
+    name: str
+    points: np.ndarray  # V x 3, object frame
+    starts: np.ndarray  # first corner of each face
+    corners: np.ndarray  # vertices of the faces' corners
+    matrix: np.ndarray  # 4 x 4, metres from object
+    landmarks: dict  # name -> vertex or place in metres
+
+
+def no_foreign_head(context) -> str:
+    if reason := scene_in.no_start():
+        return reason
+    head = context.active_object
+    if head is None or head.type != "MESH":
+        return "Select the head's mesh first"
+    if reason := writable.no_shapes(head):
+        return reason
+    return "Leave the edit mode first" if context.mode != "OBJECT" else ""
+
+
+def foreign_head(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHead:
+    """The head without its sliders; landmarks by empties, else by vertex groups."""
+    mesh = head.data
+    points = _rest_points(head)
+    starts = np.empty(len(mesh.polygons), dtype=np.int32)
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    mesh.loops.foreach_get("vertex_index", corners)
+    metre = scene.unit_settings.scale_length or 1.0
+    matrix = np.diag([metre, metre, metre, 1.0]) @ np.array(world.matrix(head))
+    places = {
+        name: metre * np.array(world.matrix(mark).translation)
+        for name, mark in landmark_empties(scene, head).items()
+    }
+    places |= {n: v for n, v in _landmark_groups(head).items() if n not in places}
+    return ForeignHead(head.name, points, starts, corners, matrix, places)
+
+
+def remembered_head(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHead | None:
+    """What a face's muscles were attached by; None for a face of our own mesh."""
+    if not len(head.mimetic.landmarks):
+        return None
+    head_landmarks = foreign_head(scene, head)
+    marks = {
+        mark.name: mark.vertex if mark.vertex >= 0 else np.array(mark.place)
+        for mark in head.mimetic.landmarks
+    }
+    matrix = np.array(head.mimetic.metres_from_object, dtype=np.float64).reshape(4, 4)
+    return replace(head_landmarks, landmarks=marks, matrix=matrix)
+
+
+def no_bound_head(context) -> str:
+    """Why the active mesh has no landmarks by which shapes could be made."""
+    if reason := no_foreign_head(context):
+        return reason
+    head = context.active_object
+    if len(head.mimetic.landmarks) or landmark_empties(context.scene, head):
+        return ""
+    return "" if scene_in.is_face(head) else "Add Landmarks first, or Attach Muscles"
+
+
+def bound_head(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHead:
+    """A head with landmarks: those it was attached by, its empties, or our own mesh's."""
+    if (remembered := remembered_head(scene, head)) is not None:
+        return remembered
+    own = foreign_head(scene, head)
+    template = native.face_template().load_template()
+    if own.landmarks or not scene_in.is_face(head) or len(own.points) != len(template.vertices):
+        return own
+    names = native.self_landmarks().REQUIRED
+    return replace(own, landmarks={name: int(template.landmark(name)) for name in names})
+
+
+def landmark_empties(scene: bpy.types.Scene, head: bpy.types.Object) -> dict:
+    """Empties with landmarks' names: the head's children, or any if it has none."""
+    marks = [obj for obj in scene.objects if obj.type == "EMPTY" and _landmark_of(obj)]
+    own = [mark for mark in marks if mark.parent == head]
+    free = [mark for mark in marks if mark.parent is None]
+    return {_landmark_of(mark): mark for mark in own or free}
+
+
+def _landmark_of(empty: bpy.types.Object) -> str:
+    name = empty.mimetic.landmark or empty.name
+    return name if name in native.face_template().load_template().landmark_names else ""
+
+
+def _landmark_groups(head: bpy.types.Object) -> dict[str, int]:
+    """Vertex groups with landmarks' names: the vertex with the largest weight."""
+    names = native.face_template().load_template().landmark_names
+    numbers = {group.index: group.name for group in head.vertex_groups if group.name in names}
+    best: dict[str, tuple[float, int]] = {}
+    if numbers:
+        for vertex in head.data.vertices:
+            for member in vertex.groups:
+                if (name := numbers.get(member.group)) is not None:
+                    best[name] = max(best.get(name, (0.0, -1)), (member.weight, vertex.index))
+    return {name: vertex for name, (_, vertex) in best.items() if vertex >= 0}
+
+
+def unchanged(head: ForeignHead) -> bpy.types.Object:
+    """The object that was read; raises InvalidInput if it is gone or has other vertices by now."""
+    obj = bpy.data.objects.get(head.name)
+    if obj is None or obj.type != "MESH":
+        raise native.invalid_input(f"{head.name} was deleted or renamed meanwhile: begin again")
+    if len(obj.data.vertices) != len(head.points):
+        raise native.invalid_input(
+            f"{head.name} was changed meanwhile: it had {len(head.points)} vertices and has "
+            f"{len(obj.data.vertices)}; begin again"
+        )
+    return obj
+
+
+def _rest_points(head: bpy.types.Object) -> np.ndarray:
+    keys = head.data.shape_keys
+    vertices = keys.reference_key.points if keys else head.data.vertices
+    points = np.empty(3 * len(vertices), dtype=np.float32)
+    vertices.foreach_get("co", points)
+    return points.reshape(-1, 3).astype(np.float64)
