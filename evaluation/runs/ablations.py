@@ -59,7 +59,9 @@ VARIANTS = {
 }
 
 
-class _VariedCapture(clip_capture.ClipCapture):
+class VariedCapture(clip_capture.ClipCapture):
+    """The capture of a whole clip in one variant."""
+
     def __init__(self, footage: Footage, fit: FaceFit, variant: Variant) -> None:
         fit = fit if variant.relief else replace(fit, relief=[])
         summary = CaptureSummary(fit=fit)
@@ -94,7 +96,7 @@ def _as_they_are(estimates) -> Iterator[smoothing.State]:
 
 
 def capture_varied(path: Path, fit: FaceFit, variant: Variant) -> Performance:
-    return _VariedCapture(Footage(path), fit, variant).run()
+    return VariedCapture(Footage(path), fit, variant).run()
 
 
 def score_ablations(
