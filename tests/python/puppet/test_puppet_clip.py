@@ -2,6 +2,9 @@
 """A rendered face taught to the puppet and driven by it, from the command line."""
 
 import shutil
+import socket
+import struct
+import time
 
 import numpy as np
 import pytest
@@ -11,6 +14,7 @@ from mimetic.fit.face_fit import FaceFit
 from mimetic.performance.document import Performance
 from mimetic.puppet.running import RunOptions, drive
 from mimetic.puppet.templates import TaughtSet
+from mimetic.retarget.unit_fit import unit_order
 
 
 @pytest.fixture(scope="module")
@@ -62,6 +66,34 @@ def test_the_driven_face_does_what_the_captured_one_does(run, folder):
 def test_a_run_leaves_video_figures_and_page(run):
     names = {path.name for path in run.iterdir()}
     assert {"puppet.mp4", "mapping.png", "templates.svg", "live.png", "report.html"} <= names
+
+
+def test_a_run_is_sent_at_the_clips_speed(run, rendered_clip, folder):
+    fit = FaceFit.load(folder / "capture" / "fit.json")
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as heard:
+        heard.bind(("127.0.0.1", 0))
+        heard.settimeout(5)
+        receivers = (f"livelink://127.0.0.1:{heard.getsockname()[1]}",)
+        options = RunOptions(lag=0, receivers=receivers)
+        start = time.monotonic()
+        drive(rendered_clip.footage, TaughtSet.load(folder / "set.npz"), options, fit=fit)
+        seconds = time.monotonic() - start
+        packets = [heard.recv(2048) for _ in range(50)]
+    driven = Performance.load(run / "performance.npz")
+    assert len(driven.frame) == 50 and seconds >= 49 / driven.fps
+    jaw = [
+        struct.unpack_from("!61f", packet[-61 * 4 :])[unit_order().index("jawOpen")]
+        for packet in packets
+    ]
+    opened = driven.articulator_values[:, driven.articulators.index("jaw_open")]
+    assert np.ptp(opened) > 0.1 and correlation(jaw, opened) > 0.9
+
+
+def test_an_address_that_is_none_is_refused_first(rendered_clip, folder, tmp_path, capsys):
+    words = ["--templates", str(folder / "set.npz"), "--out", str(tmp_path / "new")]
+    words += ["--send", "tcp://127.0.0.1:1"]
+    assert main(["puppet", "run", str(rendered_clip.footage), *words]) == 2
+    assert "osc://HOST:PORT" in capsys.readouterr().err and not (tmp_path / "new").exists()
 
 
 def test_the_first_frames_do_not_depend_on_later_ones(run, rendered_clip, folder):

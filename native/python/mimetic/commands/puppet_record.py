@@ -13,11 +13,11 @@ from mimetic import InvalidInput, _core
 from mimetic.commands.console import Console
 from mimetic.commands.live_source import open_source
 from mimetic.commands.on_clip import save_performance, tell_results
+from mimetic.commands.send import add_send, addresses_of
 from mimetic.performance.document import Performance
 from mimetic.puppet.channels import CHANNELS, check_channels
 from mimetic.puppet.clip_source import ClipSource
 from mimetic.puppet.live_filter import DEFAULT_STILLNESS
-from mimetic.puppet.receiver import parse_address
 from mimetic.puppet.recording import AUDIO, TAKE, Recording, RecordingOptions
 from mimetic.puppet.taught_follower import SHARPEN, USES
 from mimetic.puppet.templates import TaughtSet
@@ -71,14 +71,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--microphone", metavar="NAME", help="record its sound beside a camera (audio.wav)"
     )
-    parser.add_argument(
-        "--send",
-        action="append",
-        default=[],
-        metavar="ADDRESS",
-        help="send each state to a program: osc://HOST:PORT (VMC) or livelink://HOST:PORT; "
-        "may be given again. Nothing is received",
-    )
+    add_send(parser)
     parser.add_argument(
         "--every-frame",
         action="store_true",
@@ -127,8 +120,7 @@ def _options_of(arguments: argparse.Namespace) -> RecordingOptions:
         raise InvalidInput(f"--countdown is {arguments.countdown}; it must be 0 to 60")
     if not 0 <= arguments.stillness <= 1:
         raise InvalidInput(f"--stillness is {arguments.stillness:g}; it must be 0 to 1")
-    for address in arguments.send:
-        parse_address(address)
+    receivers = addresses_of(arguments)
     frozen = frozenset(filter(None, arguments.freeze.split(",")))
     check_channels(frozen)
     return RecordingOptions(
@@ -136,7 +128,7 @@ def _options_of(arguments: argparse.Namespace) -> RecordingOptions:
         seconds=seconds,
         frozen=frozen,
         microphone=arguments.microphone,
-        receivers=tuple(arguments.send),
+        receivers=receivers,
         in_background=not arguments.every_frame,
         taught=TaughtSet.load(arguments.set) if arguments.set else None,
         use=arguments.set_use,

@@ -10,6 +10,7 @@ from pathlib import Path
 from mimetic import InvalidInput
 from mimetic.commands.on_clip import add_clip_arguments, run_on_clip
 from mimetic.commands.puppet_teach import add_head
+from mimetic.commands.send import add_send, addresses_of
 from mimetic.fit.face_fit import FaceFit
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
@@ -58,6 +59,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="in which the face is at rest: calibrates the set for this day's light",
     )
     add_head(parser, HEADS)
+    add_send(parser)
 
 
 def run_run(arguments: argparse.Namespace) -> int:
@@ -65,7 +67,8 @@ def run_run(arguments: argparse.Namespace) -> int:
     if not 0 <= arguments.lag <= LONGEST_LAG:
         raise InvalidInput(f"--lag {arguments.lag:g}: 0 to {LONGEST_LAG:g} seconds")
     options = RunOptions(
-        *(arguments.mode, arguments.basis, arguments.head, arguments.lag, arguments.neutral)
+        *(arguments.mode, arguments.basis, arguments.head, arguments.lag, arguments.neutral),
+        receivers=addresses_of(arguments),
     )
     traces: list[Trace] = []
 

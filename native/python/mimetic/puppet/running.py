@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import os
 import time
+from contextlib import closing
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -21,9 +22,12 @@ from mimetic.muscles.eyeballs import eye_geometry
 from mimetic.performance.document import Performance
 from mimetic.performance.gaze import GAZE, modes_with_gaze
 from mimetic.performance.rows import Rows
-from mimetic.puppet.driver import Puppet
+from mimetic.puppet.driver import Puppet, PuppetFrame
+from mimetic.puppet.live_face import live_names
+from mimetic.puppet.live_filter import LiveState
 from mimetic.puppet.mapping import UNTAUGHT_STD, Mapping
 from mimetic.puppet.seeing import MODEL, PersonView
+from mimetic.puppet.sending import PacedSending
 from mimetic.puppet.templates import TaughtSet
 from mimetic.shared.progress import ATTACHED, SEARCHED, Progress, stages
 from mimetic.solve.capture_summary import CaptureSummary
@@ -42,6 +46,7 @@ class RunOptions:
     head: str = MODEL  # of driver.HEADS
     lag: float = 0.05  # s, of the filter at rest
     neutral: int | None = None  # frame in which the face is at rest, to calibrate by
+    receivers: tuple[str, ...] = ()  # addresses that each frame is sent to, at the clip's speed
 
 
 @dataclass
@@ -78,8 +83,11 @@ def drive(
         progress, 0.0 if fit else SEARCHED, ATTACHED, 1 + last - first
     )
     fit = fit_for(footage, (first, last), fit, finding, summary)
-    run = _Run(footage, fit, taught, options, summary, attaching)
-    return run.run((first, last), following)
+    with closing(PacedSending(options.receivers, live_names(), float(footage.fps))) as sending:
+        run = _Run(footage, fit, taught, options, summary, attaching)
+        performance, trace = run.run((first, last), following, sending)
+        performance.notes = [*(performance.notes or []), *sending.remarks()]
+        return performance, trace
 
 
 class _Run:
@@ -110,7 +118,9 @@ class _Run:
         )
         self.rows, self.trace = Rows(), Trace()
 
-    def run(self, frames: tuple[int, int], progress: Progress) -> tuple[Performance, Trace]:
+    def run(
+        self, frames: tuple[int, int], progress: Progress, sending: PacedSending
+    ) -> tuple[Performance, Trace]:
         first, last = frames
         cuts = CutWatch()
         num_lost = 1  # a head is not known in the first frame
@@ -139,12 +149,21 @@ class _Run:
             self.rows.values_std.append(seen.std)
             self.trace.scores.append(seen.scores)
             self.trace.lag.append(float(np.min(self.puppet.filter.lags)))
+            sending.send(self._state((frame - first) * seconds, seen))
         self.summary.add("drive the face", sum(self.trace.seconds))
         if not self.rows.frame:
             raise self.footage.failure or UnreadableMedia(
                 f"{self.footage.path.name}: no frame of {first} to {last} is done"
             )
         return self._performance(frames), self.trace
+
+    def _state(self, at: float, seen: PuppetFrame) -> LiveState:
+        """The face's state at `at`, seconds, as a live session has it."""
+        values, std = self._columns(live_names(), seen.values[None], seen.std[None])
+        return LiveState(
+            *(at, seen.pose, values[0], std[0], seen.quality, seen.held, True),
+            *(1e3 * self.trace.seconds[-1], seen.pose_cov),
+        )
 
     def _anatomy(self, attaching: Progress) -> Anatomy:
         skin = factored_skin(self.neutral, self.template, self.fit.calibration, attaching)

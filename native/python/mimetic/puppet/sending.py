@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Frames of a clip sent to other programs when the clip would show them."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Sequence
+
+from mimetic.puppet.live_filter import LiveState
+from mimetic.puppet.receiver import Receiver
+
+
+class PacedSending:
+    """Sends states, each when its time has come since the first; late ones at once.
+
+    addresses: of `Receiver`; names: of the states' values; fps: nominal. Raises what `Receiver`
+    raises.
+    """
+
+    def __init__(self, addresses: Sequence[str], names: Sequence[str], fps: float) -> None:
+        self._receivers = [Receiver(address, names, fps) for address in addresses]
+        self._start: float | None = None  # by `monotonic`'s clock, of a state at 0 s
+
+    def send(self, state: LiveState) -> None:
+        if not self._receivers:
+            return
+        now = time.monotonic()
+        if self._start is None:
+            self._start = now - state.time
+        time.sleep(max(self._start + state.time - now, 0.0))
+        for receiver in self._receivers:
+            receiver.send(state)
+
+    def remarks(self) -> list[str]:
+        """What the user should know."""
+        return [
+            f"{receiver.address}: {receiver.num_failed} packets were not sent"
+            for receiver in self._receivers
+            if receiver.num_failed
+        ]
+
+    def close(self) -> None:
+        for receiver in self._receivers:
+            receiver.close()
