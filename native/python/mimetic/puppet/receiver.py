@@ -51,6 +51,11 @@ class Receiver:
             except OSError:
                 self.num_failed += 1
 
+    @property
+    def unsent(self) -> str:
+        """A line on what did not leave the machine, or nothing."""
+        return f"{self.address}: {self.num_failed} packets were not sent" if self.num_failed else ""
+
     def close(self) -> None:
         with contextlib.suppress(OSError):
             self._socket.close()

@@ -72,8 +72,8 @@ class Recording:
                 microphone.stop()
             for receiver in self._receivers:
                 receiver.close()
-                if receiver.num_failed:
-                    self._tell(f"{receiver.address}: {receiver.num_failed} packets were not sent")
+                if receiver.unsent:
+                    self._tell(receiver.unsent)
         footage = self._source.footage if isinstance(self._source, ClipSource) else None
         performance = self._take.performance(footage, self.session.figures.num_skipped)
         self._keep_sound(microphone)

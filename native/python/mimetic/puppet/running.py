@@ -84,10 +84,8 @@ def drive(
     )
     fit = fit_for(footage, (first, last), fit, finding, summary)
     with closing(PacedSending(options.receivers, live_names(), float(footage.fps))) as sending:
-        run = _Run(footage, fit, taught, options, summary, attaching)
-        performance, trace = run.run((first, last), following, sending)
-        performance.notes = [*(performance.notes or []), *sending.remarks()]
-        return performance, trace
+        run = _Run(footage, fit, taught, options, summary, attaching, sending)
+        return run.run((first, last), following)
 
 
 class _Run:
@@ -101,9 +99,10 @@ class _Run:
         options: RunOptions,
         summary: CaptureSummary,
         attaching: Progress,
+        sending: PacedSending,
     ) -> None:
         self.footage, self.fit, self.taught, self.summary = footage, fit, taught, summary
-        self.options = options
+        self.options, self.sending = options, sending
         self.template: FaceTemplate = load_template()
         self.neutral = fit.neutral_vertices(self.template)
         self.anatomy = self._anatomy(attaching)
@@ -118,9 +117,7 @@ class _Run:
         )
         self.rows, self.trace = Rows(), Trace()
 
-    def run(
-        self, frames: tuple[int, int], progress: Progress, sending: PacedSending
-    ) -> tuple[Performance, Trace]:
+    def run(self, frames: tuple[int, int], progress: Progress) -> tuple[Performance, Trace]:
         first, last = frames
         cuts = CutWatch()
         num_lost = 1  # a head is not known in the first frame
@@ -149,7 +146,7 @@ class _Run:
             self.rows.values_std.append(seen.std)
             self.trace.scores.append(seen.scores)
             self.trace.lag.append(float(np.min(self.puppet.filter.lags)))
-            sending.send(self._state((frame - first) * seconds, seen))
+            self.sending.send(self._state((frame - first) * seconds, seen))
         self.summary.add("drive the face", sum(self.trace.seconds))
         if not self.rows.frame:
             raise self.footage.failure or UnreadableMedia(
@@ -219,4 +216,4 @@ class _Run:
             "frame"
         )
         walk = ClipWalk(self.footage, self.fit, frames, None, self.summary, "face")
-        return walk.notes(self.rows, [about])
+        return walk.notes(self.rows, [about, *self.sending.unsent])

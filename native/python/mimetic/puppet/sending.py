@@ -31,13 +31,10 @@ class PacedSending:
         for receiver in self._receivers:
             receiver.send(state)
 
-    def remarks(self) -> list[str]:
-        """What the user should know."""
-        return [
-            f"{receiver.address}: {receiver.num_failed} packets were not sent"
-            for receiver in self._receivers
-            if receiver.num_failed
-        ]
+    @property
+    def unsent(self) -> list[str]:
+        """What of it did not leave the machine, a line for each receiver."""
+        return [receiver.unsent for receiver in self._receivers if receiver.unsent]
 
     def close(self) -> None:
         for receiver in self._receivers:
