@@ -94,21 +94,24 @@ def score_clip(
         name: Explained.of(deviation.in_image(truth, motion), slice(None))
         for name, motion in motions.items()
     }
-    off = _core.angles_from(_turns(truth.head_pose), _turns(performance.head_pose))
     depth, is_side = depth_errors(truth.points[0], motions[OURS].points[0])
     seconds = sum(capturing.walk.summary.tracker_seconds.values())
     return ForeignScore(
         *(path.stem, film.head, size, explained, depth, is_side),
-        turn_deg=float(np.median(np.degrees(off))),
+        turn_deg=float(np.median(turn_errors(truth.head_pose, performance.head_pose))),
         milliseconds=1000 * seconds / performance.num_frames,
     )
 
 
-def _turns(poses: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Each pose (N,4,4) since the first, which says nothing of where a head frame's axes point."""
-    since = poses.copy()
-    since[:, :3, :3] = poses[:, :3, :3] @ poses[0, :3, :3].T
-    return since
+def turn_errors(true_poses: NDArray[np.float64], poses: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Degrees (N) by which turns since the first frame differ; both N x 4 x 4, camera from head.
+
+    Where a head frame's axes point is each one's own affair and does not count.
+    """
+    true_turns, turns = (some[:, :3, :3] @ some[0, :3, :3].T for some in (true_poses, poses))
+    apart = np.tile(np.eye(4), (len(poses), 1, 1))
+    apart[:, :3, :3] = turns @ true_turns.transpose(0, 2, 1)
+    return np.degrees(np.ravel(_core.angles_from(apart, np.eye(4))))
 
 
 def depth_errors(

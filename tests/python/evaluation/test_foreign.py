@@ -40,6 +40,20 @@ def test_depth_that_is_wrong_at_the_sides_is_told_as_such():
     assert not is_side[in_middle & (points[:, 1] > 0)].any()
 
 
+def turned(*degrees):
+    poses = np.tile(np.eye(4), (len(degrees), 1, 1))
+    vectors = np.radians([(0, angle, 0) for angle in degrees])
+    poses[:, :3, :3] = _core.from_rotation_vectors(np.ascontiguousarray(vectors))
+    return poses
+
+
+def test_turns_are_compared_since_the_first_frame():
+    axes = turned(25)[0]  # of the other head frame
+    assert np.abs(foreign.turn_errors(turned(0, 10, 30), turned(0, 10, 30) @ axes)).max() < 1e-5
+    errors = foreign.turn_errors(turned(0, 10, 30), turned(5, 15, 38) @ axes)
+    assert np.allclose(errors, (0, 0, 3), atol=1e-5)
+
+
 def test_nobody_is_in_two_sets():
     seeds = [{film.seed for film in some} for some in recipes.SETS.values()]
     assert len(set.union(*seeds)) == sum(map(len, seeds))
