@@ -51,10 +51,12 @@ class Receiver:
             except OSError:
                 self.num_failed += 1
 
-    @property
-    def unsent(self) -> str:
-        """A line on what did not leave the machine, or nothing."""
-        return f"{self.address}: {self.num_failed} packets were not sent" if self.num_failed else ""
+    def unsent(self) -> list[str]:
+        """A line on what did not leave the machine, if there is any."""
+        remarks = []
+        if self.num_failed:
+            remarks.append(f"{self.address}: {self.num_failed} packets were not sent")
+        return remarks
 
     def close(self) -> None:
         with contextlib.suppress(OSError):

@@ -72,8 +72,8 @@ class Recording:
                 microphone.stop()
             for receiver in self._receivers:
                 receiver.close()
-                if receiver.unsent:
-                    self._tell(receiver.unsent)
+                for line in receiver.unsent():
+                    self._tell(line)
         footage = self._source.footage if isinstance(self._source, ClipSource) else None
         performance = self._take.performance(footage, self.session.figures.num_skipped)
         self._keep_sound(microphone)

@@ -216,4 +216,4 @@ class _Run:
             "frame"
         )
         walk = ClipWalk(self.footage, self.fit, frames, None, self.summary, "face")
-        return walk.notes(self.rows, [about, *self.sending.unsent])
+        return walk.notes(self.rows, [about, *self.sending.unsent()])

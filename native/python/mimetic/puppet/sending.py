@@ -31,10 +31,9 @@ class PacedSending:
         for receiver in self._receivers:
             receiver.send(state)
 
-    @property
     def unsent(self) -> list[str]:
-        """What of it did not leave the machine, a line for each receiver."""
-        return [receiver.unsent for receiver in self._receivers if receiver.unsent]
+        """Lines on what did not leave the machine."""
+        return [line for receiver in self._receivers for line in receiver.unsent()]
 
     def close(self) -> None:
         for receiver in self._receivers:
