@@ -80,6 +80,10 @@ class Run:
         text = f"{self.label}: {self.fraction:.0%} {self.what}".rstrip()
         return f"{text}{self._time_left()}"
 
+    def short_text(self) -> str:
+        """Without the step that it is at: as long as a sidebar is wide."""
+        return f"{self.label}: {self.fraction:.0%}{self._time_left()}"
+
     def _time_left(self) -> str:
         if not TELLING <= self.fraction < 1:
             return ""

@@ -171,7 +171,8 @@ def test_a_run_stops_where_its_work_asks(extension):
     go_on.set()
     while run.fraction == 0 and not run.is_done():
         pass
-    assert "%" in run.text()
+    assert "%" in run.text() and "frame" in run.text()
+    assert "%" in run.short_text() and "frame" not in run.short_text()
     run.stop.set()
     run.thread.join(5)
     assert run.is_done()

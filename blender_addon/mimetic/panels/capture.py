@@ -29,8 +29,10 @@ class Capture:
             layout.label(text=run.text())
             return
         row = layout.row(align=True)
-        row.progress(factor=run.fraction, text=run.text())
+        row.progress(factor=run.fraction, text=run.short_text())
         row.operator("mimetic.stop", text="", icon="X").index = 0
+        for line in wrapped(run.what, 44):
+            layout.label(text=line)
         for i, later in enumerate(jobs.waiting, start=1):
             row = layout.row(align=True)
             row.label(text=f"Then: {later.name()}")

@@ -81,7 +81,7 @@ class MIMETIC_PT_muscles(Muscles, Panel):
         if both and blocks:
             strongest = max(abs(block.value) for block in blocks)
             bar = header.row()
-            bar.ui_units_x = 2.5
+            bar.ui_units_x = 1.6  # the longest name of a group fits beside it in 300 pixels
             bar.progress(factor=min(strongest, 1.0), text=f"{strongest:.2f}")
         if not body:
             return

@@ -14,6 +14,7 @@ from PIL import Image
 IMAGES = Path(__file__).resolve().parents[3] / "docs" / "images"
 # The paper's figure: what shows ours, and the width in pixels that it keeps
 PICTURES = {
+    "paper-02.png": ("loops.png", 900),
     "paper-03.jpg": ("fit/canonical.png", 256),
     "paper-04.jpg": ("fit/fit.png", 480),
     "paper-05.jpg": ("people.jpg", 900),
@@ -25,6 +26,7 @@ PICTURES = {
     "paper-12.png": ("parts/templates.png", 720),
     "paper-13.png": ("parts/mapping.png", 900),
     "paper-14.png": ("parts/live.png", 900),
+    "paper-15.jpg": ("head_strip.jpg", 900),
     "paper-16.jpg": ("head_curves.png", 900),
 }
 COLOURS = 128  # of a drawing
