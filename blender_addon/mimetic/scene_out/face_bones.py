@@ -93,19 +93,24 @@ def bake(
     """Keys a `mimetic.retarget.PlayedControls` on a rig's face bones, and the head's motion on
     those of head and neck, in one new action. What else its action holds goes on in a copy."""
     writable.check(writable.no_motion(armature))
-    bones = rigs.head_bones(armature)
+    target = head_target(armature)
     num_curves, text = 0, played.summary()
-    if use_head_motion and bones.head:
-        target = head.Target(
-            armature.name, bones.head, bones.neck, NECK_SHARE, translation_scale=0.0
-        )
+    if use_head_motion and target is not None:
         num_curves = head.bake(scene, performance, take, target, footage).num_curves
     else:
         actions.continued_take(armature, f"{take} controls")
-        text += f"; {bones.remark}" if bones.remark and use_head_motion else ""
+        text += f"; {rigs.head_bones(armature).remark}" if use_head_motion else ""
     num_curves += key(scene, performance, armature, played, footage)
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
     return own_controls.BakeSummary(float(frames[0]), float(frames[-1]), num_curves, text)
+
+
+def head_target(armature: bpy.types.Object) -> head.Target | None:
+    """The bones that turn with the actor's head; None where none is known."""
+    bones = rigs.head_bones(armature)
+    if not bones.head:
+        return None
+    return head.Target(armature.name, bones.head, bones.neck, NECK_SHARE, translation_scale=0.0)
 
 
 def key(scene, performance, armature: bpy.types.Object, played, footage=None) -> int:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import bpy
@@ -52,12 +53,8 @@ def bake(
         channels = _object_channels(scene, obj, performance, target)
         num_curves = key_object(obj, performance, take, frames, channels, target)
         return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, obj.name)
-    new_channels = _bone_channels(obj, performance, target)
-    holder = actions.continued_take(obj, f"{take} head")
-    num_curves = 0
-    for bone, channels in new_channels.items():
-        prefix = f'pose.bones["{bpy.utils.escape_identifier(bone)}"].'
-        num_curves += _key(holder, prefix, bone, frames, channels)
+    new_channels = bone_carrier(obj, target)(_motion(performance, target))
+    num_curves = key_bones(actions.continued_take(obj, f"{take} head"), frames, new_channels)
     where = ", ".join(new_channels) + f" of {obj.name}"
     return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, where)
 
@@ -73,29 +70,42 @@ def key_object(obj, performance, take: str, frames, channels, target: Target) ->
     return num_curves
 
 
+def key_bones(holder, frames, new_channels: dict) -> int:
+    """Keys channels of bones by their names, instead of what curves there are; returns how many."""
+    num_curves = 0
+    for bone, channels in new_channels.items():
+        prefix = f'pose.bones["{bpy.utils.escape_identifier(bone)}"].'
+        num_curves += _key(holder, prefix, bone, frames, channels)
+    return num_curves
+
+
 def _motion(performance, target: Target):
     return native.rig_motion().motion(
         performance, target.is_absolute, target.rest_frame or None, target.pivot
     )
 
 
-def _bone_channels(armature, performance, target: Target) -> dict:
+def bone_carrier(armature, target: Target) -> Callable:
+    """What gives channels of the target's bones, by name, for a `mimetic.rig_motion.Motion`.
+
+    How the head follows its neck is measured here, once.
+    """
     share, inherited_share = 0.0, 1.0
     neck = None
     if target.neck and target.neck_share > 0:
         share, neck = target.neck_share, rigs.as_bone(armature, target.neck)
         inherited_share = rigs.followed_share(armature, target.bone, target.neck)
-    head, of_neck = native.rig_motion().bone_channels(
-        _motion(performance, target),
-        rigs.as_bone(armature, target.bone),
-        neck,
-        share,
-        inherited_share,
-        target.facing,
-        target.translation_scale / world.matrix(armature).median_scale,
-    )
-    channels = {target.bone: head if target.translation_scale else _without_location(head)}
-    return channels | ({target.neck: of_neck} if of_neck else {})
+    head = rigs.as_bone(armature, target.bone)
+    scale = target.translation_scale / world.matrix(armature).median_scale
+
+    def carry(motion) -> dict:
+        of_head, of_neck = native.rig_motion().bone_channels(
+            motion, head, neck, share, inherited_share, target.facing, scale
+        )
+        channels = {target.bone: of_head if scale else _without_location(of_head)}
+        return channels | ({target.neck: of_neck} if of_neck else {})
+
+    return carry
 
 
 def _object_channels(scene, obj, performance, target: Target):

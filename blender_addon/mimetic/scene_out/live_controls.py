@@ -11,6 +11,7 @@ import numpy as np
 from .. import control_rows, native, scene_in
 from . import face_bones, own_controls, own_keys
 from .live import HEAD_PATHS, LiveHead, TakeSummary, write_values
+from .live_bones import LiveHeadBones
 
 
 @dataclass(frozen=True)
@@ -24,8 +25,9 @@ class _Start:
 class ControlPuppet:
     """A character while a live session moves its own controls, by name: an undo may replace it.
 
-    They are fitted once, here. A head with muscles that nothing else moves is moved too; that of a
-    rig, or of a character with known names alone, is keyed when a take ends. Raises InvalidInput.
+    They are fitted once, here. A head with muscles that nothing else moves is moved too, and the
+    head of a rig; that of a character with known names alone is keyed when a take ends. Raises
+    InvalidInput.
     """
 
     def __init__(self, scene: bpy.types.Scene, character: bpy.types.Object) -> None:
@@ -39,11 +41,14 @@ class ControlPuppet:
         ranges = (face_bones if self._is_rig else own_keys).ranges(character)
         self._rows = native.controls().refitted(control_rows.rows_of(character), ranges)
         self._driven = native.driven_face().DrivenControls(self._surface, self._rows, self._options)
-        self._head = None
+        self._head: LiveHead | LiveHeadBones | None = None
         if self._is_rig:
             own = face_bones.channels(character)
             self._channels = [channel for channel in own if channel.name in self._driven.names]
             bones = {channel.bone for channel in self._channels}
+            if (target := face_bones.head_target(character)) is not None:
+                self._head = LiveHeadBones(character, target)
+                bones.update(self._head.names)
             self._before = {b: character.pose.bones[b].matrix_basis.copy() for b in bones}
         else:
             blocks = character.data.shape_keys.key_blocks
@@ -65,15 +70,18 @@ class ControlPuppet:
         values = self._driven.values(names, state, face)
         if self._is_rig:
             face_bones.pose(character, self._channels, values)
-            return
+        else:
+            self._set_keys(character, values)
+        if self._head is not None:
+            self._head.show(character, state.head_pose)
+
+    def _set_keys(self, character: bpy.types.Object, values: dict[str, float]) -> None:
         blocks = character.data.shape_keys.key_blocks
         numbers = self._values_before.copy()
         for name, value in values.items():
             if (number := blocks.find(name)) >= 0:
                 numbers[number] = value
         write_values(character, numbers)
-        if self._head is not None:
-            self._head.show(character, state.head_pose)
 
     def end(self) -> None:
         """Nothing of the character was switched off."""
@@ -89,7 +97,7 @@ class ControlPuppet:
                     character.pose.bones[bone].matrix_basis = matrix
             return
         write_values(character, self._values_before)
-        if self._head is not None:
+        if isinstance(self._head, LiveHead):
             self._head.restore(character)
 
     def record(
@@ -101,5 +109,11 @@ class ControlPuppet:
         bake = face_bones.bake if self._is_rig else own_controls.bake
         place = _Start(start, int(performance.frame[0]) - 1)
         moves_head = bool(channels & set(HEAD_PATHS))
-        summary = bake(scene, performance, take, character, played, place, moves_head)
-        return TakeSummary(summary.first, summary.last, summary.num_curves, (summary.text,))
+        turns = self._head if moves_head and isinstance(self._head, LiveHeadBones) else None
+        baked_head = moves_head and turns is None
+        summary = bake(scene, performance, take, character, played, place, baked_head)
+        num_curves = summary.num_curves
+        if turns is not None:  # from the rest pose that was shown
+            frames = scene_in.scene_frames(performance, scene_in.timing(scene, place))
+            num_curves += turns.record(character, performance, frames)
+        return TakeSummary(summary.first, summary.last, num_curves, (summary.text,))

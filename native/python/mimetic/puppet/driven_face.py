@@ -72,18 +72,25 @@ def channel_of_slider(name: str) -> str:
     return channel_of("gaze_" if name.startswith(("eye_", "look_")) else name)
 
 
+def head_motion(poses: Floats, rest: Floats, pivot: Floats | None = None) -> Motion:
+    """The head's motion from `rest`, in 1 + N frames: the first is at rest, so that no turn jumps.
+
+    poses: N x 4 x 4, rest: 4 x 4, camera from head; pivot: as of `rig_motion.motion`.
+    """
+    every = np.concatenate([rest[None], poses])
+    world = _core.world_from_object(every, WORLD_FROM_SCENE_CAMERA)
+    return Motion(*_core.motion_from_rest(world, 0, False, np.zeros(3) if pivot is None else pivot))
+
+
 def head_channels(poses: Floats, rest: Floats, stand: Stand) -> Channels:
     """Curves of the face's object, moved from where it stands as the head moves from `rest`.
 
     poses: N x 4 x 4, rest: 4 x 4, camera from head.
     """
-    every = np.concatenate([rest[None], poses])
     axes = _core.nearest_rotations(stand.world_from_character[None, :3, :3])[0]
     pivot = (stand.location - stand.world_from_character[:3, 3]) @ axes / stand.units
-    world = _core.world_from_object(every, WORLD_FROM_SCENE_CAMERA)
-    motion = Motion(*_core.motion_from_rest(world, 0, False, pivot))
     channels = carried_channels(
-        motion,
+        head_motion(poses, rest, pivot),
         stand.location,
         stand.rotation,
         np.eye(4),
@@ -91,6 +98,11 @@ def head_channels(poses: Floats, rest: Floats, stand: Stand) -> Channels:
         stand.rotation_mode,
         stand.units,
     )
+    return after_rest(channels)
+
+
+def after_rest(channels: Channels) -> Channels:
+    """Without the first frame, that of `head_motion` at rest."""
     locations = None if channels.locations is None else channels.locations[1:]
     return Channels(channels.rotation_path, channels.rotations[1:], locations)
 
