@@ -32,10 +32,15 @@ def run(program: str, build: Callable[[Path], None]) -> int:
     return 0
 
 
+def repository() -> str:
+    """Of extensions, that the extension was loaded into."""
+    return _headless().REPOSITORY
+
+
 def arrange_screens(scene, shown) -> None:
     """As a baked file opens: through the camera, with the object's curves and sliders beside."""
-    headless = f"bl_ext.{_headless().REPOSITORY}.mimetic"
-    importlib.import_module(f"{headless}.scene_out.opened_view").arrange(scene, shown)
+    extension = f"bl_ext.{repository()}.mimetic"
+    importlib.import_module(f"{extension}.scene_out.opened_view").arrange(scene, shown)
 
 
 def _headless() -> ModuleType:

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Build a .blend of each kind of character that plays a performance, and a contact sheet of all.
 
-canonical: our head; foreign: another person's, decimated, turned and 1.3 times as large, with
-landmarks that place themselves; arkit: 52 keys whose names were changed; suzanne: Blender's monkey;
-rigify, rigify_new: the bones of Rigify's faces, legacy and new.
+canonical: our head; far: a person far from the mean; foreign: another's, decimated, turned and 1.3
+times as large; both with landmarks that place themselves; arkit: 52 keys whose names were changed;
+suzanne: Blender's monkey; rigify, rigify_new: the bones of Rigify's faces, legacy and new.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import blender_module
 
 MARGIN = 1.15  # of the pictures about the face
+FAR = {"sex_male": -0.6, "age_old": 0.9, "weight": 0.9, "nose_hump": -0.8}
 FOREIGN = {"sex_male": 1.0, "age_old": 0.5, "weight": -0.4, "nose_hump": 0.8}
 # Places on Blender's monkey of size .25, from the middle of its bounding box: metres to its left,
 # and up. Landmarks that place themselves take its long upper lip for the mouth.
@@ -91,14 +92,20 @@ def _canonical():
     return bpy.context.active_object
 
 
-def _foreign():
-    import bpy
+def _person(identity):
     import head_scene
     from mimetic.template.face_template import load_template
 
     template = load_template()
-    head = head_scene.new_head(template, template.neutral(FOREIGN))
+    head = head_scene.new_head(template, template.neutral(identity))
     head.modifiers.clear()
+    return head
+
+
+def _foreign():
+    import bpy
+
+    head = _person(FOREIGN)
     head.modifiers.new("Half", "DECIMATE").ratio = 0.6
     bpy.context.view_layer.objects.active = head
     bpy.ops.object.modifier_apply(modifier="Half")
@@ -151,6 +158,7 @@ def _rigify(has_new_face: bool):
 
 CHARACTERS: dict[str, Callable] = {
     "canonical": _canonical,
+    "far": lambda: _bound(_person(FAR)),
     "foreign": _foreign,
     "arkit": _arkit,
     "suzanne": _suzanne,

@@ -17,6 +17,15 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import blender_module
 
 EYES = ("ORG-eye.L", "ORG-eye.R")
+SKULL = "DEF-spine.006"
+# Parts that are stiff, and the deform bones that carry them: of the new face, else of the legacy
+STIFF = {
+    "eye.L": ("DEF-eye.L", SKULL),
+    "eye.R": ("DEF-eye.R", SKULL),
+    "teeth_upper": ("DEF-teeth.T", SKULL),
+    "teeth_lower": ("DEF-teeth.B", "DEF-jaw"),
+    "tongue": ("DEF-tongue",),
+}
 
 
 def main() -> int:
@@ -63,7 +72,20 @@ def new_character(has_new_face: bool):
     rig.select_set(True)
     bpy.context.view_layer.objects.active = rig
     bpy.ops.object.parent_set(type="ARMATURE_AUTO")
+    _stiffen(head, rig, template)
     return head, rig
+
+
+def _stiffen(head, rig, template) -> None:
+    """Each stiff part on one bone: automatic weights give eyes to lids and teeth to lips."""
+    deforming = [group for group in head.vertex_groups if group.name in rig.data.bones]
+    for part, bones in STIFF.items():
+        vertices = [int(vertex) for vertex in template.part_vertices(part)]
+        for group in deforming:
+            group.remove(vertices)
+        name = next(bone for bone in bones if bone in rig.data.bones)
+        group = head.vertex_groups.get(name) or head.vertex_groups.new(name=name)
+        group.add(vertices, 1.0, "REPLACE")
 
 
 def _onto(template, eyes: np.ndarray) -> np.ndarray:

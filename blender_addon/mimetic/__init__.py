@@ -3,6 +3,7 @@
 
 from . import (
     contact,
+    control_preview,
     drops,
     jobs,
     menus,
@@ -27,6 +28,7 @@ PARTS = (
     panels,
     overlay,
     contact,
+    control_preview,
     pins,
     takes,
 )

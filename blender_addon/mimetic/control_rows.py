@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import bpy
 from bpy.props import BoolProperty, FloatProperty, StringProperty
 
@@ -12,8 +14,13 @@ from . import native
 FIELDS = ("is_on", "gain", "offset", "lowest", "highest", "curve", "is_edited")
 
 
+changed: Callable[[bpy.types.Object], None] | None = None  # heard of each row that is edited
+
+
 def _edit(self, context) -> None:
     self.is_edited = True
+    if changed is not None:
+        changed(self.id_data)
 
 
 class MimeticControl(bpy.types.PropertyGroup):

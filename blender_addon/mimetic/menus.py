@@ -31,7 +31,8 @@ OBJECT = (
     *("live", None),
     *("add_face", "rest_face", "add_landmarks", "attach_muscles", "add_arkit_shapes", None),
     *("add_control_object", "remove_control_object", None),
-    *("fit_controls", "bake_controls", "mirror_controls", "save_controls", "load_controls", None),
+    *("fit_controls", "preview_controls", "bake_controls", "mirror_controls"),
+    *("save_controls", "load_controls", None),
     *("keep_expression", "apply_expression", "mirror_expression", "sequence_expression"),
     *("compose_expressions", "load_expressions", "save_expression"),
 )

@@ -203,6 +203,7 @@ class MimeticFace(take_rows.HasTakes, bpy.types.PropertyGroup):
     controls: CollectionProperty(
         type=control_rows.MimeticControl, description="How performances drive its own shape keys"
     )
+    before_preview: StringProperty(options={"HIDDEN"})  # JSON: previewed controls as they were
     active_control: IntProperty(name="Control", description="The row whose settings are shown")
     landmark: StringProperty(name="Landmark", description="What an empty stands for on a head")
     footage: StringProperty(

@@ -10,6 +10,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
 from walk import Steps, Walk, area_of, install, invoke, open_sidebar, override, start
+from walk import press as press_key
 
 PACKAGE = "bl_ext.user_default.mimetic"
 LEFT, RIGHT = "zygomaticus_major.L", "zygomaticus_major.R"
@@ -116,6 +117,38 @@ def work_on_takes(walk: Walk) -> Steps:
     walk.check("a take plays alone again", playing() == "hero", playing())
 
 
+def preview_a_table(walk: Walk) -> Steps:
+    """A key of the character's own shows the take at the scene's frame until Esc."""
+    head, preview = face(), sys.modules[f"{PACKAGE}.control_preview"]
+    own, like = head.shape_key_add(name="Grin", from_mix=False), head.data.shape_keys
+    points = np.empty(3 * len(own.points), dtype=np.float32)
+    like.key_blocks[LEFT].points.foreach_get("co", points)
+    own.points.foreach_set("co", points)
+    own.value = 0.0
+    bpy.context.view_layer.objects.active = head
+    invoke("VIEW_3D", bpy.ops.mimetic.preview_controls)
+    yield from walk.until(lambda: preview.active is not None, 60, "the preview begins")
+    shown = {}
+    for frame in range(1, 37):
+        bpy.context.scene.frame_set(frame)
+        shown[frame] = own.value
+    widest = max(shown, key=shown.get)
+    walk.check("the key follows the take", shown[widest] > 0.05, shown[widest])
+    bpy.context.scene.frame_set(widest)
+    head.mimetic.controls["Grin"].gain = 0.5
+    share = own.value / shown[widest]
+    walk.check("an edited row shows at once", abs(share - 0.5) < 1e-3, share)
+    press_key("VIEW_3D", "ESC")
+    yield from walk.until(lambda: preview.active is None, 20, "Esc ends it")
+    walk.check("the key is as it was", own.value == 0, own.value)
+    walk.check("nothing is keyed", "Grin" not in str([c.data_path for c in curves(head)]))
+
+
+def curves(head) -> list:
+    holder = sys.modules[f"{PACKAGE}.compat"].curves(head.data.shape_keys)
+    return list(holder.fcurves) if holder else []
+
+
 def steps(walk: Walk) -> Steps:
     yield from install(walk, PACKAGE)
     bpy.data.objects.remove(bpy.data.objects["Cube"])
@@ -125,6 +158,7 @@ def steps(walk: Walk) -> Steps:
     yield from show_the_panels(walk)
     yield from edit_the_curves(walk)
     yield from work_on_takes(walk)
+    yield from preview_a_table(walk)
     bring_the_panels_back()
 
 

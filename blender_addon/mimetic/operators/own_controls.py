@@ -7,7 +7,19 @@ import bpy
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 from bpy.types import Operator
 
-from .. import control_rows, native, outcome, scene_in, scene_out, takes, targets, writable
+from .. import (
+    control_preview,
+    control_rows,
+    editors,
+    jobs,
+    native,
+    outcome,
+    scene_in,
+    scene_out,
+    takes,
+    targets,
+    writable,
+)
 from ..greyed import Greyed
 from ..jobs import Job
 from ..scene_out import face_bones, own_controls, own_keys
@@ -29,6 +41,11 @@ def ranges_of(character: bpy.types.Object) -> dict[str, list[float]]:
     return (face_bones if character.type == "ARMATURE" else own_keys).ranges(character)
 
 
+def _write_rows(character: bpy.types.Object, rows, remarks=None) -> None:
+    with control_preview.quiet():
+        control_rows.write(character, rows, remarks)
+
+
 class OnControls(Greyed):
     """Mixin of operators on the active object's table of controls."""
 
@@ -42,6 +59,8 @@ class Fitting(OnControls, Job):
 
     def read(self, context):
         character = context.active_object
+        if character.type == "ARMATURE":
+            control_preview.end()  # the rig is measured as it was
         rows = [] if self.is_reset() else control_rows.rows_of(character)
         rows = native.controls().refitted(rows, ranges_of(character))
         has_take = not scene_in.no_take(context, "capture it")
@@ -94,7 +113,7 @@ class MIMETIC_OT_fit_controls(Fitting, Operator):
         name, rows, played, _, _ = result
         character = writable.own_object(context.scene, name)
         remarks = native.playing().remarks(rows, played)
-        control_rows.write(character, rows, remarks)
+        _write_rows(character, rows, remarks)
         self.facts = {"object": name, "num_controls": len(rows)}
         message = f"{name}: {len(rows)} controls"
         return f"{message}; {played.summary()}" if played else f"{message}; no performance yet"
@@ -118,11 +137,12 @@ class MIMETIC_OT_bake_controls(CurveOptions, TakeOptions, Fitting, Operator):
         clip = bpy.data.movieclips.get(take.clip_name)
         action_name = takes.action_name(take, performance)
         before = scene_out.take_list.now(character)
+        control_preview.end()
         bake = face_bones.bake if character.type == "ARMATURE" else own_controls.bake
         summary = bake(
             context.scene, performance, action_name, character, played, clip, self.use_head_motion
         )
-        control_rows.write(character, rows, native.playing().remarks(rows, played))
+        _write_rows(character, rows, native.playing().remarks(rows, played))
         self.facts = {
             "object": name,
             "num_curves": summary.num_curves,
@@ -137,6 +157,76 @@ class MIMETIC_OT_bake_controls(CurveOptions, TakeOptions, Fitting, Operator):
             f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
             f"on {name}; {summary.text}{self.note_take(context, character, *like)}"
         )
+
+
+class MIMETIC_OT_preview_controls(Fitting, Operator):
+    """Show the performance on the active character at the scene's frame as the table has it, while
+    rows are edited; nothing is keyed. Again, or Esc, puts the character back"""
+
+    bl_idname = "mimetic.preview_controls"
+    bl_label = "Preview"
+    bl_options = {"REGISTER"}
+    obstacle = staticmethod(targets.no_controls_bake)
+
+    def execute(self, context):
+        return self._end_preview(context) or super().execute(context)
+
+    def invoke(self, context, event):
+        return self._end_preview(context) or super().invoke(context, event)
+
+    def _end_preview(self, context):
+        if not control_preview.is_of(context.active_object):
+            return None
+        control_preview.end()
+        return outcome.finished(self, context, "The character is as it was before")
+
+    def read(self, context):
+        clip = scene_in.clip_of(context)
+        return *super().read(context), scene_in.timing(context.scene, clip)
+
+    def work(self, inputs, progress):
+        name, surface, rows, take, options, settings, clock = inputs
+        if not progress(0.0, "reading the performance"):
+            return None
+        performance = native.curve_settings().edited(takes.load(take), settings)
+        if not progress(0.2, "fitting the controls"):
+            return None
+        frames = scene_in.scene_frames(performance, clock)
+        preview = native.playing().ControlPreview(performance, surface, frames, options)
+        return (name, rows, preview) if progress(MANY, "showing") else None
+
+    def write(self, context, result):
+        name, rows, preview = result
+        character = writable.own_object(context.scene, name)
+        if not len(character.mimetic.controls):
+            control_rows.write(character, rows)
+        control_preview.begin(character, preview)
+        if context.window is not None and not bpy.app.background:
+            bpy.ops.mimetic.leave_preview("INVOKE_DEFAULT")
+        self.facts = {"object": name, "num_controls": len(rows)}
+        return f"{name} shows the performance; Esc puts it back"
+
+
+class MIMETIC_OT_leave_preview(Operator):
+    """Wait for Esc, which puts the previewed character back"""
+
+    bl_idname = "mimetic.leave_preview"
+    bl_label = "Leave Preview"
+    bl_options = {"INTERNAL"}
+
+    def invoke(self, context, event):
+        self._shown = control_preview.active
+        context.window_manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        if control_preview.active is not self._shown:
+            return {"FINISHED", "PASS_THROUGH"}
+        if event.type == "ESC" and event.value == "PRESS" and not jobs.is_playing():
+            control_preview.end()
+            editors.redraw("VIEW_3D")
+            return {"FINISHED"}
+        return {"PASS_THROUGH"}
 
 
 class MIMETIC_OT_mirror_controls(OnControls, Operator):
@@ -156,7 +246,7 @@ class MIMETIC_OT_mirror_controls(OnControls, Operator):
         character = context.active_object
         before = control_rows.rows_of(character)
         rows = native.controls().mirrored(before, self.from_side)
-        control_rows.write(character, rows)
+        _write_rows(character, rows)
         count = sum(row != old for row, old in zip(rows, before, strict=True))
         return outcome.finished(self, context, f"{count} rows changed", num_rows=count)
 
@@ -216,7 +306,7 @@ class MIMETIC_OT_load_controls(Preset, Operator):
         if len(strangers) == len(preset):
             message = f"{character.name} has none of the preset's controls"
             return outcome.cancelled(self, context, message)
-        control_rows.write(character, rows)
+        _write_rows(character, rows)
         message = f"{len(preset) - len(strangers)} rows from {Path(self.filepath).name}"
         if strangers:
             message += f"; {character.name} has no {', '.join(strangers)}"
@@ -226,6 +316,8 @@ class MIMETIC_OT_load_controls(Preset, Operator):
 CLASSES = (
     MIMETIC_OT_fit_controls,
     MIMETIC_OT_bake_controls,
+    MIMETIC_OT_preview_controls,
+    MIMETIC_OT_leave_preview,
     MIMETIC_OT_mirror_controls,
     MIMETIC_OT_save_controls,
     MIMETIC_OT_load_controls,

@@ -3,7 +3,7 @@
 
 from bpy.types import Panel, UIList
 
-from .. import native, targets
+from .. import control_preview, native, targets
 from .capture import wrapped
 from .muscles import Muscles
 
@@ -44,7 +44,10 @@ class MIMETIC_PT_controls(Muscles, Panel):
                 layout.label(text=line)
         if len(face.controls):
             self.draw_table(layout, face)
-        layout.operator("mimetic.bake_controls", icon="ACTION")
+        row = layout.row(align=True)
+        row.operator("mimetic.bake_controls", icon="ACTION")
+        is_shown = control_preview.is_of(context.active_object)
+        row.operator("mimetic.preview_controls", icon="HIDE_OFF" if is_shown else "HIDE_ON")
 
     def draw_table(self, layout, face):
         row = layout.row()

@@ -68,6 +68,8 @@ def surface(scene: bpy.types.Scene, armature: bpy.types.Object):
         control_names=[channel.name for channel in own],
         controls=_responses(armature, face, own),
         control_range=np.tile(native.bone_channels().RANGE, (len(own), 1)),
+        # What bones take along within the head is as its weights chance to be
+        heeds_hidden=False,
     )
 
 

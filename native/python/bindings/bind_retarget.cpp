@@ -2,6 +2,7 @@
 #include <mimetic/retarget/bounded_fit.hpp>
 #include <mimetic/retarget/control_fit.hpp>
 #include <mimetic/retarget/response.hpp>
+#include <mimetic/retarget/seen_areas.hpp>
 
 #include "arrays.hpp"
 
@@ -14,6 +15,9 @@ void bind_retarget(py::module_& m) {
     m.def("polygon_areas", &polygon_areas, "points"_a, "starts"_a, "corners"_a,
           "A share of each polygon's area for the vertices (V,) of its corners, square units of points\n"
           "(V, 3). starts: the first corner of each polygon; corners: vertices. Raises InvalidInput.");
+    m.def("seen_areas", &seen_areas, "points"_a, "starts"_a, "corners"_a,
+          py::call_guard<py::gil_scoped_release>(),
+          "The same, and a hundredth of it of what cannot be seen from outside; see seen_areas.hpp.");
     m.def(
         "played_values",
         [](const Eigen::VectorXd& fitted, double gain, double offset, double lowest, double highest,

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,6 +16,11 @@ constexpr double kNearSkin = .008;    // m at the template's size: lashes, brows
 constexpr std::size_t kSamples = 16;  // vertices by which a part is classified
 // An eyeball's middle lies this near to the template's, and its vertices so far from that, in its radii
 constexpr double kEyeMiddle = .5, kEyeNearest = .6, kEyeFarthest = 1.5;
+// A shell before an eye: how far its sphere's middle lies from the template's and how much larger it is, in
+// the template's radii; how rough it is, in its own; how much of its longer side the shorter has; how far its
+// point nearest to its middle is from there, in the shell's own reach
+constexpr double kShellMiddle = .6, kShellLeast = .5, kShellMost = 1.7, kRough = .08, kRound = .4,
+                 kFilled = .35;
 constexpr std::size_t kMaxFollowing = 50'000;
 
 constexpr double kTop = .13;     // m of a head, from its top, by whose width its size is guessed
@@ -80,6 +86,30 @@ bool is_around(const Sphere& eye, PointsIn points) {
            distances.maxCoeff() < kEyeFarthest * eye.radius;
 }
 
+/// Whether a part is a shell before an eyeball: a cap of a sphere about the eye's middle, with skin over its
+/// own middle, as a ring of lashes has none.
+bool is_shell(const Sphere& eye, PointsIn points) {
+    if (!(eye.radius > 0) || points.rows() < 8) {
+        return false;
+    }
+    const Sphere own = nearest_sphere(points);
+    if (!((own.centre - eye.centre).norm() < kShellMiddle * eye.radius) ||
+        own.radius < kShellLeast * eye.radius || own.radius > kShellMost * eye.radius) {
+        return false;
+    }
+    const Points spread = points.rowwise() - points.colwise().mean();
+    const Eigen::VectorXd distances = (points.rowwise() - own.centre.transpose()).rowwise().norm();
+    const double roughness =
+        std::sqrt((distances.array() - own.radius).square().mean()) / std::max(own.radius, 1e-12);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(Eigen::Matrix3d(spread.transpose() * spread));
+    const Eigen::Vector3d sides = axes.eigenvalues().cwiseMax(0).cwiseSqrt();  // ascending
+    const Eigen::RowVector3d pole =
+        own.centre.transpose() + own.radius * (points.colwise().mean() - own.centre.transpose()).normalized();
+    const Eigen::VectorXd from_pole = (points.rowwise() - pole).rowwise().norm();
+    return roughness < kRough && sides[1] > kRound * sides[2] &&
+           from_pole.minCoeff() < kFilled * from_pole.maxCoeff();
+}
+
 }  // namespace
 
 LooseParts sort_loose_parts(const ForeignSkin& skin, PointsIn laid, const std::vector<TemplatePart>& parts) {
@@ -109,8 +139,11 @@ LooseParts sort_loose_parts(const ForeignSkin& skin, PointsIn laid, const std::v
             like.push_back(parts[static_cast<std::size_t>(vertex)]);
         }
         const Votes votes = vote(points, skin.vertices(on_skin.find(points), Eigen::all), like);
-        const std::array<bool, 2> is_eye{votes.mostly(votes.left) || is_around(eyes[0], points),
-                                         votes.mostly(votes.right) || is_around(eyes[1], points)};
+        const Points whole = skin.user_vertices(vertices, Eigen::all);
+        const auto is_of = [&](int votes_of_eye, const Sphere& eye) {
+            return votes.mostly(votes_of_eye) || is_around(eye, points) || is_shell(eye, whole);
+        };
+        const std::array<bool, 2> is_eye{is_of(votes.left, eyes[0]), is_of(votes.right, eyes[1])};
         const bool is_still = votes.mostly(votes.still) || is_eye[0] || is_eye[1];
         const bool is_on_jaw = votes.mostly(votes.jaw) && !is_still;
         for (const int vertex : vertices) {

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <mimetic/retarget/bounded_fit.hpp>
@@ -25,38 +24,6 @@ double share_left(double squared, double dot, double length) {
 }
 
 }  // namespace
-
-Eigen::VectorXd polygon_areas(PointsIn points, const std::vector<int>& starts,
-                              const std::vector<int>& corners) {
-    require(points.allFinite(), "the points of a mesh must be finite");
-    Eigen::VectorXd areas = Eigen::VectorXd::Zero(points.rows());
-    for (std::size_t face = 0; face < starts.size(); ++face) {
-        const int begin = starts[face];
-        const int end = face + 1 < starts.size() ? starts[face + 1] : static_cast<int>(corners.size());
-        if (begin < 0 || end < begin + 3 || end > static_cast<int>(corners.size())) {
-            throw InvalidInput("polygon " + std::to_string(face) +
-                               " of the mesh does not have three corners of its own");
-        }
-        Eigen::Vector3d doubled = Eigen::Vector3d::Zero();
-        for (int c = begin; c < end; ++c) {
-            const int vertex = corners[static_cast<std::size_t>(c)];
-            if (vertex < 0 || vertex >= points.rows()) {
-                throw InvalidInput("polygon " + std::to_string(face) +
-                                   " of the mesh has a corner that is no vertex");
-            }
-        }
-        const Eigen::Vector3d origin = points.row(corners[static_cast<std::size_t>(begin)]);
-        for (int c = begin + 1; c + 1 < end; ++c) {
-            const Eigen::Vector3d a = points.row(corners[static_cast<std::size_t>(c)]);
-            const Eigen::Vector3d b = points.row(corners[static_cast<std::size_t>(c) + 1]);
-            doubled += (a - origin).cross(b - origin);
-        }
-        for (int c = begin; c < end; ++c) {
-            areas[corners[static_cast<std::size_t>(c)]] += .5 * doubled.norm() / (end - begin);
-        }
-    }
-    return areas;
-}
 
 void ControlFitOptions::check() const {
     check_range("ControlFitOptions.sparsity", sparsity, 0, 1);

@@ -206,6 +206,20 @@ Points ball(int rings, int around, double radius, const Eigen::RowVector3d& cent
     return points;
 }
 
+/// Quads of a grid of rings x around points that closes on itself, as triangles from a first vertex on.
+Triangles strips_of(int rings, int around, int first) {
+    Triangles strips(2 * (rings - 1) * around, 3);
+    Eigen::Index row = 0;
+    for (int i = 0; i + 1 < rings; ++i) {
+        for (int j = 0; j < around; ++j) {
+            const int a = first + i * around + j, b = first + i * around + (j + 1) % around;
+            strips.row(row++) << a, a + around, b;
+            strips.row(row++) << b, a + around, b + around;
+        }
+    }
+    return strips;
+}
+
 TEST(LoosePartsTest, ADenseEyeballIsOneThoughTheTemplatesSocketLiesNearer) {
     const Sheet sheet_ahead = sheet(10, .1, 0);
     const Eigen::RowVector3d centre(.05, .05, -.016);
@@ -214,17 +228,9 @@ TEST(LoosePartsTest, ADenseEyeballIsOneThoughTheTemplatesSocketLiesNearer) {
     const Eigen::Index count = sheet_ahead.vertices.rows();
     Points points(count + own.rows(), 3);
     points << sheet_ahead.vertices, own;
-    Triangles strips(2 * (rings - 1) * around, 3);
-    Eigen::Index row = 0;
-    for (int i = 0; i + 1 < rings; ++i) {
-        for (int j = 0; j < around; ++j) {
-            const int a = i * around + j, b = i * around + (j + 1) % around;
-            strips.row(row++) << a, a + around, b;
-            strips.row(row++) << b, a + around, b + around;
-        }
-    }
+    const Triangles strips = strips_of(rings, around, static_cast<int>(count));
     Triangles triangles(sheet_ahead.triangles.rows() + strips.rows(), 3);
-    triangles << sheet_ahead.triangles, (strips.array() + static_cast<int>(count)).matrix();
+    triangles << sheet_ahead.triangles, strips;
     NamedPlaces marks;
     marks.names = {"nose", "chin"};
     marks.places.resize(2, 3);
@@ -248,6 +254,42 @@ TEST(LoosePartsTest, ADenseEyeballIsOneThoughTheTemplatesSocketLiesNearer) {
     points.bottomRows(own.rows()) = lash;
     const ForeignSkin with_lash = read_foreign_skin(points, {triangles, face}, marks, {});
     EXPECT_FALSE(sort_loose_parts(with_lash, laid, parts).on_eye[1][static_cast<std::size_t>(count) + 100]);
+}
+
+TEST(LoosePartsTest, AShellBeforeAnEyeIsOfTheEyeAndARingOfLashesIsNot) {
+    const Sheet sheet_ahead = sheet(10, .1, 0);
+    const Eigen::RowVector3d centre(.05, .05, -.016);
+    const int rings = 12, around = 16;
+    const auto count = static_cast<int>(sheet_ahead.vertices.rows());
+    NamedPlaces marks;
+    marks.names = {"nose", "chin"};
+    marks.places.resize(2, 3);
+    marks.places << .05, .05, 0, .05, .02, 0;
+    marks.front = {0, 1};
+    // The template's socket lies nearer to a shell than the few points of its eyeball do
+    const Points eye = ball(5, 8, .0158, centre), socket = ball(20, 30, .0195, centre);
+    Points laid(eye.rows() + socket.rows(), 3);
+    laid << eye, socket;
+    std::vector<TemplatePart> parts(static_cast<std::size_t>(laid.rows()), TemplatePart::other);
+    std::fill_n(parts.begin(), eye.rows(), TemplatePart::left_eye);
+    const auto is_eye = [&](int first_ring, int num_rings) {
+        // The shell is a little larger than the template's eyeball and a little before it
+        const Points whole = ball(2 * rings, around, 1.23 * .0158, centre + Eigen::RowVector3d(0, 0, .004));
+        const Points own =
+            whole.middleRows(Eigen::Index{first_ring} * around, Eigen::Index{num_rings} * around);
+        Points points(count + own.rows(), 3);
+        points << sheet_ahead.vertices, own;
+        const Triangles strips = strips_of(num_rings, around, count);
+        Triangles triangles(sheet_ahead.triangles.rows() + strips.rows(), 3);
+        triangles << sheet_ahead.triangles, strips;
+        const Eigen::VectorXi face =
+            Eigen::VectorXi::LinSpaced(triangles.rows(), 0, static_cast<int>(triangles.rows()) - 1);
+        const ForeignSkin skin = read_foreign_skin(points, {triangles, face}, marks, {});
+        return sort_loose_parts(skin, laid, parts).on_eye[0][static_cast<std::size_t>(count) + 3];
+    };
+    EXPECT_TRUE(is_eye(0, rings));
+    EXPECT_TRUE(is_eye(0, 2 * rings / 3));
+    EXPECT_FALSE(is_eye(rings / 2, 3));
 }
 
 TEST_F(ForeignSkinTest, BadMeshesAreNamed) {

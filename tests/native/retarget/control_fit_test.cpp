@@ -159,17 +159,6 @@ TEST(ControlFit, TwinsShareByWhatIsExpected) {
     EXPECT_NEAR(fitted(0, 1), 0, .01);
 }
 
-TEST(ControlFit, AreasOfPolygons) {
-    Points points(5, 3);
-    points << 0, 0, 0, 2, 0, 0, 2, 2, 0, 0, 2, 0, 1, 3, 0;
-    const Eigen::VectorXd areas = polygon_areas(points, {0, 4}, {0, 1, 2, 3, 3, 2, 4});
-    EXPECT_NEAR(areas.sum(), 5, 1e-12);
-    EXPECT_NEAR(areas[0], 1, 1e-12);
-    EXPECT_NEAR(areas[4], 1. / 3, 1e-12);
-    EXPECT_THROW(polygon_areas(points, {0}, {0, 1}), InvalidInput);
-    EXPECT_THROW(polygon_areas(points, {0}, {0, 1, 5}), InvalidInput);
-}
-
 TEST(ControlFit, WrongInputIsRefused) {
     const MatrixRows sources = drawn(2, 3 * kVertices, 8);
     EXPECT_THROW(ControlFit(sources.leftCols(9), sources, kEven, ranges(2), ranges(2)), InvalidInput);

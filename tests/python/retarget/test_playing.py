@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from acting import make_acting
 from mimetic import InvalidInput
+from mimetic.retarget.bone_channels import nearest_surface
 from mimetic.retarget.controls import ControlRow
 from mimetic.retarget.playing import face_centre, origin_from_ears, play
 from mimetic.retarget.unit_fit import unit_order, unit_values
@@ -77,6 +78,23 @@ def test_what_moves_no_face_is_listed_and_not_driven(acting):
     assert played.unmatched == ["NeckFat"]
     assert "NeckFat" not in played.names
     assert "unmatched: NeckFat" in played.summary()
+
+
+def test_what_nobody_sees_holds_no_control_back_unless_it_is_heeded():
+    # A bone of the lid that takes the tongue along, as automatic weights may have it
+    acting = make_acting({"lid_upper.L": RISE})
+    surface = make_surface()
+    controls = surface.controls.copy()
+    blink = surface.control_names.index("eyeBlinkLeft")
+    controls[blink, load_template().part_vertices("tongue"), 1] = 0.003
+    dragging = dataclasses.replace(surface, controls=controls)
+    seen_alone = [dataclasses.replace(own, heeds_hidden=False) for own in (surface, dragging)]
+    heeded, plain, free = (
+        curve(play(acting, renamed(own), options=nearest_surface()), f"Key {blink:02d}").max()
+        for own in (dragging, *seen_alone)
+    )
+    assert heeded < 0.7 * plain
+    assert free == pytest.approx(plain, abs=0.05)
 
 
 def test_a_known_name_without_motion_of_its_own_is_played_by_its_name(acting):

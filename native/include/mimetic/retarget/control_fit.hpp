@@ -2,15 +2,8 @@
 #pragma once
 #include <mimetic/retarget/bounded_fit.hpp>
 #include <mimetic/shared/types.hpp>
-#include <vector>
 
 namespace mimetic {
-
-/// Each polygon's area in equal parts for the vertices of its corners, square units of the points: V.
-/// points: V x 3; starts: F, the first corner of each polygon, ascending; corners: vertices. Throws
-/// InvalidInput: a corner that is no vertex, a polygon of fewer than three corners.
-Eigen::VectorXd polygon_areas(PointsIn points, const std::vector<int>& starts,
-                              const std::vector<int>& corners);
 
 struct ControlFitOptions {
     double sparsity = .002;  ///< of a control's own value, 0 to 1: what a control that is used has to save

@@ -51,7 +51,8 @@ class ControlSurface:
 
     points: V x 3, at rest; starts, corners: of its polygons; controls: K x V x 3, sources: S x V x
     3, displacements at value 1, in the points' unit and frame; control_range: K x 2; source_names:
-    S, of muscles, jaw, lids and gaze as a performance's shapes are called; source_range: S x 2.
+    S, of muscles, jaw, lids and gaze as a performance's shapes are called; source_range: S x 2;
+    heeds_hidden: False lets what cannot be seen from outside count by a hundredth in the fit.
     """
 
     points: NDArray[np.float64]
@@ -63,6 +64,7 @@ class ControlSurface:
     source_names: Sequence[str] = ()
     sources: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0, 3)))
     source_range: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
+    heeds_hidden: bool = True
 
     def without(self, names: Iterable[str]) -> ControlSurface:
         """The same less some of its controls."""

@@ -9,7 +9,7 @@ muscles, names alone decide, through what the face units do to the canonical hea
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NoReturn
 
 import numpy as np
@@ -19,7 +19,7 @@ from mimetic import InvalidInput, _core
 from mimetic.character.shapes import slider_shapes_of
 from mimetic.performance.document import Performance
 from mimetic.retarget.control_names import KnownName, known_names, unit_shares
-from mimetic.retarget.controls import ControlRow, ControlSurface
+from mimetic.retarget.controls import ControlRow, ControlSurface, refitted
 from mimetic.retarget.unit_fit import NOT_CANONICAL, unit_order, unit_values
 from mimetic.template.face_template import load_template
 
@@ -27,6 +27,7 @@ MOVES = 1e-6  # of the mesh's extent: a control that displaces less on this mesh
 DRIVEN = 5e-3  # of a control's range: a curve that stays below is none
 EARS_BEHIND = 0.08  # metres, of the middle of a face
 MOST_NAMED = 24  # in one list of a message
+MOST_FITS = 8  # that a preview keeps: one for each choice of controls that are on
 UNPLAYED = 0.1  # share of what a muscle does by itself: below it no control stands for it
 READABLE = (
     0.05  # share of a control's motion that a face can make: below it is no control of a face
@@ -143,9 +144,58 @@ def play(
     )
 
 
+class ControlPreview:
+    """What `play` makes of a table at any one frame, while the table is edited.
+
+    frames: N, ascending, where the performance's frames lie; options: as `play`. Raises
+    InvalidInput if there is nothing to go by.
+    """
+
+    def __init__(
+        self,
+        performance: Performance,
+        surface: ControlSurface,
+        frames: NDArray[np.float64],
+        options: _core.ControlFitOptions | None = None,
+    ) -> None:
+        self._performance, self._surface = performance, surface
+        self._frames, self._options = np.asarray(frames, dtype=np.float64), options
+        ranges = dict(zip(surface.control_names, surface.control_range.tolist(), strict=True))
+        self._plain = {row.control: row for row in refitted([], ranges)}
+        self._fits: dict[frozenset[str], PlayedControls] = {}
+        self._fitted(frozenset(self._plain))
+
+    def values(self, frame: float, rows: Sequence[ControlRow]) -> dict[str, float]:
+        """Values of the controls that are on, as a bake of this table would show them at a frame.
+
+        Before the first and after the last frame these stay.
+        """
+        by_name = {row.control: row for row in rows if row.is_on and row.control in self._plain}
+        if not by_name:
+            return {}
+        fit = self._fitted(frozenset(by_name))
+        last = len(self._frames) - 1
+        place = np.interp(frame, self._frames, np.arange(last + 1))
+        before = min(int(place), last)
+        share, after = place - before, min(before + 1, last)
+        return {
+            name: float((1 - share) * ends[0] + share * ends[1])
+            for name, column in zip(fit.names, fit.values.T, strict=True)
+            for ends in [by_name[name].played(np.ascontiguousarray(column[[before, after]]))]
+        }
+
+    def _fitted(self, names: frozenset[str]) -> PlayedControls:
+        if names not in self._fits:
+            if len(self._fits) >= MOST_FITS:
+                self._fits.pop(next(iter(self._fits)))
+            rows = [replace(row, is_on=row.control in names) for row in self._plain.values()]
+            self._fits[names] = play(self._performance, self._surface, rows, self._options)
+        return self._fits[names]
+
+
 def face_centre(surface: ControlSurface) -> Floats:
     """3: the middle of what a character's controls move, by area and motion; the points' frame."""
-    areas = _areas(surface.points, surface.starts, surface.corners)
+    areas = _core.polygon_areas(surface.points, *_polygons(surface))
     weights = areas * (surface.controls**2).sum(axis=(0, 2))
     total = float(weights.sum())
     return weights @ surface.points / total if total > 0 else surface.points.mean(axis=0)
@@ -181,10 +231,11 @@ def fit_of(
     surface: ControlSurface, options: _core.ControlFitOptions | None = None
 ) -> _core.ControlFit:
     """Of a character's controls to its muscles."""
+    weigh = _core.polygon_areas if surface.heeds_hidden else _core.seen_areas
     return _core.ControlFit(
         surface.controls,
         surface.sources,
-        _areas(surface.points, surface.starts, surface.corners),
+        weigh(surface.points, *_polygons(surface)),
         surface.control_range,
         surface.source_range,
         options or _core.ControlFitOptions(),
@@ -239,8 +290,8 @@ def moving(surface: ControlSurface) -> NDArray[np.bool_]:
     return reach > MOVES * extent
 
 
-def _areas(points: Floats, starts: NDArray, corners: NDArray) -> Floats:
-    return _core.polygon_areas(points, np.asarray(starts).tolist(), np.asarray(corners).tolist())
+def _polygons(surface: ControlSurface) -> tuple[list[int], list[int]]:
+    return np.asarray(surface.starts).tolist(), np.asarray(surface.corners).tolist()
 
 
 def _listed(names: Sequence[str], most: int = 6) -> str:

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A performance shown on a character's own controls at the scene's frame, as their table has it.
+
+Nothing is keyed. What the character had before is kept at the object, so that an undo or a file
+that was saved meanwhile brings nothing of it back.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import bpy
+from bpy.app.handlers import persistent
+
+from . import control_rows, native
+from .scene_out import control_values, face_bones
+
+
+@dataclass
+class Shown:
+    """The character on show, by name: an undo may replace the object."""
+
+    name: str
+    preview: object  # mimetic.retarget.playing.ControlPreview
+    channels: list = field(default_factory=list)  # of a rig's face
+    is_quiet: bool = False  # rows are being written
+
+
+active: Shown | None = None
+
+
+def begin(character: bpy.types.Object, preview) -> None:
+    """Shows a character; one that was on show before is put back."""
+    global active
+    end()
+    is_rig = character.type == "ARMATURE"
+    active = Shown(character.name, preview, face_bones.channels(character) if is_rig else [])
+    _show()
+
+
+def end() -> None:
+    """Puts the character back as it was before."""
+    global active
+    active = None
+    _put_back_all()
+
+
+def is_of(character: bpy.types.Object | None) -> bool:
+    return active is not None and character is not None and character.name == active.name
+
+
+@contextlib.contextmanager
+def quiet() -> Iterator[None]:
+    """While many rows change: what they come to is shown once."""
+    if active is None:
+        yield
+        return
+    active.is_quiet = True
+    try:
+        yield
+    finally:
+        active.is_quiet = False
+        _show()
+
+
+def row_changed(character: bpy.types.Object) -> None:
+    """A row of the table has another value."""
+    if is_of(character):
+        _show()
+
+
+def _show() -> None:
+    if active is None or active.is_quiet:
+        return
+    character = bpy.data.objects.get(active.name)
+    if character is None or (character.type == "MESH" and character.data.shape_keys is None):
+        end()
+        return
+    scene = bpy.context.scene
+    try:
+        rows = control_rows.rows_of(character)
+        values = active.preview.values(scene.frame_current_final, rows)
+    except native.known_errors():  # with these rows there is nothing to go by
+        values = {}
+    settings = character.mimetic
+    if not settings.before_preview:
+        settings.before_preview = json.dumps(control_values.now(character))
+    before = json.loads(settings.before_preview)
+    # A control that was switched off since is as it was before
+    if character.type == "ARMATURE":
+        control_values.put_back(character, before)
+    else:
+        off = {name: number for name, number in before.items() if name not in values}
+        own = {row.control for row in rows}
+        control_values.put_back(character, {n: off[n] for n in off if n in own})
+    control_values.put(character, values, active.channels)
+
+
+def _put_back_all() -> None:
+    for character in bpy.data.objects:
+        if character.mimetic.before_preview and character.library is None:
+            control_values.put_back(character, json.loads(character.mimetic.before_preview))
+            character.mimetic.before_preview = ""
+
+
+@persistent
+def _follow(*_) -> None:
+    _show()
+
+
+@persistent
+def _after_undo(*_) -> None:
+    """Undo brings values back that were on show, too."""
+    if active is None:
+        _put_back_all()
+    else:
+        _show()
+
+
+@persistent
+def _before_save(*_) -> None:
+    """A file holds the character as it was before."""
+    _put_back_all()
+
+
+@persistent
+def _forget(*_) -> None:
+    """Another file is open."""
+    global active
+    active = None
+
+
+HANDLERS = (
+    (bpy.app.handlers.frame_change_post, _follow),
+    (bpy.app.handlers.undo_post, _after_undo),
+    (bpy.app.handlers.redo_post, _after_undo),
+    (bpy.app.handlers.save_pre, _before_save),
+    (bpy.app.handlers.save_post, _follow),
+    (bpy.app.handlers.load_pre, _forget),
+)
+
+
+def register() -> None:
+    control_rows.changed = row_changed
+    for handlers, handler in HANDLERS:
+        handlers.append(handler)
+
+
+def unregister() -> None:
+    end()
+    control_rows.changed = None
+    for handlers, handler in HANDLERS:
+        handlers.remove(handler)
