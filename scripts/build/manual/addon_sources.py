@@ -63,6 +63,7 @@ class OperatorSource:
 @dataclass
 class PanelSource:
     label: str
+    names: list[str]  # of its classes, as in MIMETIC_PT_name
     editors: list[str]
     operators: list[str]
     settings: list[str]
@@ -206,7 +207,8 @@ def panels() -> list[PanelSource]:
             next((text for one in line if (text := attribute(one, name, names))), "")
             for name in ("bl_label", "bl_space_type")
         )
-        panel = parts.setdefault(str(label), PanelSource(str(label), [], [], []))
+        panel = parts.setdefault(str(label), PanelSource(str(label), [], [], [], []))
+        panel.names.append(node.name.removeprefix("MIMETIC_PT_"))
         panel.editors.append(str(space))
         for one in line:
             _collect(one, panel)

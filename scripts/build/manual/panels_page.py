@@ -12,6 +12,8 @@ ABOUT = {
     "[the first minute](first-minute.md), [fitting.md](fitting.md), "
     "[calibration.md](calibration.md).",
     "Over the Footage": "What the clip editor draws over each frame.",
+    "Corrections": "Single frames that are stated by hand, and the frames around solved again: "
+    "[corrections.md](corrections.md).",
     "Head": "The head's motion on an object or on a character's bones, and the clip with the head "
     "held still: [head-tracking.md](head-tracking.md).",
     "Muscles": "Sliders of the face in groups, and muscles for a head of your own: "
@@ -19,25 +21,31 @@ ABOUT = {
     "Overlays": "Muscles and strain, drawn on the face.",
     "Own Controls": "A character's own shape keys or bones, played by a performance: "
     "[own-controls.md](own-controls.md).",
-    "Curves": "How many keys the curves have: [timing.md](timing.md).",
+    "Takes": "What was baked on this face: play, compare, blend in: [takes.md](takes.md).",
+    "Curves": "All curves of the face at once, in one undo step: [curves.md](curves.md).",
     "Expressions": "Kept expressions, blended, mirrored and put in sequence: "
     "[expressions.md](expressions.md).",
     "Live": "A face driven by a camera: [live.md](live.md).",
 }
+# A panel that has one more picture, and the words for it
+AT_WORK = ("Mimetic", "The same panel while the face is looked for")
 BEGINNING = """\
 # Panels and buttons
 
-Every panel of the tab **Mimetic** (press N in the 3D view or in the clip editor), every button
-and every setting, in their own words: `scripts/make_manual` writes this page from the extension's
-sources. A button that cannot run is grey and says why, as messages do
+Every panel of the tab **Mimetic** (press N in the 3D view or in the clip editor), every button and
+every setting, in their own words. A button that cannot run is grey and says why, as messages do
 ([messages.md](messages.md)). Each is in the menus Object > Mimetic or Clip > Mimetic too, and F3
-finds it by its name; scripts call it by the name in the last column
-([scripting.md](scripting.md)). Long ones show
-their progress and the time left in the status bar, and leave the window free meanwhile: scrub,
-play, undo, load the next clip. *Capture*, *Head Only*, *Find Face* and *Calibrate* wait their turn
-behind one that is at work on another clip. Esc ends the one at work (while the animation plays Esc
-ends that alone), the cross beside it in the panel too. What a job writes into objects waits until
-you are in Object Mode and in its scene again; the status bar says so.
+finds it by its name; scripts call it by the name in the last column ([scripting.md](scripting.md)).
+
+Long ones show their progress and the time left in the status bar, and leave the window free
+meanwhile: scrub, play, undo, load the next clip. *Capture*, *Head Only*, *Find Face* and
+*Calibrate* wait their turn behind one that is at work on another clip. Esc ends the one at work
+(while the animation plays Esc ends that alone), and so does the cross beside it in the panel. What
+a job writes into objects waits until you are in Object Mode and in its scene again; the status bar
+says so.
+
+`scripts/make_manual` writes this page from the extension's sources; `scripts/panel_pictures` takes
+its pictures in a real window, on a drawn person's clip.
 """
 
 
@@ -63,12 +71,24 @@ def page() -> str:
 def panel_part(panel: PanelSource, known: dict[str, OperatorSource]) -> str:
     places = " and ".join(EDITORS[editor] for editor in panel.editors)
     lines = [f"## {panel.label}\n", f"In {places}. {ABOUT.get(panel.label, '')}".strip() + "\n"]
+    lines.append(pictures(panel))
     if panel.operators:
         lines.append(button_table([known[name] for name in panel.operators]))
     own = [settings()[name] for name in panel.settings if name in settings()]
     if own:
         lines.append(setting_table(own))
     return "\n".join(lines)
+
+
+def pictures(panel: PanelSource) -> str:
+    """One of each editor's, which scripts/panel_pictures takes; of jobs at work in the first."""
+    shown = [
+        f"![The panel {panel.label} in {EDITORS[editor]}](../images/panels/{name}.png)"
+        for name, editor in zip(panel.names, panel.editors, strict=True)
+    ]
+    if panel.label == AT_WORK[0]:
+        shown.append(f"![{AT_WORK[1]}](../images/panels/at_work.png)")
+    return "\n".join(shown) + "\n"
 
 
 def button_table(buttons: list[OperatorSource]) -> str:

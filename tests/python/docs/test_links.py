@@ -73,7 +73,7 @@ def test_every_picture_is_shown_on_a_page_with_words_for_it():
     shown = [link for page in PAGES for link in links(page) if link.is_picture]
     assert [link.target for link in shown if len(link.text) < 10] == []
     targets = {(link.page.parent / link.target).resolve() for link in shown}
-    assert {path for path in PICTURES.iterdir()} - targets == set()
+    assert {path for path in PICTURES.rglob("*.*")} - targets == set()
 
 
 def test_every_page_of_the_guide_is_in_its_index():

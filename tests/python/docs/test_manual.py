@@ -2,6 +2,7 @@
 """The manual's pages that say what the program says are as the program says it now."""
 
 import ast
+import re
 
 import addon_sources
 import message_texts
@@ -28,10 +29,24 @@ def test_every_panel_and_button_is_in_the_manual():
     assert [one.idname for one in buttons if f"| **{one.label}** |" not in page] == []
 
 
+def test_every_panel_has_its_picture_on_the_page():
+    """scripts/panel_pictures takes them; a new one is a step in tests/window/walk_panels.py."""
+    page = (GUIDE / "panels.md").read_text(encoding="utf-8")
+    names = [name for panel in addon_sources.panels() for name in panel.names]
+    declared = re.findall(
+        r"^class MIMETIC_PT_(\w+)",
+        "".join(path.read_text() for path in (addon_sources.ADDON / "panels").glob("*.py")),
+        re.MULTILINE,
+    )
+    assert sorted(names) == sorted(declared) and len(names) >= 13
+    for name in names:
+        assert f"(../images/panels/{name}.png)" in page, name
+        size = (ROOT / "docs" / "images" / "panels" / f"{name}.png").stat().st_size
+        assert 1000 < size < 40_000, name
+
+
 def test_operators_are_read_from_the_sources_whole():
     """As many as register: none is missed by the way that it is written."""
-    import re
-
     text = "".join(
         path.read_text(encoding="utf-8")
         for path in (ROOT / "blender_addon" / "mimetic" / "operators").glob("*.py")
