@@ -173,7 +173,7 @@ def _opened(surface, source: str, got, wanted) -> tuple[np.ndarray, np.ndarray]:
 
 def _shape_gaps(scene, mesh) -> str:
     """What the 52 shapes of this head leave open: between lids, between lips."""
-    head = _part("scene_in").bound_head(scene, mesh)
+    head = _part("heads").bound_head(scene, mesh)
     parts = _native().foreign_face()
     polygons = parts.Polygons(head.starts, head.corners)
     face = parts.attach_face(head.points, polygons, head.landmarks, head.matrix)

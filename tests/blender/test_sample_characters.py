@@ -57,3 +57,16 @@ def left_eye(monkey, rest: np.ndarray) -> np.ndarray:
         is_in[edges[is_in[edges].any(axis=1)]] = True
         if is_in.sum() == before:
             return np.flatnonzero(is_in)
+
+
+def test_characters_are_measured(extension, monkeypatch, capsys):
+    import blender_module
+    from measure_characters import measure
+
+    repository = extension("outcome").__name__.split(".")[1]
+    monkeypatch.setattr(blender_module, "repository", lambda: repository)
+    measure("canonical")
+    line = capsys.readouterr().out.splitlines()[-1].split()
+    assert line[0] == "canonical"
+    assert [float(word) for word in line[1:6]] == [1, 0, 1, 0, 0]  # muscles play themselves
+    assert all(float(word) < 0.3 for word in line[6:])  # mm, of the 52 shapes
