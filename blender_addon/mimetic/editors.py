@@ -16,6 +16,14 @@ def open_editors(*kinds: str) -> Iterator[bpy.types.Area]:
                 yield area
 
 
+def redraw_sidebars(*kinds: str) -> None:
+    """The sidebars of these editors alone: a 3D view takes long to draw."""
+    for area in open_editors(*kinds):
+        for region in area.regions:
+            if region.type == "UI":
+                region.tag_redraw()
+
+
 def redraw(*kinds: str) -> None:
     """Has these editors drawn anew: Blender draws them only after events of their own."""
     for area in open_editors(*kinds):

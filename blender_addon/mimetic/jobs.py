@@ -31,6 +31,7 @@ class Run:
     begin: Callable[[], None] | None = None  # starts it when its turn comes
     keeps_part: bool = False  # when it is stopped
     is_endless: bool = False  # it runs until it is stopped
+    so_far: object = None  # a mimetic.solve.frames_so_far.FramesSoFar, drawn while it grows
     posts: queue.SimpleQueue = field(default_factory=queue.SimpleQueue)
     stop: threading.Event = field(default_factory=threading.Event)
     thread: threading.Thread | None = None
@@ -191,8 +192,10 @@ class Job(Modal):
 
     keeps_part = False  # what a stopped job has done so far
     needs_object_mode = True  # to write
+    so_far: object = None  # what may be drawn meanwhile, made by `read`
     facts: dict | None = None  # what scripts are told `write` made, besides its message
     _scene_name = ""
+    _shown = ""
 
     @classmethod
     def subject(cls, context) -> str:
@@ -234,7 +237,8 @@ class Job(Modal):
             inputs = self.read(context)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        run = Run(self.bl_label, self.subject(context), keeps_part=self.keeps_part)
+        run = Run(self.bl_label, self.subject(context))
+        run.keeps_part, run.so_far = self.keeps_part, self.so_far
         run.begin = lambda: run.start(self.work, inputs)
         self._scene_name = context.scene.name
         if running:
@@ -248,6 +252,7 @@ class Job(Modal):
             is_done = running.is_done()
             reason = self._hindrance(context) if is_done else ""
             self._show(context, reason)
+            self.accompany(context)
             if is_done and not reason:
                 return self._end(context)
         # Esc that ends the playback is not meant for us
@@ -257,6 +262,9 @@ class Job(Modal):
             running.stop.set()
             return {"RUNNING_MODAL"}
         return {"PASS_THROUGH"}
+
+    def accompany(self, context) -> None:
+        """Called while it is at work, with what the worker has posted by now."""
 
     def _hindrance(self, context) -> str:
         """Why the result cannot be put into the scene as the window stands."""
@@ -290,12 +298,16 @@ class Job(Modal):
 
     def _show(self, context, reason: str) -> None:
         if reason:
-            context.workspace.status_text_set(f"{running.label} {reason}   |   Esc discards it")
+            text = f"{running.label} {reason}   |   Esc discards it"
         else:
             hint = "stopping" if running.stop.is_set() else "Esc stops"
             then = f"   |   {len(waiting)} more" if waiting else ""
-            context.workspace.status_text_set(f"{running.text()}   |   {hint}{then}")
-        editors.redraw("CLIP_EDITOR", "VIEW_3D")
+            text = f"{running.text()}   |   {hint}{then}"
+        if text != self._shown:  # drawing takes the machine's time from the work
+            self._shown = text
+            context.workspace.status_text_set(text)
+            editors.redraw("CLIP_EDITOR")
+            editors.redraw_sidebars("VIEW_3D")
 
 
 def is_playing() -> bool:

@@ -248,15 +248,14 @@ def no_picture(context) -> str:
 
 def footage_pixel(context, x: int, y: int) -> tuple[float, float] | None:
     """The pixel of the footage under a place of the window, None beside it; from a clip editor."""
-    for region in context.area.regions:
-        across, up = x - region.x, y - region.y
-        if region.type == "WINDOW" and 0 <= across < region.width and 0 <= up < region.height:
-            place = region.view2d.region_to_view(across, up)
-            if not all(0 <= part <= 1 for part in place):
-                return None
-            pixels = native.picture().picture_pixels(place, context.space_data.clip.size)
-            return tuple(float(part) for part in pixels[0])
-    return None
+    under = [r for r in context.area.regions if 0 <= x - r.x < r.width and 0 <= y - r.y < r.height]
+    if [region.type for region in under] != ["WINDOW"]:  # a sidebar may lie over the footage
+        return None
+    place = under[0].view2d.region_to_view(x - under[0].x, y - under[0].y)
+    if not all(0 <= part <= 1 for part in place):
+        return None
+    pixels = native.picture().picture_pixels(place, context.space_data.clip.size)
+    return tuple(float(part) for part in pixels[0])
 
 
 def frame_range(scene: bpy.types.Scene) -> tuple[int, int] | None:

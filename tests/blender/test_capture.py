@@ -167,7 +167,7 @@ def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, t
     operator = extension("operators.capture").MIMETIC_OT_capture
     path = str(tmp_path / "part.npz")
     footage = extension("scene_in").footage(bpy.context)
-    inputs = (footage, (1, 40), fit, (path, path), ())
+    inputs = (footage, (1, 40), fit, (path, path), ((), None))  # no corrections, nobody looks
     made, _ = operator.work(operator, inputs, progress)
     assert (made["clip"], made["performance"]) == (footage.clip_name, path)
     from mimetic.performance.document import Performance
@@ -189,7 +189,7 @@ def test_esc_before_the_first_result_changes_nothing(extension, scene, with_clip
     pressed = getattr(extension(f"operators.{module}"), operator)
     path = str(tmp_path / "part.npz")
     footage = extension("scene_in").footage(bpy.context)
-    inputs = (footage, (1, 40), fit, (path, path), ())
+    inputs = (footage, (1, 40), fit, (path, path), ((), None))  # no corrections, nobody looks
     inputs = (*inputs[:4], "surface") if "track_head" in operator else inputs
     output = []
 

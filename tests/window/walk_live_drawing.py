@@ -84,7 +84,7 @@ def steps(walk: Walk) -> Steps:
     measure("Fast View")
     fast.end()
     measure("after Fast View")
-    walk.arrays["rows"] = [[name, ms] for name, ms in rows.items()]
+    walk.arrays["rows"] = [[name, f"{ms:6.0f} ms"] for name, ms in rows.items()]
     walk.check("all was drawn", min(rows.values()) > 0)
 
 

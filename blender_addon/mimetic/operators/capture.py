@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from bpy.types import Operator
 
-from .. import corrections, native, scene_in
+from .. import corrections, frame_at_hand, jobs, native, scene_in
 from .following import Following
 
 
@@ -13,12 +13,24 @@ class MIMETIC_OT_capture(Following, Operator):
     message = "Captured frames {first} to {last}"
 
     def option(self, context):
-        return corrections.of_clip(scene_in.clip_of(context))
+        self.so_far = native.clip_capture().FramesSoFar()
+        self._playhead = frame_at_hand.Playhead(context.scene)
+        return corrections.of_clip(scene_in.clip_of(context)), self.so_far
+
+    def accompany(self, context):
+        if self.so_far.newest is not None:
+            self._playhead.accompany(context, jobs.running.subject, self.so_far.newest)
 
     @staticmethod
     def follow(option, footage_path, frames, fit, progress):
+        entries, so_far = option
         first, last = frames or (None, None)
-        within = tuple(c for c in option if (first or 1) <= c.frame <= (last or c.frame))
+        within = tuple(c for c in entries if (first or 1) <= c.frame <= (last or c.frame))
         return native.clip_capture().capture(
-            footage_path, frames=frames, fit=fit, progress=progress, corrections=within
+            footage_path,
+            frames=frames,
+            fit=fit,
+            progress=progress,
+            corrections=within,
+            so_far=so_far,
         )

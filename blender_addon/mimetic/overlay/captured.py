@@ -10,7 +10,7 @@ import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
-from .. import corrections, native, scene_in, shown_take
+from .. import corrections, jobs, native, scene_in, shown_take
 from . import picture, text
 
 MESH, FEATURES, IRISES = (0.15, 1.0, 0.45, 0.2), (1.0, 0.75, 0.1, 0.95), (0.2, 0.75, 1.0, 0.95)
@@ -21,20 +21,21 @@ STRIP_BOTTOM, STRIP_HEIGHT = 22, 6  # pixels at a UI scale of 1, above Blender's
 
 @dataclass
 class Seen:
-    """A take as it was last drawn."""
+    """A take, or the capture at work, as it was last drawn."""
 
-    performance: object
-    lines: object  # mimetic.report.face_lines.PerformanceLines; None: a head's alone has no face
+    performance: object  # None of a capture at work
+    lines: object  # of mimetic.report.face_lines; None: a head's alone has no face
     drawn: tuple | None = None  # a frame's index, batches of what is drawn in it
     strip: tuple | None = None  # what it was made for, and its batch
 
 
 _last: Seen | None = None
+_at_work: Seen | None = None  # of the capture that runs
 
 
 def forget() -> None:
-    global _last
-    _last = None
+    global _last, _at_work
+    _last = _at_work = None
     corrections.forget()
     shown_take.forget()
 
@@ -44,21 +45,38 @@ def draw_capture(context) -> bool:
     settings = context.scene.mimetic
     if not settings.show_capture:
         return False
-    seen = _seen(context)
-    if seen is None or seen.lines is None:
-        return False
     frame = scene_in.shown_frame(context)
+    seen = at_work = _seen_at_work(context)
+    # What the run has not come to yet is as the take before has it
+    if at_work is None or at_work.lines.row_of(frame) is None:
+        seen = _seen(context)
+    if seen is None or seen.lines is None:
+        seen = at_work
+    if seen is None:
+        return False
     row = seen.lines.row_of(frame)
     gpu.state.blend_set("ALPHA")
     try:
         if row is not None:
             _draw_face(context, seen, row, settings)
         if settings.show_quality:
-            _draw_quality(context, seen, row)
+            _draw_quality(context, at_work or seen, row)
     finally:
         gpu.state.point_size_set(1.0)
         gpu.state.blend_set("NONE")
     return row is not None
+
+
+def _seen_at_work(context) -> Seen | None:
+    """What the job at work has followed of the clip on show."""
+    global _at_work
+    run = jobs.running
+    so_far = run.so_far if run and run.subject == context.edit_movieclip.name else None
+    if so_far is None or not len(so_far):
+        _at_work = None
+    elif _at_work is None or _at_work.lines.so_far is not so_far:
+        _at_work = Seen(None, native.face_lines().LinesSoFar(so_far))
+    return _at_work
 
 
 def _seen(context) -> Seen | None:
@@ -98,7 +116,8 @@ def _draw_face(context, seen: Seen, row: int, settings) -> None:
             if is_on and batch is not None:
                 shader.uniform_float("color", colour)
                 batch.draw(shader)
-        _draw_pins(context, shader)
+        if seen.performance is not None:  # pins are put on takes
+            _draw_pins(context, shader)
 
 
 def _draw_pins(context, shader) -> None:
@@ -120,7 +139,8 @@ def _draw_pins(context, shader) -> None:
 def _batch(places, kind: str):
     if not len(places):
         return None
-    points = np.column_stack([places, np.zeros(len(places), dtype=np.float32)])
+    # Blender takes an array's bytes as they are: of double precision nothing would be seen
+    points = np.column_stack([places, np.zeros(len(places))]).astype(np.float32)
     return batch_for_shader(gpu.shader.from_builtin("UNIFORM_COLOR"), kind, {"pos": points})
 
 
@@ -133,11 +153,11 @@ def _draw_quality(context, seen: Seen, row: int | None) -> None:
     place = (left, per_frame, STRIP_BOTTOM * scale, STRIP_HEIGHT * scale)
     corrected = tuple(corrections.frames_of(clip))
     shader = gpu.shader.from_builtin("SMOOTH_COLOR")
-    if seen.strip is None or seen.strip[0] != (place, corrected):
-        performance = seen.lines.performance
-        points, colours = native.face_lines().quality_strip(performance, *place, corrected)
+    state = (place, corrected, seen.lines.num_frames)
+    if seen.strip is None or seen.strip[0] != state:
+        points, colours = seen.lines.strip(*place, corrected)
         content = {"pos": points, "color": colours}
-        seen.strip = ((place, corrected), batch_for_shader(shader, "TRIS", content))
+        seen.strip = (state, batch_for_shader(shader, "TRIS", content))
     seen.strip[1].draw(shader)
     with text.style(scale):
         above = (STRIP_BOTTOM + STRIP_HEIGHT + 6) * scale

@@ -3,7 +3,7 @@
 
 from bpy.types import Panel
 
-from .. import native, scene_in, takes
+from .. import jobs, native, scene_in, takes
 
 
 class OfClip:
@@ -28,7 +28,8 @@ class MIMETIC_PT_clip_overlays(OfClip, Panel):
         settings = context.scene.mimetic
         layout.prop(settings, "show_fit")
         if takes.of_clip(context.scene, scene_in.clip_of(context)) is None:
-            layout.label(text="Capture to see the face in every frame")
+            if jobs.running is None:
+                layout.label(text="Capture to see the face in every frame")
             return
         layout.prop(settings, "show_capture")
         column = layout.column(align=True)

@@ -44,6 +44,10 @@ meanwhile: scrub, play, undo, load the next clip. *Capture*, *Head Only*, *Find 
 a job writes into objects waits until you are in Object Mode and in its scene again; the status bar
 says so.
 
+While *Capture* works, the clip editor draws the face on each frame as it is followed, with the
+strip of quality, and the playhead goes along. Scrub or play, and it leaves you there: frames that
+were followed already show their face; back where it was left it goes along again.
+
 `scripts/make_manual` writes this page from the extension's sources; `scripts/panel_pictures` takes
 its pictures in a real window, on a drawn person's clip.
 """

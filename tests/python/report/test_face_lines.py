@@ -75,7 +75,7 @@ def test_the_strip_has_a_box_a_frame_in_the_colour_of_its_quality():
     performance = replace(
         performance, frame=np.array([2, 3, 7]), quality=np.array([0.5 * HELD_QUALITY, 0.6, 1.0])
     )
-    points, colours = quality_strip(performance, 10.0, 4.0, 20.0, 6.0)
+    points, colours = quality_strip(performance.frame, performance.quality, 10.0, 4.0, 20.0, 6.0)
     boxes = points.reshape(3, 6, 2)
     np.testing.assert_allclose(boxes.min(axis=1), [[14, 20], [18, 20], [34, 20]])
     np.testing.assert_allclose(boxes.max(axis=1), [[18, 26], [22, 26], [38, 26]])

@@ -5,83 +5,37 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from clips import ffmpeg
 from mimetic import InvalidInput
 from mimetic.commands.cli import main
 from mimetic.performance.corrections import (
     FrameCorrection,
     Pinned,
-    SkinPin,
     corrected_frames,
     save_corrections,
 )
 from mimetic.performance.document import Performance
-from mimetic.performance.pinned_places import PinnedPlaces, place_under
-from mimetic.performance.places import RefinedSurface
 from mimetic.score.truth import Truth
 from mimetic.solve.clip_capture import capture, find_face
 from mimetic.solve.refining import refined
 from mimetic.template.face_template import load_template
+from spoilt_clip import FIRST, LAST, cover_mouth, error, pixels_of, places_of
 
-FIRST, LAST = 36, 46  # frames in which the mouth is covered; it opens at 33
 CORRECTED, REACH = (38, 44), 7.0
 
 
 @pytest.fixture(scope="module")
 def spoilt(rendered_clip, tmp_path_factory):
-    """Footage, fit and capture of the clip with a hand's colour before the mouth for a while."""
-    folder = tmp_path_factory.mktemp("spoilt")
-    footage = folder / "spoilt.mp4"
-    truth = Truth.load(rendered_clip.truth)
+    """Footage, fit and capture of the clip with something before the mouth for a while, truth."""
+    footage = tmp_path_factory.mktemp("spoilt") / "spoilt.mp4"
     fit = find_face(rendered_clip.footage, 1)
-    template = load_template()
-    corners = [template.landmark(f"mouth_corner.{side}") for side in "LR"]
-    mouth = fit.neutral_vertices(template)[corners] @ fit.head_pose[:3, :3].T + fit.head_pose[:3, 3]
-    (left, y), (right, _) = truth_pixels(mouth, fit.intrinsics)
-    width = abs(right - left)
-    box = (min(left, right) - 0.3 * width, y - 0.4 * width, 1.6 * width, 1.3 * width)
-    x, y, w, h = (round(float(number)) for number in box)
-    enabled = f"enable='between(n,{FIRST - 1},{LAST - 1})'"
-    draw = f"drawbox=x={x}:y={y}:w={w}:h={h}:color=0x9c6a52:t=fill:{enabled}"
-    ffmpeg("-i", rendered_clip.footage, "-vf", draw, "-c:v", "libx264", "-crf", "12", footage)
-    return footage, fit, capture(footage, fit=fit), truth
-
-
-def truth_pixels(points, intrinsics):
-    pixels = points @ intrinsics.T
-    return pixels[:, :2] / pixels[:, 2:]
+    cover_mouth(rendered_clip.footage, fit, footage)
+    return footage, fit, capture(footage, fit=fit), Truth.load(rendered_clip.truth)
 
 
 @pytest.fixture(scope="module")
 def places(spoilt):
     """Places of the lower face, as pins of the first frame, and their true pixels in all."""
-    _, _, performance, truth = spoilt
-    surface = RefinedSurface(performance)
-    moved = np.linalg.norm(truth.tracks[FIRST + 4] - truth.tracks[FIRST - 6], axis=1)
-    pins, points = [], []
-    for k in np.argsort(-moved)[:60]:
-        if not truth.visible[:, k].all():
-            continue
-        place = place_under(surface, tuple(truth.tracks[0, k]), 0)
-        if place is not None and place[0] < load_template().num_skin_faces:
-            pins.append(SkinPin(*place, tuple(truth.tracks[0, k])))
-            points.append(k)
-    return pins, truth.tracks[:, points]
-
-
-def pixels_of(performance, pins, frames):
-    """Frames x P x 2."""
-    at = PinnedPlaces(load_template(), pins)
-    rows = [performance.index_of(frame) for frame in frames]
-    return np.stack(
-        [performance.project(at.positions(performance.surface_in_camera(i))) for i in rows]
-    )
-
-
-def error(performance, places, frames):
-    pins, tracks = places
-    off = pixels_of(performance, pins, frames) - tracks[[frame - 1 for frame in frames]]
-    return float(np.sqrt((off**2).sum(axis=2).mean()))
+    return places_of(spoilt[2], spoilt[3])
 
 
 def corrections_of(places, frames=CORRECTED, count=3):

@@ -103,18 +103,21 @@ def with_eyes_turned(
 
 def iris_circles(performance: WithEyes, i: int) -> NDArray[np.float64]:
     """2 x (1 + NUM_RIM) x 3, metres, head frame: each iris' middle and its rim at frame index i."""
-    turns = gaze_of(performance)[i]
+    centers, irises = map(np.asarray, (performance.eye_centers, performance.iris_centers))
+    return turned_irises(centers, irises, gaze_of(performance)[i])
+
+
+def turned_irises(
+    centers: NDArray[np.float64], irises: NDArray[np.float64], turns: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """The same of eyeballs (2 x 3 each, metres: centres, irises at rest) at a gaze (4, as GAZE)."""
     return np.stack(
         [
             _core.iris_circle(
-                *(center, iris, turns[2 * eye], turns[2 * eye + 1], IRIS_RADIUS, NUM_RIM)
+                *(centers[eye], irises[eye], turns[2 * eye], turns[2 * eye + 1]),
+                *(IRIS_RADIUS, NUM_RIM),
             )
-            for eye, (center, iris) in enumerate(
-                zip(
-                    *map(np.asarray, (performance.eye_centers, performance.iris_centers)),
-                    strict=True,
-                )
-            )
+            for eye in range(2)
         ]
     )
 

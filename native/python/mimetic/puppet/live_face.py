@@ -17,7 +17,7 @@ from mimetic.muscles.extras import with_lip_shapes
 from mimetic.muscles.eyeballs import EyeGeometry, eye_geometry
 from mimetic.performance.gaze import GAZE
 from mimetic.solve import tracking
-from mimetic.solve.gaze import FACING
+from mimetic.solve.gaze import FACING, gaze_in
 from mimetic.template.face_template import FaceTemplate, load_template
 
 # What a frame of 30 a second can afford on two laptop cores: half the time of it is the networks'
@@ -63,14 +63,6 @@ def live_face(image: NDArray[np.uint8], fit: FaceFit, is_own: bool) -> LiveFace:
         for per_degree, pitch in zip(eyes.lid_per_degree, pitches, strict=True)
     ]
     return LiveFace(fit, template, anatomy, eyes, tracker, gaze, lids, is_own)
-
-
-def gaze_in(
-    gaze: _core.GazeFilter, camera: _core.Camera, estimate: _core.FrameEstimate, seconds: float
-) -> NDArray[np.float64]:
-    """4 degrees, as GAZE; seconds: since the picture before."""
-    irises = estimate.irises * (not estimate.held)
-    return gaze.advance(camera, estimate.camera_from_head, estimate.pose_cov, irises, seconds)
 
 
 def live_options() -> _core.TrackerOptions:

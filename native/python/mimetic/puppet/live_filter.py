@@ -15,12 +15,12 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.fit import fitting
-from mimetic.puppet.live_face import LiveFace, gaze_in, live_face, live_names
+from mimetic.puppet.live_face import LiveFace, live_face, live_names
 from mimetic.puppet.mapping import State
 from mimetic.puppet.person_search import PersonSearch
 from mimetic.puppet.taught_follower import SHARPEN, TaughtFollower
 from mimetic.puppet.templates import TaughtSet
-from mimetic.solve.gaze import SIDES
+from mimetic.solve.gaze import SIDES, gaze_in
 from mimetic.solve.walk import PROOF, find_again
 
 DEFAULT_STILLNESS = 0.5

@@ -7,6 +7,7 @@ The same surface as in `overlay.mp4`; hidden parts are left out.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,7 @@ from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.performance.gaze import has_gaze, iris_circles, seen_articulators
 from mimetic.report.overlay import shown_faces, shown_landmarks
 from mimetic.shared.pinhole import camera_of
+from mimetic.solve.frames_so_far import FramesSoFar
 from mimetic.template.face_template import load_template
 
 CORRECTED = (0.2, 0.5, 1.0, 1.0)  # colour of a corrected frame's box
@@ -29,27 +31,16 @@ class PerformanceLines:
     def __init__(self, performance: Performance) -> None:
         self.performance = performance
         self._rows = {int(frame): i for i, frame in enumerate(performance.frame)}
-        template = load_template()
-        if np.array_equal(performance.faces, template.faces):
-            num_skin = template.num_skin_vertices
-            self.landmarks = shown_landmarks(template)
-            used, faces = np.arange(num_skin), np.ascontiguousarray(template.skin_faces)
-            is_shown, features = shown_faces(template), list(feature_lines(template).values())
-            marks = [template.landmark(name) for name in self.landmarks]
-        else:
-            self.landmarks = []
-            used, faces = np.unique(performance.faces, return_inverse=True)
-            faces = np.ascontiguousarray(faces.reshape(-1, 4), dtype=np.int32)
-            is_shown, features, marks = np.ones(len(faces), dtype=bool), [], []
-        self._lines = _core.FaceLines(
+        self.landmarks, self._lines = _lines_of(
             camera_of(performance.intrinsics, performance.image_size),
-            np.ascontiguousarray(performance.neutral_vertices[used]),
-            np.ascontiguousarray(_modes_of(performance)[:, used], dtype=np.float64),
-            faces,
-            is_shown.tolist(),
-            features,
-            marks,
+            performance.neutral_vertices,
+            _modes_of(performance),
+            performance.faces,
         )
+
+    @property
+    def num_frames(self) -> int:
+        return self.performance.num_frames
 
     def row_of(self, frame: int) -> int | None:
         """The index of a frame number; None for one that was not captured."""
@@ -70,10 +61,88 @@ class PerformanceLines:
         """What is known of frame index `i`; None: a frame that was not captured."""
         if i is None:
             return "not captured"
-        quality = float(self.performance.quality[i])
-        text = f"quality {quality:.2f}" + ("" if quality >= HELD_QUALITY else ", lost: held")
+        text = _quality_text(float(self.performance.quality[i]))
         is_corrected = self.performance.frame[i] in corrected_frames(self.performance)
         return text + (", corrected" if is_corrected else "")
+
+    def strip(
+        self, left: float, per_frame: float, bottom: float, height: float, corrected: Sequence[int]
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """Its `quality_strip`."""
+        performance = self.performance
+        place = (left, per_frame, bottom, height)
+        return quality_strip(performance.frame, performance.quality, *place, corrected)
+
+
+class LinesSoFar:
+    """The same of a capture at work, whose frames are added meanwhile; rows are their numbers."""
+
+    def __init__(self, so_far: FramesSoFar) -> None:
+        self.so_far = so_far
+        self._lines: _core.FaceLines | None = None
+
+    @property
+    def num_frames(self) -> int:
+        return len(self.so_far)
+
+    def row_of(self, frame: int) -> int | None:
+        """None for a frame that was not followed yet."""
+        return None if self.so_far.at(frame) is None else frame
+
+    def draw(self, frame: int) -> _core.DrawnLines:
+        """What is seen in a frame that `row_of` knows."""
+        person, entry = self.so_far.person, self.so_far.at(frame)
+        assert person is not None and entry is not None
+        if self._lines is None:
+            _, self._lines = _lines_of(
+                person.camera, person.neutral_vertices, person.modes, load_template().faces
+            )
+        return self._lines.draw(entry.values, entry.head_pose, list(entry.rims))
+
+    def quality_text(self, frame: int | None) -> str:
+        entry = None if frame is None else self.so_far.at(frame)
+        return "not followed yet" if entry is None else _quality_text(entry.quality)
+
+    def strip(
+        self, left: float, per_frame: float, bottom: float, height: float, corrected: Sequence[int]
+    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """`quality_strip` of the frames there are by now."""
+        place = (left, per_frame, bottom, height)
+        return quality_strip(*self.so_far.qualities(), *place, corrected)
+
+
+def _lines_of(
+    camera: _core.Camera,
+    neutral: NDArray[np.float64],
+    modes: NDArray[np.float32],
+    faces: NDArray[np.integer[Any]],
+) -> tuple[list[str], _core.FaceLines]:
+    """Names of the marks, and the lines; a mesh that is not the canonical one has no marks."""
+    template = load_template()
+    landmarks: list[str] = []
+    if np.array_equal(faces, template.faces):
+        num_skin = template.num_skin_vertices
+        landmarks = shown_landmarks(template)
+        used, quads = np.arange(num_skin), np.ascontiguousarray(template.skin_faces)
+        is_shown, features = shown_faces(template), list(feature_lines(template).values())
+        marks = [template.landmark(name) for name in landmarks]
+    else:
+        used, inverse = np.unique(faces, return_inverse=True)
+        quads = np.ascontiguousarray(inverse.reshape(-1, 4), dtype=np.int32)
+        is_shown, features, marks = np.ones(len(quads), dtype=bool), [], []
+    return landmarks, _core.FaceLines(
+        camera,
+        np.ascontiguousarray(neutral[used]),
+        np.ascontiguousarray(modes[:, used], dtype=np.float64),
+        quads,
+        is_shown.tolist(),
+        features,
+        marks,
+    )
+
+
+def _quality_text(quality: float) -> str:
+    return f"quality {quality:.2f}" + ("" if quality >= HELD_QUALITY else ", lost: held")
 
 
 def _modes_of(performance: Performance) -> NDArray[np.float32]:
@@ -83,30 +152,30 @@ def _modes_of(performance: Performance) -> NDArray[np.float32]:
 
 
 def quality_strip(
-    performance: Performance,
+    frames: NDArray[np.int64],
+    quality: NDArray[np.float64],
     left: float,
     per_frame: float,
     bottom: float,
     height: float,
-    corrected: Sequence[int] | None = None,
+    corrected: Sequence[int] = (),
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Triangles of a strip with a box for each captured frame, and above it for each corrected one.
 
-    Points 6K x 2, colours 6K x 4. left: of frame 1; per_frame: width of a frame; all in the
-    picture's unit. From red, lost, by yellow to green, well explained; corrected frames blue, the
-    performance's own where none are given.
+    frames, quality: K each. Points 6K x 2, colours 6K x 4. left: of frame 1; per_frame: width of a
+    frame; all in the picture's unit. From red, lost, by yellow to green, well explained; corrected
+    frames are blue.
     """
-    corrected = corrected_frames(performance) if corrected is None else corrected
-    frames = np.concatenate([performance.frame, np.array(corrected, dtype=np.int64)])
-    starts = left + per_frame * (frames - 1.0)
+    marked = np.concatenate([frames, np.array(corrected, dtype=np.int64)])
+    starts = left + per_frame * (marked - 1.0)
     corners = np.empty((len(starts), 6, 2), dtype=np.float32)
     corners[:, :, 0] = starts[:, None] + per_frame * np.array([0, 1, 1, 0, 1, 0])
     corners[:, :, 1] = bottom + height * np.array([0, 0, 1, 0, 1, 1])
-    corners[performance.num_frames :, :, 1] += height
-    quality = np.where(performance.quality < HELD_QUALITY, 0.0, performance.quality)
+    corners[len(frames) :, :, 1] += height
+    shown_quality = np.where(quality < HELD_QUALITY, 0.0, quality)
     colours = np.empty((len(starts), 6, 4), dtype=np.float32)
-    colours[: performance.num_frames, :, 0] = np.clip(2 - 2 * quality, 0, 0.9)[:, None]
-    colours[: performance.num_frames, :, 1] = np.clip(1.6 * quality, 0, 0.8)[:, None]
+    colours[: len(frames), :, 0] = np.clip(2 - 2 * shown_quality, 0, 0.9)[:, None]
+    colours[: len(frames), :, 1] = np.clip(1.6 * shown_quality, 0, 0.8)[:, None]
     colours[..., 2:] = 0.1, 0.9
-    colours[performance.num_frames :] = CORRECTED
+    colours[len(frames) :] = CORRECTED
     return corners.reshape(-1, 2), colours.reshape(-1, 4)

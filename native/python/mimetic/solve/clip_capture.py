@@ -45,6 +45,7 @@ from mimetic.solve import smoothing, tracking
 from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_performance import clip_performance
 from mimetic.solve.find_face import Rest, find_rest, joined_with_others
+from mimetic.solve.frames_so_far import FramesSoFar
 from mimetic.solve.gaze import ClipGaze
 from mimetic.solve.refining import check_of_capture, refined, within
 from mimetic.solve.walk import ClipWalk, Image, Pose, proved
@@ -178,13 +179,14 @@ def capture(
     progress: Progress | None = None,
     summary: CaptureSummary | None = None,
     corrections: Corrections = (),
+    so_far: FramesSoFar | None = None,
 ) -> Performance:
     """Follows the head and solves the muscles in `frames` (both ends included; the whole clip).
 
     progress: called with (fraction, text) every frame; when it returns False the frames done so far
     are returned, and `notes` say so. summary: filled with how it went. corrections: what a person
-    says of some of the frames, measured beside the pictures. Raises NoFace, UnreadableMedia,
-    InvalidInput.
+    says of some of the frames, measured beside the pictures. so_far: given each frame as soon as
+    it is followed. Raises NoFace, UnreadableMedia, InvalidInput.
     """
     summary = summary if summary is not None else CaptureSummary()
     footage = Footage(path)
@@ -199,6 +201,7 @@ def capture(
     )
     fit = fit_for(footage, (first, last), fit, finding, summary)
     walk = ClipCapture(footage, fit, (first, last), following, summary, attaching)
+    walk.so_far = so_far
     walk.pinned_poses = {c.frame: c.pose.head_pose for c in corrections if c.pose is not None}
     performance = walk.run()
     if corrections:
@@ -226,6 +229,7 @@ class ClipCapture:
     ) -> None:
         self.walk = ClipWalk(footage, fit, frames, progress, summary, "face")
         self.pinned_poses: dict[int, Pose] = {}  # by frame: where a lost face is
+        self.so_far: FramesSoFar | None = None  # who looks at frames before they are smoothed
         self._is_lost = False
         start = time.perf_counter()
         self.template = load_template()
@@ -246,10 +250,15 @@ class ClipCapture:
     def run(self) -> Performance:
         reference_frame, (first, last) = self.walk.fit.frame, self.walk.frames
         reference = self.walk.footage.read(reference_frame)
+        if self.so_far is not None:
+            self.so_far.begin(self.walk.fit, self.template, self.anatomy, self.detail)
         tracker = self.make_tracker(reference)
 
         def step(frame: int, image: Image, guess: Pose | None = None) -> _core.FrameEstimate:
-            return self.advance(tracker, frame, image, guess)
+            estimate = self.advance(tracker, frame, image, guess)
+            if self.so_far is not None:
+                self.so_far.add(frame, estimate, 1 / float(self.walk.footage.fps))
+            return estimate
 
         at_reference = step(reference_frame, reference)
         backward, forward = Rows(), Rows()

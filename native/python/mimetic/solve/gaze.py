@@ -89,3 +89,11 @@ class ClipGaze:
             **self.eyes.fields((f.per_degree, f.rest_pitch) for f in self.following),
             "iris_centers": self.iris_centers,
         }
+
+
+def gaze_in(
+    gaze: _core.GazeFilter, camera: _core.Camera, estimate: _core.FrameEstimate, seconds: float
+) -> NDArray[np.float64]:
+    """4 degrees, as GAZE; seconds: since the picture before."""
+    irises = estimate.irises * (not estimate.held)
+    return gaze.advance(camera, estimate.camera_from_head, estimate.pose_cov, irises, seconds)
