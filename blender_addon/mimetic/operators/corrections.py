@@ -1,7 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Corrections of single frames: pins on the captured skin, values, the head's pose."""
 
-from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    EnumProperty,
+    FloatProperty,
+    FloatVectorProperty,
+    IntProperty,
+    StringProperty,
+)
 from bpy.types import Operator
 
 from .. import corrections, editors, native, outcome, scene_in, shown_take, takes
@@ -31,15 +38,23 @@ class Correcting(Greyed):
     obstacle = staticmethod(corrections.no_corrections)
 
     frame: FRAME
+    is_of_shown: BoolProperty(
+        name="Frame on Show",
+        options={"HIDDEN", "SKIP_SAVE"},
+        description="The playhead goes to it again: the redo panel's undo takes it elsewhere",
+    )
 
     def execute(self, context):
         clip = scene_in.clip_of(context)
-        frame = self.frame or scene_in.shown_frame(context)
+        self.is_of_shown = self.is_of_shown or not self.frame
+        frame = self.frame = self.frame or scene_in.shown_frame(context)
         try:
             now = self.change(context, corrections.of_clip(clip), frame)
             corrections.keep(clip, now)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
+        if self.is_of_shown:
+            context.scene.frame_current = scene_in.scene_frame(clip, frame)
         editors.redraw("CLIP_EDITOR")
         frames = [entry.frame for entry in now]
         message = f"{self.bl_label}: frame {frame}; Refine solves the frames around it"

@@ -9,7 +9,7 @@ import bpy
 from mathutils import Matrix
 
 from .. import compat, native
-from . import actions, clip
+from . import actions, clip, opened_view
 
 NAME = "Footage Camera"
 LONGEST = 1048574  # Blender's own limit of a frame number
@@ -106,6 +106,7 @@ def look_through(context, face) -> bool:
                     _isolate(context, window, area, face)
                     is_isolated = True
                 space.region_3d.view_perspective = "CAMERA"
+                opened_view.show_textures(space.shading)
     return is_isolated
 
 

@@ -45,6 +45,12 @@ def _look_through_camera(space: bpy.types.SpaceView3D) -> None:
     space.overlay.show_outline_selected = False
 
 
+def show_textures(shading: bpy.types.View3DShading) -> None:
+    """In solid mode too, which shows a colour for each material: eyes would have no irises."""
+    if shading.type == "SOLID" and shading.color_type == "MATERIAL":
+        shading.color_type = "TEXTURE"
+
+
 def _show_sliders(space: bpy.types.SpaceProperties) -> None:
     space.context = "DATA"
 
