@@ -17,10 +17,10 @@ class MIMETIC_UL_controls(UIList):
         name = row.row()
         name.active = item.is_on
         name.label(text=item.name, icon="GREASEPENCIL" if item.is_edited else "NONE")
-        values = row.row(align=True)
-        values.active = item.is_on
-        values.prop(item, "gain", text="", emboss=False)
-        values.prop(item, "offset", text="", emboss=False)
+        gain = row.row()
+        gain.active = item.is_on
+        gain.ui_units_x = 2.2  # the names are long; the offset is below the list
+        gain.prop(item, "gain", text="", emboss=False)
 
 
 class MIMETIC_PT_controls(Muscles, Panel):

@@ -21,7 +21,7 @@ class MIMETIC_PT_live(Muscles, Panel):
         column.enabled = session is None
         self.draw_source(column, context, settings)
         column.row().prop(settings, "driven", expand=True)
-        column.prop(settings, "taught_set")
+        column.prop(settings, "taught_set", text="Taught")
         if settings.taught_set:
             column.row().prop(settings, "set_use", expand=True)
         layout.prop(settings, "stillness", slider=True)
