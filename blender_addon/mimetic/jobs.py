@@ -94,6 +94,7 @@ class Run:
 
 running: Run | None = None
 waiting: list[Run] = []
+_ending: list[threading.Thread] = []  # of jobs that Blender ended: they save what they have
 
 
 def busy() -> str:
@@ -102,9 +103,15 @@ def busy() -> str:
 
 
 def stop_running() -> None:
-    """Asks the job at work to end and waits for it: the extension is going away."""
+    """Asks the job at work to end and waits for it: the extension or Blender is going away.
+
+    Blender may have ended its operator before.
+    """
     global running
     waiting.clear()
+    for thread in _ending:
+        thread.join()
+    _ending.clear()
     if running:
         running.stop.set()
         running.thread.join()
@@ -170,6 +177,9 @@ class Modal(Greyed):
         """Blender ends the operator, as on loading a file."""
         if self._run:
             self._run.stop.set()
+            _ending[:] = [thread for thread in _ending if thread.is_alive()]
+            if self._run.thread:
+                _ending.append(self._run.thread)
         self.leave(context)
 
     def leave(self, context) -> None:
