@@ -272,7 +272,7 @@ TEST(LoosePartsTest, AShellBeforeAnEyeIsOfTheEyeAndARingOfLashesIsNot) {
     laid << eye, socket;
     std::vector<TemplatePart> parts(static_cast<std::size_t>(laid.rows()), TemplatePart::other);
     std::fill_n(parts.begin(), eye.rows(), TemplatePart::left_eye);
-    const auto is_eye = [&](int first_ring, int num_rings) {
+    const auto is_eye = [&](int first_ring, int num_rings) -> bool {
         // The shell is a little larger than the template's eyeball and a little before it
         const Points whole = ball(2 * rings, around, 1.23 * .0158, centre + Eigen::RowVector3d(0, 0, .004));
         const Points own =
