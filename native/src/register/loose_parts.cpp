@@ -17,10 +17,10 @@ constexpr std::size_t kSamples = 16;  // vertices by which a part is classified
 // An eyeball's middle lies this near to the template's, and its vertices so far from that, in its radii
 constexpr double kEyeMiddle = .5, kEyeNearest = .6, kEyeFarthest = 1.5;
 // A shell before an eye: how far its sphere's middle lies from the template's and how much larger it is, in
-// the template's radii; how rough it is, in its own; how much of its longer side the shorter has; how far its
-// point nearest to its middle is from there, in the shell's own reach
-constexpr double kShellMiddle = .6, kShellLeast = .5, kShellMost = 1.7, kRough = .08, kRound = .4,
-                 kFilled = .35;
+// the template's radii; how rough it is, in its own; cosine of how far it looks aside; how much of its longer
+// side the shorter has; how far its point nearest to its middle is from there, in the shell's own reach
+constexpr double kShellMiddle = .6, kShellLeast = .5, kShellMost = 1.7, kRough = .08, kForward = .5,
+                 kRound = .4, kFilled = .35;
 constexpr std::size_t kMaxFollowing = 50'000;
 
 constexpr double kTop = .13;     // m of a head, from its top, by whose width its size is guessed
@@ -97,14 +97,18 @@ bool is_shell(const Sphere& eye, PointsIn points) {
         own.radius < kShellLeast * eye.radius || own.radius > kShellMost * eye.radius) {
         return false;
     }
+    // Convex to the front: what a scan sees of the socket is a cap of the same sphere, from within
+    const Eigen::RowVector3d outwards = points.colwise().mean() - own.centre.transpose();
+    if (!(outwards.z() > kForward * outwards.norm())) {
+        return false;
+    }
     const Points spread = points.rowwise() - points.colwise().mean();
     const Eigen::VectorXd distances = (points.rowwise() - own.centre.transpose()).rowwise().norm();
     const double roughness =
         std::sqrt((distances.array() - own.radius).square().mean()) / std::max(own.radius, 1e-12);
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(Eigen::Matrix3d(spread.transpose() * spread));
     const Eigen::Vector3d sides = axes.eigenvalues().cwiseMax(0).cwiseSqrt();  // ascending
-    const Eigen::RowVector3d pole =
-        own.centre.transpose() + own.radius * (points.colwise().mean() - own.centre.transpose()).normalized();
+    const Eigen::RowVector3d pole = own.centre.transpose() + own.radius * outwards.normalized();
     const Eigen::VectorXd from_pole = (points.rowwise() - pole).rowwise().norm();
     return roughness < kRough && sides[1] > kRound * sides[2] &&
            from_pole.minCoeff() < kFilled * from_pole.maxCoeff();

@@ -290,6 +290,7 @@ TEST(LoosePartsTest, AShellBeforeAnEyeIsOfTheEyeAndARingOfLashesIsNot) {
     EXPECT_TRUE(is_eye(0, rings));
     EXPECT_TRUE(is_eye(0, 2 * rings / 3));
     EXPECT_FALSE(is_eye(rings / 2, 3));
+    EXPECT_FALSE(is_eye(rings, rings)) << "a socket that is seen from within";
 }
 
 TEST_F(ForeignSkinTest, BadMeshesAreNamed) {
