@@ -4,6 +4,7 @@
 from bpy.types import Panel
 
 from .. import clip_time, clips, jobs, native, scene_in, scene_out, takes, targets
+from .paragraph import paragraph
 
 
 class Capture:
@@ -14,8 +15,7 @@ class Capture:
     def draw(self, context):
         layout = self.layout
         if reason := native.problem():
-            for line in wrapped(reason, 44):
-                layout.label(text=line, icon="NONE")
+            paragraph(layout, reason)
             return
         if jobs.running:
             self.draw_running(layout, jobs.running)
@@ -31,8 +31,7 @@ class Capture:
         row = layout.row(align=True)
         row.progress(factor=run.fraction, text=run.short_text())
         row.operator("mimetic.stop", text="", icon="X").index = 0
-        for line in wrapped(run.what, 44):
-            layout.label(text=line)
+        paragraph(layout, run.what)
         for i, later in enumerate(jobs.waiting, start=1):
             row = layout.row(align=True)
             row.label(text=f"Then: {later.name()}")
@@ -60,15 +59,13 @@ class Capture:
         if clips.is_missing(clip):
             layout.label(text=f"{clip.name} is missing", icon="ERROR")
             layout.operator("mimetic.find_missing")
-        for line in wrapped(clips.change_of(clip), 44):
-            layout.label(text=line)
+        paragraph(layout, clips.change_of(clip))
         layout.label(text=f"{clip.name}: {scene_out.face_fit.summary(clip)}", icon="FILE_MOVIE")
 
     def draw_rate(self, layout, context):
         """How the clip's time differs from the scene's; nothing while they agree."""
         remark = clip_time.remark(context.scene, scene_in.clip_of(context))
-        for i, line in enumerate(wrapped(remark, 44)):
-            layout.label(text=line, icon="NONE" if i else "TIME")
+        paragraph(layout, remark, "TIME")
         if remark:
             layout.operator("mimetic.scene_as_clip", icon="PREVIEW_RANGE")
 
@@ -109,16 +106,6 @@ class Capture:
         row = layout.row(align=True)
         row.operator("mimetic.export_gltf", icon="EXPORT")
         row.operator("mimetic.export_character", text="", icon="FILE_3D")
-
-
-def wrapped(text: str, width: int) -> list[str]:
-    """Lines of at most `width` letters: a label never breaks its line."""
-    lines = [""] if text else []
-    for word in text.split():
-        if lines[-1] and len(lines[-1]) + len(word) >= width:
-            lines.append("")
-        lines[-1] = f"{lines[-1]} {word}".strip()
-    return lines
 
 
 class MIMETIC_PT_capture_clip(Capture, Panel):

@@ -4,8 +4,8 @@
 from bpy.types import Panel, UIList
 
 from .. import control_preview, native, targets
-from .capture import wrapped
 from .muscles import Muscles
+from .paragraph import paragraph
 
 TYPES = ("MESH", "ARMATURE")
 
@@ -40,8 +40,7 @@ class MIMETIC_PT_controls(Muscles, Panel):
         row.operator("mimetic.fit_controls", icon="MOD_MESHDEFORM")
         row.operator("mimetic.load_controls", text="", icon="FILE_FOLDER")
         if reason := targets.no_controls(context):
-            for line in wrapped(reason, 44):
-                layout.label(text=line)
+            paragraph(layout, reason)
         if len(face.controls):
             self.draw_table(layout, face)
         row = layout.row(align=True)
@@ -67,8 +66,7 @@ class MIMETIC_PT_controls(Muscles, Panel):
         limits.prop(control, "lowest")
         limits.prop(control, "highest")
         layout.prop(control, "curve")
-        for line in wrapped(control.remark, 44):
-            layout.label(text=line)
+        paragraph(layout, control.remark)
 
 
 CLASSES = (MIMETIC_UL_controls, MIMETIC_PT_controls)

@@ -5,7 +5,7 @@ from bpy.types import Panel
 
 from .. import native, scene_in, targets
 from ..scene_out import rigs
-from .capture import wrapped
+from .paragraph import paragraph
 
 
 class Head:
@@ -50,8 +50,7 @@ class Head:
             column.prop(settings, "translation_scale")
             if settings.mode == "RELATIVE" or settings.bone:
                 column.prop(settings, "pivot")
-        for line in wrapped(reason, 44):
-            layout.label(text=line)
+        paragraph(layout, reason)
 
     def draw_bones(self, layout, settings, reason):
         row = layout.row(align=True)
@@ -59,8 +58,7 @@ class Head:
         row.operator("mimetic.find_head_bones", text="", icon="VIEWZOOM")
         remark = rigs.head_bones(settings.target).remark
         if not settings.bone and remark != reason:
-            for line in wrapped(remark, 44):
-                layout.label(text=line)
+            paragraph(layout, remark)
         layout.prop_search(settings, "neck", settings.target.pose, "bones", text="Neck")
         if settings.neck:
             layout.prop(settings, "neck_share", slider=True)

@@ -4,8 +4,8 @@
 from bpy.types import Panel
 
 from .. import live, native, scene_in
-from .capture import wrapped
 from .muscles import Muscles
+from .paragraph import paragraph
 
 
 class MIMETIC_PT_live(Muscles, Panel):
@@ -46,8 +46,7 @@ class MIMETIC_PT_live(Muscles, Panel):
             ("STOP", "Stop"),
         ):
             row.operator("mimetic.live_command", text=text).command = command
-        for line in wrapped(session.line(), 44):
-            layout.label(text=line)
+        paragraph(layout, session.line())
 
     def draw_view(self, layout, settings):
         row = layout.row(align=True, heading="In the View")

@@ -6,7 +6,7 @@ from bpy.types import Panel
 from .. import contact, native, scene_in, writable
 from ..overlay import live
 from ..scene_out import gaze
-from .capture import wrapped
+from .paragraph import paragraph
 
 GAZE_SLIDERS = ("gaze_yaw_left", "gaze_pitch_left", "gaze_yaw_right", "gaze_pitch_right")
 
@@ -46,8 +46,7 @@ class MIMETIC_PT_muscles(Muscles, Panel):
         row = layout.row()
         row.enabled = not (reason := writable.no_shapes(face))
         row.prop(face.mimetic, "use_contact")
-        for line in wrapped(reason or contact.problem_of(face), 44):
-            layout.label(text=line)
+        paragraph(layout, reason or contact.problem_of(face))
         keys = face.data.shape_keys.key_blocks
         groups = {}
         for shape in face.mimetic.shapes:
@@ -111,8 +110,7 @@ class MIMETIC_PT_overlays(Muscles, Panel):
     def draw(self, context):
         layout = self.layout
         settings = context.scene.mimetic
-        for line in wrapped(live.problem_of(scene_in.face_of(context)), 44):
-            layout.label(text=line)
+        paragraph(layout, live.problem_of(scene_in.face_of(context)))
         layout.prop(settings, "show_muscles")
         layout.prop(settings, "show_strain")
         column = layout.column(align=True)

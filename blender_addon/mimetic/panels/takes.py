@@ -4,8 +4,8 @@
 from bpy.types import Panel, UIList
 
 from .. import native, scene_out, targets
-from .capture import wrapped
 from .muscles import Muscles
+from .paragraph import paragraph
 
 
 class MIMETIC_UL_takes(UIList):
@@ -62,8 +62,7 @@ class MIMETIC_PT_takes(Muscles, Panel):
             f"baked {take.date}; {take.settings}",
         ]
         for line in lines:
-            for part in wrapped(line, 44):
-                column.label(text=part)
+            paragraph(column, line)
         if take.is_edited:
             column.label(text="Edited since its bake", icon="GREASEPENCIL")
 
