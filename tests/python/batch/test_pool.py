@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The loop over processes, with stand-ins for the clips."""
 
+import gc
 import os
 import signal
 import subprocess
@@ -162,3 +163,14 @@ raise SystemExit(next(line for line in lines if line.startswith('Threads:')))
 def test_a_process_of_the_batch_starts_no_threads():
     outcome = run(Pool(1, 0), {"clip": script(PARALLEL)})["clip"]
     assert outcome.message.split() == ["Threads:", "1"]
+
+
+def test_processes_that_have_ended_are_not_kept():
+    pool, before = Pool(2, 0), alive_processes()
+    run(pool, {str(i): script("pass") for i in range(6)})
+    assert alive_processes() == before
+
+
+def alive_processes() -> int:
+    gc.collect()
+    return sum(isinstance(one, subprocess.Popen) for one in gc.get_objects())

@@ -163,6 +163,7 @@ class Pool:
         with contextlib.suppress(BrokenPipeError):
             process.stdin.close()
         process.stderr.close()
+        job.process = None  # its pipes' buffers would stay, 23 kB a clip
         return outcome_of(status, lines)
 
 
