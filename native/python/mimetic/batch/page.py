@@ -37,9 +37,9 @@ def write_page(batch: Batch, failures: Mapping[str, str]) -> None:
 
     failures: by task's name, why it failed; of others that are not done, what task.json says.
     """
-    text = "".join(_parts(batch, failures))
     with whole_file(batch.out / PAGE) as stream:
-        stream.write(text.encode())
+        for part in _parts(batch, failures):  # with its pictures a page is 20 kB a clip
+            stream.write(part.encode())
 
 
 def _parts(batch: Batch, failures: Mapping[str, str]) -> Iterator[str]:
