@@ -28,14 +28,18 @@ def of_clip(clip: bpy.types.MovieClip) -> SceneTime:
     return SceneTime(rate.fps, rate.fps_base, max(clip.frame_start, 0), max(last, 0))
 
 
+def scene_rate(scene: bpy.types.Scene):
+    """The scene's frames a second, exactly."""
+    return native.timing().exact_rate(scene.render.fps / scene.render.fps_base)
+
+
 def is_known(clip: bpy.types.MovieClip | None) -> bool:
     """Whether the clip's own rate and length are known: its file is there."""
     return clip is not None and clip.fps > 0 and clip.frame_duration > 0
 
 
 def has_rate(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> bool:
-    exact_rate = native.timing().exact_rate
-    return exact_rate(scene.render.fps / scene.render.fps_base) == exact_rate(clip.fps)
+    return scene_rate(scene) == native.timing().exact_rate(clip.fps)
 
 
 def has_range(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> bool:

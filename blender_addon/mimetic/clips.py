@@ -11,7 +11,7 @@ import os
 
 import bpy
 
-from . import native
+from . import clip_time, native
 
 _read: dict[str, tuple[tuple, str]] = {}  # path: the file's state when read, and its fingerprint
 
@@ -29,7 +29,18 @@ def named(name: str) -> bpy.types.MovieClip:
 
 
 def path_of(clip: bpy.types.MovieClip) -> str:
+    """The clip's file; of an image sequence the first picture."""
     return bpy.path.abspath(clip.filepath, library=clip.library)
+
+
+def source_of(clip: bpy.types.MovieClip, scene: bpy.types.Scene):
+    """What the package reads the clip's frames from; raises what `known_errors` has.
+
+    Pictures have no rate: a sequence plays at the scene's.
+    """
+    if clip.source == "MOVIE":
+        return path_of(clip)
+    return native.footage().ImageSequence(path_of(clip), clip_time.scene_rate(scene))
 
 
 def is_missing(clip: bpy.types.MovieClip) -> bool:
@@ -43,11 +54,15 @@ def fingerprint(clip: bpy.types.MovieClip) -> str:
         state = os.stat(path)
     except (OSError, ValueError):
         return clip.mimetic.fingerprint
-    # Panels ask at every drawing: a file is read again only when it may have changed
+    # Panels ask at every drawing: a file is read again only when it may have changed, pictures
+    # when the first did, or when one came or went
     now = (state.st_size, state.st_mtime_ns, state.st_ctime_ns, state.st_ino)
+    if clip.source == "SEQUENCE":
+        now += (os.stat(os.path.dirname(path)).st_mtime_ns,)
     if path not in _read or _read[path][0] != now:
         try:
-            _read[path] = (now, native.clip_fingerprint().fingerprint(path))
+            source = native.footage().opened(path)
+            _read[path] = (now, native.clip_fingerprint().fingerprint(source))
         except native.known_errors():
             return clip.mimetic.fingerprint
     return _read[path][1]
@@ -79,7 +94,7 @@ def ensure(clip: bpy.types.MovieClip):
 
 def settle(clip: bpy.types.MovieClip) -> None:
     """Notes which content the clip has, if none was noted yet."""
-    if native.problem() or clip.library or clip.source != "MOVIE":
+    if native.problem() or clip.library:
         return
     mark = fingerprint(clip)
     clip.mimetic.fingerprint = clip.mimetic.fingerprint or mark
@@ -90,7 +105,7 @@ def settle(clip: bpy.types.MovieClip) -> None:
 
 def with_content(mark: str) -> bpy.types.MovieClip | None:
     """A clip of the .blend with a content; one whose file is there before one whose is not."""
-    clips = [c for c in bpy.data.movieclips if c.source == "MOVIE" and fingerprint(c) == mark]
+    clips = [c for c in bpy.data.movieclips if fingerprint(c) == mark]
     return min(clips, key=is_missing, default=None)
 
 

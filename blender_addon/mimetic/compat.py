@@ -8,6 +8,7 @@ import bpy
 ACTIONS_HAVE_SLOTS = bpy.app.version >= (4, 4, 0)
 NODES_ARE_ALWAYS_USED = bpy.app.version >= (5, 0, 0)
 SEQUENCES_ARE_STRIPS = bpy.app.version >= (4, 4, 0)
+CLIPS_ARE_TURNED = bpy.app.version >= (4, 5, 0)  # as their files say, which phones do
 # Options of a property with a path that may start with // (from 4.5 on Blender warns of others)
 RELATIVE_PATH = {"PATH_SUPPORTS_BLEND_RELATIVE"} if bpy.app.version >= (4, 5, 0) else set()
 

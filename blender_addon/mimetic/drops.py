@@ -22,6 +22,18 @@ class MIMETIC_FH_clip(FileHandler):
         return _is_ours(context)
 
 
+class MIMETIC_FH_pictures(FileHandler):
+    bl_idname = "MIMETIC_FH_pictures"
+    bl_label = "Pictures of a Face, Numbered"
+    bl_import_operator = "mimetic.load_clip"
+    bl_file_extensions = ".png;.jpg;.jpeg;.exr;.tif;.tiff;.dpx;.bmp;.tga"
+
+    @classmethod
+    def poll_drop(cls, context):
+        # In a 3D view a picture is a reference, by Blender's own drop
+        return context.area is not None and context.area.type == "CLIP_EDITOR"
+
+
 class MIMETIC_FH_performance(FileHandler):
     bl_idname = "MIMETIC_FH_performance"
     bl_label = "Captured Performance"
@@ -33,7 +45,7 @@ class MIMETIC_FH_performance(FileHandler):
         return _is_ours(context)
 
 
-CLASSES = (MIMETIC_FH_clip, MIMETIC_FH_performance)
+CLASSES = (MIMETIC_FH_clip, MIMETIC_FH_pictures, MIMETIC_FH_performance)
 
 
 def register() -> None:

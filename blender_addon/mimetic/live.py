@@ -77,7 +77,7 @@ def source_of(context, is_paced: bool = True):
     path = bpy.path.abspath(settings.clip_path) if settings.clip_path else ""
     clip = scene_in.clip_of(context)
     if not path and clip is not None:
-        path = clips.path_of(clip)
+        path = clips.source_of(clip, context.scene)
     if not path:
         raise native.invalid_input(NO_SOURCE)
     return native.clip_source().ClipSource(path, is_paced)

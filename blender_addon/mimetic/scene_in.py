@@ -15,7 +15,7 @@ HELD_BY = ("Head Centre", "Head Above")
 
 @dataclass(frozen=True)
 class Footage:
-    path: str
+    path: object  # of a movie file, or a mimetic.media.footage.ImageSequence
     clip_name: str
 
 
@@ -43,8 +43,8 @@ def no_clip(context) -> str:
     clip = clip_of(context)
     if clip is None:
         return "Load the footage first (Load Clip)"
-    if clip.source != "MOVIE":
-        return f"{clip.name} is an image sequence; Mimetic reads movie files"
+    if clip.source == "SEQUENCE" and not native.footage().is_sequence(clips.path_of(clip)):
+        return f"{clip.name} is a single picture: load a movie or numbered pictures (Load Clip)"
     return writable.no_tracks(clip)
 
 
@@ -200,8 +200,9 @@ def _face_in_edit_mode(face: bpy.types.Object | None) -> str:
 
 
 def footage(context) -> Footage:
+    """Raises what `known_errors` has."""
     clip = clip_of(context)
-    return Footage(clips.path_of(clip), clip.name)
+    return Footage(clips.source_of(clip, context.scene), clip.name)
 
 
 def timing(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None) -> Timing:

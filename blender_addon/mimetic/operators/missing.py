@@ -55,7 +55,7 @@ performances by name, footage by its content, whatever it is called now"""
 
 def _missing_clips() -> list[bpy.types.MovieClip]:
     """Clips of ours: Blender looks for all others."""
-    ours = [c for c in bpy.data.movieclips if c.source == "MOVIE" and c.mimetic.fingerprint]
+    ours = [c for c in bpy.data.movieclips if c.mimetic.fingerprint]
     return [clip for clip in ours if not clip.library and clips.is_missing(clip)]
 
 

@@ -59,30 +59,37 @@ def show_footage(seen_through, footage, timing, performance, take: str) -> None:
         behind.clip = footage
     else:
         behind.source = "IMAGE"
-        behind.image = _film(footage)
+        behind.image, first_number = _film(footage)
         behind.image_user.frame_start = timing.frame_start
         behind.image_user.frame_duration = LONGEST
         behind.image_user.use_auto_refresh = True
         holder = actions.new_take(camera, f"{take} footage")
         path = "background_images[0].image_user.frame_offset"
         curve = compat.new_curve(holder, path, 0, "Footage")
-        actions.fill(curve, steps.scene_frames, steps.offsets, actions.CONSTANT)
+        offsets = steps.offsets + first_number - 1
+        actions.fill(curve, steps.scene_frames, offsets, actions.CONSTANT)
     clip.show_pixels(footage if steps is None else behind.image, performance.pixel_aspect)
     behind.frame_method = "FIT"
     behind.display_depth = "BACK"
     behind.alpha = 1.0
 
 
-def _film(clip) -> bpy.types.Image:
-    """The clip's file as an image; one that is missing shows once it is found."""
+def _film(clip) -> tuple[bpy.types.Image, int]:
+    """The clip's file as an image, and the number that Blender gives its first frame.
+
+    One that is missing shows once it is found.
+    """
     path = bpy.path.abspath(clip.filepath, library=clip.library)
     if os.path.isfile(path):
         image = bpy.data.images.load(path, check_existing=True)
     else:
         image = bpy.data.images.new(clip.name, 1, 1)
         image.filepath = path
-    image.source = "MOVIE"
-    return image
+    image.source = clip.source
+    if clip.source == "MOVIE":
+        return image, 1
+    # Of pictures Blender counts by the numbers in their names
+    return image, native.footage().number_of(path)
 
 
 SOLID_TYPES = {"MESH", "CURVE", "CURVES", "SURFACE", "META", "FONT", "VOLUME", "POINTCLOUD"}

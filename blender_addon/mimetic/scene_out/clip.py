@@ -12,16 +12,17 @@ from .. import clips, native
 
 
 def load(scene: bpy.types.Scene, path: str) -> bpy.types.MovieClip:
-    """The movie clip of a file, loaded once, as the scene's footage.
+    """The movie clip of a file or of numbered pictures, loaded once, as the scene's footage.
 
     A file that was moved or renamed is the clip that it was: the same content, and all that was
     kept of it.
     """
-    path = os.path.abspath(path)
-    own = [c for c in bpy.data.movieclips if c.source == "MOVIE" and not c.library]
+    source = native.footage().opened(path)
+    path = os.path.abspath(source)
+    own = [c for c in bpy.data.movieclips if not c.library]
     clip = next((c for c in own if os.path.abspath(clips.path_of(c)) == path), None)
     if clip is None:
-        clip = clips.with_content(native.clip_fingerprint().fingerprint(path))
+        clip = clips.with_content(native.clip_fingerprint().fingerprint(source))
         if clip is None:
             clip = bpy.data.movieclips.load(path)
             place(clip, path)

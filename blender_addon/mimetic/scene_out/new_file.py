@@ -107,7 +107,7 @@ def show(scene: bpy.types.Scene) -> None:
 def save(out: str, footage: bpy.types.MovieClip | None) -> None:
     path = Path(out).absolute()
     if footage is not None:  # so that the two can move together
-        for media in (footage, *(i for i in bpy.data.images if i.source == "MOVIE")):
+        for media in (footage, *(i for i in bpy.data.images if i.source in {"MOVIE", "SEQUENCE"})):
             media.filepath = bpy.path.relpath(media.filepath, start=str(path.parent))
     # Beside `out`, so that relative paths hold once it has its name
     aside = path.with_name(f".{path.stem}.{os.getpid()}.blend")

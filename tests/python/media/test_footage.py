@@ -58,6 +58,7 @@ def test_rotation_flags_are_applied(tmp_path):
     ffmpeg("-display_rotation", "90", "-i", tmp_path / "a.mp4", "-c", "copy", tmp_path / "b.mp4")
     upright, turned = Footage(tmp_path / "a.mp4"), Footage(tmp_path / "b.mp4")
     assert turned.size == (48, 96)
+    assert (upright.rotation, turned.rotation) == (0, 90)
     difference = np.rot90(upright.read(3)).astype(int) - turned.read(3)
     assert np.abs(difference).mean() < 2
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.commands.console import Console
+from mimetic.commands.footage_argument import add_footage_argument, give_rate
 from mimetic.commands.on_clip import parse_frames
 from mimetic.fit.fitting import FaceFit
 from mimetic.muscles.calibration import REGIONS
@@ -24,7 +25,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "muscles are, from a few seconds that show expressions. The result is kept in the fit, and "
         "every capture with it (mimetic capture --fit) uses it."
     )
-    parser.add_argument("footage", type=Path, help="video of one face, showing expressions")
+    add_footage_argument(parser, "one face, showing expressions")
     parser.add_argument(
         "--out", type=Path, required=True, metavar="FIT.json", help="the calibrated fit"
     )
@@ -41,6 +42,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run_calibrate(arguments: argparse.Namespace) -> int:
     """Writes the fit and prints the factors; bad input raises, and writes nothing."""
+    give_rate(arguments)
     out = arguments.out
     check_target(out, arguments.footage)
     fit = FaceFit.load(arguments.fit) if arguments.fit else None

@@ -8,6 +8,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
+from mimetic.commands.footage_argument import give_rate
 from mimetic.commands.on_clip import add_clip_arguments, run_on_clip
 from mimetic.fit.face_fit import FaceFit
 from mimetic.media.footage import Footage
@@ -34,6 +35,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_capture(arguments: argparse.Namespace) -> int:
+    give_rate(arguments)
     corrections = load_corrections(arguments.corrections) if arguments.corrections else ()
     if corrections:
         check_of_capture(corrections, check_range(arguments.frames, Footage(arguments.footage)))

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
+from mimetic.commands.footage_argument import add_footage_argument, give_rate
 from mimetic.commands.on_clip import parse_frames
 from mimetic.fit.canonical_image import canonical_image
 from mimetic.fit.face_fit import FaceFit
@@ -24,7 +25,7 @@ WRITTEN = ("fit.json", "fit.png", "canonical.png")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    parser.add_argument("footage", type=Path, help="video of one face")
+    add_footage_argument(parser, "one face")
     parser.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder for the results"
     )
@@ -37,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run_fit(arguments: argparse.Namespace) -> int:
     """Writes fit.json, fit.png and canonical.png together; bad input raises."""
+    give_rate(arguments)
     footage = Footage(arguments.footage)
     out = arguments.out
     prepare_folder(out, WRITTEN, footage.path)

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from mimetic import _core
+from mimetic.commands.footage_argument import give_rate
 from mimetic.commands.on_clip import add_clip_arguments, run_on_clip
 from mimetic.fit.face_fit import FaceFit
 from mimetic.head.smoothing import check_strength
@@ -50,6 +51,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run_head(arguments: argparse.Namespace) -> int:
+    give_rate(arguments)
     model = arguments.model
     check_strength(arguments.smoothing)
 

@@ -17,4 +17,4 @@ def open_source(name: str, every_frame: bool) -> tuple[CameraSource | ClipSource
     if is_camera(name):
         return CameraSource(name), []
     clip = ClipSource(name, is_paced=not every_frame)
-    return clip, [clip.footage.path]
+    return clip, [Path(clip.footage.path)]

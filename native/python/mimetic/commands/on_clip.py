@@ -12,6 +12,7 @@ from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.commands.console import Console
+from mimetic.commands.footage_argument import add_footage_argument
 from mimetic.fit.fitting import FaceFit
 from mimetic.fit.person import with_person
 from mimetic.media.footage import Footage
@@ -30,7 +31,7 @@ Draw = Callable[[Performance, Footage, Path, CaptureSummary, Progress, Callable[
 
 
 def add_clip_arguments(parser: argparse.ArgumentParser, subject: str) -> None:
-    parser.add_argument("footage", type=Path, help=f"video of one {subject}")
+    add_footage_argument(parser, f"one {subject}")
     parser.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder for the results"
     )

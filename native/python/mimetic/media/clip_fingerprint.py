@@ -10,6 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from mimetic import UnreadableMedia
+from mimetic.media.image_sequence import ImageSequence, begins_sequence
 from mimetic.shared.regular_file import check_input
 
 # Of a large file evenly spaced pieces are read, the first and the last bytes among them: 16 MiB,
@@ -23,8 +24,10 @@ def fingerprint(path: str | os.PathLike[str]) -> str:
     """`<bytes>-<SHA-256>` of a file: of all of it up to 16 MiB, of 64 pieces of a larger one.
 
     Two clips of equal size that differ only between the pieces have the same; of compressed video
-    that takes a forger. Raises UnreadableMedia.
+    that takes a forger. An `ImageSequence` has its own. Raises UnreadableMedia.
     """
+    if isinstance(path, ImageSequence):
+        return path.fingerprint()
     path = Path(path)
     try:
         check_input(path, "a video file")
@@ -46,11 +49,13 @@ def is_fingerprint(text: str) -> bool:
 
 
 def find_content(mark: str, files: Iterator[Path]) -> Path | None:
-    """The first of some files that has the fingerprint `mark`."""
+    """The first of some files that has the fingerprint `mark`, or begins a sequence that has it."""
     size = int(mark.partition("-")[0])
     for path in files:
         try:
             if path.stat().st_size == size and fingerprint(path) == mark:
+                return path
+            if begins_sequence(path) and fingerprint(ImageSequence(path)) == mark:
                 return path
         except (OSError, UnreadableMedia):
             continue

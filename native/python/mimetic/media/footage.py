@@ -17,8 +17,12 @@ from mimetic import UnreadableMedia
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.media.ffmpeg import failure_of, ffmpeg_program
 from mimetic.media.ffmpeg_process import fill, running
+from mimetic.media.image_sequence import ImageSequence, is_sequence, number_of, opened
 from mimetic.media.timing import FASTEST, SLOWEST
 from mimetic.shared.regular_file import check_input
+
+# What the extension asks for footage, a folder or a picture of
+__all__ = ["CONTAINERS", "Footage", "ImageSequence", "is_sequence", "number_of", "opened"]
 
 SMALLEST, LARGEST = 16, 16384  # pixels, each side
 NEARLY_SQUARE = 1.01  # a pixel's longer side over its shorter: turns a head by a tenth of a degree
@@ -30,6 +34,7 @@ CONTAINERS = (
 )
 FRAME_RATE = re.compile(rb"config in time_base: (\d+)/(\d+), frame_rate: (\d+)/(\d+)")
 FIRST_FRAME = re.compile(rb" n: +0 .* sar:(\d+)/(\d+) s:(\d+)x(\d+) ")
+TURNED = re.compile(rb"Display Matrix: rotation of (-?\d+)")
 DAMAGED = "is damaged: all frames could be read, but not without errors"
 NO_TIME = -(1 << 63)  # ffmpeg's, of a packet that carries none
 # ffmpeg's words -> ours
@@ -44,13 +49,14 @@ REASONS = (
 
 
 class Footage:
-    """A video file: its size, rate and frames.
+    """A video file, or an `ImageSequence`: its size, rate and frames.
 
     `size` is (width, height) of the frames that it gives: their pixels are square, and the file's
     rotation is applied. `stored_size` is what the file itself has and other tools show, rotated
-    too; it differs where pixels are stored wider or narrower. `fps` is an exact fraction;
-    `num_frames` what the file lists, which a damaged file may not hold; `times` the seconds of each
-    listed frame since the first; `identity` the file's name and its fingerprint
+    too; it differs where pixels are stored wider or narrower. `rotation` is by how many degrees,
+    anticlockwise, the file says that its pictures are to be turned, as phones do. `fps` is an
+    exact fraction; `num_frames` what the file lists, which a damaged file may not hold; `times` the
+    seconds of each listed frame since the first; `identity` the file's name and its fingerprint
     (`clip_fingerprint`), as a performance keeps them. Frame numbers start at 1. `warnings` says
     what the user should know and grows while frames are read; `failure` is why ffmpeg gave up on
     them, if it did. Raises UnreadableMedia, and OSError where ffmpeg ran out of memory or was
@@ -58,10 +64,13 @@ class Footage:
     """
 
     def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
+        self.path = opened(path)
         self.warnings: list[str] = []
         self.failure: OSError | None = None
-        self._check_file()
+        if isinstance(self.path, Path):
+            self._check_file(self.path)
+        else:
+            self.warnings += self.path.warnings()
         name = os.fsencode(self.path.name).decode(errors="replace")
         self.identity = [name, fingerprint(self.path)]
         report, times, ticks = self._probe()
@@ -78,15 +87,17 @@ class Footage:
     ) -> Iterator[tuple[int, NDArray[np.uint8]]]:
         """Yields (frame number, H x W x 3 uint8 red, green, blue), `first` to `last` included.
 
-        Decodes from the start of the file and drops what comes before `first`: seeking lands on the
+        Decodes a file from its start and drops what comes before `first`: seeking lands on the
         right frame in no format for certain. The array is the caller's to keep. Raises OSError if
         ffmpeg fails before it gives a frame; later, `failure` says so and the frames end.
         """
         width, height = self.size
-        until = "" if last is None else f"*lte(n\\,{last - 1})"
+        # Each picture is a file: the first is that of the frame
+        begin, colours = (1, "") if isinstance(self.path, Path) else (first, self.path.filter)
+        until = "" if last is None else f"*lte(n\\,{last - begin})"
         command = [
-            *self._command("-v", "error"),
-            *("-vf", f"select=gte(n\\,{first - 1}){until},scale={width}:{height}"),
+            *self._command("-v", "error", begin=begin),
+            *("-vf", f"select=gte(n\\,{first - begin}){until},{colours}scale={width}:{height}"),
             *("-fps_mode", "passthrough", "-pix_fmt", "rgb24", "-f", "rawvideo"),
             *(() if last is None else ("-frames:v", str(last - first + 1))),
             "pipe:1",
@@ -132,26 +143,32 @@ class Footage:
         if warning not in self.warnings:
             self.warnings.append(warning)
 
-    def _check_file(self) -> None:
-        check_input(self.path, "a video file")
-        if self.path.stat().st_size == 0:
-            raise UnreadableMedia(f"{self.path} is empty; copy or record it again")
+    @staticmethod
+    def _check_file(path: Path) -> None:
+        check_input(path, "a video file")
+        if path.stat().st_size == 0:
+            raise UnreadableMedia(f"{path} is empty; copy or record it again")
 
-    def _command(self, *options: str) -> list[str]:
+    def _command(self, *options: str, begin: int = 1) -> list[str]:
+        """begin: of an image sequence, the frame to read from."""
+        program = (ffmpeg_program(), "-nostdin", "-hide_banner", *options)
+        limit = ("-max_pixels", str(LARGEST * LARGEST))
+        if isinstance(self.path, ImageSequence):
+            return [*program, *limit, *self.path.input_options(begin), "-map", "0:V:0"]
         # "file:" before an absolute path: no name can be taken for an option or a protocol.
         return [
-            *(ffmpeg_program(), "-nostdin", "-hide_banner", *options),
-            *("-protocol_whitelist", "file", "-format_whitelist", CONTAINERS),
-            *("-max_pixels", str(LARGEST * LARGEST)),
-            *("-i", f"file:{self.path.absolute()}", "-map", "0:V:0"),
+            *(*program, "-protocol_whitelist", "file", "-format_whitelist", CONTAINERS),
+            *(*limit, "-i", f"file:{self.path.absolute()}", "-map", "0:V:0"),
         ]
 
     def _probe(self) -> tuple[bytes, NDArray[np.float64], Fraction]:
         """ffmpeg's report on the first frame; each packet's time and the clock's tick, seconds."""
+        packets = ("-map", "0:V:0", "-c", "copy", "-f", "framecrc", "pipe:1")
+        is_file = isinstance(self.path, Path)
         command = [
             *self._command("-v", "info", "-nostats"),
             *("-vf", "showinfo", "-frames:v", "1", "-f", "null", "-"),
-            *("-map", "0:V:0", "-c", "copy", "-f", "framecrc", "pipe:1"),
+            *(packets if is_file else ()),
         ]
         tick = Fraction(0)
         rows = []
@@ -164,6 +181,10 @@ class Footage:
             process.wait()
         if failure := failure_of(process.returncode, report, self.path):
             raise failure
+        if isinstance(self.path, ImageSequence):
+            tick = 1 / self.path.fps
+            times = np.arange(self.path.num_frames) * float(tick)
+            return b"\n".join(report), times, tick
         decode_times, shown_times = np.array(rows, dtype=np.int64).reshape(-1, 2).T
         # Raw streams and AVI say when frames are decoded, not when they are shown
         stamps = np.sort(decode_times if (shown_times == NO_TIME).any() else shown_times)
@@ -179,6 +200,8 @@ class Footage:
             raise UnreadableMedia(
                 f"{self.path} holds no frame that can be decoded; convert it to MP4"
             )
+        turned = TURNED.search(report)
+        self.rotation = int(turned[1]) % 360 if turned else 0
         aspect_x, aspect_y, width, height = (int(group) for group in match.groups())
         if min(width, height) < SMALLEST or max(width, height) > LARGEST:
             raise UnreadableMedia(

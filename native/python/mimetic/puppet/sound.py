@@ -29,6 +29,8 @@ def clip_sound(footage: Footage, start: float, seconds: float, path: Path) -> bo
 
     start, seconds: of the clip. Sample 0 belongs to `start`.
     """
+    if not isinstance(footage.path, Path):  # numbered pictures
+        return False
     command = [
         *(ffmpeg_program(), "-nostdin", "-hide_banner", "-v", "error", "-y"),
         *("-protocol_whitelist", "file", "-format_whitelist", CONTAINERS),
