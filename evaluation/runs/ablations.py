@@ -5,12 +5,12 @@ from __future__ import annotations
 
 import math
 import statistics
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import asdict, dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
-from mimetic import _core
+from mimetic import InvalidInput, _core
 from mimetic.fit.fitting import FaceFit
 from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import AnatomyPerturbation, attach_skin, modes_of
@@ -57,6 +57,22 @@ VARIANTS = {
     "skin held twice as stiffly": Variant(stiffness=2.0),
     "skin held half as stiffly": Variant(stiffness=0.5),
 }
+
+
+def variant_of(settings: Iterable[str]) -> Variant:
+    """TrackerOptions from words such as crop_height=400; raises InvalidInput."""
+    options = _core.TrackerOptions()
+    chosen: dict[str, object] = {}
+    for setting in settings:
+        name, _, text = setting.partition("=")
+        default = getattr(options, name, None)
+        if not isinstance(default, int | float):
+            raise InvalidInput(f"--tracker {setting}: no number of TrackerOptions is called {name}")
+        try:
+            chosen[name] = type(default)(text)
+        except ValueError:
+            raise InvalidInput(f"--tracker {setting}: {text!r} is no number") from None
+    return Variant(chosen)
 
 
 class VariedCapture(clip_capture.ClipCapture):

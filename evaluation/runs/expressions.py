@@ -3,10 +3,8 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -24,6 +22,7 @@ from evaluation.runs.curves import correlations, group_curves, timing_errors
 from evaluation.runs.deviation import Explained
 from evaluation.runs.drift import Drift, drift_of
 from evaluation.runs.methods import LOOP, MUSCLES, OURS, Motion, of_performance, peers
+from evaluation.runs.own_process import process_pool
 from evaluation.runs.rendered import Clip, clips, render
 
 SETS = ("full", "full-tuning")
@@ -163,10 +162,8 @@ def score_set(
 ) -> tuple[list[ShownExpression], dict[str, Drift]]:
     """Every expression of the takes and the long one's drift, `jobs` of them at once."""
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    # Spawned, not forked: OpenCV's threads do not survive a fork.
-    context = multiprocessing.get_context("spawn")
     expressions: list[ShownExpression] = []
-    with ProcessPoolExecutor(jobs, mp_context=context) as pool:
+    with process_pool(jobs) as pool:
         drifts = pool.submit(long_drift, long)  # the longest first
         waiting = [pool.submit(score_take, take, mesh_python) for take in clips]
         for number, (take, result) in enumerate(zip(clips, waiting, strict=True)):

@@ -29,7 +29,7 @@ from mimetic.solve import clip_capture
 from numpy.typing import NDArray
 
 from evaluation.runs import deviation
-from evaluation.runs.ablations import Variant, VariedCapture
+from evaluation.runs.ablations import Variant, VariedCapture, variant_of
 from evaluation.runs.deviation import Explained
 from evaluation.runs.expressions import seen_at_start
 from evaluation.runs.methods import DIRECT, MUSCLES, OURS, Motion, of_performance
@@ -165,22 +165,6 @@ def tables(scores: list[ForeignScore]) -> dict[str, dict[str, float]]:
         rows[f"{head}, {size}"] = figures(chosen)
     rows["all"] = figures(scores)
     return rows
-
-
-def variant_of(settings: Iterable[str]) -> Variant:
-    """TrackerOptions from words such as crop_height=400; raises InvalidInput."""
-    options = _core.TrackerOptions()
-    chosen: dict[str, object] = {}
-    for setting in settings:
-        name, _, text = setting.partition("=")
-        default = getattr(options, name, None)
-        if not isinstance(default, int | float):
-            raise InvalidInput(f"--tracker {setting}: no number of TrackerOptions is called {name}")
-        try:
-            chosen[name] = type(default)(text)
-        except ValueError:
-            raise InvalidInput(f"--tracker {setting}: {text!r} is no number") from None
-    return Variant(chosen)
 
 
 def main(arguments: list[str] | None = None) -> int:

@@ -23,8 +23,7 @@ from mimetic.score.json_text import json_text
 from mimetic.score.text_table import text_table
 from mimetic.solve import clip_capture
 
-from evaluation.runs.ablations import Variant, VariedCapture
-from evaluation.runs.foreign import variant_of
+from evaluation.runs.ablations import Variant, VariedCapture, variant_of
 from evaluation.runs.real_labels import CLIPS, footage_of, read_labels
 from evaluation.runs.real_methods import by_capture
 from evaluation.runs.real_score import FEATURES, score_places

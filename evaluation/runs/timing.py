@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, field
 
 import numpy as np
@@ -15,6 +14,7 @@ from mimetic.score.json_text import json_text
 from mimetic.solve.clip_capture import capture
 from mimetic.template.face_template import load_template
 
+from evaluation.runs.own_process import in_own_process
 from evaluation.runs.timing_curves import curve_rows
 from evaluation.runs.timing_units import UnitClip, score_units, unit_rows
 from evaluation.synthetic.timing.films import timing_clip
@@ -83,8 +83,7 @@ def _analysed(which: str, report: Report) -> Iterator[tuple[TimedClip, Timing]]:
     for clip in SETS[which]:
         footage_clip = timing_clip(clip.recipe, template, report)
         report(f"{footage_clip.name}: capturing")
-        with ProcessPoolExecutor(1) as aside:  # a fresh process gives its memory back
-            performance = aside.submit(capture, footage_clip.footage).result()
+        performance = in_own_process(capture, footage_clip.footage)
         yield clip, analyse_timing(performance, kinds=("group",))
 
 

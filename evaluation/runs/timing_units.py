@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
 from mimetic.analyse.comparison import compare
@@ -14,6 +13,7 @@ from mimetic.performance.document import Performance
 from mimetic.solve.clip_capture import capture
 from mimetic.template.face_template import load_template
 
+from evaluation.runs.own_process import in_own_process
 from evaluation.synthetic.timing.action_units import SETS, unit_motion
 from evaluation.synthetic.timing.films import timing_clip
 
@@ -39,8 +39,7 @@ def score_units(which: str, report: Report) -> list[UnitClip]:
     for recipe in SETS[which]:
         clip = timing_clip(recipe, template, report, unit_motion)
         report(f"{clip.name}: capturing")
-        with ProcessPoolExecutor(1) as aside:
-            performance = aside.submit(capture, clip.footage).result()
+        performance = in_own_process(capture, clip.footage)
         scores.append(score_unit(clip.name, recipe.phases[0].control, performance))
     return scores
 
