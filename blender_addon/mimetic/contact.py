@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 from bpy.app.handlers import persistent
 
-from . import heads, native, scene_in
+from . import handlers, heads, native, scene_in
 from .scene_out import contact as contact_key
 from .scene_out import sliders
 
@@ -171,13 +171,11 @@ HANDLERS = (
 
 
 def register() -> None:
-    for handlers, handler in HANDLERS:
-        handlers.append(handler)
+    handlers.add(HANDLERS)
 
 
 def unregister() -> None:
-    for handlers, handler in HANDLERS:
-        handlers.remove(handler)
+    handlers.remove(HANDLERS)
     if bpy.app.timers.is_registered(_poll):
         bpy.app.timers.unregister(_poll)
     _states.clear()

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import bpy
 from bpy.app.handlers import persistent
 
-from . import control_rows, native
+from . import control_rows, handlers, native
 from .scene_out import control_values, face_bones
 
 
@@ -93,9 +93,8 @@ def _show() -> None:
     if character.type == "ARMATURE":
         control_values.put_back(character, before)
     else:
-        off = {name: number for name, number in before.items() if name not in values}
-        own = {row.control for row in rows}
-        control_values.put_back(character, {n: off[n] for n in off if n in own})
+        off = {row.control for row in rows} - values.keys()
+        control_values.put_back(character, {n: before[n] for n in before if n in off})
     control_values.put(character, values, active.channels)
 
 
@@ -145,12 +144,10 @@ HANDLERS = (
 
 def register() -> None:
     control_rows.changed = row_changed
-    for handlers, handler in HANDLERS:
-        handlers.append(handler)
+    handlers.add(HANDLERS)
 
 
 def unregister() -> None:
     end()
     control_rows.changed = None
-    for handlers, handler in HANDLERS:
-        handlers.remove(handler)
+    handlers.remove(HANDLERS)

@@ -14,7 +14,7 @@ from pathlib import Path
 import bpy
 from bpy.app.handlers import persistent
 
-from . import clips, native
+from . import clips, handlers, native
 
 
 @dataclass(frozen=True)
@@ -224,8 +224,7 @@ HANDLERS = (
 
 
 def register() -> None:
-    for handlers, handler in HANDLERS:
-        handlers.append(handler)
+    handlers.add(HANDLERS)
     # A file that was open before the extension was; none may be touched while it registers
     bpy.app.timers.register(open_file, first_interval=0.0)
 
@@ -233,5 +232,4 @@ def register() -> None:
 def unregister() -> None:
     if bpy.app.timers.is_registered(open_file):
         bpy.app.timers.unregister(open_file)
-    for handlers, handler in HANDLERS:
-        handlers.remove(handler)
+    handlers.remove(HANDLERS)

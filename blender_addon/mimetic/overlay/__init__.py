@@ -7,6 +7,7 @@ The drawing is never part of the face: switched off, nothing of it is left.
 import bpy
 from bpy.app.handlers import persistent
 
+from .. import handlers
 from . import captured, drawing, fitted, live, picture
 
 _handles = []  # handles of Blender's draw callbacks
@@ -49,13 +50,11 @@ def register() -> None:
         (bpy.types.SpaceClipEditor, draw_clip, "POST_PIXEL"),
     ):
         _handles.append((space, space.draw_handler_add(draw, (), "WINDOW", kind)))
-    for handlers, handler in HANDLERS:
-        handlers.append(handler)
+    handlers.add(HANDLERS)
 
 
 def unregister() -> None:
-    for handlers, handler in HANDLERS:
-        handlers.remove(handler)
+    handlers.remove(HANDLERS)
     while _handles:
         space, handle = _handles.pop()
         space.draw_handler_remove(handle, "WINDOW")

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mimetic/raster/raster.hpp>
+#include <mimetic/raster/shaded.hpp>
 #include <mimetic/retarget/seen_areas.hpp>
 #include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
@@ -15,12 +16,12 @@ constexpr double kHidden = .01;  // of the area of what cannot be seen: it decid
 constexpr int kPixels = 1024;    // of a view, its width and height
 constexpr double kDepth = 1;     // pixels behind what is seen, that a vertex may lie
 
-using Triangle = std::array<int, 3>;
-
 /// The polygons as fans of triangles, checked.
-std::vector<Triangle> fans(PointsIn points, const std::vector<int>& starts, const std::vector<int>& corners) {
+Triangles fans(PointsIn points, const std::vector<int>& starts, const std::vector<int>& corners) {
     require(points.allFinite(), "the points of a mesh must be finite");
-    std::vector<Triangle> triangles;
+    // As many as there are corners, less two of each polygon
+    std::vector<int> triangles;
+    triangles.reserve(3 * corners.size());
     for (std::size_t face = 0; face < starts.size(); ++face) {
         const int begin = starts[face];
         const int end = face + 1 < starts.size() ? starts[face + 1] : static_cast<int>(corners.size());
@@ -37,48 +38,34 @@ std::vector<Triangle> fans(PointsIn points, const std::vector<int>& starts, cons
         }
         for (int c = begin + 1; c + 1 < end; ++c) {
             const auto at = static_cast<std::size_t>(c);
-            triangles.push_back({corners[static_cast<std::size_t>(begin)], corners[at], corners[at + 1]});
+            triangles.insert(triangles.end(),
+                             {corners[static_cast<std::size_t>(begin)], corners[at], corners[at + 1]});
         }
     }
-    return triangles;
+    return Eigen::Map<Triangles>(triangles.data(), static_cast<Eigen::Index>(triangles.size() / 3), 3);
 }
 
-Eigen::Vector3d doubled_normal(PointsIn points, const Triangle& triangle) {
-    const Eigen::RowVector3d origin = points.row(triangle[0]);
-    return (points.row(triangle[1]) - origin).cross(points.row(triangle[2]) - origin).transpose();
-}
-
-Points normals_of(PointsIn points, const std::vector<Triangle>& triangles) {
-    Points normals = Points::Zero(points.rows(), 3);
-    for (const Triangle& triangle : triangles) {
-        const Eigen::Vector3d normal = doubled_normal(points, triangle);
-        for (const int vertex : triangle) {
-            normals.row(vertex) += normal.transpose();
-        }
-    }
-    return normals;
+double doubled_area(PointsIn points, TrianglesIn triangles, Eigen::Index t) {
+    const Eigen::RowVector3d origin = points.row(triangles(t, 0));
+    return (points.row(triangles(t, 1)) - origin).cross(points.row(triangles(t, 2)) - origin).norm();
 }
 
 /// Marks the vertices that face a direction and that nothing hides from there.
-void look_from(const Eigen::Vector3d& direction, PointsIn points, PointsIn normals,
-               const std::vector<Triangle>& triangles, std::vector<bool>& seen) {
+void look_from(const Eigen::Vector3d& direction, PointsIn points, PointsIn normals, TrianglesIn triangles,
+               std::vector<bool>& seen) {
     const Eigen::Vector3d aside = direction.unitOrthogonal(), up = direction.cross(aside);
     const Eigen::VectorXd x = points * aside, y = points * up, depth = -points * direction;
-    const double extent = std::max(x.maxCoeff() - x.minCoeff(), y.maxCoeff() - y.minCoeff());
+    const double left = x.minCoeff(), bottom = y.minCoeff();
+    const double extent = std::max(x.maxCoeff() - left, y.maxCoeff() - bottom);
     if (!(extent > 0)) {
         return;
     }
     const double pixel = extent / (kPixels - 1);
-    const auto place = [&](int v) {
-        return Eigen::Vector2d((x[v] - x.minCoeff()) / pixel, (y[v] - y.minCoeff()) / pixel);
-    };
     Points2 places(points.rows(), 2);
-    for (Eigen::Index v = 0; v < points.rows(); ++v) {
-        places.row(v) = place(static_cast<int>(v)).transpose();
-    }
+    places << (x.array() - left) / pixel, (y.array() - bottom) / pixel;
     Raster nearest(kPixels, kPixels);
-    for (std::size_t t = 0; t < triangles.size(); ++t) {
-        const auto& [a, b, c] = triangles[t];
+    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
+        const int a = triangles(t, 0), b = triangles(t, 1), c = triangles(t, 2);
         const Eigen::Vector3d depths(depth[a], depth[b], depth[c]);
         fill_triangle(TriangleCorners<double>{places.row(a), places.row(b), places.row(c)}, kPixels, kPixels,
                       [&](int column, int row, const Eigen::Vector3d& weights) {
@@ -93,8 +80,7 @@ void look_from(const Eigen::Vector3d& direction, PointsIn points, PointsIn norma
             const auto row = static_cast<int>(std::lround(places(v, 1)));
             const std::size_t there = nearest.index(column, row);
             const int front = nearest.face[there];
-            const bool is_corner =
-                front >= 0 && std::ranges::count(triangles[static_cast<std::size_t>(front)], v) > 0;
+            const bool is_corner = front >= 0 && (triangles.row(front).array() == static_cast<int>(v)).any();
             seen[at] = is_corner || depth[v] < nearest.depth[there] + kDepth * pixel;
         }
     }
@@ -105,15 +91,15 @@ void look_from(const Eigen::Vector3d& direction, PointsIn points, PointsIn norma
 Eigen::VectorXd polygon_areas(PointsIn points, const std::vector<int>& starts,
                               const std::vector<int>& corners) {
     Eigen::VectorXd areas = Eigen::VectorXd::Zero(points.rows());
-    const std::vector<Triangle> triangles = fans(points, starts, corners);
-    std::size_t next = 0;
+    const Triangles triangles = fans(points, starts, corners);
+    Eigen::Index next = 0;
     for (std::size_t face = 0; face < starts.size(); ++face) {
         const auto begin = static_cast<std::size_t>(starts[face]);
         const std::size_t end =
             face + 1 < starts.size() ? static_cast<std::size_t>(starts[face + 1]) : corners.size();
         double doubled = 0;
         for (std::size_t c = begin + 2; c < end; ++c) {
-            doubled += doubled_normal(points, triangles[next++]).norm();
+            doubled += doubled_area(points, triangles, next++);
         }
         for (std::size_t c = begin; c < end; ++c) {
             areas[corners[c]] += .5 * doubled / static_cast<double>(end - begin);
@@ -127,8 +113,8 @@ Eigen::VectorXd seen_areas(PointsIn points, const std::vector<int>& starts, cons
     if (starts.empty()) {
         return areas;
     }
-    const std::vector<Triangle> triangles = fans(points, starts, corners);
-    const Points normals = normals_of(points, triangles);
+    const Triangles triangles = fans(points, starts, corners);
+    const Points normals = vertex_normals(points, triangles);
     std::vector<bool> seen(static_cast<std::size_t>(points.rows()), false);
     for (int way = 0; way < 27; ++way) {
         const Eigen::Vector3d direction(way % 3 - 1, way / 3 % 3 - 1, way / 9 - 1);

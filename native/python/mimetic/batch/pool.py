@@ -163,7 +163,7 @@ class Pool:
         with contextlib.suppress(BrokenPipeError):
             process.stdin.close()
         process.stderr.close()
-        job.process = None  # its pipes' buffers would stay, 23 kB a clip
+        job.process = None  # of an ended one nothing is asked any more
         return outcome_of(status, lines)
 
 

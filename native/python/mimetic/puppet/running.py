@@ -146,7 +146,8 @@ class _Run:
             self.rows.values_std.append(seen.std)
             self.trace.scores.append(seen.scores)
             self.trace.lag.append(float(np.min(self.puppet.filter.lags)))
-            self.sending.send(self._state((frame - first) * seconds, seen))
+            if self.sending.has_receivers:
+                self.sending.send(self._state((frame - first) * seconds, seen))
         self.summary.add("drive the face", sum(self.trace.seconds))
         if not self.rows.frame:
             raise self.footage.failure or UnreadableMedia(

@@ -21,9 +21,11 @@ class PacedSending:
         self._receivers = [Receiver(address, names, fps) for address in addresses]
         self._start: float | None = None  # by `monotonic`'s clock, of a state at 0 s
 
+    @property
+    def has_receivers(self) -> bool:
+        return bool(self._receivers)
+
     def send(self, state: LiveState) -> None:
-        if not self._receivers:
-            return
         now = time.monotonic()
         if self._start is None:
             self._start = now - state.time

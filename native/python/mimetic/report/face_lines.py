@@ -114,7 +114,7 @@ class LinesSoFar:
 def _lines_of(
     camera: _core.Camera,
     neutral: NDArray[np.float64],
-    modes: NDArray[np.float32],
+    modes: Sequence[NDArray[np.floating[Any]]],
     faces: NDArray[np.integer[Any]],
 ) -> tuple[list[str], _core.FaceLines]:
     """Names of the marks, and the lines; a mesh that is not the canonical one has no marks."""
@@ -133,7 +133,7 @@ def _lines_of(
     return landmarks, _core.FaceLines(
         camera,
         np.ascontiguousarray(neutral[used]),
-        np.ascontiguousarray(modes[:, used], dtype=np.float64),
+        np.ascontiguousarray(np.concatenate([part[:, used] for part in modes]), dtype=np.float64),
         quads,
         is_shown.tolist(),
         features,
@@ -145,10 +145,10 @@ def _quality_text(quality: float) -> str:
     return f"quality {quality:.2f}" + ("" if quality >= HELD_QUALITY else ", lost: held")
 
 
-def _modes_of(performance: Performance) -> NDArray[np.float32]:
-    """Modes by which values of a frame move the surface, M x V x 3."""
+def _modes_of(performance: Performance) -> list[NDArray[np.float32]]:
+    """Modes by which values of a frame move the surface, M x V x 3 in all."""
     modes = [performance.muscle_modes, performance.articulator_modes, performance.detail_modes]
-    return np.concatenate([part for part in modes if part is not None])
+    return [part for part in modes if part is not None]
 
 
 def quality_strip(

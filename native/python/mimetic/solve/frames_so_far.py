@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import threading
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,7 +26,9 @@ class PersonFollowed:
 
     camera: _core.Camera
     neutral_vertices: NDArray[np.float64]  # V x 3
-    modes: NDArray[np.float32]  # M x V x 3: of muscles, articulators, detail
+    modes: tuple[
+        NDArray[np.floating[Any]], ...
+    ]  # M x V x 3 in all: of muscles, articulators, detail
 
 
 @dataclass(frozen=True)
@@ -51,8 +54,8 @@ class FramesSoFar:
         neutral = fit.neutral_vertices(template)
         self._eyes = eye_geometry(neutral, template)
         self._gaze = _core.GazeFilter(_core.Eyeballs(self._eyes.centers, self._eyes.radii, FACING))
-        modes = [anatomy.muscle_modes, anatomy.articulator_modes, detail.modes]
-        self.person = PersonFollowed(fit.camera, neutral, np.concatenate(modes))
+        modes = (anatomy.muscle_modes, anatomy.articulator_modes, detail.modes)
+        self.person = PersonFollowed(fit.camera, neutral, modes)
 
     def add(self, frame: int, estimate: _core.FrameEstimate, seconds: float) -> None:
         """After `begin`; seconds: since the frame that was followed before."""
