@@ -7,6 +7,7 @@ import bpy
 
 ACTIONS_HAVE_SLOTS = bpy.app.version >= (4, 4, 0)
 NODES_ARE_ALWAYS_USED = bpy.app.version >= (5, 0, 0)
+COMPOSITOR_IS_A_GROUP = bpy.app.version >= (5, 0, 0)
 SEQUENCES_ARE_STRIPS = bpy.app.version >= (4, 4, 0)
 CLIPS_ARE_TURNED = bpy.app.version >= (4, 5, 0)  # as their files say, which phones do
 # Options of a property with a path that may start with // (from 4.5 on Blender warns of others)
@@ -146,3 +147,50 @@ def add_sound(scene: bpy.types.Scene, name: str, path: str, frame: float):
     strip = strips.new_sound(name, path, channel, int(frame))
     strip.frame_start = frame
     return strip
+
+
+def follow(
+    owner: bpy.types.ID, path: str, source: bpy.types.ID, source_type: str, source_path: str
+) -> None:
+    """Has a property take the value of another one, by a driver that runs no script."""
+    driver = owner.driver_add(path).driver
+    driver.type = "SUM"
+    variable = driver.variables.new()
+    variable.type = "SINGLE_PROP"
+    variable.targets[0].id_type = source_type
+    variable.targets[0].id = source
+    variable.targets[0].data_path = source_path
+
+
+def compositor(scene: bpy.types.Scene) -> bpy.types.NodeTree | None:
+    """The nodes that make a picture of what was rendered, if the scene has any."""
+    return scene.compositing_node_group if COMPOSITOR_IS_A_GROUP else scene.node_tree
+
+
+def new_compositor(scene: bpy.types.Scene, name: str):
+    """An empty tree of a scene that has none, in use; and the socket that takes the picture."""
+    if COMPOSITOR_IS_A_GROUP:
+        tree = bpy.data.node_groups.new(name, "CompositorNodeTree")
+        tree.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
+        scene.compositing_node_group = tree
+        return tree, tree.nodes.new("NodeGroupOutput").inputs[0]
+    scene.use_nodes = True
+    scene.node_tree.nodes.clear()
+    return scene.node_tree, scene.node_tree.nodes.new("CompositorNodeComposite").inputs[0]
+
+
+def stretch_to_render(node: bpy.types.Node) -> None:
+    """Has a compositor's Scale node make its picture as large as what is rendered."""
+    if COMPOSITOR_IS_A_GROUP:
+        node.inputs["Type"].default_value = "Render Size"
+        node.inputs["Frame Type"].default_value = "Stretch"
+    else:
+        node.space = "RENDER_SIZE"
+        node.frame_method = "STRETCH"
+
+
+def alpha_over(node: bpy.types.Node):
+    """The sockets of an Alpha Over node: what is behind, what lies over it."""
+    if COMPOSITOR_IS_A_GROUP:
+        return node.inputs["Background"], node.inputs["Foreground"]
+    return node.inputs[1], node.inputs[2]

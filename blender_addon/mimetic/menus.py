@@ -29,6 +29,7 @@ OBJECT = (
     *(*CURVES, None),
     *("find_head_bones", "bake_head", None),
     *("live", None),
+    *("face_as_lines", None),
     *("add_face", "rest_face", "add_landmarks", "attach_muscles", "add_arkit_shapes", None),
     *("add_control_object", "remove_control_object", None),
     *("fit_controls", "preview_controls", "bake_controls", "mirror_controls"),

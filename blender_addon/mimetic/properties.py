@@ -16,14 +16,9 @@ from bpy.props import (
 )
 
 from . import compat, control_rows, correction_settings, editors, take_rows, writable
+from .face_view_settings import FaceViewSettings
 from .live_settings import MimeticLive
 from .scene_out import contact, expressions, gaze, rigs
-
-STRAIN_MEASURES = (
-    ("AREA", "Area", "Growth of the skin's area"),
-    ("STRETCH", "Stretch", "Strain along the direction in which the skin gets longest"),
-    ("COMPRESSION", "Compression", "Strain along the direction in which the skin gets shortest"),
-)
 
 
 def _is_mesh(self, candidate) -> bool:
@@ -32,10 +27,6 @@ def _is_mesh(self, candidate) -> bool:
 
 def _is_expression(self, candidate) -> bool:
     return expressions.is_expression(candidate)
-
-
-def _redraw(self, context) -> None:
-    editors.redraw("VIEW_3D")
 
 
 def _redraw_clips(self, context) -> None:
@@ -200,6 +191,7 @@ class MimeticFace(take_rows.HasTakes, bpy.types.PropertyGroup):
         description="The armature whose bones drive the face's shape keys",
     )
     has_controls: BoolProperty(description="Whether it was given one: it may have been deleted")
+    has_lights: BoolProperty(description="Whether it was given lights: they may have been deleted")
     controls: CollectionProperty(
         type=control_rows.MimeticControl, description="How performances drive its own shape keys"
     )
@@ -257,7 +249,9 @@ class MimeticClip(bpy.types.PropertyGroup):
     )
 
 
-class MimeticScene(correction_settings.CorrectionSettings, bpy.types.PropertyGroup):
+class MimeticScene(
+    FaceViewSettings, correction_settings.CorrectionSettings, bpy.types.PropertyGroup
+):
     clip: PointerProperty(
         name="Footage", type=bpy.types.MovieClip, description="Movie clip with the face"
     )
@@ -346,28 +340,6 @@ class MimeticScene(correction_settings.CorrectionSettings, bpy.types.PropertyGro
     )
     head: PointerProperty(type=MimeticHead)
     live: PointerProperty(type=MimeticLive)
-    show_muscles: BoolProperty(
-        name="Muscles",
-        description="Draw the muscles and their insertions over the face",
-        update=_redraw,
-    )
-    show_strain: BoolProperty(
-        name="Skin Strain",
-        description="Colour the skin by how it is stretched from rest",
-        update=_redraw,
-    )
-    strain_measure: EnumProperty(
-        name="Strain", items=STRAIN_MEASURES, update=_redraw, description="What the colours show"
-    )
-    strain_limit: FloatProperty(
-        name="Scale",
-        description="Strain at which the colours end",
-        default=30.0,
-        min=0.1,
-        soft_max=100.0,
-        subtype="PERCENTAGE",
-        update=_redraw,
-    )
 
 
 CLASSES = (

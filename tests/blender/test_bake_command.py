@@ -55,6 +55,9 @@ def test_a_blend_opens_with_face_curves_camera_and_footage(
     (behind,) = scene.camera.data.background_images
     assert os.path.samefile(bpy.path.abspath(behind.clip.filepath), footage)
     assert behind.clip.filepath.startswith("//")
+    tree = scene.compositing_node_group if bpy.app.version >= (5, 0, 0) else scene.node_tree
+    assert tree.nodes["Footage"].clip == behind.clip
+    assert scene.render.film_transparent
     assert bpy.data.images["Face Skin"].packed_file
 
 

@@ -15,6 +15,7 @@ from . import (
     expression_strips,
     expressions,
     face,
+    face_view,
     foreign,
     gltf,
     head,
@@ -54,6 +55,7 @@ CLASSES = (
     *control_object.CLASSES,
     *live.CLASSES,
     stop.MIMETIC_OT_stop,
+    *face_view.CLASSES,
     sliders.MIMETIC_OT_add_face,
     sliders.MIMETIC_OT_rest_face,
 )

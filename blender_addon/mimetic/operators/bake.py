@@ -42,7 +42,13 @@ class MIMETIC_OT_bake(CurveOptions, TakeOptions, Job, Operator):
     use_view: BoolProperty(
         name="Look Through Camera", default=True, description="Turn 3D views to the footage"
     )
-
+    use_render: BoolProperty(
+        name="Render over Footage",
+        default=True,
+        description="Where the scene has no compositor nodes of its own: have renders show the "
+        "face over the footage, by nodes behind a transparent film, in its own colours (view "
+        "transform Standard), lit by lights that go along with the face",
+    )
     use_few_keys: BoolProperty(
         name="Few Keys",
         default=False,
@@ -153,6 +159,9 @@ class MIMETIC_OT_bake(CurveOptions, TakeOptions, Job, Operator):
             message += f"; {summary.kept} (Reset Hand Changes undoes that)"
         if clip and clips.is_missing(clip):
             message += f"; {clip.name} is missing: the camera shows it once it is found"
+        if clip and self.use_render:
+            remark = scene_out.over_footage.set_up(context.scene, face, performance)
+            message += f"; {remark}" if remark else ""
         if self.use_view and scene_out.camera.look_through(context, face):
             message += "; other objects are out of view, View > Local View shows them again"
         scene_out.canonical.select_only(context.view_layer, face)

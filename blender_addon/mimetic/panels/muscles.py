@@ -110,7 +110,12 @@ class MIMETIC_PT_overlays(Muscles, Panel):
     def draw(self, context):
         layout = self.layout
         settings = context.scene.mimetic
-        paragraph(layout, live.problem_of(scene_in.face_of(context)))
+        face = scene_in.face_of(context)
+        if settings.camera and settings.camera.data.background_images:
+            layout.prop(settings, "face_cover", slider=True)
+        icon = "CHECKBOX_HLT" if face.display_type == "WIRE" else "CHECKBOX_DEHLT"
+        layout.operator("mimetic.face_as_lines", icon=icon)
+        paragraph(layout, live.problem_of(face))
         layout.prop(settings, "show_muscles")
         layout.prop(settings, "show_strain")
         column = layout.column(align=True)

@@ -9,7 +9,7 @@ import bpy
 from mathutils import Matrix
 
 from .. import compat, native
-from . import actions, clip, opened_view
+from . import actions, clip, cover, opened_view
 
 NAME = "Footage Camera"
 LONGEST = 1048574  # Blender's own limit of a frame number
@@ -47,6 +47,7 @@ def show_footage(seen_through, footage, timing, performance, take: str) -> None:
     camera.show_background_images = True
     images = camera.background_images
     behind = images[0] if images else images.new()
+    front = cover.front_of(camera)
     steps = native.timing().frame_steps(
         performance.frame,
         performance.fps,
@@ -72,6 +73,8 @@ def show_footage(seen_through, footage, timing, performance, take: str) -> None:
     behind.frame_method = "FIT"
     behind.display_depth = "BACK"
     behind.alpha = 1.0
+    if front is not None:
+        cover.match(camera, front)
 
 
 def _film(clip) -> tuple[bpy.types.Image, int]:
@@ -125,9 +128,9 @@ def _stands_with_others(context, space, face) -> bool:
 
 
 def _isolate(context, window, area, face) -> None:
-    """Local view takes what is selected: the face and its camera, which also stay selected."""
+    """Local view takes what is selected: the face, its lights and its camera, which stay so."""
     for obj in context.view_layer.objects:
-        obj.select_set(obj in (face, context.scene.camera))
+        obj.select_set(obj in (face, context.scene.camera, *face.children))
     region = next(region for region in area.regions if region.type == "WINDOW")
     with context.temp_override(window=window, area=area, region=region):
         if area.spaces.active.local_view:

@@ -10,7 +10,7 @@ import bpy
 from mathutils import Euler
 
 from .. import compat, native, scene_in, takes
-from . import bake, clip, exports, eye_nodes, opened_view, take_list
+from . import bake, clip, exports, eye_nodes, opened_view, over_footage, take_list
 
 
 def write(
@@ -66,7 +66,7 @@ def write(
     takes.keep(scene, footage, performance_path)
     scene.frame_set(scene.frame_start)
     if is_blend:
-        show(scene)
+        show(scene, performance)
         save(out, footage)
         loses = ""
     else:
@@ -91,8 +91,8 @@ def set_up(scene: bpy.types.Scene, performance) -> None:
     scene.view_settings.view_transform = "Standard"
 
 
-def show(scene: bpy.types.Scene) -> None:
-    """Screens that show the face, and a soft light from over the camera for a first render."""
+def show(scene: bpy.types.Scene, performance) -> None:
+    """Screens that show the face; renders of it over its footage, in a soft light from above."""
     opened_view.arrange(scene, scene.mimetic.face)
     sun = bpy.data.objects.new("Key Light", bpy.data.lights.new("Key Light", "SUN"))
     sun.data.energy = 2.0
@@ -102,6 +102,7 @@ def show(scene: bpy.types.Scene) -> None:
     world = bpy.data.worlds.new("World")
     compat.use_nodes(world).nodes["Background"].inputs["Color"].default_value = (0.5, 0.5, 0.5, 1.0)
     scene.world = world
+    over_footage.set_up(scene, scene.mimetic.face, performance, with_lights=False)
 
 
 def save(out: str, footage: bpy.types.MovieClip | None) -> None:

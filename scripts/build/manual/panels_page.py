@@ -18,7 +18,8 @@ ABOUT = {
     "held still: [head-tracking.md](head-tracking.md).",
     "Muscles": "Sliders of the face in groups, and muscles for a head of your own: "
     "[skin-and-muscles.md](skin-and-muscles.md).",
-    "Overlays": "Muscles and strain, drawn on the face.",
+    "Overlays": "The face over its footage ([over-footage.md](over-footage.md)); muscles and "
+    "strain, drawn on it.",
     "Own Controls": "A character's own shape keys or bones, played by a performance: "
     "[own-controls.md](own-controls.md).",
     "Takes": "What was baked on this face: play, compare, blend in: [takes.md](takes.md).",

@@ -66,3 +66,18 @@ def test_a_flat_camera_is_refused(performance):
 def test_pixels_that_are_not_square_are_refused():
     with pytest.raises(InvalidInput, match="square"):
         lens([[500, 0, 160], [0, 450, 120], [0, 0, 1]], (320, 240))
+
+
+@pytest.mark.parametrize(
+    ("picture", "aspect", "covered"),
+    [
+        ((320, 240), 1.0, (1, 1)),
+        ((640, 240), 1.0, (0.5, 1)),
+        ((320, 480), 1.0, (1, 0.5)),
+        ((640, 240), 2.0, (1, 1)),
+    ],
+    ids=["as the footage", "wider", "taller", "pixels twice as high"],
+)
+def test_the_part_of_the_picture_that_footage_covers(picture, aspect, covered):
+    lens_of = lens([[500, 0, 160], [0, 500, 120], [0, 0, 1]], (320, 240), picture, aspect)
+    assert lens_of.covered == pytest.approx(covered)

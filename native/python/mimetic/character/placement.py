@@ -37,6 +37,7 @@ class Lens:
     sensor_mm: float
     shift_x: float  # of the picture's fitted side; positive moves the window right
     shift_y: float  # positive moves the window up
+    covered: tuple[float, float]  # parts of the picture's width and height that the footage takes
 
 
 def to_object(points: ArrayLike) -> NDArray[np.float64]:
@@ -88,6 +89,7 @@ def lens(
     picture = np.asarray((width, height) if picture_size is None else picture_size, dtype=float)
     is_wider = picture[0] > picture[1] * pixel_aspect * width / height * (1 + 1e-9)
     side = height if is_wider else width
+    widths = width / height / (picture[0] / (picture[1] * pixel_aspect))  # footage's to picture's
     return Lens(
         fit="VERTICAL" if is_wider else "HORIZONTAL",
         focal_mm=fx * SENSOR_MM / side,
@@ -95,4 +97,5 @@ def lens(
         # Pixel (0, 0) is a pixel's centre: the picture's edge lies half a pixel further out
         shift_x=(width / 2 - (cx + 0.5)) / side,
         shift_y=((cy + 0.5) - height / 2) / side,
+        covered=(min(1.0, float(widths)), min(1.0, float(1 / widths))),
     )

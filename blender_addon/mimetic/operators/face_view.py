@@ -1,0 +1,28 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+from bpy.types import Operator
+
+from .. import scene_in
+from ..greyed import Greyed
+from ..scene_out import cover
+
+
+class MIMETIC_OT_face_as_lines(Greyed, Operator):
+    """Show the face as lines through which the footage is seen, or as it was before"""
+
+    bl_idname = "mimetic.face_as_lines"
+    bl_label = "Face as Lines"
+    bl_options = {"UNDO"}
+
+    @classmethod
+    def obstacle(cls, context):
+        if scene_in.face_of(context) is None:
+            return "Bake a performance or add a face first: the scene has no face"
+        return ""
+
+    def execute(self, context):
+        face = scene_in.face_of(context)
+        cover.show_wire(face, not cover.is_wire(face))
+        return {"FINISHED"}
+
+
+CLASSES = (MIMETIC_OT_face_as_lines,)

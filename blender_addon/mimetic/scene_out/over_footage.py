@@ -1,0 +1,148 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What F12 renders: the face over its footage.
+
+Blender renders no background of a camera: the footage comes in by compositor nodes, behind a film
+that is transparent where nothing is. Whoever has nodes of their own keeps the scene as it is.
+"""
+
+from __future__ import annotations
+
+import bpy
+from mathutils import Matrix
+
+from .. import compat, native, scene_in
+from . import face_lights
+from .camera import SOLID_TYPES
+
+NAME = "Footage behind the Face"
+MADE = "mimetic_made"  # property of the nodes' tree that we made
+SOURCE, FRAMING = "Footage", "Footage in the Picture"  # names of its nodes
+AS_FILMED = "Standard"
+
+
+def set_up(scene: bpy.types.Scene, face: bpy.types.Object, performance, with_lights=True) -> str:
+    """Puts the footage behind the scene's camera behind the face in renders too.
+
+    Returns what the user should know, or nothing. What was changed on nodes that an earlier bake
+    made stays: only the footage is put in anew.
+    """
+    images = scene.camera.data.background_images
+    if not images:
+        return ""
+    tree = compat.compositor(scene)
+    if tree is not None and tree.nodes and MADE not in tree:
+        return (
+            "renders are composed by nodes of your own: put the footage behind the face there "
+            "(Film > Transparent, Alpha Over)"
+        )
+    remarks = []
+    if tree is None or not tree.nodes:
+        tree = _new_tree(scene)
+        scene.render.film_transparent = True
+        scene.render.use_compositing = True
+        remarks = [_clear_the_way(scene, face), _show_as_filmed(scene, face)]
+    _put_in(tree, scene.camera.data)
+    _frame(tree, scene, performance)
+    if with_lights:
+        face_lights.ensure(face)
+    return "; ".join(filter(None, remarks))
+
+
+def _new_tree(scene: bpy.types.Scene) -> bpy.types.NodeTree:
+    tree, result = compat.new_compositor(scene, NAME)
+    tree[MADE] = True
+    nodes, links = tree.nodes, tree.links
+    stretch, framing = nodes.new("CompositorNodeScale"), nodes.new("CompositorNodeScale")
+    compat.stretch_to_render(stretch)
+    framing.name = framing.label = FRAMING
+    source = _new_source(tree, "CompositorNodeMovieClip")
+    rendered, over = nodes.new("CompositorNodeRLayers"), nodes.new("CompositorNodeAlphaOver")
+    behind, before = compat.alpha_over(over)
+    links.new(source.outputs["Image"], stretch.inputs["Image"])
+    links.new(stretch.outputs["Image"], framing.inputs["Image"])
+    links.new(framing.outputs["Image"], behind)
+    links.new(rendered.outputs["Image"], before)
+    links.new(over.outputs["Image"], result)
+    places = ((source, 0, 0), (stretch, 250, 0), (framing, 450, 0), (rendered, 350, 400))
+    for node, x, y in (*places, (over, 650, 150), (result.node, 850, 150)):
+        node.location = (x, y)
+    return tree
+
+
+def _new_source(tree: bpy.types.NodeTree, kind: str) -> bpy.types.Node:
+    source = tree.nodes.new(kind)
+    source.name = source.label = SOURCE
+    return source
+
+
+def _put_in(tree: bpy.types.NodeTree, camera: bpy.types.Camera) -> None:
+    """The picture that the camera's view shows behind the face, frame by frame."""
+    source = tree.nodes.get(SOURCE)
+    if source is None:
+        return  # taken out by hand
+    behind = camera.background_images[0]
+    is_clip = behind.source == "MOVIE_CLIP"
+    kind = "CompositorNodeMovieClip" if is_clip else "CompositorNodeImage"
+    tree.driver_remove(f'nodes["{SOURCE}"].frame_offset')
+    if source.bl_idname != kind:
+        takers = [link.to_socket for link in source.outputs["Image"].links]
+        place = source.location[:]
+        tree.nodes.remove(source)
+        source = _new_source(tree, kind)
+        source.location = place
+        for taker in takers:
+            tree.links.new(source.outputs["Image"], taker)
+    if is_clip:
+        source.clip = behind.clip
+        return
+    source.image = behind.image
+    user = behind.image_user
+    source.frame_start, source.frame_duration = user.frame_start, user.frame_duration
+    source.use_auto_refresh = True
+    path = "background_images[0].image_user.frame_offset"
+    compat.follow(tree, f'nodes["{SOURCE}"].frame_offset', camera, "CAMERA", path)
+
+
+def _frame(tree: bpy.types.NodeTree, scene: bpy.types.Scene, performance) -> None:
+    """Fits the footage whole into the picture, as the camera's view does."""
+    framing = tree.nodes.get(FRAMING)
+    if framing is None:
+        return
+    size, aspect = scene_in.picture_size(scene), scene_in.pixel_aspect(scene)
+    lens = native.placement().lens(performance.intrinsics, performance.image_size, size, aspect)
+    for name, part in zip("XY", lens.covered, strict=True):
+        framing.inputs[name].default_value = part
+
+
+def _clear_the_way(scene: bpy.types.Scene, face: bpy.types.Object) -> str:
+    """The start-up cube stands around the camera: rendered, its walls would hide the footage."""
+    for other in scene.objects:
+        if other != face and is_start_up_cube(other) and not other.hide_render:
+            other.hide_render = True
+            return f"{other.name}, in which the camera stands, is left out of renders"
+    return ""
+
+
+def is_start_up_cube(candidate: bpy.types.Object) -> bool:
+    """Whether an object is the cube of a new file, as it is there."""
+    if candidate.type != "MESH" or candidate.name != "Cube" or candidate.modifiers:
+        return False
+    corners = {tuple(vertex.co) for vertex in candidate.data.vertices}
+    is_whole = len(candidate.data.vertices) == len(corners) == 8
+    is_cube = all(abs(abs(part) - 1) < 1e-6 for corner in corners for part in corner)
+    at_start = candidate.matrix_basis == Matrix.Identity(4)
+    return is_whole and is_cube and at_start and not candidate.animation_data
+
+
+def _show_as_filmed(scene: bpy.types.Scene, face: bpy.types.Object) -> str:
+    """Footage and skin have the footage's colours, which other transforms would change."""
+    view = scene.view_settings
+    if view.view_transform == AS_FILMED:
+        return ""
+    before = view.view_transform
+    if any(o.type in SOLID_TYPES and o != face and not o.hide_render for o in scene.objects):
+        return (
+            f"renders change the footage's colours by {before} (View Transform, Color Management)"
+        )
+    view.view_transform = AS_FILMED
+    return f"View Transform is {AS_FILMED} instead of {before}: colours are as filmed"
