@@ -6,9 +6,10 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import bpy
-from bpy.props import BoolProperty, FloatProperty, StringProperty
+from bpy.props import BoolProperty, CollectionProperty, FloatProperty, IntProperty, StringProperty
 
 from . import native
+from .writable import KEPT, KEPT_ROWS
 
 # The last: setting another marks the row as edited
 FIELDS = ("is_on", "gain", "offset", "lowest", "highest", "curve", "is_edited")
@@ -27,7 +28,11 @@ class MimeticControl(bpy.types.PropertyGroup):
     """How a control is driven, by its name."""
 
     is_on: BoolProperty(
-        name="Drive", default=True, update=_edit, description="Let performances move this control"
+        name="Drive",
+        default=True,
+        update=_edit,
+        override=KEPT,
+        description="Let performances move this control",
     )
     gain: FloatProperty(
         name="Gain",
@@ -37,6 +42,7 @@ class MimeticControl(bpy.types.PropertyGroup):
         min=-1000.0,
         max=1000.0,
         update=_edit,
+        override=KEPT,
         description="What fitted values are multiplied by",
     )
     offset: FloatProperty(
@@ -47,10 +53,16 @@ class MimeticControl(bpy.types.PropertyGroup):
         min=-1000.0,
         max=1000.0,
         update=_edit,
+        override=KEPT,
         description="What is added then: the character's own rest",
     )
     lowest: FloatProperty(
-        name="Lowest", min=-1000.0, max=1000.0, update=_edit, description="Values are cut here"
+        name="Lowest",
+        min=-1000.0,
+        max=1000.0,
+        update=_edit,
+        override=KEPT,
+        description="Values are cut here",
     )
     highest: FloatProperty(
         name="Highest",
@@ -58,6 +70,7 @@ class MimeticControl(bpy.types.PropertyGroup):
         min=-1000.0,
         max=1000.0,
         update=_edit,
+        override=KEPT,
         description="Values are cut here",
     )
     curve: FloatProperty(
@@ -68,13 +81,31 @@ class MimeticControl(bpy.types.PropertyGroup):
         soft_min=0.5,
         soft_max=2.0,
         update=_edit,
+        override=KEPT,
         description="Before gain and offset: above 1 small motions become smaller, below 1 larger; "
         "full ones stay",
     )
     is_edited: BoolProperty(
-        name="Edited", description="Changed by hand: fitting again leaves the row as it is"
+        name="Edited",
+        override=KEPT,
+        description="Changed by hand: fitting again leaves the row as it is",
     )
-    remark: StringProperty(name="Remark", description="What the last fit says of the control")
+    remark: StringProperty(
+        name="Remark", override=KEPT, description="What the last fit says of the control"
+    )
+
+
+class HasControls:
+    """Mixin of the properties of a character."""
+
+    controls: CollectionProperty(
+        type=MimeticControl,
+        override=KEPT_ROWS,
+        description="How performances drive its own shape keys",
+    )
+    active_control: IntProperty(
+        name="Control", override=KEPT, description="The row whose settings are shown"
+    )
 
 
 def rows_of(character: bpy.types.Object) -> list:
@@ -88,14 +119,19 @@ def rows_of(character: bpy.types.Object) -> list:
 
 def write(character: bpy.types.Object, rows, remarks=None) -> None:
     """Makes these rows the table. remarks: text by control; None leaves what there is."""
-    controls = character.mimetic.controls
-    before = {entry.name: entry.remark for entry in controls}
-    controls.clear()
-    for row in rows:
-        entry = controls.add()
+    controls, names = character.mimetic.controls, {row.control for row in rows}
+    for place in reversed(range(len(controls))):
+        if controls[place].name not in names:
+            controls.remove(place)
+    for place, row in enumerate(rows):
+        # Those that are there stay: a library override has its file's rows beside all new ones
+        at = controls.find(row.control)
+        entry = controls[at] if at >= 0 else controls.add()
         entry.name = row.control
         for name in FIELDS:
             setattr(entry, name, getattr(row, name))
-        entry.remark = (before if remarks is None else remarks).get(row.control, "")
+        if remarks is not None:
+            entry.remark = remarks.get(row.control, "")
+        controls.move(at if at >= 0 else len(controls) - 1, place)
     last = max(len(controls) - 1, 0)
     character.mimetic.active_control = min(character.mimetic.active_control, last)

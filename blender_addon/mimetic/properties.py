@@ -175,7 +175,7 @@ def _gaze_slider(name: str, side: str, axis: int, lowest: float, highest: float)
     )
 
 
-class MimeticFace(take_rows.HasTakes, bpy.types.PropertyGroup):
+class MimeticFace(take_rows.HasTakes, control_rows.HasControls, bpy.types.PropertyGroup):
     lid_following: FloatVectorProperty(
         size=4,
         description="How the left and the right upper lid go along with the eyes: closure for a "
@@ -191,12 +191,14 @@ class MimeticFace(take_rows.HasTakes, bpy.types.PropertyGroup):
         description="The armature whose bones drive the face's shape keys",
     )
     has_controls: BoolProperty(description="Whether it was given one: it may have been deleted")
+<<<<<<< HEAD
     has_lights: BoolProperty(description="Whether it was given lights: they may have been deleted")
     controls: CollectionProperty(
         type=control_rows.MimeticControl, description="How performances drive its own shape keys"
     )
+=======
+>>>>>>> 6cb152b (Keep takes and tables of controls on library overrides)
     before_preview: StringProperty(options={"HIDDEN"})  # JSON: previewed controls as they were
-    active_control: IntProperty(name="Control", description="The row whose settings are shown")
     landmark: StringProperty(name="Landmark", description="What an empty stands for on a head")
     footage: StringProperty(
         name="Footage", description="Fingerprint of the footage that the face was baked from"
@@ -361,7 +363,7 @@ def register() -> None:
         bpy.utils.register_class(group)
     bpy.types.Scene.mimetic = PointerProperty(type=MimeticScene)
     bpy.types.MovieClip.mimetic = PointerProperty(type=MimeticClip)
-    bpy.types.Object.mimetic = PointerProperty(type=MimeticFace)
+    bpy.types.Object.mimetic = PointerProperty(type=MimeticFace, override=writable.KEPT)
 
 
 def unregister() -> None:

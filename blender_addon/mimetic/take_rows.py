@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a face or a character remembers of what was baked on it: `object.mimetic.takes`."""
+"""What a face or a character remembers of what was baked on it: `object.mimetic.takes`.
+
+A library override has the rows of the file that it comes from, and keeps its own after them.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +15,8 @@ from bpy.props import (
     PointerProperty,
     StringProperty,
 )
+
+from .writable import KEPT, KEPT_ROWS
 
 
 class MimeticTakePart(bpy.types.PropertyGroup):
@@ -39,20 +44,26 @@ class MimeticTake(bpy.types.PropertyGroup):
     scene_last: FloatProperty(description="Scene frame of the last key")
     quality: FloatProperty(name="Quality", description="The median, from 0 to 1")
     num_lost: IntProperty(name="Lost", description="Frames in which the face was lost and is held")
-    lost: CollectionProperty(type=MimeticLostRange)
+    lost: CollectionProperty(type=MimeticLostRange, override=KEPT_ROWS)
     date: StringProperty(name="Date", description="When it was baked")
     settings: StringProperty(name="Settings", description="How it was baked")
-    parts: CollectionProperty(type=MimeticTakePart)
+    parts: CollectionProperty(type=MimeticTakePart, override=KEPT_ROWS)
     mark: StringProperty(description="Of its curves as they were baked")
     surface: StringProperty(description="Of the shapes of contact and detail that were made for it")
-    is_edited: BoolProperty(description="Whether its curves were seen to differ from the bake's")
+    is_edited: BoolProperty(
+        override=KEPT, description="Whether its curves were seen to differ from the bake's"
+    )
 
 
 class HasTakes:
     """Mixin of the properties of a face."""
 
-    takes: CollectionProperty(type=MimeticTake, description="What was baked on it, oldest first")
-    active_take: IntProperty(name="Take", description="The row whose details are shown")
+    takes: CollectionProperty(
+        type=MimeticTake, override=KEPT_ROWS, description="What was baked on it, oldest first"
+    )
+    active_take: IntProperty(
+        name="Take", override=KEPT, description="The row whose details are shown"
+    )
 
 
 CLASSES = (MimeticTakePart, MimeticLostRange, MimeticTake)

@@ -2,9 +2,9 @@
 """What may be written to so that it is still there when the file is opened again.
 
 Blender lets scripts write to linked data and forgets it on saving. A library override keeps curves
-of its object and bones, and of its shape keys if the mesh is an override too; it never keeps points
-of a mesh, new shape keys, or what we note on an object. Functions say why not and the way out, or
-nothing.
+of its object and bones, and of its shape keys if the mesh is an override too, and the lists of
+takes and controls; it never keeps points of a mesh, new shape keys, or what else we note on an
+object. Functions say why not and the way out, or nothing.
 """
 
 from __future__ import annotations
@@ -13,8 +13,14 @@ import bpy
 
 from . import native
 
+# Of properties that a library override keeps, and of lists that it adds rows to
+KEPT = {"LIBRARY_OVERRIDABLE"}
+KEPT_ROWS = {"LIBRARY_OVERRIDABLE", "USE_INSERTION"}
 LOCAL = "make it local (Object > Relations > Make Local > Selected Objects and Data)"
 OVERRIDE = "make a library override of it (Object > Library Override > Make)"
+MESH_OVERRIDE = (
+    "make a library override of the mesh too (Outliner: ID Data > Library Override > Make)"
+)
 
 
 def no_motion(obj: bpy.types.Object) -> str:
@@ -32,8 +38,11 @@ def no_motion(obj: bpy.types.Object) -> str:
 
 def no_sliders(face: bpy.types.Object) -> str:
     """Why values and curves of a mesh's shape keys would be lost."""
-    if face.library or face.data.library:
-        return f"{_linked(face if face.library else face.data, face)}, its sliders with it: {LOCAL}"
+    if face.library:
+        return f"{_linked(face)}, its sliders with it: {LOCAL}"
+    if face.data.library:
+        way = f"{MESH_OVERRIDE}, or {LOCAL}" if face.override_library else LOCAL
+        return f"{_linked(face.data, face)}, its sliders with it: {way}"
     return no_motion(face)
 
 

@@ -43,13 +43,16 @@ class TakeOptions:
         frames = scene_in.scene_frames(performance, scene_in.timing(context.scene, clip))
         file_name = Path(take.path).name
         row = takes.note(obj, performance, name, file_name, frames, settings, before)
-        if row is None:
-            return f"; {obj.name} is a library override, which keeps no list of takes"
         new = row.name
         is_replaced = self.edited == "REPLACE" if is_edited else self.replace_take
         is_kept = is_edited and self.edited == "KEEP"
         remark = ""
-        if earlier_name and is_replaced:
+        is_inherited = earlier is not None and takes.is_inherited(
+            obj, obj.mimetic.takes[earlier_name]
+        )
+        if is_replaced and is_inherited:
+            remark = f"; {earlier_name} is a take of the linked file and stays in Takes"
+        elif earlier_name and is_replaced:
             takes.remove(obj, obj.mimetic.takes[earlier_name])
             remark = f"; {earlier_name} is replaced" + (", edits and all" if is_edited else "")
             if earlier_name == name or earlier_name.startswith(f"{name}."):

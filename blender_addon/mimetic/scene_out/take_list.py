@@ -38,13 +38,10 @@ def now(obj: bpy.types.Object | None) -> dict[str, tuple]:
 
 
 def note(obj, performance, name: str, path: str, frames, settings: str, before: dict):
-    """Adds the take that was just baked to the list, and returns its row; None for a library
-    override, which keeps no such list.
+    """Adds the take that was just baked to the list, and returns its row.
 
     frames: N, of the scene; before: what `now` was before the bake, whose actions are not its.
     """
-    if obj.override_library:
-        return None
     facts = native.take_facts().facts_of(performance)
     for block in owners(obj).values():
         take_strips.clear(block)  # of the takes before, which stay in the list
@@ -94,6 +91,12 @@ def find(obj: bpy.types.Object, name: str):
     if not 0 <= obj.mimetic.active_take < len(takes):
         raise native.invalid_input(f"{obj.name} has no take yet: bake a performance")
     return takes[obj.mimetic.active_take]
+
+
+def is_inherited(obj: bpy.types.Object, row) -> bool:
+    """Whether a library override has a take from the file that it comes from, and would again."""
+    override = obj.override_library
+    return bool(override and override.reference and row.name in override.reference.mimetic.takes)
 
 
 def is_edited(row) -> bool:
@@ -202,7 +205,11 @@ def as_strips(obj: bpy.types.Object, row) -> None:
 
 def remove(obj: bpy.types.Object, row) -> list[str]:
     """Takes a row off the list, and its actions out of the file where nothing else uses them;
-    returns their names."""
+    returns their names. Raises InvalidInput, and changes nothing then."""
+    if is_inherited(obj, row):
+        raise native.invalid_input(
+            f"{row.name} is a take of the file that {obj.name} is linked from: remove it there"
+        )
     index = obj.mimetic.takes.find(row.name)
     parts = [part.action for part in row.parts if part.action is not None]
     is_playing = plays(row, now(obj))

@@ -15,13 +15,14 @@ TRACK = "Mimetic: "
 
 def clear(block: bpy.types.ID, of_actions: Collection | None = None) -> None:
     """Removes our tracks; of_actions: those alone that play one of these."""
-    animation = block.animation_data
-    if animation is None:
-        return
-    for track in [track for track in animation.nla_tracks if track.name.startswith(TRACK)]:
+    for track in _ours(block):
         used = {strip.action for strip in track.strips}
-        if of_actions is None or used.intersection(of_actions):
-            animation.nla_tracks.remove(track)
+        if of_actions is not None and not used.intersection(of_actions):
+            continue
+        if _is_inherited(track):
+            track.mute = True  # removed, its strips would come back in the place of our own
+        else:
+            block.animation_data.nla_tracks.remove(track)
 
 
 def add(block: bpy.types.ID, take: str, part, influence: float) -> bpy.types.NlaStrip:
@@ -41,9 +42,7 @@ def add(block: bpy.types.ID, take: str, part, influence: float) -> bpy.types.Nla
 
 def top(block: bpy.types.ID) -> bpy.types.NlaStrip | None:
     """The uppermost strip of ours, which plays where its influence is full."""
-    animation = block.animation_data
-    tracks = animation.nla_tracks if animation is not None else ()
-    strips = [s for track in tracks if track.name.startswith(TRACK) for s in track.strips]
+    strips = [strip for track in _ours(block) for strip in track.strips]
     return strips[-1] if strips else None
 
 
@@ -59,3 +58,18 @@ def play(blocks: dict[str, bpy.types.ID], layers: list[tuple]) -> None:
             block.animation_data.action = None
         for row, part, share in parts:
             add(block, row.name, part, share)
+
+
+def _ours(block: bpy.types.ID) -> list[bpy.types.NlaTrack]:
+    """Our tracks, less those that `clear` silenced on a library override."""
+    animation = block.animation_data
+    tracks = animation.nla_tracks if animation is not None else ()
+    ours = [track for track in tracks if track.name.startswith(TRACK)]
+    return [track for track in ours if not (track.mute and _is_inherited(track))]
+
+
+def _is_inherited(track: bpy.types.NlaTrack) -> bool:
+    """Whether a library override has a track from the file that it comes from."""
+    block = track.id_data
+    owner = block.user if isinstance(block, bpy.types.Key) else block
+    return owner.override_library is not None and track.is_override_data
