@@ -191,13 +191,7 @@ class MimeticFace(take_rows.HasTakes, control_rows.HasControls, bpy.types.Proper
         description="The armature whose bones drive the face's shape keys",
     )
     has_controls: BoolProperty(description="Whether it was given one: it may have been deleted")
-<<<<<<< HEAD
     has_lights: BoolProperty(description="Whether it was given lights: they may have been deleted")
-    controls: CollectionProperty(
-        type=control_rows.MimeticControl, description="How performances drive its own shape keys"
-    )
-=======
->>>>>>> 6cb152b (Keep takes and tables of controls on library overrides)
     before_preview: StringProperty(options={"HIDDEN"})  # JSON: previewed controls as they were
     landmark: StringProperty(name="Landmark", description="What an empty stands for on a head")
     footage: StringProperty(
