@@ -16,6 +16,7 @@ from . import (
     preferences,
     properties,
     takes,
+    workspace,
 )
 
 # In this order: panels and operators refer to the properties
@@ -33,6 +34,7 @@ PARTS = (
     control_preview,
     pins,
     takes,
+    workspace,
 )
 
 

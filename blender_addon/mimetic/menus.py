@@ -13,7 +13,7 @@ CURVES = (
 )
 TAKES = ("play_take", "compare_take", "blend_takes", "remove_take", "mark_lost", "unmark_lost")
 CLIP = (
-    *("load_clip", "scene_as_clip", None),
+    *("open_workspace", "load_clip", "scene_as_clip", None),
     *("find_face", "pick_face", "show_landmarks", "pin", "unpin", "follow_pins", None),
     *("calibrate", "capture", "track_head", "load_performance", "find_missing", None),
     *("hold_head_still", "release_head", "set_rest_frame", None),
@@ -22,7 +22,7 @@ CLIP = (
     *CURVES,
 )
 OBJECT = (
-    *("load_clip", "scene_as_clip", "find_face", "calibrate", None),
+    *("open_workspace", "load_clip", "scene_as_clip", "find_face", "calibrate", None),
     *("capture", "track_head", "load_performance", "find_missing", None),
     *("bake", "export_gltf", "export_character", None),
     *(*TAKES, None),

@@ -135,3 +135,24 @@ def test_the_panel_has_both(baked):
     text = drawn("MIMETIC_PT_overlays")
     assert "face_cover" in text and KEY in text
     assert KEY in drawn("MIMETIC_MT_object")
+
+
+def shadings() -> list:
+    screens = {window.screen for window in bpy.context.window_manager.windows}
+    areas = [area for screen in screens for area in screen.areas if area.type == "VIEW_3D"]
+    return [area.spaces.active.shading for area in areas]
+
+
+@pytest.mark.parametrize("light", ["STUDIO", "MATCAP"])
+def test_solid_mode_shows_the_face_as_filmed_unless_a_light_was_chosen(
+    scene, footage, light, performance_file
+):
+    assert shadings()
+    for shading in shadings():
+        shading.light = light
+    bpy.ops.mimetic.load_clip(filepath=str(footage))
+    bpy.ops.mimetic.load_performance(filepath=str(performance_file))
+    bpy.ops.mimetic.bake(use_texture=False)
+    assert {shading.color_type for shading in shadings()} == {"TEXTURE"}
+    expected = "FLAT" if light == "STUDIO" else light
+    assert {shading.light for shading in shadings()} == {expected}

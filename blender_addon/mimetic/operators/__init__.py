@@ -21,6 +21,7 @@ from . import (
     head,
     live,
     missing,
+    open_workspace,
     own_controls,
     performance,
     pins,
@@ -56,6 +57,7 @@ CLASSES = (
     *live.CLASSES,
     stop.MIMETIC_OT_stop,
     *face_view.CLASSES,
+    *open_workspace.CLASSES,
     sliders.MIMETIC_OT_add_face,
     sliders.MIMETIC_OT_rest_face,
 )

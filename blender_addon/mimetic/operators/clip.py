@@ -3,7 +3,7 @@ import bpy
 from bpy.props import StringProperty
 from bpy.types import Operator
 
-from .. import clip_time, clips, compat, native, outcome, scene_out, takes
+from .. import clip_time, clips, compat, native, outcome, scene_out, takes, workspace
 from ..greyed import Greyed
 from .opened import Opened
 
@@ -13,7 +13,7 @@ PICTURES = "*.png;*.jpg;*.jpeg;*.exr;*.tif;*.tiff;*.dpx;*.bmp;*.tga"
 
 class MIMETIC_OT_load_clip(Greyed, Operator, Opened):
     """Load footage of a face, a movie or numbered pictures from the chosen one on, and show it in \
-the clip editor"""
+the clip editor, or in a workspace that has one"""
 
     bl_idname = "mimetic.load_clip"
     bl_label = "Load Clip"
@@ -35,6 +35,8 @@ the clip editor"""
         scene_out.clip.show_pixels(clip, footage.pixel_aspect)
         scene_out.clip.show(context, clip)
         takes.adopt(context.scene, clip)
+        if self.is_by_hand:
+            workspace.show_footage(context)
         width, height = footage.size
         messages = [f"{clip.name}: {width} x {height}, {float(footage.fps):.6g} frames/s"]
         warnings = [*footage.warnings, *filter(None, [clips.change_of(clip), _unturned(footage)])]

@@ -3,7 +3,7 @@ import bpy
 from bpy.props import BoolProperty, FloatVectorProperty, IntProperty
 from bpy.types import Operator
 
-from .. import clips, native, scene_in, scene_out
+from .. import clips, native, scene_in, scene_out, workspace
 from ..greyed import Greyed
 from ..jobs import Job, is_playing
 
@@ -41,6 +41,12 @@ class MIMETIC_OT_find_face(Job, Operator):
     @classmethod
     def subject(cls, context):
         return clips.name_of(scene_in.clip_of(context))
+
+    def invoke(self, context, event):
+        result = super().invoke(context, event)
+        if "RUNNING_MODAL" in result:
+            workspace.show_footage(context)
+        return result
 
     def read(self, context):
         frame = scene_in.shown_frame(context) if self.use_shown_frame else self.frame

@@ -13,7 +13,10 @@ class Opened(ImportHelper):
         description="File to open",
     )
 
+    is_by_hand = False  # from a button, a menu or a drop, not by a script's call
+
     def invoke(self, context, event):
+        self.is_by_hand = True
         if self.filepath:
             return self.execute(context)
         return ImportHelper.invoke(self, context, event)

@@ -40,7 +40,9 @@ class Capture:
         layout.label(text=f"Esc stops{keeps}")
 
     def draw_footage(self, layout, context, settings):
-        layout.operator("mimetic.load_clip", icon="FILE_MOVIE")
+        row = layout.row(align=True)
+        row.operator("mimetic.load_clip", icon="FILE_MOVIE")
+        row.operator("mimetic.open_workspace", text="", icon="WORKSPACE")
         clip = scene_in.clip_of(context)
         if getattr(context, "edit_movieclip", None) is None:
             layout.prop(settings, "clip", text="")

@@ -33,22 +33,32 @@ def arrange(scene: bpy.types.Scene, shown: bpy.types.Object) -> None:
 def _look_through_camera(space: bpy.types.SpaceView3D) -> None:
     space.region_3d.view_perspective = "CAMERA"
     space.region_3d.view_camera_zoom = FULL_ZOOM
-    # At once, without waiting for shaders to be built. The skin wears the footage's colours, whose
-    # light is in them: a lamp more would darken it. Its form shows by cavities
-    space.shading.type = "SOLID"
-    space.shading.light = "FLAT"
-    space.shading.color_type = "TEXTURE"
-    space.shading.show_cavity = True
-    space.shading.cavity_type = "BOTH"
+    space.shading.type = "SOLID"  # at once, without waiting for shaders to be built
+    _show_as_filmed(space.shading)
     for name in LIFTED:
         setattr(space.overlay, name, False)
     space.overlay.show_outline_selected = False
 
 
 def show_textures(shading: bpy.types.View3DShading) -> None:
-    """In solid mode too, which shows a colour for each material: eyes would have no irises."""
-    if shading.type == "SOLID" and shading.color_type == "MATERIAL":
-        shading.color_type = "TEXTURE"
+    """In solid mode too, which shows a colour for each material: eyes would have no irises.
+
+    Its studio light goes along where nothing was chosen by hand.
+    """
+    if shading.type != "SOLID" or shading.color_type != "MATERIAL":
+        return
+    if shading.light == "STUDIO":
+        _show_as_filmed(shading)
+    shading.color_type = "TEXTURE"
+
+
+def _show_as_filmed(shading: bpy.types.View3DShading) -> None:
+    """The skin wears the footage's colours, whose light is in them: a lamp more would darken it.
+    Its form shows by cavities."""
+    shading.light = "FLAT"
+    shading.color_type = "TEXTURE"
+    shading.show_cavity = True
+    shading.cavity_type = "BOTH"
 
 
 def _show_sliders(space: bpy.types.SpaceProperties) -> None:
