@@ -140,6 +140,16 @@ def _take_turns(run: Run) -> None:
             running.begin()
 
 
+def _have_blender_ask() -> None:
+    """Before it closes, which it does for a file that is not saved as it is.
+
+    Nothing can hold Blender up from Python. A step without a change says that there is something
+    to save, also after the file was saved in the middle; undoing the job's result leads to it.
+    """
+    if not bpy.data.is_dirty:
+        bpy.ops.ed.undo_push(message=f"{running.label} Begun")
+
+
 class Modal(Greyed):
     """Mixin of operators that run on beside the window until they `leave`.
 
@@ -259,6 +269,7 @@ class Job(Modal):
 
     def handle(self, context, event):
         if event.type == "TIMER" and self._run is running:
+            _have_blender_ask()
             is_done = running.is_done()
             reason = self._hindrance(context) if is_done else ""
             self._show(context, reason)

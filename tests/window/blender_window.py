@@ -11,6 +11,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from close_request import ask_to_close, make_known
+
 HERE = Path(__file__).parent
 SIZE = (1280, 800)
 
@@ -21,7 +23,7 @@ class Screen:
     def __enter__(self) -> Screen:
         reader, writer = os.pipe()
         geometry = f"{SIZE[0]}x{SIZE[1]}x24"
-        arguments = ["-screen", "0", geometry, "+extension", "GLX", "-nolisten", "tcp"]
+        arguments = ["-screen", "0", geometry, "+extension", "GLX", "-nolisten", "tcp", "-noreset"]
         self._process = subprocess.Popen(
             ["Xvfb", "-displayfd", str(writer), *arguments],
             pass_fds=[writer],
@@ -34,6 +36,7 @@ class Screen:
         if not number:
             raise RuntimeError("Xvfb did not start; is its package xvfb whole?")
         self.display = f":{number}"
+        make_known(self.display)
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -45,6 +48,11 @@ class Screen:
         command = ["import", "-display", self.display, "-window", "root", str(aside)]
         subprocess.run(command, check=True, timeout=30)
         aside.replace(path)
+
+    def act(self, words: str) -> None:
+        """Moves the real mouse, or presses real keys: what xdotool is to do."""
+        command = ["env", f"DISPLAY={self.display}", "xdotool", *words.split()]
+        subprocess.run(command, check=True, timeout=30)
 
 
 @dataclass(frozen=True)
@@ -91,8 +99,12 @@ class BlenderFolder:
         pictures: Path,
         settings: dict,
         seconds: float,
+        is_simulated: bool = True,
     ) -> Findings:
-        """Run a walk in a new Blender. `work` must lie in /tmp, which the folder shares."""
+        """Run a walk in a new Blender. `work` must lie in /tmp, which the folder shares.
+
+        is_simulated: the walk's own events count, and the screen's do not.
+        """
         for source in (HERE / "walk.py", HERE / script):
             shutil.copy(source, work)
         (work / "settings.json").write_text(json.dumps(settings))
@@ -101,7 +113,7 @@ class BlenderFolder:
         log_path = work / "blender.log"
         with log_path.open("w") as log:
             process = subprocess.Popen(
-                [str(HERE / "enter"), str(self.root), *self._command(work, script)],
+                [str(HERE / "enter"), str(self.root), *self._command(work, script, is_simulated)],
                 env=self._environment(screen, resources),
                 stdout=log,
                 stderr=subprocess.STDOUT,
@@ -117,9 +129,10 @@ class BlenderFolder:
         return Findings(record["checks"], record["arrays"], taken, text)
 
     @staticmethod
-    def _command(work: Path, script: str) -> list[str]:
+    def _command(work: Path, script: str, is_simulated: bool) -> list[str]:
         geometry = ["--window-geometry", "0", "0", str(SIZE[0]), str(SIZE[1])]
-        start = ["blender", "--factory-startup", *geometry, "--enable-event-simulate"]
+        start = ["blender", "--factory-startup", *geometry]
+        start += ["--enable-event-simulate"] if is_simulated else []
         return [*start, "--python-exit-code", "1", "--python", str(work / script), "--", str(work)]
 
     @staticmethod
@@ -136,7 +149,11 @@ class BlenderFolder:
 def _serve(
     process: subprocess.Popen, screen: Screen, work: Path, pictures: Path, seconds: float
 ) -> dict[str, Path]:
-    """Take the pictures that the walk asks for, until Blender ends or its time is over."""
+    """Do what the walk asks for, until Blender ends or its time is over.
+
+    It asks by files: NAME.request, for a picture; NAME.close, to have the window's close button
+    pressed; NAME.act, which holds the words for `Screen.act`.
+    """
     taken: dict[str, Path] = {}
     deadline = time.monotonic() + seconds
     while process.poll() is None and time.monotonic() < deadline:
@@ -144,6 +161,12 @@ def _serve(
             picture = pictures / f"{request.stem}.png"
             screen.photograph(picture)
             taken[request.stem] = picture
+            request.unlink()
+        for request in work.glob("*.close"):
+            ask_to_close(screen.display, "Blender")
+            request.unlink()
+        for request in work.glob("*.act"):
+            screen.act(request.read_text())
             request.unlink()
         time.sleep(0.1)
     if process.poll() is None:

@@ -49,6 +49,13 @@ class Walk:
         request.touch()
         yield from self.until(lambda: not request.exists(), 30, f"picture {name} was taken")
 
+    def ask(self, name: str, content: str = "") -> Steps:
+        """Have the test outside do what only the screen's user can: see `_serve` there."""
+        aside, request = self.folder / f"{name}.partial", self.folder / name
+        aside.write_text(content)
+        aside.replace(request)
+        yield from self.until(lambda: not request.exists(), 30, f"{name} was done")
+
     def close(self) -> None:
         aside = self.folder / "result.partial"
         aside.write_text(json.dumps({"checks": self.checks, "arrays": self.arrays}))

@@ -47,8 +47,12 @@ says so.
 
 While *Capture* works, the clip editor draws the face on each frame as it is followed, with the
 strip of quality, and the playhead goes along. Scrub or play, and it leaves you there: frames that
-were followed already show their face; back where it was left it goes along again. A capture that is
-at work when Blender is closed is kept as a take beside the .blend (**Load Performance**).
+were followed already show their face; back where it was left it goes along again.
+
+A job at work is an unsaved change, also when the file was saved a moment ago: Blender asks before
+it closes (unless Preferences > Save & Load > Save Prompt is off). **Cancel** leaves the job at
+work. Whichever other answer is given, the frames that *Capture* and *Head Only* have followed are
+kept as a take beside the .blend (**Load Performance**).
 
 `scripts/make_manual` writes this page from the extension's sources; `scripts/panel_pictures` takes
 its pictures in a real window, on a drawn person's clip.
