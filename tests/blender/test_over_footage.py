@@ -130,6 +130,7 @@ def test_baking_again_keeps_what_was_changed_on_the_nodes(loaded, scene, extensi
     before = own_nodes(scene, extension)
     lights = [o for o in scene.objects if o.type == "LIGHT"]
     assert lights and all(o.parent == scene.mimetic.face for o in lights)
+    assert all(o.hide_get() and not o.hide_render for o in lights), "in renders, not in the way"
     for light in lights:
         bpy.data.objects.remove(light)
     bpy.ops.mimetic.bake(use_texture=False)

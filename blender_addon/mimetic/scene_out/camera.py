@@ -128,9 +128,9 @@ def _stands_with_others(context, space, face) -> bool:
 
 
 def _isolate(context, window, area, face) -> None:
-    """Local view takes what is selected: the face, its lights and its camera, which stay so."""
+    """Local view takes what is selected: the face and its camera, which also stay selected."""
     for obj in context.view_layer.objects:
-        obj.select_set(obj in (face, context.scene.camera, *face.children))
+        obj.select_set(obj in (face, context.scene.camera))
     region = next(region for region in area.regions if region.type == "WINDOW")
     with context.temp_override(window=window, area=area, region=region):
         if area.spaces.active.local_view:

@@ -26,6 +26,7 @@ def ensure(face: bpy.types.Object) -> None:
     if face.mimetic.has_lights:
         return
     face.mimetic.has_lights = True
+    lamps = []
     for turn, rise in ANGLES:
         light = bpy.data.lights.new(NAME, "AREA")
         light.shape, light.size, light.energy = "SQUARE", SIZE, POWER
@@ -41,3 +42,10 @@ def ensure(face: bpy.types.Object) -> None:
         lamp.location = AIM + away
         lamp.rotation_mode = "QUATERNION"
         lamp.rotation_quaternion = away.to_track_quat("Z", "Y")
+        lamps.append(lamp)
+    # Blender draws lines from a light and to its parent: they would lie across the face
+    layer = bpy.context.view_layer
+    layer.update()  # what was linked just now is not among its objects yet
+    for lamp in lamps:
+        if lamp.name in layer.objects:
+            lamp.hide_set(True)
