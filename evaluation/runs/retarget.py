@@ -20,6 +20,8 @@ from mimetic.character.shape import Shape
 from mimetic.character.shapes import shapes_of_anatomy, shapes_of_extras
 from mimetic.muscles.anatomy import attach_skin, modes_of
 from mimetic.muscles.extras import attach_extras, gaze_rows, with_lip_shapes
+from mimetic.retarget.controls import ControlSurface
+from mimetic.retarget.playing import fit_of
 from mimetic.score.json_text import json_text
 from mimetic.score.text_table import text_table
 from mimetic.template.face_template import FaceTemplate, load_template
@@ -132,14 +134,21 @@ def played(
     shapes = [by_name[name] for name in source_names]
     options = _core.ControlFitOptions()
     options.unmatched_motion = unmatched
-    fit = _core.ControlFit(
-        np.ascontiguousarray(head.expected(np.asarray(template.unit_modes, dtype=np.float64))),
-        _offsets(shapes),
-        face_areas(head.vertices, head.faces),
-        _unit_ranges(len(template.unit_names)),
-        _ranges(shapes),
-        options,
+    faces = np.asarray(head.faces)
+    surface = ControlSurface(
+        points=head.vertices,
+        starts=np.arange(0, faces.size, faces.shape[1], dtype=np.int32),
+        corners=faces.reshape(-1),
+        control_names=list(template.unit_names),
+        controls=np.ascontiguousarray(
+            head.expected(np.asarray(template.unit_modes, dtype=np.float64))
+        ),
+        control_range=_unit_ranges(len(template.unit_names)),
+        source_names=source_names,
+        sources=_offsets(shapes),
+        source_range=_ranges(shapes),
     )
+    fit = fit_of(surface, options)
     return fit.frames(acted, np.zeros((len(acted), len(template.unit_names))))
 
 

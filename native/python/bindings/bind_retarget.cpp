@@ -3,6 +3,7 @@
 #include <mimetic/retarget/control_fit.hpp>
 #include <mimetic/retarget/response.hpp>
 #include <mimetic/retarget/seen_areas.hpp>
+#include <mimetic/retarget/touching_rims.hpp>
 
 #include "arrays.hpp"
 
@@ -18,6 +19,24 @@ void bind_retarget(py::module_& m) {
     m.def("seen_areas", &seen_areas, "points"_a, "starts"_a, "corners"_a,
           py::call_guard<py::gil_scoped_release>(),
           "The same, and a hundredth of it of what cannot be seen from outside; see seen_areas.hpp.");
+    py::class_<TiedVertices>(m, "TiedVertices",
+                             "Pairs of vertices that shall lie to each other as sources have them.")
+        .def(py::init<>())
+        .def_readonly("pairs", &TiedVertices::pairs, "(P, 2) vertices.")
+        .def_readonly("ways", &TiedVertices::ways, "(P, 3): unit vectors along which they part.")
+        .def_readonly("weights", &TiedVertices::weights, "(P,)");
+    m.def(
+        "touching_rims",
+        [](PointsIn points, const std::vector<int>& starts, const std::vector<int>& corners, VectorIn areas,
+           PointsIn offsets, bool shuts) {
+            return touching_rims(points, starts, corners, areas, offsets,
+                                 shuts ? RimMotion::shuts : RimMotion::parts);
+        },
+        "points"_a, "starts"_a, "corners"_a, "areas"_a, "offsets"_a, "shuts"_a,
+        py::call_guard<py::gil_scoped_release>(),
+        "TiedVertices of two rims that touch, at rest or where a source that shuts them leaves them; see\n"
+        "touching_rims.hpp. points, offsets: (V, 3); areas: (V,). Raises InvalidInput.");
+    m.def("joined", &joined, "parts"_a, "Several TiedVertices as one.");
     m.def(
         "played_values",
         [](const Eigen::VectorXd& fitted, double gain, double offset, double lowest, double highest,
@@ -32,18 +51,19 @@ void bind_retarget(py::module_& m) {
     py::class_<ControlFit>(m, "ControlFit",
                            "Values of sources as values of a character's own controls; see "
                            "control_fit.hpp.")
-        .def(py::init([](const ModesArray& controls, const ModesArray& sources,
-                         const Eigen::VectorXd& weights, const MatrixRows& control_range,
-                         const MatrixRows& source_range, const ControlFitOptions& options) {
-                 const auto own = view_modes("controls", controls, weights.size());
-                 const auto other = view_modes("sources", sources, weights.size());
-                 py::gil_scoped_release release;
-                 return ControlFit(own, other, weights, control_range, source_range, options);
-             }),
-             "controls"_a, "sources"_a, "weights"_a, "control_range"_a, "source_range"_a,
-             "options"_a = ControlFitOptions(),
-             "controls: (K, V, 3), sources: (S, V, 3), at value 1; weights: (V,); ranges: (K, 2), (S, 2), "
-             "around 0.\nRaises InvalidInput.")
+        .def(
+            py::init([](const ModesArray& controls, const ModesArray& sources, const Eigen::VectorXd& weights,
+                        const MatrixRows& control_range, const MatrixRows& source_range,
+                        const ControlFitOptions& options, const TiedVertices& tied) {
+                const auto own = view_modes("controls", controls, weights.size());
+                const auto other = view_modes("sources", sources, weights.size());
+                py::gil_scoped_release release;
+                return ControlFit(own, other, weights, control_range, source_range, options, tied);
+            }),
+            "controls"_a, "sources"_a, "weights"_a, "control_range"_a, "source_range"_a,
+            "options"_a = ControlFitOptions(), "tied"_a = TiedVertices(),
+            "controls: (K, V, 3), sources: (S, V, 3), at value 1; weights: (V,); ranges: (K, 2), (S, 2), "
+            "around 0.\nRaises InvalidInput.")
         .def_property_readonly("readings", &ControlFit::readings,
                                "(K, S): values of sources that do what each control does.")
         .def_property_readonly("readable", &ControlFit::readable,

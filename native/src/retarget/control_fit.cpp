@@ -19,6 +19,17 @@ void check_range_rows(MatrixIn range, Eigen::Index count, const char* what) {
             std::string("each of the ") + what + " needs a lowest value up to 0 and a highest from 0");
 }
 
+/// How far the displacements (K x 3V) move each pair apart, along its way: K x P.
+Eigen::MatrixXd apart(MatrixIn displacements, const TiedVertices& tied) {
+    Eigen::MatrixXd lengths(displacements.rows(), tied.pairs.rows());
+    for (Eigen::Index p = 0; p < tied.pairs.rows(); ++p) {
+        lengths.col(p) = (displacements.middleCols(3 * Eigen::Index{tied.pairs(p, 0)}, 3) -
+                          displacements.middleCols(3 * Eigen::Index{tied.pairs(p, 1)}, 3)) *
+                         tied.ways.row(p).transpose();
+    }
+    return lengths;
+}
+
 double share_left(double squared, double dot, double length) {
     return length > 0 ? 1 - (squared - 2 * dot + length) / length : 0;
 }
@@ -32,7 +43,7 @@ void ControlFitOptions::check() const {
 }
 
 ControlFit::ControlFit(MatrixIn controls, MatrixIn sources, VectorIn weights, MatrixIn control_range,
-                       MatrixIn source_range, const ControlFitOptions& options)
+                       MatrixIn source_range, const ControlFitOptions& options, const TiedVertices& tied)
     : options_(options), control_range_(control_range), source_range_(source_range) {
     options.check();
     require(controls.cols() == 3 * weights.size() && sources.cols() == controls.cols(),
@@ -59,6 +70,7 @@ ControlFit::ControlFit(MatrixIn controls, MatrixIn sources, VectorIn weights, Ma
         of_both_ += own * weighted.transpose();
     }
     read(options);
+    tie(controls, sources, tied);
 }
 
 void ControlFit::read(const ControlFitOptions& options) {
@@ -84,15 +96,27 @@ void ControlFit::read(const ControlFitOptions& options) {
     }
     // A control stands for what sources can make of it, and a little for all of itself: the more, the less of
     // it they can make, as others that do nearly nothing else would cost nothing
-    const Eigen::ArrayXd whole = readable_.array().unaryExpr(
+    whole_ = readable_.unaryExpr(
         [&](double readable) { return std::pow(options.unmatched_motion, .5 * readable); });
-    const Eigen::MatrixXd own = whole.matrix().asDiagonal();
-    const Eigen::MatrixXd read = (1 - whole).matrix().asDiagonal() * readings_;
+    const Eigen::MatrixXd own = whole_.asDiagonal();
+    const Eigen::MatrixXd read = (1 - whole_.array()).matrix().asDiagonal() * readings_;
     const Eigen::MatrixXd crossed = own * of_both_ * read.transpose();
     hessian_ =
         own * of_controls_ * own + read * of_sources_ * read.transpose() + crossed + crossed.transpose();
     slopes_ = read * of_sources_ + own * of_both_;
     scale_ = hessian_.diagonal();
+}
+
+void ControlFit::tie(MatrixIn controls, MatrixIn sources, const TiedVertices& tied) {
+    tied.check(controls.cols() / 3);
+    const Eigen::MatrixXd other = apart(sources, tied);
+    // As in the fit itself, a control stands for its reading: lids that a key takes further than shut are
+    // shut
+    const Eigen::MatrixXd played = whole_.asDiagonal() * apart(controls, tied) +
+                                   (1 - whole_.array()).matrix().asDiagonal() * readings_ * other;
+    const Eigen::MatrixXd weighted = played * tied.weights.asDiagonal();
+    hessian_ += weighted * played.transpose();
+    slopes_ += weighted * other.transpose();
 }
 
 BoundedProblem ControlFit::problem() const {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <mimetic/retarget/bounded_fit.hpp>
+#include <mimetic/retarget/touching_rims.hpp>
 #include <mimetic/shared/types.hpp>
 
 namespace mimetic {
@@ -24,9 +25,10 @@ class ControlFit {
 public:
     /// controls: K x 3V, sources: S x 3V, metres at value 1, rows of x, y, z of each vertex; weights: V, at
     /// least 0, of the vertices, their areas as a rule; *_range: lowest and highest values, K x 2, S x 2,
-    /// around 0. Throws InvalidInput.
+    /// around 0; tied: what is fitted besides, though it is no part of what is explained. Throws
+    /// InvalidInput.
     ControlFit(MatrixIn controls, MatrixIn sources, VectorIn weights, MatrixIn control_range,
-               MatrixIn source_range, const ControlFitOptions& options = {});
+               MatrixIn source_range, const ControlFitOptions& options = {}, const TiedVertices& tied = {});
 
     /// Values of the sources, within their ranges, that do most nearly what each control does: K x S.
     const MatrixRows& readings() const { return readings_; }
@@ -53,6 +55,7 @@ public:
 private:
     BoundedProblem problem() const;  ///< but for `linear`, which each row of values has its own of
     void read(const ControlFitOptions& options);
+    void tie(MatrixIn controls, MatrixIn sources, const TiedVertices& tied);
 
     ControlFitOptions options_;
     Eigen::MatrixXd of_sources_;   // S x S, dot products of displacements
@@ -61,6 +64,7 @@ private:
     Eigen::MatrixXd hessian_;      // K x K, without ridge
     Eigen::MatrixXd slopes_;       // K x S
     Eigen::VectorXd scale_;        // K, the diagonal
+    Eigen::VectorXd whole_;        // K, how much a control stands for all of its motion, not for its reading
     MatrixRows control_range_, source_range_;
     MatrixRows readings_;
     Eigen::VectorXd readable_;

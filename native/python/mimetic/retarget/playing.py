@@ -28,6 +28,7 @@ DRIVEN = 5e-3  # of a control's range: a curve that stays below is none
 EARS_BEHIND = 0.08  # metres, of the middle of a face
 MOST_NAMED = 24  # in one list of a message
 MOST_FITS = 8  # that a preview keeps: one for each choice of controls that are on
+SHUTTING, PARTING = ("lid_upper.L", "lid_upper.R"), "jaw_open"  # sources that move rims
 UNPLAYED = 0.1  # share of what a muscle does by itself: below it no control stands for it
 READABLE = (
     0.05  # share of a control's motion that a face can make: below it is no control of a face
@@ -230,15 +231,30 @@ def by_shares(units: Floats, shares: Floats) -> Floats:
 def fit_of(
     surface: ControlSurface, options: _core.ControlFitOptions | None = None
 ) -> _core.ControlFit:
-    """Of a character's controls to its muscles."""
+    """Of a character's controls to its muscles; lids and lips touch as muscles have them."""
     weigh = _core.polygon_areas if surface.heeds_hidden else _core.seen_areas
+    areas = weigh(surface.points, *_polygons(surface))
     return _core.ControlFit(
         surface.controls,
         surface.sources,
-        weigh(surface.points, *_polygons(surface)),
+        areas,
         surface.control_range,
         surface.source_range,
         options or _core.ControlFitOptions(),
+        _rims(surface, areas),
+    )
+
+
+def _rims(surface: ControlSurface, areas: Floats) -> _core.TiedVertices:
+    offsets = dict(zip(surface.source_names, surface.sources, strict=True))
+    return _core.joined(
+        [
+            _core.touching_rims(
+                surface.points, *_polygons(surface), areas, offsets[name], name != PARTING
+            )
+            for name in (*SHUTTING, PARTING)
+            if name in offsets
+        ]
     )
 
 
