@@ -3,7 +3,8 @@
 
 canonical: our head; far: a person far from the mean; foreign: another's, decimated, turned and 1.3
 times as large; both with landmarks that place themselves; arkit: 52 keys whose names were changed;
-suzanne: Blender's monkey; rigify, rigify_new: the bones of Rigify's faces, legacy and new.
+suzanne: Blender's monkey; rigify, rigify_new: the bones of Rigify's faces, legacy and new;
+rigify_body: face, head and neck of a Rigify human whose body moves by hand.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import blender_module
+import rigify_body
 
 MARGIN = 1.15  # of the pictures about the face
 FAR = {"sex_male": -0.6, "age_old": 0.9, "weight": 0.9, "nose_hump": -0.8}
@@ -72,9 +74,12 @@ def build(arguments: argparse.Namespace, folder: Path) -> None:
     scene.frame_start, scene.frame_end = int(performance.frame[0]), int(performance.frame[-1])
     scene.mimetic.performance_path = str(arguments.performance.resolve())
     mesh = CHARACTERS[name]()
-    is_own = name in ("arkit", "rigify", "rigify_new")
-    (bpy.ops.mimetic.bake_controls if is_own else bpy.ops.mimetic.bake)(use_head_motion=False)
-    _frame(scene, mesh)
+    has_body = name == "rigify_body"
+    if has_body:
+        rigify_body.animate(mesh.parent, scene.frame_start, scene.frame_end)
+    is_own = name in ("arkit", "rigify", "rigify_new", "rigify_body")
+    (bpy.ops.mimetic.bake_controls if is_own else bpy.ops.mimetic.bake)(use_head_motion=has_body)
+    _frame(scene, mesh, 2.2 if has_body else MARGIN)
     arguments.out.mkdir(parents=True, exist_ok=True)
     blend = (arguments.out / f"{name}.blend").resolve()
     bpy.ops.wm.save_as_mainfile(filepath=str(blend), compress=True)
@@ -150,10 +155,10 @@ def _arkit():
     return make_arkit_head.new_character(False)
 
 
-def _rigify(has_new_face: bool):
+def _rigify(has_new_face: bool, has_body: bool = False):
     import make_rigify_face
 
-    return make_rigify_face.new_character(has_new_face)[0]
+    return make_rigify_face.new_character(has_new_face, has_body)[0]
 
 
 CHARACTERS: dict[str, Callable] = {
@@ -164,11 +169,12 @@ CHARACTERS: dict[str, Callable] = {
     "suzanne": _suzanne,
     "rigify": lambda: _rigify(False),
     "rigify_new": lambda: _rigify(True),
+    "rigify_body": lambda: _rigify(False, True),
 }
 
 
-def _frame(scene, mesh) -> None:
-    """A camera before the middle of the mesh, which looks along -y, as high as that."""
+def _frame(scene, mesh, margin: float) -> None:
+    """A camera before the middle of the mesh, which looks along -y, so many times as high."""
     import bpy
     import head_scene
 
@@ -177,7 +183,7 @@ def _frame(scene, mesh) -> None:
     lowest, highest = corners.min(axis=0), corners.max(axis=0)
     middle, height = (lowest + highest) / 2, highest[2] - lowest[2]
     camera = scene.camera
-    camera.data.type, camera.data.ortho_scale = "ORTHO", MARGIN * height
+    camera.data.type, camera.data.ortho_scale = "ORTHO", margin * height
     camera.location = (middle[0], lowest[1] - 4 * height, middle[2])
     camera.rotation_euler = (np.pi / 2, 0, 0)
     camera.data.clip_end = 100

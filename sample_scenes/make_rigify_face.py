@@ -18,6 +18,7 @@ import blender_module
 
 EYES = ("ORG-eye.L", "ORG-eye.R")
 SKULL = "DEF-spine.006"
+IDLE = 1, 240  # frames in which the body moves
 # Parts that are stiff, and the deform bones that carry them: of the new face, else of the legacy
 STIFF = {
     "eye.L": ("DEF-eye.L", SKULL),
@@ -34,30 +35,40 @@ def main() -> int:
     parser.add_argument(
         "--new-face", action="store_true", help="Rigify's face of skin chains, not the legacy one"
     )
+    parser.add_argument(
+        "--body", action="store_true", help="with a body, arms and legs, which move by hand"
+    )
     arguments = parser.parse_args()
     return blender_module.run(
-        "make_rigify_face", lambda _folder: build(arguments.out, arguments.new_face)
+        "make_rigify_face",
+        lambda _folder: build(arguments.out, arguments.new_face, arguments.body),
     )
 
 
-def build(out: Path, has_new_face: bool) -> None:
+def build(out: Path, has_new_face: bool, has_body: bool) -> None:
     import bpy
+    from rigify_body import animate
 
-    head, rig = new_character(has_new_face)
+    head, rig = new_character(has_new_face, has_body)
+    if has_body:
+        animate(rig, *IDLE)
     out.parent.mkdir(parents=True, exist_ok=True)
     bpy.ops.wm.save_as_mainfile(filepath=str(out.resolve()), compress=True)
     print(f"{out}: {len(head.vertex_groups)} groups of {head.name} on {rig.name}")
 
 
-def new_character(has_new_face: bool):
+def new_character(has_new_face: bool, has_body: bool = False):
     """The head with muscles, and its rig, which is active."""
     import bpy
     import head_scene
     from mimetic.character.foreign_mesh import REQUIRED
     from mimetic.template.face_template import load_template
+    from rigify_body import add_body
     from rigify_rig import generate_rig
 
-    rig = generate_rig(with_face=True, has_new_face=has_new_face)
+    rig = generate_rig(with_face=True, has_new_face=has_new_face, with_body=has_body)
+    if has_body:
+        add_body(rig)
     template = load_template()
     eyes = np.array([rig.data.bones[name].head_local for name in EYES])
     head = head_scene.new_head(template, _onto(template, eyes))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A rig that Rigify has generated: spine, neck and head of its human.
+"""A rig that Rigify has generated: of its human spine, neck and head, or all of it.
 
     python rigify_rig.py OUT.blend
 
@@ -11,17 +11,20 @@ import sys
 import tempfile
 
 
-def generate_rig(with_face: bool = False, has_new_face: bool = False):
+def generate_rig(with_face: bool = False, has_new_face: bool = False, with_body: bool = False):
     """Rigify's human, from the hips to the head, generated in the open file.
 
     with_face: with the bones of its (legacy) face too; has_new_face: upgraded to the face of skin
-    chains, as Rigify's own button does.
+    chains, as Rigify's own button does; with_body: with arms and legs.
     """
     import bpy
 
+    def is_of_face(bone) -> bool:
+        return any(parent.name == "spine.006" for parent in bone.parent_recursive)
+
     def stays(bone) -> bool:
-        of_head = with_face and any(parent.name == "spine.006" for parent in bone.parent_recursive)
-        return of_head or bone.name.startswith("spine")
+        of_head = with_face and is_of_face(bone)
+        return of_head or bone.name.startswith("spine") or (with_body and not is_of_face(bone))
 
     bpy.ops.preferences.addon_enable(module="rigify")
     bpy.ops.object.armature_human_metarig_add()
