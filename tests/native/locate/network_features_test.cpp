@@ -74,9 +74,40 @@ TEST(NetworkFeatures, AreLinesAcrossTheMarginsWithoutTheirCorners) {
     }
     EXPECT_EQ(face.find_curve("lid_upper.L")->points.rows(), 7);
     EXPECT_NEAR(face.find_curve("lid_upper.L")->points(3, 1), 94, 1e-9);
-    EXPECT_NEAR(face.find_curve("lip_lower")->points(4, 1), 168, 1e-9);
+    EXPECT_NEAR(face.find_curve("lip_upper")->points(4, 1), 154, 1e-9);
     EXPECT_NEAR(face.find("mouth_corner.L")->position.x(), 120, 1e-9);
     EXPECT_GT(face.find("pupil.L")->sigma_px, face.find_curve("lid_upper.L")->sigma_px(0));
+}
+
+TEST(NetworkFeatures, SeeTheLowerLipEndHigherMidwayThanTheNetworksDoInATurnedPictureToo) {
+    const Seen seen;
+    const FaceFeatures face = network_features(seen.mesh, seen.eyes);
+    const FeatureCurve* edge = face.find_curve("lip_lower");
+    const double raised = 168 - edge->points(4, 1);
+    EXPECT_NEAR(raised, 0.021 * 60, 1e-9);
+    EXPECT_LT(seen.mesh.places(375, 1) - edge->points(8, 1), 0.5 * raised);  // beside a corner
+    EXPECT_GT(seen.mesh.places(375, 1) - edge->points(8, 1), 0);
+    Seen turned = seen;  // a quarter: right becomes down, down left
+    const auto turn = [](Points2& places) {
+        places = (Points2(places.rows(), 2) << -places.col(1), places.col(0)).finished();
+    };
+    turn(turned.mesh.places);
+    for (EyePoints& eye : turned.eyes) {
+        turn(eye.iris);
+        turn(eye.contour);
+    }
+    const FaceFeatures other_face = network_features(turned.mesh, turned.eyes);
+    EXPECT_NEAR(other_face.find_curve("lip_lower")->points(4, 0), -edge->points(4, 1), 1e-9);
+}
+
+TEST(NetworkFeatures, AreSurestOfLipsMidway) {
+    const Seen seen;
+    const FaceFeatures face = network_features(seen.mesh, seen.eyes);
+    for (const char* name : {"lip_upper", "lip_upper_inner", "lip_lower_inner", "lip_lower"}) {
+        const Eigen::VectorXd& sigma = face.find_curve(name)->sigma_px;
+        EXPECT_LT(sigma(4), 0.6 * sigma(0)) << name;
+        EXPECT_NEAR(sigma(0), sigma(8), 1e-9) << name;
+    }
 }
 
 TEST(NetworkFeatures, StandForTheLandmarksOfTheSameNamesAlone) {
