@@ -111,8 +111,39 @@ def test_corrections_that_are_gone_are_taken_back(spoilt, places):
     performance = spoilt[2]
     again = refined(refined(performance, corrections_of(places)), ())
     assert again.corrections is None
-    np.testing.assert_allclose(again.activations, performance.activations, atol=0.02)
-    np.testing.assert_allclose(again.head_pose, performance.head_pose, atol=1e-3)
+    assert again.uncorrected is None
+    for key in ("activations", "articulator_values", "activations_std", "head_pose", "evidence"):
+        np.testing.assert_allclose(
+            getattr(again, key), getattr(performance, key), rtol=1e-12, atol=1e-9
+        )
+
+
+def test_what_is_corrected_does_not_depend_on_what_was_before(spoilt, places, tmp_path):
+    performance, wanted = spoilt[2], corrections_of(places)
+    before = refined(performance, corrections_of(places, (36, 47), count=2))
+    before.save(tmp_path / "performance.npz")
+    after = refined(Performance.load(tmp_path / "performance.npz"), wanted)
+    reached = np.abs(performance.frame - 41.5) <= 12.5  # by either
+    np.testing.assert_allclose(
+        after.activations, refined(performance, wanted).activations, atol=0.02
+    )
+    np.testing.assert_array_equal(after.activations[~reached], performance.activations[~reached])
+
+
+def test_corrections_of_a_file_that_does_not_keep_them_apart_are_solved_away(spoilt, places):
+    performance = spoilt[2]
+    corrected = replace(refined(performance, corrections_of(places)), uncorrected=None)
+    again = refined(corrected, ())
+    assert again.corrections is None
+    moved = np.abs(corrected.activations - performance.activations).max()
+    assert np.abs(again.activations - performance.activations).max() < moved / 4
+
+
+def test_what_is_kept_of_another_face_is_refused(spoilt, places):
+    corrected = refined(spoilt[2], corrections_of(places))
+    other = replace(corrected, uncorrected=corrected.uncorrected[:, 3:])
+    with pytest.raises(InvalidInput, match=r"uncorrected has \d+ numbers a frame.*capture"):
+        refined(other, ())
 
 
 def test_a_direction_and_a_range_leave_other_frames_alone(spoilt, places):

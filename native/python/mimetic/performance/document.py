@@ -24,7 +24,7 @@ SCHEMA = 1
 CHECKED_AT_ONCE = 4096  # frames, for the memory's sake
 HELD_QUALITY = 0.2  # frames under it are held, not invented
 LARGEST = {"N": 10_000_000, "V": 2_000_000, "F": 4_000_000} | dict.fromkeys("PAMK", 1000)
-LARGEST |= {"E": 600_000, "C": 100_000}
+LARGEST |= {"E": 600_000, "C": 100_000, "R": 4_000}
 
 # key: (kind of number, shape); letters are lengths that must agree between the keys
 REQUIRED: dict[str, tuple[str, tuple[int | str, ...]]] = {
@@ -60,6 +60,7 @@ OPTIONAL: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "lid_following": ("f", (2, 2)),
     "evidence": ("m", ("N", "E")),
     "corrections": ("U", ("C",)),
+    "uncorrected": ("f", ("N", "R")),
 }
 # Modes are kept in single precision: 1e-7 of a displacement of centimetres, at half the memory.
 DTYPES = {"f": np.float64, "m": np.float32, "i": np.int64}
@@ -121,6 +122,8 @@ class Performance:
     # N x E, what the pictures say about pose and values (`_core.pack_evidence`), for refining
     evidence: NDArray[np.float32] | None = None
     corrections: list[str] | None = None  # C: JSON of `performance.corrections`, one frame each
+    # N x R, what refining changed, as the pictures alone had it (`refining.Refinement`)
+    uncorrected: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         for key, (kind, shape) in (REQUIRED | OPTIONAL).items():

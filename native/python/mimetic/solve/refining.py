@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Corrections honoured: frames of a performance are solved again with what a person measured.
 
-What the pictures said of each frame is in the performance (`evidence`), so no picture is read.
+What the pictures said of each frame is in the performance (`evidence`), so no picture is read. What
+a frame was without any correction is kept in it too (`uncorrected`): every refinement begins there,
+so that its result depends on the corrections it is given, not on those that were there before.
 """
 
 from __future__ import annotations
@@ -67,7 +69,7 @@ def refined(
             text = f"refining frames {performance.frame[span[0]]} to {performance.frame[span[1]]}"
             return progress is None or progress((number + fraction) / len(spans), text)
 
-        if not refinement.solve(span, corrections, show):
+        if not refinement.refine(span, corrections, show):
             return performance
     return refinement.result(corrections)
 
@@ -156,10 +158,77 @@ class Refinement:
         self.evidence = performance.evidence.copy()
         self.moved = np.zeros(performance.num_frames, dtype=bool)
 
-    def solve(
+        self.uncorrected = self._uncorrected()
+
+    def _uncorrected(self) -> NDArray[np.float64] | None:
+        """N x R; None for corrections of an earlier version, which did not keep it."""
+        performance, rows = self.performance, self._rows()
+        if performance.uncorrected is None:
+            return None if performance.corrections else rows
+        if performance.uncorrected.shape != rows.shape:
+            raise InvalidInput(
+                f"performance uncorrected has {performance.uncorrected.shape[1]} numbers a frame, "
+                f"of {self.values.shape[1]} values there are {rows.shape[1]}; capture the footage "
+                "again"
+            )
+        return performance.uncorrected
+
+    def _rows(self) -> NDArray[np.float64]:
+        """N x R: pose (16), its covariance (36), values, their deviations, the evidence's gradient.
+
+        The evidence's information does not depend on corrections.
+        """
+        parts = (self.poses, self.pose_covariances, self.values, self.values_std, self._gradients())
+        return np.hstack([part.reshape(len(self.values), -1) for part in parts])
+
+    def _gradients(self) -> NDArray[np.float32]:
+        return self.evidence[:, -(6 + self.values.shape[1]) :]
+
+    def refine(
         self, span: FrameSpan, corrections: Corrections, show: Callable[[float], bool]
     ) -> bool:
-        """Rows of a span, both ends included; false, with nothing changed, when stopped."""
+        """Rows of a span, both ends included, from what they were without corrections.
+
+        False, with nothing to be kept, when stopped.
+        """
+        self._take_back(span)
+        begin, end = span
+        frames = self.performance.frame
+        is_corrected = any(frames[begin] <= entry.frame <= frames[end] for entry in corrections)
+        if self.uncorrected is None or is_corrected or self._joins_corrected(span):
+            return self._solve(span, corrections, show)
+        return show(1.0)
+
+    def _take_back(self, span: FrameSpan) -> None:
+        if self.uncorrected is None:
+            return
+        rows = slice(span[0], span[1] + 1)
+        num_values = self.values.shape[1]
+        ends = np.cumsum([16, 36, num_values, num_values])
+        pose, covariance, values, std, gradient = np.split(self.uncorrected[rows], ends, axis=1)
+        self.poses[rows] = pose.reshape(-1, 4, 4)
+        self.pose_covariances[rows] = covariance.reshape(-1, 6, 6)
+        self.values[rows], self.values_std[rows] = values, np.abs(std)
+        self._gradients()[rows] = gradient
+        self.moved[rows] = True
+
+    def _joins_corrected(self, span: FrameSpan) -> bool:
+        """Whether a frame that it must join without a jump is corrected and stays so."""
+        begin, end = span
+        return not (
+            self._are_uncorrected(slice(max(0, begin - FIXED), begin))
+            and self._are_uncorrected(slice(end + 1, end + 1 + FIXED))
+        )
+
+    def _are_uncorrected(self, rows: slice) -> bool:
+        """But for rounding: articulators are stored without what gaze does to lids."""
+        return self.uncorrected is not None and np.allclose(
+            self._rows()[rows], self.uncorrected[rows], rtol=1e-9, atol=1e-9
+        )
+
+    def _solve(
+        self, span: FrameSpan, corrections: Corrections, show: Callable[[float], bool]
+    ) -> bool:
         begin, end = span
         first = max(0, begin - FIXED)
         after = min(self.performance.num_frames, end + 1 + FIXED)
@@ -274,6 +343,7 @@ class Refinement:
             articulator_values_std=std,
             evidence=self.evidence,
             corrections=texts_of(corrections) or None,
+            uncorrected=None if self._are_uncorrected(slice(None)) else self.uncorrected,
         )
 
 
