@@ -207,7 +207,12 @@ def test_points_that_no_picture_has_are_refused_in_a_short_line(tmp_path, row):
 
 
 @pytest.mark.parametrize(
-    "name", ["n" * 300, "a\0b", "-i", "http://127.0.0.1/a.mp4", "concat:a|b", "\udcff"]
+    "name",
+    [
+        *("n" * 300, "n" * 300 + "_01.png", "#" * 300 + ".png", "n" * 300 + "%09d.png"),
+        *("%0999999d.png", "a\0b", "a\0_01.png", "-i", "http://127.0.0.1/a.mp4", "concat:a|b"),
+        "\udcff",
+    ],
 )
 def test_names_of_footage_are_names_of_files_alone(tmp_path, monkeypatch, name):
     monkeypatch.chdir(tmp_path)

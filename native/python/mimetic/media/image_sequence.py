@@ -57,7 +57,7 @@ class ImageSequence(os.PathLike[str]):
 
     def __init__(self, path: str | os.PathLike[str], fps: Fraction | float | None = None) -> None:
         path = Path(os.fspath(path))
-        is_folder = path.is_dir()
+        is_folder = os.path.isdir(path)
         self.folder = path if is_folder else path.parent
         naming, start = _one_in(path) if is_folder else _named(path)
         numbers = sorted(_numbers_of(self.folder, naming, start))
@@ -146,12 +146,13 @@ class ImageSequence(os.PathLike[str]):
 
 def is_sequence(path: str | os.PathLike[str]) -> bool:
     """Whether a path names numbered pictures: a folder, a pattern, or one of them."""
+    # os.path here and below: Path's own questions raise where a name is too long
     if isinstance(path, ImageSequence):
         return True
     path = Path(os.fspath(path))
     if path.suffix.lower() not in SUFFIXES:
-        return path.is_dir()
-    is_pattern = PATTERN.search(path.name) is not None and not path.is_file()
+        return os.path.isdir(path)
+    is_pattern = PATTERN.search(path.name) is not None and not os.path.isfile(path)
     return is_pattern or _split(path.name) is not None
 
 
@@ -167,8 +168,8 @@ def begins_sequence(path: Path) -> bool:
     if found is None:
         return False
     naming, number = found
-    return not (number and path.with_name(naming.name(number - 1)).exists()) and (
-        path.with_name(naming.name(number + 1)).exists()
+    return not (number and os.path.exists(path.with_name(naming.name(number - 1)))) and (
+        os.path.exists(path.with_name(naming.name(number + 1)))
     )
 
 
@@ -192,7 +193,7 @@ def _named(path: Path) -> tuple[Naming, int]:
         raise UnreadableMedia(
             f"{path} is no sequence of pictures; give a folder of them ({EXAMPLE})"
         )
-    match = None if path.is_file() else PATTERN.search(path.name)
+    match = None if os.path.isfile(path) else PATTERN.search(path.name)
     if match:
         digits = int(match[1] or 1) if match[2] is None else len(match[2])
         return Naming(path.name[: match.start()], path.name[match.end() :], digits), 0

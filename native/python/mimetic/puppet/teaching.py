@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -84,15 +84,19 @@ class _Teaching:
         self.values = np.hstack([performance.activations, performance.articulator_values])
 
     def run(self, looks: Sequence[Look], num_chosen: int, num_examples: int) -> TaughtSet:
-        looks = self._with_rest(looks)
-        looks = [*looks, *self._chosen(looks, num_chosen)]
         self._check(looks)
-        pictures, shaken = self._still_pictures({look.frame for look in looks}, num_examples)
+        poses = self._followed()
         for look in looks:
-            if look.frame not in pictures:
+            if look.frame not in poses:
                 raise InvalidInput(
                     f"look {look.name}: the head was not followed in frame {look.frame}"
                 )
+        self.usable &= np.isin(self.performance.frame, list(poses))
+        if not self.usable.any():
+            raise InvalidInput("the head was not followed in any frame that can be taught from")
+        looks = self._with_rest(looks)
+        looks = [*looks, *self._chosen(looks, num_chosen)]
+        pictures, shaken = self._still_pictures(poses, {look.frame for look in looks}, num_examples)
         states = [self._state(look) for look in looks]
         templates = [
             cut(self.view.boxes(part), part, i, pictures[looks[i].frame])
@@ -167,29 +171,30 @@ class _Teaching:
         return values
 
     def _still_pictures(
-        self, wanted: set[int], number: int
+        self, poses: Mapping[int, Pose], wanted: set[int], number: int
     ) -> tuple[dict[int, Image], dict[int, Image]]:
         """Of the looks' frames and of `number` others, evenly among those that can be used.
 
-        By frame, as the puppet will see them, the head followed from frame to frame; and with
-        that pose a little off.
+        By frame, as the puppet will see them; and with that pose a little off.
         """
         usable = self.performance.frame[self.usable]
         spread = usable[np.linspace(0, len(usable) - 1, min(number, len(usable))).astype(int)]
         wanted = wanted | set(spread.tolist())
-        start = self.performance.index_of(int(usable[0]))
         pictures, shaken, shaker = dict[int, Image](), dict[int, Image](), PoseShaker()
-        for frame, image, pose in self._poses(
-            start, int(self.performance.frame[start]), max(wanted)
-        ):
+        for frame, image in self.footage.frames(min(wanted), max(wanted)):
+            check_goes_on(self.progress, 1.0, f"taking the picture of frame {frame}")
             if frame in wanted:
-                pictures[frame] = self.view.picture(image, pose)
-                shaken[frame] = self.view.picture(image, shaker.shaken(pose))
+                image = np.ascontiguousarray(image)
+                pictures[frame] = self.view.picture(image, poses[frame])
+                shaken[frame] = self.view.picture(image, shaker.shaken(poses[frame]))
         return pictures, shaken
 
-    def _poses(self, start: int, first: int, last: int) -> Iterator[tuple[int, Image, Pose]]:
-        """Frames in which the head is seen; start: index of the first in the performance."""
-        stiller = None
+    def _followed(self) -> dict[int, Pose]:
+        """By frame, the head's poses, followed from frame to frame as the puppet will; frames in
+        which it is held are missing."""
+        start, end = np.flatnonzero(self.usable)[[0, -1]]
+        first, last = int(self.performance.frame[start]), int(self.performance.frame[end])
+        stiller, poses = None, dict[int, Pose]()
         for frame, image in self.footage.frames(first, last):
             fraction = (frame - first) / max(1, last - first)
             check_goes_on(self.progress, fraction, f"looking at frame {frame}")
@@ -199,4 +204,5 @@ class _Teaching:
                 stiller = HeadStiller(self.view, image, pose, self.model)
             head = stiller.tracker.advance(image)
             if not head.held:
-                yield frame, image, np.asarray(head.camera_from_head)
+                poses[frame] = np.asarray(head.camera_from_head)
+        return poses
