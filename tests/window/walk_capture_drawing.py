@@ -16,6 +16,7 @@ from walk import Steps, Walk, area_of, install, invoke, open_sidebar, override, 
 PACKAGE = "bl_ext.user_default.mimetic"
 FRAMES = (1, 150)
 EVERY = 1 / 60  # seconds after which a clip editor is asked to draw, as playing would
+FLOOR_SECONDS = 8.0
 
 
 def module(name: str):
@@ -44,10 +45,13 @@ class Clock:
             try:
                 return draw(context)
             finally:
-                self.drawn.append(time.perf_counter())
-                self.overlay_ms.append(1000 * (self.drawn[-1] - begin))
+                self.overlay_ms.append(1000 * (time.perf_counter() - begin))
 
         kind.add, overlay.draw_capture = noted_add, noted_draw
+        # Of its own, as the floor is drawn without the extension's
+        bpy.types.SpaceClipEditor.draw_handler_add(
+            lambda: self.drawn.append(time.perf_counter()), (), "WINDOW", "POST_PIXEL"
+        )
 
     def clear(self) -> None:
         for times in (self.followed, self.drawn, self.overlay_ms):
@@ -55,10 +59,30 @@ class Clock:
 
     def rate(self) -> float:
         """Frames a second that were followed."""
-        return (len(self.followed) - 1) / (self.followed[-1] - self.followed[0])
+        return per_second(self.followed)
 
     def drawn_meanwhile(self) -> list[float]:
         return [at for at in self.drawn if self.followed[0] <= at <= self.followed[-1]]
+
+
+def draw_without(walk: Walk, clock: Clock, rate: float) -> Steps:
+    """Floors: Blender's own clip editor, nothing at work, its playhead `rate` frames a second."""
+    clock.clear()
+    scene, begin, cpu = bpy.context.scene, time.perf_counter(), time.process_time()
+    while (elapsed := time.perf_counter() - begin) < FLOOR_SECONDS:
+        frame = FRAMES[0] + int(rate * elapsed)
+        if scene.frame_current != frame:
+            scene.frame_current = frame
+        area_of("CLIP_EDITOR")[1].tag_redraw()
+        yield EVERY
+    cpu_ms = 1000 * (time.process_time() - cpu) / max(len(clock.drawn), 1)
+    name = f"no extension, {rate:.0f} other pictures/s" if rate else "no extension, one picture"
+    found = f"{per_second(clock.drawn):.0f} times/s, {cpu_ms:.0f} ms CPU"
+    walk.arrays["rows"].append([name, found])
+
+
+def per_second(times: list[float]) -> float:
+    return (len(times) - 1) / (times[-1] - times[0])
 
 
 def capture(walk: Walk, clock: Clock, name: str, in_window: bool) -> Steps:
@@ -95,17 +119,26 @@ def steps(walk: Walk) -> Steps:
     with bpy.context.temp_override(**override("CLIP_EDITOR")):
         bpy.ops.clip.view_all(fit_view=True)
     clock = Clock()
+    rows = walk.arrays["rows"] = []
     yield from capture(walk, clock, "alone", in_window=False)
     alone = clock.rate()
+    rows.append(["capture alone, the window still", f"{alone:.1f} frames/s"])
+    module("overlay").unregister()
+    yield from draw_without(walk, clock, 0)
+    yield from draw_without(walk, clock, alone)
+    floor = per_second(clock.drawn)
+    module("overlay").register()
     yield from capture(walk, clock, "drawn", in_window=True)
     drawn, at = clock.rate(), clock.drawn_meanwhile()
-    fps = (len(at) - 1) / (at[-1] - at[0])
+    fps = per_second(at)
     slow = statistics.quantiles([b - a for a, b in itertools.pairwise(at)], n=20)[-1]
     overlay = statistics.quantiles(clock.overlay_ms, n=20)
-    walk.arrays["rows"] = [
-        ["capture alone, the window still", f"{alone:.1f} frames/s"],
-        ["capture in the window, drawn", f"{drawn:.1f} frames/s, {drawn / alone:.0%}"],
-        ["clip editor drawn meanwhile", f"{fps:.0f} times/s, 95 % within {1000 * slow:.0f} ms"],
+    rows += [
+        ["capture in the window, drawn", f"{drawn:.1f} frames/s, {drawn / alone:.0%} of alone"],
+        [
+            "clip editor drawn meanwhile",
+            f"{fps:.0f} times/s, {fps / floor:.0%} of the floor, 95 % within {1000 * slow:.0f} ms",
+        ],
         ["overlay of it", f"{overlay[9]:.1f} ms, 95 % within {overlay[-1]:.1f} ms"],
     ]
     walk.check("all frames were followed", len(clock.followed) == 1 + FRAMES[1] - FRAMES[0])
