@@ -22,7 +22,7 @@ class CorrectionSettings:
         name="Value",
         default="jaw_open",
         search=corrections.value_names,
-        description="What Correct means: jaw, lid, lips' shape, muscle; lip_gap is in metres",
+        description="What Correct means: jaw, lid, lips' shape, gaze, muscle; lip_gap is in metres",
     )
     correction_reach: FloatProperty(
         name="Reach",

@@ -93,18 +93,23 @@ def test_beside_the_face_nothing_is_pinned(extension, captured):
 def test_values_and_pose_are_stated(extension, captured, performance, tmp_path):
     bpy.ops.mimetic.correct_value(value_name="lid_upper.L", value=0.9, std=0.02, reach=4.0)
     bpy.ops.mimetic.correct_value(value_name="lip_gap", value=0.004, std=2e-4, frame=22)
+    bpy.ops.mimetic.correct_value(value_name="gaze_yaw.R", value=21.0, frame=22)
     bpy.ops.mimetic.correct_pose(turn=(0.0, 3.0, 0.0), frame=8, reach=20.0)
     assert [entry.frame for entry in kept(extension, captured)] == [8, FRAME, 22]
     refined = refine(tmp_path)
     lid = performance.articulators.index("lid_upper.L")
     i = performance.index_of(FRAME)
     assert refined.articulator_values[i, lid] > 0.6 > performance.articulator_values[i, lid]
+    gaze = performance.articulators.index("gaze_yaw.R")
+    assert abs(refined.articulator_values[performance.index_of(22), gaze] - 21) < 1
     i = performance.index_of(8)
     turned = refined.head_pose[i, :3, :3] @ performance.head_pose[i, :3, :3].T
     angle = np.degrees(np.arccos((np.trace(turned) - 1) / 2))
     assert 2 < angle < 4
     with pytest.raises(RuntimeError, match="the take has no such value"):
         bpy.ops.mimetic.correct_value(value_name="nose")
+    with pytest.raises(RuntimeError, match="jaw_open cannot be 21: it is from -1 to 1"):
+        bpy.ops.mimetic.correct_value(value_name="jaw_open", value=21.0)
     with pytest.raises(RuntimeError, match="frame 200 is not in the performance"):
         bpy.ops.mimetic.correct_value(frame=200)
 

@@ -140,7 +140,7 @@ class MIMETIC_OT_pin_skin(Correcting, Operator):
 
 
 class MIMETIC_OT_correct_value(Correcting, Operator):
-    """State jaw, lid, lips or a muscle in this frame"""
+    """State jaw, lid, lips, gaze or a muscle in this frame"""
 
     bl_idname = "mimetic.correct_value"
     bl_label = "Correct Value"
@@ -149,17 +149,23 @@ class MIMETIC_OT_correct_value(Correcting, Operator):
         name="Of",
         default="jaw_open",
         search=corrections.value_names,
-        description="Muscle or articulator as the take names it, or lip_gap, in metres",
+        description="As the take names it: muscle, articulator, gaze in degrees; lip_gap in metres",
     )
     value: FloatProperty(
-        name="Value", min=-1.0, max=1.0, precision=3, description="What it is in this frame"
+        name="Value",
+        min=-50.0,
+        max=50.0,
+        step=1,
+        precision=3,
+        description="What it is in this frame: degrees of a gaze, otherwise from -1 to 1",
     )
     std: FloatProperty(
         name="Deviation",
         min=0.0,
         soft_max=1.0,
         precision=4,
-        description="Standard deviation, how surely it has this value; 0: 0.03, of a gap 0.3 mm",
+        description="Standard deviation, how surely it has this value; 0: 0.03, of a gap 0.3 mm, "
+        "of a gaze 1 degree",
     )
     reach: REACH
 

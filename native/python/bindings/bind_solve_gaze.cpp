@@ -81,6 +81,19 @@ void bind_solve_gaze(py::module_& m) {
         "GazeTrack of a clip's frames in order.\n\n"
         "poses: (N, 4, 4), camera from head; pose_covariances: (N, 6, 6); irises: (N, 2, 5), "
         "`FrameEstimate.irises`,\nof frames that are held 0. Raises InvalidInput.");
+    m.def(
+        "corrected_gaze",
+        [](const MatrixRows& angles, const std::vector<std::tuple<int, int, double, double, double>>& pins) {
+            std::vector<GazePin> read;
+            for (const auto& [index, angle, value, std, reach] : pins) {
+                read.push_back({index, angle, value, std, reach});
+            }
+            return corrected_gaze(angles, read);
+        },
+        "angles"_a, "pins"_a,
+        "(N, 4) degrees, as `GazeTrack.angles`, with what a person states of some frames.\n\n"
+        "pins: (frame from 0, angle from 0, degrees, standard deviation in degrees, reach in frames) each.\n"
+        "Both eyes follow a pin of one, save for vergence. Raises InvalidInput.");
     py::class_<GazeFilter>(m, "GazeFilter", "Gaze forward in time alone, for live use.")
         .def(py::init<const Eyeballs&>(), "eyes"_a)
         .def(

@@ -72,6 +72,11 @@ Eigen::Vector4d turned_eyes(const GazeState& state, const UsualGaze& usual) {
     return eyes_by_state() * (usual.median + (state - usual.median).cwiseQuotient(shown));
 }
 
+EyeAngles within_eyes_range(const EyeAngles& turn) {
+    return {std::clamp(turn.yaw, -kLargestYaw, kLargestYaw),
+            std::clamp(turn.pitch, kLowestPitch, kHighestPitch)};
+}
+
 EyeAngles turn_between(const EyeAngles& rest, const EyeAngles& seen) {
     EyeAngles turn{seen.yaw - rest.yaw, seen.pitch - rest.pitch};
     constexpr int kRounds = 4;
@@ -80,8 +85,7 @@ EyeAngles turn_between(const EyeAngles& rest, const EyeAngles& seen) {
         turn.yaw += seen.yaw - there.yaw;
         turn.pitch += seen.pitch - there.pitch;
     }
-    return {std::clamp(turn.yaw, -kLargestYaw, kLargestYaw),
-            std::clamp(turn.pitch, kLowestPitch, kHighestPitch)};
+    return within_eyes_range(turn);
 }
 
 }  // namespace mimetic

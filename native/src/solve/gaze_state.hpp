@@ -39,6 +39,9 @@ std::pair<GazeState, GazeState> rest_of(const UsualGaze& usual);
 /// The eyes' four angles that a state means: networks see irises too near to where they usually are.
 Eigen::Vector4d turned_eyes(const GazeState& state, const UsualGaze& usual);
 
+/// The turn within what eyes can do.
+EyeAngles within_eyes_range(const EyeAngles& turn);
+
 /// The turn that takes an eye which rests at one direction to another, within what eyes can do.
 EyeAngles turn_between(const EyeAngles& rest, const EyeAngles& seen);
 

@@ -105,3 +105,62 @@ def test_a_name_that_is_no_text_is_said_and_not_fatal(tmp_path):
         pass
     (row,) = rows_of([tmp_path])
     assert "no text" in row.problem
+
+
+def pictures(folder, numbers, name="frame_{:04d}.png"):
+    folder.mkdir(parents=True, exist_ok=True)
+    for number in numbers:
+        (folder / name.format(number)).write_bytes(b"picture")
+    return folder
+
+
+def test_numbered_pictures_in_folders_are_clips(clips):
+    pictures(clips / "shot", range(1001, 1020))
+    pictures(clips / "shot", range(40, 53), "other.{}.exr")
+    pictures(clips / "holiday", (1, 2, 3, 20, 21, 22), "IMG_{:04d}.JPG")
+    pictures(clips / "lone", [7], "poster{}.png")
+    found = names(rows_of([clips], fps="25"))
+    assert found == ["one.mp4", "frame_1001.png", "other.40.exr", "three.mkv", "two.MOV"]
+    row = next(row for row in rows_of([clips], fps="25") if "1001" in row.clip)
+    assert (row.problem, row.fps) == ("", "25")
+
+
+def test_pictures_of_a_result_are_no_clip(clips):
+    results = pictures(clips / "out" / "one", range(20))
+    (results / "task.json").write_text("{}")
+    assert names(rows_of([clips])) == ["one.mp4", "three.mkv", "two.MOV"]
+
+
+def test_all_pictures_that_a_shell_names_are_one_clip(tmp_path):
+    folder = pictures(tmp_path / "shot", (*range(9, 12), *range(20, 22)))
+    given = [path for path in sorted(folder.iterdir()) if path.name != "frame_0009.png"]
+    assert names(rows_of(given)) == ["frame_0010.png", "frame_0020.png"]
+
+
+def test_a_table_gives_the_rate_of_pictures(tmp_path):
+    folder = pictures(tmp_path / "shots" / "sh010", range(3))
+    path = table(
+        tmp_path / "clips.csv",
+        "clip,fps\nshots/sh010,23.976\nshots/sh010/frame_####.png,\nshots/none_%04d.png,\n"
+        f"{folder / 'frame_0001.png'},fast\n{folder / 'frame_0001.png'},-1\n",
+    )
+    first, second, missing, word, negative = rows_of([path], fps="30")
+    assert (first.clip, first.fps, first.problem) == (str(folder), "23.976", "")
+    assert (second.fps, second.problem) == ("30", "")
+    assert "no such pictures" in missing.problem
+    assert "fps fast: give frames a second" in word.problem
+    assert "a rate of -1" in negative.problem
+
+
+def test_a_folder_of_results_is_named_after_the_pictures_folder(tmp_path):
+    from mimetic.batch.plan import prepare
+    from mimetic.batch.steps import Settings
+
+    for shot in ("sh010", "sh020"):
+        pictures(tmp_path / "shots" / shot, range(1, 14))
+    out = tmp_path / "out"
+    out.mkdir()
+    batch = prepare(out, rows_of([tmp_path / "shots"], fps="25"), Settings())
+    assert [task.name for task in batch.tasks] == ["sh010", "sh020"]
+    words = batch.tasks[0].steps()[0].words
+    assert "--fps=25" in words and words[1].endswith("sh010/frame_0001.png")

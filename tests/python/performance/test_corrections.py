@@ -66,8 +66,12 @@ def test_a_file_comes_back_as_it_was(tmp_path):
         (lambda d: d["corrections"][0]["pins"][0].update(pixel=["1", 2]), r"pixel\[0\] is '1'"),
         (lambda d: d["corrections"][0]["values"].update(jaw_open=0.5), "jaw_open must be an obj"),
         (
-            lambda d: d["corrections"][0]["values"].update({"gaze_yaw.L": {"value": 0}}),
-            "gaze is measured by itself",
+            lambda d: d["corrections"][0]["values"].update({"gaze_yaw.L": {"value": 51}}),
+            r"gaze_yaw.L.value is 51; a number from -50 to 50",
+        ),
+        (
+            lambda d: d["corrections"][0]["values"].update({"jaw_open": {"value": 1.5}}),
+            r"jaw_open.value is 1.5; a number from -1 to 1",
         ),
         (lambda d: d["corrections"][1]["pose"].update(head_pose=POSE[:3]), "4 rows"),
         (

@@ -181,3 +181,40 @@ def test_a_live_gaze_stays_while_the_lids_are_shut():
     irises[40:50] = 0
     live = filtered(irises, poses)
     assert np.abs(live[40:50] - live[39]).max() < 1e-9
+
+
+def test_both_eyes_follow_a_correction_of_one_and_saccades_stay():
+    angles = eyes_looking(np.where(np.arange(60) < 30, 0.0, 8.0), 0.0)
+    # Frame, angle, degrees, standard deviation, reach
+    corrected = _core.corrected_gaze(angles, [(20, 0, 9.0, 0.5, 15.0), (20, 1, -5.0, 0.5, 15.0)])
+    moved = corrected - angles
+    np.testing.assert_allclose(corrected[20, :2], [9, -5], atol=0.1)
+    np.testing.assert_allclose(moved[20, 2:], moved[20, :2], rtol=0.1)
+    assert not moved[[4, 5, 35, 59]].any()
+    assert (np.diff(moved[20:35, 0]) < 0).all()
+    step = corrected[30, 0] - corrected[29, 0]
+    assert step > 7
+
+
+def test_an_uncertain_correction_is_met_less():
+    angles = eyes_looking(np.zeros(9), 0.0)
+    sure, unsure = (
+        _core.corrected_gaze(angles, [(4, 1, 10.0, std, 4.0)])[4, 1] for std in (1.0, 15.0)
+    )
+    assert sure > 9.9 and 4 < unsure < 6
+
+
+def test_corrected_eyes_stay_within_what_eyes_can_do():
+    angles = eyes_looking(np.full(5, 45.0), 30.0)
+    pins = [(2, 0, 50.0, 0.1, 8.0), (2, 1, 50.0, 0.1, 8.0)]
+    corrected = _core.corrected_gaze(angles, pins)
+    assert corrected[:, ::2].max() <= 50 and corrected[:, 1::2].max() <= 40
+
+
+@pytest.mark.parametrize(
+    "pin",
+    [(5, 0, 0, 1, 8), (0, 4, 0, 1, 8), (0, 0, np.nan, 1, 8), (0, 0, 0, 0, 8), (0, 0, 0, 1, 0)],
+)
+def test_corrections_of_no_gaze_are_refused(pin):
+    with pytest.raises(InvalidInput, match="correction of the gaze"):
+        _core.corrected_gaze(np.zeros((5, 4)), [pin])

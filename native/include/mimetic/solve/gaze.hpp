@@ -51,8 +51,24 @@ struct GazeTrack {
 GazeTrack follow_gaze(const Camera& camera, const Eyeballs& eyes, const std::vector<GazeFrame>& frames,
                       double fps);
 
-/// The same forward in time alone, for live use: each frame's gaze from it and those before. Rest is learnt
-/// on the way, so that the first seconds lean on the prior.
+/// An angle of an eye as a person states it in a frame; degrees.
+struct GazePin {
+    int index = 0;  ///< of the frame
+    int angle = 0;  ///< yaw, pitch of the left eye, then of the right one
+    double value = 0;
+    double std = 1;
+    double reach = 8;  ///< frames before and after within which it counts
+};
+
+/// A clip's gaze (N x 4 degrees) with what a person states of some frames. What was followed is taken to be
+/// off there by a bias of which next to nothing is known beforehand, but that both eyes have it alike, save
+/// for vergence, and that it lasts: the process of `smooth_corrected`. Its expectation is added; saccades
+/// stay as sharp as they are. Throws InvalidInput: a pin of no frame or angle, not finite, without standard
+/// deviation.
+MatrixRows corrected_gaze(const MatrixRows& angles, const std::vector<GazePin>& pins);
+
+/// `follow_gaze` forward in time alone, for live use: each frame's gaze from it and those before. Rest is
+/// learnt on the way, so that the first seconds lean on the prior.
 class GazeFilter {
 public:
     /// Throws InvalidInput.

@@ -7,18 +7,25 @@ import csv
 import io
 import os
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.media.clip_fingerprint import MOST_DEPTH, files_in
 from mimetic.media.frame_range import parse_range
+from mimetic.media.image_sequence import (
+    ImageSequence,
+    is_sequence,
+    picture_before,
+    sequences_in,
+)
 from mimetic.shared.regular_file import check_input
 from mimetic.shared.shown_text import shortened
 
-COLUMNS = ("clip", "fit", "character", "range", "person")
+COLUMNS = ("clip", "fit", "character", "range", "person", "fps")
 SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".mxf", ".wmv")
 LARGEST_TABLE = 16 << 20  # bytes
+FEWEST_PICTURES = 12  # on end, to be a clip in a folder that is searched: photographs count up too
 MARK = "task.json"  # a folder that has it holds results, not clips
 
 
@@ -26,12 +33,13 @@ MARK = "task.json"  # a folder that has it holds results, not clips
 class Row:
     """A clip and what is said of it; paths are absolute."""
 
-    clip: str
+    clip: str  # a video file, or numbered pictures: their folder, a pattern, the first of them
     frames: str = ""  # A:B
     fit: str = ""  # a face fit of this footage; of other footage where `person` is named too
     character: str = ""  # RIG.blend:OBJECT
     person: str = ""
     problem: str = ""  # why it cannot be captured
+    fps: str = ""  # of numbered pictures
 
     @property
     def identity(self) -> tuple[str, str, str]:
@@ -39,35 +47,46 @@ class Row:
         return self.clip, self.frames, self.character
 
 
-def rows_of(arguments: Iterable[Path], frames: str = "", character: str = "") -> list[Row]:
+def rows_of(
+    arguments: Iterable[Path], frames: str = "", character: str = "", fps: str = ""
+) -> list[Row]:
     """The clips of some files, folders and tables, in order; what is missing has a `problem`.
 
-    frames, character: of the clips for which no table says otherwise. Raises InvalidInput for a
-    table that cannot be understood.
+    frames, character, fps: of the clips for which no table says otherwise. Raises InvalidInput for
+    a table that cannot be understood.
     """
     rows: list[Row] = []
-    for path in arguments:
+    usual = Row("", frames, character=character, fps=fps)
+    for path in _without_later_pictures(arguments):
         if path.is_dir():
-            rows += _in_folder(path, frames, character)
+            rows += _in_folder(path, usual)
         elif path.suffix.lower() == ".csv":
-            rows += _in_table(path, frames, character)
+            rows += _in_table(path, usual)
         else:
-            rows.append(_checked(Row(_absolute(path), frames, character=character)))
+            rows.append(_checked(replace(usual, clip=_absolute(path))))
     return list(dict.fromkeys(rows))  # one that is named twice is done once
 
 
-def _in_folder(folder: Path, frames: str, character: str) -> Iterator[Row]:
-    clips = sorted(
+def _without_later_pictures(paths: Iterable[Path]) -> list[Path]:
+    """A shell names all pictures of a sequence for `shot/*.png`: the first stands for them."""
+    paths = list(paths)
+    given = set(paths)
+    return [path for path in paths if picture_before(path) not in given]
+
+
+def _in_folder(folder: Path, usual: Row) -> Iterator[Row]:
+    files = [
         path
         for path in files_in(folder, MOST_DEPTH)
-        if path.suffix.lower() in SUFFIXES
-        and not path.name.startswith(".")
-        and not _is_result(path, folder)
-    )
+        if not path.name.startswith(".") and not _is_result(path, folder)
+    ]
+    videos = [path for path in files if path.suffix.lower() in SUFFIXES]
+    clips = sorted([*videos, *sequences_in(files, FEWEST_PICTURES)])
     if not clips:
-        yield Row(_absolute(folder), problem=f"no clips in this folder ({', '.join(SUFFIXES)})")
+        kinds = f"{', '.join(SUFFIXES)}, or {FEWEST_PICTURES} numbered pictures"
+        yield Row(_absolute(folder), problem=f"no clips in this folder ({kinds})")
     for path in clips:
-        yield _checked(Row(_absolute(path), frames, character=character))
+        yield _checked(replace(usual, clip=_absolute(path)))
 
 
 def _is_result(path: Path, folder: Path) -> bool:
@@ -77,7 +96,7 @@ def _is_result(path: Path, folder: Path) -> bool:
     return is_hidden or any((parent / MARK).exists() for parent in between)
 
 
-def _in_table(path: Path, frames: str, character: str) -> Iterator[Row]:
+def _in_table(path: Path, usual: Row) -> Iterator[Row]:
     folder = path.absolute().parent
     table = _records(path)
     if table is None:
@@ -86,10 +105,11 @@ def _in_table(path: Path, frames: str, character: str) -> Iterator[Row]:
     for number, record in table:
         row = Row(
             _absolute(folder / record["clip"]) if record["clip"] else "",
-            record.get("range") or frames,
+            record.get("range") or usual.frames,
             _absolute(folder / record["fit"]) if record.get("fit") else "",
-            _beside(folder, record.get("character") or "") or character,
+            _beside(folder, record.get("character") or "") or usual.character,
             record.get("person") or "",
+            fps=record.get("fps") or usual.fps,
         )
         if not row.clip:
             yield Row(f"{path.name}, line {number}", problem="the line names no clip")
@@ -140,18 +160,23 @@ def _check_header(path: Path, header: list[str]) -> None:
 
 def _checked(row: Row) -> Row:
     """The row, with the problem that can be seen before any work."""
-    return Row(*row.identity[:2], row.fit, row.character, row.person, _problem_of(row))
+    return replace(row, problem=_problem_of(row))
 
 
 def _problem_of(row: Row) -> str:
     rig, _, name = row.character.rpartition(":")
     if row.character and not (name and rig.endswith(".blend")):
         return f"character {row.character}: give it as RIG.blend:OBJECT"
-    files = [(row.clip, "a video file"), (row.fit, "a face fit"), (rig, "the .blend of a rig")]
+    files = [(row.fit, "a face fit"), (rig, "the .blend of a rig")]
     try:
+        row.clip.encode()  # the documents are UTF-8
+        if is_sequence(row.clip):
+            ImageSequence(row.clip, _rate(row.fps))
+        else:
+            files.insert(0, (row.clip, "a video file"))
         for path, what in files:
             if path:
-                path.encode()  # the documents are UTF-8
+                path.encode()
                 check_input(path, what)
         if row.frames:
             parse_range(row.frames)
@@ -160,6 +185,14 @@ def _problem_of(row: Row) -> str:
     except (InvalidInput, UnreadableMedia) as error:
         return str(error)
     return ""
+
+
+def _rate(text: str) -> float | None:
+    """Raises InvalidInput."""
+    try:
+        return float(text) if text else None
+    except ValueError:
+        raise InvalidInput(f"fps {text}: give frames a second, such as 23.976") from None
 
 
 def _beside(folder: Path, character: str) -> str:

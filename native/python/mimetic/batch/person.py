@@ -19,6 +19,7 @@ from typing import Any
 from mimetic import InvalidInput, UnreadableMedia, __version__
 from mimetic.batch.clip_list import Row
 from mimetic.media.clip_fingerprint import fingerprint
+from mimetic.media.image_sequence import opened
 from mimetic.shared.folder_lock import alone_with
 from mimetic.shared.json_file import read_json, write_json
 from mimetic.shared.shown_text import shortened
@@ -142,6 +143,6 @@ def folder_of(out: Path, person: str) -> Path:
 
 def _content(path: str) -> str:
     try:
-        return fingerprint(path)
+        return fingerprint(opened(path))
     except (OSError, UnreadableMedia):
         return ""

@@ -14,6 +14,7 @@ from mimetic.batch.clip_list import MARK, Row
 from mimetic.batch.person import FOLDER, prepare_people
 from mimetic.batch.steps import Settings
 from mimetic.batch.task import LOCK, Task
+from mimetic.media.image_sequence import is_sequence
 from mimetic.shared.json_file import read_json, write_json
 from mimetic.shared.shown_text import UNSAFE
 
@@ -120,12 +121,20 @@ def _known_folders(out: Path) -> dict[tuple[str, str, str], list[str]]:
     return folders
 
 
+def _own_name(clip: str) -> str:
+    """Without its suffix; of numbered pictures, whose own names are often alike, their folder's."""
+    path = Path(clip)
+    if not is_sequence(clip):
+        return path.stem
+    return path.name if path.is_dir() else path.parent.name or path.stem
+
+
 def _free_name(out: Path, row: Row, names: Iterable[str]) -> str:
     """The clip's own name, with a number where another clip or something else has it.
 
     Two names that differ by case alone are one to some file systems.
     """
-    stem = FORBIDDEN.sub("_", UNSAFE.sub("_", Path(row.clip).stem)).strip(". ")[:LONGEST_NAME]
+    stem = FORBIDDEN.sub("_", UNSAFE.sub("_", _own_name(row.clip))).strip(". ")[:LONGEST_NAME]
     stem = stem or "clip"
     for number in itertools.count(1):
         name = stem if number == 1 else f"{stem}-{number}"

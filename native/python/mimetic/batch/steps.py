@@ -13,6 +13,7 @@ from mimetic import __version__
 from mimetic.batch.clip_list import Row
 from mimetic.batch.person import Person
 from mimetic.media.clip_fingerprint import fingerprint
+from mimetic.media.image_sequence import is_sequence, opened
 from mimetic.shared.results import PERFORMANCE
 
 BAKES = ("blend", "glb")
@@ -44,7 +45,8 @@ class Step:
 
         Raises UnreadableMedia where an input is missing.
         """
-        parts = [self.name, __version__, self.choices, [fingerprint(path) for path in self.inputs]]
+        contents = [fingerprint(opened(path)) for path in self.inputs]
+        parts = [self.name, __version__, self.choices, contents]
         return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
 
 
@@ -59,13 +61,21 @@ def _capture(row: Row, folder: Path, person: Person | None) -> Step:
     words = ["capture", row.clip, "--out", str(folder)]
     if row.frames:
         words.append(f"--frames={row.frames}")
+    words += rate_words(row.clip, row.fps)
     option, fit = "--fit", row.fit
     if person is not None and not row.fit:
         option, fit = ("--fit" if person.is_of(row.clip) else "--person"), person.fit
     words += [option, fit] if fit else []
     inputs = (Path(row.clip), *([Path(fit)] if fit else []))
     choices = {"frames": row.frames, "fit": option if fit else ""}
+    if row.fps:
+        choices["fps"] = row.fps
     return Step("capture", tuple(words), inputs, CAPTURED, choices)
+
+
+def rate_words(clip: str, fps: str) -> list[str]:
+    """Of a command line that reads a clip; video files have rates of their own."""
+    return [f"--fps={fps}"] if fps and is_sequence(clip) else []
 
 
 def _bakes(row: Row, settings: Settings, folder: Path) -> Iterable[Step]:

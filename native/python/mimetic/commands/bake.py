@@ -15,6 +15,7 @@ from mimetic.character.sparse_curves import USUAL_TOLERANCE, check_tolerance
 from mimetic.commands.blender_process import add_blender_python, write_by_blender
 from mimetic.head.smoothing import USUAL_STRENGTH
 from mimetic.media.clip_fingerprint import fingerprint
+from mimetic.media.image_sequence import opened
 from mimetic.performance.document import Performance
 from mimetic.puppet.osc_file import write_osc
 from mimetic.retarget.controls import load_preset
@@ -236,9 +237,10 @@ def _check_kind(out: Path, has_target: bool, with_controls: bool, is_remade: boo
 
 def check_footage(performance: os.PathLike[str], footage: os.PathLike[str]) -> None:
     """Raises InvalidInput for footage other than what the performance names, if it names any."""
-    check_input(footage, "a video file")
+    source = opened(footage)
+    check_input(source, "a video file, or a folder of numbered pictures")
     document = Performance.load(performance)
-    if document.footage and not document.is_of(fingerprint(footage)):
+    if document.footage and not document.is_of(fingerprint(source)):
         raise InvalidInput(
             f"--footage {shown(footage)} is not the clip that {shown(performance)} was captured "
             f"from ({shown(document.footage[0])}): give that one, or leave --footage out"
@@ -293,7 +295,7 @@ def bake(
         return write_table(edited(Performance.load(performance), curves), out)
     request = {
         "performance": str(Path(performance).absolute()),
-        "footage": None if footage is None else str(Path(footage).absolute()),
+        "footage": None if footage is None else os.path.abspath(opened(footage)),
         "target": target,
         "with_detail": with_detail,
         "tolerance": tolerance or 0.0,

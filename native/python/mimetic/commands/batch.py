@@ -10,7 +10,7 @@ import threading
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
-from mimetic import InvalidInput
+from mimetic import InvalidInput, UnreadableMedia
 from mimetic.batch import flamenco, on_dask, open_job, plan
 from mimetic.batch.clip_list import rows_of
 from mimetic.batch.page import write_page
@@ -23,12 +23,14 @@ from mimetic.commands import cli
 from mimetic.commands.bake import add_face_arguments
 from mimetic.commands.console import Console
 from mimetic.media.frame_range import parse_range
+from mimetic.media.image_sequence import USUAL_FPS, ImageSequence, opened
 from mimetic.report.html import check_report_packages
 from mimetic.shared.interrupts import listen_for_interrupt
 from mimetic.shared.results import prepare_folder
 
 FAILED = 1  # exit status where a clip failed
 PAGE_EVERY = 20  # clips
+PICTURES_LARGER = 10  # about, than frames of a video file
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -37,14 +39,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         nargs="*",
         metavar="CLIPS",
-        help="videos, folders with videos, and CSV tables with the column clip and any of fit, "
-        "character, range, person",
+        help="videos, numbered pictures, folders with either, and CSV tables with the column clip "
+        "and any of fit, character, range, person, fps",
     )
     parser.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder for a folder of each clip"
     )
     parser.add_argument(
         "--frames", default="", metavar="A:B", help="of clips for which no table gives a range"
+    )
+    parser.add_argument(
+        "--fps",
+        default="",
+        metavar="N",
+        help="frames a second of numbered pictures for which no table says it (default: "
+        f"{USUAL_FPS})",
     )
     _add_bakes(parser)
     _add_running(parser)
@@ -196,7 +205,7 @@ def prepared_batch(arguments: argparse.Namespace) -> Batch:
     bakes = tuple(kind for kind in BAKES if kind in arguments.bake)
     settings = Settings(bakes, arguments.detail, arguments.few_keys, python)
     out = Path(os.path.abspath(arguments.out))
-    rows = rows_of(arguments.clips, arguments.frames, character)
+    rows = rows_of(arguments.clips, arguments.frames, character, arguments.fps)
     prepare_folder(out, (PLAN, PAGE))
     return plan.prepare(out, rows, settings)
 
@@ -250,8 +259,11 @@ def _refresh(batch: Batch, failures: dict[str, str], tell: Callable[[str], None]
 def _weight(clip: Path) -> float:
     """What a clip costs beside others: clips of a batch are mostly of one kind."""
     try:
-        return max(1.0, clip.stat().st_size)
-    except OSError:
+        source = opened(clip)
+        if isinstance(source, ImageSequence):
+            return max(1.0, source.num_frames * os.stat(source).st_size / PICTURES_LARGER)
+        return max(1.0, source.stat().st_size)
+    except (OSError, UnreadableMedia):
         return 1.0
 
 

@@ -15,7 +15,8 @@ from mimetic.performance.corrections import load_corrections
 from mimetic.performance.document import Performance
 from mimetic.shared.interrupts import listen_for_interrupt
 from mimetic.shared.regular_file import check_target
-from mimetic.solve.refining import DIRECTIONS, refined
+from mimetic.solve.refined_spans import DIRECTIONS
+from mimetic.solve.refining import refined
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import hashlib
 import os
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -171,6 +171,26 @@ def begins_sequence(path: Path) -> bool:
     return not (number and os.path.exists(path.with_name(naming.name(number - 1)))) and (
         os.path.exists(path.with_name(naming.name(number + 1)))
     )
+
+
+def picture_before(path: Path) -> Path | None:
+    """Where the picture before a numbered one would be; None for other files, and the number 0."""
+    found = _split(path.name) if path.suffix.lower() in SUFFIXES else None
+    return path.with_name(found[0].name(found[1] - 1)) if found and found[1] else None
+
+
+def sequences_in(files: Iterable[Path], fewest: int) -> list[Path]:
+    """Of some files the first picture of each run of at least `fewest` numbered ones on end."""
+    given = set(files)
+    found = []
+    for path in sorted(given):
+        before, split = picture_before(path), _split(path.name)
+        if path.suffix.lower() not in SUFFIXES or split is None or before in given:
+            continue
+        naming, first = split
+        if all(path.with_name(naming.name(first + i)) in given for i in range(fewest)):
+            found.append(path)
+    return found
 
 
 def opened(path: str | os.PathLike[str]) -> ImageSequence | Path:

@@ -30,6 +30,10 @@ REACH, LONGEST_REACH = 8.0, 1000.0  # frames
 PIXEL_STD, VALUE_STD = 1.0, 0.03
 ROTATION_STD, TRANSLATION_STD = 0.01, 0.002  # rad, metres
 GAP_STD = 3e-4  # metres
+LIP_GAP = "lip_gap"  # beside the names of values
+# Lowest and highest value, usual standard deviation
+GAP_LIMITS, VALUE_LIMITS = (-0.05, 0.1), (-1.0, 1.0)
+GAZE_LIMITS, GAZE_STD = (-50.0, 50.0), 1.0  # degrees
 LARGEST_STD = 1e4
 ROUNDING = 1e-4  # of weights that sum to 1, of a rotation
 
@@ -96,6 +100,20 @@ class FrameCorrection:
 
 
 Corrections = tuple[FrameCorrection, ...]
+
+
+def limits_of(name: str) -> tuple[float, float]:
+    """Lowest and highest value that may be stated of a muscle, an articulator, the lips' gap."""
+    if name == LIP_GAP:
+        return GAP_LIMITS
+    return GAZE_LIMITS if name in GAZE else VALUE_LIMITS
+
+
+def usual_std(name: str) -> float:
+    """The standard deviation of a value of which none is stated."""
+    if name == LIP_GAP:
+        return GAP_STD
+    return GAZE_STD if name in GAZE else VALUE_STD
 
 
 def load_corrections(path: str | os.PathLike[str]) -> Corrections:
@@ -195,7 +213,7 @@ def _correction(where: str, value: object) -> FrameCorrection:
         tuple(_pin(f"{where}: pins[{i}]", pin) for i, pin in enumerate(pins)),
         None if pose is None else _pose(f"{where}: pose", pose),
         _values(f"{where}: values", fields.get("values", {})),
-        None if gap is None else _pinned(f"{where}: lip_gap", gap, (-0.05, 0.1), GAP_STD),
+        None if gap is None else _pinned(f"{where}: lip_gap", gap, LIP_GAP),
     )
 
 
@@ -235,22 +253,14 @@ def _pose(where: str, value: object) -> PinnedPose:
 def _values(where: str, value: object) -> dict[str, Pinned]:
     if not isinstance(value, dict):
         raise InvalidInput(f"{where} must map names to a value and a std")
-    for name in value:
-        if name in GAZE:
-            raise InvalidInput(
-                f"{where}.{name}: the gaze is measured by itself, its curves are corrected by hand"
-            )
-    return {
-        name: _pinned(f"{where}.{name}", entry, (-1.0, 1.0), VALUE_STD)
-        for name, entry in value.items()
-    }
+    return {name: _pinned(f"{where}.{name}", entry, name) for name, entry in value.items()}
 
 
-def _pinned(where: str, value: object, limits: tuple[float, float], usual_std: float) -> Pinned:
+def _pinned(where: str, value: object, name: str) -> Pinned:
     fields = _keys(where, value, ("value",), ("std",))
     return Pinned(
-        _number(f"{where}.value", fields["value"], *limits),
-        _std(f"{where}.std", fields.get("std", usual_std)),
+        _number(f"{where}.value", fields["value"], *limits_of(name)),
+        _std(f"{where}.std", fields.get("std", usual_std(name))),
     )
 
 

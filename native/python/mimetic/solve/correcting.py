@@ -10,8 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.performance.corrections import (
-    GAP_STD,
-    VALUE_STD,
+    LIP_GAP,
     Corrections,
     FrameCorrection,
     Pinned,
@@ -19,9 +18,11 @@ from mimetic.performance.corrections import (
     SkinPin,
     as_document,
     corrections_in,
+    limits_of,
+    usual_std,
 )
 from mimetic.performance.document import Performance
-from mimetic.performance.gaze import GAZE, seen_articulators
+from mimetic.performance.gaze import GAZE, has_gaze, seen_articulators
 from mimetic.performance.pinned_places import PinnedPlaces, place_under
 from mimetic.performance.places import RefinedSurface
 from mimetic.performance.projection import rescaled
@@ -43,7 +44,6 @@ __all__ = [
     "without_frame",
 ]
 
-LIP_GAP = "lip_gap"  # among the names of values; in metres
 SAME_PLACE = 8.0  # pixels of the footage's file within which a click means the pin that is there
 
 
@@ -67,16 +67,23 @@ def without_frame(corrections: Corrections, frame: int) -> Corrections:
 
 
 def value_names(performance: Performance) -> list[str]:
-    """What may be given a value: articulators, the lips' gap, muscles."""
+    """What may be given a value: articulators, gaze, the lips' gap, muscles."""
     articulators = [name for name in performance.articulators if name not in GAZE]
-    return [*articulators, LIP_GAP, *performance.muscles]
+    gaze = GAZE if has_gaze(performance) else ()
+    return [*articulators, *gaze, LIP_GAP, *performance.muscles]
 
 
 def with_value(
     corrections: Corrections, frame: int, name: str, value: float, std: float, reach: float
 ) -> Corrections:
-    """A value, by its name in `value_names`, in a frame; a std of 0 stands for the usual one."""
-    pinned = Pinned(value, std or (GAP_STD if name == LIP_GAP else VALUE_STD))
+    """A value, by its name in `value_names`, in a frame; a std of 0 stands for the usual one.
+
+    Raises InvalidInput for a value that cannot be.
+    """
+    low, high = limits_of(name)
+    if not low <= value <= high:
+        raise InvalidInput(f"{name} cannot be {value:g}: it is from {low:g} to {high:g}")
+    pinned = Pinned(value, std or usual_std(name))
     entry = at_frame(corrections, frame) or FrameCorrection(frame)
     if name == LIP_GAP:
         return with_entry(corrections, replace(entry, reach=reach, lip_gap=pinned))

@@ -27,16 +27,14 @@ from mimetic.performance.corrections import (
     texts_of,
 )
 from mimetic.performance.document import HELD_QUALITY, Performance
-from mimetic.performance.gaze import GAZE, own_articulators, seen_articulators
+from mimetic.performance.gaze import GAZE, has_gaze, own_articulators, seen_articulators
 from mimetic.performance.pinned_places import PinnedPlaces
 from mimetic.shared.pinhole import camera_of
 from mimetic.shared.progress import Progress
+from mimetic.solve.refined_spans import FIXED, FrameSpan, limits_of_change, spans_of
 from mimetic.solve.tracking import face_motion
 from mimetic.template.face_template import load_template
 
-DIRECTIONS = ("both", "forward", "backward")
-FIXED = 12  # frames beside those that are solved, which they join without a jump
-FrameSpan = tuple[int, int]
 Show = Callable[[float], bool]  # fraction -> go on?
 
 
@@ -57,12 +55,14 @@ def refined(
     template = load_template()
     first, last = int(performance.frame[0]), int(performance.frame[-1])
     names = [*performance.muscles, *performance.articulators]
+    if not has_gaze(performance):
+        names = [name for name in names if name not in GAZE]
     check_corrections(corrections, (first, last), template.num_skin_faces, names)
     before = from_texts(performance.corrections or [])
-    if direction not in DIRECTIONS:
-        raise InvalidInput(f"direction {direction!r}: it must be one of {', '.join(DIRECTIONS)}")
-    spans = _spans(performance, (*before, *corrections), frames, direction)
-    refinement = Refinement(performance)
+    all_corrections = (*before, *corrections)
+    limits = limits_of_change(performance, all_corrections, frames, direction)
+    spans = spans_of(performance, all_corrections, limits)
+    refinement = Refinement(performance, spans_of(performance, corrections, limits))
     for number, span in enumerate(spans):
 
         def show(fraction: float, number: int = number, span: FrameSpan = span) -> bool:
@@ -76,7 +76,7 @@ def refined(
 
 def check_of_capture(corrections: Corrections, frames: FrameSpan) -> None:
     """Before a capture of these frames; raises InvalidInput."""
-    names = [*muscle_names(), *ARTICULATORS, *LIP_SHAPES]
+    names = [*muscle_names(), *ARTICULATORS, *LIP_SHAPES, *GAZE]
     check_corrections(corrections, frames, load_template().num_skin_faces, names)
 
 
@@ -98,45 +98,13 @@ def check_refinable(performance: Performance) -> None:
         raise InvalidInput("this performance is not of Mimetic's own head: it cannot be refined")
 
 
-def _spans(
-    performance: Performance,
-    corrections: Corrections,
-    frames: tuple[int | None, int | None] | None,
-    direction: str,
-) -> list[FrameSpan]:
-    """Rows to solve, in runs, both ends included."""
-    first, last = int(performance.frame[0]), int(performance.frame[-1])
-    low, high = frames or (None, None)
-    low = first if low is None else low
-    high = last if high is None else high
-    if low > high or high < first or low > last:
-        raise InvalidInput(f"frames {low}:{high}: the performance has frames {first} to {last}")
-    if corrections and direction == "forward":
-        low = max(low, min(entry.frame for entry in corrections))
-    if corrections and direction == "backward":
-        high = min(high, max(entry.frame for entry in corrections))
-    spans: list[FrameSpan] = []
-    for entry in sorted(corrections, key=lambda entry: entry.frame - entry.reach):
-        begin = max(low, entry.frame - int(entry.reach))
-        end = min(high, entry.frame + int(entry.reach))
-        if begin > end:
-            continue
-        begin, end = (
-            int(np.searchsorted(performance.frame, begin)),
-            int(np.searchsorted(performance.frame, end, side="right")) - 1,
-        )
-        if spans and begin <= spans[-1][1] + FIXED:
-            spans[-1] = spans[-1][0], max(end, spans[-1][1])
-        elif begin <= end:
-            spans.append((begin, end))
-    return spans
-
-
 class Refinement:
     """A performance whose rows are solved again, run by run."""
 
-    def __init__(self, performance: Performance) -> None:
+    def __init__(self, performance: Performance, corrected: list[FrameSpan]) -> None:
+        """corrected: the rows that the corrections to be honoured reach."""
         self.performance = performance
+        self.corrected = corrected
         self.template = load_template()
         self.camera = camera_of(performance.intrinsics, performance.image_size)
         self.names = [name for name in performance.articulators if name not in GAZE]
@@ -156,8 +124,11 @@ class Refinement:
         self.values_std = np.hstack([performance.activations_std, own_std[:, self.columns]])
         assert performance.evidence is not None  # `check_refinable`
         self.evidence = performance.evidence.copy()
+        self.gaze_columns = [
+            *(performance.articulators.index(name) for name in GAZE if has_gaze(performance))
+        ]
+        self.gaze = performance.articulator_values[:, self.gaze_columns]  # a copy
         self.moved = np.zeros(performance.num_frames, dtype=bool)
-
         self.uncorrected = self._uncorrected()
 
     def _uncorrected(self) -> NDArray[np.float64] | None:
@@ -165,6 +136,9 @@ class Refinement:
         performance, rows = self.performance, self._rows()
         if performance.uncorrected is None:
             return None if performance.corrections else rows
+        if performance.uncorrected.shape[1] == rows.shape[1] - self.gaze.shape[1]:
+            # Of an earlier version, which corrected no gaze
+            return np.hstack([performance.uncorrected, self.gaze])
         if performance.uncorrected.shape != rows.shape:
             raise InvalidInput(
                 f"performance uncorrected has {performance.uncorrected.shape[1]} numbers a frame, "
@@ -174,12 +148,13 @@ class Refinement:
         return performance.uncorrected
 
     def _rows(self) -> NDArray[np.float64]:
-        """N x R: pose (16), its covariance (36), values, their deviations, the evidence's gradient.
+        """N x R: pose (16), its covariance (36), values, their deviations, the evidence's gradient,
+        gaze.
 
         The evidence's information does not depend on corrections.
         """
         parts = (self.poses, self.pose_covariances, self.values, self.values_std, self._gradients())
-        return np.hstack([part.reshape(len(self.values), -1) for part in parts])
+        return np.hstack([*(part.reshape(len(self.values), -1) for part in parts), self.gaze])
 
     def _gradients(self) -> NDArray[np.float32]:
         return self.evidence[:, -(6 + self.values.shape[1]) :]
@@ -191,21 +166,55 @@ class Refinement:
 
         False, with nothing to be kept, when stopped.
         """
-        self._take_back(span)
-        begin, end = span
-        frames = self.performance.frame
-        is_corrected = any(frames[begin] <= entry.frame <= frames[end] for entry in corrections)
-        if self.uncorrected is None or is_corrected or self._joins_corrected(span):
+        if self.uncorrected is None:
             return self._solve(span, corrections, show)
-        return show(1.0)
+        self._take_back(span)
+        if self._joins_corrected(span):
+            return self._solve(span, corrections, show)
+        # No more of it than they reach: what was corrected before is to leave nothing behind
+        inside = [own for own in self.corrected if span[0] <= own[0] and own[1] <= span[1]]
+        of_skin = [own for own in inside if any(map(_is_of_skin, self._within(own, corrections)))]
+        for number, own in enumerate(of_skin):
+
+            def go_on(fraction: float, number: int = number) -> bool:
+                return show((number + fraction) / len(of_skin))
+
+            if not self._solve(own, corrections, go_on):
+                return False
+        for own in inside:
+            if own not in of_skin:
+                self._turn_eyes(own, corrections)
+        return bool(of_skin) or show(1.0)
+
+    def _within(self, span: FrameSpan, corrections: Corrections) -> list[FrameCorrection]:
+        first, last = (int(self.performance.frame[row]) for row in span)
+        return [entry for entry in corrections if first <= entry.frame <= last]
+
+    def _turn_eyes(self, span: FrameSpan, corrections: Corrections) -> None:
+        """Gaze is solved by itself: it comes after the head and moves no skin but lids."""
+        begin, end = span
+        pins = [
+            (
+                *(self.performance.index_of(entry.frame) - begin, GAZE.index(name)),
+                *(pinned.value, pinned.std, entry.reach),
+            )
+            for entry in self._within(span, corrections)
+            for name, pinned in entry.values.items()
+            if name in GAZE
+        ]
+        if pins:
+            rows = slice(begin, end + 1)
+            self.gaze[rows] = _core.corrected_gaze(self.gaze[rows], pins)
+            self.moved[rows] = True
 
     def _take_back(self, span: FrameSpan) -> None:
-        if self.uncorrected is None:
-            return
+        assert self.uncorrected is not None  # `refine`
         rows = slice(span[0], span[1] + 1)
         num_values = self.values.shape[1]
-        ends = np.cumsum([16, 36, num_values, num_values])
-        pose, covariance, values, std, gradient = np.split(self.uncorrected[rows], ends, axis=1)
+        ends = np.cumsum([16, 36, num_values, num_values, 6 + num_values])
+        pose, covariance, values, std, gradient, self.gaze[rows] = np.split(
+            self.uncorrected[rows], ends, axis=1
+        )
         self.poses[rows] = pose.reshape(-1, 4, 4)
         self.pose_covariances[rows] = covariance.reshape(-1, 6, 6)
         self.values[rows], self.values_std[rows] = values, np.abs(std)
@@ -215,15 +224,16 @@ class Refinement:
     def _joins_corrected(self, span: FrameSpan) -> bool:
         """Whether a frame that it must join without a jump is corrected and stays so."""
         begin, end = span
+        of_skin = slice(0, -self.gaze.shape[1] or None)
         return not (
-            self._are_uncorrected(slice(max(0, begin - FIXED), begin))
-            and self._are_uncorrected(slice(end + 1, end + 1 + FIXED))
+            self._are_uncorrected(slice(max(0, begin - FIXED), begin), of_skin)
+            and self._are_uncorrected(slice(end + 1, end + 1 + FIXED), of_skin)
         )
 
-    def _are_uncorrected(self, rows: slice) -> bool:
+    def _are_uncorrected(self, rows: slice, columns: slice) -> bool:
         """But for rounding: articulators are stored without what gaze does to lids."""
         return self.uncorrected is not None and np.allclose(
-            self._rows()[rows], self.uncorrected[rows], rtol=1e-9, atol=1e-9
+            self._rows()[rows, columns], self.uncorrected[rows, columns], rtol=1e-9, atol=1e-9
         )
 
     def _solve(
@@ -236,8 +246,8 @@ class Refinement:
         options.fixed_first, options.fixed_last = begin - first, after - 1 - end
         measured = [
             self._measured(entry, self.performance.index_of(entry.frame) - first)
-            for entry in corrections
-            if begin <= np.searchsorted(self.performance.frame, entry.frame) <= end
+            for entry in self._within(span, corrections)
+            if _is_of_skin(entry)
         ]
         estimates = [self._estimate(i) for i in range(first, after)]
         is_stopped = False
@@ -258,6 +268,7 @@ class Refinement:
             self.pose_covariances[i], self.values_std[i] = estimate.pose_cov, estimate.values_std
             self.evidence[i] = _core.pack_evidence(estimate)
         self.moved[begin : end + 1] = True
+        self._turn_eyes(span, corrections)
         return True
 
     def _estimate(self, i: int) -> _core.FrameEstimate:
@@ -289,6 +300,8 @@ class Refinement:
     def _sums(self, entry: FrameCorrection) -> Iterator[_core.ValuePin]:
         names = [*self.performance.muscles, *self.names]
         for name, pinned in entry.values.items():
+            if name in GAZE:
+                continue
             weights = np.zeros(len(names))
             weights[names.index(name)] = 1.0
             yield _core.ValuePin(weights, pinned.value, pinned.std)
@@ -328,6 +341,7 @@ class Refinement:
         rows, columns = self.moved, np.array(self.columns, dtype=np.intp)
         seen = seen_articulators(performance)
         seen[np.ix_(rows, columns)] = self.values[rows, num_muscles:]
+        seen[np.ix_(rows, np.array(self.gaze_columns, dtype=np.intp))] = self.gaze[rows]
         articulators[rows] = own_articulators(performance, seen)[rows]
         std[np.ix_(rows, columns)] = self.values_std[rows, num_muscles:]
         poses = self.poses.copy()
@@ -343,8 +357,16 @@ class Refinement:
             articulator_values_std=std,
             evidence=self.evidence,
             corrections=texts_of(corrections) or None,
-            uncorrected=None if self._are_uncorrected(slice(None)) else self.uncorrected,
+            uncorrected=None
+            if self._are_uncorrected(slice(None), slice(None))
+            else self.uncorrected,
         )
+
+
+def _is_of_skin(entry: FrameCorrection) -> bool:
+    """Whether it says more of its frame than where the eyes look."""
+    is_more = entry.pins or entry.pose is not None or entry.lip_gap is not None
+    return bool(is_more or any(name not in GAZE for name in entry.values))
 
 
 def anatomy_of(performance: Performance, names: list[str], columns: list[int]) -> Anatomy:
