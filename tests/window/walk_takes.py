@@ -133,7 +133,7 @@ def preview_a_table(walk: Walk) -> Steps:
         bpy.context.scene.frame_set(frame)
         shown[frame] = own.value
     widest = max(shown, key=shown.get)
-    walk.check("the key follows the take", shown[widest] > 0.05, shown[widest])
+    walk.check("the key follows the take", shown[widest] > 0.3, shown[widest])
     bpy.context.scene.frame_set(widest)
     head.mimetic.controls["Grin"].gain = 0.5
     share = own.value / shown[widest]

@@ -47,7 +47,8 @@ void bind_retarget(py::module_& m) {
         .def(py::init<>())
         .def_readwrite("sparsity", &ControlFitOptions::sparsity)
         .def_readwrite("ridge", &ControlFitOptions::ridge)
-        .def_readwrite("unmatched_motion", &ControlFitOptions::unmatched_motion);
+        .def_readwrite("unmatched_motion", &ControlFitOptions::unmatched_motion)
+        .def_readwrite("least_explained", &ControlFitOptions::least_explained);
     py::class_<ControlFit>(m, "ControlFit",
                            "Values of sources as values of a character's own controls; see "
                            "control_fit.hpp.")

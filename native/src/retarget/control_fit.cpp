@@ -40,6 +40,7 @@ void ControlFitOptions::check() const {
     check_range("ControlFitOptions.sparsity", sparsity, 0, 1);
     check_range("ControlFitOptions.ridge", ridge, 0, 10);
     check_range("ControlFitOptions.unmatched_motion", unmatched_motion, 1e-12, 1);
+    check_range("ControlFitOptions.least_explained", least_explained, 0, 1);
 }
 
 ControlFit::ControlFit(MatrixIn controls, MatrixIn sources, VectorIn weights, MatrixIn control_range,
@@ -71,6 +72,7 @@ ControlFit::ControlFit(MatrixIn controls, MatrixIn sources, VectorIn weights, Ma
     }
     read(options);
     tie(controls, sources, tied);
+    weigh_sources();
 }
 
 void ControlFit::read(const ControlFitOptions& options) {
@@ -135,11 +137,15 @@ MatrixRows ControlFit::frames(MatrixIn values, MatrixIn expected) const {
             "a row of values needs a finite one for each source");
     require(expected.rows() == values.rows() && expected.cols() == num_controls && expected.allFinite(),
             "a row of expected values needs a finite one for each control");
+    const MatrixRows slopes = slopes_ * (source_explained_.array() < options_.least_explained)
+                                            .select(0., Eigen::VectorXd::Ones(values.cols()).array())
+                                            .matrix()
+                                            .asDiagonal();
     BoundedProblem now = problem();
     MatrixRows fitted(values.rows(), num_controls);
     Eigen::VectorXd start = Eigen::VectorXd::Zero(num_controls);
     for (Eigen::Index i = 0; i < values.rows(); ++i) {
-        now.linear = slopes_ * values.row(i).transpose() +
+        now.linear = slopes * values.row(i).transpose() +
                      options_.ridge * scale_.cwiseProduct(expected.row(i).transpose());
         start = fit_bounded(now, start);
         fitted.row(i) = start.transpose();
@@ -174,16 +180,23 @@ double ControlFit::explained(MatrixIn values, MatrixIn fitted) const {
     return share_left(made, both, whole);
 }
 
-Eigen::VectorXd ControlFit::source_explained() const {
+void ControlFit::weigh_sources() {
     const MatrixRows rows = mapping();
-    Eigen::VectorXd shares(of_sources_.rows());
-    for (Eigen::Index s = 0; s < shares.size(); ++s) {
-        const Eigen::VectorXd fitted = rows.row(2 * s).transpose();
-        const double whole = of_sources_(s, s), made = fitted.dot(of_controls_ * fitted);
-        const double along = std::max(0., fitted.dot(of_both_.col(s)));
-        shares[s] = whole > 0 ? (made > 0 ? along * along / (made * whole) : 0) : 1;
+    source_explained_ = Eigen::VectorXd::Zero(of_sources_.rows());
+    for (Eigen::Index s = 0; s < source_explained_.size(); ++s) {
+        const double whole = of_sources_(s, s);
+        if (!(whole > 0)) {
+            source_explained_[s] = 1;
+            continue;
+        }
+        for (const int side : {0, 1}) {
+            const Eigen::VectorXd fitted = (side == 0 ? 1. : -1.) * rows.row(2 * s + side).transpose();
+            const double made = fitted.dot(of_controls_ * fitted);
+            const double along = std::max(0., fitted.dot(of_both_.col(s)));
+            if (made > 0)
+                source_explained_[s] = std::max(source_explained_[s], along * along / (made * whole));
+        }
     }
-    return shares;
 }
 
 }  // namespace mimetic

@@ -159,6 +159,22 @@ TEST(ControlFit, TwinsShareByWhatIsExpected) {
     EXPECT_NEAR(fitted(0, 1), 0, .01);
 }
 
+TEST(ControlFit, ASourceThatNoControlMakesHoldsNoneBack) {
+    // A grin on a head whose jaw nothing opens; a jaw that opens takes the corners of the mouth down
+    MatrixRows sources = drawn(2, 3 * kVertices, 9);
+    const MatrixRows controls = sources.row(0);
+    sources.row(1) = 3 * sources.row(1) - sources.row(0);
+    ControlFitOptions options = exact();
+    options.least_explained = 0;
+    const MatrixRows values{{.6, .6}}, none = MatrixRows::Zero(1, 1);
+    const auto grin = [&] {
+        return ControlFit(controls, sources, kEven, ranges(1), ranges(2), options).frames(values, none)(0, 0);
+    };
+    EXPECT_LT(grin(), .2);
+    options.least_explained = .1;
+    EXPECT_NEAR(grin(), .6, 1e-9);
+}
+
 TEST(ControlFit, WrongInputIsRefused) {
     const MatrixRows sources = drawn(2, 3 * kVertices, 8);
     EXPECT_THROW(ControlFit(sources.leftCols(9), sources, kEven, ranges(2), ranges(2)), InvalidInput);

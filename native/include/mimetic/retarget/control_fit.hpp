@@ -14,6 +14,9 @@ struct ControlFitOptions {
     /// capture sees it in full, though its surface goes further than muscles do. Controls of which they can
     /// make little count by what they do, at any value.
     double unmatched_motion = 1e-5;
+    /// Share of a source's motion, 0 to 1. A source of which the controls make less does not count in the fit
+    /// of frames: a jaw that no control opens would hold back a smile that one makes.
+    double least_explained = .1;
     void check() const;  ///< throws InvalidInput: field, value, limit
 };
 
@@ -38,7 +41,7 @@ public:
     const Eigen::VectorXd& readable() const { return readable_; }
 
     /// The best values of the controls, row by row: T x K. values: T x S; expected: T x K, what each is
-    /// pulled to, 0 where nothing is known. Throws InvalidInput.
+    /// pulled to, 0 where nothing is known. Sources below `least_explained` count as 0. Throws InvalidInput.
     MatrixRows frames(MatrixIn values, MatrixIn expected) const;
 
     /// Each source at its highest, and then at its lowest, as values of the controls, divided by that height:
@@ -48,14 +51,16 @@ public:
     /// What share of the motion of all rows the controls make, at most 1. values: T x S; fitted: T x K.
     double explained(MatrixIn values, MatrixIn fitted) const;
 
-    /// What share of each source's motion its row of the mapping makes at the size that is best for it, 0 to
-    /// 1: S; 1 for one that moves nothing. Low where the character has no control that does the like.
-    Eigen::VectorXd source_explained() const;
+    /// What share of each source's motion its better row of the mapping makes at the size that is best for
+    /// it, 0 to 1: S; 1 for one that moves nothing. Low where the character has no control that does the
+    /// like.
+    const Eigen::VectorXd& source_explained() const { return source_explained_; }
 
 private:
     BoundedProblem problem() const;  ///< but for `linear`, which each row of values has its own of
     void read(const ControlFitOptions& options);
     void tie(MatrixIn controls, MatrixIn sources, const TiedVertices& tied);
+    void weigh_sources();
 
     ControlFitOptions options_;
     Eigen::MatrixXd of_sources_;   // S x S, dot products of displacements
@@ -68,6 +73,7 @@ private:
     MatrixRows control_range_, source_range_;
     MatrixRows readings_;
     Eigen::VectorXd readable_;
+    Eigen::VectorXd source_explained_;
 };
 
 }  // namespace mimetic
