@@ -44,7 +44,7 @@ def stay(walk: Walk) -> Steps:
 def leave(walk: Walk) -> Steps:
     """Saved in the middle, it asks all the same; then it closes, and the walk with it."""
     bpy.ops.wm.save_mainfile()
-    yield 1.0  # Blender takes the file for saved when it comes to the notice of it; then the job's next tick
+    yield 1.0  # until Blender has come to take the file for saved, and the job has ticked
     walk.check("saving in the middle changes nothing", bpy.data.is_dirty)
     yield from walk.ask("leave.close")
     yield 2.0

@@ -29,7 +29,7 @@ EARS_BEHIND = 0.08  # metres, of the middle of a face
 MOST_NAMED = 24  # in one list of a message
 MOST_FITS = 8  # that a preview keeps: one for each choice of controls that are on
 SHUTTING, PARTING = ("lid_upper.L", "lid_upper.R"), "jaw_open"  # sources that move rims
-# Share of what a muscle does by itself: below it no control stands for it, and the fit leaves it out
+# Share of what a muscle does by itself: below it no control stands for it; the fit leaves it out
 UNPLAYED = _core.ControlFitOptions().least_explained
 READABLE = (
     0.05  # share of a control's motion that a face can make: below it is no control of a face
