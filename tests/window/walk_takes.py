@@ -7,6 +7,8 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+from mathutils import Vector
 
 sys.path.insert(0, str(Path(__file__).parent))
 from walk import Steps, Walk, area_of, install, invoke, open_sidebar, override, start
@@ -77,6 +79,17 @@ def press(operator, **options: object) -> None:
         operator("INVOKE_DEFAULT", True, **options)
 
 
+def is_in_view(obj: bpy.types.Object) -> bool:
+    """Whole, and at least a tenth of the 3D view high."""
+    place = override("VIEW_3D")
+    region, view = place["region"], place["area"].spaces.active.region_3d
+    corners = [obj.matrix_world @ Vector(corner) for corner in obj.bound_box]
+    pixels = np.array([location_3d_to_region_2d(region, view, corner) for corner in corners])
+    size = np.array([region.width, region.height])
+    is_inside = bool((pixels > 0).all() and (pixels < size).all())
+    return is_inside and np.ptp(pixels[:, 1]) > 0.1 * region.height
+
+
 def edit_the_curves(walk: Walk) -> Steps:
     before = roughness(LEFT), values(LEFT).max(), values(RIGHT).max()
     press(bpy.ops.mimetic.smooth_curves, seconds=0.08)
@@ -104,9 +117,8 @@ def work_on_takes(walk: Walk) -> Steps:
     yield from walk.picture("takes")
     invoke("VIEW_3D", bpy.ops.mimetic.compare_take, take="hero")
     bpy.context.scene.frame_set(12)
-    with bpy.context.temp_override(**override("VIEW_3D")):
-        bpy.ops.view3d.view_axis(type="FRONT")
-        bpy.ops.view3d.view_all()
+    seen = [is_in_view(obj) for obj in (face(), bpy.data.objects[result()["copy"]])]
+    walk.check("both faces are in view, large enough", all(seen), seen)
     yield from walk.picture("takes-compared")
     bpy.data.objects.remove(bpy.data.objects[result()["copy"]])
     invoke("VIEW_3D", bpy.ops.mimetic.blend_takes, take="hero", over="again", influence=0.5)

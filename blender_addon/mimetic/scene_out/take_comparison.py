@@ -7,7 +7,7 @@ import bpy
 from mathutils import Vector
 
 from .. import native, world
-from . import control_object, take_list
+from . import control_object, framed, take_list
 
 BESIDE = 0.25  # metres
 
@@ -20,7 +20,7 @@ def no_copy(obj: bpy.types.Object) -> str:
 
 def stand_beside(scene: bpy.types.Scene, face: bpy.types.Object, row) -> bpy.types.Object:
     """A copy of the face, to its right as the camera sees it, that plays a take; the face itself
-    goes on as it does. Raises InvalidInput, and changes nothing then."""
+    goes on as it does, and 3D views show both. Raises InvalidInput, and changes nothing then."""
     if reason := no_copy(face) or take_list.no_play(face, row):
         raise native.invalid_input(reason)
     twin = face.copy()
@@ -36,6 +36,7 @@ def stand_beside(scene: bpy.types.Scene, face: bpy.types.Object, row) -> bpy.typ
                 collection.objects.link(new)
     mover.delta_location = Vector(mover.delta_location) + _aside(scene)
     take_list.play(twin, twin.mimetic.takes[row.name])
+    framed.frame(_camera(scene), [face, twin])
     return twin
 
 
@@ -68,8 +69,14 @@ def _hold(copied: bpy.types.Object, original: bpy.types.Object, twins: dict) -> 
 
 
 def _aside(scene: bpy.types.Scene) -> Vector:
-    camera = scene.mimetic.camera
+    camera = _camera(scene)
     right = Vector((1, 0, 0))
-    if camera is not None and camera.name in scene.objects:
+    if camera is not None:
         right = world.matrix(camera).to_3x3().col[0].normalized()
     return right * (BESIDE / (scene.unit_settings.scale_length or 1.0))
+
+
+def _camera(scene: bpy.types.Scene) -> bpy.types.Object | None:
+    """The clip's, where the scene has it."""
+    camera = scene.mimetic.camera
+    return camera if camera is not None and camera.name in scene.objects else None
