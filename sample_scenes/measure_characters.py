@@ -178,8 +178,8 @@ def _shape_gaps(scene, mesh) -> str:
     polygons = parts.Polygons(head.starts, head.corners)
     face = parts.attach_face(head.points, polygons, head.landmarks, head.matrix)
     gaps = face.head.make_units().gaps_mm
-    lids = max(gaps[f"eyeBlink{side}"] for side in ("Left", "Right"))
-    return f"{lids:12.2f} {gaps.get('mouthClose', float('nan')):9.2f}"
+    lids = [gaps.get(f"eyeBlink{side}", np.nan) for side in ("Left", "Right")]
+    return f"{max(lids):12.2f} {gaps.get('mouthClose', np.nan):9.2f}"
 
 
 def _metre(scene, mesh) -> float:

@@ -9,16 +9,19 @@ from collections.abc import Callable, Iterator
 from dataclasses import asdict, dataclass, field
 
 import numpy as np
-from mimetic.character.foreign_head import attach_foreign
+from mimetic.character.face_units import FaceUnits
+from mimetic.character.foreign_head import ForeignHead, attach_foreign
 from mimetic.character.foreign_mesh import REQUIRED
 from mimetic.character.self_landmarks import find_landmarks
 from mimetic.score.json_text import json_text
 from mimetic.score.text_table import text_table
 from mimetic.template.face_template import load_template
 
-from evaluation.synthetic.characters import SETS, Character, characters
+from evaluation.anatomy.closed_eyes import seen_area
+from evaluation.synthetic.characters import EYEBALL, OTHER, SETS, Character, characters
 
 __all__ = ["SETS", "CharacterScore", "as_json", "as_text", "score_characters"]
+BLINKS = ("eyeBlinkLeft", "eyeBlinkRight")
 COLUMNS = {
     "mean": ("mean, % IPD", ".1f"),
     "median": ("median", ".1f"),
@@ -32,6 +35,8 @@ SHAPE_COLUMNS = {
     "eyeBlinkLeft": ("left lids, mm", ".2f"),
     "eyeBlinkRight": ("right lids", ".2f"),
     "mouthClose": ("lips", ".2f"),
+    "seen": ("eye seen, mm2", ".2f"),
+    "depth": ("lid in eye, mm", ".2f"),
     "attach": ("attached, s", ".1f"),
     "shapes": ("52 shapes, s", ".1f"),
 }
@@ -78,9 +83,27 @@ def score_shapes(character: Character) -> dict[str, float]:
     units = head.make_units()
     return {
         **units.gaps_mm,
+        **score_closed_eyes(character, metre, head, units),
         "attach": attached - started,
         "shapes": time.perf_counter() - attached,
     }
+
+
+def score_closed_eyes(
+    character: Character, metre: float, head: ForeignHead, units: FaceUnits
+) -> dict[str, float]:
+    """Of a blink of both eyes: mm^2 of an eyeball that are seen, and how deep lids lie in it."""
+    if not len(character.kind) or not units.depths_mm:
+        return {}
+    to_template = head.mesh_from_template.inverse()
+    blink = sum(units.modes[units.names.index(name)] for name in BLINKS)
+    shut = to_template.apply(metre * character.vertices + blink)
+    drawn = character.triangles[(character.kind != OTHER)[character.triangles].all(axis=1)]
+    seen = [
+        seen_area(shut, np.ascontiguousarray(drawn), character.kind == EYEBALL, centre)
+        for centre in to_template.apply(head.eye_centers)
+    ]
+    return {"seen": max(seen), "depth": max(units.depths_mm.values())}
 
 
 def score_characters(which: str, report: Callable[[str], None]) -> Iterator[CharacterScore]:

@@ -6,12 +6,13 @@ from __future__ import annotations
 import json
 import warnings
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 from mimetic import _core
 from mimetic.character.foreign_mesh import REQUIRED
+from mimetic.muscles.eyeballs import limit_of
 from mimetic.skin.mesh import SkinMesh
 from mimetic.template.face_template import FaceTemplate, load_template
 from numpy.typing import NDArray
@@ -21,28 +22,35 @@ from evaluation.anatomy.mesh_file import read_mesh
 
 FETCHED = Path(__file__).resolve().parents[2] / "build" / "foreign_face"
 SETS = ("held-out", "tuning", "small")
+KINDS = OTHER, SKIN, EYEBALL = range(3)
 LEFT, UP, FRONT = np.eye(3)
 
 
 @dataclass(frozen=True)
 class Character:
-    """A mesh that the programs under test see; truth: name -> place, L of them."""
+    """A mesh that the programs under test see; truth: name -> place, L of them.
+
+    kind: V, what the evaluation knows each vertex to be of (`KINDS`); empty if it does not.
+    """
 
     name: str
     vertices: NDArray[np.float64]  # V x 3, any axes and unit
     triangles: NDArray[np.int32]
     truth: dict[str, NDArray[np.float64]]
     pupil_distance: float  # in its unit
+    kind: NDArray[np.int8] = field(default_factory=lambda: np.zeros(0, np.int8))
 
 
 @dataclass(frozen=True)
 class Style:
-    """How a person is drawn: eyes and nose by factors, forehead by a share of its height."""
+    """How a person is drawn: eyes and nose by factors, forehead by a share of its height; sealed:
+    skin instead of eyes (of coarse meshes alone)."""
 
     eyes: float = 1.0
     nose: float = 1.0
     forehead: float = 0.0
     jaw: float = 1.0  # width
+    is_sealed: bool = False
 
 
 @dataclass(frozen=True)
@@ -88,6 +96,8 @@ RECIPES = {
         Recipe("eyes 1.8, little nose", 111, 0.2, 0.0, BLENDER, 1, Style(1.8, 0.4, 0.4)),
         Recipe("no nose", 112, 0.2, 0.0, GLTF, 1, Style(1.2, 0.1, 0.2, 1.2)),
         Recipe("long forehead", 113, 0.2, 0.0, BLENDER, 1, Style(1.0, 1.3, 0.8)),
+        Recipe("sealed eyes", 114, 0.3, 0.0, BLENDER, 1, Style(is_sealed=True)),
+        Recipe("sealed large eyes", 115, 0.3, 0.0, GLTF, 1, Style(1.4, 0.7, is_sealed=True)),
     ),
     "small": (Recipe("person", 120, 0.3, 0.0, BLENDER),),
 }
@@ -121,8 +131,15 @@ def made(recipe: Recipe, template: FaceTemplate) -> Character:
     values = recipe.identity * random.uniform(limits[:, 0], limits[:, 1])
     neutral = template.vertices + np.tensordot(values, template.identity_modes, axes=1)
     neutral = stylised(neutral, template, recipe.style)
-    skin, skin_faces = _skin(recipe, template, neutral, random)
-    loose = template.faces[int(template.num_skin_faces) :]
+    skin, skin_faces = _skin(recipe, template, neutral.copy(), random)
+    for ball in (template.part_vertices(f"eye.{side}") for side in "LR"):
+        neutral[ball] = limit_of(
+            neutral, template, ball
+        )  # its control vertices lie before the lids
+    is_loose = np.arange(len(template.faces)) >= int(template.num_skin_faces)
+    if recipe.style.is_sealed:
+        is_loose[template.part_faces("eye.L", "eye.R", "lashes.L", "lashes.R")] = False
+    loose = template.faces[is_loose]
     loose = np.concatenate([loose[:, :3], loose[:, [0, 2, 3]]]) + len(skin)
     vertices = np.concatenate([skin, neutral])
     rotation = np.column_stack(recipe.axes)  # of the head's x, y, z
@@ -133,13 +150,19 @@ def made(recipe: Recipe, template: FaceTemplate) -> Character:
     triangles = np.concatenate([skin_faces, loose])
     used, numbers = np.unique(triangles, return_inverse=True)
     triangles = np.ascontiguousarray(numbers.reshape(-1, 3), np.int32)
-    return Character(recipe.name, np.ascontiguousarray(places[used]), triangles, truth, distance)
+    kind = np.full(len(vertices), OTHER, np.int8)
+    kind[: len(skin)] = SKIN
+    kind[len(skin) + template.part_vertices("eye.L", "eye.R")] = EYEBALL
+    mesh = np.ascontiguousarray(places[used])
+    return Character(recipe.name, mesh, triangles, truth, distance, kind[used])
 
 
 def _skin(recipe: Recipe, template: FaceTemplate, neutral, random):
     """Vertices and triangles of the skin at the recipe's density; landmarks stay vertices."""
     if not recipe.kept:
         quads = template.skin_faces
+        if recipe.style.is_sealed:
+            return _sealed(template, neutral)
         return neutral, np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
     mesh = SkinMesh(template, neutral)
     with warnings.catch_warnings():
@@ -149,6 +172,31 @@ def _skin(recipe: Recipe, template: FaceTemplate, neutral, random):
     if recipe.kept == 1:
         return fine, mesh.triangles
     return fine, collapse_edges(fine, mesh.triangles, recipe.kept, random, anchors)
+
+
+def _sealed(template: FaceTemplate, neutral: NDArray[np.float64]):
+    """The coarse skin with a lid over each eye from margin to margin, and no socket behind it."""
+    sockets = template.part_faces("eye_socket")
+    is_kept = np.ones(int(template.num_skin_faces), bool)
+    is_kept[sockets[sockets < len(is_kept)]] = False
+    quads = template.skin_faces[is_kept]
+    triangles = np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
+    inside = np.unique(template.faces[sockets])
+    margins = set(np.intersect1d(inside, quads).tolist())
+    sides = {
+        (int(a), int(b))
+        for face in quads
+        for a, b in zip(face, np.roll(face, -1), strict=True)
+        if {int(a), int(b)} <= margins
+    }
+    rim = np.array([(a, b) for a, b in sides if (b, a) not in sides])
+    lids, middles = [triangles], []
+    for sign in (1, -1):
+        own = rim[sign * neutral[rim[:, 0], 0] > 0]
+        middles.append(neutral[own[:, 0]].mean(axis=0) + 0.002 * FRONT)
+        top = np.full(len(own), len(neutral) + len(middles) - 1)
+        lids.append(np.column_stack([own[:, ::-1], top]))
+    return np.concatenate([neutral, middles]), np.concatenate(lids)
 
 
 def stylised(neutral: NDArray[np.float64], template: FaceTemplate, style: Style):

@@ -155,9 +155,12 @@ void bind_jaw(py::module_& m) {
 void bind_eyes(py::module_& m) {
     py::class_<EyeFrame>(m, "EyeFrame",
                          "One eye: centre, axis through which its lids turn, and the vertices that follow.")
-        .def(py::init(
-                 [](std::shared_ptr<SkinMesh> mesh, char side) { return EyeFrame(std::move(mesh), side); }),
-             "mesh"_a, "side"_a, py::keep_alive<1, 2>())
+        .def(py::init([](std::shared_ptr<SkinMesh> mesh, char side,
+                         const std::optional<Eigen::Vector3d>& own_centre) {
+                 return EyeFrame(std::move(mesh), side, own_centre);
+             }),
+             "mesh"_a, "side"_a, "own_centre"_a = py::none(), py::keep_alive<1, 2>(),
+             "own_centre: (3,), of an eyeball that is not the template's")
         .def_property_readonly(
             "mesh", [](const EyeFrame& frame) { return std::const_pointer_cast<SkinMesh>(frame.mesh); })
         .def_readonly("side", &EyeFrame::side, "\"L\" or \"R\"")

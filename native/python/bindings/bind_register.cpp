@@ -122,6 +122,13 @@ void bind_loose(py::module_& m) {
                 return array_of_flags(self.on_eye.at(static_cast<std::size_t>(side)));
             },
             "side"_a, "(V,); side: 0 left, 1 right")
+        .def(
+            "ball_centre",
+            [](const LooseParts& self, int side) -> std::optional<Eigen::Vector3d> {
+                const auto& ball = self.balls.at(static_cast<std::size_t>(side));
+                return ball ? std::optional(ball->centre) : std::nullopt;
+            },
+            "side"_a, "(3,), of an eyeball that is modelled in full; else None")
         .def_property_readonly(
             "following", [](const LooseParts& self) { return array_of_rows(self.following); },
             "vertices that move with the skin")

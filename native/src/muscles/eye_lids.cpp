@@ -30,15 +30,16 @@ std::vector<int> without(const std::vector<int>& vertices, const std::vector<int
 
 }  // namespace
 
-EyeFrame::EyeFrame(std::shared_ptr<const SkinMesh> the_mesh, char the_side)
+EyeFrame::EyeFrame(std::shared_ptr<const SkinMesh> the_mesh, char the_side,
+                   const std::optional<Eigen::Vector3d>& own_centre)
     : mesh(std::move(the_mesh)), side(the_side) {
     if (side != 'L' && side != 'R') {
         throw InvalidInput(std::string("an eye's side is '") + side + "', needed is L or R");
     }
     const std::string end = std::string(".") + side;
     const TemplateSkin& shared = mesh->shared();
-    centre =
-        carried(*mesh, mesh->head().eye_centers.row(side == 'L' ? 0 : 1), shared.part_vertices("eye" + end));
+    const Eigen::RowVector3d usual = mesh->head().eye_centers.row(side == 'L' ? 0 : 1);
+    centre = own_centre ? own_centre->transpose() : carried(*mesh, usual, shared.part_vertices("eye" + end));
     const Eigen::RowVector3d inner = mesh->landmark_place("eye_inner" + end);
     const Eigen::RowVector3d outer = mesh->landmark_place("eye_outer" + end);
     axis = side == 'L' ? outer - inner : inner - outer;

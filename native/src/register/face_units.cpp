@@ -2,7 +2,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <mimetic/muscles/articulators.hpp>
 #include <mimetic/raster/shaded.hpp>
 #include <mimetic/register/face_units.hpp>
 #include <mimetic/shared/checks.hpp>
@@ -12,12 +11,8 @@
 namespace mimetic {
 namespace {
 
-constexpr int kSmoothing = 2;    // rounds of averaging the maps with their neighbours'
-constexpr double kRidge = 1e-3;  // of the edges' squares: a map that edges leave open stays as it is
-constexpr double kLeast = 1e-3;  // of a correction's effect: what hardly closes the slit is not asked to
-constexpr double kNear = .003;   // m along a rim, over which its points are averaged
-constexpr int kRounds =
-    3;  // of correcting a slit, each taking back part of what the ridge left; more make folds
+constexpr int kSmoothing = 2;        // rounds of averaging the maps with their neighbours'
+constexpr double kRidge = 1e-3;      // of the edges' squares: a map that edges leave open stays as it is
 constexpr double kCornerRoom = .04;  // of the slit's length, without pairs
 
 using Maps = Rows<double, 9>;
@@ -63,35 +58,7 @@ Points at_shares(PointsIn rim, PointsIn corners, const Eigen::VectorXd& shares) 
     return points;
 }
 
-/// How much each vertex goes with each side of a slit, N: 1 at its rim, 0 beyond the reach or on the other.
-Eigen::VectorXd shares_of_side(const Eigen::VectorXd& own, const Eigen::VectorXd& other, double reach) {
-    Eigen::VectorXd shares(own.size());
-    for (Eigen::Index v = 0; v < own.size(); ++v) {
-        shares[v] = own[v] < reach && own[v] <= other[v] ? smooth_step(2 - 2 * own[v] / reach) : 0;
-    }
-    return shares;
-}
-
-/// Weights (N x K) with which vertices take corrections of the K places of a rim (K x 3).
-MatrixRows weights_along(PointsIn vertices, const Eigen::VectorXd& shares, PointsIn rim) {
-    MatrixRows weights = MatrixRows::Zero(vertices.rows(), rim.rows());
-    for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
-        if (shares[v] > 0) {
-            const Eigen::VectorXd squares = (rim.rowwise() - vertices.row(v)).rowwise().squaredNorm();
-            const Eigen::VectorXd near =
-                ((squares.minCoeff() - squares.array()) / (2 * kNear * kNear)).exp().matrix();
-            weights.row(v) = shares[v] / near.sum() * near.transpose();
-        }
-    }
-    return weights;
-}
-
 }  // namespace
-
-void SlitOptions::check() const {
-    check_range("SlitOptions.upper_share", upper_share, 0, 1);
-    check_range("SlitOptions.reach", reach, 1e-4, 1);
-}
 
 Maps surface_maps(PointsIn source, PointsIn target, TrianglesIn triangles) {
     require(source.rows() == target.rows(), "both surfaces need as many vertices");
@@ -151,41 +118,6 @@ RimPairs rim_pairs(PointsIn upper, PointsIn lower, PointsIn corners, int count) 
     require(corners.rows() == 2 && count > 0, "a slit has two corners and at least one pair");
     const Eigen::VectorXd shares = Eigen::VectorXd::LinSpaced(count, kCornerRoom, 1 - kCornerRoom);
     return {at_shares(upper, corners, shares), at_shares(lower, corners, shares)};
-}
-
-Points close_slit(const MuscleSurface& surface, PointsIn displacement, const SkinPlaces& upper,
-                  const SkinPlaces& lower, const SlitOptions& options) {
-    options.check();
-    const Points& vertices = surface.vertices();
-    require(displacement.rows() == vertices.rows() && upper.corners.rows() == lower.corners.rows(),
-            "a slit needs displacements of its whole skin, and pairs of places");
-    Points closed = displacement;
-    if (upper.corners.rows() == 0) {
-        return closed;
-    }
-    const Points top = upper.values(vertices), bottom = lower.values(vertices);
-    const Eigen::VectorXd from_top = surface.distances(top, options.reach),
-                          from_bottom = surface.distances(bottom, options.reach);
-    const Eigen::VectorXd with_top = shares_of_side(from_top, from_bottom, options.reach),
-                          with_bottom = shares_of_side(from_bottom, from_top, options.reach);
-    const Points rest_gap = options.keeps_gap ? Points::Zero(top.rows(), 3) : Points(top - bottom);
-    const MatrixRows moves = -options.upper_share * weights_along(vertices, with_top, top) +
-                             (1 - options.upper_share) * weights_along(vertices, with_bottom, bottom);
-    const Eigen::MatrixXd effect = upper.values(moves) - lower.values(moves);
-    const Eigen::MatrixXd squares =
-        effect.transpose() * effect + kLeast * Eigen::MatrixXd::Identity(top.rows(), top.rows());
-    const Eigen::LDLT<Eigen::MatrixXd> solver(squares);
-    for (int round = 0; round < kRounds; ++round) {
-        const Points gap = rest_gap + upper.values(closed) - lower.values(closed);
-        closed -= moves * solver.solve(effect.transpose() * gap);
-    }
-    return closed;
-}
-
-Eigen::VectorXd rim_gaps(PointsIn vertices, PointsIn displacement, const SkinPlaces& upper,
-                         const SkinPlaces& lower) {
-    const Points moved = vertices + displacement;
-    return (upper.values(moved) - lower.values(moved)).rowwise().norm();
 }
 
 }  // namespace mimetic

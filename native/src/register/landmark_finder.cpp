@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t kAround = 40;    // points of the network that carry a landmark
 constexpr double kPresent = .5;        // of a view that counts
 constexpr double kSameError = .02;     // interpupillary distances, what all views have wrong alike
+constexpr double kUnlike = .12;        // of how far a landmark lies from where the template has it
 constexpr double kSeenCorner = .012;   // the same, of a corner that the mesh's own opening gives
 constexpr double kDisagreement = .15;  // interpupillary distances, median over the landmarks
 constexpr double kNoseShare = .4;      // of the template's height, of what is a nose
@@ -159,6 +160,9 @@ std::optional<PlacedLandmarks> LandmarkFinder::place(PointsIn vertices, Triangle
         return std::nullopt;  // each view shows another face: there is none
     }
     follow_details(head, views.front().places, placed);
+    // What is unlike the template, its networks' faces and ours alike, is placed less surely
+    const Eigen::VectorXd unlike = (placed.places - landmarks_).rowwise().norm() / kPupilDistance;
+    placed.sigma = (placed.sigma.array().square() + (kUnlike * unlike.array()).square()).sqrt();
     placed.places = placed.mesh_from_template.apply(on_shown_surface(head, placed.places));
     return placed;
 }

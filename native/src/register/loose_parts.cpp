@@ -7,7 +7,7 @@
 #include <mimetic/register/loose_parts.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/surface/nearest.hpp>
-#include <mimetic/surface/ways.hpp>
+#include <optional>
 
 namespace mimetic {
 namespace {
@@ -21,6 +21,10 @@ constexpr double kEyeMiddle = .5, kEyeNearest = .6, kEyeFarthest = 1.5;
 // side the shorter has; how far its point nearest to its middle is from there, in the shell's own reach
 constexpr double kShellMiddle = .6, kShellLeast = .5, kShellMost = 1.7, kRough = .08, kForward = .5,
                  kRound = .4, kFilled = .35;
+// A ball of any size before which the template's eye lies, as of a drawn figure: how near its middle its own
+// points' mean lies, how far the front of the template's eye is from its surface, both in its radius; its
+// radius in the template's; and at most so much of the distance between the eyes
+constexpr double kBallMiddle = .3, kBallFront = .4, kBallLeast = .3, kBallMost = .6;
 constexpr std::size_t kMaxFollowing = 50'000;
 
 constexpr double kTop = .13;     // m of a head, from its top, by whose width its size is guessed
@@ -114,6 +118,25 @@ bool is_shell(const Sphere& eye, PointsIn points) {
            from_pole.minCoeff() < kFilled * from_pole.maxCoeff();
 }
 
+/// The sphere of a part that is a whole ball in the place of an eye.
+std::optional<Sphere> ball_of(const Sphere& eye, const Sphere& other_eye, PointsIn points) {
+    if (!(eye.radius > 0) || points.rows() < 8) {
+        return std::nullopt;
+    }
+    const Sphere own = nearest_sphere(points);
+    const Eigen::VectorXd distances = (points.rowwise() - own.centre.transpose()).rowwise().norm();
+    const double roughness = std::sqrt((distances.array() - own.radius).square().mean());
+    const Eigen::Vector3d middle = points.colwise().mean().transpose(),
+                          to_front = eye.centre + eye.radius * Eigen::Vector3d::UnitZ() - own.centre;
+    const bool is_ball =
+        roughness < kRough * own.radius && (middle - own.centre).norm() < kBallMiddle * own.radius;
+    const bool is_there = std::abs(to_front.norm() - own.radius) < kBallFront * own.radius &&
+                          to_front.z() > kForward * to_front.norm();
+    const bool is_as_large = own.radius > kBallLeast * eye.radius &&
+                             own.radius < kBallMost * (eye.centre - other_eye.centre).norm();
+    return is_ball && is_there && is_as_large ? std::optional(own) : std::nullopt;
+}
+
 }  // namespace
 
 LooseParts sort_loose_parts(const ForeignSkin& skin, PointsIn laid, const std::vector<TemplatePart>& parts) {
@@ -144,10 +167,16 @@ LooseParts sort_loose_parts(const ForeignSkin& skin, PointsIn laid, const std::v
         }
         const Votes votes = vote(points, skin.vertices(on_skin.find(points), Eigen::all), like);
         const Points whole = skin.user_vertices(vertices, Eigen::all);
-        const auto is_of = [&](int votes_of_eye, const Sphere& eye) {
-            return votes.mostly(votes_of_eye) || is_around(eye, points) || is_shell(eye, whole);
+        const auto is_of = [&](int votes_of_eye, std::size_t side) {
+            const std::optional<Sphere> ball = ball_of(eyes[side], eyes[1 - side], whole);
+            std::optional<Sphere>& largest = sorted.balls[side];
+            if (ball && (!largest || ball->radius > largest->radius)) {
+                largest = ball;
+            }
+            return ball || votes.mostly(votes_of_eye) || is_around(eyes[side], points) ||
+                   is_shell(eyes[side], whole);
         };
-        const std::array<bool, 2> is_eye{is_of(votes.left, eyes[0]), is_of(votes.right, eyes[1])};
+        const std::array<bool, 2> is_eye{is_of(votes.left, 0), is_of(votes.right, 1)};
         const bool is_still = votes.mostly(votes.still) || is_eye[0] || is_eye[1];
         const bool is_on_jaw = votes.mostly(votes.jaw) && !is_still;
         for (const int vertex : vertices) {

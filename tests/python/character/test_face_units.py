@@ -7,7 +7,8 @@ from mimetic import InvalidInput, _core
 from mimetic.character.foreign_head import attach_foreign
 from mimetic.template.face_template import load_template
 
-from evaluation.synthetic.characters import GLTF, Recipe, made
+from evaluation.anatomy.closed_eyes import seen_area
+from evaluation.synthetic.characters import EYEBALL, GLTF, OTHER, Recipe, Style, made
 
 SCALE = 1.2
 
@@ -57,6 +58,59 @@ def test_lids_close_and_lips_meet(bound):
     _, _, units = bound
     assert set(units.gaps_mm) == {"eyeBlinkLeft", "eyeBlinkRight", "mouthClose"}
     assert max(units.gaps_mm.values()) < 0.3
+
+
+def test_lids_stay_outside_of_the_eyeballs(bound):
+    _, _, units = bound
+    assert set(units.depths_mm) == {"eyeBlinkLeft", "eyeBlinkRight"}
+    assert max(units.depths_mm.values()) < 0.2
+
+
+def test_no_eyeball_is_seen_behind_shut_lids(bound):
+    person, head, units = bound
+    in_head = head.mesh_from_template.inverse()
+    drawn = (person.kind != OTHER)[person.triangles].all(axis=1)
+    seen = {}
+    for blinks in (0, 1):
+        motion = blinks * (mode(units, "eyeBlinkLeft") + mode(units, "eyeBlinkRight"))
+        seen[blinks] = [
+            seen_area(
+                in_head.apply(person.vertices + motion),
+                np.ascontiguousarray(person.triangles[drawn]),
+                person.kind == EYEBALL,
+                centre,
+            )
+            for centre in in_head.apply(head.eye_centers)
+        ]
+    assert min(seen[0]) > 50
+    assert max(seen[1]) < 0.5
+
+
+def test_lids_of_a_decimated_head_close():
+    units = units_of(Recipe("person", 122, 0.3, 0.5, GLTF, SCALE))
+    assert max(units.gaps_mm.values()) < 0.3
+
+
+def test_large_eyes_are_found_and_shut():
+    units = units_of(Recipe("large eyes", 123, 0.1, 0.5, GLTF, SCALE, Style(eyes=1.6)))
+    assert set(units.depths_mm) == {"eyeBlinkLeft", "eyeBlinkRight"}
+    assert units.gaps_mm["eyeBlinkLeft"] < 0.3
+    assert units.gaps_mm["eyeBlinkRight"] < 0.3
+
+
+def test_lids_that_are_one_surface_are_told_and_not_pulled_together():
+    units = units_of(Recipe("sealed", 124, 0.3, 0.0, GLTF, SCALE, Style(is_sealed=True)))
+    assert set(units.gaps_mm) == {"mouthClose"}
+    assert units.depths_mm == {}
+    assert "the left lids are one surface: eyeBlinkLeft cannot close them" in units.notes
+    assert np.abs(mode(units, "eyeBlinkLeft")).max() > 1e-3
+
+
+def units_of(recipe):
+    person = made(recipe, load_template())
+    return attach_foreign(
+        person.vertices, person.triangles, person.truth, load_template()
+    ).make_units()
 
 
 def test_a_jaw_that_is_open_with_closed_lips_keeps_the_lips_together(bound):

@@ -2,6 +2,7 @@
 #pragma once
 #include <memory>
 #include <mimetic/muscles/skin_mesh.hpp>
+#include <optional>
 
 namespace mimetic {
 
@@ -48,7 +49,9 @@ struct EyeFrame {
         Eigen::VectorXd along, elevation, radius;
     };
 
-    EyeFrame(std::shared_ptr<const SkinMesh> mesh, char side);  ///< side: 'L' or 'R'; throws InvalidInput
+    /// side: 'L' or 'R'; own_centre: of an eyeball that is not the template's. Throws InvalidInput.
+    EyeFrame(std::shared_ptr<const SkinMesh> mesh, char side,
+             const std::optional<Eigen::Vector3d>& own_centre = std::nullopt);
 
     Polar polar(PointsIn points) const;
 

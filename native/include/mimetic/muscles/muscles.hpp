@@ -38,9 +38,10 @@ public:
     /// Nodal forces, N x 3, at activation 1 with a total pull of 1 N (sphincter: a tension of 1 N/m).
     Points forces(const Muscle& muscle) const;
 
-    const Points& vertices() const { return vertices_; }     ///< N x 3
-    const Points& normals() const { return normals_; }       ///< unit, at the vertices
-    const Eigen::VectorXd& areas() const { return areas_; }  ///< N, a third of the triangles around, m^2
+    const Points& vertices() const { return vertices_; }       ///< N x 3
+    const Triangles& triangles() const { return triangles_; }  ///< those that carry
+    const Points& normals() const { return normals_; }         ///< unit, at the vertices
+    const Eigen::VectorXd& areas() const { return areas_; }    ///< N, a third of the triangles around, m^2
 
 private:
     struct Link {

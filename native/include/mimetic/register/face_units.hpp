@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <mimetic/muscles/muscles.hpp>
+#include <mimetic/register/lids.hpp>
 #include <mimetic/shared/types.hpp>
-#include <mimetic/surface/skin_places.hpp>
 
 namespace mimetic {
 
@@ -30,13 +30,13 @@ struct SlitOptions {
     void check() const;       ///< throws InvalidInput: field, value, limit
 };
 
-/// A displacement (N x 3) of the skin of a surface, corrected so that the rims of a slit close. upper, lower:
-/// K places on the skin each.
-Points close_slit(const MuscleSurface& surface, PointsIn displacement, const SkinPlaces& upper,
-                  const SkinPlaces& lower, const SlitOptions& options);
+/// A displacement (N x 3) of the skin of a surface, with the smoothest correction by which the rims of a slit
+/// close: the least second differences over the skin that is nearer than the reach. Skin that is outside of
+/// an eye at rest, vertices and middles of edges, stays outside. slit: K places on the skin in pairs.
+Points close_slit(const MuscleSurface& surface, PointsIn displacement, const SlitPlaces& slit,
+                  const SlitOptions& options, const EyeSurface& eye = {});
 
 /// Distances between the displaced rims, K, metres.
-Eigen::VectorXd rim_gaps(PointsIn vertices, PointsIn displacement, const SkinPlaces& upper,
-                         const SkinPlaces& lower);
+Eigen::VectorXd rim_gaps(PointsIn vertices, PointsIn displacement, const SlitPlaces& slit);
 
 }  // namespace mimetic

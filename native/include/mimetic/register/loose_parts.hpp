@@ -2,6 +2,8 @@
 #pragma once
 #include <array>
 #include <mimetic/register/foreign_skin.hpp>
+#include <mimetic/surface/ways.hpp>
+#include <optional>
 #include <vector>
 
 namespace mimetic {
@@ -13,10 +15,11 @@ enum class TemplatePart { other, lower_jaw, upper_teeth, left_eye, right_eye };
 /// most of it is nearest to on the template registered to the head: lower teeth and tongue move with the jaw,
 /// upper teeth and eyes stay, what is close to the skin follows it.
 struct LooseParts {
-    std::vector<bool> on_jaw;                 ///< V, which are fixed to the lower jaw
-    std::array<std::vector<bool>, 2> on_eye;  ///< V, which belong to the left and to the right eyeball
-    std::vector<int> following;               ///< vertices that move with the skin
-    Eigen::VectorXi roots;                    ///< the skin's vertex of each
+    std::vector<bool> on_jaw;                    ///< V, which are fixed to the lower jaw
+    std::array<std::vector<bool>, 2> on_eye;     ///< V, which belong to the left and to the right eyeball
+    std::array<std::optional<Sphere>, 2> balls;  ///< of left and right eyeball, where one is modelled in full
+    std::vector<int> following;                  ///< vertices that move with the skin
+    Eigen::VectorXi roots;                       ///< the skin's vertex of each
     int num_left = 0;  ///< vertices near to the skin that are too many to follow it: they stay
 };
 

@@ -16,6 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from mimetic import _core
 from mimetic.muscles.anatomy import SIDES
+from mimetic.muscles.articulators import EyeFrame
 from mimetic.muscles.contact import lid_slit, lip_slit
 from mimetic.skin.mesh import SkinMesh, canonical_skin, multiply
 
@@ -38,25 +39,18 @@ NEAR_RIM = 0.003  # m from the template's rim; farther off the head has no such 
 
 
 @dataclass(frozen=True)
-class Slit:
-    """Pairs of places on a head's skin across a slit."""
-
-    upper: _core.SkinPlaces
-    lower: _core.SkinPlaces
-
-
-@dataclass(frozen=True)
 class BoundSkin:
     """What face units need of a head that the template is registered to.
 
-    vertices: N x 3 of its skin; surface: of all its triangles; places: of them on the template's
-    refined skin; onto: places on the skin of points by vertices of the template; spread: M x N x 3
-    of the skin to M x V x 3 of the head; read: N, a vertex of the head at each of the skin's;
-    on_jaw: V, which are teeth or tongue.
+    vertices: N x 3 of its skin; surface: of all its triangles (T x 3); places: of them on the
+    template's refined skin; onto: places on the skin of points by vertices of the template; spread:
+    M x N x 3 of the skin to M x V x 3 of the head; read: N, a vertex of the head at each of the
+    skin's; on_jaw: V, which are teeth or tongue; eyes: left and right, the head's own eyeballs.
     """
 
     template_mesh: SkinMesh
     vertices: NDArray[np.float64]
+    triangles: NDArray[np.int32]
     surface: _core.MuscleSurface
     places: _core.SkinPlaces
     onto: Callable[[ArrayLike, NDArray[np.float64]], _core.SkinPlaces]
@@ -64,17 +58,20 @@ class BoundSkin:
     head_vertices: NDArray[np.float64]
     read: NDArray[np.int64]
     on_jaw: NDArray[np.bool_]
+    eyes: list[tuple[EyeFrame, _core.EyeSurface]]
     is_sealed: bool
 
 
 @dataclass(frozen=True)
 class FaceUnits:
     """names: 52 in ARKit's spelling; modes: 52 x V x 3, metres at value 1; gaps_mm: the widest
-    between lids of each closed eye and between lips with open jaw and mouthClose; notes."""
+    between lids of each closed eye and between lips with open jaw and mouthClose, those left out
+    that are one surface; depths_mm: the deepest of the lids in each eyeball, in a blink; notes."""
 
     names: tuple[str, ...]
     modes: NDArray[np.float64]
     gaps_mm: dict[str, float]
+    depths_mm: dict[str, float]
     notes: tuple[str, ...]
 
 
@@ -96,24 +93,29 @@ def face_units(skin: BoundSkin, own_modes: Mapping[str, NDArray[np.float64]]) ->
             modes[name] = skin.spread(carry(unit, name in STRAIGHT)[None])[0]
         if name.startswith("jaw"):
             _follow_jaw(skin, unit, modes[name])
-    gaps = {}
-    for side, word in SIDE_WORDS.items():
-        slit = _lid_slit(skin, side)
-        blink = f"eyeBlink{word}"
-        modes[blink], gaps[blink] = _closed(
-            skin, modes[blink], slit, UPPER_LID_SHARE, LID_REACH, False
-        )
+    gaps, depths = {}, {}
     notes: tuple[str, ...] = ()
+    for frame, eye in skin.eyes:
+        word = SIDE_WORDS[frame.side]
+        blink, slit = f"eyeBlink{word}", _lid_slit(skin, frame)
+        if slit is None:
+            notes += (f"the {word.lower()} lids are one surface: {blink} cannot close them",)
+            continue
+        modes[blink], gaps[blink] = _closed(
+            skin, modes[blink], slit, (UPPER_LID_SHARE, LID_REACH, False, eye)
+        )
+        at_skin = np.ascontiguousarray(modes[blink][skin.read])
+        depths[blink] = 1e3 * _core.largest_depth(skin.surface, at_skin, slit, eye, LID_REACH)
     if skin.is_sealed:
-        notes = ("the lips are one surface: mouthClose takes back what jawOpen does to them",)
+        notes += ("the lips are one surface: mouthClose takes back what jawOpen does to them",)
     else:
         open_jaw = modes["jawOpen"]
         shut = open_jaw + modes["mouthClose"]
-        shut, gaps["mouthClose"] = _closed(skin, shut, _lip_slit(skin), 0.5, LIP_REACH, True)
+        shut, gaps["mouthClose"] = _closed(skin, shut, _lip_slit(skin), (0.5, LIP_REACH, True))
         modes["mouthClose"] = shut - open_jaw
     if not skin.on_jaw.any():
         notes += ("no teeth or tongue of the lower jaw were found: tongueOut moves nothing",)
-    return FaceUnits(names, np.stack([modes[name] for name in names]), gaps, notes)
+    return FaceUnits(names, np.stack([modes[name] for name in names]), gaps, depths, notes)
 
 
 class _Carrier:
@@ -136,33 +138,35 @@ class _Carrier:
 def _closed(
     skin: BoundSkin,
     mode: NDArray[np.float64],
-    slit: Slit,
-    share: float,
-    reach: float,
-    keeps_gap: bool,
+    slit: _core.SlitPlaces,
+    how: tuple[float, float, bool] | tuple[float, float, bool, _core.EyeSurface],
 ) -> tuple[NDArray[np.float64], float]:
-    """A mode with a slit closed, and the widest gap that is left, mm."""
+    """A mode with a slit closed, and the widest gap that is left, mm. how: the upper rim's share,
+    the reach, whether the gap at rest is kept, and an eyeball."""
     rows = skin.read
     before = np.ascontiguousarray(mode[rows])
-    after = _core.close_slit(skin.surface, before, slit.upper, slit.lower, share, reach, keeps_gap)
+    after = _core.close_slit(skin.surface, before, slit, *how)
     closed = mode + skin.spread((after - before)[None])[0]
-    at_skin = np.ascontiguousarray(closed[rows])
-    gaps = _core.rim_gaps(skin.vertices, at_skin, slit.upper, slit.lower)
+    gaps = _core.rim_gaps(skin.vertices, np.ascontiguousarray(closed[rows]), slit)
+    keeps_gap = how[2]
     if keeps_gap:
-        gaps = gaps - _core.rim_gaps(
-            skin.vertices, np.zeros_like(skin.vertices), slit.upper, slit.lower
-        )
+        gaps = gaps - _core.rim_gaps(skin.vertices, np.zeros_like(skin.vertices), slit)
     return closed, 1e3 * float(gaps.max(initial=0.0))
 
 
-def _lid_slit(skin: BoundSkin, side: str) -> Slit:
-    mesh = skin.template_mesh
+def _lid_slit(skin: BoundSkin, frame: EyeFrame) -> _core.SlitPlaces | None:
+    """The rims of an eye's lids as the head has them; None if they are one surface."""
+    mesh, side = skin.template_mesh, frame.side
     rims = lid_slit(mesh, side)
     corners = [mesh.landmark(f"eye_{end}.{side}") for end in ("inner", "outer")]
-    return _slit(skin, np.asarray(rims.upper), np.asarray(rims.lower), corners)
+    upper, lower = mesh.vertices[np.asarray(rims.upper)], mesh.vertices[np.asarray(rims.lower)]
+    pairs = _core.rim_pairs(upper, lower, mesh.vertices[corners], NUM_PAIRS)
+    if _core.are_joined(skin.surface, *pairs):
+        return None
+    return _core.lid_rims(frame, skin.vertices, skin.triangles, *pairs)
 
 
-def _lip_slit(skin: BoundSkin) -> Slit:
+def _lip_slit(skin: BoundSkin) -> _core.SlitPlaces:
     """All that touches between the lips: each point of either, and the nearest of the other."""
     mesh = skin.template_mesh
     band = lip_slit(mesh, is_refined=False)
@@ -173,27 +177,16 @@ def _lip_slit(skin: BoundSkin) -> Slit:
     return _near_places(skin, *((side, mesh.vertices[side]) for side in sides))
 
 
-def _slit(
-    skin: BoundSkin, upper: NDArray[np.int64], lower: NDArray[np.int64], corners: list[int]
-) -> Slit:
-    """Pairs of the template's rims, at the same shares of their length."""
-    vertices = skin.template_mesh.vertices
-    rims = _core.rim_pairs(vertices[upper], vertices[lower], vertices[corners], NUM_PAIRS)
-    return _near_places(
-        skin,
-        *(
-            (rim[_core.nearest(points, vertices[rim])], points)
-            for rim, points in zip((upper, lower), rims, strict=True)
-        ),
-    )
-
-
-def _near_places(skin: BoundSkin, *sides: tuple[NDArray[np.int64], NDArray[np.float64]]) -> Slit:
+def _near_places(
+    skin: BoundSkin, *sides: tuple[NDArray[np.int64], NDArray[np.float64]]
+) -> _core.SlitPlaces:
     """sides: vertices of the template, and points at them, in pairs; those off the head are left
     out."""
     places = [skin.onto(vertices, points) for vertices, points in sides]
     is_near = (places[0].gaps < NEAR_RIM) & (places[1].gaps < NEAR_RIM)
-    return Slit(*(_core.SkinPlaces(one.corners[is_near], one.weights[is_near]) for one in places))
+    return _core.SlitPlaces(
+        *(_core.SkinPlaces(one.corners[is_near], one.weights[is_near]) for one in places)
+    )
 
 
 def _follow_jaw(skin: BoundSkin, unit: NDArray[np.float64], mode: NDArray[np.float64]) -> None:

@@ -24,7 +24,7 @@ from mimetic.character.foreign_registration import lay_template
 from mimetic.character.head_skin import HeadSkin
 from mimetic.character.solved_skin import SolvedSkin
 from mimetic.muscles.anatomy import SIDES, Anatomy, muscle_groups, muscle_names, muscle_table
-from mimetic.muscles.articulators import ARTICULATORS, eye_frames
+from mimetic.muscles.articulators import ARTICULATORS
 from mimetic.muscles.extras import Extras
 from mimetic.shared.progress import Progress, check_goes_on, stages
 from mimetic.skin.mesh import SkinMesh
@@ -106,9 +106,7 @@ def attach_foreign(
         make_contact=lambda: head.contact().turned(to_user.scale * to_user.rotation),
         make_units=lambda: head.units({**own_bones, **own_gaze}, to_user),
         registered=to_user.apply(template_mesh.neutral),
-        eye_centers=to_user.apply(
-            np.array([frame.centre for frame in eye_frames(head.template_mesh)])
-        ),
+        eye_centers=to_user.apply(np.array([frame.centre for frame in head.eye_frames.values()])),
         mesh_from_template=to_user,
         gap_mm=(float(np.median(gaps)), float(np.percentile(gaps, 95))),
         notes=head.notes,

@@ -47,15 +47,17 @@ class ForeignSkin:
     """The skin of a foreign mesh, in the template's frame and size.
 
     vertices: N x 3; landmarks: name -> (3,); user_from_skin: similarity to the caller's
-    coordinates. Of `mesh`: triangles, T x 3; face: T, the face of each; skin_vertex: of each of the
-    caller's V vertices, -1 on loose parts; user_vertices: V x 3 in the template's frame; loose: V,
-    the number of the loose part, -1 on the skin.
+    coordinates; user_triangles: of the caller's vertices, loose parts included. Of `mesh`:
+    triangles, T x 3; face: T, the face of each; skin_vertex: of each of the caller's V vertices, -1
+    on loose parts; user_vertices: V x 3 in the template's frame; loose: V, the number of the loose
+    part, -1 on the skin.
     """
 
     mesh: _core.ForeignSkin
     vertices: NDArray[np.float64]
     landmarks: dict[str, NDArray[np.float64]]
     user_from_skin: _core.Similarity
+    user_triangles: NDArray[np.int32]
     notes: tuple[str, ...]
 
     @cached_property
@@ -125,6 +127,7 @@ def read_skin(
             vertices=mesh.vertices,
             landmarks=dict(zip(names, mesh.landmarks, strict=True)),
             user_from_skin=user_from_skin,
+            user_triangles=triangles,
             notes=(f"{num_collapsed} faces without extent were left out",) if num_collapsed else (),
         )
     )

@@ -20,7 +20,7 @@ from mimetic.character.foreign_mesh import ForeignSkin
 from mimetic.character.foreign_registration import lipped, lipped_skin
 from mimetic.character.loose_parts import LooseParts
 from mimetic.muscles.anatomy import SIDES, AttachedSkin
-from mimetic.muscles.articulators import EyeFrame, EyeLids, Jaw, eye_frames, rotate
+from mimetic.muscles.articulators import EyeFrame, EyeLids, Jaw, rotate
 from mimetic.muscles.contact import eye_rest, lid_slit, lip_slit
 from mimetic.muscles.extras import Extras, collect, gaze_of, gaze_rows, loading_names
 from mimetic.skin.mesh import SkinMesh, multiply
@@ -38,6 +38,9 @@ class HeadSkin(ABC):
         self.moves_with = skin.skin_vertex.copy()
         self.moves_with[self.loose.following] = self.loose.roots
         self.notes = skin.notes + self.loose.notes
+        self.eye_frames = {  # about the head's own eyeballs, where it has such
+            side: EyeFrame(template_mesh, side, self.loose.ball_centres[side]) for side in SIDES
+        }
         self.own = lipped_skin(skin, template_mesh)
         self.source = lipped(template_mesh)
         self.places = self.source.find(skin.vertices, self.own.normals, self.own.lip)
@@ -108,7 +111,7 @@ class HeadSkin(ABC):
     def extra_modes(self) -> Extras:
         """In the template's frame and size; gaze turns the loose parts that are eyes."""
         modes = dict(zip(loading_names(), self._to_mesh(self._loadings()), strict=True))
-        for frame in eye_frames(self.template_mesh):
+        for frame in self.eye_frames.values():
             eye, lids = self.loose.eyes[frame.side], EyeLids(frame)
             if not eye.any():
                 side = "left" if frame.side == "L" else "right"
@@ -129,6 +132,7 @@ class HeadSkin(ABC):
             BoundSkin(
                 template_mesh=self.template_mesh,
                 vertices=self.skin.vertices,
+                triangles=self.skin.triangles,
                 surface=self.skin.surface,
                 places=self.places,
                 onto=self._onto,
@@ -136,6 +140,7 @@ class HeadSkin(ABC):
                 head_vertices=self.skin.user_vertices,
                 read=self.skin.first_vertex,
                 on_jaw=self.loose.on_jaw,
+                eyes=[(frame, self._eye_surface(frame)) for frame in self.eye_frames.values()],
                 is_sealed=self.is_sealed,
             ),
             own_modes,
@@ -158,7 +163,7 @@ class HeadSkin(ABC):
             rest=on_slits.values(self.skin.vertices)[rows],
             stencils=self._rows(on_slits.corners[rows], on_slits.weights[rows]),
             slits=slits,
-            eyes=[self._eye_rest(frame) for frame in eye_frames(self.template_mesh)],
+            eyes=[self._eye_rest(frame) for frame in self.eye_frames.values()],
             model=model,
             free=free,
             carrier=carrier,
@@ -180,9 +185,14 @@ class HeadSkin(ABC):
             template_rest.sink,
         )
 
+    def _eye_surface(self, frame: EyeFrame) -> _core.EyeSurface:
+        own = self.skin.user_triangles
+        own = np.ascontiguousarray(own[self.loose.eyes[frame.side][own].all(axis=1)])
+        return _core.EyeSurface(frame.centre, self.skin.user_vertices, own)
+
     def lid_modes(self) -> list[NDArray[np.float64]]:
         modes = []
-        for frame in eye_frames(self.template_mesh):
+        for frame in self.eye_frames.values():
             for template_angle in EyeLids(frame).angles():
                 modes.append(self._turn_lids(frame, template_angle))
         return list(self._to_mesh(np.stack(modes)))

@@ -28,8 +28,8 @@ PARTS = {
 
 class LooseParts:
     """on_jaw: V, which of the caller's vertices are fixed to the lower jaw; eyes: by side, V, which
-    belong to the eyeball; following: K vertices that go where the skin's vertex in `roots` (K)
-    goes; notes."""
+    belong to the eyeball; ball_centres: by side, (3,) of an eyeball that is modelled in full, or
+    None; following: K vertices that go where the skin's vertex in `roots` (K) goes; notes."""
 
     def __init__(
         self, skin: ForeignSkin, laid_vertices: NDArray[np.float64], template: FaceTemplate
@@ -45,6 +45,9 @@ class LooseParts:
         parts_by_kind = _core.sort_loose_parts(skin.mesh, laid, part)
         self.on_jaw = parts_by_kind.on_jaw
         self.eyes = {side: parts_by_kind.on_eye(number) for number, side in enumerate(SIDES)}
+        self.ball_centres = {
+            side: parts_by_kind.ball_centre(number) for number, side in enumerate(SIDES)
+        }
         self.following, self.roots = parts_by_kind.following, parts_by_kind.roots
         self.notes: tuple[str, ...] = ()
         if parts_by_kind.num_left:
