@@ -15,10 +15,12 @@
 namespace mimetic {
 namespace {
 
-constexpr std::size_t kAround = 40;    // points of the network that carry a landmark
-constexpr double kPresent = .5;        // of a view that counts
-constexpr double kSameError = .02;     // interpupillary distances, what all views have wrong alike
-constexpr double kUnlike = .12;        // of how far a landmark lies from where the template has it
+constexpr std::size_t kAround = 40;  // points of the network that carry a landmark
+constexpr double kPresent = .5;      // of a view that counts
+constexpr double kSameError = .02;   // interpupillary distances, what all views have wrong alike
+constexpr double kUnlike = .12;      // of how far a landmark lies from where the template has it
+constexpr double kUnseenCorner =
+    .05;  // the same, of a corner where the mesh has no opening, as eyes that skin covers
 constexpr double kSeenCorner = .012;   // the same, of a corner that the mesh's own opening gives
 constexpr double kDisagreement = .15;  // interpupillary distances, median over the landmarks
 constexpr double kNoseShare = .4;      // of the template's height, of what is a nose
@@ -181,6 +183,11 @@ void LandmarkFinder::follow_details(const ShownHead& head, const Points& face,
         }
         const auto usual = eye_opening(template_, usual_skin, landmarks_.row(inner), landmarks_.row(outer));
         const auto own = eye_opening(head, own_skin, placed.places.row(inner), placed.places.row(outer));
+        if (usual && !own) {
+            for (const Eigen::Index row : {inner, outer}) {
+                placed.sigma[row] = std::hypot(placed.sigma[row], kUnseenCorner);
+            }
+        }
         if (!usual || !own) {
             continue;
         }

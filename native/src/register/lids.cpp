@@ -18,6 +18,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kAside = .25;  // cosine of the way to a point and the front, from which an eye is seen
 const Camera kOutwards{1, 1, 0, 0, 1, 1};
 constexpr double kRimReach = .003;  // m on the template, from a registered rim to the skin's own
+constexpr double kBehind =
+    .85;  // of a registered rim's distance from the eye's middle: nearer lies the socket
 constexpr double kBridged = .0003;  // m; rims that lie no further apart at rest are one
 constexpr double kJoined = 1.5;     // of the gap, the way over skin that covers it
 
@@ -52,14 +54,21 @@ std::vector<Cut> cuts_at(double along, const EyeFrame::Polar& polar, PointsIn ve
     return cuts;
 }
 
-/// The lowest (sign 1) or the highest (-1) cut on one rim's side, within its reach.
-const Cut* rim_of(const std::vector<Cut>& cuts, const Eigen::RowVector3d& own,
-                  const Eigen::RowVector3d& other, double sign, double reach) {
+/// Where a rim is looked for.
+struct RimSearch {
+    Eigen::RowVector3d centre, own, other;  // of the eye; the registered rim, and the one across
+    double sign;                            // 1: its lowest cut, -1: its highest
+    double reach;
+};
+
+const Cut* rim_of(const std::vector<Cut>& cuts, const RimSearch& search) {
+    const double least = kBehind * (search.own - search.centre).norm();
     const Cut* best = nullptr;
     for (const Cut& cut : cuts) {
-        const double to_own = (cut.at - own).norm();
-        if (to_own < reach && to_own <= (cut.at - other).norm() &&
-            (!best || sign * cut.elevation < sign * best->elevation)) {
+        const double to_own = (cut.at - search.own).norm();
+        if (to_own < search.reach && to_own <= (cut.at - search.other).norm() &&
+            (cut.at - search.centre).norm() > least &&
+            (!best || search.sign * cut.elevation < search.sign * best->elevation)) {
             best = &cut;
         }
     }
@@ -163,8 +172,8 @@ SlitPlaces lid_rims(const EyeFrame& frame, PointsIn vertices, TrianglesIn triang
         const std::vector<Cut> cuts =
             cuts_at((above.along[k] + below.along[k]) / 2, polar, vertices, triangles, near);
         const double reach = std::max(least, (top.row(k) - bottom.row(k)).norm() / 2);
-        const Cut *high = rim_of(cuts, top.row(k), bottom.row(k), 1, reach),
-                  *low = rim_of(cuts, bottom.row(k), top.row(k), -1, reach);
+        const Cut *high = rim_of(cuts, {frame.centre, top.row(k), bottom.row(k), 1, reach}),
+                  *low = rim_of(cuts, {frame.centre, bottom.row(k), top.row(k), -1, reach});
         if (high && low && high->elevation > low->elevation &&
             (high->at - low->at).norm() > kBridged * frame.mesh->size()) {
             upper.push_back(*high);

@@ -21,10 +21,10 @@ constexpr double kEyeMiddle = .5, kEyeNearest = .6, kEyeFarthest = 1.5;
 // side the shorter has; how far its point nearest to its middle is from there, in the shell's own reach
 constexpr double kShellMiddle = .6, kShellLeast = .5, kShellMost = 1.7, kRough = .08, kForward = .5,
                  kRound = .4, kFilled = .35;
-// A ball of any size before which the template's eye lies, as of a drawn figure: how near its middle its own
-// points' mean lies, how far the front of the template's eye is from its surface, both in its radius; its
-// radius in the template's; and at most so much of the distance between the eyes
-constexpr double kBallMiddle = .3, kBallFront = .4, kBallLeast = .3, kBallMost = .6;
+// A ball of any size before which the template's eye lies, as of a drawn figure: how rough it is, how near
+// its middle its own points' mean lies, how far the front of the template's eye is from its surface, both in
+// its radius; its radius in the template's; and at most so much of the distance between the eyes
+constexpr double kBallRough = .12, kBallMiddle = .3, kBallFront = .4, kBallLeast = .3, kBallMost = .6;
 constexpr std::size_t kMaxFollowing = 50'000;
 
 constexpr double kTop = .13;     // m of a head, from its top, by whose width its size is guessed
@@ -129,7 +129,7 @@ std::optional<Sphere> ball_of(const Sphere& eye, const Sphere& other_eye, Points
     const Eigen::Vector3d middle = points.colwise().mean().transpose(),
                           to_front = eye.centre + eye.radius * Eigen::Vector3d::UnitZ() - own.centre;
     const bool is_ball =
-        roughness < kRough * own.radius && (middle - own.centre).norm() < kBallMiddle * own.radius;
+        roughness < kBallRough * own.radius && (middle - own.centre).norm() < kBallMiddle * own.radius;
     const bool is_there = std::abs(to_front.norm() - own.radius) < kBallFront * own.radius &&
                           to_front.z() > kForward * to_front.norm();
     const bool is_as_large = own.radius > kBallLeast * eye.radius &&

@@ -102,7 +102,9 @@ def test_lids_that_are_one_surface_are_told_and_not_pulled_together():
     units = units_of(Recipe("sealed", 124, 0.3, 0.0, GLTF, SCALE, Style(is_sealed=True)))
     assert set(units.gaps_mm) == {"mouthClose"}
     assert units.depths_mm == {}
-    assert "the left lids are one surface: eyeBlinkLeft cannot close them" in units.notes
+    assert (
+        "the left lids have no opening of their own: eyeBlinkLeft cannot close them" in units.notes
+    )
     assert np.abs(mode(units, "eyeBlinkLeft")).max() > 1e-3
 
 

@@ -99,7 +99,9 @@ def face_units(skin: BoundSkin, own_modes: Mapping[str, NDArray[np.float64]]) ->
         word = SIDE_WORDS[frame.side]
         blink, slit = f"eyeBlink{word}", _lid_slit(skin, frame)
         if slit is None:
-            notes += (f"the {word.lower()} lids are one surface: {blink} cannot close them",)
+            notes += (
+                f"the {word.lower()} lids have no opening of their own: {blink} cannot close them",
+            )
             continue
         modes[blink], gaps[blink] = _closed(
             skin, modes[blink], slit, (UPPER_LID_SHARE, LID_REACH, False, eye)
@@ -155,7 +157,8 @@ def _closed(
 
 
 def _lid_slit(skin: BoundSkin, frame: EyeFrame) -> _core.SlitPlaces | None:
-    """The rims of an eye's lids as the head has them; None if they are one surface."""
+    """The rims of an eye's lids as the head has them; None where it has none, as lids that are one
+    surface."""
     mesh, side = skin.template_mesh, frame.side
     rims = lid_slit(mesh, side)
     corners = [mesh.landmark(f"eye_{end}.{side}") for end in ("inner", "outer")]
@@ -163,7 +166,8 @@ def _lid_slit(skin: BoundSkin, frame: EyeFrame) -> _core.SlitPlaces | None:
     pairs = _core.rim_pairs(upper, lower, mesh.vertices[corners], NUM_PAIRS)
     if _core.are_joined(skin.surface, *pairs):
         return None
-    return _core.lid_rims(frame, skin.vertices, skin.triangles, *pairs)
+    own = _core.lid_rims(frame, skin.vertices, skin.triangles, *pairs)
+    return own if len(own.upper.corners) > NUM_PAIRS // 2 else None
 
 
 def _lip_slit(skin: BoundSkin) -> _core.SlitPlaces:
