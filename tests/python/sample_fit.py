@@ -38,7 +38,11 @@ def make_fit(**changes):
         ],
         "relief": [0.1, 0.0, -0.2],
         "calibration": Calibration(
-            {"cheeks": 1.8}, {"mentalis.L": 0.9}, {"mentalis.L": (1.0, -0.5)}, [4, 9]
+            {"cheeks": 1.8},
+            {"mentalis.L": 0.9},
+            {"mentalis.L": (1.0, -0.5)},
+            [4, 9],
+            {"zygomaticus_major.R": 1.25},
         ),
     }
     return FaceFit(**(values | changes))

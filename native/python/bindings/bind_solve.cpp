@@ -54,6 +54,8 @@ void bind_options(py::module_& m) {
         .def_readwrite("translation_acceleration", &SmootherOptions::translation_acceleration,
                        "metres a frame squared")
         .def_readwrite("max_iterations", &SmootherOptions::max_iterations)
+        .def_readwrite("muscle_headroom", &SmootherOptions::muscle_headroom,
+                       "times their upper bounds that muscles may reach which stand at them")
         .def_readwrite("fixed_first", &SmootherOptions::fixed_first,
                        "frames at the start whose states stay as they are")
         .def_readwrite("fixed_last", &SmootherOptions::fixed_last, "the same at the end");

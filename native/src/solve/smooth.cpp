@@ -78,8 +78,8 @@ void fix_ends(const SmootherOptions& options, SequenceProblem& problem) {
 }
 
 SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const Blocks& steps,
-                             const FaceMotion& motion, const RestPull* rest_pull,
-                             const SmootherOptions& options) {
+                             const FaceMotion& motion, const Eigen::VectorXd& upper,
+                             const RestPull* rest_pull, const SmootherOptions& options) {
     const Eigen::Index num_values = motion.lower.size();
     const Eigen::Index size = 6 + num_values;
     constexpr double kDeadZone = 12;
@@ -115,7 +115,7 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
             problem.pull.back().tail(num_values) += terms.pull;
         }
         problem.lower.push_back(motion.lower - estimate.values);
-        problem.upper.push_back(motion.upper - estimate.values);
+        problem.upper.push_back(upper - estimate.values);
     }
     add_acceleration(estimates, weights, problem);
     fix_ends(options, problem);
@@ -169,6 +169,56 @@ void solve_bounded(SequenceProblem problem, int max_iterations, const Progress& 
     }
 }
 
+struct Solution {
+    BoundedSteps bounded;
+    SequenceProblem problem;
+    Eigen::VectorXd upper;  ///< M: of the values
+};
+
+/// Upper bounds with headroom for each muscle that stands at its own in a frame that was measured.
+Eigen::VectorXd with_headroom(const std::vector<FrameEstimate>& estimates, const Solution& solution,
+                              const FaceMotion& motion, double headroom) {
+    constexpr double kAtBound = 1e-6;
+    Eigen::VectorXd upper = solution.upper;
+    for (std::size_t t = 0; t < estimates.size(); ++t) {
+        for (Eigen::Index i = 0; i < (estimates[t].held ? 0 : motion.num_muscles); ++i) {
+            const double value = estimates[t].values[i] + solution.bounded.within[t][6 + i];
+            if (value > motion.upper[i] - kAtBound) {
+                upper[i] = headroom * motion.upper[i];
+            }
+        }
+    }
+    return upper;
+}
+
+/// Which values are active, and so not pulled to rest, is known once the sequence has been solved without
+/// that pull; which muscles need headroom, once it has been solved within the bounds.
+Solution solve_sequence(const std::vector<FrameEstimate>& estimates, const FaceMotion& motion,
+                        const SmootherOptions& options, const Progress& progress) {
+    const Blocks none(estimates.size(), Eigen::VectorXd::Zero(6 + motion.lower.size()));
+    Solution solution{{none, none}, {}, motion.upper};
+    const RestPull rest_pull(motion);
+    constexpr int kBounded = 2, kMostRaises = 3;  // a muscle that goes further may take others along
+    const int num_passes = options.muscle_headroom > 1 ? kBounded + kMostRaises : kBounded;
+    for (int pass = 0; pass < num_passes; ++pass) {
+        if (pass >= kBounded) {
+            const Eigen::VectorXd raised =
+                with_headroom(estimates, solution, motion, options.muscle_headroom);
+            if (raised == solution.upper) {
+                break;
+            }
+            solution.upper = raised;
+        }
+        solution.problem = make_problem(estimates, solution.bounded.within, motion, solution.upper,
+                                        pass > 0 ? &rest_pull : nullptr, options);
+        const Progress part = [&](double fraction) {
+            return !progress || progress((pass + fraction) / num_passes);
+        };
+        solve_bounded(solution.problem, options.max_iterations, part, solution.bounded);
+    }
+    return solution;
+}
+
 bool fits_detail(const FrameEstimate& estimate, Eigen::Index num_detail) {
     const DetailEstimate& detail = estimate.detail;
     const Eigen::Index num_measured = estimate.held ? 0 : num_detail;
@@ -211,6 +261,7 @@ void SmootherOptions::check() const {
         }
     }
     check_range("SmootherOptions.max_iterations", max_iterations, 1, 100000);
+    check_range("SmootherOptions.muscle_headroom", muscle_headroom, 1., 10.);
     check_range("SmootherOptions.fixed_first", fixed_first, 0, 100000);
     check_range("SmootherOptions.fixed_last", fixed_last, 0, 100000);
 }
@@ -222,25 +273,13 @@ std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, c
     if (estimates.empty()) {
         return {};
     }
-    const Blocks none(estimates.size(), Eigen::VectorXd::Zero(6 + motion.lower.size()));
-    BoundedSteps bounded{none, none};
-    const Blocks& steps = bounded.within;
-    SequenceProblem problem;
-    const RestPull rest_pull(motion);
-    // Which values are active, and so not pulled to rest, is known once the sequence has been solved without
-    // that pull.
-    constexpr int kPasses = 2;
-    for (int pass = 0; pass < kPasses; ++pass) {
-        problem = make_problem(estimates, steps, motion, pass > 0 ? &rest_pull : nullptr, options);
-        const Progress part = [&](double fraction) {
-            return !progress || progress((pass + fraction) / kPasses);
-        };
-        solve_bounded(problem, options.max_iterations, part, bounded);
-    }
+    const Solution solution = solve_sequence(estimates, motion, options, progress);
+    const Blocks& steps = solution.bounded.within;
     const bool any_held =
         std::any_of(estimates.begin(), estimates.end(), [](const auto& e) { return e.held; });
     const std::vector<Eigen::MatrixXd> working =
-        any_held ? BlockBandedFactor(problem.matrix).inverse_diagonal() : std::vector<Eigen::MatrixXd>();
+        any_held ? BlockBandedFactor(solution.problem.matrix).inverse_diagonal()
+                 : std::vector<Eigen::MatrixXd>();
     std::vector<FrameEstimate> smoothed = estimates;
     const std::vector<DetailEstimate> details =
         smooth_detail(estimates, steps, motion, options.value_acceleration / .3);
@@ -248,7 +287,7 @@ std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, c
         FaceState state = state_of(estimates[t]);
         state.apply(FaceStep(steps[t]));
         smoothed[t].camera_from_head = state.camera_from_head;
-        smoothed[t].values = state.values.cwiseMax(motion.lower).cwiseMin(motion.upper);
+        smoothed[t].values = state.values.cwiseMax(motion.lower).cwiseMin(solution.upper);
         // Model error stays the same from frame to frame: neighbours average noise only, so a measured
         // frame keeps its own uncertainty.
         if (estimates[t].held) {

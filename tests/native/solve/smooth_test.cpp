@@ -114,6 +114,82 @@ TEST(Smooth, LetsARiseBeginWhenItBegins) {
     EXPECT_EQ(onset, kRise + 2);
 }
 
+/// Two muscles; each frame measures them where they come to at their peaks, on the way there and back.
+FaceMotion two_muscles() {
+    FaceMotion motion;
+    motion.neutral = Points::Zero(1, 3);
+    motion.modes = MatrixRows::Identity(2, 3);
+    motion.num_muscles = 2;
+    motion.lower = Eigen::VectorXd::Zero(2);
+    motion.upper = Eigen::VectorXd::Ones(2);
+    motion.prior_std = Eigen::VectorXd::Constant(2, .3);
+    return motion;
+}
+
+std::vector<FrameEstimate> rise_to(const Eigen::Vector2d& peaks) {
+    constexpr int kFrames = 60;
+    constexpr double kNoise = .05;
+    std::vector<FrameEstimate> estimates(kFrames);
+    for (int t = 0; t < kFrames; ++t) {
+        const Eigen::Vector2d truth = std::sin(M_PI * t / (kFrames - 1)) * peaks;
+        FrameEstimate& estimate = estimates[static_cast<std::size_t>(t)];
+        estimate.values = truth.cwiseMin(1);
+        estimate.information = Eigen::MatrixXd::Identity(8, 8) / (kNoise * kNoise);
+        estimate.covariance = estimate.information.inverse();
+        estimate.gradient = Eigen::VectorXd::Zero(8);
+        estimate.gradient.tail(2) = (truth - estimate.values) / (kNoise * kNoise);
+    }
+    return estimates;
+}
+
+Eigen::Vector2d peaks_of(const std::vector<FrameEstimate>& estimates) {
+    Eigen::Vector2d peaks = Eigen::Vector2d::Zero();
+    for (const FrameEstimate& estimate : estimates) {
+        peaks = peaks.cwiseMax(estimate.values);
+    }
+    return peaks;
+}
+
+SmootherOptions with_headroom(double headroom) {
+    SmootherOptions options;
+    options.muscle_headroom = headroom;
+    return options;
+}
+
+TEST(Smooth, LetsAMuscleAtItsBoundGoAsFarAsItIsMeasuredWithinItsHeadroom) {
+    const FaceMotion motion = two_muscles();
+    const std::vector<FrameEstimate> estimates = rise_to({1.4, .7});
+    const Eigen::Vector2d bound = peaks_of(smooth(estimates, motion));
+    EXPECT_EQ(bound[0], 1);
+    const Eigen::Vector2d free = peaks_of(smooth(estimates, motion, with_headroom(1.6)));
+    EXPECT_NEAR(free[0], 1.4, .03);
+    EXPECT_NEAR(free[1], bound[1], 1e-4);
+    EXPECT_EQ(peaks_of(smooth(estimates, motion, with_headroom(1.2)))[0], 1.2);
+}
+
+TEST(Smooth, GivesTheSameToTheBitWithHeadroomThatNoMuscleAsksFor) {
+    const FaceMotion motion = two_muscles();
+    const std::vector<FrameEstimate> estimates = rise_to({.9, .7});
+    const std::vector<FrameEstimate> bound = smooth(estimates, motion);
+    const std::vector<FrameEstimate> free = smooth(estimates, motion, with_headroom(1.6));
+    for (std::size_t t = 0; t < estimates.size(); ++t) {
+        EXPECT_EQ(free[t].values, bound[t].values);
+        EXPECT_EQ(free[t].gradient, bound[t].gradient);
+    }
+}
+
+TEST(Smooth, GivesNoHeadroomForFramesThatWereNotMeasured) {
+    std::vector<FrameEstimate> estimates = rise_to({1.4, .7});
+    for (FrameEstimate& estimate : estimates) {
+        estimate.held = estimate.values[0] > .9;
+    }
+    EXPECT_LE(peaks_of(smooth(estimates, two_muscles(), with_headroom(1.6)))[0], 1);
+}
+
+TEST(Smooth, RejectsHeadroomThatIsNone) {
+    EXPECT_THROW(smooth(rise_to({1, 1}), two_muscles(), with_headroom(.9)), std::invalid_argument);
+}
+
 TEST(Smooth, RejectsEstimatesOfAnotherFace) {
     FaceMotion motion;
     motion.lower = motion.upper = motion.prior_std = Eigen::VectorXd::Ones(3);

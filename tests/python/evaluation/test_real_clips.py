@@ -3,9 +3,11 @@
 
 import numpy as np
 import pytest
+from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_capture import capture
+from mimetic.solve.full_range import HEADROOM
 
-from evaluation.runs.real_events import eyes_shut, runs
+from evaluation.runs.real_events import eyes_shut, runs, saturation
 
 
 @pytest.fixture(scope="module")
@@ -32,6 +34,35 @@ def test_a_real_mouth_that_opens_reads_jaw(raised_brows):
     jaw = raised_brows.articulator_values[:, list(raised_brows.articulators).index("jaw_open")]
     assert jaw[285:295].max() > 0.6
     assert np.abs(jaw[19:55]).max() < 0.1
+
+
+@pytest.fixture(scope="module")
+def smile(fetched_clip):
+    """A broad smile that is held, which the muscles as assumed cannot do; with its fit."""
+    summary = CaptureSummary()
+    performance = capture(fetched_clip("single_face.mp4"), frames=(1, 72), summary=summary)
+    return performance, summary.fit
+
+
+def test_a_real_smile_is_not_cut_off_where_muscles_are_assumed_to_end(smile):
+    performance, fit = smile
+    assert fit.calibration.extent["zygomaticus_major.R"] > 1.1
+    assert max(fit.calibration.extent.values()) <= HEADROOM
+    assert saturation(performance) < 0.06
+    apex = performance.activations[:, list(performance.muscles).index("zygomaticus_major.R")]
+    assert apex.max() == 1
+    assert (apex > 0.995).sum() < 10
+
+
+def test_a_real_person_is_read_the_same_with_the_extents_that_a_clip_of_theirs_showed(
+    smile, fetched_clip
+):
+    performance, fit = smile
+    again = capture(fetched_clip("single_face.mp4"), frames=(1, 72), fit=fit)
+    np.testing.assert_array_equal(again.activations, performance.activations)
+    np.testing.assert_array_equal(again.muscle_modes, performance.muscle_modes)
+    part = capture(fetched_clip("single_face.mp4"), frames=(1, 24), fit=fit)
+    np.testing.assert_array_equal(part.muscle_extent, performance.muscle_extent)
 
 
 def test_a_real_blink_is_found(fetched_clip):

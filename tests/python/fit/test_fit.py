@@ -177,7 +177,7 @@ def _changed(key, value):
 @pytest.mark.parametrize(
     ("change", "text"),
     [
-        (_changed("schema", 5), "schema 5"),
+        (_changed("schema", 6), "schema 6"),
         (lambda d: d.pop("head_pose"), "lacks head_pose"),
         (_changed("pose", 1), "unknown keys: pose"),
         (_changed("frame", 0), "frame"),

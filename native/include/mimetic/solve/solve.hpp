@@ -137,13 +137,16 @@ struct SmootherOptions {
     double rotation_acceleration = 0.01;     ///< rad a frame squared
     double translation_acceleration = 2e-3;  ///< metres a frame squared
     int max_iterations = 200;                ///< of the bounds
-    int fixed_first = 0;                     ///< frames at the start whose states stay as they are
-    int fixed_last = 0;                      ///< the same at the end
-    void check() const;                      ///< throws InvalidInput: field, value, limit
+    /// Times their upper bounds that muscles may reach which stand at them, 1 to 10: then all is solved again
+    double muscle_headroom = 1;
+    int fixed_first = 0;  ///< frames at the start whose states stay as they are
+    int fixed_last = 0;   ///< the same at the end
+    void check() const;   ///< throws InvalidInput: field, value, limit
 };
 
 /// The whole clip at once: most probable states under each frame's measurement, small accelerations and
-/// the bounds, without lag (banded quadratic programme). Held frames are bridged and stay marked.
+/// the bounds, without lag (banded quadratic programme). Held frames are bridged and stay marked. What no
+/// muscle at its bound asks for headroom is solved once, within the bounds.
 std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, const FaceMotion& motion,
                                   const SmootherOptions& options = {}, const Progress& progress = {});
 

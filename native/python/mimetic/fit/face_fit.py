@@ -22,7 +22,7 @@ from mimetic.shared.shown_text import shortened, shown
 from mimetic.shared.whole_file import whole_file
 from mimetic.template.face_template import FaceTemplate
 
-SCHEMA = 4
+SCHEMA = 5  # since 5, the calibration has `extent`
 REQUIRED = ("schema", "frame", "image_size", "intrinsics", "head_pose", "identity")
 # Key: the schema that it came with; files of older schemas still load.
 OPTIONAL = {"features": 1, "error": 1, "warnings": 1}

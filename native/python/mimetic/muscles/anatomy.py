@@ -8,7 +8,7 @@ articulator at value 1. Data: data/muscles.toml and data/materials.toml, with th
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, cached_property
 from importlib import resources
 
@@ -55,7 +55,8 @@ class Anatomy:
 
     muscle_names: M, zygomaticus_major.L and so on; groups: M, 1 to 7; muscle_modes: M x V x 3,
     displacement at activation 1; muscle_strengths: M, newtons (sphincters: newtons a metre);
-    articulator_names, articulator_modes A x V x 3 at value 1, articulator_limits A x 2.
+    articulator_names, articulator_modes A x V x 3 at value 1, articulator_limits A x 2; extent: M
+    or 1, times the assumed displacement that muscle_modes go.
     """
 
     muscle_names: tuple[str, ...]
@@ -65,6 +66,12 @@ class Anatomy:
     articulator_names: tuple[str, ...]
     articulator_modes: np.ndarray
     articulator_limits: np.ndarray
+    extent: np.ndarray | float = 1.0
+
+    def extended_by(self, calibration: Calibration) -> Anatomy:
+        """With activation 1 as this person's full contraction, by `Calibration.extent`."""
+        extent = calibration.extent_factors(self.muscle_names)
+        return replace(self, muscle_modes=self.muscle_modes * extent[:, None, None], extent=extent)
 
 
 @cache

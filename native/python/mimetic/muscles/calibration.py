@@ -28,9 +28,10 @@ REGIONS = {
     "chin": ("chin", "jaw_line"),
 }
 LEAST, MOST = 0.05, 20.0  # of any factor
+FURTHEST = 10.0  # times, of an extent
 FARTHEST = 15.0  # mm, of an insertion
 MOST_MUSCLES = 1000
-KEYS = ("stiffness", "strength", "insertion", "frames")
+KEYS = ("stiffness", "strength", "insertion", "frames", "extent")
 
 
 @dataclass
@@ -38,12 +39,15 @@ class Calibration:
     """stiffness: region of REGIONS -> factor on its attachment; strength: muscle -> factor on its
     displacement at activation 1; insertion: muscle -> how far it is attached from where the table
     has it, (away from the midline, up), millimetres on the template. What is not named stays at 1
-    and in place. frames: of the footage, on which it rests."""
+    and in place. frames: of the footage, on which it rests. extent: muscle -> times that
+    displacement by which this person's full contraction goes, of those that a clip showed to go
+    beyond it; `mimetic.solve.full_range` finds it."""
 
     stiffness: dict[str, float] = field(default_factory=dict)
     strength: dict[str, float] = field(default_factory=dict)
     insertion: dict[str, tuple[float, float]] = field(default_factory=dict)
     frames: list[int] = field(default_factory=list)
+    extent: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self.stiffness = _factors("stiffness", self.stiffness, len(REGIONS))
@@ -54,6 +58,7 @@ class Calibration:
             )
         self.strength = _factors("strength", self.strength, MOST_MUSCLES)
         self.insertion = _shifts(self.insertion)
+        self.extent = _factors("extent", self.extent, MOST_MUSCLES, 1.0, FURTHEST)
         if not isinstance(self.frames, list) or not all(_is_frame(frame) for frame in self.frames):
             raise InvalidInput("face fit's calibration: frames must be whole numbers from 1")
 
@@ -70,21 +75,32 @@ class Calibration:
         self._check_muscles(names)
         return np.array([self.strength.get(name, 1.0) for name in names])
 
+    def extent_factors(self, names: tuple[str, ...]) -> NDArray[np.float64]:
+        """One for each of the muscles; raises InvalidInput as above."""
+        self._check_muscles(names)
+        return np.array([self.extent.get(name, 1.0) for name in names])
+
     def insertion_shifts(self, names: tuple[str, ...]) -> NDArray[np.float64]:
         """One row of two for each of the muscles, millimetres; raises InvalidInput as above."""
         self._check_muscles(names)
         return np.array([self.insertion.get(name, (0.0, 0.0)) for name in names])
 
     def _check_muscles(self, names: tuple[str, ...]) -> None:
-        if unknown_names := sorted((self.strength.keys() | self.insertion.keys()) - set(names)):
+        named_ones = self.strength.keys() | self.insertion.keys() | self.extent.keys()
+        if unknown_names := sorted(named_ones - set(names)):
             raise InvalidInput(
                 f"the face fit's calibration names muscles that there are not: "
                 f"{', '.join(unknown_names[:5])}: calibrate again"
             )
 
     def notes(self) -> list[str]:
-        """For people, of a performance: none, or one line that names all factors."""
-        return [f"calibrated to this person: {self.described()}"] if self.frames else []
+        """For people, of a performance: none, or a line that names all factors, and one of the
+        extents."""
+        notes = [f"calibrated to this person: {self.described()}"] if self.frames else []
+        if self.extent:
+            further = ", ".join(f"{name} {factor:.2f}" for name, factor in self.extent.items())
+            notes.append(f"at full contraction this person goes further than is assumed: {further}")
+        return notes
 
     def described(self) -> str:
         """One line for people."""
@@ -126,16 +142,18 @@ def _is_frame(value: object) -> bool:
     return isinstance(value, int) and not isinstance(value, bool) and 1 <= value <= LAST_FRAME
 
 
-def _factors(key: str, factors: object, most: int) -> dict[str, float]:
+def _factors(
+    key: str, factors: object, most: int, least: float = LEAST, largest: float = MOST
+) -> dict[str, float]:
     if not isinstance(factors, Mapping) or len(factors) > most:
         raise InvalidInput(f"calibration's {key} must be an object of at most {most} factors")
     checked_factors = {}
     for name, value in named(key, dict(factors)):
         checked_factors[name] = float(numbers(f"{key} {name}", value, ()))
-        if not LEAST <= checked_factors[name] <= MOST:
+        if not least <= checked_factors[name] <= largest:
             raise InvalidInput(
-                f"calibration's {key} {name} is {checked_factors[name]:g}, not {LEAST:g} to "
-                f"{MOST:g}"
+                f"calibration's {key} {name} is {checked_factors[name]:g}, not {least:g} to "
+                f"{largest:g}"
             )
     return checked_factors
 

@@ -61,6 +61,7 @@ OPTIONAL: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "evidence": ("m", ("N", "E")),
     "corrections": ("U", ("C",)),
     "uncorrected": ("f", ("N", "R")),
+    "muscle_extent": ("f", ("P",)),
 }
 # Modes are kept in single precision: 1e-7 of a displacement of centimetres, at half the memory.
 DTYPES = {"f": np.float64, "m": np.float32, "i": np.int64}
@@ -124,6 +125,8 @@ class Performance:
     corrections: list[str] | None = None  # C: JSON of `performance.corrections`, one frame each
     # N x R, what refining changed, as the pictures alone had it (`refining.Refinement`)
     uncorrected: NDArray[np.float64] | None = None
+    # P, of muscles that this person contracts further than is assumed; modes go that far
+    muscle_extent: NDArray[np.float64] | None = None
 
     def __post_init__(self) -> None:
         for key, (kind, shape) in (REQUIRED | OPTIONAL).items():
@@ -244,6 +247,8 @@ class Performance:
             value = getattr(self, key)
             if value.min() < -tolerance or value.max() > 1 + tolerance:
                 raise InvalidInput(f"performance {key} must lie in 0 to 1")
+        if self.muscle_extent is not None and not (self.muscle_extent >= 1).all():
+            raise InvalidInput("performance muscle_extent must not be under 1")
         if self.activations_std.min() < 0:
             raise InvalidInput("performance activations_std must not be negative")
         if self.articulator_values_std is not None and (self.articulator_values_std < 0).any():

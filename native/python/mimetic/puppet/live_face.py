@@ -52,6 +52,7 @@ def live_face(image: NDArray[np.uint8], fit: FaceFit, is_own: bool) -> LiveFace:
     template = load_template()
     neutral = fit.neutral_vertices(template)
     anatomy = _attached(neutral, template, fit) if is_own else canonical_anatomy()
+    anatomy = anatomy.extended_by(fit.calibration)
     motion = tracking.face_motion(neutral, template, anatomy)
     tracker = tracking.make_tracker(image, fit, template, anatomy, motion, live_options())
     eyes = eye_geometry(neutral, template)

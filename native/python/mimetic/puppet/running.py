@@ -167,7 +167,7 @@ class _Run:
         skin = factored_skin(self.neutral, self.template, self.fit.calibration, attaching)
         if skin is None:
             raise UnreadableMedia(f"{self.footage.path.name}: stopped too early, no frame is done")
-        anatomy = modes_of(skin)
+        anatomy = modes_of(skin).extended_by(self.fit.calibration)
         has_lips = any(name.startswith(("oris_", "lip_")) for name in self.taught.articulators)
         return with_lip_shapes(anatomy, skin) if has_lips else anatomy
 

@@ -41,7 +41,7 @@ from mimetic.shared.progress import (
     Progress,
     stages,
 )
-from mimetic.solve import smoothing, tracking
+from mimetic.solve import full_range, smoothing, tracking
 from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_performance import clip_performance
 from mimetic.solve.find_face import Rest, find_rest, joined_with_others
@@ -287,7 +287,8 @@ class ClipCapture:
         def count(seconds: float) -> None:
             self.walk.summary.add("smooth", seconds)
 
-        return smoothing.smooth_in_windows(estimates, before, self.motion, count)
+        options = full_range.smoother_options()
+        return smoothing.smooth_in_windows(estimates, before, self.motion, count, options)
 
     def make_tracker(self, reference: NDArray[np.uint8]) -> _core.FaceTracker:
         inputs = (self.walk.fit, self.template, self.anatomy, self.motion)
@@ -308,23 +309,24 @@ class ClipCapture:
         fit = self.walk.fit
         num_muscles = len(self.anatomy.muscle_names)
         values, std = np.array(rows.values), np.array(rows.values_std)
+        fit = full_range.with_extent(fit, self.anatomy.muscle_names, values[:, :num_muscles])
+        self.walk.summary.fit = fit
         poses = rows.rigid_poses()
         pose_cov = rows.pose_covariances()
         pose_cov[:, :3, :3] += _of_the_turn(poses, fit.head_pose)
         fps = float(self.walk.footage.fps)
         gaze = ClipGaze(fit, self.template, rows, poses, rows.pose_covariances(), fps)
+        of_values = gaze.fields(
+            list(self.anatomy.articulator_names),
+            values[:, num_muscles:],
+            std[:, num_muscles:],
+            self.anatomy.articulator_modes,
+        ) | full_range.stated(fit, self.anatomy, values[:, :num_muscles], std[:, :num_muscles])
         return clip_performance(
             *(rows, self.walk.footage, fit, self.template, self.anatomy),
             head_pose=poses,
             head_pose_cov=pose_cov,
-            activations=np.clip(values[:, :num_muscles], 0, 1),
-            activations_std=std[:, :num_muscles],
-            **gaze.fields(
-                list(self.anatomy.articulator_names),
-                values[:, num_muscles:],
-                std[:, num_muscles:],
-                self.anatomy.articulator_modes,
-            ),
+            **of_values,
             detail_modes=self.detail.modes,
             detail_coefficients=np.array(rows.detail),
             detail_coefficients_std=np.array(rows.detail_std),

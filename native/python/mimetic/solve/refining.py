@@ -31,6 +31,7 @@ from mimetic.performance.gaze import GAZE, has_gaze, own_articulators, seen_arti
 from mimetic.performance.pinned_places import PinnedPlaces
 from mimetic.shared.pinhole import camera_of
 from mimetic.shared.progress import Progress
+from mimetic.solve.full_range import assumed_modes
 from mimetic.solve.refined_spans import FIXED, FrameSpan, limits_of_change, spans_of
 from mimetic.solve.tracking import face_motion
 from mimetic.template.face_template import load_template
@@ -99,7 +100,11 @@ def check_refinable(performance: Performance) -> None:
 
 
 class Refinement:
-    """A performance whose rows are solved again, run by run."""
+    """A performance whose rows are solved again, run by run.
+
+    Muscles are solved for in units of the assumed strengths, as the capture does, within the
+    person's extents.
+    """
 
     def __init__(self, performance: Performance, corrected: list[FrameSpan]) -> None:
         """corrected: the rows that the corrections to be honoured reach."""
@@ -109,19 +114,26 @@ class Refinement:
         self.camera = camera_of(performance.intrinsics, performance.image_size)
         self.names = [name for name in performance.articulators if name not in GAZE]
         self.columns = [performance.articulators.index(name) for name in self.names]
+        extent = performance.muscle_extent
+        self.extent = np.ones(len(performance.muscles)) if extent is None else extent
         anatomy = anatomy_of(performance, self.names, self.columns)
         neutral = performance.neutral_vertices
-        self.motion = face_motion(neutral, self.template, anatomy)
+        self.motion = face_motion(neutral, self.template, anatomy, extent=self.extent)
         self.poses = performance.head_pose.copy()
         self.pose_covariances = performance.head_pose_cov.copy()
         self.values = np.hstack(
-            [performance.activations, seen_articulators(performance)[:, self.columns]]
+            [
+                performance.activations * self.extent,
+                seen_articulators(performance)[:, self.columns],
+            ]
         )
         own_std = performance.articulator_values_std
         if own_std is None:
             own_std = np.full(performance.articulator_values.shape, 0.1)
         self.own_std = own_std.copy()
-        self.values_std = np.hstack([performance.activations_std, own_std[:, self.columns]])
+        self.values_std = np.hstack(
+            [performance.activations_std * self.extent, own_std[:, self.columns]]
+        )
         assert performance.evidence is not None  # `check_refinable`
         self.evidence = performance.evidence.copy()
         self.gaze_columns = [
@@ -303,7 +315,8 @@ class Refinement:
             if name in GAZE:
                 continue
             weights = np.zeros(len(names))
-            weights[names.index(name)] = 1.0
+            index = names.index(name)
+            weights[index] = 1.0 / self.extent[index] if index < len(self.extent) else 1.0
             yield _core.ValuePin(weights, pinned.value, pinned.std)
         if entry.lip_gap is not None:
             lines = feature_lines(self.template)
@@ -321,7 +334,7 @@ class Refinement:
         performance = self.performance
         assert performance.articulator_modes is not None
         return np.concatenate(
-            [performance.muscle_modes, performance.articulator_modes[self.columns]]
+            [assumed_modes(performance), performance.articulator_modes[self.columns]]
         )
 
     def _unmoved(self, i: int) -> NDArray[np.float64]:
@@ -351,8 +364,8 @@ class Refinement:
             performance,
             head_pose=poses,
             head_pose_cov=_core.nearest_covariances(self.pose_covariances),
-            activations=np.clip(self.values[:, :num_muscles], 0, 1),
-            activations_std=self.values_std[:, :num_muscles],
+            activations=np.clip(self.values[:, :num_muscles] / self.extent, 0, 1),
+            activations_std=self.values_std[:, :num_muscles] / self.extent,
             articulator_values=articulators,
             articulator_values_std=std,
             evidence=self.evidence,
@@ -370,7 +383,7 @@ def _is_of_skin(entry: FrameCorrection) -> bool:
 
 
 def anatomy_of(performance: Performance, names: list[str], columns: list[int]) -> Anatomy:
-    """The performance's own modes, with the articulators' limits by their names."""
+    """The performance's modes as assumed, with the articulators' limits by their names."""
     limits = ARTICULATORS | {row["name"]: tuple(row["limits"]) for row in lip_rows()}
     if unknown := [name for name in names if name not in limits]:
         raise InvalidInput(f"this version knows no articulator {unknown[0]}: update Mimetic")
@@ -378,7 +391,7 @@ def anatomy_of(performance: Performance, names: list[str], columns: list[int]) -
     return Anatomy(
         tuple(performance.muscles),
         performance.groups.astype(np.int32),
-        performance.muscle_modes,
+        assumed_modes(performance),
         np.zeros(len(performance.muscles)),
         tuple(names),
         performance.articulator_modes[columns],

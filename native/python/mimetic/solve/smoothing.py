@@ -18,6 +18,7 @@ def smooth_in_windows(
     before: list[_core.FrameEstimate],
     motion: _core.FaceMotion,
     count_seconds: Callable[[float], None],
+    options: _core.SmootherOptions | None = None,
 ) -> Iterator[State]:
     """Smoothed states; memory holds one window.
 
@@ -31,7 +32,8 @@ def smooth_in_windows(
 
     def smooth(until: int) -> list[State]:
         start = time.perf_counter()
-        smoothed_estimates = _core.smooth([estimate for _, estimate in waiting], motion)
+        window = [estimate for _, estimate in waiting]
+        smoothed_estimates = _core.smooth(window, motion, options or _core.SmootherOptions())
         count_seconds(time.perf_counter() - start)
         is_held = [_is_held(estimate) for estimate in smoothed_estimates]
         return [

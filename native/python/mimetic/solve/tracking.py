@@ -40,16 +40,20 @@ def face_motion(
     template: FaceTemplate,
     anatomy: Anatomy,
     detail: Detail | None = None,
+    extent: NDArray[np.float64] | None = None,
 ) -> _core.FaceMotion:
     """The skin's motion: muscles, the articulators, then detail.
 
-    neutral_vertices: V x 3, metres; detail: None for muscles and articulators alone.
+    neutral_vertices: V x 3, metres; detail: None for muscles and articulators alone; extent: M, the
+    muscles' upper bounds, 1 without.
     """
     skin = template.num_skin_vertices
     modes, std = moving_modes(anatomy, skin)
     muscles = len(anatomy.muscle_names)
     names = [*anatomy.muscle_names, *anatomy.articulator_names]
     limits = np.vstack([np.tile([0.0, 1.0], (muscles, 1)), anatomy.articulator_limits])
+    if extent is not None:
+        limits[:muscles, 1] = extent
     return _core.FaceMotion(
         np.ascontiguousarray(neutral_vertices[:skin], dtype=np.float64),
         np.ascontiguousarray(modes, dtype=np.float64),
@@ -69,7 +73,7 @@ def moving_modes(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Modes of the skin by muscles, then articulators (M x S x 3, metres), and their priors (M)."""
     modes = np.concatenate([anatomy.muscle_modes, anatomy.articulator_modes])
-    std = [ACTIVATION_STD] * len(anatomy.muscle_names)
+    std = [*np.full(len(anatomy.muscle_names), ACTIVATION_STD) / anatomy.extent]
     std += [ARTICULATOR_STD[name.split(".")[0]] for name in anatomy.articulator_names]
     return modes[:, :num_skin_vertices], np.array(std)
 
