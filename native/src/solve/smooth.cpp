@@ -192,12 +192,14 @@ Eigen::VectorXd with_headroom(const std::vector<FrameEstimate>& estimates, const
 }
 
 /// Which values are active, and so not pulled to rest, is known once the sequence has been solved without
-/// that pull; which muscles need headroom, once it has been solved within the bounds.
+/// that pull; which muscles need headroom, once it has been solved within the bounds. What is active stays so
+/// as bounds are raised: no work moves to other muscles, or to other frames.
 Solution solve_sequence(const std::vector<FrameEstimate>& estimates, const FaceMotion& motion,
                         const SmootherOptions& options, const Progress& progress) {
     const Blocks none(estimates.size(), Eigen::VectorXd::Zero(6 + motion.lower.size()));
     Solution solution{{none, none}, {}, motion.upper};
     const RestPull rest_pull(motion);
+    Blocks unpulled = none;
     constexpr int kBounded = 2, kMostRaises = 3;  // a muscle that goes further may take others along
     const int num_passes = options.muscle_headroom > 1 ? kBounded + kMostRaises : kBounded;
     for (int pass = 0; pass < num_passes; ++pass) {
@@ -209,12 +211,15 @@ Solution solve_sequence(const std::vector<FrameEstimate>& estimates, const FaceM
             }
             solution.upper = raised;
         }
-        solution.problem = make_problem(estimates, solution.bounded.within, motion, solution.upper,
+        solution.problem = make_problem(estimates, unpulled, motion, solution.upper,
                                         pass > 0 ? &rest_pull : nullptr, options);
         const Progress part = [&](double fraction) {
             return !progress || progress((pass + fraction) / num_passes);
         };
         solve_bounded(solution.problem, options.max_iterations, part, solution.bounded);
+        if (pass == 0) {
+            unpulled = solution.bounded.within;
+        }
     }
     return solution;
 }

@@ -167,6 +167,18 @@ TEST(Smooth, LetsAMuscleAtItsBoundGoAsFarAsItIsMeasuredWithinItsHeadroom) {
     EXPECT_EQ(peaks_of(smooth(estimates, motion, with_headroom(1.2)))[0], 1.2);
 }
 
+TEST(Smooth, LeavesAMuscleThatIsHardlyAtWorkAsItIsWhereAnotherGoesFurther) {
+    const FaceMotion motion = two_muscles();
+    const std::vector<FrameEstimate> estimates = rise_to({1.4, .2});
+    const std::vector<FrameEstimate> bound = smooth(estimates, motion);
+    const std::vector<FrameEstimate> free = smooth(estimates, motion, with_headroom(1.6));
+    EXPECT_GT(peaks_of(bound)[1], .05);
+    EXPECT_LT(peaks_of(bound)[1], .19);  // it is pulled to rest
+    for (std::size_t t = 0; t < estimates.size(); ++t) {
+        EXPECT_NEAR(free[t].values[1], bound[t].values[1], 1e-4);
+    }
+}
+
 TEST(Smooth, GivesTheSameToTheBitWithHeadroomThatNoMuscleAsksFor) {
     const FaceMotion motion = two_muscles();
     const std::vector<FrameEstimate> estimates = rise_to({.9, .7});
