@@ -41,8 +41,7 @@ TEST(Smooth, CovarianceOfALongClipStaysBelowThatOfOneFrame) {
     }
 }
 
-/// Two values, the first measured each frame with noise about a rise and a fall.
-TEST(Smooth, FollowsARiseWithoutLagAndWithinBounds) {
+FaceMotion two_muscles() {
     FaceMotion motion;
     motion.neutral = Points::Zero(1, 3);
     motion.modes = MatrixRows::Identity(2, 3);
@@ -50,6 +49,23 @@ TEST(Smooth, FollowsARiseWithoutLagAndWithinBounds) {
     motion.lower = Eigen::VectorXd::Zero(2);
     motion.upper = Eigen::VectorXd::Ones(2);
     motion.prior_std = Eigen::VectorXd::Constant(2, .3);
+    return motion;
+}
+
+/// At some values of them, from which they are measured somewhere else.
+FrameEstimate measured(const Eigen::Vector2d& values, const Eigen::Vector2d& measured_values, double noise) {
+    FrameEstimate estimate;
+    estimate.values = values;
+    estimate.information = Eigen::MatrixXd::Identity(8, 8) / (noise * noise);
+    estimate.covariance = estimate.information.inverse();
+    estimate.gradient = Eigen::VectorXd::Zero(8);
+    estimate.gradient.tail(2) = (measured_values - values) / (noise * noise);
+    return estimate;
+}
+
+/// Two values, the first measured each frame with noise about a rise and a fall.
+TEST(Smooth, FollowsARiseWithoutLagAndWithinBounds) {
+    const FaceMotion motion = two_muscles();
     constexpr int kFrames = 80;
     constexpr double kNoise = .05;
     std::mt19937 random(2);
@@ -58,13 +74,9 @@ TEST(Smooth, FollowsARiseWithoutLagAndWithinBounds) {
     std::vector<FrameEstimate> estimates(kFrames);
     for (int t = 0; t < kFrames; ++t) {
         truth[t] = std::clamp((t - 20) / 10., 0., 1.) * std::clamp((60 - t) / 10., 0., 1.);
-        FrameEstimate& estimate = estimates[static_cast<std::size_t>(t)];
         // As a filter leaves it: behind the truth by two frames, the measurement pulling ahead.
-        estimate.values = Eigen::Vector2d(t < 2 ? 0 : truth[t - 2], 0);
-        estimate.information = Eigen::MatrixXd::Identity(8, 8) / (kNoise * kNoise);
-        estimate.covariance = estimate.information.inverse();
-        estimate.gradient = Eigen::VectorXd::Zero(8);
-        estimate.gradient[6] = (truth[t] + normal(random) - estimate.values[0]) / (kNoise * kNoise);
+        estimates[static_cast<std::size_t>(t)] =
+            measured({t < 2 ? 0 : truth[t - 2], 0}, {truth[t] + normal(random), 0}, kNoise);
     }
     const std::vector<FrameEstimate> smoothed = smooth(estimates, motion);
     Eigen::VectorXd values(kFrames);
@@ -114,30 +126,14 @@ TEST(Smooth, LetsARiseBeginWhenItBegins) {
     EXPECT_EQ(onset, kRise + 2);
 }
 
-/// Two muscles; each frame measures them where they come to at their peaks, on the way there and back.
-FaceMotion two_muscles() {
-    FaceMotion motion;
-    motion.neutral = Points::Zero(1, 3);
-    motion.modes = MatrixRows::Identity(2, 3);
-    motion.num_muscles = 2;
-    motion.lower = Eigen::VectorXd::Zero(2);
-    motion.upper = Eigen::VectorXd::Ones(2);
-    motion.prior_std = Eigen::VectorXd::Constant(2, .3);
-    return motion;
-}
-
+/// Both muscles rise to their peaks and fall again, measured from within their bounds.
 std::vector<FrameEstimate> rise_to(const Eigen::Vector2d& peaks) {
     constexpr int kFrames = 60;
     constexpr double kNoise = .05;
     std::vector<FrameEstimate> estimates(kFrames);
     for (int t = 0; t < kFrames; ++t) {
         const Eigen::Vector2d truth = std::sin(M_PI * t / (kFrames - 1)) * peaks;
-        FrameEstimate& estimate = estimates[static_cast<std::size_t>(t)];
-        estimate.values = truth.cwiseMin(1);
-        estimate.information = Eigen::MatrixXd::Identity(8, 8) / (kNoise * kNoise);
-        estimate.covariance = estimate.information.inverse();
-        estimate.gradient = Eigen::VectorXd::Zero(8);
-        estimate.gradient.tail(2) = (truth - estimate.values) / (kNoise * kNoise);
+        estimates[static_cast<std::size_t>(t)] = measured(truth.cwiseMin(1), truth, kNoise);
     }
     return estimates;
 }
