@@ -7,12 +7,14 @@ import numpy as np
 import pytest
 from mimetic import InvalidInput
 from mimetic.fit.face_fit import FaceFit
+from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import attach
 from mimetic.muscles.calibration import Calibration
 from mimetic.performance.corrections import FrameCorrection, Pinned
 from mimetic.performance.document import Performance
+from mimetic.puppet.live_face import canonical_anatomy, live_face
 from mimetic.solve import full_range
-from mimetic.solve.clip_capture import capture
+from mimetic.solve.clip_capture import capture, find_face
 from mimetic.solve.refining import refined
 from mimetic.solve.tracking import ACTIVATION_STD, face_motion, moving_modes
 from mimetic.template.face_template import load_template
@@ -101,6 +103,17 @@ def test_a_muscles_bound_is_its_extent(anatomy):
     extent[3] = 1.3
     motion = face_motion(template.vertices, template, anatomy, extent=extent)
     np.testing.assert_array_equal(motion.upper[: len(extent)], extent)
+
+
+def test_a_live_filter_follows_within_the_persons_extents(rendered_clip):
+    image = Footage(rendered_clip.footage).read(1)
+    fit = replace(find_face(rendered_clip.footage, 1), calibration=Calibration(extent={SMILE: 1.5}))
+    face = live_face(image, fit, is_own=False)
+    column = face.anatomy.muscle_names.index(SMILE)
+    usual_modes = canonical_anatomy().muscle_modes
+    np.testing.assert_array_equal(face.anatomy.muscle_modes[column], 1.5 * usual_modes[column])
+    np.testing.assert_array_equal(face.anatomy.muscle_modes[0], usual_modes[0])
+    assert face.tracker.advance(image, None).values.max() <= 1
 
 
 def test_a_performance_with_an_extent_under_one_is_refused():
