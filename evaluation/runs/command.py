@@ -44,6 +44,8 @@ from evaluation.runs.rendered import scored
 from evaluation.runs.stills import Stills, rendered_stills
 
 FILES = ("truth", "performance", "footage")
+SCORED_AGAIN = ("real", "keys", "live", "puppet", "timing")
+WITH_OUT = "--out goes with --set full, `fit`, `head`, `locate`, `real` and `timing`"
 WHAT_IS_SCORED = (
     " `locate` scores what finds faces on still images instead, beside OpenCV's cascades; "
     "`head` scores what follows heads on rendered sequences, beside MediaPipe's face mesh; "
@@ -100,14 +102,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--jobs", type=int, default=2, help="--set full: clips at once (default: 2)"
     )
     parser.add_argument(
-        "--out", type=Path, help="--set full, fit, head, locate, real: write figures here"
+        "--out",
+        type=Path,
+        help="--set full, fit, head, locate, real: write figures here; real, timing: performances",
     )
     parser.add_argument(
         "--performances",
         type=Path,
         metavar="DIR",
         help="real, keys, live, puppet: score the performances that an earlier `real --out` left "
-        "here",
+        "here; timing: that an earlier `timing --out` left here",
     )
     parser.add_argument(
         "--first-fit",
@@ -124,17 +128,16 @@ def check(options: argparse.Namespace) -> None:
         _check_set(options)
     if options.what != "capture":
         _refuse(options, *FILES)
-    if options.what not in ("real", "keys", "live", "puppet") and options.performances:
-        raise InvalidInput(
-            "--performances goes with `mimetic evaluate real`, `keys`, `live` and `puppet`"
-        )
+    if options.performances and options.what not in SCORED_AGAIN:
+        names = ", ".join(f"`{what}`" for what in SCORED_AGAIN)
+        raise InvalidInput(f"--performances goes with `mimetic evaluate` {names}")
     if options.first_fit and (options.what != "real" or options.performances):
         raise InvalidInput("--first-fit goes with `mimetic evaluate real`, without --performances")
     files = any(getattr(options, name) for name in FILES)
     if options.set in expressions.SETS and (files or options.what in ("fit", "flow", "head")):
         raise InvalidInput(f"--set {options.set} goes with plain `mimetic evaluate`")
     if options.out and files:
-        raise InvalidInput("--out goes with --set full, `fit`, `head`, `locate` and `real`")
+        raise InvalidInput(WITH_OUT)
 
 
 def run_tables(options: argparse.Namespace) -> int:
@@ -162,7 +165,7 @@ def run_tables(options: argparse.Namespace) -> int:
     if options.set in expressions.SETS:
         return _run_expressions(options)
     if options.out:
-        raise InvalidInput("--out goes with --set full, `fit`, `head`, `locate` and `real`")
+        raise InvalidInput(WITH_OUT)
     tables = []
     for one in scored(options.set, _to_stderr):
         tables.append(one)
@@ -238,9 +241,9 @@ def _run_characters(options: argparse.Namespace) -> int:
 
 
 def _run_timing(options: argparse.Namespace) -> int:
-    _refuse(options, "out")
     _check_set_of(options, timing.SETS)
-    scores = timing.score_timing(options.set, _to_stderr)
+    _prepare_out(options)
+    scores = timing.score_timing(options.set, _to_stderr, options.out, options.performances)
     return _show(options, scores, timing.as_json, timing.as_text)
 
 

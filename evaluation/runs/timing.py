@@ -4,17 +4,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import asdict, dataclass, field
+from functools import partial
+from pathlib import Path
 
 import numpy as np
 from mimetic import _core
 from mimetic.analyse.timing import Timing, analyse_timing
 from mimetic.score.json_text import json_text
-from mimetic.solve.clip_capture import capture
 from mimetic.template.face_template import load_template
 
-from evaluation.runs.own_process import in_own_process
+from evaluation.runs.kept_captures import KeptCaptures, Report
 from evaluation.runs.timing_curves import curve_rows
 from evaluation.runs.timing_units import UnitClip, score_units, unit_rows
 from evaluation.synthetic.timing.films import timing_clip
@@ -22,7 +23,6 @@ from evaluation.synthetic.timing.firing import Firing
 from evaluation.synthetic.timing.recipes import DELAY, EXPRESSIONS, GROUPS, SETS, TimedClip
 
 NEAR = 15  # frames about the true onset in which an event belongs to it
-Report = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -69,21 +69,27 @@ class TimingScores:
     units: list[UnitClip] = field(default_factory=list)  # of clips that move by FACS alone
 
 
-def score_timing(which: str, report: Report) -> TimingScores:
-    """Renders, captures and analyses the clips of a set."""
+def score_timing(
+    which: str, report: Report, out: Path | None = None, folder: Path | None = None
+) -> TimingScores:
+    """Renders, captures and analyses the clips of a set.
+
+    out: a folder in which the captured performances are kept. folder: such a one of an earlier run:
+    clips that are in it are analysed again without capturing them.
+    """
     scores = TimingScores()
-    for clip, timing in _analysed(which, report):
+    kept = KeptCaptures(out, folder, report)
+    for clip, timing in _analysed(which, kept):
         _score_clip(clip, timing, scores)
-    scores.units = score_units(which, report)
+    scores.units = score_units(which, kept)
     return scores
 
 
-def _analysed(which: str, report: Report) -> Iterator[tuple[TimedClip, Timing]]:
+def _analysed(which: str, kept: KeptCaptures) -> Iterator[tuple[TimedClip, Timing]]:
     template = load_template()
     for clip in SETS[which]:
-        footage_clip = timing_clip(clip.recipe, template, report)
-        report(f"{footage_clip.name}: capturing")
-        performance = in_own_process(capture, footage_clip.footage)
+        name = clip.recipe.name
+        performance = kept.of(name, partial(timing_clip, clip.recipe, template, kept.report))
         yield clip, analyse_timing(performance, kinds=("group",))
 
 

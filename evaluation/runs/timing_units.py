@@ -4,20 +4,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 from mimetic.analyse.comparison import compare
 from mimetic.analyse.timing import analyse_timing
 from mimetic.performance.document import Performance
-from mimetic.solve.clip_capture import capture
 from mimetic.template.face_template import load_template
 
-from evaluation.runs.own_process import in_own_process
+from evaluation.runs.kept_captures import KeptCaptures
 from evaluation.synthetic.timing.action_units import SETS, unit_motion
 from evaluation.synthetic.timing.films import timing_clip
-
-Report = Callable[[str], None]
 
 
 @dataclass(frozen=True)
@@ -33,14 +30,13 @@ class UnitClip:
     rank_one: float
 
 
-def score_units(which: str, report: Report) -> list[UnitClip]:
+def score_units(which: str, kept: KeptCaptures) -> list[UnitClip]:
     template = load_template()
     scores = []
     for recipe in SETS[which]:
-        clip = timing_clip(recipe, template, report, unit_motion)
-        report(f"{clip.name}: capturing")
-        performance = in_own_process(capture, clip.footage)
-        scores.append(score_unit(clip.name, recipe.phases[0].control, performance))
+        render = partial(timing_clip, recipe, template, kept.report, unit_motion)
+        performance = kept.of(recipe.name, render)
+        scores.append(score_unit(recipe.name, recipe.phases[0].control, performance))
     return scores
 
 

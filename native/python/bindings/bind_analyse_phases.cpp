@@ -63,6 +63,7 @@ void bind_fit(py::module_& m) {
         .def_readonly("relaxed_share", &PhaseFit::relaxed_share)
         .def_readonly("bic", &PhaseFit::bic)
         .def_readonly("noise", &PhaseFit::noise)
+        .def_readonly("smoothing", &PhaseFit::smoothing)
         .def_readonly("explained", &PhaseFit::explained)
         .def_readonly("linear_explained", &PhaseFit::linear_explained)
         .def_readonly("first", &PhaseFit::first)
@@ -78,12 +79,29 @@ void bind_fit(py::module_& m) {
         .def_readwrite("robust_scale", &PhaseOptions::robust_scale)
         .def_readwrite("timing_std", &PhaseOptions::timing_std)
         .def_readwrite("measured_std", &PhaseOptions::measured_std)
+        .def_readwrite("exponent_std", &PhaseOptions::exponent_std)
+        .def_readwrite("shape_error", &PhaseOptions::shape_error)
         .def_readwrite("num_draws", &PhaseOptions::num_draws)
         .def_readwrite("seed", &PhaseOptions::seed);
-    m.def("fit_phases", &fit_phases, "frames"_a, "values"_a, "stds"_a, "usable"_a,
-          "options"_a = PhaseOptions(), py::call_guard<py::gil_scoped_release>(),
-          "Events of a curve (N,) at rising frames (N,) with their phases; usable (N,): false where a frame "
-          "is held.\nRaises InvalidInput.");
+    py::class_<MeasuredCourses>(m, "MeasuredCourses",
+                                "How muscles rise and fall by the pictures alone; see measured_courses.hpp.")
+        .def(py::init<MatrixIn, const Eigen::Ref<const Rows<float, Eigen::Dynamic>>&>(), "activations"_a,
+             "evidence"_a,
+             "activations: (N, P); evidence: (N, E) float32, as `pack_evidence` has it. Raises InvalidInput.")
+        .def("course", &MeasuredCourses::course, "members"_a, "first"_a, "last"_a, "top"_a,
+             "Mean (last - first + 1,) of the members, (P,) of 0 and 1, in the proportions of row top.");
+    m.def(
+        "fit_phases",
+        [](const Eigen::VectorXd& frames, const Eigen::VectorXd& values, const Eigen::VectorXd& stds,
+           const std::vector<bool>& usable, const PhaseOptions& options, const MeasuredCourses* courses,
+           const Eigen::VectorXd& members) {
+            return fit_phases(frames, values, stds, usable, options, {courses, members});
+        },
+        "frames"_a, "values"_a, "stds"_a, "usable"_a, "options"_a = PhaseOptions(), "courses"_a = py::none(),
+        "members"_a = Eigen::VectorXd(), py::call_guard<py::gil_scoped_release>(),
+        "Events of a curve (N,) at rising frames (N,) with their phases; usable (N,): false where a frame is "
+        "held;\ncourses, members (P,): MeasuredCourses, and the muscles whose mean the curve is. Raises "
+        "InvalidInput.");
 }
 
 void bind_delay(py::module_& m) {

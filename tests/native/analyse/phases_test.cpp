@@ -103,6 +103,31 @@ TEST(Phases, AKnownEventIsRecoveredWithItsIntervals) {
     EXPECT_GE(onsets_held, 9);
 }
 
+TEST(Phases, AShapeThatMayBeDistortedHasWiderExponentsButNoOtherEstimate) {
+    const Eigen::VectorXd curve = captured(smile(20.4), .004, 1);
+    PhaseOptions options;
+    const PhaseFit plain = fit_phases(frames, curve, stds, all, options).at(0);
+    options.shape_error = 2.5;
+    const PhaseFit fit = fit_phases(frames, curve, stds, all, options).at(0);
+    EXPECT_EQ(fit.exponent.value, plain.exponent.value);
+    EXPECT_GT(fit.exponent.upper - fit.exponent.lower, 1.5 * (plain.exponent.upper - plain.exponent.lower));
+}
+
+TEST(Phases, AnExponentThatTheCurveHardlyTellsIsDrawnToWhatIsExpected) {
+    PhaseOptions options;
+    double free = 0, expected = 0;
+    for (unsigned seed = 0; seed < 4; ++seed) {
+        PhaseShape shape = smile(20);
+        shape.exponent = 5;
+        const Eigen::VectorXd curve = captured(shape, .03, seed);
+        options.exponent_std = 0;
+        free += std::abs(fit_phases(frames, curve, stds, all, options).at(0).shape.exponent);
+        options.exponent_std = 1;
+        expected += std::abs(fit_phases(frames, curve, stds, all, options).at(0).shape.exponent);
+    }
+    EXPECT_LT(expected, .9 * free);
+}
+
 TEST(Phases, TheModelIsTheOneThatMadeTheCurve) {
     PhaseShape shape = smile(20);
     shape.model = PhaseModel::linear_ramp;

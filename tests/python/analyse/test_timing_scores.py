@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import csv
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ from mimetic.analyse.smiles import smiles_of, summary_of
 from mimetic.analyse.timing import analyse_timing, curves_of
 from mimetic.analyse.timing_report import FILES
 from mimetic.commands.cli import main
+from mimetic.performance.corrections import FrameCorrection, Pinned, texts_of
 from sample_performance import make_performance
 
 FRAMES = 80
@@ -51,6 +53,36 @@ def test_only_what_fires_has_events_and_the_eyes_are_late():
     [pair] = timing.delays
     assert pair.delay.lag.value == pytest.approx(3, abs=0.5)
     assert pair.delay.is_delayed
+
+
+def by_pictures(performance, **changes):
+    """The performance with pictures that agree with twice its brows' activations."""
+    size = 6 + len(performance.muscles)
+    is_brow = performance.groups == 5
+    performance.activations[:, is_brow] += firing(20.0, 0.2)[:, None]
+    evidence = []
+    for values in performance.activations:
+        step = np.zeros(size)
+        step[6:][is_brow] = values[is_brow]
+        information = 1e4 * np.eye(size)
+        packed = [information[i, : i + 1] for i in range(size)]
+        evidence.append(np.concatenate([*packed, information @ step]))
+    return replace(performance, evidence=np.array(evidence, np.float32), **changes)
+
+
+def test_phases_are_of_what_the_pictures_say_unless_a_person_corrected_it():
+    [event] = certain(by_pictures(smiling()), group=5)
+    assert event.fit.amplitude.value == pytest.approx(0.4, abs=0.01)
+    assert event.fit.smoothing == 0
+    pinned = FrameCorrection(30, values={"muscle_00.L": Pinned(0.5, 0.03)})
+    corrected = by_pictures(smiling(), corrections=texts_of([pinned]))
+    [event] = certain(corrected, group=5)
+    assert event.fit.amplitude.value == pytest.approx(0.2, abs=0.01)
+
+
+def certain(performance, group):
+    timing = analyse_timing(performance, kinds=("group",))
+    return [event for event in timing.of_group(group) if event.fit.is_certain]
 
 
 def test_no_delay_is_told_of_groups_that_fire_together_or_not_at_all():

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <array>
+#include <mimetic/analyse/measured_courses.hpp>
 #include <mimetic/shared/types.hpp>
 #include <vector>
 
@@ -44,6 +45,7 @@ struct PhaseFit {
     std::array<double, kNumPhaseModels> bic{};  ///< of each model; the shape's is the least
     double noise = 0;                           ///< s.d. of the curve about the fit
     double smoothing = 0;                       ///< ratio of CurveNoise
+    double shape_std = 0;                       ///< of the logarithm of the power that may distort the shape
     double explained = 0;                       ///< R2 about the mean
     double linear_explained = 0;                ///< R2 of the best linear ramp
     int first = 0, last = 0;                    ///< rows of the curve that were fitted
@@ -59,18 +61,28 @@ struct PhaseOptions {
     double robust_scale = .05;     ///< of soft L1
     double timing_std = .5;        ///< frames: s.d. of a capture's timing, beside the curve's noise
     double measured_std = 0;       ///< of what was smoothed, where a curve is a mean of several; 0: its own
+    double exponent_std = 0;       ///< s.d. of exponents about 0, beforehand; 0: anything is as likely
+    double shape_error = 0;        ///< s.d. of the logarithm of the power by which an event's shape may be
+                                   ///< distorted, as a multiple of its value's s.d. over its amplitude
     int num_draws = 100;           ///< of the parametric bootstrap, 0 to 10000
     unsigned seed = 1;
     void check() const;  ///< throws InvalidInput: field, value, limit
 };
 
+/// The muscles whose mean a curve is, and what the pictures say about them.
+struct MeasuredGroup {
+    const MeasuredCourses* courses = nullptr;
+    Eigen::VectorXd members;  ///< as `MeasuredCourses::course` has them
+};
+
 /// Events of a curve, in order. frames, values, stds: N, frames rising; usable: N, false where a frame is
 /// held and carries no information. stds are of each value, most of it error that stays the same from frame
 /// to frame: it counts against the amplitude, while the times' intervals come from the curve's own noise
-/// about the fit. Models are fitted through what the smoother does to a curve. Throws InvalidInput on other
-/// lengths.
+/// about the fit. Models are fitted through what the smoother does to a curve; where `measured` is given, to
+/// what the pictures say about each event instead. Throws InvalidInput on other lengths.
 std::vector<PhaseFit> fit_phases(VectorIn frames, VectorIn values, VectorIn stds,
-                                 const std::vector<bool>& usable, const PhaseOptions& options = {});
+                                 const std::vector<bool>& usable, const PhaseOptions& options = {},
+                                 const MeasuredGroup& measured = {});
 
 /// Parametric bootstrap draws of the fitted curve: rows first to last, a column a draw.
 Eigen::MatrixXd draw_curves(const PhaseFit& fit, VectorIn frames, int num_draws, unsigned seed);

@@ -15,6 +15,10 @@ from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.score.groups import GROUP_NAMES
 
 SIDES = (".L", ".R")
+# Chosen on `mimetic evaluate timing --set tuning`
+SHAPE_ERROR = 2.5
+PICTURES_ROBUST_SCALE = 0.02  # what the pictures say is not smoothed, so one frame may be far off
+EXPONENT_STD = 3.0  # beforehand, about 0
 Progress = Callable[[float, str], object]
 
 
@@ -28,6 +32,7 @@ class Curve:
     values: NDArray[np.float64]  # N, 0 to 1
     stds: NDArray[np.float64]  # N
     measured_std: float  # of the curves that were smoothed: a group's muscles
+    members: NDArray[np.float64]  # P, 1 for its muscles, 0 for others
 
 
 @dataclass(frozen=True)
@@ -73,16 +78,34 @@ def analyse_timing(
     curves = [curve for curve in curves_of(performance) if curve.kind in kinds]
     frames = performance.frame.astype(np.float64)
     usable = (performance.quality >= HELD_QUALITY).tolist()
+    courses = measured_courses(performance)
     events = []
     for i, curve in enumerate(curves):
         progress(0.9 * i / len(curves), f"fitting phases: {curve.name}")
-        options = _core.PhaseOptions()
-        options.measured_std = curve.measured_std
-        fits = _core.fit_phases(frames, curve.values, curve.stds, usable, options)
+        options = _phase_options(curve, courses is not None)
+        fits = _core.fit_phases(
+            *(frames, curve.values, curve.stds, usable, options, courses, curve.members)
+        )
         events += [Event(curve, number, fit) for number, fit in enumerate(fits, 1)]
     progress(0.9, "delays between groups")
     groups = [event for event in events if event.curve.kind == "group"]
     return Timing(performance, curves, events, list(_delays(frames, groups)))
+
+
+def measured_courses(performance: Performance) -> _core.MeasuredCourses | None:
+    """What the pictures alone say, where it is kept and a person has not corrected it."""
+    if performance.evidence is None or performance.corrections:
+        return None
+    return _core.MeasuredCourses(performance.activations, performance.evidence)
+
+
+def _phase_options(curve: Curve, by_pictures: bool) -> _core.PhaseOptions:
+    options = _core.PhaseOptions()
+    options.measured_std = curve.measured_std
+    options.shape_error = SHAPE_ERROR
+    if by_pictures:
+        options.robust_scale, options.exponent_std = PICTURES_ROBUST_SCALE, EXPONENT_STD
+    return options
 
 
 def curves_of(performance: Performance) -> Iterator[Curve]:
@@ -104,7 +127,7 @@ def curves_of(performance: Performance) -> Iterator[Curve]:
     means = _core.mean_curves(performance.activations, performance.activations_std, members)
     for i, (kind, name, group) in enumerate(names):
         values, stds = means.values[:, i].copy(), means.stds[:, i].copy()
-        yield Curve(kind, name, group, values, stds, float(means.measured_std[i]))
+        yield Curve(kind, name, group, values, stds, float(means.measured_std[i]), members[i])
 
 
 def _delays(frames: NDArray[np.float64], events: list[Event]) -> Iterator[GroupDelay]:

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <limits>
+#include <mimetic/analyse/curve_noise.hpp>
+#include <mimetic/analyse/phases.hpp>
+
+#include "events.hpp"
+#include "phase_shape.hpp"
+
+namespace mimetic {
+
+using PhaseParameters = Eigen::Matrix<double, kPhaseParameters, 1>;
+inline constexpr double kLeastNoise = .002;
+
+/// Rows of one event: what is fitted, and with which weight.
+struct FittedEvent {
+    Eigen::VectorXd frames, values, weights;  // n; a weight of 0 leaves the row out
+    EventRows rows;
+    const CurveNoise* noise;
+};
+
+/// One model's best fit to an event.
+struct ModelFit {
+    PhaseParameters parameters;
+    PhaseShape shape;
+    double bic = std::numeric_limits<double>::infinity();
+    double variance = 0, explained = 0;
+};
+
+ModelFit fit_model(const FittedEvent& data, PhaseModel model, const PhaseOptions& options);
+
+/// The same model fitted to another draw of the curve, from the fit's parameters.
+PhaseShape refit_model(const FittedEvent& drawn, const ModelFit& fit, const PhaseOptions& options);
+
+}  // namespace mimetic
