@@ -83,8 +83,8 @@ void bind_fit(py::module_& m) {
         .def_readwrite("shape_error", &PhaseOptions::shape_error)
         .def_readwrite("num_draws", &PhaseOptions::num_draws)
         .def_readwrite("seed", &PhaseOptions::seed);
-    py::class_<MeasuredCourses>(m, "MeasuredCourses",
-                                "How muscles rise and fall by the pictures alone; see measured_courses.hpp.")
+    py::class_<MeasuredCourses, std::shared_ptr<MeasuredCourses>>(
+        m, "MeasuredCourses", "How muscles rise and fall by the pictures alone; see measured_courses.hpp.")
         .def(py::init<MatrixIn, const Eigen::Ref<const Rows<float, Eigen::Dynamic>>&>(), "activations"_a,
              "evidence"_a,
              "activations: (N, P); evidence: (N, E) float32, as `pack_evidence` has it. Raises InvalidInput.")
@@ -93,9 +93,10 @@ void bind_fit(py::module_& m) {
     m.def(
         "fit_phases",
         [](const Eigen::VectorXd& frames, const Eigen::VectorXd& values, const Eigen::VectorXd& stds,
-           const std::vector<bool>& usable, const PhaseOptions& options, const MeasuredCourses* courses,
-           const Eigen::VectorXd& members) {
-            return fit_phases(frames, values, stds, usable, options, {courses, members});
+           const std::vector<bool>& usable, const PhaseOptions& options,
+           const std::optional<std::shared_ptr<MeasuredCourses>>& courses, const Eigen::VectorXd& members) {
+            return fit_phases(frames, values, stds, usable, options,
+                              {courses ? courses->get() : nullptr, members});
         },
         "frames"_a, "values"_a, "stds"_a, "usable"_a, "options"_a = PhaseOptions(), "courses"_a = py::none(),
         "members"_a = Eigen::VectorXd(), py::call_guard<py::gil_scoped_release>(),

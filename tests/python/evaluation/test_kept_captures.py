@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import pytest
-from evaluation.runs.kept_captures import KeptCaptures
 from mimetic.performance.document import Performance
 from sample_performance import make_performance
+
+from evaluation.runs.kept_captures import KeptCaptures
 
 
 def refuse_to_render():
