@@ -15,6 +15,8 @@
 namespace mimetic {
 namespace {
 
+constexpr double kMostBent = 1;  // of shape_std: beyond it a draw is a step
+
 /// The middle 95 % of draws about an estimate.
 Interval interval_of(double value, std::vector<double> draws, double further_std = 0) {
     const std::optional<DrawnRange> range = range_of(std::move(draws));
@@ -106,7 +108,8 @@ PhaseFit fit_event(const FittedEvent& data, double value_std, double smoothing, 
     fit.last = data.rows.last;
     fit.begins_before = data.rows.begins_before;
     fit.ends_after = data.rows.ends_after;
-    fit.shape_std = options.shape_error * value_std / std::max(best.shape.amplitude, 1e-6);
+    fit.shape_std =
+        std::min(kMostBent, options.shape_error * value_std / std::max(best.shape.amplitude, 1e-6));
     fit.is_certain = best.shape.amplitude > options.certainty * value_std;
     set_intervals(best.shape, draw_fits(data, models, fit, options, frames), value_std, options.timing_std,
                   fit);

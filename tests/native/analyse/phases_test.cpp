@@ -113,6 +113,16 @@ TEST(Phases, AShapeThatMayBeDistortedHasWiderExponentsButNoOtherEstimate) {
     EXPECT_GT(fit.exponent.upper - fit.exponent.lower, 1.5 * (plain.exponent.upper - plain.exponent.lower));
 }
 
+TEST(Phases, AnEventFarWithinTheErrorHasIntervals) {
+    PhaseShape weak = smile(20);
+    weak.amplitude = .06;
+    PhaseOptions options;
+    options.shape_error = 100;
+    const PhaseFit fit = fit_phases(frames, captured(weak, .0005, 6), stds, all, options).at(0);
+    EXPECT_LT(fit.onset.lower, fit.onset.upper);
+    EXPECT_TRUE(draw_curves(fit, frames, 50, 1).allFinite());
+}
+
 TEST(Phases, AnExponentThatTheCurveHardlyTellsIsDrawnToWhatIsExpected) {
     PhaseOptions options;
     double free = 0, expected = 0;
