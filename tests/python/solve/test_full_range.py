@@ -12,6 +12,7 @@ from mimetic.muscles.anatomy import attach
 from mimetic.muscles.calibration import Calibration
 from mimetic.performance.corrections import FrameCorrection, Pinned
 from mimetic.performance.document import Performance
+from mimetic.performance.gaze import GAZE
 from mimetic.puppet.live_face import canonical_anatomy, live_face
 from mimetic.solve import full_range
 from mimetic.solve.clip_capture import capture, find_face
@@ -38,13 +39,34 @@ def values_of(anatomy, peak):
     return values
 
 
+def evidence_of(anatomy):
+    size = 6 + len(anatomy.muscle_names) + len(anatomy.articulator_names)
+    length = size * (size + 3) // 2
+    return np.random.default_rng(4).normal(size=(10, length)).astype(np.float32)
+
+
+def test_evidence_says_the_same_of_activations_however_they_are_stated():
+    rng = np.random.default_rng(7)
+    scale = np.array([1.0, 1.4, 1.0])
+    slopes = rng.normal(size=(12, 9))
+    information, gradient, step = slopes.T @ slopes, rng.normal(size=9), rng.normal(size=9)
+    packed = np.append(information[np.tril_indices(9)], gradient).astype(np.float32)
+    own = packed * full_range.evidence_factors(scale)
+    lower = np.zeros((9, 9))
+    lower[np.tril_indices(9)] = own[:-9]
+    own_information = lower + np.tril(lower, -1).T
+    own_step = step / np.append(np.ones(6), scale)
+    assert own_step @ own_information @ own_step == pytest.approx(step @ information @ step, 1e-5)
+    assert own[-9:] @ own_step == pytest.approx(gradient @ step, 1e-5)
+
+
 def test_activations_are_stated_relative_to_how_far_the_person_went(anatomy):
     values = values_of(anatomy, 1.4)
     std = np.full(values.shape, 0.07)
     fit = make_fit(calibration=Calibration())
     fit = full_range.with_extent(fit, anatomy.muscle_names, values)
     assert fit.calibration.extent == {SMILE: 1.4}
-    fields = full_range.stated(fit, anatomy, values, std)
+    fields = full_range.stated(fit, anatomy, values, std, evidence_of(anatomy))
     column = anatomy.muscle_names.index(SMILE)
     assert fields["activations"][:, column].max() == 1
     np.testing.assert_allclose(fields["activations_std"][:, column], 0.05)
@@ -57,8 +79,10 @@ def test_nothing_is_stated_otherwise_where_no_muscle_went_further(anatomy):
     values = values_of(anatomy, 0.9)
     fit = full_range.with_extent(make_fit(calibration=Calibration()), anatomy.muscle_names, values)
     assert fit.calibration.extent == {}
-    fields = full_range.stated(fit, anatomy, values, values)
-    assert fields.keys() == {"activations", "activations_std"}
+    evidence = evidence_of(anatomy)
+    fields = full_range.stated(fit, anatomy, values, values, evidence)
+    assert fields.keys() == {"activations", "activations_std", "evidence"}
+    np.testing.assert_array_equal(fields["evidence"], evidence)
     np.testing.assert_array_equal(fields["activations"], values)
 
 
@@ -66,7 +90,8 @@ def test_what_an_earlier_clip_showed_holds_in_the_next_one(anatomy):
     fit = make_fit(calibration=Calibration(extent={SMILE: 1.5}))
     fit = full_range.with_extent(fit, anatomy.muscle_names, values_of(anatomy, 1.2))
     assert fit.calibration.extent == {SMILE: 1.5}
-    fields = full_range.stated(fit, anatomy, values_of(anatomy, 1.2), np.ones((10, 36)))
+    values = values_of(anatomy, 1.2)
+    fields = full_range.stated(fit, anatomy, values, values, evidence_of(anatomy))
     assert fields["activations"].max() == pytest.approx(0.8)
 
 
@@ -127,12 +152,15 @@ def test_corrections_move_the_skin_alike_however_far_a_muscle_extentes(rendered_
     column = int(usual.activations.max(axis=0).argmax())
     extent = np.ones(len(usual.muscles))
     extent[column] = 1.25
+    num_articulators = len([name for name in usual.articulators if name not in GAZE])
     raised = replace(
         usual,
         activations=usual.activations / extent,
         activations_std=usual.activations_std / extent,
         muscle_modes=usual.muscle_modes * extent[:, None, None],
         muscle_extent=extent,
+        evidence=usual.evidence
+        * full_range.evidence_factors(np.append(extent, np.ones(num_articulators))),
     )
     raised.save(tmp_path / "raised.npz")
     raised = Performance.load(tmp_path / "raised.npz")

@@ -321,7 +321,10 @@ class ClipCapture:
             values[:, num_muscles:],
             std[:, num_muscles:],
             self.anatomy.articulator_modes,
-        ) | full_range.stated(fit, self.anatomy, values[:, :num_muscles], std[:, :num_muscles])
+        ) | full_range.stated(
+            *(fit, self.anatomy, values[:, :num_muscles], std[:, :num_muscles]),
+            np.array(rows.evidence),
+        )
         return clip_performance(
             *(rows, self.walk.footage, fit, self.template, self.anatomy),
             head_pose=poses,
@@ -330,7 +333,6 @@ class ClipCapture:
             detail_modes=self.detail.modes,
             detail_coefficients=np.array(rows.detail),
             detail_coefficients_std=np.array(rows.detail_std),
-            evidence=np.array(rows.evidence),
             notes=self.walk.notes(rows, fit.calibration.notes()) or None,
         )
 

@@ -45,18 +45,36 @@ def with_extent(fit: FaceFit, names: tuple[str, ...], values: NDArray[np.float64
 
 
 def stated(
-    fit: FaceFit, anatomy: Anatomy, values: NDArray[np.float64], std: NDArray[np.float64]
+    fit: FaceFit,
+    anatomy: Anatomy,
+    values: NDArray[np.float64],
+    std: NDArray[np.float64],
+    evidence: NDArray[np.float32],
 ) -> dict[str, Any]:
-    """Fields of a performance: muscles' values and deviations (N x P) relative to the extents."""
+    """Fields of a performance: muscles' values and deviations (N x P), and what the pictures say of
+    them (N x E, `_core.pack_evidence`), relative to the extents."""
+    if not fit.calibration.extent:
+        return {
+            "activations": np.clip(values, 0, 1),
+            "activations_std": std,
+            "evidence": evidence,
+        }
     extent = fit.calibration.extent_factors(anatomy.muscle_names)
-    fields: dict[str, Any] = {
+    num_others = len(anatomy.articulator_names)
+    return {
         "activations": np.clip(values / extent, 0, 1),
         "activations_std": std / extent,
+        "evidence": evidence * evidence_factors(np.append(extent, np.ones(num_others))),
+        "muscle_modes": anatomy.muscle_modes * extent[:, None, None],
+        "muscle_extent": extent,
     }
-    if fit.calibration.extent:
-        fields["muscle_modes"] = anatomy.muscle_modes * extent[:, None, None]
-        fields["muscle_extent"] = extent
-    return fields
+
+
+def evidence_factors(scale: NDArray[np.float64]) -> NDArray[np.float32]:
+    """E: times the evidence of values (M) it is that of these values over `scale` (M)."""
+    of_state = np.append(np.ones(6), scale)
+    row, column = np.tril_indices(len(of_state))
+    return np.append(of_state[row] * of_state[column], of_state).astype(np.float32)
 
 
 def assumed_modes(performance: Performance) -> NDArray[np.float32]:

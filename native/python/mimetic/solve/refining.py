@@ -31,7 +31,7 @@ from mimetic.performance.gaze import GAZE, has_gaze, own_articulators, seen_arti
 from mimetic.performance.pinned_places import PinnedPlaces
 from mimetic.shared.pinhole import camera_of
 from mimetic.shared.progress import Progress
-from mimetic.solve.full_range import assumed_modes
+from mimetic.solve.full_range import assumed_modes, evidence_factors
 from mimetic.solve.refined_spans import FIXED, FrameSpan, limits_of_change, spans_of
 from mimetic.solve.tracking import face_motion
 from mimetic.template.face_template import load_template
@@ -103,7 +103,7 @@ class Refinement:
     """A performance whose rows are solved again, run by run.
 
     Muscles are solved for in units of the assumed strengths, as the capture does, within the
-    person's extents.
+    person's extents; everything here is relative to these.
     """
 
     def __init__(self, performance: Performance, corrected: list[FrameSpan]) -> None:
@@ -116,24 +116,21 @@ class Refinement:
         self.columns = [performance.articulators.index(name) for name in self.names]
         extent = performance.muscle_extent
         self.extent = np.ones(len(performance.muscles)) if extent is None else extent
+        self.scale = np.append(self.extent, np.ones(len(self.names)))  # of all values
+        self.factors = evidence_factors(self.scale)
         anatomy = anatomy_of(performance, self.names, self.columns)
         neutral = performance.neutral_vertices
         self.motion = face_motion(neutral, self.template, anatomy, extent=self.extent)
         self.poses = performance.head_pose.copy()
         self.pose_covariances = performance.head_pose_cov.copy()
         self.values = np.hstack(
-            [
-                performance.activations * self.extent,
-                seen_articulators(performance)[:, self.columns],
-            ]
+            [performance.activations, seen_articulators(performance)[:, self.columns]]
         )
         own_std = performance.articulator_values_std
         if own_std is None:
             own_std = np.full(performance.articulator_values.shape, 0.1)
         self.own_std = own_std.copy()
-        self.values_std = np.hstack(
-            [performance.activations_std * self.extent, own_std[:, self.columns]]
-        )
+        self.values_std = np.hstack([performance.activations_std, own_std[:, self.columns]])
         assert performance.evidence is not None  # `check_refinable`
         self.evidence = performance.evidence.copy()
         self.gaze_columns = [
@@ -276,18 +273,20 @@ class Refinement:
             return False
         for i in range(begin, end + 1):
             estimate = solved[i - first]
-            self.poses[i], self.values[i] = estimate.camera_from_head, estimate.values
-            self.pose_covariances[i], self.values_std[i] = estimate.pose_cov, estimate.values_std
-            self.evidence[i] = _core.pack_evidence(estimate)
+            self.poses[i], self.pose_covariances[i] = estimate.camera_from_head, estimate.pose_cov
+            self.values[i] = estimate.values / self.scale
+            self.values_std[i] = estimate.values_std / self.scale
+            self.evidence[i] = _core.pack_evidence(estimate) * self.factors
         self.moved[begin : end + 1] = True
         self._turn_eyes(span, corrections)
         return True
 
     def _estimate(self, i: int) -> _core.FrameEstimate:
         quality = float(self.performance.quality[i])
+        values, std = self.values[i] * self.scale, self.values_std[i] * self.scale
         return _core.stored_estimate(
-            *(self.poses[i], self.pose_covariances[i], self.values[i], self.values_std[i]),
-            *(self.evidence[i], quality, quality < HELD_QUALITY),
+            *(self.poses[i], self.pose_covariances[i], values, std),
+            *(self.evidence[i] / self.factors, quality, quality < HELD_QUALITY),
         )
 
     def _measured(self, entry: FrameCorrection, index: int) -> _core.Correction:
@@ -315,8 +314,7 @@ class Refinement:
             if name in GAZE:
                 continue
             weights = np.zeros(len(names))
-            index = names.index(name)
-            weights[index] = 1.0 / self.extent[index] if index < len(self.extent) else 1.0
+            weights[names.index(name)] = 1.0 / self.scale[names.index(name)]
             yield _core.ValuePin(weights, pinned.value, pinned.std)
         if entry.lip_gap is not None:
             lines = feature_lines(self.template)
@@ -364,8 +362,8 @@ class Refinement:
             performance,
             head_pose=poses,
             head_pose_cov=_core.nearest_covariances(self.pose_covariances),
-            activations=np.clip(self.values[:, :num_muscles] / self.extent, 0, 1),
-            activations_std=self.values_std[:, :num_muscles] / self.extent,
+            activations=np.clip(self.values[:, :num_muscles], 0, 1),
+            activations_std=self.values_std[:, :num_muscles],
             articulator_values=articulators,
             articulator_values_std=std,
             evidence=self.evidence,
