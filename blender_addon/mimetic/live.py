@@ -73,14 +73,14 @@ def source_of(context, is_paced: bool = True):
     """The source that the settings name; raises what `known_errors` has."""
     settings = context.scene.mimetic.live
     if settings.source == "CAMERA":
-        return native.camera_source().CameraSource(settings.camera)
+        return native.live_source(True).CameraSource(settings.camera)
     path = bpy.path.abspath(settings.clip_path) if settings.clip_path else ""
     clip = scene_in.clip_of(context)
     if not path and clip is not None:
         path = clips.source_of(clip, context.scene)
     if not path:
         raise native.invalid_input(NO_SOURCE)
-    return native.clip_source().ClipSource(path, is_paced)
+    return native.live_source(False).ClipSource(path, is_paced)
 
 
 def taught_of(settings):

@@ -238,22 +238,22 @@ def head_tracking() -> ModuleType:
     return head_tracking
 
 
+def known_lens() -> ModuleType:
+    from mimetic.fit import known_lens
+
+    return known_lens
+
+
 def landmarks_file() -> ModuleType:
     from mimetic.character import landmarks_file
 
     return landmarks_file
 
 
-def camera_source() -> ModuleType:
-    from mimetic.puppet import camera_source
+def live_source(is_camera: bool) -> ModuleType:
+    from mimetic.puppet import camera_source, clip_source
 
-    return camera_source
-
-
-def clip_source() -> ModuleType:
-    from mimetic.puppet import clip_source
-
-    return clip_source
+    return camera_source if is_camera else clip_source
 
 
 def driven_face() -> ModuleType:

@@ -15,7 +15,7 @@ from bpy.props import (
     StringProperty,
 )
 
-from . import compat, control_rows, correction_settings, editors, take_rows, writable
+from . import clip_lens, compat, control_rows, correction_settings, editors, take_rows, writable
 from .face_view_settings import FaceViewSettings
 from .live_settings import MimeticLive
 from .scene_out import contact, expressions, gaze, rigs
@@ -233,7 +233,7 @@ class MimeticFootage(correction_settings.KeepsCorrections, bpy.types.PropertyGro
     )
 
 
-class MimeticClip(bpy.types.PropertyGroup):
+class MimeticClip(clip_lens.HasLens, bpy.types.PropertyGroup):
     """A clip keeps what belongs to each content that its file has had."""
 
     footage: CollectionProperty(type=MimeticFootage)

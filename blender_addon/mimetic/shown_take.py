@@ -29,6 +29,12 @@ def performance(context):
     return _last[1]
 
 
+def last_read(context):
+    """The take's Performance if it was read before, else None; the clip has a take."""
+    is_it = _last is not None and _last[0][0] == scene_in.take(context)
+    return _last[1] if is_it and not isinstance(_last[1], Exception) else None
+
+
 def performance_or_none(context):
     """The same for drawing: None where there is none that could be drawn."""
     holder = takes.of_clip(context.scene, scene_in.clip_of(context))

@@ -10,11 +10,13 @@ class Layout:
     """Stands for a UILayout; rows, columns and panels write into the same list. What a real one
     refuses fails here too: icons, operators and properties that do not exist."""
 
-    def __init__(self, texts: list[str]):
+    def __init__(self, texts: list[str], lit: list[str] | None = None):
         self.texts = texts
+        self.lit = [] if lit is None else lit  # operators whose buttons stand out
 
-    def operator(self, name, text="", icon="NONE"):
+    def operator(self, name, text="", icon="NONE", depress=False):
         assert icon in ICONS
+        self.lit += [name] if depress else []
         kind = getattr(bpy.ops.mimetic, name.removeprefix("mimetic.")).get_rna_type()
         self.texts += [name, text]
         return type("Properties", (), dict.fromkeys(kind.properties.keys()))()
@@ -43,10 +45,10 @@ class Layout:
         self.texts.append(list_type)
 
     def panel(self, name, default_closed=False):
-        return Layout(self.texts), Layout(self.texts)
+        return self.row(), self.row()
 
     def row(self, align=False):
-        return Layout(self.texts)
+        return Layout(self.texts, self.lit)
 
     column = row
 
@@ -59,11 +61,19 @@ class Layout:
 
 def drawn(name: str) -> str:
     """All that a panel or a menu of ours draws now, in one line."""
-    texts: list[str] = []
+    return " ".join(_layout_of(name).texts)
+
+
+def lit_buttons(name: str) -> list[str]:
+    """The operators whose buttons stand out in a panel of ours now."""
+    return _layout_of(name).lit
+
+
+def _layout_of(name: str) -> Layout:
     shown = _stand_in(getattr(bpy.types, name))()
-    shown.layout = Layout(texts)
+    shown.layout = Layout([])
     shown.draw(bpy.context)
-    return " ".join(texts)
+    return shown.layout
 
 
 def _stand_in(kind: type) -> type:

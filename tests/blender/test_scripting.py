@@ -75,7 +75,7 @@ def test_the_frames_of_a_capture_are_in_the_call(extension, scene, footage, monk
     native = extension("native")
     asked = []
 
-    def capture(path, frames, fit, progress, corrections, so_far):
+    def capture(path, frames, fit, lens, progress, corrections, so_far):
         asked.append(frames)
         raise native.invalid_input("no face here")
 
@@ -87,7 +87,7 @@ def test_the_frames_of_a_capture_are_in_the_call(extension, scene, footage, monk
         with pytest.raises(RuntimeError, match="no face here"):
             bpy.ops.mimetic.capture(**arguments)
     assert asked == [(5, 6), (3, None), (3, 9)]
-    with pytest.raises(RuntimeError, match="before frame_first"):
+    with pytest.raises(RuntimeError, match="frames 9:3: the first is after the last"):
         bpy.ops.mimetic.capture(frame_first=9, frame_last=3)
 
 

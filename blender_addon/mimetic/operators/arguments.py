@@ -18,7 +18,8 @@ def like(group, name: str):
     """The property of an operator that stands for a panel's, declared as that is."""
     declaration = group.__annotations__[name]
     keywords = {key: value for key, value in declaration.keywords.items() if key != "update"}
-    return declaration.function(**{**keywords, "options": OF_ONE_CALL})
+    options = OF_ONE_CALL | ({"ENUM_FLAG"} & keywords.get("options", set()))
+    return declaration.function(**{**keywords, "options": options})
 
 
 def is_given(operator, name: str) -> bool:
@@ -49,9 +50,20 @@ class FrameRange:
 
 def frame_range(operator, context) -> tuple[int | None, int | None] | None:
     """First and last footage frame, None for the whole clip; raises InvalidInput."""
-    first, last = operator.frame_first or None, operator.frame_last or None
-    if first is None and last is None:
-        return scene_in.frame_range(context.scene)
+    given = operator.frame_first or None, operator.frame_last or None
+    frames = scene_in.frame_range(context.scene) if given == (None, None) else given
+    check_order(*(frames or (None, None)))
+    return frames
+
+
+def check_order(first: int | None, last: int | None) -> None:
+    """Raises InvalidInput."""
     if first and last and last < first:
-        raise native.invalid_input(f"frame_last {last} is before frame_first {first}")
-    return first, last
+        raise native.invalid_input(f"frames {first}:{last}: the first is after the last")
+
+
+def set_given(operator, names: tuple[str, ...], settings) -> None:
+    """Puts what a call gives into the panel's settings."""
+    for name in names:
+        if is_given(operator, name):
+            setattr(settings, name, getattr(operator, name))

@@ -22,15 +22,15 @@ class MIMETIC_OT_capture(Following, Operator):
             self._playhead.accompany(context, jobs.running.subject, self.so_far.newest)
 
     @staticmethod
-    def follow(option, footage_path, frames, fit, progress):
+    def follow(option, footage_path, progress, frames, **person):
         entries, so_far = option
         first, last = frames or (None, None)
         within = tuple(c for c in entries if (first or 1) <= c.frame <= (last or c.frame))
         return native.clip_capture().capture(
             footage_path,
             frames=frames,
-            fit=fit,
             progress=progress,
             corrections=within,
             so_far=so_far,
+            **person,
         )

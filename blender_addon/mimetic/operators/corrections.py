@@ -14,6 +14,7 @@ from bpy.types import Operator
 from .. import corrections, editors, native, outcome, scene_in, shown_take, takes
 from ..greyed import Greyed
 from ..jobs import Job
+from . import arguments
 
 REACH = FloatProperty(
     name="Reach",
@@ -234,8 +235,9 @@ class MIMETIC_OT_show_correction(Greyed, Operator):
     obstacle = staticmethod(scene_in.no_clip)
 
     def execute(self, context):
-        context.scene.frame_current = scene_in.scene_frame(scene_in.clip_of(context), self.frame)
-        return {"FINISHED"}
+        frame = self.frame or scene_in.shown_frame(context)
+        context.scene.frame_current = scene_in.scene_frame(scene_in.clip_of(context), frame)
+        return outcome.finished(self, context, "", frame=frame)
 
 
 class MIMETIC_OT_refine(Job, Operator):
@@ -274,6 +276,7 @@ class MIMETIC_OT_refine(Job, Operator):
         clip = scene_in.clip_of(context)
         paths = takes.new_paths(clip.name, self.filepath)
         frames = (self.frame_first or None, self.frame_last or None)
+        arguments.check_order(*frames)
         return scene_in.take(context), corrections.of_clip(clip), frames, self.direction, paths
 
     def work(self, inputs, progress):

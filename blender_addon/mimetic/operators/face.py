@@ -3,9 +3,10 @@ import bpy
 from bpy.props import BoolProperty, FloatVectorProperty, IntProperty
 from bpy.types import Operator
 
-from .. import clips, native, scene_in, scene_out, workspace
+from .. import clip_lens, clips, native, scene_in, scene_out, workspace
 from ..greyed import Greyed
 from ..jobs import Job, is_playing
+from . import arguments
 
 LARGEST = (-1.0, -1.0)  # no place: of several faces the largest is taken
 
@@ -35,6 +36,8 @@ class MIMETIC_OT_find_face(Job, Operator):
         "the nearest is taken. Outside the picture: the largest",
     )
 
+    lens: arguments.like(clip_lens.HasLens, "lens")
+
     obstacle = staticmethod(scene_in.no_footage)
     needs_object_mode = False
 
@@ -51,12 +54,15 @@ class MIMETIC_OT_find_face(Job, Operator):
     def read(self, context):
         frame = scene_in.shown_frame(context) if self.use_shown_frame else self.frame
         near = None if tuple(self.near) == LARGEST else tuple(self.near)
-        return scene_in.footage(context), frame or None, near
+        clip = scene_in.clip_of(context)
+        if arguments.is_given(self, "lens"):
+            clip.mimetic.lens = self.lens
+        return scene_in.footage(context), frame or None, near, clip_lens.known(clip)
 
     def work(self, inputs, progress):
-        footage, frame, near = inputs
+        footage, frame, near, lens = inputs
         find = native.clip_capture().find_face
-        return footage.clip_name, find(footage.path, frame, progress=progress, near=near)
+        return footage.clip_name, find(footage.path, frame, progress=progress, near=near, lens=lens)
 
     def write(self, context, result):
         clip_name, fit = result

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from bpy.types import Operator
 
-from .. import scene_in
+from .. import outcome, scene_in
 from ..greyed import Greyed
 from ..scene_out import cover
 
@@ -21,8 +21,9 @@ class MIMETIC_OT_face_as_lines(Greyed, Operator):
 
     def execute(self, context):
         face = scene_in.face_of(context)
-        cover.show_wire(face, not cover.is_wire(face))
-        return {"FINISHED"}
+        is_wire = not cover.is_wire(face)
+        cover.show_wire(face, is_wire)
+        return outcome.finished(self, context, "", object=face.name, is_wire=is_wire)
 
 
 CLASSES = (MIMETIC_OT_face_as_lines,)

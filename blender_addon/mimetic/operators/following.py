@@ -3,7 +3,7 @@ import statistics
 
 from bpy.props import StringProperty
 
-from .. import clips, native, scene_in, scene_out, takes
+from .. import clip_lens, clips, native, scene_in, scene_out, takes
 from ..jobs import Job
 from . import arguments
 
@@ -11,8 +11,8 @@ from . import arguments
 class Following(arguments.FrameRange, Job):
     """Mixin of operators that make a performance from the clip; stopping keeps what is done.
 
-    Subclasses give `follow(option, footage_path, frames, fit, progress)`, which runs without bpy
-    and returns the performance, and may give `option(context)`.
+    Subclasses give `follow(option, footage_path, progress, frames, fit, lens)`, which runs without
+    bpy and returns the performance, and may give `option(context)`.
     """
 
     bl_options = {"UNDO"}
@@ -38,12 +38,17 @@ class Following(arguments.FrameRange, Job):
     def read(self, context):
         footage = scene_in.footage(context)
         paths = takes.new_paths(footage.clip_name, self.filepath)
-        fit = scene_out.face_fit.of_clip(scene_in.clip_of(context))
-        return footage, arguments.frame_range(self, context), fit, paths, self.option(context)
+        clip = scene_in.clip_of(context)
+        what = {
+            "frames": arguments.frame_range(self, context),
+            "fit": scene_out.face_fit.of_clip(clip),
+            "lens": clip_lens.known(clip),
+        }
+        return footage, what, paths, self.option(context)
 
     def work(self, inputs, progress):
-        footage, frames, fit, paths, option = inputs
-        performance = self.follow(option, footage.path, frames, fit, progress)
+        footage, what, paths, option = inputs
+        performance = self.follow(option, footage.path, progress, **what)
         path, remarks = takes.save(performance, *paths)
         first, last = int(performance.frame[0]), int(performance.frame[-1])
         message = self.message.format(first=first, last=last)

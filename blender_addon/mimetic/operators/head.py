@@ -39,8 +39,9 @@ class MIMETIC_OT_track_head(Following, Operator):
         return self.model.lower()
 
     @staticmethod
-    def follow(option, footage_path, frames, fit, progress):
-        return native.head_tracking().track_head(footage_path, option, frames, fit, progress)
+    def follow(option, footage_path, progress, **what):
+        track_head = native.head_tracking().track_head
+        return track_head(footage_path, option, progress=progress, **what)
 
 
 class MIMETIC_OT_find_head_bones(Greyed, Operator):
@@ -126,9 +127,7 @@ class MIMETIC_OT_bake_head(Job, Operator):
         settings = context.scene.mimetic.head
         if self.target:
             settings.target = _named(context.scene, self.target)
-        for name in HEAD_SETTINGS:
-            if arguments.is_given(self, name):
-                setattr(settings, name, getattr(self, name))
+        arguments.set_given(self, HEAD_SETTINGS, settings)
         if reason := targets.no_head_target(context):
             raise native.invalid_input(reason)
         return scene_in.take(context), settings.smoothing, _target(settings)

@@ -8,8 +8,9 @@ from bpy.types import Operator
 
 from .. import editors, fast_view, jobs, live, native, outcome, scene_in, scene_out
 from ..greyed import Greyed
-from ..live_settings import CHANNELS
+from ..live_settings import CHANNELS, MimeticLive
 from ..overlay import session as session_view
+from . import arguments
 
 TOLD_EVERY = 0.5  # seconds
 KEYS = {"N": "NEUTRAL", "R": "RECORD", "ESC": "STOP"}
@@ -22,6 +23,13 @@ PASSED = {
 }
 
 
+# Of the panel, which a call may give
+LIVE_SETTINGS = (
+    *("source", "camera", "clip_path", "microphone", "driven", "taught_set", "set_use"),
+    *("stillness", "channels", "use_fast_view", "countdown"),
+)
+
+
 class MIMETIC_OT_live(jobs.Modal, Operator):
     """Drive the face by a camera, or by a clip in its place: N sets neutral, R records, Esc stops.
     Without a window a whole clip is recorded"""
@@ -29,6 +37,18 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
     bl_idname = "mimetic.live"
     bl_label = "Start Live"
     bl_options = {"UNDO"}
+
+    source: arguments.like(MimeticLive, "source")
+    camera: arguments.like(MimeticLive, "camera")
+    clip_path: arguments.like(MimeticLive, "clip_path")
+    microphone: arguments.like(MimeticLive, "microphone")
+    driven: arguments.like(MimeticLive, "driven")
+    taught_set: arguments.like(MimeticLive, "taught_set")
+    set_use: arguments.like(MimeticLive, "set_use")
+    stillness: arguments.like(MimeticLive, "stillness")
+    channels: arguments.like(MimeticLive, "channels")
+    use_fast_view: arguments.like(MimeticLive, "use_fast_view")
+    countdown: arguments.like(MimeticLive, "countdown")
 
     tick_seconds = 1 / 60
     _told = 0.0
@@ -38,6 +58,7 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
     def execute(self, context):
         """Blocks until the clip has been worked through; every frame of it is recorded."""
         settings = context.scene.mimetic.live
+        arguments.set_given(self, LIVE_SETTINGS, settings)
         if settings.source == "CAMERA":
             message = "A camera needs Blender's window; choose a clip as source"
             return outcome.cancelled(self, context, message)
@@ -62,6 +83,7 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
     def invoke(self, context, event):
         if context.window is None:
             return self.execute(context)
+        arguments.set_given(self, LIVE_SETTINGS, context.scene.mimetic.live)
         try:
             live.active = _session(context)
         except native.known_errors() as error:

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from bpy.types import Operator
 
-from .. import workspace
+from .. import outcome, workspace
 from ..greyed import Greyed
 
 
@@ -18,7 +18,7 @@ class MIMETIC_OT_open_workspace(Greyed, Operator):
 
     def execute(self, context):
         workspace.open_in(context.window or context.window_manager.windows[0])
-        return {"FINISHED"}
+        return outcome.finished(self, context, "", workspace=workspace.NAME)
 
 
 CLASSES = (MIMETIC_OT_open_workspace,)

@@ -3,7 +3,18 @@
 
 from bpy.types import Panel
 
-from .. import clip_time, clips, jobs, native, scene_in, scene_out, takes, targets
+from .. import (
+    clip_lens,
+    clip_time,
+    clips,
+    jobs,
+    native,
+    next_step,
+    scene_in,
+    scene_out,
+    takes,
+    targets,
+)
 from .paragraph import paragraph
 
 
@@ -17,8 +28,11 @@ class Capture:
         if reason := native.problem():
             paragraph(layout, reason)
             return
+        self.next_name = ""
         if jobs.running:
             self.draw_running(layout, jobs.running)
+        else:
+            self.draw_next(layout, next_step.of(context))
         settings = context.scene.mimetic
         self.draw_footage(layout, context, settings)
         self.draw_capture(layout, context, settings)
@@ -39,20 +53,32 @@ class Capture:
         keeps = " and keeps what is done" if run.keeps_part else ""
         layout.label(text=f"Esc stops{keeps}")
 
+    def draw_next(self, layout, step):
+        """What takes the footage further, in words; its button below is lit."""
+        paragraph(layout, step.text, "FORWARD" if step.operator else "CHECKMARK")
+        self.next_name = step.operator
+        if step.operator == "mimetic.refine":  # its own is in a panel that may be closed
+            self.draw_step(layout, "mimetic.refine", icon="ARROW_LEFTRIGHT")
+
+    def draw_step(self, layout, name, **look):
+        """A button on the way from footage to face, lit while it is the next one."""
+        return layout.operator(name, depress=name == self.next_name, **look)
+
     def draw_footage(self, layout, context, settings):
         row = layout.row(align=True)
-        row.operator("mimetic.load_clip", icon="FILE_MOVIE")
+        self.draw_step(row, "mimetic.load_clip", icon="FILE_MOVIE")
         row.operator("mimetic.open_workspace", text="", icon="WORKSPACE")
         clip = scene_in.clip_of(context)
         if getattr(context, "edit_movieclip", None) is None:
             layout.prop(settings, "clip", text="")
         self.draw_rate(layout, context)
         row = layout.row(align=True)
-        row.operator("mimetic.find_face", icon="VIEWZOOM")
+        self.draw_step(row, "mimetic.find_face", icon="VIEWZOOM")
         row.operator("mimetic.find_face", text="", icon="TIME").use_shown_frame = True
         row.operator("mimetic.pick_face", text="", icon="EYEDROPPER")
         if clip:
             self.draw_clip(layout, clip)
+            self.draw_lens(layout, clip)
         if scene_in.has_fit(clip):
             self.draw_pins(layout, settings)
 
@@ -60,9 +86,18 @@ class Capture:
         """The clip whose face and take the buttons below use."""
         if clips.is_missing(clip):
             layout.label(text=f"{clip.name} is missing", icon="ERROR")
-            layout.operator("mimetic.find_missing")
+            self.draw_step(layout, "mimetic.find_missing")
         paragraph(layout, clips.change_of(clip))
         layout.label(text=f"{clip.name}: {scene_out.face_fit.summary(clip)}", icon="FILE_MOVIE")
+
+    def draw_lens(self, layout, clip):
+        """What it was filmed with; the numbers where they count, which are the clip's own."""
+        column = layout.column(align=True)
+        column.prop(clip.mimetic, "lens")
+        if clip_lens.is_known(clip):
+            column.prop(clip.tracking.camera, "focal_length")
+            column.prop(clip.tracking.camera, "sensor_width")
+        paragraph(column, scene_out.face_fit.lens_remark(clip))
 
     def draw_rate(self, layout, context):
         """How the clip's time differs from the scene's; nothing while they agree."""
@@ -91,7 +126,7 @@ class Capture:
         else:
             layout.operator("mimetic.calibrate", icon="USER")
         row = layout.row(align=True)
-        row.operator("mimetic.capture", icon="REC")
+        self.draw_step(row, "mimetic.capture", icon="REC")
         row.operator("mimetic.track_head", text="Head Only")
 
     def draw_bake(self, layout, context):
@@ -101,10 +136,10 @@ class Capture:
             layout.label(text=takes.name_of(take), icon="CHECKMARK")
         elif take:
             layout.label(text=f"{takes.name_of(take)} is missing", icon="ERROR")
-            layout.operator("mimetic.find_missing")
+            self.draw_step(layout, "mimetic.find_missing")
         head = targets.bound_head(context)
         text = f"Bake on {head.name}" if head else "Bake"
-        layout.operator("mimetic.bake", text=text, icon="ACTION")
+        self.draw_step(layout, "mimetic.bake", text=text, icon="ACTION")
         row = layout.row(align=True)
         row.operator("mimetic.export_gltf", icon="EXPORT")
         row.operator("mimetic.export_character", text="", icon="FILE_3D")

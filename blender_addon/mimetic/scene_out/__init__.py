@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from .. import native, scene_in, targets, writable
+from .. import clip_lens, native, scene_in, targets, writable
 from . import (
     actions,
     arkit,
@@ -172,6 +172,7 @@ def _show_camera(scene, performance, world_from_camera, footage, timing, take: s
         performance.image_size,
         scene_in.picture_size(scene),
         scene_in.pixel_aspect(scene),
+        clip_lens.sensor_of(footage, performance),
     )
     seen_through = camera.ensure(scene, lens, world_from_camera)
     if footage is not None:

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import bpy
 
-from .. import clips, native
+from .. import clip_lens, clips, native
 from . import landmarks
 
 MOST_PARSED = 8
@@ -72,6 +72,15 @@ def summary(clip: bpy.types.MovieClip) -> str:
     parts += [f"{num_pins} pins" if num_pins > 1 else "1 pin"] if num_pins else []
     parts += ["calibrated"] if fit.calibration.frames else []
     return ", ".join(parts)
+
+
+def lens_remark(clip: bpy.types.MovieClip) -> str:
+    """What to say where the face was found with another lens than the clip has now, or ""."""
+    try:
+        fit = of_clip(clip)
+    except native.known_errors():
+        return ""
+    return clip_lens.remark(clip, fit) if fit else ""
 
 
 def of_clip(clip: bpy.types.MovieClip | None):

@@ -73,11 +73,13 @@ def lens(
     image_size: ArrayLike,
     picture_size: ArrayLike | None = None,
     pixel_aspect: float = 1.0,
+    sensor_mm: float | None = None,
 ) -> Lens:
     """The lens under which a scene's picture shows footage fitted whole into it.
 
     intrinsics: 3 x 3, pixels; image_size: of the footage; picture_size: of the scene's pictures,
-    the footage's if None; pixel_aspect: a picture pixel's height over its width.
+    the footage's if None; pixel_aspect: a picture pixel's height over its width; sensor_mm: width
+    of the sensor that the footage was filmed with, if it is known.
     """
     (fx, _, cx), (_, fy, cy), _ = np.asarray(intrinsics, dtype=np.float64)
     width, height = (float(side) for side in np.asarray(image_size))
@@ -89,11 +91,12 @@ def lens(
     picture = np.asarray((width, height) if picture_size is None else picture_size, dtype=float)
     is_wider = picture[0] > picture[1] * pixel_aspect * width / height * (1 + 1e-9)
     side = height if is_wider else width
+    sensor = SENSOR_MM if sensor_mm is None else sensor_mm * side / width
     widths = width / height / (picture[0] / (picture[1] * pixel_aspect))  # footage's to picture's
     return Lens(
         fit="VERTICAL" if is_wider else "HORIZONTAL",
-        focal_mm=fx * SENSOR_MM / side,
-        sensor_mm=SENSOR_MM,
+        focal_mm=fx * sensor / side,
+        sensor_mm=sensor,
         # Pixel (0, 0) is a pixel's centre: the picture's edge lies half a pixel further out
         shift_x=(width / 2 - (cx + 0.5)) / side,
         shift_y=((cy + 0.5) - height / 2) / side,

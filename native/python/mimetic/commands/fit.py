@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from mimetic import _core
 from mimetic.commands.footage_argument import add_footage_argument, give_rate
-from mimetic.commands.on_clip import parse_frames
+from mimetic.commands.on_clip import add_lens_arguments, lens_of, parse_frames
 from mimetic.fit.canonical_image import canonical_image
 from mimetic.fit.face_fit import FaceFit
 from mimetic.media.footage import Footage
@@ -34,6 +34,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     which.add_argument(
         "--frames", type=parse_frames, metavar="A:B", help="choose the frame between these"
     )
+    add_lens_arguments(parser)
 
 
 def run_fit(arguments: argparse.Namespace) -> int:
@@ -42,7 +43,8 @@ def run_fit(arguments: argparse.Namespace) -> int:
     footage = Footage(arguments.footage)
     out = arguments.out
     prepare_folder(out, WRITTEN, footage.path)
-    fit = find_face(arguments.footage, arguments.frame, arguments.frames)
+    frame, frames, lens = arguments.frame, arguments.frames, lens_of(arguments)
+    fit = find_face(arguments.footage, frame, frames, lens=lens)
     image = footage.read(fit.frame)
     with staging(out) as folder:
         fit.save(folder / "fit.json")

@@ -14,6 +14,7 @@ from mimetic import InvalidInput, UnreadableMedia
 from mimetic.commands.console import Console
 from mimetic.commands.footage_argument import add_footage_argument
 from mimetic.fit.fitting import FaceFit
+from mimetic.fit.known_lens import FULL_FRAME_MM, KnownLens
 from mimetic.fit.person import with_person
 from mimetic.media.footage import Footage
 from mimetic.media.frame_range import parse_range
@@ -24,6 +25,7 @@ from mimetic.shared.progress import SEARCHED, Costs, Progress, stages
 from mimetic.shared.results import OF_A_CLIP, PERFORMANCE, prepare_folder, publish, staging
 from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_capture import check_range, find_face
+from mimetic.solve.walk import before_range
 
 Follow = Callable[[FaceFit | None, Progress, CaptureSummary], Performance]
 # (performance, footage, folder, summary, progress, is_interrupted): writes pictures in the folder
@@ -58,6 +60,33 @@ def add_clip_arguments(parser: argparse.ArgumentParser, subject: str) -> None:
         metavar="X,Y",
         help="of several faces, the one nearest to this pixel (default: the largest)",
     )
+    add_lens_arguments(parser)
+
+
+def add_lens_arguments(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument(
+        "--focal",
+        type=float,
+        metavar="MM",
+        help="focal length that the clip was filmed with, if it is known (default: 1.2 widths of "
+        "the picture)",
+    )
+    parser.add_argument(
+        "--sensor",
+        type=float,
+        metavar="MM",
+        help=f"width of the camera's sensor, of --focal (default: {FULL_FRAME_MM:g}, full frame)",
+    )
+
+
+def lens_of(arguments: argparse.Namespace) -> KnownLens | None:
+    """Raises InvalidInput."""
+    focal_mm, sensor_mm = arguments.focal, arguments.sensor
+    if focal_mm is None and sensor_mm is not None:
+        raise InvalidInput(f"--sensor {sensor_mm:g} is of a focal length: give --focal MM too")
+    if focal_mm is None:
+        return None
+    return KnownLens(focal_mm, FULL_FRAME_MM if sensor_mm is None else sensor_mm)
 
 
 def parse_frames(text: str) -> tuple[int | None, int | None]:
@@ -87,7 +116,8 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
     out = arguments.out
     footage = Footage(arguments.footage)
     fit, person = _given_fits(arguments)
-    is_found_first = bool(arguments.face or person)
+    lens = lens_of(arguments)
+    is_found_first = bool(arguments.face or person or lens)
     first, last = check_range(arguments.frames, footage)
     prepare_folder(out, OF_A_CLIP, footage.path)
     summary = CaptureSummary()
@@ -98,7 +128,7 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
             return not interrupt()
 
         num_frames = 1 + last - first
-        console.tell(beginning(footage, first, num_frames, fit is None))
+        console.tell(beginning(footage, (first, last), fit))
         search_cost = 0.0 if fit else SEARCHED
         following_cost = costs.followed_once + num_frames * costs.followed_each
         finding, following, drawing, _ = stages(
@@ -111,7 +141,7 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
         try:
             if is_found_first:
                 frames, near = arguments.frames, arguments.face
-                fit = find_face(footage.path, frames=frames, near=near, progress=finding)
+                fit = find_face(footage.path, None, frames, finding, near, lens)
                 fit = with_person(fit, person) if person else fit
             performance = follow(fit, following, summary)
         except (InvalidInput, UnreadableMedia):
@@ -137,10 +167,14 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
     return interrupt.status
 
 
-def beginning(footage: Footage, first: int, num_frames: int, is_searched: bool) -> str:
+def beginning(footage: Footage, frames: tuple[int, int], fit: FaceFit | None) -> str:
     """What a run will do, before it does it; how long is told once some of it is done."""
+    first, last = frames
+    num_frames = 1 + last - first
     seconds = num_frames / float(footage.fps)
-    searching = "finding the face, " if is_searched else ""
+    searching = "" if fit else "finding the face, "
+    if fit and (way := before_range(fit, frames)):
+        searching = f"following the face through {way}, then "
     return (
         f"{footage.path.name}: {searching}following it through {num_frames} frames from {first} on "
         f"({seconds:.1f} s), drawing it over them; Ctrl-C keeps the part that is finished"
@@ -152,6 +186,11 @@ def _given_fits(arguments: argparse.Namespace) -> tuple[FaceFit | None, FaceFit 
     if arguments.fit and (arguments.face or arguments.person):
         raise InvalidInput(
             "--face and --person are of a face to find, --fit says where it is: give one of them"
+        )
+    if arguments.fit and arguments.focal is not None:
+        raise InvalidInput(
+            "--focal is of a face to find, and --fit has the lens that it was found with: give one "
+            "of them"
         )
     fit, person = (
         FaceFit.load(path) if path else None for path in (arguments.fit, arguments.person)

@@ -17,6 +17,7 @@ from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.face_model import face_model
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitted_view import FittedView
+from mimetic.fit.known_lens import camera_with
 from mimetic.fit.network_evidence import with_networks
 from mimetic.fit.relief_shift import picture_shifts
 from mimetic.fit.views import follow_points
@@ -34,7 +35,6 @@ __all__ = [
     "refit",
 ]
 
-DEFAULT_FOCAL = 1.2  # image widths: a webcam's 45 degrees
 LARGEST_ERROR = 0.1  # rms of a face that was found, pupil distances; usual are 0.02
 LEAST_FOLLOWED = 20  # points, for a view to be of use
 SYMMETRY_SIZE = 96  # pixels of the canonical picture that is compared with its mirror image
@@ -88,7 +88,7 @@ def find_face(
     """Finds a face and fits pose and proportions of the head to it.
 
     image: (H, W, 3) RGB or (H, W) grey, uint8
-    camera: its focal length is kept; without one, 1.2 image widths
+    camera: its focal length is kept; without one, that of no known lens
     choice: which face, the largest first
     near: a place (x, y) in pixels; the face nearest to it is taken, whatever `choice` is
     Raises NoFace with the reason, InvalidInput for an image that cannot be worked with.
@@ -117,8 +117,7 @@ def find_face(
         )
         warnings.append(f"{len(faces)} faces in frame {frame}, face {choice} is used ({boxes})")
     if camera is None:
-        focal = DEFAULT_FOCAL * width
-        camera = _core.Camera(focal, focal, (width - 1) / 2, (height - 1) / 2, width, height)
+        camera = camera_with(None, (width, height))
     elif (camera.width, camera.height) != (width, height):
         raise InvalidInput(
             f"the camera is for {camera.width} x {camera.height} pixels, "

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.fit.fitting import FaceFit
+from mimetic.fit.known_lens import KnownLens
 from mimetic.head.smoothing import check_strength, smoothed_scenes
 from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import attach
@@ -84,6 +85,7 @@ def track_head(
     fast: bool = False,
     smoothing: float = SMOOTHING,
     flow_alone: bool = False,
+    lens: KnownLens | None = None,
 ) -> Performance:
     """Follows the head in `frames` (both ends included); muscles are at rest and not measured.
 
@@ -91,9 +93,10 @@ def track_head(
     leave doubt. smoothing: strength of `mimetic.head.smoothing`, scene by scene; 0 leaves each
     frame as it was measured. Covariances are those of single frames either way: most of an error
     is the model's, which neighbours share. flow_alone: the paper's own form, one pass by the flow
-    from frame to frame, without reference textures. progress: called with (fraction, text) every
-    frame; when it returns False the frames done so far are returned, and `notes` say so. Raises
-    NoFace, UnreadableMedia, InvalidInput.
+    from frame to frame, without reference textures. lens: that a face without a fit is found
+    with, if it is known. progress: called with (fraction, text) every frame; when it returns False
+    the frames done so far are returned, and `notes` say so. Raises NoFace,
+    UnreadableMedia, InvalidInput.
     """
     if model not in MODELS:
         raise InvalidInput(f"head model {model!r}; there are {', '.join(MODELS)}")
@@ -107,7 +110,7 @@ def track_head(
         NUM_PASSES * PASS_COST * (1 + last - first),
         ATTACHED,
     )
-    fit = fit_for(footage, (first, last), fit, finding, summary)
+    fit = fit_for(footage, (first, last), fit, finding, summary, lens)
     options = follow_options(fast, flow_alone)
     motion = _HeadMotion(footage, fit, model, (first, last), following, summary, options)
     return smoothed_scenes(motion.run(), motion.walk.scene_starts, smoothing)

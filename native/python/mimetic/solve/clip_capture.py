@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.fit import fitting
 from mimetic.fit.fitting import FaceFit, NoFace
+from mimetic.fit.known_lens import KnownLens, camera_with
 from mimetic.fit.same_footage import check_same_footage
 from mimetic.fit.upright import check_upright
 from mimetic.locate.feature_networks import installed_networks
@@ -48,7 +49,7 @@ from mimetic.solve.find_face import Rest, find_rest, joined_with_others
 from mimetic.solve.frames_so_far import FramesSoFar
 from mimetic.solve.gaze import ClipGaze
 from mimetic.solve.refining import check_of_capture, refined, within
-from mimetic.solve.walk import ClipWalk, Image, Pose, proved
+from mimetic.solve.walk import ClipWalk, Image, Pose, before_range, proved
 from mimetic.template.face_template import load_template
 
 FrameRange = tuple[int | None, int | None]
@@ -69,12 +70,13 @@ def find_face(
     frames: FrameRange | None = None,
     progress: Progress | None = None,
     near: Place | None = None,
+    lens: KnownLens | None = None,
 ) -> FaceFit:
     """The head fitted to `frame`, or to the best of the first seconds (within `frames`).
 
     The face must be at rest there. Of several the largest is taken, or the one nearest to `near`.
     A frame chosen by itself is joined by others in which the head is turned otherwise
-    (`FaceFit.views`); one that is asked for stands alone.
+    (`FaceFit.views`); one that is asked for stands alone. lens: that it was filmed with, if known.
     Raises NoFace, UnreadableMedia, InvalidInput.
     """
     footage = Footage(path)
@@ -83,12 +85,12 @@ def find_face(
         near = float(x), float(y)
     if frame is not None:
         first, last = check_range((frame, frame), footage)
-        return face_in(footage, first, near)
+        return face_in(footage, first, near, lens)
     first, last = check_range(frames, footage)
     finding, joining = stages(
         progress, NUM_CANDIDATES * JUDGED + NUM_TRIED * FITTED, ATTACHED + MOST_FOLLOWED
     )
-    rest = rest_in(footage, (first, last), finding, near)
+    rest = rest_in(footage, (first, last), finding, near, lens)
     check_upright(footage, rest.fit.frame, footage.read(rest.fit.frame))
     return joined_with_others(footage, rest, joining)
 
@@ -98,6 +100,7 @@ def rest_in(
     frames: tuple[int, int],
     progress: Progress = lambda _fraction, _text: True,
     near: Place | None = None,
+    lens: KnownLens | None = None,
 ) -> Rest:
     """The face at rest in the first seconds of these frames, or later; near: in the picture.
 
@@ -106,9 +109,9 @@ def rest_in(
     first, last = frames
     end = min(last, first + max(1, round(SEARCHED_SECONDS * float(footage.fps))))
     searching, once_more = stages(progress, 1.0, 0.0)
-    rest = find_rest(footage, _spread(first, end, NUM_CANDIDATES), searching, near)
+    rest = find_rest(footage, _spread(first, end, NUM_CANDIDATES), searching, near, lens)
     if rest is None and end < last:
-        rest = find_rest(footage, _spread(end + 1, last, 2 * NUM_CANDIDATES), once_more, near)
+        rest = find_rest(footage, _spread(end + 1, last, 2 * NUM_CANDIDATES), once_more, near, lens)
     if rest is None and footage.failure:
         raise footage.failure
     if rest is None:
@@ -122,11 +125,14 @@ def rest_in(
     return rest
 
 
-def face_in(footage: Footage, frame: int, near: Place | None = None) -> FaceFit:
+def face_in(
+    footage: Footage, frame: int, near: Place | None = None, lens: KnownLens | None = None
+) -> FaceFit:
     """The head fitted to this frame alone; near: in the picture. Raises NoFace."""
     image = footage.read(frame)
     check_upright(footage, frame, image)
-    return fitting.find_face(image, frame, near=near)
+    camera = camera_with(lens, footage.size)
+    return fitting.find_face(image, frame, camera=camera, near=near)
 
 
 def _spread(first: int, last: int, number: int) -> set[int]:
@@ -139,6 +145,10 @@ def check_range(frames: FrameRange | None, footage: Footage) -> tuple[int, int]:
     first, last = frames or (None, None)
     first = 1 if first is None else first
     last = footage.num_frames if last is None else min(last, footage.num_frames)
+    if frames and frames[0] and frames[1] and frames[0] > frames[1]:
+        raise InvalidInput(
+            f"frames {frames[0]}:{frames[1]} of {footage.path.name}: the first is after the last"
+        )
     if first < 1 or first > last:
         raise InvalidInput(
             f"frames {first}:{last} of {footage.path.name}: it has frames 1 to {footage.num_frames}"
@@ -152,6 +162,7 @@ def fit_for(
     fit: FaceFit | None,
     progress: Progress | None,
     summary: CaptureSummary,
+    lens: KnownLens | None = None,
 ) -> FaceFit:
     """The fit to follow a clip from: the given one, or found in `frames`; noted in `summary`.
 
@@ -159,7 +170,7 @@ def fit_for(
     """
     start = time.perf_counter()
     if fit is None:
-        fit = find_face(footage.path, frames=frames, progress=progress)
+        fit = find_face(footage.path, frames=frames, progress=progress, lens=lens)
     elif tuple(fit.image_size) != footage.size:
         raise InvalidInput(
             f"the face fit is for pictures of {fit.image_size[0]} x {fit.image_size[1]}, "
@@ -180,13 +191,15 @@ def capture(
     summary: CaptureSummary | None = None,
     corrections: Corrections = (),
     so_far: FramesSoFar | None = None,
+    lens: KnownLens | None = None,
 ) -> Performance:
     """Follows the head and solves the muscles in `frames` (both ends included; the whole clip).
 
     progress: called with (fraction, text) every frame; when it returns False the frames done so far
     are returned, and `notes` say so. summary: filled with how it went. corrections: what a person
     says of some of the frames, measured beside the pictures. so_far: given each frame as soon as
-    it is followed. Raises NoFace, UnreadableMedia, InvalidInput.
+    it is followed. lens: that a face without a fit is found with, if it is known. Raises NoFace,
+    UnreadableMedia, InvalidInput.
     """
     summary = summary if summary is not None else CaptureSummary()
     footage = Footage(path)
@@ -196,10 +209,11 @@ def capture(
         raise InvalidInput(
             f"{footage.path.name}: one frame ({first}) shows no motion; capture needs at least two"
         )
+    reached = (first, last, fit.frame) if fit else (first, last)
     finding, attaching, following = stages(
-        progress, 0.0 if fit else SEARCHED, ATTACHED, 1 + last - first
+        progress, 0.0 if fit else SEARCHED, ATTACHED, 1 + max(reached) - min(reached)
     )
-    fit = fit_for(footage, (first, last), fit, finding, summary)
+    fit = fit_for(footage, (first, last), fit, finding, summary, lens)
     walk = ClipCapture(footage, fit, (first, last), following, summary, attaching)
     walk.so_far = so_far
     walk.pinned_poses = {c.frame: c.pose.head_pose for c in corrections if c.pose is not None}
@@ -234,6 +248,7 @@ class ClipCapture:
         start = time.perf_counter()
         self.template = load_template()
         self.neutral = fit.neutral_vertices(self.template)
+        attaching = _telling(attaching, before_range(fit, frames))
         skin = factored_skin(self.neutral, self.template, fit.calibration, attaching)
         if skin is None:
             raise UnreadableMedia(f"{footage.path.name}: stopped too early, no frame is done")
@@ -335,6 +350,13 @@ class ClipCapture:
             detail_coefficients_std=np.array(rows.detail_std),
             notes=self.walk.notes(rows, fit.calibration.notes()) or None,
         )
+
+
+def _telling(progress: Progress | None, way: str) -> Progress | None:
+    """A progress that also says what comes next, if anything is to be said."""
+    if progress is None or not way:
+        return progress
+    return lambda fraction, text: progress(fraction, f"{text}; then {way}")
 
 
 def _of_the_turn(poses: NDArray[np.float64], reference: NDArray[np.float64]) -> NDArray[np.float64]:

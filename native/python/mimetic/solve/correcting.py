@@ -18,7 +18,9 @@ from mimetic.performance.corrections import (
     SkinPin,
     as_document,
     corrections_in,
+    from_texts,
     limits_of,
+    texts_of,
     usual_std,
 )
 from mimetic.performance.document import Performance
@@ -27,7 +29,7 @@ from mimetic.performance.pinned_places import PinnedPlaces, place_under
 from mimetic.performance.places import RefinedSurface
 from mimetic.performance.projection import rescaled
 from mimetic.shared.picture import picture_coordinates
-from mimetic.solve.refining import refined
+from mimetic.solve.refining import refined, within
 from mimetic.template.face_template import load_template
 
 __all__ = [
@@ -35,6 +37,7 @@ __all__ = [
     "as_document",
     "at_frame",
     "corrections_in",
+    "is_refined_by",
     "refined",
     "value_at",
     "value_names",
@@ -64,6 +67,12 @@ def without_frame(corrections: Corrections, frame: int) -> Corrections:
     if at_frame(corrections, frame) is None:
         raise InvalidInput(f"nothing is corrected in frame {frame}")
     return tuple(entry for entry in corrections if entry.frame != frame)
+
+
+def is_refined_by(performance: Performance, corrections: Corrections) -> bool:
+    """Whether a performance honours what was corrected in its frames, and nothing else."""
+    honoured = from_texts(performance.corrections or [])
+    return texts_of(honoured) == texts_of(within(corrections, performance))
 
 
 def value_names(performance: Performance) -> list[str]:

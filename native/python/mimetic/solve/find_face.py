@@ -14,6 +14,7 @@ from mimetic.fit import fitting
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitting import NoFace
+from mimetic.fit.known_lens import KnownLens, camera_with
 from mimetic.fit.views import Candidate, choose_views
 from mimetic.media.footage import Footage
 from mimetic.shared.progress import FITTED, JUDGED, NUM_TRIED, Progress, stages
@@ -36,10 +37,11 @@ def find_rest(
     frame_numbers: set[int],
     progress: Progress,
     near: tuple[float, float] | None = None,
+    lens: KnownLens | None = None,
 ) -> Rest | None:
     """The best frame at rest among those of `frame_numbers` to which a head can be fitted.
 
-    near: as `mimetic.fit.fitting.find_face` has it
+    near: as `mimetic.fit.fitting.find_face` has it; lens: that it was filmed with, if known
     """
     judging, fitting_heads = stages(progress, len(frame_numbers) * JUDGED, NUM_TRIED * FITTED)
     judgements = _judged(footage, frame_numbers, judging, near)
@@ -51,13 +53,14 @@ def find_rest(
     details = np.array([one.detail for one in judgements.values()])
     chances = _core.chances_of_rest(scores, details, expressions)
     fits: list[FaceFit] = []
+    camera = camera_with(lens, footage.size)
     for number, i in enumerate(np.argsort(-chances)):
         if len(fits) == NUM_TRIED or (fits and chances[i] < LEAST_CHANCE * chances.max()):
             break
         _go_on(fitting_heads, number / NUM_TRIED, f"fitting the head: frame {frames[i]}")
         with contextlib.suppress(NoFace):
             image = footage.read(frames[i])
-            fits.append(fitting.find_face(image, frames[i], near=near))
+            fits.append(fitting.find_face(image, frames[i], camera=camera, near=near))
     if not fits:
         return None
     # A pose or expression mistaken for shape shows as unusual proportions.

