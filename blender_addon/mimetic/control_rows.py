@@ -54,7 +54,7 @@ class MimeticControl(bpy.types.PropertyGroup):
         max=1000.0,
         update=_edit,
         override=KEPT,
-        description="What is added then: the character's own rest",
+        description="What is added then, in the control's own units: the character's own rest",
     )
     lowest: FloatProperty(
         name="Lowest",
@@ -62,7 +62,7 @@ class MimeticControl(bpy.types.PropertyGroup):
         max=1000.0,
         update=_edit,
         override=KEPT,
-        description="Values are cut here",
+        description="Values are cut here, in the control's own units",
     )
     highest: FloatProperty(
         name="Highest",
@@ -71,7 +71,7 @@ class MimeticControl(bpy.types.PropertyGroup):
         max=1000.0,
         update=_edit,
         override=KEPT,
-        description="Values are cut here",
+        description="Values are cut here, in the control's own units",
     )
     curve: FloatProperty(
         name="Curve",
@@ -82,8 +82,8 @@ class MimeticControl(bpy.types.PropertyGroup):
         soft_max=2.0,
         update=_edit,
         override=KEPT,
-        description="Before gain and offset: above 1 small motions become smaller, below 1 larger; "
-        "full ones stay",
+        description="Exponent before gain and offset: above 1 small motions become smaller, below 1 "
+        "larger; full ones stay",
     )
     is_edited: BoolProperty(
         name="Edited",

@@ -62,4 +62,4 @@ def forget() -> None:
 
 def no_corrections(context) -> str:
     """Why nothing can be corrected."""
-    return scene_in.no_clip(context) or scene_in.no_take(context, "capture it")
+    return scene_in.no_clip(context) or scene_in.no_take(context, "Capture")

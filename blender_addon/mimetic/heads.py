@@ -72,7 +72,7 @@ def no_bound_head(context) -> str:
     head = context.active_object
     if len(head.mimetic.landmarks) or landmark_empties(context.scene, head):
         return ""
-    return "" if scene_in.is_face(head) else "Add Landmarks first, or Attach Muscles"
+    return "" if scene_in.is_face(head) else "Press Add Landmarks first, or Attach Muscles"
 
 
 def bound_head(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHead:

@@ -63,7 +63,7 @@ def no_fit(context) -> str:
     if reason := no_footage(context):
         return reason
     if not has_fit(clip_of(context)):
-        return "Find the face first: the calibration is kept with its fit"
+        return "Press Find Face first: the calibration is kept with its fit"
     return ""
 
 
@@ -81,7 +81,7 @@ def no_take(context, first: str) -> str:
     take = takes.of_clip(context.scene, clip)
     if take is None:
         of_clip = f"{clip.name} has no performance: " if clip else ""
-        return f"{of_clip}{first}, or load a performance, first"
+        return f"{of_clip}press {first}, or Load Performance, first"
     if not takes.find(take):
         return f"{takes.name_of(take)} is missing: look for it (Find Missing Files)"
     return ""
@@ -95,7 +95,7 @@ def take(context) -> takes.Take:
 
 
 def no_performance(context) -> str:
-    return no_take(context, "capture it") or _face_in_edit_mode(context.scene.mimetic.face)
+    return no_take(context, "Capture") or _face_in_edit_mode(context.scene.mimetic.face)
 
 
 def no_landmarks(context, needs_selection: bool, needs_frame: bool = True) -> str:
@@ -104,7 +104,7 @@ def no_landmarks(context, needs_selection: bool, needs_frame: bool = True) -> st
         return reason
     clip = clip_of(context)
     if not has_fit(clip):
-        return "Find the face first: its landmarks are what is pinned"
+        return "Press Find Face first: its landmarks are what is pinned"
     if not shows_landmarks(clip):
         message = "The landmarks of this face are not shown: press Landmarks Here"
         return message if needs_frame else ""
@@ -130,7 +130,7 @@ def _is_marked(track: bpy.types.MovieTrackingTrack, frame: int) -> bool:
 
 
 def no_stabilising(context) -> str:
-    if reason := no_clip(context) or no_take(context, "capture it, track its head"):
+    if reason := no_clip(context) or no_take(context, "Capture, or Head Only"):
         return reason
     stabilisation = clip_of(context).tracking.stabilization
     track_names = {track.name for track in (*stabilisation.tracks, *stabilisation.rotation_tracks)}
@@ -184,7 +184,7 @@ def no_face(context) -> str:
         return reason
     face = face_of(context)
     if face is None:
-        return "Bake a performance or add a face first: the scene has no face"
+        return "Press Bake or Add Face first: the scene has no face"
     return _face_in_edit_mode(face)
 
 
@@ -243,7 +243,7 @@ def no_picture(context) -> str:
         return "Faces are picked in the clip editor, with the footage on show"
     if space.show_stable and space.clip.tracking.stabilization.use_2d_stabilization:
         # Blender does not give the picture's place then
-        return "Switch the stabilised view off first"
+        return "Press Release Head first, or switch the stabilised view off"
     return ""
 
 

@@ -73,7 +73,7 @@ def load(take: Take):
     if not performance.is_of(take.fingerprint):
         raise native.invalid_input(
             f"{Path(take.path).name} was captured from {performance.footage[0]}, which is not what "
-            f"{take.clip_name} shows: capture it, or load its own performance"
+            f"{take.clip_name} shows: press Capture, or Load Performance for its own"
         )
     return performance
 

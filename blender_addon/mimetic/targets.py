@@ -55,7 +55,7 @@ def no_update(scene: bpy.types.Scene) -> str:
 
 def no_head_take(context) -> str:
     """Why there is no head motion to key."""
-    return scene_in.no_take(context, "capture it, track its head")
+    return scene_in.no_take(context, "Capture, or Head Only")
 
 
 def no_head_target(context) -> str:
@@ -86,11 +86,11 @@ def no_curves(context) -> str:
         return reason
     face = scene_in.face_of(context)
     if face.data.shape_keys is None:
-        return f"{face.name} has no sliders"
+        return f"{face.name} has no sliders: press Attach Muscles"
     if reason := writable.no_sliders(face):
         return reason
     if not (curves := face_curves.of(face)):
-        return "The face has no curves yet: bake a performance first"
+        return "The face has no curves yet: press Bake first"
     libraries = {row.curve.id_data.library for row in curves} - {None}
     return "The face's action is another file's" if libraries else ""
 
@@ -109,7 +109,7 @@ def no_take_list(context) -> str:
         return reason
     obj = take_owner(context)
     if obj is None or not len(obj.mimetic.takes):
-        return "No take yet: bake a performance first"
+        return "No take yet: press Bake first"
     if obj.mode == "EDIT":
         return f"Leave {obj.name}'s edit mode first"
     return writable.no_motion(obj)
@@ -136,12 +136,12 @@ def no_control_table(context) -> str:
     """Why there is no table of controls to change or keep."""
     if reason := no_controls(context):
         return reason
-    return "" if len(context.active_object.mimetic.controls) else "Fit Controls first"
+    return "" if len(context.active_object.mimetic.controls) else "Press Fit Controls first"
 
 
 def no_controls_bake(context) -> str:
     """Why no performance can be put on the active object's own controls."""
-    return no_controls(context) or scene_in.no_take(context, "capture it")
+    return no_controls(context) or scene_in.no_take(context, "Capture")
 
 
 def no_expression(context) -> str:
@@ -153,7 +153,7 @@ def no_expression(context) -> str:
         is_one = asset.id_type == "ACTION"
         return "" if is_one else f"{asset.name} is no expression: choose one that was kept"
     if not any(map(expressions.is_expression, bpy.data.actions)):
-        return "There is no expression yet: keep one, or load a library"
+        return "There is no expression yet: press Keep Expression or Load Library"
     return ""
 
 
@@ -163,7 +163,7 @@ def no_expression_on_face(context) -> str:
         return reason
     face = scene_in.face_of(context)
     if face.data.shape_keys is None:
-        return f"{face.name} has no sliders"
+        return f"{face.name} has no sliders: press Attach Muscles"
     return writable.no_sliders(face) or control_object.no_values(face)
 
 
@@ -172,7 +172,7 @@ def no_expression_strips(context) -> str:
     if reason := no_rest(context):
         return reason
     if not expression_strips.strips_of(scene_in.face_of(context)):
-        return "Add expression strips to the face first"
+        return "Press Add Expression Strip first: the face has none"
     return ""
 
 
@@ -182,7 +182,7 @@ def no_added_controls(context) -> str:
         return reason
     face = scene_in.face_of(context)
     if not scene_in.is_face(face):
-        return f"{face.name} has no sliders: attach muscles first"
+        return f"{face.name} has no sliders: press Attach Muscles"
     if reason := control_object.no_controls(face):
         return reason
     animation = face.data.shape_keys.animation_data

@@ -237,5 +237,5 @@ def test_our_own_face_gets_arkit_shapes():
 
 def test_arkit_shapes_want_landmarks_first(head):
     assert not bpy.ops.mimetic.add_arkit_shapes.poll()
-    with pytest.raises(RuntimeError, match="Add Landmarks first"):
+    with pytest.raises(RuntimeError, match="Press Add Landmarks first"):
         bpy.ops.mimetic.add_arkit_shapes()

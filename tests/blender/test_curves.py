@@ -278,7 +278,7 @@ def test_the_panel_has_every_edit_and_greyed_ones_say_why(extension, scene, perf
     assert len(operators) == 5
     for name in (*operators, "reduce_keys"):
         assert not getattr(bpy.ops.mimetic, name).poll()
-        with pytest.raises(RuntimeError, match="Bake a performance"):
+        with pytest.raises(RuntimeError, match="Press Bake or Add Face"):
             getattr(bpy.ops.mimetic, name)()
     bpy.context.view_layer.objects.active = baked(extension, scene, performance)
     texts = drawn("MIMETIC_PT_curves")

@@ -271,11 +271,11 @@ def test_a_removed_take_leaves_no_actions_and_others_as_they_are(
 
 def test_what_cannot_play_is_said_and_changes_nothing(extension, scene, bake, performance):
     for name in ("play_take", "compare_take", "blend_takes", "remove_take", "mark_lost"):
-        with pytest.raises(RuntimeError, match="bake a performance first"):
+        with pytest.raises(RuntimeError, match="press Bake first"):
             getattr(bpy.ops.mimetic, name)()
     face = bake(performance)
     bake(performance, "bones", to="CONTROLS")
-    with pytest.raises(RuntimeError, match="Remove Control Object first"):
+    with pytest.raises(RuntimeError, match="press Remove Control Object first"):
         bpy.ops.mimetic.play_take(take="hero")
     assert playing(extension, face) == "bones"
     with pytest.raises(RuntimeError, match="bones plays already"):

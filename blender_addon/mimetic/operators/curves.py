@@ -280,7 +280,7 @@ class MIMETIC_OT_retime_curves(OnCurves, Operator):
         max=100.0,
         soft_min=0.1,
         soft_max=10.0,
-        description="2 takes twice as long, at half the speed",
+        description="Factor of the time it takes: 2 takes twice as long, at half the speed",
     )
     frames_later: FloatProperty(
         name="Later", default=0.0, description="Scene frames by which all of it is moved"

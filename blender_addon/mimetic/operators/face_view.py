@@ -16,7 +16,7 @@ class MIMETIC_OT_face_as_lines(Greyed, Operator):
     @classmethod
     def obstacle(cls, context):
         if scene_in.face_of(context) is None:
-            return "Bake a performance or add a face first: the scene has no face"
+            return "Press Bake or Add Face first: the scene has no face"
         return ""
 
     def execute(self, context):

@@ -63,7 +63,7 @@ class Fitting(OnControls, Job):
             control_preview.end()  # the rig is measured as it was
         rows = [] if self.is_reset() else control_rows.rows_of(character)
         rows = native.controls().refitted(rows, ranges_of(character))
-        has_take = not scene_in.no_take(context, "capture it")
+        has_take = not scene_in.no_take(context, "Capture")
         take = scene_in.take(context) if has_take else None
         surface = surface_of(context, character) if has_take else None
         is_rig = character.type == "ARMATURE"

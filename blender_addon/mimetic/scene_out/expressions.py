@@ -138,7 +138,7 @@ def keep_motion(obj: bpy.types.Object, first: int, last: int, rate: float):
     """The document of what the face's curves do from frame to frame; raises InvalidInput."""
     holder = compat.curves(obj.data.shape_keys)
     if holder is None or not len(holder.fcurves):
-        raise native.invalid_input(f"{obj.name} has no curves: bake a performance, or keep a still")
+        raise native.invalid_input(f"{obj.name} has no curves: press Bake, or keep a still")
     if last - first < 2:
         raise native.invalid_input("A motion needs three frames or more")
     shape_of = {name: shape for shape, name in by_hand.keys_now(obj).items()}

@@ -89,7 +89,7 @@ def find(obj: bpy.types.Object, name: str):
     if name:
         return takes[name]
     if not 0 <= obj.mimetic.active_take < len(takes):
-        raise native.invalid_input(f"{obj.name} has no take yet: bake a performance")
+        raise native.invalid_input(f"{obj.name} has no take yet: press Bake")
     return takes[obj.mimetic.active_take]
 
 
@@ -132,7 +132,7 @@ def no_play(obj: bpy.types.Object, row) -> str:
     if CONTROL not in names and KEYS in names and (control := control_object.of(obj)):
         return (
             f"{row.name} is on {obj.name}'s shape keys, which {control.name} drives: "
-            "Remove Control Object first"
+            "press Remove Control Object first"
         )
     return ""
 
