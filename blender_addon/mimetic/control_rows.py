@@ -82,8 +82,8 @@ class MimeticControl(bpy.types.PropertyGroup):
         soft_max=2.0,
         update=_edit,
         override=KEPT,
-        description="Exponent before gain and offset: above 1 small motions become smaller, below 1 "
-        "larger; full ones stay",
+        description="Exponent before gain and offset: above 1 small motions become smaller, below "
+        "1 larger; full ones stay",
     )
     is_edited: BoolProperty(
         name="Edited",

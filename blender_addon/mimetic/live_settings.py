@@ -45,7 +45,7 @@ class MimeticLive(bpy.types.PropertyGroup):
     camera: StringProperty(
         name="Camera",
         default="camera:0",
-        description="Which camera: camera:0, camera:1 and so on; camera:NAME as the system names it",
+        description="Which one: camera:0, camera:1 and so on; camera:NAME as the system names it",
     )
     clip_path: StringProperty(
         name="Clip",

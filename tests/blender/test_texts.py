@@ -8,8 +8,9 @@ import pytest
 
 # One of them says in what a number is counted
 UNITS = re.compile(
-    r"frame|second|\bmm\b|metre|degree|pixel|level|deviation|multipl|factor|times|"
-    r"\b1 is|\b1 leaves|\bto 1\b|, 1\b|of which 1|\b0:|\b0 |Of the distances|job|Job|own units|exponent|\brow\b",
+    r"frame|second|\bmm\b|metre|degree|pixel|level|deviation|multipl|factor|times|exponent|"
+    r"\b1 is|\b1 leaves|\bto 1\b|, 1\b|of which 1|\b0:|\b0 |of the distances|job|\brow\b|"
+    r"own units|number",
     re.IGNORECASE,
 )
 # What has to be done in Blender itself, not by a button of ours

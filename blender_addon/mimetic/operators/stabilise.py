@@ -19,8 +19,8 @@ class MIMETIC_OT_hold_head_still(Job, Operator):
         name="Smoothing",
         min=0.0,
         options=arguments.OF_ONE_CALL,
-        description="Strength of smoothing, in the poses' own standard deviations; not given: as the "
-        "panel Head has it",
+        description="Strength of smoothing, in the poses' own standard deviations; not given: as "
+        "the panel Head has it",
     )
 
     obstacle = staticmethod(scene_in.no_stabilising)
