@@ -285,3 +285,23 @@ def test_the_panel_has_every_edit_and_greyed_ones_say_why(extension, scene, perf
     assert "keys" in texts
     for name in (*operators, "reduce_keys"):
         assert f"mimetic.{name}" in texts
+
+
+def test_a_groups_own_slider_is_scaled_mirrored_and_moved_as_its_muscles(scene):
+    bpy.ops.mimetic.add_face()
+    face = bpy.context.active_object
+    keys = face.data.shape_keys.key_blocks
+    left = next(keys[row.name] for row in face.mimetic.groups if row.name.endswith(".L"))
+    group = left.name.removesuffix(".L")
+    right = keys[f"{group}.R"]
+    for frame, value in ((1, 0.0), (10, 0.4)):
+        left.value, right.value = value, 0.0
+        for key in (left, right):
+            key.keyframe_insert("value", frame=frame)
+    scene.frame_set(10)
+    bpy.ops.mimetic.exaggerate_curves(factor=2.0, group=group)
+    assert (left.value, right.value) == pytest.approx((0.8, 0.0), abs=1e-5)
+    bpy.ops.mimetic.mirror_curves(how="SWAP", group=group)
+    assert (left.value, right.value) == pytest.approx((0.0, 0.8), abs=1e-5)
+    bpy.ops.mimetic.offset_curves(amount=0.1, group=group)
+    assert (left.value, right.value) == pytest.approx((0.1, 0.9), abs=1e-5)

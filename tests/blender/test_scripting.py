@@ -122,3 +122,28 @@ def test_expressions_tell_their_actions(scene):
     assert bpy.data.actions[result()["action"]].name == "Smile"
     bpy.ops.mimetic.apply_expression(action="Smile", share=0.5)
     assert (result()["object"], result()["action"]) == (face.name, "Smile")
+
+
+def test_a_range_the_wrong_way_round_names_both_numbers(scene, footage, performance_file):
+    bpy.ops.mimetic.load_clip(filepath=str(footage))
+    bpy.ops.mimetic.load_performance(filepath=str(performance_file))
+    for operator in (bpy.ops.mimetic.refine, bpy.ops.mimetic.capture):
+        with pytest.raises(RuntimeError, match="frames 30:20: the first is after the last"):
+            operator(frame_first=30, frame_last=20)
+        assert result()["status"] == "CANCELLED"
+
+
+def test_a_live_session_takes_its_settings_from_the_call(scene):
+    bpy.ops.mimetic.add_face()
+    with pytest.raises(RuntimeError, match="A camera needs Blender's window"):
+        bpy.ops.mimetic.live(source="CAMERA", stillness=0.25, channels={"MOUTH"}, countdown=3)
+    settings = scene.mimetic.live
+    assert (settings.source, settings.stillness, settings.countdown) == ("CAMERA", 0.25, 3)
+    assert settings.channels == {"MOUTH"}
+
+
+def test_a_switch_tells_what_it_is_now(scene):
+    bpy.ops.mimetic.add_face()
+    for is_wire in (True, False):
+        bpy.ops.mimetic.face_as_lines()
+        assert (result()["operator"], result()["is_wire"]) == ("mimetic.face_as_lines", is_wire)
