@@ -203,9 +203,15 @@ def test_a_fit_for_another_size_is_refused(rendered_clip, fit, tmp_path):
         capture(clip, fit=fit)
 
 
-@pytest.mark.parametrize("frames", [(900, 910), (5, 4), (0, 3)])
-def test_frames_outside_of_the_clip_are_refused(rendered_clip, frames):
-    with pytest.raises(InvalidInput, match="it has frames 1 to"):
+OUTSIDE = "it has frames 1 to"
+
+
+@pytest.mark.parametrize(
+    ("frames", "reason"),
+    [((900, 910), OUTSIDE), ((5, 4), "5:4 of .*: the first is after the last"), ((0, 3), OUTSIDE)],
+)
+def test_frames_outside_of_the_clip_are_refused(rendered_clip, frames, reason):
+    with pytest.raises(InvalidInput, match=reason):
         capture(rendered_clip.footage, frames=frames)
 
 
