@@ -47,7 +47,9 @@ def run(clip, out, num_frames=12, draw=write_pictures, meanwhile=lambda: None):
         return make_performance(num_frames=num_frames)
 
     arguments = argparse.Namespace(
-        footage=clip, out=out, frames=None, fit=None, face=None, person=None
+        **dict.fromkeys(("frames", "fit", "face", "person", "focal", "sensor")),
+        footage=clip,
+        out=out,
     )
     return run_on_clip(arguments, COSTS, follow, draw)
 
