@@ -167,7 +167,8 @@ def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, t
     operator = extension("operators.capture").MIMETIC_OT_capture
     path = str(tmp_path / "part.npz")
     footage = extension("scene_in").footage(bpy.context)
-    inputs = (footage, (1, 40), fit, (path, path), ((), None))  # no corrections, nobody looks
+    what = {"frames": (1, 40), "fit": fit, "lens": None}
+    inputs = (footage, what, (path, path), ((), None))  # no corrections, nobody looks
     made, _ = operator.work(operator, inputs, progress)
     assert (made["clip"], made["performance"]) == (footage.clip_name, path)
     from mimetic.performance.document import Performance
@@ -189,8 +190,9 @@ def test_esc_before_the_first_result_changes_nothing(extension, scene, with_clip
     pressed = getattr(extension(f"operators.{module}"), operator)
     path = str(tmp_path / "part.npz")
     footage = extension("scene_in").footage(bpy.context)
-    inputs = (footage, (1, 40), fit, (path, path), ((), None))  # no corrections, nobody looks
-    inputs = (*inputs[:4], "surface") if "track_head" in operator else inputs
+    what = {"frames": (1, 40), "fit": fit, "lens": None}
+    inputs = (footage, what, (path, path), ((), None))  # no corrections, nobody looks
+    inputs = (*inputs[:3], "surface") if "track_head" in operator else inputs
     output = []
 
     class Pressed:

@@ -101,7 +101,7 @@ def test_each_clip_has_its_own_person(extension, scene, load, films, a_fit, othe
     assert face_fit.of_clip(bert) is None
     assert not face_fit.is_calibrated(bert)
     assert not bpy.ops.mimetic.calibrate.poll()
-    assert "Find the face" in scene_in.no_landmarks(bpy.context, False)
+    assert "Press Find Face" in scene_in.no_landmarks(bpy.context, False)
     assert "bert.mp4: face not found yet" in drawn(PANEL)
     face_fit.store(bert, other_fit)
     assert (face_fit.of_clip(anna).frame, face_fit.of_clip(bert).frame) == (1, 2)
@@ -120,11 +120,11 @@ def test_capture_of_another_clip_does_not_start_from_this_face(
     unset = {"filepath": "", "frame_first": 0, "frame_last": 0}
     reader = type("Reader", (), {**unset, "option": lambda self, context: None})()
     extension("scene_out").face_fit.store(load(films[0]), a_fit)
-    footage, _, fit, _, _ = operator.read(reader, bpy.context)
-    assert (Path(footage.path), fit.frame) == (films[0], 1)
+    footage, what, _, _ = operator.read(reader, bpy.context)
+    assert (Path(footage.path), what["fit"].frame) == (films[0], 1)
     load(films[1])
-    footage, _, fit, _, _ = operator.read(reader, bpy.context)
-    assert (Path(footage.path), fit) == (films[1], None)
+    footage, what, _, _ = operator.read(reader, bpy.context)
+    assert (Path(footage.path), what["fit"]) == (films[1], None)
 
 
 def test_a_take_stays_with_its_clip(extension, scene, load, films, performance, tmp_path):

@@ -145,7 +145,7 @@ def test_the_buttons_say_why_they_are_grey(extension, found):
     entry = extension("clips").find(found)
     kept, entry.face_fit = entry.face_fit, ""
     why = extension("scene_in").no_landmarks
-    assert "Find the face" in why(bpy.context, True)
+    assert "Press Find Face" in why(bpy.context, True)
     entry.face_fit = kept
     select(found)
     assert "Select" in why(bpy.context, True)
