@@ -233,6 +233,8 @@ def test_bad_landmarks_are_named(template, head):
         if name[-2:] in (".L", ".R")
     }
     refused(template, head, "mirror image", **swapped)
+    inner = {"eye_inner.L": swapped["eye_inner.L"], "eye_inner.R": swapped["eye_inner.R"]}
+    refused(template, head, "eye_inner.L and eye_inner.R stand the other way round", **inner)
 
 
 def test_bad_meshes_are_named_by_the_callers_faces(template, head):

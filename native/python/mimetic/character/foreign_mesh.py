@@ -115,6 +115,7 @@ def read_skin(
     names = list(landmark_places)
     targets = np.array(list(landmark_places.values()))
     core = [names.index(name) for name in REQUIRED]
+    _check_sides(landmark_places)
     canonical = template.vertices[[template.landmark(name) for name in REQUIRED]]
     user_from_skin = fit_similarity(canonical, targets[core])
     check_span(_core.PUPIL_DISTANCE * user_from_skin.scale, "the eyes, by the landmarks,")
@@ -196,3 +197,17 @@ def _check_landmarks(
                 f"landmark {name} is {value!r}: needed is a vertex's index or x, y, z in metres"
             )
     return checked_places
+
+
+def _check_sides(places: Mapping[str, NDArray[np.float64]]) -> None:
+    """Pairs stand all the same way round: eyes larger than a face has room for cross others."""
+    pairs = [name.removesuffix(".L") for name in REQUIRED if name.endswith(".L")]
+    across = np.array([places[f"{pair}.L"] - places[f"{pair}.R"] for pair in pairs])
+    is_crossed = across @ across.sum(axis=0) < 0
+    if is_crossed.any():
+        pair = pairs[int(np.flatnonzero(is_crossed)[0])]
+        raise InvalidInput(
+            f"{pair}.L and {pair}.R stand the other way round than the other landmarks do: "
+            "exchange the two if they were mistaken for each other; where two eyes overlap, place "
+            "their inner corners on the skin between them"
+        )
