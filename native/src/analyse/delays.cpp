@@ -63,23 +63,36 @@ int row_of(VectorIn frames, double frame) {
     return std::clamp(row, 0, static_cast<int>(frames.size()) - 1);
 }
 
-/// The curve with its event replaced by the draw, over the rows that were fitted.
+/// The curve with its event replaced by another course of it.
 Eigen::VectorXd with_event(VectorIn values, const PhaseFit& fit, const Eigen::VectorXd& event) {
-    Eigen::VectorXd drawn = values;
-    drawn.segment(fit.first, event.size()) = event;
-    return drawn;
+    Eigen::VectorXd replaced = values;
+    replaced.segment(fit.first, event.size()) = event;
+    return replaced;
 }
 
-Interval lag_interval(VectorIn frames, VectorIn leader, const PhaseFit& leader_fit, VectorIn curve,
-                      const PhaseFit& fit, Span span, const DelayOptions& options, double lag) {
+/// Rates of a curve with the event as fitted: what is captured is smoothed and drawn to rest, so that a slow
+/// foot is cut off and the middle of the rates moves.
+Eigen::VectorXd fitted_rates(VectorIn frames, VectorIn values, const PhaseFit& fit, const PhaseShape& shape) {
+    Eigen::VectorXd fitted = values;
+    for (int row = fit.first; row <= fit.last; ++row) {
+        fitted[row] = shape.value(frames[row]);
+    }
+    return rates_of(fitted);
+}
+
+/// Of what the noise about both fits makes of the lag. How the capture bends a curve's shape is left out: it
+/// moves onset and exponent against each other, hardly the middle of an application, which a lag depends on.
+Interval lag_interval(VectorIn frames, VectorIn leader, PhaseFit leader_fit, VectorIn curve, PhaseFit fit,
+                      Span span, const DelayOptions& options, double lag) {
+    leader_fit.shape_std = fit.shape_std = 0;
     const Eigen::MatrixXd first = draw_curves(leader_fit, frames, options.num_draws, options.seed);
     const Eigen::MatrixXd second = draw_curves(fit, frames, options.num_draws, options.seed + 1);
     std::vector<double> lags;
     for (int k = 0; k < options.num_draws; ++k) {
-        const Peak peak =
-            correlation_peak(rates_of(with_event(leader, leader_fit, first.col(k))),
-                             rates_of(with_event(curve, fit, second.col(k))), span, options.max_lag);
-        lags.push_back(peak.lag);
+        lags.push_back(correlation_peak(rates_of(with_event(leader, leader_fit, first.col(k))),
+                                        rates_of(with_event(curve, fit, second.col(k))), span,
+                                        options.max_lag)
+                           .lag);
     }
     const std::optional<DrawnRange> range = range_of(std::move(lags));
     if (!range) {
@@ -139,13 +152,14 @@ std::optional<Delay> estimate_delay(VectorIn frames, VectorIn leader, const Phas
     const double end = std::max(fit.shape.apex(), leader_fit.shape.apex()) + kAround;
     const Span span{row_of(frames, begin), row_of(frames, end)};
     const Eigen::VectorXd first = rates_of(leader), second = rates_of(curve);
-    const Peak peak = correlation_peak(first, second, span, options.max_lag);
+    const Peak peak = correlation_peak(fitted_rates(frames, leader, leader_fit, leader_fit.shape),
+                                       fitted_rates(frames, curve, fit, fit.shape), span, options.max_lag);
     Delay delay;
-    delay.correlation = peak.correlation;
+    delay.correlation = correlation_peak(first, second, span, options.max_lag).correlation;
     delay.lag = lag_interval(frames, leader, leader_fit, curve, fit, span, options, peak.lag);
     delay.onset_lag = apart;
     delay.apex_lag = fit.shape.apex() - leader_fit.shape.apex();
-    delay.chance = chance_of(first, second, span, options.max_lag, peak.correlation);
+    delay.chance = chance_of(first, second, span, options.max_lag, delay.correlation);
     const bool checks = peak.lag * (delay.onset_lag + delay.apex_lag) > 0;
     delay.is_delayed = checks && (delay.lag.lower > 0 || delay.lag.upper < 0) && delay.chance < .05;
     return delay;

@@ -212,6 +212,19 @@ TEST(Delays, ThreeFramesAreFoundAndNoneWhereThereIsNone) {
     EXPECT_LE(reported, 1);
 }
 
+TEST(Delays, AFootThatIsCutOffOneCurveDoesNotMoveTheLag) {
+    PhaseShape slow = smile(23);
+    slow.exponent = 2;
+    const Eigen::VectorXd first = captured(smile(20), .003, 1), whole = captured(slow, .003, 2);
+    const PhaseFit one = largest_event(first), other = largest_event(whole);
+    const Eigen::VectorXd cut = (whole.array() - .2).max(0);  // drawn to rest, as weak muscles are
+    const auto of_whole = estimate_delay(frames, first, one, whole, other);
+    const auto of_cut = estimate_delay(frames, first, one, cut, other);
+    ASSERT_TRUE(of_whole && of_cut);
+    EXPECT_NEAR(of_cut->lag.value, of_whole->lag.value, .05);
+    EXPECT_LT(of_cut->lag.upper - of_cut->lag.lower, 2);
+}
+
 TEST(Delays, WhatIsUncertainCutOrFarAwayGivesNone) {
     const Eigen::VectorXd first = captured(smile(20), .003, 1), second = captured(smile(45), .003, 2);
     const PhaseFit one = fit_phases(frames, first, stds, all).at(0);

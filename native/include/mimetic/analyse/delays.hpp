@@ -8,15 +8,15 @@ namespace mimetic {
 struct DelayOptions {
     int max_lag = 12;        ///< frames, 1 to 200
     double timing_std = .3;  ///< frames: s.d. of a capture's timing between two curves, beside noise
-    int num_draws = 200;     ///< 0 to 10000
+    int num_draws = 200;     ///< pairs of both fits' draws, 0 to 10000
     unsigned seed = 1;
     void check() const;  ///< throws InvalidInput: field, value, limit
 };
 
 /// How much later the application of one curve comes than that of another.
 struct Delay {
-    Interval lag;             ///< frames, by the peak of the cross-correlation of rates; above 0: later
-    double correlation = 0;   ///< of the rates at the peak
+    Interval lag;  ///< frames, by the peak of the cross-correlation of the fits' rates; above 0: later
+    double correlation = 0;   ///< of the curves' own rates at their peak
     double onset_lag = 0;     ///< the same by the fitted onsets, as a check
     double apex_lag = 0;      ///< and by the fitted ends of the application
     double chance = 1;        ///< share of circular shifts of the other curve that correlate as well
