@@ -9,11 +9,13 @@ import numpy as np
 import pytest
 from fetched_footage import fetched_clip
 from imageio_ffmpeg import write_frames
+from mimetic.solve.capture_summary import CaptureSummary
 
 pytestmark = pytest.mark.oldest_and_newest
 
 FRAMES = (1, 8)
 FIT_FRAME = 3
+RAISED = (55, 75)  # the brows, up to their highest
 
 
 @pytest.fixture(scope="module")
@@ -154,6 +156,62 @@ def test_a_person_is_calibrated_in_the_fit_in_one_undo_step(
     assert face_fit.of_clip(bpy.context.scene.mimetic.clip).features == inputs[2].features
 
 
+def test_a_capture_keeps_how_far_muscles_go_in_the_clips_fit(extension, scene, with_clip, tmp_path):
+    """As `mimetic capture` does in fit.json: takes of a clip share their scale."""
+    face_fit, first = extension("scene_out").face_fit, RAISED[0]
+    bpy.ops.mimetic.find_face(frame=first)
+    found = face_fit.of_clip(with_clip)
+    places = _marks(with_clip)
+    scene.mimetic.use_frame_range = True
+    scene.mimetic.frame_first, scene.mimetic.frame_last = RAISED
+    bpy.ops.mimetic.capture(filepath=str(tmp_path / "first.npz"))
+    from mimetic.performance.document import Performance
+    from mimetic.solve import clip_capture
+
+    summary = CaptureSummary()
+    clip_capture.capture(bpy.path.abspath(with_clip.filepath), RAISED, found, summary=summary)
+    learned = face_fit.of_clip(with_clip)
+    assert max(learned.calibration.extent.values()) > 1.1  # brows are raised far
+    assert learned.calibration == summary.fit.calibration
+    assert learned.features == found.features
+    assert _marks(with_clip) == places
+
+    scene.mimetic.frame_last = first + 5  # before any muscle is at its bound
+    bpy.ops.mimetic.capture(filepath=str(tmp_path / "second.npz"))
+    extents = [Performance.load(tmp_path / f"{n}.npz").muscle_extent for n in ("first", "second")]
+    np.testing.assert_array_equal(*extents)
+    assert face_fit.of_clip(with_clip).calibration == learned.calibration
+
+
+def _marks(clip) -> list:
+    tracks = clip.tracking.objects["Face"].tracks
+    return [tuple(marker.co) for track in tracks for marker in track.markers]
+
+
+def test_a_capture_that_finds_the_face_itself_keeps_it(extension, scene, with_clip, tmp_path):
+    scene.mimetic.use_frame_range = True
+    scene.mimetic.frame_first, scene.mimetic.frame_last = FRAMES
+    assert bpy.ops.mimetic.capture(filepath=str(tmp_path / "take.npz")) == {"FINISHED"}
+    fit = extension("scene_out").face_fit.of_clip(with_clip)
+    assert FRAMES[0] <= fit.frame <= FRAMES[1]
+    assert "Face" in with_clip.tracking.objects
+
+
+def test_a_fit_that_was_kept_since_a_capture_began_stays(extension, with_clip):
+    from mimetic.muscles.calibration import Calibration
+
+    face_fit = extension("scene_out").face_fit
+    bpy.ops.mimetic.find_face(frame=FIT_FRAME)
+    before, followed = face_fit.content(with_clip), face_fit.of_clip(with_clip)
+    learned = dataclasses.replace(followed, calibration=Calibration(extent={"mentalis.L": 1.2}))
+    bpy.ops.mimetic.find_face(frame=FIT_FRAME + 2)
+    face_fit.learn(with_clip, before, learned)
+    assert face_fit.of_clip(with_clip).frame == FIT_FRAME + 2
+    bpy.ops.mimetic.find_face(frame=FIT_FRAME)
+    face_fit.learn(with_clip, face_fit.content(with_clip), learned)
+    assert face_fit.of_clip(with_clip).calibration.extent == {"mentalis.L": 1.2}
+
+
 def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, tmp_path):
     """The operator's own work, stopped as Esc stops it."""
     bpy.ops.mimetic.find_face(frame=1)
@@ -168,8 +226,10 @@ def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, t
     path = str(tmp_path / "part.npz")
     footage = extension("scene_in").footage(bpy.context)
     what = {"frames": (1, 40), "fit": fit, "lens": None}
-    inputs = (footage, what, (path, path), ((), None))  # no corrections, nobody looks
-    made, _ = operator.work(operator, inputs, progress)
+    summary = CaptureSummary()
+    inputs = (footage, what, (path, path), ((), None, summary), "")  # no corrections, nobody looks
+    made, _, _, learned_fit = operator.work(operator, inputs, progress)
+    assert learned_fit is summary.fit
     assert (made["clip"], made["performance"]) == (footage.clip_name, path)
     from mimetic.performance.document import Performance
 
@@ -191,8 +251,8 @@ def test_esc_before_the_first_result_changes_nothing(extension, scene, with_clip
     path = str(tmp_path / "part.npz")
     footage = extension("scene_in").footage(bpy.context)
     what = {"frames": (1, 40), "fit": fit, "lens": None}
-    inputs = (footage, what, (path, path), ((), None))  # no corrections, nobody looks
-    inputs = (*inputs[:3], "surface") if "track_head" in operator else inputs
+    option = "surface" if "track_head" in operator else ((), None, CaptureSummary())
+    inputs = (footage, what, (path, path), option, "")  # no corrections, nobody looks
     output = []
 
     class Pressed:

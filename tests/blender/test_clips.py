@@ -120,10 +120,10 @@ def test_capture_of_another_clip_does_not_start_from_this_face(
     unset = {"filepath": "", "frame_first": 0, "frame_last": 0}
     reader = type("Reader", (), {**unset, "option": lambda self, context: None})()
     extension("scene_out").face_fit.store(load(films[0]), a_fit)
-    footage, what, _, _ = operator.read(reader, bpy.context)
+    footage, what, *_ = operator.read(reader, bpy.context)
     assert (Path(footage.path), what["fit"].frame) == (films[0], 1)
     load(films[1])
-    footage, what, _, _ = operator.read(reader, bpy.context)
+    footage, what, *_ = operator.read(reader, bpy.context)
     assert (Path(footage.path), what["fit"]) == (films[1], None)
 
 

@@ -75,7 +75,7 @@ def test_the_frames_of_a_capture_are_in_the_call(extension, scene, footage, monk
     native = extension("native")
     asked = []
 
-    def capture(path, frames, fit, lens, progress, corrections, so_far):
+    def capture(path, frames, fit, lens, progress, corrections, so_far, summary):
         asked.append(frames)
         raise native.invalid_input("no face here")
 

@@ -13,9 +13,16 @@ class MIMETIC_OT_capture(Following, Operator):
     message = "Captured frames {first} to {last}"
 
     def option(self, context):
-        self.so_far = native.clip_capture().FramesSoFar()
+        clip_capture = native.clip_capture()
+        self.so_far = clip_capture.FramesSoFar()
         self._playhead = frame_at_hand.Playhead(context.scene)
-        return corrections.of_clip(scene_in.clip_of(context)), self.so_far
+        entries = corrections.of_clip(scene_in.clip_of(context))
+        return entries, self.so_far, clip_capture.CaptureSummary()
+
+    @staticmethod
+    def learned(option):
+        _, _, summary = option
+        return summary.fit
 
     def accompany(self, context):
         if self.so_far.newest is not None:
@@ -23,13 +30,14 @@ class MIMETIC_OT_capture(Following, Operator):
 
     @staticmethod
     def follow(option, footage_path, progress, frames, **person):
-        entries, so_far = option
+        entries, so_far, summary = option
         first, last = frames or (None, None)
         within = tuple(c for c in entries if (first or 1) <= c.frame <= (last or c.frame))
         return native.clip_capture().capture(
             footage_path,
             frames=frames,
             progress=progress,
+            summary=summary,
             corrections=within,
             so_far=so_far,
             **person,

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import statistics
 
+import bpy
 from bpy.props import StringProperty
 
 from .. import clip_lens, clips, native, scene_in, scene_out, takes
@@ -12,7 +13,7 @@ class Following(arguments.FrameRange, Job):
     """Mixin of operators that make a performance from the clip; stopping keeps what is done.
 
     Subclasses give `follow(option, footage_path, progress, frames, fit, lens)`, which runs without
-    bpy and returns the performance, and may give `option(context)`.
+    bpy and returns the performance, and may give `option(context)` and `learned(option)`.
     """
 
     bl_options = {"UNDO"}
@@ -35,6 +36,11 @@ class Following(arguments.FrameRange, Job):
     def option(self, context):
         return None
 
+    @staticmethod
+    def learned(option):
+        """What following found out of the person: a FaceFit for the clip; None: nothing."""
+        return None
+
     def read(self, context):
         footage = scene_in.footage(context)
         paths = takes.new_paths(footage.clip_name, self.filepath)
@@ -44,10 +50,10 @@ class Following(arguments.FrameRange, Job):
             "fit": scene_out.face_fit.of_clip(clip),
             "lens": clip_lens.known(clip),
         }
-        return footage, what, paths, self.option(context)
+        return footage, what, paths, self.option(context), scene_out.face_fit.content(clip)
 
     def work(self, inputs, progress):
-        footage, what, paths, option = inputs
+        footage, what, paths, option, fit_before = inputs
         performance = self.follow(option, footage.path, progress, **what)
         path, remarks = takes.save(performance, *paths)
         first, last = int(performance.frame[0]), int(performance.frame[-1])
@@ -60,9 +66,12 @@ class Following(arguments.FrameRange, Job):
             "quality": round(statistics.median(quality), 3),
             "num_held": sum(one < held_quality for one in quality),
         }
-        return facts, [message, *remarks]
+        return facts, [message, *remarks], fit_before, self.learned(option)
 
     def write(self, context, result):
-        self.facts, remarks = result
+        self.facts, remarks, fit_before, learned_fit = result
         clip_name, path = self.facts["clip"], self.facts["performance"]
+        clip = bpy.data.movieclips.get(clip_name)
+        if learned_fit is not None and clip is not None:
+            scene_out.face_fit.learn(clip, fit_before, learned_fit)
         return "; ".join([*remarks, *takes.keep_for(context.scene, clip_name, path)])

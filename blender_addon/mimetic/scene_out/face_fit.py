@@ -50,6 +50,26 @@ def keep(clip: bpy.types.MovieClip, fit) -> None:
         record.face_fit = path.read_text(encoding="utf-8")
 
 
+def learn(clip: bpy.types.MovieClip, before: str, fit) -> None:
+    """Keeps what a capture found out of the person, unless another fit was kept since it began.
+
+    before: the clip's `content` then; fit: that one, or the one that the capture found, with how
+    far this person's muscles go: takes of one person share their scale.
+    """
+    if content(clip) != before:
+        return
+    if not before:
+        store(clip, fit)
+    elif fit.calibration != of_clip(clip).calibration:
+        keep(clip, fit)
+
+
+def content(clip: bpy.types.MovieClip | None) -> str:
+    """The JSON that is kept with the clip, or ""."""
+    record = clips.find(clip) if clip else None
+    return record.face_fit if record else ""
+
+
 def is_calibrated(clip: bpy.types.MovieClip | None) -> bool:
     """Whether the clip's fit knows this person's skin and muscles."""
     try:
@@ -85,19 +105,18 @@ def lens_remark(clip: bpy.types.MovieClip) -> str:
 
 def of_clip(clip: bpy.types.MovieClip | None):
     """The clip's FaceFit, or None; raises InvalidInput if its JSON was edited and is no fit."""
-    record = clips.find(clip) if clip else None
-    content = record.face_fit if record else ""
-    if not content:
+    text = content(clip)
+    if not text:
         return None
-    if content not in _fits:
+    if text not in _fits:
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder, "face.json")
-            path.write_text(content, encoding="utf-8")
-            _remember(content, native.fitting().FaceFit.load(path))
-    return _fits[content]
+            path.write_text(text, encoding="utf-8")
+            _remember(text, native.fitting().FaceFit.load(path))
+    return _fits[text]
 
 
-def _remember(content: str, fit) -> None:
+def _remember(text: str, fit) -> None:
     while len(_fits) >= MOST_PARSED:
         _fits.pop(next(iter(_fits)))
-    _fits[content] = fit
+    _fits[text] = fit
