@@ -14,7 +14,7 @@ from mimetic.template.face_template import load_template
 from numpy.typing import NDArray
 
 from evaluation.runs.real_labels import FOLDER
-from evaluation.runs.real_score import APART
+from evaluation.runs.real_score import APART, distance_across
 
 SHUT = 0.6  # of both upper lids' way, on the mean: more than half closed lids of a squint
 ACTIVE, SATURATED = 0.1, 0.98  # of an activation
@@ -52,17 +52,22 @@ def score_events(clip: str, performance: Performance) -> list[Events]:
     events = []
     minutes = len(performance.frame) / float(performance.fps) / 60
     if (rows := _rows(f"{clip}.blinks.csv", performance)) is not None:
-        shut = [
-            (int(row["closed_first"]), int(row["closed_last"]))
-            for row in rows
-            if row["kind"] in ("blink", "closed")
-        ]
-        events.append(
-            _matched(clip, "blinks", shut, runs(performance, eyes_shut(performance)), minutes)
-        )
+        candidates = runs(performance, eyes_shut(performance))
+        # A blink in which the capture ends or begins is neither to be found nor wrong if it is
+        cut = _shut(_rows(f"{clip}.blinks.csv", performance, cut=True) or [])
+        candidates = [run for run in candidates if not any(_meet(run, one) for one in cut)]
+        events.append(_matched(clip, "blinks", _shut(rows), candidates, minutes))
     if (rows := _rows(f"{clip}.lips.csv", performance)) is not None:
         events.append(_lips_told(clip, rows, performance, minutes))
     return events
+
+
+def _shut(rows: list[dict[str, str]]) -> list[Range]:
+    return [
+        (int(row["closed_first"]), int(row["closed_last"]))
+        for row in rows
+        if row["kind"] in ("blink", "closed")
+    ]
 
 
 def eyes_shut(performance: Performance) -> NDArray[np.bool_]:
@@ -72,17 +77,19 @@ def eyes_shut(performance: Performance) -> NDArray[np.bool_]:
 
 
 def lips_touch(performance: Performance) -> NDArray[np.bool_]:
-    """By the gap between the lips' inner landmarks on the surface, as frames marked by hand are."""
+    """By the gap between the lips' inner landmarks on the surface, as frames marked by hand are:
+    across the line of the mouth's corners."""
     template, surface = load_template(), RefinedSurface(performance)
     lips = [template.landmark(f"lip_{lip}_inner") for lip in ("upper", "lower")]
     eyes = [template.landmark(f"{end}.{side}") for side in "RL" for end in EYES]
-    vertices = np.searchsorted(surface.used, [*lips, *eyes])
+    corners = [template.landmark(f"mouth_corner.{side}") for side in "RL"]
+    vertices = np.searchsorted(surface.used, [*lips, *eyes, *corners])
     touch = []
     for i in range(performance.num_frames):
         pixels = performance.project(surface.in_camera(i)[vertices])
-        apart = np.linalg.norm(pixels[1] - pixels[0])
-        ipd = np.linalg.norm(pixels[4:].mean(axis=0) - pixels[2:4].mean(axis=0))
-        touch.append(100 * apart / ipd < APART)
+        ipd = np.linalg.norm(pixels[4:6].mean(axis=0) - pixels[2:4].mean(axis=0))
+        apart = distance_across(pixels[1] - pixels[0], pixels[7] - pixels[6])
+        touch.append(bool(100 * apart / ipd < APART))
     return np.array(touch)
 
 
@@ -99,6 +106,10 @@ def runs(performance: Performance, holds: NDArray[np.bool_]) -> list[Range]:
     return [(int(frames[a]), int(frames[b - 1])) for a, b in edges.reshape(-1, 2)]
 
 
+def _meet(a: Range, b: Range) -> bool:
+    return a[0] <= b[1] + NEAR and b[0] <= a[1] + NEAR
+
+
 def _matched(
     clip: str, kind: str, marks: list[Range], candidates: list[Range], minutes: float
 ) -> Events:
@@ -106,11 +117,8 @@ def _matched(
 
     Overlap allows for NEAR frames at either end."""
 
-    def meet(a: Range, b: Range) -> bool:
-        return a[0] <= b[1] + NEAR and b[0] <= a[1] + NEAR
-
-    hits = sum(any(meet(one, run) for run in candidates) for one in marks)
-    false = sum(not any(meet(one, run) for one in marks) for run in candidates)
+    hits = sum(any(_meet(one, run) for run in candidates) for one in marks)
+    false = sum(not any(_meet(one, run) for one in marks) for run in candidates)
     return Events(clip, kind, len(marks), hits, false, minutes)
 
 
@@ -133,8 +141,9 @@ def _lips_told(
     )
 
 
-def _rows(name: str, performance: Performance) -> list[dict[str, str]] | None:
-    """Of a table of ranges, those within the captured frames; None without such a table."""
+def _rows(name: str, performance: Performance, cut: bool = False) -> list[dict[str, str]] | None:
+    """Of a table of ranges, those within the captured frames, or those that reach out of them;
+    None without such a table."""
     path = FOLDER / name
     if not path.exists():
         return None
@@ -145,4 +154,8 @@ def _rows(name: str, performance: Performance) -> list[dict[str, str]] | None:
         ends = [(int(r.get("start") or r["first"]), int(r.get("end") or r["last"])) for r in rows]
     except (KeyError, TypeError, ValueError) as error:
         raise InvalidInput(f"{path}: {error}; evaluation/real/README.md has the columns") from None
-    return [row for row, (a, b) in zip(rows, ends, strict=True) if first <= a and b <= last]
+    if cut:
+        is_kept = [(a < first <= b) or (a <= last < b) for a, b in ends]
+    else:
+        is_kept = [first <= a and b <= last for a, b in ends]
+    return [row for row, kept in zip(rows, is_kept, strict=True) if kept]

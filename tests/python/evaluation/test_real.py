@@ -142,6 +142,31 @@ def test_blinks_are_counted_beside_the_marked_ones(monkeypatch, tmp_path):
     assert blinks.f1 == pytest.approx(0.5)
 
 
+def test_a_blink_in_which_the_capture_ends_does_not_count(monkeypatch, tmp_path):
+    values = np.zeros((60, 2))
+    values[[9, 10, 58, 59]] = 1.0
+    performance = make_performance(
+        60, articulators=["lid_upper.L", "lid_upper.R"], articulator_values=values
+    )
+    rows = ["kind,start,closed_first,closed_last,end", "blink,9,10,11,12", "blink,58,59,61,63"]
+    (tmp_path / "clip.blinks.csv").write_text("\n".join(rows) + "\n")
+    monkeypatch.setattr(real_events, "FOLDER", tmp_path)
+    (blinks,) = score_events("clip", performance)
+    assert (blinks.marked, blinks.hits, blinks.false) == (1, 1, 0)
+
+
+def test_lips_that_are_shifted_along_each_other_are_not_parted(labels):
+    touching = labels.rows(labels.touch == 1)
+    corners = touching.of("mouth_corner.R", "mouth_corner.L")
+    along = corners[:, 1] - corners[:, 0]
+    across = np.stack([-along[:, 1], along[:, 0]], axis=1)
+    lower = POINTS.index("lip_inner_lower")
+    for way, told in ((along, 1.0), (across, 0.0)):
+        places = touching.places.copy()
+        places[:, lower] += 0.2 * way
+        assert score_places(touching, "shifted", places).lips_told == told
+
+
 def test_saturation_is_the_share_of_active_muscle_frames_at_the_bound():
     performance = make_performance()
     activations = np.zeros_like(performance.activations)
