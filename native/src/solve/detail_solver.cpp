@@ -10,7 +10,7 @@ DetailSolver::DetailSolver(const FaceMotion& motion)
 
 DetailEstimate DetailSolver::solve(const JointSolver& solver,
                                    const std::vector<SampleMeasurement>& measurements,
-                                   const Eigen::VectorXd& step) {
+                                   const Eigen::VectorXd& step, const DetailTerms& other) {
     const Eigen::Index size = prior_.rows();
     rows_.resize(size, static_cast<Eigen::Index>(2 * measurements.size()));
     for (std::size_t k = 0; k < measurements.size(); ++k) {
@@ -20,9 +20,11 @@ DetailEstimate DetailSolver::solve(const JointSolver& solver,
     }
     sum_.setZero(size, size);
     sum_.selfadjointView<Eigen::Lower>().rankUpdate(rows_);
-    const Eigen::MatrixXd information = sum_.selfadjointView<Eigen::Lower>().toDenseMatrix().cast<double>();
-    const Eigen::MatrixXd coupling = (rows_ * solver.rows().transpose()).cast<double>();
-    const Eigen::VectorXd pull = (rows_ * solver.targets()).cast<double>() - coupling * step;
+    const Eigen::MatrixXd information =
+        sum_.selfadjointView<Eigen::Lower>().toDenseMatrix().cast<double>() + other.information;
+    const Eigen::MatrixXd of_samples = (rows_ * solver.rows().transpose()).cast<double>();
+    const Eigen::MatrixXd coupling = of_samples + other.coupling;
+    const Eigen::VectorXd pull = (rows_ * solver.targets()).cast<double>() - of_samples * step + other.pull;
     const Eigen::MatrixXd covariance =
         (information + prior_).llt().solve(Eigen::MatrixXd::Identity(size, size));
     return {covariance * pull, covariance.diagonal().cwiseSqrt(), information, coupling, pull};

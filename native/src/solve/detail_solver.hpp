@@ -4,15 +4,28 @@
 
 namespace mimetic {
 
+/// Normal equations of the detail's coefficients: information * detail = pull - coupling * step.
+struct DetailTerms {
+    DetailTerms(Eigen::Index num_detail, Eigen::Index num_unknowns)
+        : information(Eigen::MatrixXd::Zero(num_detail, num_detail)),
+          coupling(Eigen::MatrixXd::Zero(num_detail, num_unknowns)),
+          pull(Eigen::VectorXd::Zero(num_detail)) {}
+
+    Eigen::MatrixXd information;  ///< D squared
+    Eigen::MatrixXd coupling;     ///< D x (6 + M)
+    Eigen::VectorXd pull;         ///< D
+};
+
 /// The residual of the samples' displacements, as the most probable coefficients of the detail modes. It uses
 /// the joint solver's robust weights, so outliers there count for nothing here.
 class DetailSolver {
 public:
     explicit DetailSolver(const FaceMotion& motion);
 
-    /// From the residual of its displacements after `step`, the joint solver's last.
+    /// From the residual of its displacements after `step`, the joint solver's last, and from other evidence
+    /// at the state after it.
     DetailEstimate solve(const JointSolver& solver, const std::vector<SampleMeasurement>& measurements,
-                         const Eigen::VectorXd& step);
+                         const Eigen::VectorXd& step, const DetailTerms& other);
 
 private:
     Eigen::MatrixXd prior_;  // D squared, diagonal

@@ -22,7 +22,8 @@ double interpupillary_of(const std::vector<OpeningEvidence>& openings) {
 
 FeatureEvidence::FeatureEvidence(const TrackedFace& face, const FeatureInputs& inputs, const ColorView& image,
                                  const cv::Mat1b& gray, const FaceState& at_rest)
-    : source_(inputs.source),
+    : face_(face),
+      source_(inputs.source),
       lids_(face, source_ ? std::vector<EyeSlit>() : inputs.eyes, gray, at_rest),
       reference_(at_rest) {
     if (!source_) {
@@ -58,6 +59,17 @@ StepPrior FeatureEvidence::terms(const FaceState& state) const {
         const StepPrior own = openings_[i].terms(state, seen_[i], interpupillary_);
         sum.information += own.information;
         sum.gradient += own.gradient;
+    }
+    return sum;
+}
+
+DetailTerms FeatureEvidence::detail_terms(const FaceState& state) const {
+    DetailTerms sum(face_.motion.detail_std.size(), face_.num_unknowns());
+    for (std::size_t i = 0; i < openings_.size(); ++i) {
+        const DetailTerms own = openings_[i].detail_terms(state, seen_[i], interpupillary_);
+        sum.information += own.information;
+        sum.coupling += own.coupling;
+        sum.pull += own.pull;
     }
     return sum;
 }

@@ -25,6 +25,10 @@ public:
     /// The evidence, linearised at a state.
     StepPrior terms(const FaceState& state) const;
 
+    /// The evidence of detail at a state, which the lines bound as they do the values: the flow about an
+    /// opening, alone, would part lips that were seen to touch.
+    DetailTerms detail_terms(const FaceState& state) const;
+
     /// The irises of the last look, the left first.
     std::array<SeenIris, 2> irises() const;
 
@@ -32,6 +36,7 @@ public:
     FaceState with_lids(FaceState state) const;
 
 private:
+    const TrackedFace& face_;
     FeatureSource source_;
     std::vector<OpeningEvidence> openings_;
     double interpupillary_;

@@ -42,7 +42,8 @@ std::optional<OpeningEvidence::Rows> OpeningEvidence::rows_at(const FaceState& s
     const double sight = std::min(1., (found->frontality - kHidden) / (kFrontal - kHidden)) * seen.presence;
     const double factor = std::min(kLargestFactor, 1 / sight);
     const OpeningNoise& noise = is_eye() ? kLidNoise : kLipNoise;
-    Rows rows{found->offsets, found->by_values, covariance_of(noise, lines_.places(), found->pixel, factor)};
+    Rows rows{found->offsets, found->by_values, found->by_detail,
+              covariance_of(noise, lines_.places(), found->pixel, factor)};
     rows.covariance += std::pow(noise.width * factor, 2) * found->from_slit * found->from_slit.transpose();
     const Eigen::Index count = rows.offsets.size();
     Eigen::MatrixXd share = Eigen::MatrixXd::Identity(count, count);  // of each offset at this state
@@ -104,6 +105,19 @@ StepPrior OpeningEvidence::terms(const FaceState& state, const SeenOpening& seen
         terms.information.bottomRightCorner(num_values, num_values) =
             weight * rows->by_values.transpose() * factor.solve(rows->by_values);
         terms.gradient.tail(num_values) = weight * rows->by_values.transpose() * factor.solve(rows->offsets);
+    }
+    return terms;
+}
+
+DetailTerms OpeningEvidence::detail_terms(const FaceState& state, const SeenOpening& seen,
+                                          double interpupillary) const {
+    DetailTerms terms(face_.motion.detail_std.size(), face_.num_unknowns());
+    if (const std::optional<Rows> rows = rows_at(state, seen, interpupillary)) {
+        const Eigen::MatrixXd weighted =
+            plausibility(*rows) * Eigen::LLT<Eigen::MatrixXd>(rows->covariance).solve(rows->by_detail);
+        terms.information = rows->by_detail.transpose() * weighted;
+        terms.coupling.rightCols(face_.num_values()) = weighted.transpose() * rows->by_values;
+        terms.pull = weighted.transpose() * rows->offsets;
     }
     return terms;
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
+#include "detail_solver.hpp"
 #include "opening_lines.hpp"
 #include "tracked_face.hpp"
 
@@ -19,6 +20,9 @@ public:
     /// Information and right-hand side of the measurement; zero without one. The pose has no part in it.
     StepPrior terms(const FaceState& state, const SeenOpening& seen, double interpupillary) const;
 
+    /// The measurement's equations of detail, at a state that the values do not leave.
+    DetailTerms detail_terms(const FaceState& state, const SeenOpening& seen, double interpupillary) const;
+
     /// The state with this opening's lids where they were seen, whatever they were before.
     FaceState with_lids(FaceState state, const SeenOpening& seen, double interpupillary) const;
 
@@ -31,6 +35,7 @@ private:
     struct Rows {
         Eigen::VectorXd offsets;
         Eigen::MatrixXd by_values;
+        Eigen::MatrixXd by_detail;
         Eigen::MatrixXd covariance;
     };
 

@@ -82,8 +82,12 @@ std::optional<OpeningOffsets> OpeningLines::compare(const Camera& camera, const 
     }
     const auto count = static_cast<Eigen::Index>(places_.size());
     const double pixels = .5 * (camera.fx + camera.fy) / middle_in_camera.z() * interpupillary;
-    OpeningOffsets result{Eigen::VectorXd(count), Eigen::MatrixXd(count, state.values.size()),
-                          Eigen::VectorXd::Zero(count), 1 / pixels, 0};
+    OpeningOffsets result{Eigen::VectorXd(count),
+                          Eigen::MatrixXd(count, state.values.size()),
+                          Eigen::MatrixXd::Zero(count, lines_.front().front().detail_modes.cols()),
+                          Eigen::VectorXd::Zero(count),
+                          1 / pixels,
+                          0};
     result.frontality =
         -(state.camera_from_head.linear() * opening_.facing).dot(middle_in_camera.normalized());
     const Eigen::VectorXf values = state.values.cast<float>();
@@ -116,6 +120,7 @@ std::optional<OpeningOffsets> OpeningLines::compare(const Camera& camera, const 
                 const SeenPoint place(camera, state.camera_from_head, points[vertex]);
                 const Eigen::RowVector3d by_point = across.transpose() * place.by_point * (share / pixels);
                 result.by_values.row(row) += by_point * lines_[l][vertex].modes.cast<double>();
+                result.by_detail.row(row) += by_point * lines_[l][vertex].detail_modes.cast<double>();
             }
         }
     }

@@ -18,6 +18,7 @@ struct LinePlace {
 struct OpeningOffsets {
     Eigen::VectorXd offsets;    ///< K: from the model to what was seen
     Eigen::MatrixXd by_values;  ///< K x M: how the model moves
+    Eigen::MatrixXd by_detail;  ///< K x D: the same by detail, which is 0 at a state
     Eigen::VectorXd
         from_slit;          ///< K: of lines that meet, from the middle between them as it was seen; else 0
     double pixel = 0;       ///< one pixel

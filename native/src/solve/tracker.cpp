@@ -168,7 +168,8 @@ FrameEstimate FaceTracker::State::measured_estimate(const Expectation& expected,
     FrameEstimate estimate = to_estimate(found.state, found.score);
     if (face.motion.detail_std.size() > 0) {
         // Not fed back into the next frame's warp: flow underestimates, and the errors would accumulate.
-        estimate.detail = detail_solver.solve(solver, found.measured.samples, found.last_step.flat);
+        estimate.detail = detail_solver.solve(solver, found.measured.samples, found.last_step.flat,
+                                              features.detail_terms(found.state));
     }
     estimate.covariance =
         (solver.information() + expected.information).llt().solve(Eigen::MatrixXd::Identity(size, size));

@@ -210,6 +210,31 @@ TEST(FeatureEvidence, KnowsASlitThatIsShutFarBetterThanAnOpenOne) {
     EXPECT_GT(slit_std({.25, .5}), .015);
 }
 
+TEST(FeatureEvidence, ShutsByDetailLipsThatTouchAndTheValuesLeaveApart) {
+    Mouth mouth;
+    mouth.scene.motion.detail_modes = mouth.scene.motion.modes.topRows(1);  // as what shuts it
+    mouth.scene.motion.detail_std = Eigen::VectorXd::Ones(1);
+    const std::vector<SeenOpening> touching = mouth.scene.see(Eigen::Vector2d(.25, 0));
+    mouth.scene.inputs.source = [&](const ColorView&, const Eigen::Isometry3d&) { return touching; };
+    const TrackedFace face(mouth.scene.camera, mouth.scene.surface, mouth.scene.motion, TrackerOptions{});
+    FaceState state{mouth.scene.camera_from_head, Eigen::VectorXd::Zero(2)};
+    FeatureEvidence evidence(face, mouth.scene.inputs, ColorView{}, cv::Mat1b(), state);
+    const DetailTerms unseen = [&] {
+        evidence.look_away();
+        return evidence.detail_terms(state);
+    }();
+    EXPECT_EQ(unseen.information.norm(), 0);
+    evidence.look(ColorView{}, cv::Mat1b(), state);
+    const DetailTerms apart = evidence.detail_terms(state);
+    EXPECT_NEAR(apart.pull[0] / apart.information(0, 0), .25, .06);
+    const Eigen::Vector2d step(.25, 0);  // once the values shut them nothing is left
+    EXPECT_NEAR((apart.pull[0] - apart.coupling.rightCols(2).row(0).dot(step)) / apart.information(0, 0), 0,
+                .06);
+    EXPECT_EQ(apart.coupling.leftCols(FaceStep::kPose).norm(), 0);
+    constexpr double kByDetail = .008 / .063;
+    EXPECT_LT(kByDetail / std::sqrt(apart.information(0, 0)), .006);
+}
+
 TEST(FaceTracker, KeepsItsPoseWhenLinesAtTheMouthMoveTogether) {
     const FaceScene scene;
     FeatureInputs inputs;
