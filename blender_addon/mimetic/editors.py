@@ -16,11 +16,11 @@ def open_editors(*kinds: str) -> Iterator[bpy.types.Area]:
                 yield area
 
 
-def redraw_sidebars(*kinds: str) -> None:
-    """The sidebars of these editors alone: a 3D view takes long to draw."""
+def redraw_parts(part: str, *kinds: str) -> None:
+    """One part of these editors, UI for the sidebar: a 3D view takes long to draw."""
     for area in open_editors(*kinds):
         for region in area.regions:
-            if region.type == "UI":
+            if region.type == part:
                 region.tag_redraw()
 
 

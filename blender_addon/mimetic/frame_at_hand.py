@@ -16,15 +16,18 @@ class Playhead:
         self._scene_name = scene.name
         self._left_at = scene.frame_current
 
-    def accompany(self, context, clip_name: str, frame: int) -> None:
+    def accompany(self, context, clip_name: str, frame: int) -> bool:
+        """Says whether it moved."""
         clip, scene = bpy.data.movieclips.get(clip_name), context.scene
         if clip is None or scene.name != self._scene_name or not _is_on_show(scene, clip):
-            return
+            return False
         if scene.frame_current != self._left_at or jobs.is_playing():
-            return
+            return False
         self._left_at = scene_in.scene_frame(clip, frame)
-        if scene.frame_current != self._left_at:
-            scene.frame_current = self._left_at
+        if scene.frame_current == self._left_at:
+            return False
+        scene.frame_current = self._left_at
+        return True
 
 
 def _is_on_show(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> bool:

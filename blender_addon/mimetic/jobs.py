@@ -18,6 +18,7 @@ import bpy
 
 from . import editors, native, outcome
 from .greyed import Greyed
+from .pace import Pace
 
 TELLING = 0.02  # of the work, from which on the time left is told
 
@@ -200,6 +201,7 @@ class Modal(Greyed):
             self._timer = None
         for workspace in bpy.data.workspaces:  # another one may be on show by now
             workspace.status_text_set(None)
+        _redraw()
 
 
 class Job(Modal):
@@ -212,10 +214,12 @@ class Job(Modal):
 
     keeps_part = False  # what a stopped job has done so far
     needs_object_mode = True  # to write
+    tick_seconds = 0.02  # shorter than a drawing that `Pace` is to notice
     so_far: object = None  # what may be drawn meanwhile, made by `read`
     facts: dict | None = None  # what scripts are told `write` made, besides its message
     _scene_name = ""
     _shown = ""
+    _pace: Pace | None = None
 
     @classmethod
     def subject(cls, context) -> str:
@@ -261,6 +265,7 @@ class Job(Modal):
         run.keeps_part, run.so_far = self.keeps_part, self.so_far
         run.begin = lambda: run.start(self.work, inputs)
         self._scene_name = context.scene.name
+        self._pace = Pace(self.tick_seconds)
         if running:
             waiting.append(run)
         else:
@@ -272,8 +277,8 @@ class Job(Modal):
             _have_blender_ask()
             is_done = running.is_done()
             reason = self._hindrance(context) if is_done else ""
-            self._show(context, reason)
-            self.accompany(context)
+            if self._pace.is_due() and (self._show(context, reason) | self.accompany(context)):
+                self._pace.has_shown()
             if is_done and not reason:
                 return self._end(context)
         # Esc that ends the playback is not meant for us
@@ -284,8 +289,12 @@ class Job(Modal):
             return {"RUNNING_MODAL"}
         return {"PASS_THROUGH"}
 
-    def accompany(self, context) -> None:
-        """Called while it is at work, with what the worker has posted by now."""
+    def accompany(self, context) -> bool:
+        """Called while it is at work, with what the worker has posted by now.
+
+        Says whether it changed anything that Blender draws.
+        """
+        return False
 
     def _hindrance(self, context) -> str:
         """Why the result cannot be put into the scene as the window stands."""
@@ -317,18 +326,26 @@ class Job(Modal):
             return outcome.finished(self, context, f"Stopped. {message}", "WARNING", **facts)
         return outcome.finished(self, context, message, **facts)
 
-    def _show(self, context, reason: str) -> None:
+    def _show(self, context, reason: str) -> bool:
+        """Says whether anything is new."""
         if reason:
             text = f"{running.label} {reason}   |   Esc discards it"
         else:
             hint = "stopping" if running.stop.is_set() else "Esc stops"
             then = f"   |   {len(waiting)} more" if waiting else ""
             text = f"{running.text()}   |   {hint}{then}"
-        if text != self._shown:  # drawing takes the machine's time from the work
-            self._shown = text
-            context.workspace.status_text_set(text)
-            editors.redraw("CLIP_EDITOR")
-            editors.redraw_sidebars("VIEW_3D")
+        if text == self._shown:
+            return False
+        self._shown = text
+        context.workspace.status_text_set(text)
+        _redraw()
+        return True
+
+
+def _redraw() -> None:
+    """What shows how far jobs are: sidebars, and footage with what was followed of it."""
+    editors.redraw_parts("WINDOW", "CLIP_EDITOR")
+    editors.redraw_parts("UI", "CLIP_EDITOR", "VIEW_3D")
 
 
 def is_playing() -> bool:

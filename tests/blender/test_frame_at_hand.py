@@ -18,7 +18,8 @@ def playhead(extension, scene, footage, monkeypatch):
 
 
 def test_it_goes_along_with_the_frame_at_hand(scene, playhead, extension):
-    playhead(5)
+    assert playhead(5)
+    assert not playhead(5)  # nothing is to be drawn anew
     assert scene.frame_current == 13
     assert extension("scene_in").shown_frame(bpy.context) == 5
 
@@ -26,8 +27,8 @@ def test_it_goes_along_with_the_frame_at_hand(scene, playhead, extension):
 def test_whoever_scrubs_has_it_until_they_go_back(scene, playhead):
     playhead(5)
     scene.frame_set(20)
-    playhead(6)
-    playhead(7)
+    assert not playhead(6)
+    assert not playhead(7)
     assert scene.frame_current == 20
     scene.frame_set(13)
     playhead(8)

@@ -25,8 +25,10 @@ class MIMETIC_OT_capture(Following, Operator):
         return summary.fit
 
     def accompany(self, context):
-        if self.so_far.newest is not None:
-            self._playhead.accompany(context, jobs.running.subject, self.so_far.newest)
+        newest = self.so_far.newest
+        return newest is not None and self._playhead.accompany(
+            context, jobs.running.subject, newest
+        )
 
     @staticmethod
     def follow(option, footage_path, progress, frames, **person):

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How much of the window's time a job's news takes."""
+
+import pytest
+
+TICK = 0.02
+SECONDS = 60.0
+
+
+@pytest.fixture
+def shown(extension):
+    """Times at which a job with news at every event shows them, in a window that then needs some
+    drawings of so many seconds, and others at every event."""
+
+    def shown(*drawings: float, others: float = 0.0) -> list[float]:
+        now, times, left = 0.0, [], []
+        pace = extension("pace").Pace(TICK, lambda: now)
+        while now < SECONDS:
+            if pace.is_due():
+                times.append(now)
+                pace.has_shown()
+                left = list(drawings)
+            now += max(TICK, left.pop(0) if left else others)
+        return times
+
+    return shown
+
+
+def test_a_window_that_is_drawn_in_time_shows_all(shown):
+    assert len(shown(0.5 * TICK)) == pytest.approx(SECONDS / TICK, abs=2)
+
+
+@pytest.mark.parametrize("drawings", ((0.05,), (0.15,), (0.4,), (0.1, *[0.04] * 8)))
+def test_drawing_takes_a_quarter_of_a_slow_windows_time(shown, drawings):
+    times = shown(*drawings)
+    assert len(times) * sum(drawings) / SECONDS == pytest.approx(0.25, abs=0.03)
+
+
+def test_news_come_however_slow_the_window_is(shown):
+    assert len(shown(1.0)) == pytest.approx(SECONDS / 2, rel=0.1)
+
+
+def test_whoever_works_in_the_window_goes_first(shown):
+    alone, beside = shown(0.1), shown(0.1, others=0.05)
+    assert len(beside) < len(alone) / 3
+    assert len(beside) == pytest.approx(SECONDS / 2, rel=0.1)
