@@ -13,16 +13,17 @@ from . import clips, corrections, native, scene_in, shown_take, takes
 @dataclass(frozen=True)
 class Step:
     operator: str  # "" where nothing is left to do
-    text: str
+    text: str  # of its button
+    beside: str = ""  # what else is to be known
 
 
 FIND_FILES = Step("mimetic.find_missing", "Next: Find Missing Files")
-LOAD = Step("mimetic.load_clip", "Next: Load Clip, or drop a video here")
+LOAD = Step("mimetic.load_clip", "Next: Load Clip", "Or drop a video here")
 FIND = Step("mimetic.find_face", "Next: Find Face")
 CAPTURE = Step("mimetic.capture", "Next: Capture")
-REFINE = Step("mimetic.refine", "Next: Refine, for what was corrected")
+REFINE = Step("mimetic.refine", "Next: Refine", "For what was corrected")
 BAKE = Step("mimetic.bake", "Next: Bake")
-DONE = Step("", "Baked. In a frame where the face is off: Pin Skin or Correct (Corrections)")
+DONE = Step("", "", "Baked. In a frame where the face is off: Pin Skin or Correct (Corrections)")
 
 
 def of(context) -> Step:

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from close_request import ask_to_close, make_known
+from file_drop import drop_file
+from lit_button import find_button
 
 HERE = Path(__file__).parent
 SIZE = (1280, 800)
@@ -53,6 +55,19 @@ class Screen:
         """Moves the real mouse, or presses real keys: what xdotool is to do."""
         command = ["env", f"DISPLAY={self.display}", "xdotool", *words.split()]
         subprocess.run(command, check=True, timeout=30)
+
+    def drop(self, words: str) -> None:
+        """Drops a file with the real mouse: the place's x and y, and the file's path."""
+        x, y, path = words.split(maxsplit=2)
+        self.act(f"mousemove {x} {y}")
+        drop_file(self.display, "Blender", (int(x), int(y)), Path(path))
+
+    def click_button(self, words: str, picture: Path) -> None:
+        """Clicks with the real mouse on what stands out: `find_button`'s colour and box."""
+        colour, *box = words.split()
+        self.photograph(picture)
+        x, y = find_button(picture, tuple(map(int, box)), colour)
+        self.act(f"mousemove {x} {y} sleep 0.3 click 1")
 
 
 @dataclass(frozen=True)
@@ -152,7 +167,8 @@ def _serve(
     """Do what the walk asks for, until Blender ends or its time is over.
 
     It asks by files: NAME.request, for a picture; NAME.close, to have the window's close button
-    pressed; NAME.act, which holds the words for `Screen.act`.
+    pressed; NAME.act, NAME.drop and NAME.click, which hold the words for `Screen.act`, `drop` and
+    `click_button`.
     """
     taken: dict[str, Path] = {}
     deadline = time.monotonic() + seconds
@@ -167,6 +183,14 @@ def _serve(
             request.unlink()
         for request in work.glob("*.act"):
             screen.act(request.read_text())
+            request.unlink()
+        for request in work.glob("*.drop"):
+            screen.drop(request.read_text())
+            request.unlink()
+        for request in work.glob("*.click"):
+            picture = pictures / f"{request.stem}.png"
+            screen.click_button(request.read_text(), picture)
+            taken[request.stem] = picture
             request.unlink()
         time.sleep(0.1)
     if process.poll() is None:

@@ -28,12 +28,11 @@ class Capture:
         if reason := native.problem():
             paragraph(layout, reason)
             return
-        self.next_name = ""
+        settings = context.scene.mimetic
         if jobs.running:
             self.draw_running(layout, jobs.running)
         else:
-            self.draw_next(layout, next_step.of(context))
-        settings = context.scene.mimetic
+            self.draw_next(layout, settings, next_step.of(context))
         self.draw_footage(layout, context, settings)
         self.draw_capture(layout, context, settings)
         self.draw_bake(layout, context)
@@ -53,27 +52,25 @@ class Capture:
         keeps = " and keeps what is done" if run.keeps_part else ""
         layout.label(text=f"Esc stops{keeps}")
 
-    def draw_next(self, layout, step):
-        """What takes the footage further, in words; its button below is lit."""
-        paragraph(layout, step.text, "FORWARD" if step.operator else "CHECKMARK")
-        self.next_name = step.operator
-        if step.operator == "mimetic.refine":  # its own is in a panel that may be closed
-            self.draw_step(layout, "mimetic.refine", icon="ARROW_LEFTRIGHT")
-
-    def draw_step(self, layout, name, **look):
-        """A button on the way from footage to face, lit while it is the next one."""
-        return layout.operator(name, depress=name == self.next_name, **look)
+    def draw_next(self, layout, settings, step):
+        """What takes the footage further, lit, at the top, where no sidebar is too low for it."""
+        if step.operator:
+            layout.operator(step.operator, text=step.text, icon="FORWARD", depress=True)
+        paragraph(layout, step.beside, "NONE" if step.operator else "CHECKMARK")
+        if not step.operator and self.bl_space_type == "CLIP_EDITOR":
+            pin = layout.operator("mimetic.pin_skin", icon="PINNED")
+            pin.reach = settings.correction_reach
 
     def draw_footage(self, layout, context, settings):
         row = layout.row(align=True)
-        self.draw_step(row, "mimetic.load_clip", icon="FILE_MOVIE")
+        row.operator("mimetic.load_clip", icon="FILE_MOVIE")
         row.operator("mimetic.open_workspace", text="", icon="WORKSPACE")
         clip = scene_in.clip_of(context)
         if getattr(context, "edit_movieclip", None) is None:
             layout.prop(settings, "clip", text="")
         self.draw_rate(layout, context)
         row = layout.row(align=True)
-        self.draw_step(row, "mimetic.find_face", icon="VIEWZOOM")
+        row.operator("mimetic.find_face", icon="VIEWZOOM")
         row.operator("mimetic.find_face", text="", icon="TIME").use_shown_frame = True
         row.operator("mimetic.pick_face", text="", icon="EYEDROPPER")
         if clip:
@@ -86,7 +83,7 @@ class Capture:
         """The clip whose face and take the buttons below use."""
         if clips.is_missing(clip):
             layout.label(text=f"{clip.name} is missing", icon="ERROR")
-            self.draw_step(layout, "mimetic.find_missing")
+            layout.operator("mimetic.find_missing")
         paragraph(layout, clips.change_of(clip))
         layout.label(text=f"{clip.name}: {scene_out.face_fit.summary(clip)}", icon="FILE_MOVIE")
 
@@ -126,7 +123,7 @@ class Capture:
         else:
             layout.operator("mimetic.calibrate", icon="USER")
         row = layout.row(align=True)
-        self.draw_step(row, "mimetic.capture", icon="REC")
+        row.operator("mimetic.capture", icon="REC")
         row.operator("mimetic.track_head", text="Head Only")
 
     def draw_bake(self, layout, context):
@@ -136,10 +133,10 @@ class Capture:
             layout.label(text=takes.name_of(take), icon="CHECKMARK")
         elif take:
             layout.label(text=f"{takes.name_of(take)} is missing", icon="ERROR")
-            self.draw_step(layout, "mimetic.find_missing")
+            layout.operator("mimetic.find_missing")
         head = targets.bound_head(context)
         text = f"Bake on {head.name}" if head else "Bake"
-        self.draw_step(layout, "mimetic.bake", text=text, icon="ACTION")
+        layout.operator("mimetic.bake", text=text, icon="ACTION")
         row = layout.row(align=True)
         row.operator("mimetic.export_gltf", icon="EXPORT")
         row.operator("mimetic.export_character", text="", icon="FILE_3D")

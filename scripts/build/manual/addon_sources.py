@@ -223,7 +223,7 @@ def _collect(node: ast.ClassDef, panel: PanelSource) -> None:
         if not (isinstance(call, ast.Call) and isinstance(call.func, ast.Attribute)):
             continue
         texts = [text for part in call.args if isinstance(text := value(part, {}), str)]
-        if call.func.attr in ("operator", "draw_step") and texts:
+        if call.func.attr == "operator" and texts:
             panel.operators += {texts[0]}.difference(panel.operators)
         elif call.func.attr in ("prop", "prop_search") and texts:
             # `f"show_{name}"` stands for all that there are

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From a video that is dropped to a corrected, baked face, by the mouse on what is lit alone."""
+
+import shutil
+import subprocess
+
+from mimetic.media.ffmpeg import ffmpeg_program
+
+MOST_SECONDS = 180
+SHOT = 250  # frames of the clip, ten seconds
+
+
+def test_what_is_lit_leads_there_in_less_than_three_minutes(
+    folder, screen, extension, clip, work, pictures
+):
+    shutil.copy(extension, work)
+    shot = work / "shot.mp4"
+    cut = [ffmpeg_program(), "-v", "error", "-i", clip, "-frames:v", str(SHOT), "-c", "copy", shot]
+    subprocess.run(cut, check=True)
+    settings = {"extension": extension.name, "clip": shot.name}
+    way = {"seconds": 900, "is_simulated": False}
+    result = folder.walk(screen, "walk_next_step.py", work, pictures, settings, **way)
+    assert not result.failures()
+    rows = result.arrays["steps"]
+    print(f"\n{'step':18} until clicked  machine's own")
+    for name, clicking, computing in rows:
+        print(f"{name:18} {clicking:9.1f} s {computing:12.1f} s")
+    clicking, computing = (sum(row[i] for row in rows) for i in (1, 2))
+    print(f"{'all':18} {clicking:9.1f} s {computing:12.1f} s, together {clicking + computing:.0f} s")
+    assert clicking + computing < MOST_SECONDS

@@ -1,0 +1,143 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Someone new: a video is dropped, then only what is lit is clicked, and a place that is off is
+pinned. All of it by the screen's own mouse; how long each step takes is told."""
+
+import sys
+import time
+from pathlib import Path
+
+import bpy
+
+sys.path.insert(0, str(Path(__file__).parent))
+from walk import Steps, Walk, area_of, install, start
+
+PACKAGE = "bl_ext.user_default.mimetic"
+WAY = ("find_face", "capture", "bake", "pin_skin", "refine", "bake")  # what the panel leads to
+OFF = 6  # pixels of the screen by which the place that is pinned is moved
+
+
+def module(name: str):
+    return sys.modules[f"{PACKAGE}.{name}"]
+
+
+def is_idle() -> bool:
+    return module("jobs").running is None
+
+
+def next_name() -> str:
+    """What the panel says comes next, for the steps' names alone: the click goes by its colour."""
+    window, area = area_of("CLIP_EDITOR")
+    with bpy.context.temp_override(window=window, area=area):
+        return module("next_step").of(bpy.context).operator.removeprefix("mimetic.")
+
+
+def part(kind: str) -> bpy.types.Region:
+    return next(region for region in area_of("CLIP_EDITOR")[1].regions if region.type == kind)
+
+
+def on_screen(x: float, y: float) -> tuple[int, int]:
+    """From the window's bottom left to the screen's top left, whose window it fills."""
+    return round(x), bpy.context.window_manager.windows[0].height - 1 - round(y)
+
+
+def sidebar_box() -> str:
+    region = part("UI")
+    left, top = on_screen(region.x, region.y + region.height - 1)
+    return f"{left} {top} {region.width} {region.height}"
+
+
+class Stopwatch:
+    """Seconds of each step: until it is clicked, and what the machine computes for it."""
+
+    def __init__(self, walk: Walk) -> None:
+        self._rows = walk.arrays["steps"] = []
+        self._begin = time.monotonic()
+
+    def clicked(self, name: str) -> None:
+        now = time.monotonic()
+        self._rows.append([name, now - self._begin, 0.0])
+        self._begin = now
+
+    def done(self) -> None:
+        now = time.monotonic()
+        self._rows[-1][2] = now - self._begin
+        self._begin = now
+
+
+def drop(walk: Walk, watch: Stopwatch) -> Steps:
+    view = area_of("VIEW_3D")[1]
+    x, y = on_screen(view.x + view.width // 2, view.y + view.height // 2)
+    yield from walk.ask("next-drop.drop", f"{x} {y} {walk.folder / walk.settings['clip']}")
+    yield from walk.picture("next-dropped")
+    # Blender asks what to do with it, Load Clip beneath the mouse
+    yield from walk.ask("next-dropped.act", "click 1")
+    watch.clicked("drop the video")
+
+    def is_complete() -> bool:
+        kinds = {area.type for area in bpy.context.window_manager.windows[0].screen.areas}
+        return bpy.context.scene.mimetic.clip is not None and "GRAPH_EDITOR" in kinds
+
+    yield from walk.until(is_complete, 20, "the dropped video opens the workspace")
+    yield 1.5
+    watch.done()
+
+
+def click_lit(walk: Walk, watch: Stopwatch, i: int) -> Steps:
+    name = next_name()
+    walk.check("the next step is as expected", name == WAY[i], (name, WAY[i]))
+    yield from walk.ask(f"next-{i}-{name}.click", f"lit {sidebar_box()}")
+    watch.clicked(name.replace("_", " "))
+    yield from walk.until(lambda: next_name() != name or not is_idle(), 20, f"{name} begins")
+    yield from walk.until(lambda: next_name() != name and is_idle(), 300, f"{name} leads on")
+    watch.done()
+    yield 0.5
+
+
+def pin_a_place(walk: Walk, watch: Stopwatch, i: int) -> Steps:
+    """By the button below the words that the face is baked: from the face's middle down a bit."""
+    walk.check("nothing is lit", next_name() == "", next_name())
+    yield from walk.ask(f"next-{i}-pin_skin.click", f"plain {sidebar_box()}")
+    running = area_of("CLIP_EDITOR")[0].modal_operators
+    yield from walk.until(lambda: len(running) > 0, 10, "Pin Skin waits for a place")
+    pixel = nose_tip()
+    width, height = bpy.context.scene.mimetic.clip.size
+    region = part("WINDOW")
+    place = (pixel[0] + 0.5) / width, 1 - (pixel[1] + 0.5) / height
+    x, y = region.view2d.view_to_region(*place, clip=False)
+    x, y = on_screen(region.x + x, region.y + y)
+    drag = f"mousemove {x} {y} sleep 0.3 mousedown 1 sleep 0.2 mousemove {x} {y + OFF // 2} "
+    drag += f"sleep 0.2 mousemove {x} {y + OFF} sleep 0.2 mouseup 1"
+    yield from walk.ask("next-drag.act", drag)
+    watch.clicked("pin skin")
+    yield from walk.until(lambda: next_name() == "refine", 10, "the pin is to be refined")
+    watch.done()
+    yield 0.5
+
+
+def nose_tip():
+    """In the frame on show, in pixels of the footage."""
+    window, area = area_of("CLIP_EDITOR")
+    with bpy.context.temp_override(window=window, area=area):
+        performance = module("shown_take").performance(bpy.context)
+        i = performance.index_of(module("scene_in").shown_frame(bpy.context))
+    template = sys.modules["mimetic.template.face_template"].load_template()
+    return performance.project(performance.surface_in_camera(i))[template.landmark("nose_tip")]
+
+
+def steps(walk: Walk) -> Steps:
+    yield from install(walk, PACKAGE)
+    bpy.ops.wm.save_as_mainfile(filepath=str(walk.folder / "shot.blend"))
+    yield 0.5
+    watch = Stopwatch(walk)
+    yield from drop(walk, watch)
+    walk.check("the video is the scene's", bpy.context.scene.mimetic.clip is not None)
+    for i, name in enumerate(WAY):
+        yield from (pin_a_place if name == "pin_skin" else click_lit)(walk, watch, i)
+    yield from walk.picture("next-done")
+    face = bpy.context.scene.mimetic.face
+    takes = [row.performance for row in face.mimetic.takes]
+    walk.check("the corrected take is baked too", len(takes) == 2, takes)
+    walk.check("all is done", next_name() == "", next_name())
+
+
+start(steps)
