@@ -281,6 +281,8 @@ class Job(Modal):
                 self._pace.has_shown()
             if is_done and not reason:
                 return self._end(context)
+        if not event.type.startswith("TIMER"):
+            self._pace.has_input()
         # Esc that ends the playback is not meant for us
         if event.type == "ESC" and event.value == "PRESS" and not is_playing():
             if running.is_done():  # it waits for the scene to be ready

@@ -40,7 +40,28 @@ def test_news_come_however_slow_the_window_is(shown):
     assert len(shown(1.0)) == pytest.approx(SECONDS / 2, rel=0.1)
 
 
-def test_whoever_works_in_the_window_goes_first(shown):
+def test_what_others_have_drawn_counts(shown):
     alone, beside = shown(0.1), shown(0.1, others=0.05)
     assert len(beside) < len(alone) / 3
     assert len(beside) == pytest.approx(SECONDS / 2, rel=0.1)
+
+
+def test_whoever_works_in_a_slow_window_goes_first(extension):
+    now = 0.0
+    pace = extension("pace").Pace(TICK, lambda: now)
+
+    def num_shown(seconds: float, drawing: float, is_used: bool) -> int:
+        nonlocal now
+        end, shown = now + seconds, 0
+        while now < end:
+            if is_used:
+                pace.has_input()
+            if pace.is_due():
+                pace.has_shown()
+                shown += 1
+            now += max(drawing, TICK)
+        return shown
+
+    assert num_shown(10, 0.01, is_used=True) > 400  # a quick one shows it all
+    assert num_shown(10, 0.05, is_used=True) <= 1
+    assert num_shown(10, 0.05, is_used=False) >= 4

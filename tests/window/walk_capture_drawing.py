@@ -3,6 +3,7 @@
 
 import importlib
 import itertools
+import random
 import statistics
 import sys
 import time
@@ -15,7 +16,7 @@ from walk import Steps, Walk, area_of, install, invoke, open_sidebar, override, 
 
 PACKAGE = "bl_ext.user_default.mimetic"
 FRAMES = (1, 150)
-EVERY = 1 / 60  # seconds after which a clip editor is asked to draw, as playing would
+EVERY = 1 / 30  # seconds after which a clip editor is asked to draw, as moving the picture would
 FLOOR_SECONDS = 8.0
 
 
@@ -31,7 +32,7 @@ class Clock:
     """Times at which frames were followed and at which the clip editor was drawn."""
 
     def __init__(self) -> None:
-        self.followed, self.drawn, self.overlay_ms = [], [], []
+        self.followed, self.drawn, self.overlay_ms, self.overlay_cpu_ms = [], [], [], []
         kind = importlib.import_module("mimetic.solve.frames_so_far").FramesSoFar
         overlay = module("overlay.captured")
         add, draw = kind.add, overlay.draw_capture
@@ -41,10 +42,11 @@ class Clock:
             self.followed.append(time.perf_counter())
 
         def noted_draw(context) -> bool:
-            begin = time.perf_counter()
+            begin, cpu = time.perf_counter(), time.thread_time()
             try:
                 return draw(context)
             finally:
+                self.overlay_cpu_ms.append(1000 * (time.thread_time() - cpu))
                 self.overlay_ms.append(1000 * (time.perf_counter() - begin))
 
         kind.add, overlay.draw_capture = noted_add, noted_draw
@@ -54,7 +56,7 @@ class Clock:
         )
 
     def clear(self) -> None:
-        for times in (self.followed, self.drawn, self.overlay_ms):
+        for times in (self.followed, self.drawn, self.overlay_ms, self.overlay_cpu_ms):
             times.clear()
 
     def rate(self) -> float:
@@ -65,41 +67,70 @@ class Clock:
         return [at for at in self.drawn if self.followed[0] <= at <= self.followed[-1]]
 
 
-def draw_without(walk: Walk, clock: Clock, rate: float) -> Steps:
-    """Floors: Blender's own clip editor, nothing at work, its playhead `rate` frames a second."""
-    clock.clear()
-    scene, begin, cpu = bpy.context.scene, time.perf_counter(), time.process_time()
-    while (elapsed := time.perf_counter() - begin) < FLOOR_SECONDS:
-        frame = FRAMES[0] + int(rate * elapsed)
-        if scene.frame_current != frame:
-            scene.frame_current = frame
-        area_of("CLIP_EDITOR")[1].tag_redraw()
-        yield EVERY
-    cpu_ms = 1000 * (time.process_time() - cpu) / max(len(clock.drawn), 1)
-    name = f"no extension, {rate:.0f} other pictures/s" if rate else "no extension, one picture"
-    found = f"{per_second(clock.drawn):.0f} times/s, {cpu_ms:.0f} ms CPU"
-    walk.arrays["rows"].append([name, found])
-
-
 def per_second(times: list[float]) -> float:
     return (len(times) - 1) / (times[-1] - times[0])
 
 
-def capture(walk: Walk, clock: Clock, name: str, in_window: bool) -> Steps:
+def part(kind: str) -> bpy.types.Region:
+    return next(region for region in area_of("CLIP_EDITOR")[1].regions if region.type == kind)
+
+
+def move_the_picture() -> None:
+    """As who moves it with the mouse: the clip editor is drawn anew, and an event has come."""
+    window, area = area_of("CLIP_EDITOR")
+    x, y = area.x + area.width // 4, area.y + area.height // 2
+    window.event_simulate(type="MOUSEMOVE", value="NOTHING", x=x + random.randrange(20), y=y)
+    part("WINDOW").tag_redraw()
+
+
+def floor(walk: Walk, name: str, draw) -> Steps:
+    """What Blender takes by itself, nothing at work: draw(seconds) asks for it, again and again."""
+    times, begin, cpu = [], time.perf_counter(), time.process_time()
+    while (elapsed := time.perf_counter() - begin) < FLOOR_SECONDS:
+        draw(elapsed)
+        times.append(time.perf_counter())
+        yield 0.5 * EVERY
+    cpu_ms = 1000 * (time.process_time() - cpu) / len(times)
+    walk.arrays["rows"].append([name, f"{per_second(times):.0f} times/s, {cpu_ms:.0f} ms CPU"])
+    walk.arrays["floors"].append(per_second(times))
+
+
+def floors(walk: Walk, rate: float) -> Steps:
+    """Without anything of the extension's drawn; rate: frames a second of the capture alone."""
+    walk.arrays["floors"] = []
+    module("overlay").unregister()
+
+    def go_on(seconds: float) -> None:
+        frame = FRAMES[0] + int(rate * seconds)
+        if bpy.context.scene.frame_current != frame:
+            bpy.context.scene.frame_current = frame
+        part("WINDOW").tag_redraw()
+
+    yield from floor(walk, "floor: a header", lambda _: part("HEADER").tag_redraw())
+    yield from floor(walk, "floor: the picture", lambda _: part("WINDOW").tag_redraw())
+    yield from floor(walk, f"floor: {rate:.0f} other pictures/s", go_on)
+    module("overlay").register()
+
+
+def capture(walk: Walk, clock: Clock, name: str, is_asked: bool | None) -> Steps:
+    """is_asked: whether the picture is drawn again and again; None: the window stands still."""
     clock.clear()
+    bpy.context.scene.frame_current = 1
     options = {
         "filepath": str(walk.folder / f"{name}.npz"),
         "frame_first": FRAMES[0],
         "frame_last": FRAMES[1],
     }
-    if in_window:
-        invoke("CLIP_EDITOR", bpy.ops.mimetic.capture, **options)
-        while not is_idle():
-            area_of("CLIP_EDITOR")[1].tag_redraw()
-            yield EVERY
-    else:
+    if is_asked is None:
         with bpy.context.temp_override(**override("CLIP_EDITOR")):
             bpy.ops.mimetic.capture("EXEC_DEFAULT", **options)
+    else:
+        invoke("CLIP_EDITOR", bpy.ops.mimetic.capture, **options)
+        while not is_idle():
+            if is_asked:
+                move_the_picture()
+            yield EVERY
+    walk.check("all frames were followed", len(clock.followed) == 1 + FRAMES[1] - FRAMES[0])
     yield 0.5
 
 
@@ -120,28 +151,38 @@ def steps(walk: Walk) -> Steps:
         bpy.ops.clip.view_all(fit_view=True)
     clock = Clock()
     rows = walk.arrays["rows"] = []
-    yield from capture(walk, clock, "alone", in_window=False)
+    yield from capture(walk, clock, "alone", None)
     alone = clock.rate()
-    rows.append(["capture alone, the window still", f"{alone:.1f} frames/s"])
-    module("overlay").unregister()
-    yield from draw_without(walk, clock, 0)
-    yield from draw_without(walk, clock, alone)
-    floor = per_second(clock.drawn)
-    module("overlay").register()
-    yield from capture(walk, clock, "drawn", in_window=True)
-    drawn, at = clock.rate(), clock.drawn_meanwhile()
-    fps = per_second(at)
+    rows.append(["capture, the window still", f"{alone:.1f} frames/s"])
+    yield from floors(walk, alone)
+    for name, is_asked in (("left alone", False), ("its picture moved", True)):
+        yield from capture(walk, clock, name.replace(" ", "_"), is_asked)
+        rows.append([f"capture, {name}", f"{clock.rate():.1f} frames/s"])
+        rows += drawing(clock, walk.arrays["floors"][1])
+    yield from capture(walk, clock, "alone_again", None)
+    rows.append(["capture, the window still again", f"{clock.rate():.1f} frames/s"])
+
+
+def drawing(clock: Clock, floor_rate: float) -> list[list[str]]:
+    """Rows of what was drawn while the frames were followed; floor_rate: of the picture."""
+    at = clock.drawn_meanwhile()
     slow = statistics.quantiles([b - a for a, b in itertools.pairwise(at)], n=20)[-1]
-    overlay = statistics.quantiles(clock.overlay_ms, n=20)
-    rows += [
-        ["capture in the window, drawn", f"{drawn:.1f} frames/s, {drawn / alone:.0%} of alone"],
+    fps = per_second(at)
+    overlay, cpu = (
+        statistics.quantiles(ms, n=20) for ms in (clock.overlay_ms, clock.overlay_cpu_ms)
+    )
+    return [
         [
-            "clip editor drawn meanwhile",
-            f"{fps:.0f} times/s, {fps / floor:.0%} of the floor, 95 % within {1000 * slow:.0f} ms",
+            "  picture drawn",
+            f"{fps:.1f} times/s, {fps / floor_rate:.0%} of the floor, 95 % within "
+            f"{1000 * slow:.0f} ms",
         ],
-        ["overlay of it", f"{overlay[9]:.1f} ms, 95 % within {overlay[-1]:.1f} ms"],
+        [
+            "  overlay of it",
+            f"{overlay[9]:.1f} ms, 95 % within {overlay[-1]:.1f} ms; CPU {cpu[9]:.1f}, "
+            f"{cpu[-1]:.1f} ms",
+        ],
     ]
-    walk.check("all frames were followed", len(clock.followed) == 1 + FRAMES[1] - FRAMES[0])
 
 
 start(steps)
