@@ -9,6 +9,12 @@ from bpy.props import EnumProperty
 from . import native
 
 NEW = (24.0, 35.0)  # mm: focal length and sensor width that Blender gives every clip
+COEFFICIENTS = {  # of Blender's models of a lens's distortion
+    "POLYNOMIAL": ("k1", "k2", "k3"),
+    "DIVISION": ("division_k1", "division_k2"),
+    "NUKE": ("nuke_k1", "nuke_k2"),
+    "BROWN": ("brown_k1", "brown_k2", "brown_k3", "brown_k4", "brown_p1", "brown_p2"),
+}
 NEAR = 1e-4  # of numbers in single precision
 
 
@@ -56,6 +62,20 @@ def sensor_of(clip: bpy.types.MovieClip | None, performance) -> float | None:
         return None
     is_of_it = lens and native.known_lens().is_fitted_with(lens, performance)
     return lens.sensor_mm if is_of_it else None
+
+
+def unread(clip: bpy.types.MovieClip) -> str:
+    """What to say where the clip's camera was set to what we do not read, or ""."""
+    camera = clip.tracking.camera
+    lens = COEFFICIENTS.get(camera.distortion_model, ())
+    parts = ["principal point"] if any(camera.principal_point) else []
+    parts += ["distortion"] if any(getattr(camera, name) for name in lens) else []
+    if not parts:
+        return ""
+    return (
+        f"Not read of the clip's camera: {' and '.join(parts)}; the face is measured as if the "
+        "lens drew straight lines about the picture's middle"
+    )
 
 
 def remark(clip: bpy.types.MovieClip, fit) -> str:

@@ -11,6 +11,10 @@ from . import clips, jobs, native, takes, world, writable
 
 # Tracks by which we stabilise a clip: the head's centre, and a point above it
 HELD_BY = ("Head Centre", "Head Above")
+UNDISTORTED = (
+    "The clip editor shows undistorted proxies, over which nothing lies right: switch Undistorted "
+    "off (Footage, Proxy/Timecode)"
+)
 
 
 @dataclass(frozen=True)
@@ -96,6 +100,13 @@ def take(context) -> takes.Take:
 
 def no_performance(context) -> str:
     return no_take(context, "Capture") or _face_in_edit_mode(context.scene.mimetic.face)
+
+
+def no_footage_frame(clip: bpy.types.MovieClip, frame: int) -> str:
+    """Why a footage frame of a clip is none, where Blender knows how many there are."""
+    if frame <= max(clip.frame_duration, 0) or clip.frame_duration <= 0:
+        return ""
+    return f"frame {frame}: {clip.name} has frames 1 to {clip.frame_duration}"
 
 
 def no_landmarks(context, needs_selection: bool, needs_frame: bool = True) -> str:
@@ -244,18 +255,29 @@ def no_picture(context) -> str:
     if space.show_stable and space.clip.tracking.stabilization.use_2d_stabilization:
         # Blender does not give the picture's place then
         return "Press Release Head first, or switch the stabilised view off"
+    if is_undistorted(space):
+        return UNDISTORTED
     return ""
 
 
-def footage_pixel(context, x: int, y: int) -> tuple[float, float] | None:
-    """The pixel of the footage under a place of the window, None beside it; from a clip editor."""
+def is_undistorted(space) -> bool:
+    """Whether a clip editor shows another picture than the file has: an undistorted proxy."""
+    is_clip = space is not None and space.type == "CLIP_EDITOR" and space.clip is not None
+    return is_clip and space.clip.use_proxy and space.clip_user.use_render_undistorted
+
+
+def footage_pixel(context, x: int, y: int, size) -> tuple[float, float] | None:
+    """The pixel of the footage under a place of the window, None beside it; from a clip editor.
+
+    size: width and height of the file's pictures; a clip's are rounded while Blender shows a proxy.
+    """
     under = [r for r in context.area.regions if 0 <= x - r.x < r.width and 0 <= y - r.y < r.height]
     if [region.type for region in under] != ["WINDOW"]:  # a sidebar may lie over the footage
         return None
     place = under[0].view2d.region_to_view(x - under[0].x, y - under[0].y)
     if not all(0 <= part <= 1 for part in place):
         return None
-    pixels = native.picture().picture_pixels(place, context.space_data.clip.size)
+    pixels = native.picture().picture_pixels(place, size)
     return tuple(float(part) for part in pixels[0])
 
 

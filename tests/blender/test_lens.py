@@ -76,3 +76,19 @@ def test_a_take_and_the_footages_camera_have_the_clips_lens(scene, clip, tmp_pat
     clip.mimetic.lens = "UNKNOWN"  # the take was captured otherwise, and keeps its angle
     bpy.ops.mimetic.bake(use_contact=False, use_texture=False)
     assert camera.lens / camera.sensor_height == pytest.approx(50 / 23.5 / 0.75, rel=1e-4)
+
+
+def test_what_is_not_read_of_the_clips_camera_is_said(clip, extension):
+    unread = extension("clip_lens").unread
+    assert unread(clip) == ""
+    camera = clip.tracking.camera
+    camera.k1 = 0.1
+    assert unread(clip).startswith("Not read of the clip's camera: distortion; ")
+    camera.distortion_model = "DIVISION"  # whose own coefficients are none
+    assert unread(clip) == ""
+    camera.principal_point = (0.1, 0.0)
+    camera.division_k1 = 0.1
+    text = "Not read of the clip's camera: principal point and distortion"
+    assert text in drawn(PANEL)
+    bpy.ops.mimetic.find_face(frame=3)
+    assert any(text in warning for warning in result()["warnings"])

@@ -98,7 +98,13 @@ def test_settings_of_a_call_are_of_that_call_alone(baked, scene):
     bpy.ops.mimetic.set_rest_frame(frame=7)
     assert scene.mimetic.head.rest_frame == 7 and result()["frame"] == 7
     bpy.ops.mimetic.set_rest_frame()
-    assert scene.mimetic.head.rest_frame != 7
+    shown = scene.mimetic.head.rest_frame
+    assert shown != 7
+    clip = scene.mimetic.clip
+    last = clip.frame_duration
+    with pytest.raises(RuntimeError, match=f"frame 5000: {clip.name} has frames 1 to {last}"):
+        bpy.ops.mimetic.set_rest_frame(frame=5000)
+    assert scene.mimetic.head.rest_frame == shown
 
 
 def test_results_are_not_kept_in_files(scene, footage, tmp_path):

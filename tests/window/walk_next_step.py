@@ -124,6 +124,21 @@ def nose_tip():
     return performance.project(performance.surface_in_camera(i))[template.landmark("nose_tip")]
 
 
+def drop_another(walk: Walk) -> Steps:
+    """On the clip editor: the scene has two clips then, each with its own take, or none."""
+    first = bpy.context.scene.mimetic.clip
+    region = part("WINDOW")
+    x, y = on_screen(region.x + region.width // 4, region.y + region.height // 2)
+    yield from walk.ask("next-another.drop", f"{x} {y} {walk.folder / walk.settings['another']}")
+    yield from walk.picture("next-another")
+    loaded = bpy.context.scene.mimetic.clip
+    walk.check("a video that is dropped on the clip editor is loaded", loaded != first, loaded.name)
+    walk.check("it is on show", area_of("CLIP_EDITOR")[1].spaces.active.clip == loaded)
+    walk.check("and its face is to be found", next_name() == "find_face", next_name())
+    area_of("CLIP_EDITOR")[1].spaces.active.clip = first
+    walk.check("the first one has its take", next_name() == "", next_name())
+
+
 def steps(walk: Walk) -> Steps:
     yield from install(walk, PACKAGE)
     bpy.ops.wm.save_as_mainfile(filepath=str(walk.folder / "shot.blend"))
@@ -138,6 +153,7 @@ def steps(walk: Walk) -> Steps:
     takes = [row.performance for row in face.mimetic.takes]
     walk.check("the corrected take is baked too", len(takes) == 2, takes)
     walk.check("all is done", next_name() == "", next_name())
+    yield from drop_another(walk)
 
 
 start(steps)

@@ -92,7 +92,8 @@ class MIMETIC_OT_pin_skin(Correcting, Operator):
         if reason := scene_in.no_picture(context):
             return outcome.cancelled(self, context, reason)
         try:
-            corrections.board(context)  # read before the first click is to be answered
+            # Read before the first click is to be answered
+            self._size = tuple(map(int, corrections.board(context).stored_size))
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
         self._is_dragging = False
@@ -105,7 +106,7 @@ class MIMETIC_OT_pin_skin(Correcting, Operator):
     def modal(self, context, event):
         if event.type in {"ESC", "RIGHTMOUSE"}:
             return self._leave(context, False)
-        pixel = scene_in.footage_pixel(context, event.mouse_x, event.mouse_y)
+        pixel = scene_in.footage_pixel(context, event.mouse_x, event.mouse_y, self._size)
         if event.type == "LEFTMOUSE" and event.value == "PRESS" and pixel is not None:
             self.grab = self.to = pixel
             self._is_dragging = self._show(context)

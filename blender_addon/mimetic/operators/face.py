@@ -3,7 +3,7 @@ import bpy
 from bpy.props import BoolProperty, FloatVectorProperty, IntProperty
 from bpy.types import Operator
 
-from .. import clip_lens, clips, native, scene_in, scene_out, workspace
+from .. import clip_lens, clips, native, outcome, scene_in, scene_out, workspace
 from ..greyed import Greyed
 from ..jobs import Job, is_playing
 from . import arguments
@@ -68,14 +68,15 @@ class MIMETIC_OT_find_face(Job, Operator):
         clip_name, fit = result
         clip = clips.named(clip_name)
         scene_out.face_fit.store(clip, fit)
-        self.facts = {"clip": clip_name, "frame": fit.frame, "warnings": list(fit.warnings)}
+        warnings = [*fit.warnings, *filter(None, [clip_lens.unread(clip)])]
+        self.facts = {"clip": clip_name, "frame": fit.frame, "warnings": warnings}
         # What was found is on show at once; frame_set() would leave the clip editors behind
         if clip == scene_in.clip_of(context) and not is_playing():
             context.scene.frame_current = scene_in.scene_frame(clip, fit.frame)
         message = (
             f"Face found in frame {fit.frame}; drag its landmarks in the clip editor to pin them"
         )
-        return "; ".join([message, *fit.warnings])
+        return "; ".join([message, *warnings])
 
 
 class MIMETIC_OT_pick_face(Greyed, Operator):
@@ -90,6 +91,11 @@ class MIMETIC_OT_pick_face(Greyed, Operator):
         return reason
 
     def invoke(self, context, event):
+        try:  # as the file has it
+            source = scene_in.footage(context).path
+            self._size = native.footage().Footage(source).stored_size
+        except native.known_errors() as error:
+            return outcome.cancelled(self, context, str(error))
         context.window.cursor_modal_set("EYEDROPPER")
         context.workspace.status_text_set("Click on the face   |   Esc cancels")
         context.window_manager.modal_handler_add(self)
@@ -104,7 +110,7 @@ class MIMETIC_OT_pick_face(Greyed, Operator):
         if event.value != "PRESS":
             return {"RUNNING_MODAL"}
         self.cancel(context)
-        near = scene_in.footage_pixel(context, event.mouse_x, event.mouse_y)
+        near = scene_in.footage_pixel(context, event.mouse_x, event.mouse_y, self._size)
         if near is None:
             self.report({"WARNING"}, "That was beside the footage; nothing was changed")
             return {"CANCELLED"}

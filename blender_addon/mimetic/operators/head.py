@@ -87,6 +87,8 @@ class MIMETIC_OT_set_rest_frame(Greyed, Operator):
 
     def execute(self, context):
         frame = self.frame or scene_in.shown_frame(context)
+        if reason := scene_in.no_footage_frame(scene_in.clip_of(context), frame):
+            return outcome.cancelled(self, context, reason)
         context.scene.mimetic.head.rest_frame = frame
         message = f"Footage frame {frame} is the character's pose at rest"
         return outcome.finished(self, context, message, frame=frame)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import gpu
 
-from .. import native
+from .. import native, scene_in
 
 SPAN = 16.0  # pictures
 
@@ -15,8 +15,10 @@ def has_place(context) -> bool:
     clip = getattr(context, "edit_movieclip", None)
     if native.problem() or clip is None:
         return False
-    is_stable = context.space_data.show_stable
-    return not (is_stable and clip.tracking.stabilization.use_2d_stabilization)
+    space = context.space_data
+    if space.show_stable and clip.tracking.stabilization.use_2d_stabilization:
+        return False
+    return not scene_in.is_undistorted(space)
 
 
 def lay_over(view) -> None:

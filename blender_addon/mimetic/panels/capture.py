@@ -95,6 +95,7 @@ class Capture:
             column.prop(clip.tracking.camera, "focal_length")
             column.prop(clip.tracking.camera, "sensor_width")
         paragraph(column, scene_out.face_fit.lens_remark(clip))
+        paragraph(column, clip_lens.unread(clip))
 
     def draw_rate(self, layout, context):
         """How the clip's time differs from the scene's; nothing while they agree."""

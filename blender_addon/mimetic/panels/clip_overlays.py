@@ -4,6 +4,7 @@
 from bpy.types import Panel
 
 from .. import jobs, native, scene_in, takes
+from .paragraph import paragraph
 
 
 class OfClip:
@@ -26,6 +27,8 @@ class MIMETIC_PT_clip_overlays(OfClip, Panel):
     def draw(self, context):
         layout = self.layout
         settings = context.scene.mimetic
+        if scene_in.is_undistorted(context.space_data):
+            paragraph(layout, scene_in.UNDISTORTED, "ERROR")
         layout.prop(settings, "show_fit")
         if takes.of_clip(context.scene, scene_in.clip_of(context)) is None:
             if jobs.running is None:

@@ -137,7 +137,7 @@ class PinBoard:
         self.performance = performance
         self._surface = RefinedSurface(performance)
         size = performance.stored_size
-        self._stored_size = performance.image_size if size is None else size
+        self.stored_size = performance.image_size if size is None else size
 
     def grabbed(
         self, corrections: Corrections, frame: int, pixel: tuple[float, float], std: float
@@ -190,8 +190,8 @@ class PinBoard:
         return picture_coordinates(pairs.reshape(-1, 2), self.performance.image_size)
 
     def _shown(self, pixel: tuple[float, float]) -> tuple[float, float]:
-        x, y = rescaled(pixel, self._stored_size, self.performance.image_size)[0]
+        x, y = rescaled(pixel, self.stored_size, self.performance.image_size)[0]
         return float(x), float(y)
 
     def _stored(self, pixel: tuple[float, float]) -> NDArray[np.float64]:
-        return rescaled(pixel, self.performance.image_size, self._stored_size)[0]
+        return rescaled(pixel, self.performance.image_size, self.stored_size)[0]
