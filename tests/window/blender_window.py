@@ -63,11 +63,20 @@ class Screen:
         drop_file(self.display, "Blender", (int(x), int(y)), Path(path))
 
     def click_button(self, words: str, picture: Path) -> None:
-        """Clicks with the real mouse on what stands out: `find_button`'s colour and box."""
+        """Clicks with the real mouse on what stands out: `find_button`'s colour and box.
+
+        Raises ValueError if nothing does, however long one looks.
+        """
         colour, *box = words.split()
-        self.photograph(picture)
-        x, y = find_button(picture, tuple(map(int, box)), colour)
-        self.act(f"mousemove {x} {y} sleep 0.3 click 1")
+        end = time.monotonic() + 15
+        while True:
+            self.photograph(picture)
+            place = find_button(picture, tuple(map(int, box)), colour)
+            if place is not None or time.monotonic() > end:
+                break
+        if place is None:
+            raise ValueError(f"no {colour} button is seen in {picture.name}")
+        self.act(f"mousemove {place[0]} {place[1]} sleep 0.3 click 1")
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,11 @@ COLOURS = {"lit": (71, 114, 179), "plain": (84, 84, 84)}  # Blender's dark theme
 LEAST_WIDTH, LEAST_HEIGHT = 60, 12  # pixels
 
 
-def find_button(picture: Path, box: tuple[int, int, int, int], colour: str) -> tuple[int, int]:
+def find_button(
+    picture: Path, box: tuple[int, int, int, int], colour: str
+) -> tuple[int, int] | None:
     """The middle of the topmost button of a colour within a box (left, top, width, height), pixels
-    from the screen's top left. Raises ValueError."""
+    from the screen's top left; None where none is seen."""
     left, top, width, height = box
     pixels = np.round(255 * imread(picture)[top : top + height, left : left + width, :3])
     is_colour = (np.abs(pixels - COLOURS[colour]) <= 4).all(axis=2)
@@ -23,4 +25,4 @@ def find_button(picture: Path, box: tuple[int, int, int, int], colour: str) -> t
         if len(run) >= LEAST_HEIGHT:
             columns = np.flatnonzero(is_colour[run].sum(axis=0) >= LEAST_HEIGHT // 2)
             return left + int(np.median(columns)), top + int(run[len(run) // 2])
-    raise ValueError(f"no {colour} button is seen in {picture.name}")
+    return None

@@ -7,7 +7,7 @@ import subprocess
 from mimetic.media.ffmpeg import ffmpeg_program
 
 MOST_SECONDS = 180
-SHOT = 250  # frames of the clip, ten seconds
+SHOT = 150  # frames of the clip, six seconds
 
 
 def test_what_is_lit_leads_there_in_less_than_three_minutes(

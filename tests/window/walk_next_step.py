@@ -75,10 +75,12 @@ def drop(walk: Walk, watch: Stopwatch) -> Steps:
 
     def is_complete() -> bool:
         kinds = {area.type for area in bpy.context.window_manager.windows[0].screen.areas}
-        return bpy.context.scene.mimetic.clip is not None and "GRAPH_EDITOR" in kinds
+        if bpy.context.scene.mimetic.clip is None or not {"GRAPH_EDITOR", "CLIP_EDITOR"} <= kinds:
+            return False
+        return getattr(part("UI"), "active_panel_category", "") == "Mimetic"
 
     yield from walk.until(is_complete, 20, "the dropped video opens the workspace")
-    yield 1.5
+    yield 0.5
     watch.done()
 
 
