@@ -127,15 +127,14 @@ def nose_tip():
 
 
 def drop_another(walk: Walk) -> Steps:
-    """On the clip editor: the scene has two clips then, each with its own take, or none."""
+    """On the clip editor, where Blender opens it itself: the panel is of the clip on show."""
     first = bpy.context.scene.mimetic.clip
     region = part("WINDOW")
     x, y = on_screen(region.x + region.width // 4, region.y + region.height // 2)
     yield from walk.ask("next-another.drop", f"{x} {y} {walk.folder / walk.settings['another']}")
     yield from walk.picture("next-another")
-    loaded = bpy.context.scene.mimetic.clip
-    walk.check("a video that is dropped on the clip editor is loaded", loaded != first, loaded.name)
-    walk.check("it is on show", area_of("CLIP_EDITOR")[1].spaces.active.clip == loaded)
+    shown = area_of("CLIP_EDITOR")[1].spaces.active.clip
+    walk.check("a video that is dropped on the clip editor is on show", shown != first, shown.name)
     walk.check("and its face is to be found", next_name() == "find_face", next_name())
     area_of("CLIP_EDITOR")[1].spaces.active.clip = first
     walk.check("the first one has its take", next_name() == "", next_name())
