@@ -5,13 +5,11 @@ import json
 import numpy as np
 import pytest
 from mimetic import InvalidInput
-from mimetic.muscles.extras import lip_rows
 from mimetic.performance.corrections import (
     check_corrections,
     corrected_frames,
     corrections_from,
     from_texts,
-    limits_of,
     load_corrections,
     save_corrections,
     texts_of,
@@ -144,8 +142,3 @@ def test_the_place_under_a_pixel_is_seen_at_that_pixel():
         point = PinnedPlaces(template, [pin]).positions(person.surface_in_camera(0))
         np.testing.assert_allclose(person.project(point)[0], pixel, atol=0.15)
     assert place_under(surface, (2.0, 2.0), 0) is None
-
-
-def test_lips_may_be_stated_as_far_as_a_capture_moves_them():
-    for row in lip_rows():
-        assert limits_of(row["name"]) == tuple(row["limits"])
