@@ -16,6 +16,7 @@ PACKAGE = "bl_ext.user_default.mimetic"
 LID, LID_FRAME = "lid_upper.L", 12
 ROW = 22  # pixels between the redo panel's rows
 MOVES = 8  # of the mouse in a drag
+NEAR = 10  # pixels of the footage, within which a click grabs the pin that is there
 
 
 def module(name: str):
@@ -177,6 +178,24 @@ def slow_down() -> None:
     run.progress = slowly
 
 
+def without_grabbing(begins, ends) -> list[tuple]:
+    """Drags in an order in which none begins where a pin was put before."""
+    ordered, drags = [], list(zip(begins, ends, strict=True))
+    while drags:
+        free = [
+            drag
+            for drag in drags
+            if all(other is drag or apart(other[0], drag[1]) > NEAR for other in drags)
+        ]
+        ordered.append((free or drags)[0])
+        drags = [drag for drag in drags if drag is not ordered[-1]]
+    return ordered
+
+
+def apart(one, other) -> float:
+    return np.abs(np.subtract(one, other)).max()
+
+
 def pin_the_mouth(walk: Walk) -> Steps:
     """In two of the frames in which it is covered, each pin to where the skin truly is."""
     points = walk.settings["points"]
@@ -185,7 +204,7 @@ def pin_the_mouth(walk: Walk) -> Steps:
         if frame == walk.settings["corrected"][0]:
             yield from walk.picture("corrections-spoilt")
         seen = captured_pixels(frame, points)
-        for begin, end in zip(seen, walk.settings["true"][str(frame)], strict=True):
+        for begin, end in without_grabbing(seen, walk.settings["true"][str(frame)]):
             invoke("CLIP_EDITOR", bpy.ops.mimetic.pin_skin)
             yield 0.3
             yield from drag(in_window(begin), in_window(end))
@@ -193,7 +212,8 @@ def pin_the_mouth(walk: Walk) -> Steps:
             off = min((np.abs(np.subtract(p, end)).max() for p in pixels), default=np.inf)
             walk.check("a pin is where the mouse left it", off < 1, f"{off:.2f} px")
     walk.check("both frames are corrected", kept_frames() == walk.settings["corrected"])
-    walk.check("each with all pins", [len(e.pins) for e in kept()] == [len(points)] * 2)
+    counts = [len(entry.pins) for entry in kept()]
+    walk.check("each with all pins", counts == [len(points)] * 2, counts)
     walk.arrays["pins"] = [list(in_window(pin.pixel)) for pin in kept()[-1].pins]
     yield from walk.picture("corrections-pinned")
 

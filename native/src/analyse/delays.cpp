@@ -88,6 +88,7 @@ Interval lag_interval(VectorIn frames, VectorIn leader, PhaseFit leader_fit, Vec
     const Eigen::MatrixXd first = draw_curves(leader_fit, frames, options.num_draws, options.seed);
     const Eigen::MatrixXd second = draw_curves(fit, frames, options.num_draws, options.seed + 1);
     std::vector<double> lags;
+    lags.reserve(static_cast<std::size_t>(options.num_draws));
     for (int k = 0; k < options.num_draws; ++k) {
         lags.push_back(correlation_peak(rates_of(with_event(leader, leader_fit, first.col(k))),
                                         rates_of(with_event(curve, fit, second.col(k))), span,
