@@ -104,7 +104,7 @@ def no_performance(context) -> str:
 
 def no_footage_frame(clip: bpy.types.MovieClip, frame: int) -> str:
     """Why a footage frame of a clip is none, where Blender knows how many there are."""
-    if frame <= max(clip.frame_duration, 0) or clip.frame_duration <= 0:
+    if clip.frame_duration <= 0 or frame <= clip.frame_duration:
         return ""
     return f"frame {frame}: {clip.name} has frames 1 to {clip.frame_duration}"
 

@@ -215,6 +215,7 @@ def as_text(scores: TimingScores) -> str:
         ],
         ["  95 % intervals that hold it", _share([e.exponent_held for e in detections])],
         ["delay, median error, frames", _median([p.error for p in pairs])],
+        ["  largest", _percentile([p.error for p in pairs], 100)],
         ["  of those that are 3 frames late", _median([p.error for p in late])],
         ["  95 % intervals that hold it", _share([p.held for p in pairs])],
         ["delays of 3 frames that are reported", _share([p.is_delayed for p in late])],

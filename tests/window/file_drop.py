@@ -8,7 +8,7 @@ import ctypes
 import time
 from pathlib import Path
 
-from x_client import Client, connected, window_of
+from x_client import Client, Event, connected, window_of
 
 VERSION = 3
 SELECTION_REQUEST, SELECTION_NOTIFY = 30, 31  # event types, X11/X.h
@@ -16,14 +16,10 @@ CONTENT = "text/uri-list"
 PATIENCE = 10.0  # seconds
 
 
-class SelectionRequest(ctypes.Structure):
+class SelectionRequest(Event):
     """XSelectionRequestEvent of X11/Xlib.h."""
 
     _fields_ = (
-        ("type", ctypes.c_int),
-        ("serial", ctypes.c_ulong),
-        ("send_event", ctypes.c_int),
-        ("display", ctypes.c_void_p),
         *((name, ctypes.c_ulong) for name in ("owner", "requestor", "selection", "target")),
         ("property", ctypes.c_ulong),
         ("time", ctypes.c_ulong),
@@ -31,14 +27,10 @@ class SelectionRequest(ctypes.Structure):
     )
 
 
-class SelectionNotify(ctypes.Structure):
+class SelectionNotify(Event):
     """XSelectionEvent of X11/Xlib.h."""
 
     _fields_ = (
-        ("type", ctypes.c_int),
-        ("serial", ctypes.c_ulong),
-        ("send_event", ctypes.c_int),
-        ("display", ctypes.c_void_p),
         *((name, ctypes.c_ulong) for name in ("requestor", "selection", "target", "property")),
         ("time", ctypes.c_ulong),
         ("rest", ctypes.c_long * 24),

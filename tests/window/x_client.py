@@ -12,14 +12,21 @@ from collections.abc import Iterator
 CLIENT_MESSAGE = 33  # event type, X11/X.h
 
 
-class ClientMessage(ctypes.Structure):
-    """XClientMessageEvent of X11/Xlib.h; an XEvent is as large as 24 longs."""
+class Event(ctypes.Structure):
+    """What all events of X11/Xlib.h begin with; an XEvent is as large as 24 longs."""
 
     _fields_ = (
         ("type", ctypes.c_int),
         ("serial", ctypes.c_ulong),
         ("send_event", ctypes.c_int),
         ("display", ctypes.c_void_p),
+    )
+
+
+class ClientMessage(Event):
+    """XClientMessageEvent of X11/Xlib.h."""
+
+    _fields_ = (
         ("window", ctypes.c_ulong),
         ("message_type", ctypes.c_ulong),
         ("format", ctypes.c_int),

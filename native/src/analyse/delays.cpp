@@ -72,12 +72,12 @@ Eigen::VectorXd with_event(VectorIn values, const PhaseFit& fit, const Eigen::Ve
 
 /// Rates of a curve with the event as fitted: what is captured is smoothed and drawn to rest, so that a slow
 /// foot is cut off and the middle of the rates moves.
-Eigen::VectorXd fitted_rates(VectorIn frames, VectorIn values, const PhaseFit& fit, const PhaseShape& shape) {
-    Eigen::VectorXd fitted = values;
-    for (int row = fit.first; row <= fit.last; ++row) {
-        fitted[row] = shape.value(frames[row]);
-    }
-    return rates_of(fitted);
+Eigen::VectorXd fitted_rates(VectorIn frames, VectorIn values, const PhaseFit& fit) {
+    const Eigen::VectorXd event =
+        frames.segment(fit.first, fit.last - fit.first + 1).unaryExpr([&](double frame) {
+            return fit.shape.value(frame);
+        });
+    return rates_of(with_event(values, fit, event));
 }
 
 /// Of what the noise about both fits makes of the lag. How the capture bends a curve's shape is left out: it
@@ -153,8 +153,8 @@ std::optional<Delay> estimate_delay(VectorIn frames, VectorIn leader, const Phas
     const double end = std::max(fit.shape.apex(), leader_fit.shape.apex()) + kAround;
     const Span span{row_of(frames, begin), row_of(frames, end)};
     const Eigen::VectorXd first = rates_of(leader), second = rates_of(curve);
-    const Peak peak = correlation_peak(fitted_rates(frames, leader, leader_fit, leader_fit.shape),
-                                       fitted_rates(frames, curve, fit, fit.shape), span, options.max_lag);
+    const Peak peak = correlation_peak(fitted_rates(frames, leader, leader_fit),
+                                       fitted_rates(frames, curve, fit), span, options.max_lag);
     Delay delay;
     delay.correlation = correlation_peak(first, second, span, options.max_lag).correlation;
     delay.lag = lag_interval(frames, leader, leader_fit, curve, fit, span, options, peak.lag);

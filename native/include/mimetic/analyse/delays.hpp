@@ -8,7 +8,7 @@ namespace mimetic {
 struct DelayOptions {
     int max_lag = 12;        ///< frames, 1 to 200
     double timing_std = .3;  ///< frames: s.d. of a capture's timing between two curves, beside noise
-    int num_draws = 200;     ///< pairs of both fits' draws, 0 to 10000
+    int num_draws = 200;     ///< of the noise about both fits, 0 to 10000
     unsigned seed = 1;
     void check() const;  ///< throws InvalidInput: field, value, limit
 };
