@@ -13,10 +13,12 @@ import numpy as np
 from mimetic import _core
 from mimetic.analyse.timing import Timing, analyse_timing
 from mimetic.score.json_text import json_text
+from mimetic.score.truth import Truth
 from mimetic.template.face_template import load_template
 
 from evaluation.runs.kept_captures import KeptCaptures, Report
 from evaluation.runs.timing_curves import curve_rows
+from evaluation.runs.timing_outside import OutsideShare, outside_rows, outside_shares
 from evaluation.runs.timing_units import UnitClip, score_units, unit_rows
 from evaluation.synthetic.timing.films import timing_clip
 from evaluation.synthetic.timing.firing import Firing
@@ -67,6 +69,7 @@ class TimingScores:
     silent_events: int = 0  # certain events of a group that truth leaves silent
     silent_chances: int = 0  # expressions in which it might have had one
     units: list[UnitClip] = field(default_factory=list)  # of clips that move by FACS alone
+    outside: list[OutsideShare] = field(default_factory=list)  # of the others: what FACS lacks
 
 
 def score_timing(
@@ -79,8 +82,11 @@ def score_timing(
     """
     scores = TimingScores()
     kept = KeptCaptures(out, folder, report)
+    template = load_template()
     for clip, timing in _analysed(which, kept):
         _score_clip(clip, timing, scores)
+        truth = Truth.load(timing_clip(clip.recipe, template, report).truth)
+        scores.outside += outside_shares(clip.recipe.name, timing, truth, template)
     scores.units = score_units(which, kept)
     return scores
 
@@ -231,7 +237,7 @@ def as_text(scores: TimingScores) -> str:
     models = sorted({event.model for event in detections})
     counts = ", ".join(f"{sum(e.model == m for e in detections)} {m}" for m in models)
     alone = curve_rows()
-    units = unit_rows(scores.units)
+    units = [*unit_rows(scores.units), *outside_rows(scores.outside)]
     width = max(len(name) for name, _ in rows) + 2
     lines = [f"{name.ljust(width)}{value}" for name, value in rows]
     lines += ["", f"models chosen: {counts}", ""]

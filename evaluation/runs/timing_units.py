@@ -27,6 +27,7 @@ class UnitClip:
     inside_explained: float
     outside: float
     outside_significant: float
+    outside_far: float
     rank_one: float
 
 
@@ -48,7 +49,8 @@ def score_unit(name: str, unit: str, performance: Performance) -> UnitClip:
     spatial = comparison.spatial
     return UnitClip(
         *(name, unit, spatial.intensity, spatial.inside_explained, spatial.outside_share),
-        *(spatial.outside_significant_share, comparison.temporal.rank_one_share),
+        *(spatial.outside_significant_share, spatial.outside_far_share),
+        comparison.temporal.rank_one_share,
     )
 
 
@@ -56,8 +58,9 @@ def unit_rows(scores: list[UnitClip]) -> list[tuple[str, str]]:
     return [
         (
             f"{one.unit} alone, {one.clip}",
-            f"energy outside {_percent(one.outside)} ({_percent(one.outside_significant)} of what "
-            f"is significant), intensity {one.intensity:.2f} (truth .8), "
+            f"energy outside {_percent(one.outside)} ({_percent(one.outside_far)} farther than "
+            f"15 mm, {_percent(one.outside_significant)} of what is significant), "
+            f"intensity {one.intensity:.2f} (truth .8), "
             f"explained inside {one.inside_explained:.2f}",
         )
         for one in scores

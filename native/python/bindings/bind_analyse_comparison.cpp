@@ -41,8 +41,10 @@ void bind_analyse_comparison(py::module_& m) {
         .def_readonly("inside_explained", &SpatialComparison::inside_explained)
         .def_readonly("outside_share", &SpatialComparison::outside_share)
         .def_readonly("outside_significant_share", &SpatialComparison::outside_significant_share)
+        .def_readonly("outside_far_share", &SpatialComparison::outside_far_share)
         .def_readonly("gini", &SpatialComparison::gini);
-    m.def("compare_displacements", &compare_displacements, "seen"_a, "unit"_a, "areas"_a, "stds"_a, "reach"_a,
+    m.def("compare_displacements", &compare_displacements, "vertices"_a, "seen"_a, "unit"_a, "areas"_a,
+          "stds"_a, "reach"_a,
           "SpatialComparison of a displacement (V, 3) with an action unit's. Raises InvalidInput.");
     py::class_<TemporalComparison>(m, "TemporalComparison", "See comparison.hpp.")
         .def_readonly("rank_one_share", &TemporalComparison::rank_one_share)

@@ -61,6 +61,18 @@ Eigen::VectorXd best_ramp(const Eigen::VectorXd& course, int begin, int apex) {
     return best;
 }
 
+/// V, metres to the nearest vertex of the region; infinite without one.
+Eigen::VectorXd distances_to_region(PointsIn vertices, VectorIn reach) {
+    Eigen::VectorXd squares =
+        Eigen::VectorXd::Constant(vertices.rows(), std::numeric_limits<double>::infinity());
+    for (Eigen::Index v = 0; v < vertices.rows(); ++v) {
+        if (reach[v] > 0) {
+            squares = squares.cwiseMin((vertices.rowwise() - vertices.row(v)).rowwise().squaredNorm());
+        }
+    }
+    return squares.cwiseSqrt();
+}
+
 }  // namespace
 
 Eigen::VectorXd skin_areas(PointsIn vertices, QuadsIn faces, const std::vector<bool>& is_skin) {
@@ -96,12 +108,15 @@ Eigen::VectorXd displacement_std(MatrixIn modes, VectorIn stds) {
     return variance.cwiseSqrt();
 }
 
-SpatialComparison compare_displacements(PointsIn seen, PointsIn unit, VectorIn areas, VectorIn stds,
-                                        VectorIn reach) {
+SpatialComparison compare_displacements(PointsIn vertices, PointsIn seen, PointsIn unit, VectorIn areas,
+                                        VectorIn stds, VectorIn reach) {
     const Eigen::Index count = seen.rows();
-    require(unit.rows() == count && areas.size() == count && stds.size() == count && reach.size() == count,
+    require(vertices.rows() == count && unit.rows() == count && areas.size() == count &&
+                stds.size() == count && reach.size() == count,
             "compare_displacements: arrays must have a row for each vertex");
-    double product = 0, square = 0, inside = 0, outside = 0, significant_inside = 0, significant_outside = 0;
+    const Eigen::VectorXd apart = distances_to_region(vertices, reach);
+    double product = 0, square = 0, inside = 0, outside = 0, far = 0, significant_inside = 0,
+           significant_outside = 0;
     Eigen::VectorXd energy(count);
     for (Eigen::Index v = 0; v < count; ++v) {
         energy[v] = areas[v] * seen.row(v).squaredNorm();
@@ -113,6 +128,7 @@ SpatialComparison compare_displacements(PointsIn seen, PointsIn unit, VectorIn a
             significant_inside += significant;
         } else {
             outside += energy[v];
+            far += apart[v] > kResolved ? energy[v] : 0;
             significant_outside += significant;
         }
     }
@@ -132,6 +148,7 @@ SpatialComparison compare_displacements(PointsIn seen, PointsIn unit, VectorIn a
     comparison.outside_share = share_of(outside, inside + outside);
     comparison.outside_significant_share =
         share_of(significant_outside, significant_inside + significant_outside);
+    comparison.outside_far_share = share_of(far, inside + outside);
     comparison.gini =
         gini_of(Eigen::Map<const Eigen::VectorXd>(moving.data(), static_cast<Eigen::Index>(moving.size())));
     return comparison;

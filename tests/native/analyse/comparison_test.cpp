@@ -47,21 +47,27 @@ TEST(ActionUnits, SkinMovesWithItsPointAndNotBeyondTheRadius) {
 }
 
 TEST(Comparison, AUnitExplainsItselfAndHasNoEnergyOutside) {
-    Points unit = Points::Zero(4, 3), seen;
+    Points unit = Points::Zero(4, 3), seen, vertices = Points::Zero(4, 3);
+    vertices.col(1) << 0, .01, .024, .05;
     unit.row(0) << 0, .01, 0;
     unit.row(1) << 0, .005, 0;
     const Eigen::Vector4d areas(1, 1, 1, 0), stds(.001, .001, .004, 0), reach(1, .5, 0, 0);
     seen = .6 * unit;
-    const SpatialComparison same = compare_displacements(seen, unit, areas, stds, reach);
+    const SpatialComparison same = compare_displacements(vertices, seen, unit, areas, stds, reach);
     EXPECT_NEAR(same.intensity, .6, 1e-12);
     EXPECT_NEAR(same.inside_explained, 1, 1e-12);
     EXPECT_EQ(same.outside_share, 0);
     seen.row(2) << .006, 0, 0;
     seen.row(3) << 9, 9, 9;  // no area: not of the face
-    const SpatialComparison more = compare_displacements(seen, unit, areas, stds, reach);
+    SpatialComparison more = compare_displacements(vertices, seen, unit, areas, stds, reach);
     EXPECT_NEAR(more.outside_share, 36. / (36 + 36 + 9), 1e-12);
     EXPECT_EQ(more.outside_significant_share, 0);  // within two standard deviations
-    EXPECT_TRUE(std::isnan(compare_displacements(0 * seen, unit, areas, stds, reach).outside_share));
+    EXPECT_EQ(more.outside_far_share, 0);          // 14 mm from the region's nearest vertex
+    vertices(2, 1) = .026;
+    more = compare_displacements(vertices, seen, unit, areas, stds, reach);
+    EXPECT_EQ(more.outside_far_share, more.outside_share);
+    EXPECT_TRUE(
+        std::isnan(compare_displacements(vertices, 0 * seen, unit, areas, stds, reach).outside_share));
 }
 
 TEST(Comparison, OnePatternByAStraightRampIsTold) {

@@ -92,7 +92,7 @@ def compare(
     begin, apex = np.searchsorted(frames, (event.fit.shape.onset, event.fit.shape.apex))
     begin = int(np.clip(begin, 0, len(rows) - 2))
     apex = int(np.clip(apex, begin + 1, len(rows) - 1))
-    spatial = _core.compare_displacements(motion, unit.mode, areas, stds, unit.reach)
+    spatial = _core.compare_displacements(neutral, motion, unit.mode, areas, stds, unit.reach)
     places = named_places(neutral, template)
     return Comparison(
         *(performance, event, unit, rows, peak, displacements, areas, stds, spatial),
