@@ -24,11 +24,42 @@ def redo(**changed) -> None:
     last = bpy.context.window_manager.operators[-1]
     for name, value in changed.items():
         setattr(last.properties, name, value)
+    in_window(bpy.ops.ed.undo_redo)
+
+
+def in_window(operator) -> None:
+    """Of Blender's own, which loses the window that it was called in."""
     window = bpy.context.window_manager.windows[0]
     area = window.screen.areas[0]
     place = {"window": window, "screen": window.screen, "area": area, "region": area.regions[-1]}
     with bpy.context.temp_override(**place):
-        assert bpy.ops.ed.undo_redo() == {"FINISHED"}
+        assert operator("EXEC_DEFAULT", True) == {"FINISHED"}  # with its step for undo
+
+
+def other_values(operator, of_case: dict) -> dict:
+    """For every setting that the redo panel shows, another value than it has."""
+    last = bpy.context.window_manager.operators[-1].properties
+    blenders = {"rna_type", *bpy.types.Operator.bl_rna.properties.keys()}
+    others = {}
+    for shown in operator.get_rna_type().properties:
+        if shown.is_hidden or shown.identifier in blenders:
+            continue
+        if shown.identifier in of_case:
+            others[shown.identifier] = of_case[shown.identifier]
+        elif shown.type != "STRING":  # names are of something that is there
+            others[shown.identifier] = other_value(shown, getattr(last, shown.identifier))
+    return others
+
+
+def other_value(shown, value):
+    if shown.type == "BOOLEAN":
+        return not value
+    if shown.type == "ENUM":
+        return next(item for item in reversed(shown.enum_items.keys()) if item != value)
+    if getattr(shown, "is_array", False):
+        return tuple(one + 1.0 for one in value)
+    step = 1 if shown.type == "INT" else 0.25
+    return value + step if value + step <= shown.hard_max else value - step
 
 
 def state(extension) -> dict:
@@ -38,7 +69,11 @@ def state(extension) -> dict:
     written = {"settings": settings_of(scene.mimetic)}
     marks = [(marker.name, marker.frame) for marker in scene.timeline_markers]
     written["markers"] = sorted(marks)
-    written["assets"] = sorted(action.name for action in bpy.data.actions if action.asset_data)
+    written["assets"] = sorted(
+        (action.name, *action.frame_range, action.asset_data.description)
+        for action in bpy.data.actions
+        if action.asset_data
+    )
     for shown in scene.objects:
         written[shown.name] = np.array(shown.matrix_world)
         written[f"{shown.name} curves"] = curves_of(extension, shown)
@@ -120,6 +155,7 @@ class Case:
     prepare: object
     options: dict = field(default_factory=dict)  # of which each is a fixture's name
     values: dict = field(default_factory=dict)
+    others: dict = field(default_factory=dict)  # that its settings are changed to
 
 
 def with_face(fixture) -> None:
@@ -171,6 +207,11 @@ def with_captured(fixture) -> None:
 def with_correction(fixture) -> None:
     fixture("captured")
     assert bpy.ops.mimetic.correct_value(value_name="jaw_open", value=0.4) == {"FINISHED"}
+
+
+def with_corrections(fixture) -> None:
+    with_correction(fixture)
+    assert bpy.ops.mimetic.correct_value(frame=20, value_name="jaw_open", value=0.4) == {"FINISHED"}
 
 
 def with_own_head(fixture) -> None:
@@ -231,11 +272,6 @@ def with_expression(fixture) -> None:
     fixture("smile")
 
 
-def with_worn_expression(fixture) -> None:
-    with_expression(fixture)
-    bpy.ops.mimetic.apply_expression(action="smile")
-
-
 def with_strips(fixture) -> None:
     with_expression(fixture)
     for frame in (1, 20):
@@ -273,6 +309,7 @@ def library_folder(tmp_path):
     return library.folder
 
 
+MOTION = {"kind": "MOTION", "frame_first": 1, "frame_last": 20}
 CASES = [
     Case("bake", with_face),
     Case("bake", with_bound_head),
@@ -293,7 +330,7 @@ CASES = [
     Case("correct_value", with_captured, values={"value_name": "jaw_open", "value": 0.4}),
     Case("correct_pose", with_captured, values={"turn": (0.0, 5.0, 0.0)}),
     Case("pin_skin", with_captured, values={"grab": (200.0, 160.0), "to": (205.0, 160.0)}),
-    Case("delete_correction", with_correction),
+    Case("delete_correction", with_corrections, others={"frame": 20}),
     Case("add_landmarks", with_own_head),
     Case("attach_muscles", with_landmarks),
     Case("add_arkit_shapes", with_landmarks),
@@ -311,30 +348,45 @@ CASES = [
     Case("offset_curves", with_face, values={"by": "NEUTRAL"}),
     Case("mirror_curves", with_control_object),
     Case("retime_curves", with_face, values={"factor": 2.0, "frames_later": 3.0}),
-    Case("fit_controls", with_character),
+    Case("fit_controls", with_controls),
     Case("bake_controls", with_controls),
     Case("mirror_controls", with_controls),
     Case("load_controls", with_controls, {"filepath": "preset"}),
     Case("load_expressions", lambda fixture: None, {"directory": "library_folder"}),
     Case("apply_expression", with_expression, values={"action": "smile", "share": 0.5}),
     Case("mirror_expression", with_expression, values={"action": "smile"}),
-    Case("keep_expression", with_worn_expression, values={"name": "kept"}),
+    Case("keep_expression", with_face, values={"name": "kept"}, others=MOTION),
     Case("sequence_expression", with_expression, values={"action": "smile"}),
     Case("compose_expressions", with_strips, values={"name": "both"}),
 ]
 
 
 @pytest.mark.parametrize("case", CASES, ids=[f"{c.name}-{c.prepare.__name__}" for c in CASES])
-def test_the_redo_panel_gives_what_came_at_first(extension, request, case):
+def test_the_redo_panel_gives_what_a_call_does(extension, request, case):
+    """Left as it is what came at first; with every setting changed what a call with these gives;
+    and an undo leaves nothing of either."""
     case.prepare(request.getfixturevalue)
     bpy.context.view_layer.update()
     bpy.ops.ed.undo_push(message="before")
+    before = state(extension)
     options = {name: str(request.getfixturevalue(of)) for name, of in case.options.items()}
+    options |= case.values
     operator = getattr(bpy.ops.mimetic, case.name)
-    assert operator("EXEC_DEFAULT", True, **options, **case.values) == {"FINISHED"}
+    assert operator("EXEC_DEFAULT", True, **options) == {"FINISHED"}
     at_first = state(extension)
     redo()
     assert_same(at_first, state(extension))
+    others = other_values(operator, case.others)
+    if others:
+        redo(**others)
+        changed = state(extension)
+        with pytest.raises(AssertionError):
+            assert_same(at_first, changed)
+    in_window(bpy.ops.ed.undo)
+    assert_same(before, state(extension))
+    if others:
+        assert operator("EXEC_DEFAULT", True, **(options | others)) == {"FINISHED"}
+        assert_same(changed, state(extension))
 
 
 def test_all_operators_with_a_redo_panel_are_tried(extension):
