@@ -20,11 +20,14 @@ SIZE = (1280, 800)
 
 
 class Screen:
-    """An Xvfb display of its own, on a free number."""
+    """An Xvfb display of its own, on a free number; size: of it, and of Blender's window on it."""
+
+    def __init__(self, size: tuple[int, int] = SIZE) -> None:
+        self.size = size
 
     def __enter__(self) -> Screen:
         reader, writer = os.pipe()
-        geometry = f"{SIZE[0]}x{SIZE[1]}x24"
+        geometry = "{}x{}x24".format(*self.size)
         arguments = ["-screen", "0", geometry, "+extension", "GLX", "-nolisten", "tcp", "-noreset"]
         self._process = subprocess.Popen(
             ["Xvfb", "-displayfd", str(writer), *arguments],
@@ -137,7 +140,11 @@ class BlenderFolder:
         log_path = work / "blender.log"
         with log_path.open("w") as log:
             process = subprocess.Popen(
-                [str(HERE / "enter"), str(self.root), *self._command(work, script, is_simulated)],
+                [
+                    str(HERE / "enter"),
+                    str(self.root),
+                    *self._command(screen, work, script, is_simulated),
+                ],
                 env=self._environment(screen, resources),
                 stdout=log,
                 stderr=subprocess.STDOUT,
@@ -153,8 +160,8 @@ class BlenderFolder:
         return Findings(record["checks"], record["arrays"], taken, text)
 
     @staticmethod
-    def _command(work: Path, script: str, is_simulated: bool) -> list[str]:
-        geometry = ["--window-geometry", "0", "0", str(SIZE[0]), str(SIZE[1])]
+    def _command(screen: Screen, work: Path, script: str, is_simulated: bool) -> list[str]:
+        geometry = ["--window-geometry", "0", "0", *map(str, screen.size)]
         start = ["blender", "--factory-startup", *geometry]
         start += ["--enable-event-simulate"] if is_simulated else []
         return [*start, "--python-exit-code", "1", "--python", str(work / script), "--", str(work)]

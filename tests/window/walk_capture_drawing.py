@@ -3,6 +3,7 @@
 
 import importlib
 import itertools
+import os
 import random
 import statistics
 import sys
@@ -16,8 +17,9 @@ from walk import Steps, Walk, area_of, install, invoke, open_sidebar, override, 
 
 PACKAGE = "bl_ext.user_default.mimetic"
 FRAMES = (1, 150)
-EVERY = 1 / 30  # seconds after which a clip editor is asked to draw, as moving the picture would
+EVERY = 1 / 60  # seconds after which a clip editor is asked to draw, as moving the picture would
 FLOOR_SECONDS = 8.0
+WANTED = 30  # drawings a second
 
 
 def module(name: str):
@@ -56,6 +58,7 @@ class Clock:
         )
 
     def clear(self) -> None:
+        self.others = Others()
         for times in (self.followed, self.drawn, self.overlay_ms, self.overlay_cpu_ms):
             times.clear()
 
@@ -65,6 +68,26 @@ class Clock:
 
     def drawn_meanwhile(self) -> list[float]:
         return [at for at in self.drawn if self.followed[0] <= at <= self.followed[-1]]
+
+
+class Others:
+    """What else works on the machine: of the processors' time, from the making on."""
+
+    def __init__(self) -> None:
+        self._begin = self._times()
+
+    @staticmethod
+    def _times() -> tuple[float, float, float]:
+        """Seconds of all processors, those that nobody used, and those of this process."""
+        with open("/proc/stat") as stream:
+            of_all = [
+                int(word) / os.sysconf("SC_CLK_TCK") for word in stream.readline().split()[1:9]
+            ]
+        return sum(of_all), sum(of_all[3:5]), time.process_time()
+
+    def text(self) -> str:
+        total, idle, own = (b - a for a, b in zip(self._begin, self._times(), strict=True))
+        return f"others {max(total - idle - own, 0.0) / total:.0%} of the processors"
 
 
 def per_second(times: list[float]) -> float:
@@ -85,19 +108,20 @@ def move_the_picture() -> None:
 
 def floor(walk: Walk, name: str, draw) -> Steps:
     """What Blender takes by itself, nothing at work: draw(seconds) asks for it, again and again."""
-    times, begin, cpu = [], time.perf_counter(), time.process_time()
+    times, begin, cpu, others = [], time.perf_counter(), time.process_time(), Others()
     while (elapsed := time.perf_counter() - begin) < FLOOR_SECONDS:
         draw(elapsed)
         times.append(time.perf_counter())
-        yield 0.5 * EVERY
+        yield EVERY
     cpu_ms = 1000 * (time.process_time() - cpu) / len(times)
-    walk.arrays["rows"].append([name, f"{per_second(times):.0f} times/s, {cpu_ms:.0f} ms CPU"])
+    row = f"{per_second(times):.1f} times/s, {cpu_ms:.0f} ms CPU; {others.text()}"
+    walk.arrays["rows"].append([name, row])
     walk.arrays["floors"].append(per_second(times))
 
 
-def floors(walk: Walk, rate: float) -> Steps:
+def floors(walk: Walk, rate: float, when: str = "") -> Steps:
     """Without anything of the extension's drawn; rate: frames a second of the capture alone."""
-    walk.arrays["floors"] = []
+    walk.arrays.setdefault("floors", [])
     module("overlay").unregister()
 
     def go_on(seconds: float) -> None:
@@ -106,9 +130,10 @@ def floors(walk: Walk, rate: float) -> Steps:
             bpy.context.scene.frame_current = frame
         part("WINDOW").tag_redraw()
 
-    yield from floor(walk, "floor: a header", lambda _: part("HEADER").tag_redraw())
-    yield from floor(walk, "floor: the picture", lambda _: part("WINDOW").tag_redraw())
-    yield from floor(walk, f"floor: {rate:.0f} other pictures/s", go_on)
+    name = f"floor {when}".strip()
+    yield from floor(walk, f"{name}: a header", lambda _: part("HEADER").tag_redraw())
+    yield from floor(walk, f"{name}: the picture moved", lambda _: move_the_picture())
+    yield from floor(walk, f"{name}: {rate:.0f} other pictures/s", go_on)
     module("overlay").register()
 
 
@@ -153,14 +178,32 @@ def steps(walk: Walk) -> Steps:
     rows = walk.arrays["rows"] = []
     yield from capture(walk, clock, "alone", None)
     alone = clock.rate()
-    rows.append(["capture, the window still", f"{alone:.1f} frames/s"])
+    rows.append(["capture, the window still", f"{alone:.1f} frames/s; {clock.others.text()}"])
     yield from floors(walk, alone)
     for name, is_asked in (("left alone", False), ("its picture moved", True)):
         yield from capture(walk, clock, name.replace(" ", "_"), is_asked)
-        rows.append([f"capture, {name}", f"{clock.rate():.1f} frames/s"])
+        rows.append([f"capture, {name}", f"{clock.rate():.1f} frames/s; {clock.others.text()}"])
         rows += drawing(clock, walk.arrays["floors"][1])
+    moved, fps = clock.rate(), per_second(clock.drawn_meanwhile())
     yield from capture(walk, clock, "alone_again", None)
-    rows.append(["capture, the window still again", f"{clock.rate():.1f} frames/s"])
+    rows.append(
+        [
+            "capture, the window still again",
+            f"{clock.rate():.1f} frames/s; {clock.others.text()}",
+        ]
+    )
+    yield from floors(walk, alone, "again")
+    rows.append(["moved against still, the mean of both", verdict(walk, moved, fps, alone, clock)])
+
+
+def verdict(walk: Walk, moved: float, fps: float, alone: float, clock: Clock) -> str:
+    """What the window's user gets, and what the capture keeps."""
+    floor_rate = statistics.fmean(walk.arrays["floors"][1::3])
+    share = moved / statistics.fmean([alone, clock.rate()])
+    return (
+        f"{fps:.1f} drawings/s (wanted {WANTED}; without a capture {floor_rate:.1f}), "
+        f"{share:.0%} of the capture's speed (wanted 50 %)"
+    )
 
 
 def drawing(clock: Clock, floor_rate: float) -> list[list[str]]:

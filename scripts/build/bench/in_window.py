@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs a walk of tests/window that measures, and prints its rows: WALK [FOOTAGE]."""
+"""Runs a walk of tests/window that measures, and prints its rows: WALK [FOOTAGE] [WIDTHxHEIGHT]."""
 
 from __future__ import annotations
 
 import os
+import re
 import shutil
 import sys
 import tempfile
@@ -11,10 +12,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "tests" / "window"))
-from blender_window import BlenderFolder, Screen  # noqa: E402
+from blender_window import SIZE, BlenderFolder, Screen  # noqa: E402
 
 
-def main(walk: str, *footage: str) -> int:
+def main(walk: str, *words: str) -> int:
+    """words: a clip's file, and the window's size if it is not the tests'."""
+    sizes = [tuple(map(int, w.split("x"))) for w in words if re.fullmatch(r"\d+x\d+", w)]
+    footage = [word for word in words if not re.fullmatch(r"\d+x\d+", word)]
     extension = Path(os.environ["MIMETIC_WINDOW_EXTENSION"])
     work = Path(tempfile.mkdtemp(prefix="mimetic-window-", dir="/tmp"))
     pictures = ROOT / "out" / "window"
@@ -22,7 +26,7 @@ def main(walk: str, *footage: str) -> int:
     try:
         for file in (extension, *footage):
             shutil.copy(file, work)
-        with Screen() as screen:
+        with Screen(*sizes[:1] or [SIZE]) as screen:
             settings = {"extension": extension.name, "clip": "".join(Path(f).name for f in footage)}
             folder = BlenderFolder.prepared()
             findings = folder.walk(screen, walk, work, pictures, settings, 600)
