@@ -11,7 +11,7 @@ from pathlib import Path
 
 import bpy
 
-from . import clips, compat, fast_view, jobs, native, scene_in, takes, targets
+from . import clip_lens, clips, compat, fast_view, jobs, native, scene_in, takes, targets
 from .live_settings import CHANNELS, package_channels
 
 NO_SOURCE = "Choose a clip, or load the scene's footage"
@@ -81,6 +81,14 @@ def source_of(context, is_paced: bool = True):
     if not path:
         raise native.invalid_input(NO_SOURCE)
     return native.live_source(False).ClipSource(path, is_paced)
+
+
+def lens_of(context):
+    """The lens of the scene's footage, where that is the source, or None; raises what
+    `known_errors` has."""
+    settings, clip = context.scene.mimetic.live, scene_in.clip_of(context)
+    is_clips = settings.source == "CLIP" and not settings.clip_path and clip is not None
+    return clip_lens.known(clip) if is_clips else None
 
 
 def taught_of(settings):

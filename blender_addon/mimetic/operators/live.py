@@ -206,7 +206,7 @@ def _session(context, is_blocking: bool = False):
     run = jobs.Run("Live", is_endless=True)
     taught, use = live.taught_of(settings), settings.set_use.lower()
     thread = native.live_thread().LiveThread(
-        source, settings.stillness, run.stop, is_blocking, taught, use
+        source, settings.stillness, run.stop, is_blocking, taught, use, live.lens_of(context)
     )
     run.thread = thread.thread
     if settings.driven == "CONTROLS":

@@ -164,3 +164,25 @@ def test_a_folder_of_results_is_named_after_the_pictures_folder(tmp_path):
     assert [task.name for task in batch.tasks] == ["sh010", "sh020"]
     words = batch.tasks[0].steps()[0].words
     assert "--fps=25" in words and words[1].endswith("sh010/frame_0001.png")
+
+
+def test_a_lens_is_taken_whole_from_the_table_or_from_the_call(clips, tmp_path):
+    lines = "clip,focal,sensor\nclips/one.mp4,35,23.5\nclips/sub/two.MOV\nclips/one.mp4,50\n"
+    rows = rows_of([table(tmp_path / "clips.csv", lines)], focal="25", sensor="17.3")
+    assert [(row.focal, row.sensor) for row in rows] == [("35", "23.5"), ("25", "17.3"), ("50", "")]
+    assert not any(row.problem for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("focal", "sensor", "problem"),
+    [
+        ("wide", "", "focal wide, sensor : give millimetres, such as 35 and 23.5"),
+        ("", "24", "sensor 24 is of a focal length: give focal too"),
+        ("3", "", "focal length 3 mm: on a sensor 36 mm wide it must be 7.2 to 2160"),
+        ("nan", "24", "focal length nan mm: it must be above 0"),
+    ],
+)
+def test_a_lens_that_cannot_be_is_the_clips_problem(clips, tmp_path, focal, sensor, problem):
+    path = table(tmp_path / "clips.csv", f"clip,focal,sensor\nclips/one.mp4,{focal},{sensor}\n")
+    (row,) = rows_of([path])
+    assert row.problem == problem

@@ -68,6 +68,29 @@ def test_ranges_of_one_footage_share_the_fit_as_it_is(clips, out, commands):
     assert [fit_option(words)[0] for words in commands.words[1:]] == ["--fit", "--fit"]
 
 
+def test_each_face_is_found_with_its_own_clips_lens(clips, out, commands):
+    lenses = ({"focal": "35", "sensor": "23.5"}, {"focal": "50"}, {})
+    rows = [Row(str(c), person="anna", **lens) for c, lens in zip(clips, lenses, strict=True)]
+    for folder in folders(out, *rows):
+        run_task(folder, commands)
+    given = [
+        [word for word in words if "--focal" in word or "--sensor" in word]
+        for words in commands.words
+    ]
+    # The fit, the clip that it is of, and clips that take the person from it
+    assert given == [["--focal=35", "--sensor=23.5"], [], ["--focal=50"], []]
+
+
+def test_another_lens_is_another_fit(clips, out, commands):
+    for focal in ("35", "35", "50"):
+        (folder,) = folders(out, Row(str(clips[0]), person="anna", focal=focal))
+        run_task(folder, commands)
+    assert [words[-1] for words in commands.words if words[0] == "fit"] == [
+        "--focal=35",
+        "--focal=50",
+    ]
+
+
 def test_where_the_first_clip_shows_no_face_the_next_gives_the_fit(clips, out, commands):
     commands.answers["0.mp4"] = (2, "no face")
     one, two, _ = folders(out, *(Row(str(clip), person="anna") for clip in clips))

@@ -4,7 +4,7 @@ import pytest
 from drawn_face import draw
 from mimetic import InvalidInput, _core
 from mimetic.commands.cli import main
-from mimetic.fit.fitting import FaceFit, find_face
+from mimetic.fit.fitting import FaceFit, NoFace, find_face
 from mimetic.fit.known_lens import KnownLens, camera_with, is_fitted_with
 from mimetic.solve import clip_capture
 from mimetic.template.face_template import load_template
@@ -64,4 +64,19 @@ def test_the_command_line_says_the_lens(rendered_clip, tmp_path, capsys):
     words = ["capture", str(rendered_clip.footage), "--out", str(tmp_path / "out")]
     path = str(tmp_path / "fit" / "fit.json")
     assert main([*words, "--fit", path, "--focal", "50"]) == 2
+    assert "--fit has the lens that it was found with" in capsys.readouterr().err
+
+
+def test_a_calibration_finds_its_face_with_the_lens(rendered_clip, tmp_path, capsys, monkeypatch):
+    lenses = []
+
+    def find_face(*_, lens, **__):
+        lenses.append(lens)
+        raise NoFace("it is looked for elsewhere")
+
+    monkeypatch.setattr("mimetic.solve.clip_capture.find_face", find_face)
+    words = ["calibrate", str(rendered_clip.footage), "--out", str(tmp_path / "fit.json")]
+    assert main([*words, "--focal", "50", "--sensor", "24"]) == 2
+    assert lenses == [KnownLens(50.0, 24.0)]
+    assert main([*words, "--fit", str(tmp_path / "old.json"), "--focal", "50"]) == 2
     assert "--fit has the lens that it was found with" in capsys.readouterr().err

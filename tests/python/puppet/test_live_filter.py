@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 from mimetic import InvalidInput
+from mimetic.fit.known_lens import KnownLens
 from mimetic.media.footage import Footage
 from mimetic.puppet.live_filter import LiveFilter
 
@@ -28,6 +29,17 @@ def test_the_persons_own_head_takes_over(images):
     states = [live.advance(image, 0.45 * n) for n, image in enumerate(images[:16])]
     assert live.face.is_own
     assert min(state.quality for state in states) > 0.4
+
+
+def test_a_known_lens_is_that_of_both_heads(images):
+    live = LiveFilter(in_background=False, lens=KnownLens(50.0, 24.0))
+    heads = []
+    for n, image in enumerate(images[:16]):
+        live.advance(image, 0.45 * n)
+        heads += [live.face] if not heads or live.face is not heads[-1] else []
+    assert [head.is_own for head in heads] == [False, True]
+    width = images[0].shape[1]
+    assert [head.camera.fx / width for head in heads] == pytest.approx([50 / 24, 50 / 24])
 
 
 def test_the_same_in_the_background(images):

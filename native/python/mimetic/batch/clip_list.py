@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
+from mimetic.fit.known_lens import FULL_FRAME_MM, KnownLens
 from mimetic.media.clip_fingerprint import MOST_DEPTH, files_in
 from mimetic.media.frame_range import parse_range
 from mimetic.media.image_sequence import (
@@ -22,7 +23,7 @@ from mimetic.media.image_sequence import (
 from mimetic.shared.regular_file import check_input
 from mimetic.shared.shown_text import shortened
 
-COLUMNS = ("clip", "fit", "character", "range", "person", "fps")
+COLUMNS = ("clip", "fit", "character", "range", "person", "fps", "focal", "sensor")
 SUFFIXES = (".mp4", ".mov", ".avi", ".mkv", ".webm", ".m4v", ".mpg", ".mpeg", ".mxf", ".wmv")
 LARGEST_TABLE = 16 << 20  # bytes
 FEWEST_PICTURES = 12  # on end, to be a clip in a folder that is searched: photographs count up too
@@ -40,6 +41,8 @@ class Row:
     person: str = ""
     problem: str = ""  # why it cannot be captured
     fps: str = ""  # of numbered pictures
+    focal: str = ""  # mm, of the lens that it was filmed with, if that is known
+    sensor: str = ""  # mm, its width
 
     @property
     def identity(self) -> tuple[str, str, str]:
@@ -48,15 +51,20 @@ class Row:
 
 
 def rows_of(
-    arguments: Iterable[Path], frames: str = "", character: str = "", fps: str = ""
+    arguments: Iterable[Path],
+    frames: str = "",
+    character: str = "",
+    fps: str = "",
+    focal: str = "",
+    sensor: str = "",
 ) -> list[Row]:
     """The clips of some files, folders and tables, in order; what is missing has a `problem`.
 
-    frames, character, fps: of the clips for which no table says otherwise. Raises InvalidInput for
-    a table that cannot be understood.
+    All but the files are of the clips for which no table says otherwise; a lens is taken from one
+    place whole. Raises InvalidInput for a table that cannot be understood.
     """
     rows: list[Row] = []
-    usual = Row("", frames, character=character, fps=fps)
+    usual = Row("", frames, character=character, fps=fps, focal=focal, sensor=sensor)
     for path in _without_later_pictures(arguments):
         if path.is_dir():
             rows += _in_folder(path, usual)
@@ -103,6 +111,7 @@ def _in_table(path: Path, usual: Row) -> Iterator[Row]:
         yield Row(_absolute(path), problem="there is no such table of clips")
         return
     for number, record in table:
+        has_lens = record.get("focal") or record.get("sensor")
         row = Row(
             _absolute(folder / record["clip"]) if record["clip"] else "",
             record.get("range") or usual.frames,
@@ -110,6 +119,8 @@ def _in_table(path: Path, usual: Row) -> Iterator[Row]:
             _beside(folder, record.get("character") or "") or usual.character,
             record.get("person") or "",
             fps=record.get("fps") or usual.fps,
+            focal=record.get("focal", "") if has_lens else usual.focal,
+            sensor=record.get("sensor", "") if has_lens else usual.sensor,
         )
         if not row.clip:
             yield Row(f"{path.name}, line {number}", problem="the line names no clip")
@@ -180,6 +191,7 @@ def _problem_of(row: Row) -> str:
                 check_input(path, what)
         if row.frames:
             parse_range(row.frames)
+        check_lens(row)
     except UnicodeEncodeError:
         return "its name is no text (not UTF-8): rename it"
     except (InvalidInput, UnreadableMedia) as error:
@@ -193,6 +205,26 @@ def _rate(text: str) -> float | None:
         return float(text) if text else None
     except ValueError:
         raise InvalidInput(f"fps {text}: give frames a second, such as 23.976") from None
+
+
+def check_lens(row: Row) -> None:
+    """Raises InvalidInput."""
+    if row.sensor and not row.focal:
+        raise InvalidInput(f"sensor {row.sensor} is of a focal length: give focal too")
+    try:
+        numbers = [float(text) for text in (row.focal, row.sensor) if text]
+    except ValueError:
+        raise InvalidInput(
+            f"focal {row.focal}, sensor {row.sensor}: give millimetres, such as 35 and 23.5"
+        ) from None
+    if numbers:
+        KnownLens(*numbers, *([FULL_FRAME_MM] * (2 - len(numbers))))
+
+
+def lens_words(focal: str, sensor: str) -> list[str]:
+    """Of a command line that finds a face."""
+    words = [f"--focal={focal}"] if focal else []
+    return words + ([f"--sensor={sensor}"] if sensor else [])
 
 
 def _beside(folder: Path, character: str) -> str:

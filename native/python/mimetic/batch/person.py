@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from mimetic import InvalidInput, UnreadableMedia, __version__
-from mimetic.batch.clip_list import Row
+from mimetic.batch.clip_list import Row, lens_words
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.media.image_sequence import opened
 from mimetic.shared.folder_lock import alone_with
@@ -27,10 +27,11 @@ from mimetic.shared.shown_text import shortened
 FOLDER = "people"  # beside the clips' folders
 MARK = "person.json"
 LOCK = ".lock"
-SCHEMA = 1
+SCHEMA = 2
 LARGEST_FILE = 16 << 20  # bytes
 RunCommand = Callable[[Sequence[str]], tuple[int, str]]
-Source = tuple[str, str, str]  # a clip, its range of frames, a fit of it
+# A clip, its range of frames, a fit of it, focal length and sensor's width of its lens
+Source = tuple[str, str, str, str, str]
 
 
 @dataclass
@@ -60,7 +61,7 @@ class Person:
         try:
             if document["schema"] != SCHEMA:
                 raise ValueError(f"schema {document['schema']}, this Mimetic knows {SCHEMA}")
-            sources = [(clip, frames, fit) for clip, frames, fit in document["sources"]]
+            sources = [(c, frames, fit, *lens) for c, frames, fit, *lens in document["sources"]]
             texts = [document[name] for name in ("key", "fit", "footage")]
             if not all(isinstance(text, str) for text in itertools.chain(texts, *sources)):
                 raise TypeError("not texts alone")
@@ -89,9 +90,10 @@ class Person:
 
     def _search(self, run_command: RunCommand) -> str:
         reason = "no clip shows the person"
-        for clip, frames, given_fit in self.sources:
+        for clip, frames, given_fit, focal, sensor in self.sources:
             words = ["fit", clip, "--out", str(self.folder)]
             words += [f"--frames={frames}"] if frames else []
+            words += lens_words(focal, sensor)
             fit = given_fit or str(self.folder / "fit.json")
             status, message = (0, "") if given_fit else run_command(words)
             if status > 2:
@@ -107,9 +109,9 @@ class Person:
     def _key_of(self, fit: str) -> str:
         """Of all that decides on the fit: the sources up to the one that gave it."""
         parts: list[object] = [__version__]
-        for clip, frames, given_fit in self.sources:
+        for clip, frames, given_fit, *lens in self.sources:
             mark = _content(clip)
-            parts.append([mark, frames, _content(given_fit) if given_fit else ""])
+            parts.append([mark, frames, _content(given_fit) if given_fit else "", *lens])
             if mark == self.footage and fit in (given_fit, str(self.folder / "fit.json")):
                 break
         return hashlib.sha256(json.dumps(parts).encode()).hexdigest()
@@ -121,7 +123,8 @@ def prepare_people(out: Path, rows: Iterable[Row]) -> None:
     for row in rows:
         if row.person and not row.problem:
             folder = folder_of(out, row.person)
-            sources.setdefault(folder, []).append((row.clip, row.frames, row.fit))
+            source = (row.clip, row.frames, row.fit, row.focal, row.sensor)
+            sources.setdefault(folder, []).append(source)
     for folder, clips in sources.items():
         folder.mkdir(parents=True, exist_ok=True)
         try:

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from mimetic import __version__
-from mimetic.batch.clip_list import Row
+from mimetic.batch.clip_list import Row, lens_words
 from mimetic.batch.person import Person
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.media.image_sequence import is_sequence, opened
@@ -67,7 +67,10 @@ def _capture(row: Row, folder: Path, person: Person | None) -> Step:
         option, fit = ("--fit" if person.is_of(row.clip) else "--person"), person.fit
     words += [option, fit] if fit else []
     inputs = (Path(row.clip), *([Path(fit)] if fit else []))
-    choices = {"frames": row.frames, "fit": option if fit else ""}
+    choices: dict[str, object] = {"frames": row.frames, "fit": option if fit else ""}
+    if option != "--fit" or not fit:
+        words += (of_lens := lens_words(row.focal, row.sensor))
+        choices |= {"lens": of_lens} if of_lens else {}
     if row.fps:
         choices["fps"] = row.fps
     return Step("capture", tuple(words), inputs, CAPTURED, choices)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.batch import flamenco, on_dask, open_job, plan
-from mimetic.batch.clip_list import rows_of
+from mimetic.batch.clip_list import Row, check_lens, rows_of
 from mimetic.batch.page import write_page
 from mimetic.batch.plan import PAGE, PLAN, Batch
 from mimetic.batch.pool import Outcome, Pool, num_cores
@@ -22,6 +22,7 @@ from mimetic.character.sparse_curves import check_tolerance
 from mimetic.commands import cli
 from mimetic.commands.bake import add_face_arguments
 from mimetic.commands.console import Console
+from mimetic.fit.known_lens import FULL_FRAME_MM
 from mimetic.media.frame_range import parse_range
 from mimetic.media.image_sequence import USUAL_FPS, ImageSequence, opened
 from mimetic.report.html import check_report_packages
@@ -40,7 +41,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         nargs="*",
         metavar="CLIPS",
         help="videos, numbered pictures, folders with either, and CSV tables with the column clip "
-        "and any of fit, character, range, person, fps",
+        "and any of fit, character, range, person, fps, focal, sensor",
     )
     parser.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder for a folder of each clip"
@@ -54,6 +55,18 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="frames a second of numbered pictures for which no table says it (default: "
         f"{USUAL_FPS})",
+    )
+    parser.add_argument(
+        "--focal",
+        default="",
+        metavar="MM",
+        help="focal length that clips were filmed with for which no table says it, if it is known",
+    )
+    parser.add_argument(
+        "--sensor",
+        default="",
+        metavar="MM",
+        help=f"width of the camera's sensor, of --focal (default: {FULL_FRAME_MM:g}, full frame)",
     )
     _add_bakes(parser)
     _add_running(parser)
@@ -205,7 +218,9 @@ def prepared_batch(arguments: argparse.Namespace) -> Batch:
     bakes = tuple(kind for kind in BAKES if kind in arguments.bake)
     settings = Settings(bakes, arguments.detail, arguments.few_keys, python)
     out = Path(os.path.abspath(arguments.out))
-    rows = rows_of(arguments.clips, arguments.frames, character, arguments.fps)
+    lens = arguments.focal, arguments.sensor
+    check_lens(Row("", focal=lens[0], sensor=lens[1]))
+    rows = rows_of(arguments.clips, arguments.frames, character, arguments.fps, *lens)
     prepare_folder(out, (PLAN, PAGE))
     return plan.prepare(out, rows, settings)
 

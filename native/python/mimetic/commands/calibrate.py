@@ -10,7 +10,7 @@ from pathlib import Path
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.commands.console import Console
 from mimetic.commands.footage_argument import add_footage_argument, give_rate
-from mimetic.commands.on_clip import parse_frames
+from mimetic.commands.on_clip import add_lens_arguments, lens_of, parse_frames
 from mimetic.fit.fitting import FaceFit
 from mimetic.muscles.calibration import REGIONS
 from mimetic.shared.interrupts import listen_for_interrupt
@@ -38,6 +38,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="A:B",
         help="first and last frame to rest on, counted from 1 (default: all, 600 at most)",
     )
+    add_lens_arguments(parser)
 
 
 def run_calibrate(arguments: argparse.Namespace) -> int:
@@ -45,6 +46,7 @@ def run_calibrate(arguments: argparse.Namespace) -> int:
     give_rate(arguments)
     out = arguments.out
     check_target(out, arguments.footage)
+    lens = lens_of(arguments)
     fit = FaceFit.load(arguments.fit) if arguments.fit else None
     with Console() as console, listen_for_interrupt("nothing is kept") as interrupt:
 
@@ -53,7 +55,7 @@ def run_calibrate(arguments: argparse.Namespace) -> int:
             return not interrupt()
 
         try:
-            fit, result = calibrate(arguments.footage, arguments.frames, fit, progress)
+            fit, result = calibrate(arguments.footage, arguments.frames, fit, progress, lens)
         except (InvalidInput, UnreadableMedia):
             if interrupt():
                 raise KeyboardInterrupt from None

@@ -80,12 +80,17 @@ def add_lens_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def lens_of(arguments: argparse.Namespace) -> KnownLens | None:
-    """Raises InvalidInput."""
+    """Of a face to find; raises InvalidInput."""
     focal_mm, sensor_mm = arguments.focal, arguments.sensor
     if focal_mm is None and sensor_mm is not None:
         raise InvalidInput(f"--sensor {sensor_mm:g} is of a focal length: give --focal MM too")
     if focal_mm is None:
         return None
+    if getattr(arguments, "fit", None):
+        raise InvalidInput(
+            "--focal is of a face to find, and --fit has the lens that it was found with: give one "
+            "of them"
+        )
     return KnownLens(focal_mm, FULL_FRAME_MM if sensor_mm is None else sensor_mm)
 
 
@@ -186,11 +191,6 @@ def _given_fits(arguments: argparse.Namespace) -> tuple[FaceFit | None, FaceFit 
     if arguments.fit and (arguments.face or arguments.person):
         raise InvalidInput(
             "--face and --person are of a face to find, --fit says where it is: give one of them"
-        )
-    if arguments.fit and arguments.focal is not None:
-        raise InvalidInput(
-            "--focal is of a face to find, and --fit has the lens that it was found with: give one "
-            "of them"
         )
     fit, person = (
         FaceFit.load(path) if path else None for path in (arguments.fit, arguments.person)

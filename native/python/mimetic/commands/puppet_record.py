@@ -12,7 +12,12 @@ from pathlib import Path
 from mimetic import InvalidInput, _core
 from mimetic.commands.console import Console
 from mimetic.commands.live_source import open_source
-from mimetic.commands.on_clip import save_performance, tell_results
+from mimetic.commands.on_clip import (
+    add_lens_arguments,
+    lens_of,
+    save_performance,
+    tell_results,
+)
 from mimetic.commands.send import add_send, addresses_of
 from mimetic.performance.document import Performance
 from mimetic.puppet.channels import CHANNELS, check_channels
@@ -71,6 +76,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--microphone", metavar="NAME", help="record its sound beside a camera (audio.wav)"
     )
+    add_lens_arguments(parser)
     add_send(parser)
     parser.add_argument(
         "--every-frame",
@@ -132,6 +138,7 @@ def _options_of(arguments: argparse.Namespace) -> RecordingOptions:
         in_background=not arguments.every_frame,
         taught=TaughtSet.load(arguments.set) if arguments.set else None,
         use=arguments.set_use,
+        lens=lens_of(arguments),
     )
 
 

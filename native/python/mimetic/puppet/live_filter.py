@@ -14,10 +14,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.fit import fitting
+from mimetic.fit.known_lens import KnownLens
 from mimetic.puppet.live_face import LiveFace, live_face, live_names
 from mimetic.puppet.mapping import State
-from mimetic.puppet.person_search import PersonSearch
+from mimetic.puppet.person_search import PersonSearch, found_face
 from mimetic.puppet.taught_follower import SHARPEN, TaughtFollower
 from mimetic.puppet.templates import TaughtSet
 from mimetic.solve.gaze import SIDES, gaze_in
@@ -62,7 +62,7 @@ class LiveFilter:
     person's head is searched for in a thread, as a live session needs it; otherwise `advance` takes
     as long as that does, and the same pictures always give the same states. taught: looks of the
     person, which drive the face or sharpen what is measured, by `use`, of taught_follower.USES.
-    Raises InvalidInput.
+    lens: that the pictures are taken with, if it is known. Raises InvalidInput.
     """
 
     def __init__(
@@ -71,7 +71,9 @@ class LiveFilter:
         in_background: bool = True,
         taught: TaughtSet | None = None,
         use: str = SHARPEN,
+        lens: KnownLens | None = None,
     ) -> None:
+        self._lens = lens
         self._stillness = _core.StillnessFilter(stillness)
         self._in_background = in_background
         self.names = live_names()
@@ -145,10 +147,10 @@ class LiveFilter:
 
     def _find(self, image: Image) -> bool:
         try:
-            self.face = live_face(image, fitting.find_face(image), is_own=False)
+            self.face = live_face(image, found_face(image, self._lens), is_own=False)
         except InvalidInput:  # no face among others
             return False
-        self._search = PersonSearch(self._in_background)
+        self._search = PersonSearch(self._in_background, lens=self._lens)
         return True
 
     def _improve(self, image: Image, time: float) -> None:
@@ -156,7 +158,7 @@ class LiveFilter:
         if self._is_neutral_due:
             self._is_neutral_due = False
             self.stop()
-            self._search = PersonSearch(self._in_background, num_judged=1)
+            self._search = PersonSearch(self._in_background, num_judged=1, lens=self._lens)
         search = self._search
         if search is None:
             return

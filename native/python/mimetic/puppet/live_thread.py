@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 
+from mimetic.fit.known_lens import KnownLens
 from mimetic.puppet.camera_source import CameraSource
 from mimetic.puppet.channels import Freezer
 from mimetic.puppet.clip_source import ClipSource
@@ -27,7 +28,7 @@ class LiveThread:
     """Follows a source until it is stopped; the host asks for the newest state.
 
     stop: set from outside, it ends the session. is_blocking: nothing runs in a thread: `start`
-    works through the whole clip and records it. taught, use: as of a `LiveFilter`.
+    works through the whole clip and records it. taught, use, lens: as of a `LiveFilter`.
     """
 
     def __init__(
@@ -38,6 +39,7 @@ class LiveThread:
         is_blocking: bool = False,
         taught: TaughtSet | None = None,
         use: str = SHARPEN,
+        lens: KnownLens | None = None,
     ) -> None:
         self.source = source
         self.line = "starting"
@@ -45,6 +47,7 @@ class LiveThread:
         self._filter: LiveFilter | None = None
         self._stillness, self._is_blocking = stillness, is_blocking
         self._taught, self._use = taught, use
+        self.lens = lens
         self._is_neutral_due = False
         self._freezer: Freezer | None = None
         self._frozen: frozenset[str] = frozenset()
@@ -140,7 +143,7 @@ class LiveThread:
         try:
             warm_up()
             self._filter = LiveFilter(
-                self._stillness, not self._is_blocking, self._taught, self._use
+                self._stillness, not self._is_blocking, self._taught, self._use, self.lens
             )
             self._freezer = Freezer(self._filter.names)
             self.trace = LiveTrace(self._filter.names, self._filter.follower)

@@ -16,7 +16,9 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.fit import fitting
+from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.fitting import Judged
+from mimetic.fit.known_lens import KnownLens, camera_with
 from mimetic.puppet.live_face import LiveFace, live_face
 
 SEARCHED_SECONDS = 4.0
@@ -25,14 +27,26 @@ NUM_JUDGED = 10
 Image = NDArray[np.uint8]
 
 
+def found_face(image: Image, lens: KnownLens | None) -> FaceFit:
+    """The head fitted to a picture (H x W x 3) by its lens, if that is known. Raises NoFace."""
+    height, width = image.shape[:2]
+    return fitting.find_face(image, camera=camera_with(lens, (width, height)))
+
+
 class PersonSearch:
     """One search; pictures are offered to it, until `result` has a face or it gives up.
 
     in_background: judge, fit and attach in a thread; otherwise in `offer`, which then takes as long
-    as that does.
+    as that does. lens: of the pictures, if it is known.
     """
 
-    def __init__(self, in_background: bool = True, num_judged: int = NUM_JUDGED) -> None:
+    def __init__(
+        self,
+        in_background: bool = True,
+        num_judged: int = NUM_JUDGED,
+        lens: KnownLens | None = None,
+    ) -> None:
+        self._lens = lens
         self.result: LiveFace | None = None
         self.is_over = False
         self._num_judged, self._num_offered = num_judged, 0
@@ -90,7 +104,7 @@ class PersonSearch:
         for i in np.argsort(-chances):
             image = self._judged[i][1]
             try:
-                return live_face(image, fitting.find_face(image), is_own=True)
+                return live_face(image, found_face(image, self._lens), is_own=True)
             except InvalidInput:  # no head fits, or too little of it is seen: the next best
                 continue
         return None

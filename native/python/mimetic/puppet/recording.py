@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from mimetic.fit.known_lens import KnownLens
 from mimetic.performance.document import Performance
 from mimetic.puppet.camera_source import CameraSource
 from mimetic.puppet.channels import Freezer
@@ -36,6 +37,7 @@ class RecordingOptions:
     in_background: bool = True
     taught: TaughtSet | None = None
     use: str = SHARPEN  # of taught_follower.USES
+    lens: KnownLens | None = None
 
 
 class Recording:
@@ -50,7 +52,7 @@ class Recording:
     ) -> None:
         self._source, self._folder, self._options, self._tell = source, folder, options, tell
         self._filter = LiveFilter(
-            options.stillness, options.in_background, options.taught, options.use
+            options.stillness, options.in_background, options.taught, options.use, options.lens
         )
         names = self._filter.names
         self._receivers = [Receiver(one, names, source.fps) for one in options.receivers]

@@ -10,6 +10,7 @@ import numpy as np
 
 from mimetic import InvalidInput, _core
 from mimetic.fit.fitting import FaceFit
+from mimetic.fit.known_lens import KnownLens
 from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import Anatomy, AttachedSkin, modes_of
 from mimetic.muscles.calibration import Calibration
@@ -49,10 +50,12 @@ def calibrate(
     frames: FrameRange | None = None,
     fit: FaceFit | None = None,
     progress: Progress | None = None,
+    lens: KnownLens | None = None,
 ) -> tuple[FaceFit, CalibrationResult]:
     """The fit with the calibration that `frames` of the footage make most probable.
 
-    fit: of this footage, found if there is none; what it was calibrated to before is replaced.
+    fit: of this footage, found if there is none, with `lens` if that is known; what it was
+    calibrated to before is replaced.
     progress: as in `clip_capture.capture`; False raises KeyboardInterrupt. Raises NothingSeen where
     no expression was seen, NoFace, UnreadableMedia, InvalidInput.
     """
@@ -69,7 +72,7 @@ def calibrate(
     finding, attaching, following, weighing = stages(
         progress, 0.0 if fit else SEARCHED, ATTACHED, num_frames, weighing_cost
     )
-    fit = clip_capture.fit_for(footage, (first, last), fit, finding, summary)
+    fit = clip_capture.fit_for(footage, (first, last), fit, finding, summary, lens)
     fit = replace(fit, calibration=Calibration())
     capture = _ObservedCapture(footage, fit, (first, last), following, summary, attaching)
     capture.sightings = []
