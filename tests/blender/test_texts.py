@@ -13,6 +13,7 @@ UNITS = re.compile(
     r"own units|number",
     re.IGNORECASE,
 )
+SMALL = {"a", "and", "as", "at", "by", "from", "if", "in", "of", "on", "or", "over", "the", "to"}
 # What has to be done in Blender itself, not by a button of ours
 BY_HAND = re.compile(r"^(Select|Choose|Leave|Switch)\b|clip editor|Blender's window")
 # There is nothing to mend
@@ -54,27 +55,25 @@ def test_every_number_says_in_what_it_is_counted(extension):
 
 
 def test_names_are_in_blenders_title_case(extension):
-    small = {
-        "a",
-        "as",
-        "at",
-        "by",
-        "from",
-        "in",
-        "of",
-        "on",
-        "or",
-        "the",
-        "to",
-        "and",
-        "if",
-        "over",
-    }
     bad = []
     for owner, prop in shown_properties(extension):
         words = re.findall(r"[A-Za-z][a-z']+", prop.name)
-        if any(word[0].islower() and word not in small for word in words):
+        if any(word[0].islower() and word not in SMALL for word in words):
             bad.append(f"{owner}.{prop.identifier}: {prop.name}")
+    assert not bad, "\n".join(bad)
+
+
+def test_buttons_and_panels_are_named_in_title_case_and_explained(extension):
+    bad = []
+    for one in (*extension("operators").CLASSES, *extension("panels").CLASSES):
+        label = getattr(one, "bl_label", "").replace("glTF", "")  # has a spelling of its own
+        words = re.findall(r"[A-Za-z][a-z']+", label)
+        if any(word[0].islower() and word not in SMALL for word in words):
+            bad.append(f"{one.__name__}: {one.bl_label}")
+    for one in extension("operators").CLASSES:
+        text = getattr(one, "bl_description", "") or one.__doc__ or ""
+        if not re.match(r"[A-Z].*[^.\s]$", text, re.DOTALL):
+            bad.append(f"{one.__name__}: {text!r}")
     assert not bad, "\n".join(bad)
 
 

@@ -62,11 +62,13 @@ class MIMETIC_OT_find_face(Job, Operator):
     def work(self, inputs, progress):
         footage, frame, near, lens = inputs
         find = native.clip_capture().find_face
-        return footage.clip_name, find(footage.path, frame, progress=progress, near=near, lens=lens)
+        fit = find(footage.path, frame, progress=progress, near=near, lens=lens)
+        return footage.clip_name, fit, native.footage().Footage(footage.path).pixel_aspect
 
     def write(self, context, result):
-        clip_name, fit = result
+        clip_name, fit, pixel_aspect = result
         clip = clips.named(clip_name)
+        scene_out.clip.show_pixels(clip, pixel_aspect)  # Blender's own drop did not
         scene_out.face_fit.store(clip, fit)
         warnings = [*fit.warnings, *filter(None, [clip_lens.unread(clip)])]
         self.facts = {"clip": clip_name, "frame": fit.frame, "warnings": warnings}
