@@ -175,8 +175,7 @@ def _shape_gaps(scene, mesh) -> str:
     """What the 52 shapes of this head leave open: between lids, between lips."""
     head = _part("heads").bound_head(scene, mesh)
     parts = _native().foreign_face()
-    polygons = parts.Polygons(head.starts, head.corners)
-    face = parts.attach_face(head.points, polygons, head.landmarks, head.matrix)
+    face = parts.attach_face(*head.whole, head.landmarks, head.matrix)
     gaps = face.head.make_units().gaps_mm
     lids = [gaps.get(f"eyeBlink{side}", np.nan) for side in ("Left", "Right")]
     return f"{max(lids):12.2f} {gaps.get('mouthClose', np.nan):9.2f}"

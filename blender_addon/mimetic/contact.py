@@ -145,10 +145,13 @@ def _maker(scene, face: bpy.types.Object, rest: np.ndarray) -> Callable:
     if head is None:
         return lambda: native.live_contact().live_contact(rest)
     parts = native.foreign_face()
-    polygons = parts.Polygons(head.starts, head.corners)
-    return lambda: (
-        parts.attach_face(head.points, polygons, head.landmarks, head.matrix).live_contact
-    )
+    num_vertices = len(head.points)
+
+    def make():
+        face = parts.attach_face(*head.whole, head.landmarks, head.matrix)
+        return face.live_contact.of_first(num_vertices)
+
+    return make
 
 
 def _poll() -> float | None:

@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import bpy
 import numpy as np
 
-from . import native, scene_in, world, writable
+from . import head_parts, native, scene_in, world, writable
+from .head_parts import HeadPart
 
 
 @dataclass(frozen=True)
@@ -21,6 +23,14 @@ class ForeignHead:
     corners: np.ndarray  # vertices of the faces' corners
     matrix: np.ndarray  # 4 x 4, metres from object
     landmarks: dict  # name -> vertex or place in metres
+    parts: tuple[HeadPart, ...] = ()  # eyeballs, teeth, tongue that are objects of their own
+
+    @cached_property
+    def whole(self):
+        """Points, and `mimetic.character.foreign_face.Polygons`, of the head and then its parts."""
+        package = native.foreign_face()
+        polygons = package.Polygons(self.starts, self.corners)
+        return package.with_parts(self.points, polygons, [part.mesh for part in self.parts])
 
 
 def no_foreign_head(context) -> str:
@@ -35,13 +45,13 @@ def no_foreign_head(context) -> str:
 
 
 def foreign_head(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHead:
-    """The head without its sliders; landmarks by empties, else by vertex groups."""
-    mesh = head.data
-    points = _rest_points(head)
-    starts = np.empty(len(mesh.polygons), dtype=np.int32)
-    corners = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.polygons.foreach_get("loop_start", starts)
-    mesh.loops.foreach_get("vertex_index", corners)
+    """The head without its sliders, and its parts; landmarks by empties, else by vertex groups."""
+    own = _read(scene, head)
+    return replace(own, parts=head_parts.found(scene, head, own.points))
+
+
+def _read(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHead:
+    points, starts, corners = head_parts.rest_mesh(head)
     metre = scene.unit_settings.scale_length or 1.0
     matrix = np.diag([metre, metre, metre, 1.0]) @ np.array(world.matrix(head))
     places = {
@@ -56,13 +66,14 @@ def remembered_head(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHe
     """What a face's muscles were attached by; None for a face of our own mesh."""
     if not len(head.mimetic.landmarks):
         return None
-    head_landmarks = foreign_head(scene, head)
     marks = {
         mark.name: mark.vertex if mark.vertex >= 0 else np.array(mark.place)
         for mark in head.mimetic.landmarks
     }
     matrix = np.array(head.mimetic.metres_from_object, dtype=np.float64).reshape(4, 4)
-    return replace(head_landmarks, landmarks=marks, matrix=matrix)
+    own = _read(scene, head)
+    parts = head_parts.remembered(head)
+    return replace(own, landmarks=marks, matrix=matrix, parts=parts)
 
 
 def no_bound_head(context) -> str:
@@ -124,11 +135,3 @@ def unchanged(head: ForeignHead) -> bpy.types.Object:
             f"{len(obj.data.vertices)}; begin again"
         )
     return obj
-
-
-def _rest_points(head: bpy.types.Object) -> np.ndarray:
-    keys = head.data.shape_keys
-    vertices = keys.reference_key.points if keys else head.data.vertices
-    points = np.empty(3 * len(vertices), dtype=np.float32)
-    vertices.foreach_get("co", points)
-    return points.reshape(-1, 3).astype(np.float64)

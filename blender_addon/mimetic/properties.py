@@ -175,6 +175,15 @@ def _gaze_slider(name: str, side: str, axis: int, lowest: float, highest: float)
     )
 
 
+class MimeticPart(bpy.types.PropertyGroup):
+    """An object that moves with a head: an eyeball, teeth, the tongue."""
+
+    part: PointerProperty(type=bpy.types.Object, description="The eyeball, teeth or tongue")
+    head_from_part: FloatVectorProperty(
+        size=16, precision=6, description="Where it was in the head's frame, row by row"
+    )
+
+
 class MimeticFace(take_rows.HasTakes, control_rows.HasControls, bpy.types.PropertyGroup):
     lid_following: FloatVectorProperty(
         size=4,
@@ -202,6 +211,9 @@ class MimeticFace(take_rows.HasTakes, control_rows.HasControls, bpy.types.Proper
     )
     metres_from_object: FloatVectorProperty(
         size=16, description="The object's matrix when its muscles were attached, row by row"
+    )
+    parts: CollectionProperty(
+        type=MimeticPart, description="Objects that the muscles were attached with"
     )
     use_contact: BoolProperty(
         name="Contact",
@@ -343,6 +355,7 @@ CLASSES = (
     MimeticLive,
     MimeticShape,
     MimeticLandmark,
+    MimeticPart,
     control_rows.MimeticControl,
     *take_rows.CLASSES,
     MimeticFace,

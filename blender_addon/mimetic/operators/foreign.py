@@ -25,10 +25,9 @@ class MIMETIC_OT_add_landmarks(Job, Operator):
         return heads.foreign_head(context.scene, head)
 
     def work(self, head, progress):
-        polygons = native.foreign_face().Polygons(head.starts, head.corners)
         find = native.self_landmarks().find_on_object
         try:
-            return head, find(head.points, polygons, head.matrix, progress)
+            return head, find(*head.whole, head.matrix, progress)
         except KeyboardInterrupt:
             return None
 
@@ -85,13 +84,19 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
     def write(self, context, result):
         head, landmarks, face = result
         object_ = heads.unchanged(head)
-        hand_changes = scene_out.foreign.attach(object_, head, landmarks, face)
-        for note in face.notes:
+        attached = scene_out.foreign.attach(object_, head, landmarks, face)
+        notes = [*face.notes, *attached.notes]
+        for note in notes:
             self.report({"WARNING"}, f"{head.name}: {note}")
         num_sliders = len(face.shapes) + len(face.groups)
-        self.facts = {"object": head.name, "num_sliders": num_sliders, "notes": list(face.notes)}
+        self.facts = {
+            "object": head.name,
+            "num_sliders": num_sliders,
+            "notes": notes,
+            "parts": attached.parts,
+        }
         message = f"{head.name} has {num_sliders} sliders: sidebar, Mimetic, Muscles"
-        return "; ".join(filter(None, (message, hand_changes)))
+        return "; ".join(filter(None, (message, _along(attached.parts), attached.hand_changes)))
 
 
 class MIMETIC_OT_add_arkit_shapes(Job, Operator):
@@ -113,22 +118,38 @@ class MIMETIC_OT_add_arkit_shapes(Job, Operator):
     def write(self, context, result):
         head, (shapes, notes) = result
         object_ = heads.unchanged(head)
-        added, kept = scene_out.arkit.add(object_, shapes)
+        own_shapes, of_parts = scene_out.part_keys.split(head, shapes)
+        added, kept = scene_out.arkit.add(object_, own_shapes)
+        parts, part_notes = scene_out.part_keys.add(
+            object_, head, of_parts, dict(zip(added, added, strict=True))
+        )
+        notes = [*notes, *part_notes]
         for note in notes:
             self.report({"WARNING"}, f"{object_.name}: {note}")
-        self.facts = {"object": object_.name, "num_sliders": len(added), "notes": list(notes)}
+        self.facts = {
+            "object": object_.name,
+            "num_sliders": len(added),
+            "notes": notes,
+            "parts": parts,
+        }
         message = f"{object_.name} has {len(added)} of ARKit's shapes"
+        if parts:
+            message += f"; {_along(parts)}"
         if kept:
             message += f"; {len(kept)} keys of such names stay as they were: {', '.join(kept[:4])}"
         return message
 
 
+def _along(parts: list[str]) -> str:
+    """Which objects move with the head's keys."""
+    return f"{', '.join(parts)} moved along" if parts else ""
+
+
 def _attached(head, landmarks, progress):
     """A head's `mimetic.character.foreign_face.ForeignFace`; None if it was stopped."""
     parts = native.foreign_face()
-    polygons = parts.Polygons(head.starts, head.corners)
     try:
-        return parts.attach_face(head.points, polygons, landmarks, head.matrix, progress)
+        return parts.attach_face(*head.whole, landmarks, head.matrix, progress)
     except KeyboardInterrupt:
         return None
 

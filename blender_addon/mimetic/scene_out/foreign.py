@@ -4,14 +4,22 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
 
-from .. import native, world, writable
-from . import face
+from .. import head_parts, native, world, writable
+from . import by_hand, face, part_keys
 
 SIZE = 0.006  # m, of an empty
+
+
+@dataclass(frozen=True)
+class Attached:
+    hand_changes: str  # a message on keys that were changed by hand and stay, or nothing
+    parts: list[str]  # objects that move along
+    notes: list[str]  # why others do not
 
 
 def add(context, head: bpy.types.Object, places: Mapping, doubtful: Sequence) -> None:
@@ -30,15 +38,19 @@ def add(context, head: bpy.types.Object, places: Mapping, doubtful: Sequence) ->
         context.collection.objects.link(mark)
 
 
-def attach(obj: bpy.types.Object, head, landmarks: Mapping, muscles) -> str:
+def attach(obj: bpy.types.Object, head, landmarks: Mapping, muscles) -> Attached:
     """Shape keys of a `mimetic.foreign_face.ForeignFace`; remembers what it was made from.
 
-    head: heads.ForeignHead. Returns a message on keys that were changed by hand and stay.
+    head: heads.ForeignHead; its parts get the keys that move them.
     """
     writable.check(writable.no_shapes(obj))
     to_head = native.placement().to_head
     obj.mimetic.use_contact = True
-    hand_changes = face.set_shapes(obj, to_head(head.points), muscles.shapes, muscles.groups).text()
+    shapes, of_parts = part_keys.split(head, [*muscles.shapes, *muscles.groups])
+    count = len(muscles.shapes)
+    hand_changes = face.set_shapes(obj, to_head(head.points), shapes[:count], shapes[count:]).text()
+    head_parts.remember(obj, head.parts)
+    moved, notes = part_keys.add(obj, head, of_parts, by_hand.keys_now(obj))
     obj.mimetic.metres_from_object = np.asarray(head.matrix, dtype=np.float64).ravel().tolist()
     stored_landmarks = obj.mimetic.landmarks
     stored_landmarks.clear()
@@ -48,7 +60,7 @@ def attach(obj: bpy.types.Object, head, landmarks: Mapping, muscles) -> str:
         mark.vertex = int(place) if np.ndim(place) == 0 else -1
         if mark.vertex < 0:
             mark.place = [float(x) for x in place]
-    return hand_changes
+    return Attached(hand_changes, moved, notes)
 
 
 def _vector(place):

@@ -7,7 +7,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from .. import heads, native, writable
-from . import arkit, gltf, rig_file
+from . import arkit, gltf, part_keys, rig_file
 
 
 def write(out: str, file: str, name: str, landmarks_path: str | None) -> str:
@@ -25,18 +25,21 @@ def write(out: str, file: str, name: str, landmarks_path: str | None) -> str:
     writable.check(writable.no_shapes(head))
     own, remark = _marked(scene, head, landmarks_path)
     parts = native.foreign_face()
-    polygons = parts.Polygons(own.starts, own.corners)
-    face = parts.attach_face(own.points, polygons, own.landmarks, own.matrix)
+    face = parts.attach_face(*own.whole, own.landmarks, own.matrix)
     shapes, notes = face.unit_shapes()
+    shapes, of_parts = part_keys.split(own, shapes)
     added, kept = arkit.add(head, shapes)
+    moved, part_notes = part_keys.add(head, own, of_parts, dict(zip(added, added, strict=True)))
     if Path(out).suffix == ".glb":
         gltf.export(scene, out, head, is_animated=False)
     else:
         rig_file.save(Path(out).absolute())
     text = f"{len(added)} of ARKit's shapes on {name}"
+    if moved:
+        text += f"; {', '.join(moved)} moved along"
     if kept:
         text += f"; {len(kept)} keys of such names stay as they were"
-    return "; ".join(filter(None, (text, remark, *face.notes, *notes)))
+    return "; ".join(filter(None, (text, remark, *face.notes, *notes, *part_notes)))
 
 
 def _marked(scene, head, landmarks_path: str | None) -> tuple[heads.ForeignHead, str]:
@@ -47,8 +50,7 @@ def _marked(scene, head, landmarks_path: str | None) -> tuple[heads.ForeignHead,
         return replace(own, landmarks=marks), ""
     if own.landmarks:
         return own, ""
-    polygons = native.foreign_face().Polygons(own.starts, own.corners)
-    marks = native.self_landmarks().find_on_object(own.points, polygons, own.matrix)
+    marks = native.self_landmarks().find_on_object(*own.whole, own.matrix)
     if marks.guess:
         raise native.invalid_input(f"{head.name}: {marks.guess}; give the places by --landmarks")
     doubtful = f"doubtful landmarks: {', '.join(marks.doubtful)}" if marks.doubtful else ""

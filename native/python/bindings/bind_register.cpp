@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/register/foreign_skin.hpp>
+#include <mimetic/register/head_parts.hpp>
 #include <mimetic/register/loose_parts.hpp>
 #include <mimetic/register/registration.hpp>
 
@@ -63,6 +64,15 @@ void bind_meshes(py::module_& m) {
         "points"_a, "faces"_a, "metres_from_object"_a,
         "An object's mesh in metres: vertices (V, 3), faces (F, 4), reversed if it is mirrored, and "
         "(3, 3)\nobject from head, of displacements. Raises InvalidInput if it is scaled to nothing.");
+    m.def("placed_points", &placed_points, "points"_a, "head_from_part"_a,
+          "Points (V, 3) of a part of a head in the head's frame. Raises InvalidInput if it is scaled to "
+          "nothing.");
+    m.def("moved_in_part", &moved_in_part, "displacements"_a, "head_from_part"_a,
+          "Displacements (V, 3) in the head's frame as the part's own has them. Raises InvalidInput.");
+    m.def("is_mirror", &is_mirror, "head_from_part"_a,
+          "Whether the part's frame (4, 4) is a mirror image of the head's.");
+    m.def("lies_in_box", &lies_in_box, "head"_a, "part"_a,
+          "Whether points (P, 3) are small beside a head's (V, 3) and lie in its box.");
     py::class_<ForeignSkin>(m, "ForeignSkin",
                             "The skin of a head's mesh that is not the template's, in the template's frame.")
         .def_readwrite("vertices", &ForeignSkin::vertices, "(N, 3), metres")

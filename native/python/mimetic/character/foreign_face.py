@@ -16,30 +16,28 @@ from numpy.typing import ArrayLike, NDArray
 from mimetic import InvalidInput, _core
 from mimetic.character.foreign_head import ForeignHead, attach_foreign
 from mimetic.character.foreign_mesh import MAX_VERTICES, REQUIRED
+from mimetic.character.head_parts import PartMesh, lies_in, shapes_of, with_parts
 from mimetic.character.live_contact import LiveContact
 from mimetic.character.placement import to_head, to_object
+from mimetic.character.polygons import Polygons
 from mimetic.character.shapes import Shape, group_shapes, shapes_of_anatomy, shapes_of_extras
 from mimetic.shared.progress import Progress
 from mimetic.template.face_template import load_template
 
+__all__ = [
+    "ForeignFace",
+    "PartMesh",
+    "Polygons",
+    "attach_face",
+    "guess_landmarks",
+    "lies_in",
+    "shapes_of",
+    "with_parts",
+]
+
 KEPT = 2  # heads in memory
 Mark = int | tuple[float, ...]  # a vertex, or a place
 Marks = tuple[tuple[str, Mark], ...]
-
-
-@dataclass(frozen=True)
-class Polygons:
-    """Faces of any number of corners: the first corner of each (P), and vertices of all corners."""
-
-    starts: NDArray[np.int64]
-    corners: NDArray[np.int64]
-
-    def pieces(self, points: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int32]]:
-        """Triangles and quads F x 4 (a triangle ends in -1), and the polygon of each.
-
-        points: V x 3; polygons of five and more are cut from their corner that leaves no sliver.
-        """
-        return _core.cut_polygons(points, self.starts, self.corners)
 
 
 @dataclass(frozen=True)

@@ -18,15 +18,16 @@ from mimetic.muscles.contact import contact_on
 
 
 class LiveContact:
-    """What lips and lids of a face do to each other; contact: in the object's frame."""
+    """What lips and lids of a face do to each other; moved: W vertices that it can displace.
 
-    def __init__(self, contact: _core.SkinContact):
+    contact: in the object's frame; num_vertices: those from there on are not of the face itself.
+    """
+
+    def __init__(self, contact: _core.SkinContact, num_vertices: int | None = None):
         self._contact = contact
-
-    @property
-    def moved(self) -> NDArray[np.int32]:
-        """W vertices that contact can move."""
-        return self._contact.moved
+        moved = np.asarray(contact.moved)
+        self._is_own = np.ones(len(moved), bool) if num_vertices is None else moved < num_vertices
+        self.moved = moved[self._is_own]
 
     def correction(
         self, moves: Iterable[tuple[float, NDArray, NDArray]]
@@ -39,7 +40,12 @@ class LiveContact:
         offset = np.zeros((len(vertices), 3))
         for value, points, start in moves:
             offset += value * (points[vertices] - start[vertices])
-        return self._contact.correction(offset)
+        correction = self._contact.correction(offset)
+        return None if correction is None else correction[self._is_own]
+
+    def of_first(self, num_vertices: int) -> LiveContact:
+        """The same of a head whose parts, behind its own vertices, are objects of their own."""
+        return LiveContact(self._contact, num_vertices)
 
 
 def live_contact(rest_points: ArrayLike) -> LiveContact:

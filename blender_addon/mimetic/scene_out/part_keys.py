@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shape keys of eyeballs, teeth and tongue that are objects of their own.
+
+Each follows the head's key of the same shape by a driver, so that whatever moves the head's (a
+take, a slider, a control object, a live face) moves them as well.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import bpy
+import numpy as np
+
+from .. import head_parts, native
+from .contact import points_of
+
+BASIS = "Basis"
+FOLLOWED = "head_key"  # the driver's variable, which says whose it is
+
+
+def split(head, shapes: Sequence) -> tuple[list, list[list]]:
+    """Shapes of a `heads.ForeignHead` and all its parts, as those of its own mesh and of each."""
+    meshes = [part.mesh for part in head.parts]
+    return native.foreign_face().shapes_of(shapes, len(head.points), meshes)
+
+
+def add(
+    obj: bpy.types.Object, head, shapes_of_parts: Sequence[Sequence], names: Mapping[str, str]
+) -> tuple[list[str], list[str]]:
+    """Gives the parts of a head their keys; names: of the head's own keys, by shape.
+
+    Returns the names of the parts that move with the head, and why others do not.
+    """
+    moved, notes = [], []
+    for part, shapes in zip(head.parts, shapes_of_parts, strict=True):
+        shapes = [shape for shape in shapes if shape.name in names]
+        if not shapes:
+            continue
+        target = head_parts.object_of(part)
+        if target is None:
+            notes.append(f"{part.name} was deleted or changed meanwhile: attach again")
+        elif part.still:
+            notes.append(f"{part.name} stays where it is: {part.still}")
+        else:
+            kept = _write(target, obj, shapes, names)
+            moved.append(target.name)
+            if kept:
+                notes.append(f"{target.name} keeps keys of its own: {', '.join(kept[:4])}")
+            if not _hangs_on(target, obj):
+                notes.append(
+                    f"{target.name} does not go where {obj.name} goes: parent it (Object > Parent)"
+                )
+    return moved, notes
+
+
+def _write(
+    target: bpy.types.Object, obj: bpy.types.Object, shapes: Sequence, names: Mapping[str, str]
+) -> list[str]:
+    """Returns names of keys that were the part's own before: they stay."""
+    if target.data.shape_keys is None:
+        target.shape_key_add(name=BASIS, from_mix=False)
+    keys, kept = target.data.shape_keys, []
+    rest, followed = points_of(keys.reference_key), _followed(target)
+    active = target.active_shape_key_index
+    for shape in shapes:
+        source = obj.data.shape_keys.key_blocks[names[shape.name]]
+        key = followed.get(source.path_from_id("value"))
+        if key is None:
+            if shape.name in keys.key_blocks:
+                kept.append(shape.name)
+                continue
+            key = target.shape_key_add(name=shape.name, from_mix=False)
+            key.relative_key = keys.reference_key
+            key.value = 0.0  # Blender 5.2 starts at 1
+            _follow(keys, key, source)
+        key.slider_min = min(key.slider_min, source.slider_min)
+        key.slider_max, key.slider_min = source.slider_max, source.slider_min
+        points = rest + native.placement().to_object(shape.offsets)
+        key.points.foreach_set("co", points.astype(np.float32).reshape(-1))
+    target.active_shape_key_index = active
+    target.data.update()
+    return kept
+
+
+def _followed(target: bpy.types.Object) -> dict[str, bpy.types.ShapeKey]:
+    """The part's keys by the path of the head's key that they follow."""
+    keys, followed = target.data.shape_keys, {}
+    animation = keys.animation_data
+    by_path = {key.path_from_id("value"): key for key in keys.key_blocks}
+    for curve in animation.drivers if animation else ():
+        for variable in curve.driver.variables:
+            if variable.name == FOLLOWED and curve.data_path in by_path:
+                followed[variable.targets[0].data_path] = by_path[curve.data_path]
+    return followed
+
+
+def _follow(keys: bpy.types.Key, key: bpy.types.ShapeKey, source: bpy.types.ShapeKey) -> None:
+    driver = keys.driver_add(key.path_from_id("value")).driver
+    driver.type = "SUM"
+    variable = driver.variables.new()
+    variable.name = FOLLOWED
+    variable.targets[0].id_type = "KEY"
+    variable.targets[0].id = source.id_data
+    variable.targets[0].data_path = source.path_from_id("value")
+
+
+def _hangs_on(target: bpy.types.Object, obj: bpy.types.Object) -> bool:
+    """Whether a part is carried by the head, by what carries that, or by a rig of its own."""
+    above, carrying = target.parent, {obj, *_parents(obj), *_armatures(obj)}
+    while above is not None:
+        if above in carrying or above.type == "ARMATURE":
+            return True
+        above = above.parent
+    return bool(_armatures(target)) or any(not c.mute for c in target.constraints)
+
+
+def _parents(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    parents = []
+    while (obj := obj.parent) is not None:
+        parents.append(obj)
+    return parents
+
+
+def _armatures(obj: bpy.types.Object) -> list[bpy.types.Object]:
+    return [m.object for m in obj.modifiers if m.type == "ARMATURE" and m.object]
