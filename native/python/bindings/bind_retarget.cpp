@@ -48,7 +48,9 @@ void bind_retarget(py::module_& m) {
         .def_readwrite("sparsity", &ControlFitOptions::sparsity)
         .def_readwrite("ridge", &ControlFitOptions::ridge)
         .def_readwrite("unmatched_motion", &ControlFitOptions::unmatched_motion)
-        .def_readwrite("least_explained", &ControlFitOptions::least_explained);
+        .def_readwrite("least_explained", &ControlFitOptions::least_explained)
+        .def_readwrite("value_match", &ControlFitOptions::value_match)
+        .def_readwrite("tied_reading", &ControlFitOptions::tied_reading);
     py::class_<ControlFit>(m, "ControlFit",
                            "Values of sources as values of a character's own controls; see "
                            "control_fit.hpp.")

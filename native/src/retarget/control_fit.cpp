@@ -41,6 +41,8 @@ void ControlFitOptions::check() const {
     check_range("ControlFitOptions.ridge", ridge, 0, 10);
     check_range("ControlFitOptions.unmatched_motion", unmatched_motion, 1e-12, 1);
     check_range("ControlFitOptions.least_explained", least_explained, 0, 1);
+    check_range("ControlFitOptions.value_match", value_match, 0, 10);
+    check_range("ControlFitOptions.tied_reading", tied_reading, 0, 10);
 }
 
 ControlFit::ControlFit(MatrixIn controls, MatrixIn sources, VectorIn weights, MatrixIn control_range,
@@ -70,24 +72,28 @@ ControlFit::ControlFit(MatrixIn controls, MatrixIn sources, VectorIn weights, Ma
         of_sources_ += weighted * other.transpose();
         of_both_ += own * weighted.transpose();
     }
-    read(options);
-    tie(controls, sources, tied);
+    tied.check(weights.size());
+    const Eigen::MatrixXd parted = apart(controls, tied), left_apart = apart(sources, tied);
+    read(parted, left_apart, tied.weights);
+    tie(parted, left_apart, tied.weights);
     weigh_sources();
 }
 
-void ControlFit::read(const ControlFitOptions& options) {
+void ControlFit::read(const Eigen::MatrixXd& parted, const Eigen::MatrixXd& left_apart, VectorIn weights) {
     const Eigen::Index num_controls = of_controls_.rows(), num_sources = of_sources_.rows();
     readings_ = MatrixRows::Zero(num_controls, num_sources);
     readable_ = Eigen::VectorXd::Zero(num_controls);
+    const Eigen::MatrixXd seen = left_apart * (options_.tied_reading * weights).asDiagonal();
+    const Eigen::MatrixXd both = of_both_ + parted * seen.transpose();
     BoundedProblem problem;
-    problem.hessian = of_sources_;
+    problem.hessian = of_sources_ + seen * left_apart.transpose();
     problem.hessian.diagonal() *= 1 + kReadingRidge;
-    problem.sparsity = options.sparsity * of_sources_.diagonal();
+    problem.sparsity = options_.sparsity * problem.hessian.diagonal();
     for (Eigen::Index k = 0; k < num_controls; ++k) {
         // Within the sources' bounds, as a capture would see it: lids that are shut are a full blink, however
         // far the character's own key takes them
         const double reach = of_controls_(k, k);
-        problem.linear = of_both_.row(k).transpose();
+        problem.linear = both.row(k).transpose();
         problem.lowest = source_range_.col(0);
         problem.highest = source_range_.col(1);
         const Eigen::VectorXd reading = fit_bounded(problem, Eigen::VectorXd::Zero(num_sources));
@@ -99,26 +105,27 @@ void ControlFit::read(const ControlFitOptions& options) {
     // A control stands for what sources can make of it, and a little for all of itself: the more, the less of
     // it they can make, as others that do nearly nothing else would cost nothing
     whole_ = readable_.unaryExpr(
-        [&](double readable) { return std::pow(options.unmatched_motion, .5 * readable); });
+        [&](double readable) { return std::pow(options_.unmatched_motion, .5 * readable); });
     const Eigen::MatrixXd own = whole_.asDiagonal();
     const Eigen::MatrixXd read = (1 - whole_.array()).matrix().asDiagonal() * readings_;
     const Eigen::MatrixXd crossed = own * of_both_ * read.transpose();
     hessian_ =
         own * of_controls_ * own + read * of_sources_ * read.transpose() + crossed + crossed.transpose();
     slopes_ = read * of_sources_ + own * of_both_;
+    const Eigen::MatrixXd matched = read * (options_.value_match * of_sources_.diagonal()).asDiagonal();
+    hessian_ += matched * read.transpose();
+    slopes_ += matched;
     scale_ = hessian_.diagonal();
 }
 
-void ControlFit::tie(MatrixIn controls, MatrixIn sources, const TiedVertices& tied) {
-    tied.check(controls.cols() / 3);
-    const Eigen::MatrixXd other = apart(sources, tied);
+void ControlFit::tie(const Eigen::MatrixXd& parted, const Eigen::MatrixXd& left_apart, VectorIn weights) {
     // As in the fit itself, a control stands for its reading: lids that a key takes further than shut are
     // shut
-    const Eigen::MatrixXd played = whole_.asDiagonal() * apart(controls, tied) +
-                                   (1 - whole_.array()).matrix().asDiagonal() * readings_ * other;
-    const Eigen::MatrixXd weighted = played * tied.weights.asDiagonal();
+    const Eigen::MatrixXd played =
+        whole_.asDiagonal() * parted + (1 - whole_.array()).matrix().asDiagonal() * readings_ * left_apart;
+    const Eigen::MatrixXd weighted = played * weights.asDiagonal();
     hessian_ += weighted * played.transpose();
-    slopes_ += weighted * other.transpose();
+    slopes_ += weighted * left_apart.transpose();
 }
 
 BoundedProblem ControlFit::problem() const {

@@ -175,6 +175,49 @@ TEST(ControlFit, ASourceThatNoControlMakesHoldsNoneBack) {
     EXPECT_NEAR(grin(), .6, 1e-9);
 }
 
+TEST(ControlFit, ValuesTellMusclesApartThatMoveTheSkinAlike) {
+    // Two muscles that do nearly the same, and a key for each that goes a little with the other's
+    const MatrixRows all = drawn(3, 3 * kVertices, 11);
+    MatrixRows sources(2, 3 * kVertices);
+    sources.row(0) = all.row(0) + .1 * all.row(1);
+    sources.row(1) = all.row(0) - .1 * all.row(1);
+    const MatrixRows controls = sources + .02 * drawn(2, 3 * kVertices, 12);
+    ControlFitOptions options;
+    const auto second = [&] {
+        const ControlFit fit(controls, sources, kEven, ranges(2), ranges(2), options);
+        return fit.frames(MatrixRows{{.6, 0}}, MatrixRows::Zero(1, 2));
+    };
+    options.value_match = 0;
+    const MatrixRows by_skin = second();
+    options.value_match = .1;
+    const MatrixRows by_values = second();
+    EXPECT_LT(std::abs(by_values(0, 0) - .6), std::abs(by_skin(0, 0) - .6));
+    EXPECT_NEAR(by_values(0, 0), .6, .03);
+    EXPECT_NEAR(by_values(0, 1), 0, .01);
+}
+
+TEST(ControlFit, AKeyThatPartsTheLipsIsReadAsWhatPartsThem) {
+    // A pucker moves much skin; a funnel moves the same and parts two vertices that weigh next to nothing
+    MatrixRows sources = MatrixRows::Zero(2, 9), controls = MatrixRows::Zero(1, 9);
+    sources(0, 0) = 1;    // the lips' ring
+    sources(1, 4) = 1;    // lowers the lower lip's rim
+    sources(1, 0) = -.2;  // and takes skin back
+    controls(0, 0) = 1;
+    controls(0, 4) = 1;
+    const Eigen::Vector3d weights(1, .01, .01);
+    TiedVertices tied;
+    tied.pairs = VertexPairs{{1, 2}};
+    tied.ways = Points{{0, 1, 0}};
+    tied.weights = Eigen::VectorXd::Constant(1, 10);
+    ControlFitOptions options;
+    const auto opened = [&](double tied_reading) {
+        options.tied_reading = tied_reading;
+        return ControlFit(controls, sources, weights, ranges(1), ranges(2), options, tied).readings()(0, 1);
+    };
+    EXPECT_LT(opened(0), .6);
+    EXPECT_GT(opened(.1), .9);
+}
+
 TEST(ControlFit, WrongInputIsRefused) {
     const MatrixRows sources = drawn(2, 3 * kVertices, 8);
     EXPECT_THROW(ControlFit(sources.leftCols(9), sources, kEven, ranges(2), ranges(2)), InvalidInput);

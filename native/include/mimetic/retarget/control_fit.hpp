@@ -17,6 +17,12 @@ struct ControlFitOptions {
     /// Share of a source's motion, 0 to 1. A source of which the controls make less does not count in the fit
     /// of frames: a jaw that no control opens would hold back a smile that one makes.
     double least_explained = .1;
+    /// How much values of the sources count by themselves, of their own responses, 0 to 10: muscles that move
+    /// nearly the same skin, or that hold each other, are told apart by it.
+    double value_match = .1;
+    /// What tied rims weigh as controls are read, times their weights, 0 to 10: a capture sees lips part,
+    /// though the skin that does is small.
+    double tied_reading = .03;
     void check() const;  ///< throws InvalidInput: field, value, limit
 };
 
@@ -58,8 +64,8 @@ public:
 
 private:
     BoundedProblem problem() const;  ///< but for `linear`, which each row of values has its own of
-    void read(const ControlFitOptions& options);
-    void tie(MatrixIn controls, MatrixIn sources, const TiedVertices& tied);
+    void read(const Eigen::MatrixXd& parted, const Eigen::MatrixXd& left_apart, VectorIn weights);
+    void tie(const Eigen::MatrixXd& parted, const Eigen::MatrixXd& left_apart, VectorIn weights);
     void weigh_sources();
 
     ControlFitOptions options_;
