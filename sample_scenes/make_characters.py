@@ -2,7 +2,8 @@
 """Build a .blend of each kind of character that plays a performance, and a contact sheet of all.
 
 canonical: our head; far: a person far from the mean; foreign: another's, decimated, turned and 1.3
-times as large; both with landmarks that place themselves; arkit: 52 keys whose names were changed;
+times as large; both with landmarks that place themselves; mask: MediaPipe's canonical face, cut
+open, eyeballs as objects of their own (scripts/fetch_foreign_face); arkit: 52 keys of other names;
 suzanne: Blender's monkey; rigify, rigify_new: the bones of Rigify's faces, legacy and new;
 rigify_body: face, head and neck of a Rigify human whose body moves by hand.
 """
@@ -17,6 +18,7 @@ from pathlib import Path
 
 import numpy as np
 
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import blender_module
@@ -37,6 +39,9 @@ MONKEY = {
     **{"nose_bridge": (0, 0.02), "nose_tip": (0, -0.024), "chin": (0, -0.112)},
     **{"lip_upper_inner": (0, -0.093), "lip_lower_inner": (0, -0.104)},
 }
+WELD = 1e-5  # m: the mask's skull ends in vertices at one place
+MASK_PERSON = 0  # seed of its proportions
+MORE_MARKS = {"nose_bridge": 168, "lip_upper_inner": 13, "lip_lower_inner": 14}  # on the mask
 NEAR = 0.004  # m in the front view, of the vertices that a place may mean: the foremost is
 
 
@@ -46,7 +51,7 @@ def main() -> int:
     parser.add_argument("--footage", type=Path, required=True, help="the clip it is from")
     parser.add_argument("--out", type=Path, required=True, metavar="DIR")
     parser.add_argument("--frames", type=int, nargs="+", help="frames of the sheet")
-    parser.add_argument("--only", choices=CHARACTERS, nargs="+", default=list(CHARACTERS))
+    parser.add_argument("--only", choices=CHARACTERS, nargs="+", default=at_hand())
     arguments = parser.parse_args()
     if len(arguments.only) == 1:
         return blender_module.run("make_characters", lambda folder: build(arguments, folder))
@@ -58,6 +63,13 @@ def main() -> int:
         if status := subprocess.run([*map(str, command), *frames], check=False).returncode:
             return status
     return _join(arguments)
+
+
+def at_hand() -> list[str]:
+    """All of them, the mask only where it was fetched."""
+    from evaluation.synthetic.characters import FETCHED
+
+    return [name for name in CHARACTERS if name != "mask" or (FETCHED / "face.obj").is_file()]
 
 
 def build(arguments: argparse.Namespace, folder: Path) -> None:
@@ -138,6 +150,52 @@ def _suzanne():
     return monkey
 
 
+def _welded(points, faces):
+    """Triangles whose corners at one place are one vertex, without those that are lines then."""
+    _, first, label = np.unique(
+        np.round(points / WELD), axis=0, return_index=True, return_inverse=True
+    )
+    faces = first[label.reshape(-1)][faces]
+    return faces[(faces != np.roll(faces, 1, axis=1)).all(axis=1)]
+
+
+def _mask():
+    """Vertices and triangles of another package's make, with a skull, without a mouth inside."""
+    import bpy
+    from mimetic.character.foreign_mesh import REQUIRED
+    from mimetic.character.placement import to_object
+
+    from evaluation.synthetic.foreign.head_mesh import LANDMARKS, PARTS, person
+
+    whole = person(MASK_PERSON)
+    points = to_object(whole.vertices)
+    head = None
+    for name, parts in (
+        ("Mask", ("skin", "scalp")),
+        ("Eye.L", PARTS[-2:-1]),
+        ("Eye.R", PARTS[-1:]),
+    ):
+        faces = whole.triangles[np.isin(whole.part, [PARTS.index(part) for part in parts])]
+        own, corners = np.unique(_welded(points, faces), return_inverse=True)
+        mesh = bpy.data.meshes.new(name)
+        mesh.from_pydata(points[own], [], corners.reshape(-1, 3).tolist())
+        mesh.shade_smooth()
+        obj = bpy.data.objects.new(name, mesh)
+        bpy.context.scene.collection.objects.link(obj)
+        if head is None:
+            head = obj
+            for mark in REQUIRED:
+                vertex = {**LANDMARKS, **MORE_MARKS}[mark]
+                place = int(np.searchsorted(own, vertex))
+                head.vertex_groups.new(name=mark).add([place], 1.0, "REPLACE")
+        else:
+            obj.parent = head
+    bpy.context.view_layer.objects.active = head
+    bpy.context.view_layer.update()
+    bpy.ops.mimetic.attach_muscles()
+    return head
+
+
 def _bound(head):
     """With muscles at landmarks that placed themselves."""
     import bpy
@@ -165,6 +223,7 @@ CHARACTERS: dict[str, Callable] = {
     "canonical": _canonical,
     "far": lambda: _bound(_person(FAR)),
     "foreign": _foreign,
+    "mask": _mask,
     "arkit": _arkit,
     "suzanne": _suzanne,
     "rigify": lambda: _rigify(False),

@@ -20,7 +20,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 import blender_module
-from make_characters import CHARACTERS
+from make_characters import CHARACTERS, at_hand
 
 ACTOR = 11  # seed of the actor's identity
 PARTED = ("lid_upper.L", "lid_upper.R", "jaw_open")  # sources that shut rims, or part them
@@ -31,7 +31,7 @@ HEADER = "character     cosine  below .8  gain  lids, mm  lips, mm  52: lids, mm
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--only", choices=CHARACTERS, nargs="+", default=list(CHARACTERS))
+    parser.add_argument("--only", choices=CHARACTERS, nargs="+", default=at_hand())
     arguments = parser.parse_args()
     if len(arguments.only) == 1:
         return blender_module.run("measure_characters", lambda _: measure(arguments.only[0]))
