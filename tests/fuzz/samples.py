@@ -82,9 +82,9 @@ def truths() -> list[Sample]:
 
 
 def fits() -> list[Sample]:
-    whole = _saved(make_fit(residual=[], relief=[]), ".json", JSON)
+    whole = _saved(make_fit(residual=[], relief=[], depth=[]), ".json", JSON)
     older = json.loads(whole.content)
-    for key in ("residual", "views", "calibration", "relief"):
+    for key in ("residual", "views", "calibration", "relief", "depth"):
         del older[key]
     older["schema"] = 1
     full = _saved(make_fit(), ".json", JSON)

@@ -37,6 +37,7 @@ def make_fit(**changes):
             FittedView(9, pose, measured, {}, motion),
         ],
         "relief": [0.1, 0.0, -0.2],
+        "depth": [[0.001, 0.0, -0.002], [0.0, 0.0, 0.003]],
         "calibration": Calibration(
             {"cheeks": 1.8},
             {"mentalis.L": 0.9},

@@ -54,6 +54,9 @@ void bind_shapes(py::module_& m) {
         "(N, S, 3) newtons on skin (S, 3) at places and opposite, spread by a Gaussian of radius metres over "
         "the "
         "face;\nparity: 1 as a mirror shows them, -1 opposed. Raises InvalidInput.");
+    m.def("bumps", &bumps, "skin"_a, "places"_a, "radius"_a, release_gil(),
+          "(K, S): heights at the skin's vertices (S, 3) of smooth bumps of s.d. `radius` metres round "
+          "places;\nthe root of their squares' sum is 1 where it is largest. Raises InvalidInput.");
     m.def(
         "elastic_modes",
         [](const ModesArray& pulls, const ModesArray& responses, const std::vector<int>& face, double spread,

@@ -60,28 +60,32 @@ void bind_points(py::module_& m) {
 }
 
 void bind_relief(py::module_& m) {
+    py::class_<Relief>(m, "Relief", "How the depth of a fitted head differs.")
+        .def_readonly("coefficients", &Relief::coefficients, "(C + K,), of components, then bumps")
+        .def_readonly("depth_std", &Relief::depth_std, "one a point of `spread`, metres");
     m.def(
         "find_relief",
-        [](const FittedSkin& skin, const ModesArray& components, const ModesArray& modes,
-           const Eigen::VectorXd& std, std::vector<int> landmarks, std::vector<int> spread,
-           const std::vector<Sighting>& sightings, const std::optional<Progress>& progress) {
+        [](const FittedSkin& skin, const ModesArray& components, const MatrixRows& bumps,
+           const ModesArray& modes, const Eigen::VectorXd& std, std::vector<int> landmarks,
+           std::vector<int> spread, const Eigen::VectorXd& start, const std::vector<Sighting>& sightings,
+           const std::optional<Progress>& progress) {
             const Eigen::Index count = skin.neutral.rows();
             const auto components_in = view_modes("components", components, count);
             const auto modes_in = view_modes("modes", modes, count);
             const py::gil_scoped_release release;
-            const ReliefModel model{components_in, modes_in, std, std::move(landmarks), std::move(spread)};
+            const ReliefModel model{components_in,     bumps, modes_in, std, std::move(landmarks),
+                                    std::move(spread), start};
             return find_relief(skin, model, sightings, {}, progress.value_or(Progress{}));
         },
-        "skin"_a, py::arg("components").noconvert(), py::arg("modes").noconvert(), "std"_a, "landmarks"_a,
-        "spread"_a, "sightings"_a, "progress"_a = py::none(),
-        "Coefficients (C,) of the components that correct the fitted head's depth; empty when "
-        "progress says\nto stop.\n\n"
-        "components: (C, S, 3) float64, metres at a standard deviation; modes: (M, S, 3) and std: (M,), "
-        "prior, of "
-        "the\n"
-        "muscles and articulators with which the head was followed; landmarks, spread: control vertices that "
-        "the\n"
-        "fitted frame held, and others over the face. Raises InvalidInput.");
+        "skin"_a, py::arg("components").noconvert(), "bumps"_a, py::arg("modes").noconvert(), "std"_a,
+        "landmarks"_a, "spread"_a, "start"_a, "sightings"_a, "progress"_a = py::none(),
+        "Relief: coefficients of the components, then the bumps, by which the depth of the head differs "
+        "from the\nfitted one's, `start` included; none when progress says to stop.\n\n"
+        "components: (C, S, 3) float64, metres at a standard deviation; bumps: (K, S), heights along the "
+        "fitted\nframe's rays, metres at a standard deviation; modes: (M, S, 3) and std: (M,), prior, of "
+        "the muscles and\narticulators with which the head was followed; landmarks, spread: control "
+        "vertices that the fitted frame\nheld, and others over the face; start: (C + K,), those that the "
+        "skin has already. Raises InvalidInput.");
 }
 
 void bind_evidence(py::module_& m) {

@@ -107,6 +107,26 @@ MatrixRows elastic_modes(MatrixIn pulls, MatrixIn responses, const std::vector<i
     return modes * (spread / std::sqrt(square_sum / static_cast<double>(3 * face.size())));
 }
 
+MatrixRows bumps(PointsIn skin, const std::vector<int>& places, double radius) {
+    if (!(radius > 0) || places.empty()) {
+        throw InvalidInput("bumps must have places, and a radius above 0");
+    }
+    MatrixRows heights(static_cast<Eigen::Index>(places.size()), skin.rows());
+    for (std::size_t i = 0; i < places.size(); ++i) {
+        if (places[i] < 0 || places[i] >= skin.rows()) {
+            throw InvalidInput("place " + std::to_string(places[i]) + " is no vertex of the skin");
+        }
+        const Eigen::RowVector3d middle = skin.row(places[i]);
+        heights.row(static_cast<Eigen::Index>(i)) =
+            (-(skin.rowwise() - middle).rowwise().squaredNorm() / (2 * radius * radius))
+                .array()
+                .exp()
+                .matrix()
+                .transpose();
+    }
+    return heights / heights.colwise().norm().maxCoeff();
+}
+
 Eigen::VectorXd nearest_coefficients(MatrixIn matrix, VectorIn values) {
     if (values.size() != matrix.rows()) {
         throw InvalidInput("there must be a value a row");

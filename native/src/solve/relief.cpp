@@ -21,11 +21,17 @@ struct Normal {
     Eigen::VectorXd pull;
 };
 
+/// Head frame: where the reference frame was taken from.
+Eigen::Vector3d camera_of(const FittedSkin& skin) {
+    return -(skin.reference_pose.linear().transpose() * skin.reference_pose.translation());
+}
+
 /// Where the distinct points of all sightings are, and how they move: three rows a point, metres.
 struct Seen {
     Eigen::VectorXd rest;  ///< 3P
     MatrixRows by_mode;    ///< 3P x M
-    MatrixRows by_shape;   ///< 3P x (C + E): deeper by a component, or by a shift common to all frames
+    MatrixRows by_shape;   ///< 3P x (C + K + E): deeper by a component or bump, or by a shift common to all
+                           ///< frames
 };
 
 Points normals_at(const FittedSkin& skin, const DistinctPoints& points) {
@@ -40,14 +46,31 @@ Points normals_at(const FittedSkin& skin, const DistinctPoints& points) {
     return normals;
 }
 
+/// P x K: heights of bumps (K x S) at points.
+MatrixRows heights_at(const FittedSkin& skin, const DistinctPoints& points, const MatrixRows& bumps) {
+    MatrixRows heights = MatrixRows::Zero(points.vertices.rows(), bumps.rows());
+    for (Eigen::Index k = 0; k < heights.rows(); ++k) {
+        for (int corner = 0; corner < 3; ++corner) {
+            for (SparseRows::InnerIterator entry(skin.stencils, points.vertices(k, corner)); entry; ++entry) {
+                heights.row(k) +=
+                    points.barycentric(k, corner) * entry.value() * bumps.col(entry.col()).transpose();
+            }
+        }
+    }
+    return heights;
+}
+
 Seen see(const FittedSkin& skin, const ReliefModel& model, const DistinctPoints& points,
          const ReliefOptions& options) {
     const auto at = [&](MatrixIn modes) {
         return modes_at(skin.stencils, points.vertices, points.barycentric, modes);
     };
-    const Eigen::Index count = points.vertices.rows(), num_components = model.components.rows();
+    const Eigen::Index count = points.vertices.rows();
+    const Eigen::Index num_components = model.components.rows(), num_bumps = model.bumps.rows();
+    const Eigen::Index num_shape = num_components + num_bumps;
     Seen seen{at(Eigen::Map<const MatrixRows>(skin.neutral.data(), 1, skin.neutral.size())).col(0),
               at(model.modes), at(model.components)};
+    const MatrixRows heights = heights_at(skin, points, model.bumps);
     std::vector<Eigen::Vector3d> places(static_cast<std::size_t>(count));
     for (Eigen::Index k = 0; k < count; ++k) {
         places[static_cast<std::size_t>(k)] = seen.rest.segment<3>(3 * k);
@@ -56,9 +79,9 @@ Seen see(const FittedSkin& skin, const ReliefModel& model, const DistinctPoints&
     const auto num_nodes = static_cast<Eigen::Index>(field.num_nodes());
     const Points normals = normals_at(skin, points);
     const Eigen::Matrix3d rotation = skin.reference_pose.linear();
-    const Eigen::Vector3d camera_in_head = -rotation.transpose() * skin.reference_pose.translation();
-    seen.by_shape.conservativeResize(Eigen::NoChange, num_components + 2 * num_nodes);
-    seen.by_shape.rightCols(2 * num_nodes).setZero();
+    const Eigen::Vector3d camera_in_head = camera_of(skin);
+    seen.by_shape.conservativeResize(Eigen::NoChange, num_shape + 2 * num_nodes);
+    seen.by_shape.rightCols(num_bumps + 2 * num_nodes).setZero();
     for (Eigen::Index k = 0; k < count; ++k) {
         const Eigen::Vector3d& place = places[static_cast<std::size_t>(k)];
         auto rows = seen.by_shape.middleRows<3>(3 * k);
@@ -67,10 +90,11 @@ Seen see(const FittedSkin& skin, const ReliefModel& model, const DistinctPoints&
         const double facing = std::min(normals.row(k).dot(ray), -options.least_cosine);
         const Eigen::RowVectorXd outwards = normals.row(k) * rows.leftCols(num_components);
         rows.leftCols(num_components) = ray * (outwards / facing);
+        rows.middleCols(num_components, num_bumps) = ray * heights.row(k);
         for (const auto& [node, height] : field.near(place)) {
             const double shift = options.lasting_error * height;
-            rows.col(num_components + node) = shift * rotation.row(0).transpose();
-            rows.col(num_components + num_nodes + node) = shift * rotation.row(1).transpose();
+            rows.col(num_shape + node) = shift * rotation.row(0).transpose();
+            rows.col(num_shape + num_nodes + node) = shift * rotation.row(1).transpose();
         }
     }
     return seen;
@@ -90,29 +114,45 @@ std::vector<double> shares(const std::vector<Sighting>& sightings, double alike)
     return counted;
 }
 
-/// C x C information: the reference frame shows the head as it was fitted, and as near.
+/// n x (C + K): depth of control vertices in the fitted frame, metres to the back, by each coefficient.
+Eigen::MatrixXd depths_of(const FittedSkin& skin, const ReliefModel& model,
+                          const std::vector<int>& vertices) {
+    const Eigen::Index num_components = model.components.rows(), num_bumps = model.bumps.rows();
+    const Eigen::RowVector3d backwards = skin.reference_pose.linear().row(2);
+    const Eigen::Vector3d camera_in_head = camera_of(skin);
+    Eigen::MatrixXd depths(static_cast<Eigen::Index>(vertices.size()), num_components + num_bumps);
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+        const int vertex = vertices[i];
+        auto row = depths.row(static_cast<Eigen::Index>(i));
+        row.head(num_components) = backwards * model.components.middleCols<3>(3 * vertex).transpose();
+        const Eigen::Vector3d ray = (skin.neutral.row(vertex).transpose() - camera_in_head).normalized();
+        row.tail(num_bumps) = backwards.dot(ray) * model.bumps.col(vertex).transpose();
+    }
+    return depths;
+}
+
+/// (C + K) squared information about a change: the reference frame shows the head as it was fitted, and as
+/// near. Bumps leave its picture as it is.
 Eigen::MatrixXd held(const FittedSkin& skin, const ReliefModel& model, const ReliefOptions& options) {
     const Eigen::Isometry3d& pose = skin.reference_pose;
-    const Eigen::Index count = model.components.rows();
+    const Eigen::Index num_components = model.components.rows();
+    const Eigen::Index count = num_components + model.bumps.rows();
     const double pupils_px = kPupilDistance * skin.camera.fx / pose.translation().z();
     Eigen::MatrixXd information = Eigen::MatrixXd::Zero(count, count);
     const auto hold = [&](const std::vector<int>& vertices, double std_px) {
-        Eigen::MatrixXd rows(2 * static_cast<Eigen::Index>(vertices.size()), count);
+        Eigen::MatrixXd rows(2 * static_cast<Eigen::Index>(vertices.size()), num_components);
         for (std::size_t i = 0; i < vertices.size(); ++i) {
             const Eigen::Vector3d place = skin.neutral.row(vertices[i]);
             rows.middleRows<2>(static_cast<Eigen::Index>(2 * i)) =
                 SeenPoint(skin.camera, pose, place).by_point *
                 model.components.middleCols<3>(3 * vertices[i]).transpose() / std_px;
         }
-        information.noalias() += rows.transpose() * rows;
+        information.topLeftCorner(num_components, num_components).noalias() += rows.transpose() * rows;
     };
     hold(model.landmarks, options.landmark_held * pupils_px);
     hold(model.spread, options.point_held * pupils_px);
-    Eigen::VectorXd deeper = Eigen::VectorXd::Zero(count);
-    for (const int vertex : model.spread) {
-        deeper += model.components.middleCols<3>(3 * vertex) * pose.linear().row(2).transpose();
-    }
-    deeper /= static_cast<double>(model.spread.size()) * options.depth_held;
+    const Eigen::VectorXd deeper =
+        depths_of(skin, model, model.spread).colwise().mean().transpose() / options.depth_held;
     return information + deeper * deeper.transpose();
 }
 
@@ -149,28 +189,43 @@ void check(const FittedSkin& skin, const ReliefModel& model, const std::vector<S
         });
     };
     if (model.components.cols() != size || model.modes.cols() != size ||
+        (model.bumps.rows() > 0 && model.bumps.cols() != skin.neutral.rows()) ||
         model.std.size() != model.modes.rows() || !names_vertices(model.landmarks) ||
         !names_vertices(model.spread)) {
-        throw InvalidInput("relief needs components, modes, landmarks and points of the skin's " +
+        throw InvalidInput("relief needs components, bumps, modes, landmarks and points of the skin's " +
                            std::to_string(skin.neutral.rows()) + " vertices, and one std a mode");
+    }
+    const Eigen::Index num_shape = model.components.rows() + model.bumps.rows();
+    if (model.start.size() != 0 && (model.start.size() != num_shape || !model.start.allFinite())) {
+        throw InvalidInput("relief starts from " + std::to_string(num_shape) + " finite coefficients");
     }
     for (const Sighting& sighting : sightings) {
         sighting.check();
     }
 }
 
+/// Standard deviations of depths beside their mean.
+Eigen::VectorXd depth_std(const Eigen::MatrixXd& depths, const Eigen::MatrixXd& covariance) {
+    const Eigen::MatrixXd beside = depths.rowwise() - depths.colwise().mean();
+    return (beside * covariance).cwiseProduct(beside).rowwise().sum().cwiseMax(0).cwiseSqrt();
+}
+
 }  // namespace
 
-Eigen::VectorXd find_relief(const FittedSkin& skin, const ReliefModel& model,
-                            const std::vector<Sighting>& sightings, const ReliefOptions& options,
-                            const Progress& progress) {
+Relief find_relief(const FittedSkin& skin, const ReliefModel& model, const std::vector<Sighting>& sightings,
+                   const ReliefOptions& options, const Progress& progress) {
     check(skin, model, sightings);
     const DistinctPoints points = distinct_points(sightings);
     const Seen seen = see(skin, model, points, options);
     const std::vector<double> share = shares(sightings, options.alike);
-    const Eigen::Index size = seen.by_shape.cols(), num_components = model.components.rows();
-    Normal all{Eigen::MatrixXd::Identity(size, size), Eigen::VectorXd::Zero(size)};
-    all.information.topLeftCorner(num_components, num_components) += held(skin, model, options);
+    const Eigen::Index size = seen.by_shape.cols();
+    const Eigen::Index num_shape = model.components.rows() + model.bumps.rows();
+    Eigen::VectorXd start = Eigen::VectorXd::Zero(size);
+    if (model.start.size() > 0) {
+        start.head(num_shape) = model.start;
+    }
+    Normal all{Eigen::MatrixXd::Identity(size, size), -start};
+    all.information.topLeftCorner(num_shape, num_shape) += held(skin, model, options);
     constexpr std::size_t kTogether = 8;
     for (std::size_t first = 0; first < sightings.size(); first += kTogether) {
         if (progress && !progress(static_cast<double>(first) / static_cast<double>(sightings.size()))) {
@@ -188,8 +243,11 @@ Eigen::VectorXd find_relief(const FittedSkin& skin, const ReliefModel& model,
             all.pull += share[first + i] * parts[i].pull;
         }
     }
-    const Eigen::VectorXd found = all.information.selfadjointView<Eigen::Lower>().llt().solve(all.pull);
-    return found.head(num_components);
+    const Eigen::LLT<Eigen::MatrixXd> root = all.information.selfadjointView<Eigen::Lower>().llt();
+    const Eigen::VectorXd shape = start + root.solve(all.pull);
+    const Eigen::MatrixXd covariance = root.solve(Eigen::MatrixXd::Identity(size, num_shape));
+    return {shape.head(num_shape),
+            depth_std(depths_of(skin, model, model.spread), covariance.topRows(num_shape))};
 }
 
 }  // namespace mimetic

@@ -11,15 +11,17 @@ namespace {
 
 using test::SightedFace;
 
-struct Relief : testing::Test {
+struct FindRelief : testing::Test {
     SightedFace face;
     FittedSkin skin = face.skin();
     // The depth of the whole patch is held through points at its rim, which no bump moves
     ReliefModel model{face.bumps(.002),
+                      {},
                       MatrixRows::Zero(1, face.neutral.size()),
                       Eigen::VectorXd::Ones(1),
                       {0, SightedFace::kSide},
-                      {0, SightedFace::kSide, 6}};
+                      {0, SightedFace::kSide, 6},
+                      {}};
 
     std::vector<Sighting> sightings(const Eigen::VectorXd& truth, double slip = 0) const {
         const Eigen::VectorXd moved = model.components.transpose() * truth;
@@ -38,18 +40,18 @@ struct Relief : testing::Test {
     }
 };
 
-TEST_F(Relief, TurnedFramesTellHowDeepTheFaceIs) {
+TEST_F(FindRelief, TurnedFramesTellHowDeepTheFaceIs) {
     const Eigen::VectorXd truth = Eigen::Vector4d(1.2, -.8, -1, .6);
-    const Eigen::VectorXd found = find_relief(skin, model, sightings(truth));
+    const Eigen::VectorXd found = find_relief(skin, model, sightings(truth)).coefficients;
     EXPECT_LT((found - truth).norm(), .5 * truth.norm());
     EXPECT_GT(found.dot(truth) / (found.norm() * truth.norm()), .9);
 }
 
-TEST_F(Relief, WhatErrsAlikeInAllFramesIsHardlyDepth) {
+TEST_F(FindRelief, WhatErrsAlikeInAllFramesIsHardlyDepth) {
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(4);
     const auto taken_for_depth = [&](const ReliefOptions& options) {
-        return (find_relief(skin, model, sightings(none, 1), options) -
-                find_relief(skin, model, sightings(none, 0), options))
+        return (find_relief(skin, model, sightings(none, 1), options).coefficients -
+                find_relief(skin, model, sightings(none, 0), options).coefficients)
             .norm();
     };
     ReliefOptions unaware;
@@ -57,9 +59,51 @@ TEST_F(Relief, WhatErrsAlikeInAllFramesIsHardlyDepth) {
     EXPECT_LT(taken_for_depth({}), .75 * taken_for_depth(unaware));
 }
 
-TEST_F(Relief, StopsWhenToldAndRefusesAnotherSkin) {
+/// The same shapes as heights along the rays, and no usual proportions that could stand for them.
+ReliefModel only_bumps(const ReliefModel& model) {
+    ReliefModel bumps = model;
+    bumps.components = MatrixRows::Zero(1, model.components.cols());
+    bumps.bumps.resize(model.components.rows(), model.components.cols() / 3);
+    for (Eigen::Index v = 0; v < bumps.bumps.cols(); ++v) {
+        bumps.bumps.col(v) = model.components.col(3 * v + 2);
+    }
+    return bumps;
+}
+
+TEST_F(FindRelief, BumpsTakeWhatNoProportionsHave) {
+    const Eigen::VectorXd truth = Eigen::Vector4d(1.2, -.8, -1, .6);
+    const Eigen::VectorXd found = find_relief(skin, only_bumps(model), sightings(truth)).coefficients.tail(4);
+    // A bump's height counts away from the camera
+    EXPECT_LT((found + truth).norm(), .5 * truth.norm());
+}
+
+TEST_F(FindRelief, GoesOnFromWhatTheSkinHasAlready) {
+    const Eigen::VectorXd truth = Eigen::Vector4d(.6, -.4, -.5, .3);
+    const Relief whole = find_relief(skin, model, sightings(2 * truth));
+    const Eigen::VectorXd moved = model.components.transpose() * truth;
+    const Points half_way = face.neutral + Eigen::Map<const Points>(moved.data(), face.neutral.rows(), 3);
+    const FittedSkin ahead(SubdividedMesh(face.quads, int(face.neutral.rows()), 1), half_way, face.camera,
+                           face.reference);
+    model.start = truth;
+    const Relief further = find_relief(ahead, model, sightings(2 * truth));
+    EXPECT_LT((further.coefficients - whole.coefficients).norm(), .35 * whole.coefficients.norm());
+}
+
+TEST_F(FindRelief, SaysHowWellDepthIsKnown) {
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(4);
+    model.spread = {4 * (SightedFace::kSide + 1) + 3, 9 * (SightedFace::kSide + 1) + 9};
+    std::vector<Sighting> still;
+    for (int i = 0; i < 12; ++i) {
+        still.push_back(face.sighting(i, face.reference, Points::Zero(face.neutral.rows(), 3)));
+    }
+    const double turned = find_relief(skin, model, sightings(none)).depth_std.maxCoeff();
+    EXPECT_GT(turned, 0);
+    EXPECT_LT(turned, .8 * find_relief(skin, model, still).depth_std.maxCoeff());
+}
+
+TEST_F(FindRelief, StopsWhenToldAndRefusesAnotherSkin) {
     const auto seen = sightings(Eigen::VectorXd::Zero(4));
-    EXPECT_EQ(find_relief(skin, model, seen, {}, [](double) { return false; }).size(), 0);
+    EXPECT_EQ(find_relief(skin, model, seen, {}, [](double) { return false; }).coefficients.size(), 0);
     model.landmarks = {int(face.neutral.rows())};
     EXPECT_THROW(find_relief(skin, model, seen), InvalidInput);
 }

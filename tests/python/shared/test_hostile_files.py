@@ -77,6 +77,8 @@ def put(document, keys, value):
         (["residual"], 3, "residual must be a list"),
         (["relief"], {"a": 1}, "relief must be a list"),
         (["relief"], ["1", "2"], "relief"),
+        (["depth"], {"a": 1}, "depth must be a list"),
+        (["depth"], [[1, 2, 3], [1]], "depth"),
         (["intrinsics"], [["600", 0, 1], [0, 600, 1], [0, 0, 1]], "intrinsics"),
         (["head_pose"], [[1], [2, 3]], "head_pose"),
         (["views", 0, "motion"], [[1, 2, 3, 4], [1]], "motion"),

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from mimetic import InvalidInput, _core
 from mimetic._core import cast_rays, from_rotation_vectors
+from mimetic.fit.depth_bumps import bump_places
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.face_model import face_model
 from mimetic.fit.face_shape import face_shape
@@ -78,7 +79,7 @@ def sightings_of(fit: FaceFit, person: FaceFit, turns) -> list[_core.Sighting]:
     return sightings
 
 
-def relief_from(fit: FaceFit, seen: list[_core.Sighting]) -> list[float]:
+def with_relief_from(fit: FaceFit, seen: list[_core.Sighting]) -> FaceFit:
     template = load_template()
     idle = np.zeros((1, template.num_skin_vertices, 3))
     return find_relief(fit, template, seen, idle, np.ones(1))
@@ -89,7 +90,7 @@ def test_turned_frames_tell_how_deep_the_face_is(fit):
     nose = load_template().landmark("nose_tip")
     deep = shape[:, nose, 2]
     person = replace(fit, relief=(1.5 * deep / np.linalg.norm(deep)).tolist())
-    fitted = replace(fit, relief=relief_from(fit, sightings_of(fit, person, TURNS)))
+    fitted = with_relief_from(fit, sightings_of(fit, person, TURNS))
     pixels = pixels_on_face(15)
     true, before, after = (surface_of(one, pixels)[2][:, 2] for one in (person, fit, fitted))
     # All of it nearer or further is a pose, and the pose is free.
@@ -105,8 +106,25 @@ def test_turned_frames_tell_how_deep_the_face_is(fit):
 
 
 def test_a_head_that_does_not_turn_keeps_its_shape(fit):
-    sightings = sightings_of(fit, fit, STILL)
-    assert np.linalg.norm(relief_from(fit, sightings)) < 0.3
+    same = with_relief_from(fit, sightings_of(fit, fit, STILL))
+    assert np.linalg.norm(same.relief) < 0.3
+    assert np.abs(same.depth).max() < 0.5e-3
+
+
+def test_turned_frames_tell_a_depth_that_no_proportions_have(fit):
+    """A face whose cheek is deeper by a bump alone, and further by what is found so far."""
+    template = load_template()
+    places = template.vertices[bump_places(template)]
+    cheek = np.linalg.norm(places - template.vertices[template.landmark("nose_tip")], axis=1)
+    bump = np.exp(-0.5 * ((cheek - 0.05) / 0.015) ** 2)[:, None] * [0.0, 0.0, -0.005]
+    person = replace(fit, depth=bump.tolist())
+    fitted = with_relief_from(fit, sightings_of(fit, person, TURNS))
+    pixels = pixels_on_face(15)
+    true, before, after = (surface_of(one, pixels)[2][:, 2] for one in (person, fit, fitted))
+    assert np.std(after - true) < 0.7 * np.std(before - true)
+    again = with_relief_from(fitted, sightings_of(fitted, person, TURNS))
+    further = surface_of(again, pixels)[2][:, 2]
+    assert np.std(further - true) < 1.1 * np.std(after - true)
 
 
 def test_the_same_view_again_tells_nothing_more(fit):
@@ -114,13 +132,13 @@ def test_the_same_view_again_tells_nothing_more(fit):
         fit, relief=np.linspace(-0.3, 0.3, len(face_shape(load_template()).components)).tolist()
     )
     sightings = sightings_of(fit, person, TURNS)
-    np.testing.assert_allclose(
-        relief_from(fit, 5 * sightings), relief_from(fit, sightings), atol=1e-3
-    )
+    once, often = (with_relief_from(fit, sightings * count) for count in (1, 5))
+    np.testing.assert_allclose(often.relief, once.relief, atol=1e-3)
+    np.testing.assert_allclose(often.depth, once.depth, atol=1e-5)
 
 
 def test_too_few_frames_tell_nothing(fit):
-    assert relief_from(fit, sightings_of(fit, fit, TURNS[:2])) == []
+    assert with_relief_from(fit, sightings_of(fit, fit, TURNS[:2])) is fit
 
 
 def test_following_ends_with_the_scene():
@@ -154,5 +172,10 @@ def test_relief_of_another_head_is_refused(fit, tmp_path):
     with pytest.raises(InvalidInput, match="relief coefficients"):
         replace(fit, relief=[0.1, 0.2]).neutral_vertices(load_template())
     kept = replace(fit, relief=[0.5] * len(face_shape(load_template()).components))
+    kept.depth = [[0.001, 0.0, -0.002]] * len(bump_places(load_template()))
     kept.save(tmp_path / "fit.json")
-    assert FaceFit.load(tmp_path / "fit.json").relief == kept.relief
+    loaded = FaceFit.load(tmp_path / "fit.json")
+    assert loaded.relief == kept.relief
+    assert loaded.depth == kept.depth
+    with pytest.raises(InvalidInput, match="depth coefficients"):
+        replace(fit, depth=[[0.1, 0.2, 0.3]]).neutral_vertices(load_template())

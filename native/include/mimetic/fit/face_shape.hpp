@@ -30,6 +30,11 @@ MatrixRows paired_pulls(PointsIn skin, const std::vector<int>& places, const std
 MatrixRows elastic_modes(MatrixIn pulls, MatrixIn responses, const std::vector<int>& face, double spread,
                          double least_variance);
 
+/// K x S: the height at each point of the skin (S x 3, metres, a vertex a row) of a Gaussian bump of s.d.
+/// `radius` round each place, divided by one number, so that the root of the sum of squares is 1 where it is
+/// largest. Throws InvalidInput for places that are no vertices, or a radius that is not above 0.
+MatrixRows bumps(PointsIn skin, const std::vector<int>& places, double radius);
+
 /// Coefficients nearest to b in least squares, the shortest of them: A+ b.
 Eigen::VectorXd nearest_coefficients(MatrixIn matrix, VectorIn values);
 

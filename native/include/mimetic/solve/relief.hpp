@@ -5,13 +5,16 @@
 
 namespace mimetic {
 
-/// The modes by which the depth of a fitted head may change, and those that move its skin.
+/// How the depth of a fitted head may change, and what moves its skin.
 struct ReliefModel {
     MatrixRows components;  ///< C x 3S, metres at a standard deviation of the prior
+    MatrixRows bumps;       ///< K x S, K may be 0: heights of smooth bumps, metres at a standard deviation,
+                            ///< along the fitted frame's rays: what no component has
     MatrixRows modes;       ///< M x 3S, metres at the value 1: muscles and articulators that were followed
     Eigen::VectorXd std;    ///< M, priors
     std::vector<int> landmarks;  ///< control vertices of the landmarks of the fitted frame
     std::vector<int> spread;     ///< control vertices well spread over the face
+    Eigen::VectorXd start;       ///< C + K or empty: what the skin has of components and bumps already
 };
 
 /// Lengths in pupil distances are s.d. that keep the shape in place in the fitted frame's picture.
@@ -21,23 +24,28 @@ struct ReliefOptions {
     double point_held = .02;      ///< pupil distances, of points spread over the face
     double depth_held = 1e-3;     ///< metres, of the whole face: nearer and smaller looks the same
     double lasting_error = 1e-3;  ///< metres: noise of the reference texture shifts a place in all frames
-    double alike = 6.981317007977318e-3;  ///< rad, 0.4 degrees: heads turned no more than about that show the
-                                          ///< same errors again
-    double least_cosine = .5;             ///< of ray and normal: at less, a change counts as at this cosine
+    double alike = .02617993877991494;  ///< rad, 1.5 degrees: heads turned no more than about that show the
+                                        ///< same errors again
+    double least_cosine = .5;           ///< of ray and normal: at less, a change counts as at this cosine
 };
 
-/// Depth of a face from frames in which the head is turned differently: coefficients (C) of the components
-/// to add to the fitted head.
+struct Relief {
+    Eigen::VectorXd coefficients;  ///< C + K: of components, then bumps; `start` included
+    Eigen::VectorXd depth_std;     ///< one a `spread` vertex, metres: of its depth beside the mean of all
+};
+
+/// Depth of a face from frames in which the head is turned differently; coefficients are those of the whole
+/// difference from the head without relief.
 ///
 /// The fit to landmarks leaves depth to the prior. Between frames, a point that lies a
 /// millimetre nearer moves further as the head turns. The texture of the reference frame keeps its rays:
 /// where the shape moves, its points slide along them, so that only the component of a change normal to the
 /// surface counts. Every frame's pose and modes are solved along with the shape and eliminated (bundle
-/// adjustment with a prior [Triggs et al. 2000], one linear step), and so is the common bias of the skin's
-/// points over all frames: only what changes with the rotation is depth. Empty when progress says to stop.
-/// Throws InvalidInput where sizes do not agree.
-Eigen::VectorXd find_relief(const FittedSkin& skin, const ReliefModel& model,
-                            const std::vector<Sighting>& sightings, const ReliefOptions& options = {},
-                            const Progress& progress = {});
+/// adjustment with a prior [Triggs et al. 2000], one linear step: follow the head again with what it gives
+/// for the next), and so is the common bias of the skin's points over all frames: only what changes with the
+/// rotation is depth.
+/// No coefficients when progress says to stop. Throws InvalidInput where sizes do not agree.
+Relief find_relief(const FittedSkin& skin, const ReliefModel& model, const std::vector<Sighting>& sightings,
+                   const ReliefOptions& options = {}, const Progress& progress = {});
 
 }  // namespace mimetic

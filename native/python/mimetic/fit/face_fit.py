@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
+from mimetic.fit.depth_bumps import depth_bumps
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitted_view import FittedView, checked_frame
 from mimetic.fit.residual_shape import residual_modes
@@ -22,11 +23,11 @@ from mimetic.shared.shown_text import shortened, shown
 from mimetic.shared.whole_file import whole_file
 from mimetic.template.face_template import FaceTemplate
 
-SCHEMA = 5  # since 5, the calibration has `extent`
+SCHEMA = 6
 REQUIRED = ("schema", "frame", "image_size", "intrinsics", "head_pose", "identity")
 # Key: the schema that it came with; files of older schemas still load.
 OPTIONAL = {"features": 1, "error": 1, "warnings": 1}
-OPTIONAL |= {"residual": 2, "views": 2, "calibration": 3, "relief": 4}
+OPTIONAL |= {"residual": 2, "views": 2, "calibration": 3, "relief": 4, "depth": 6}
 LARGEST_FILE = 4 << 20  # bytes
 MOST_VIEWS = 100
 
@@ -51,6 +52,8 @@ class FaceFit:
     views: list[FittedView] = field(default_factory=list)
     # Of the components of `face_shape`; `mimetic.solve.relief` finds it
     relief: list[float] = field(default_factory=list)
+    # Metres, head frame, by which each of `depth_bumps` is moved; found with the relief
+    depth: list[list[float]] = field(default_factory=list)
     calibration: Calibration = field(default_factory=Calibration)  # `mimetic calibrate` finds it
 
     def __post_init__(self) -> None:
@@ -77,6 +80,8 @@ class FaceFit:
             vertices += _moved("residual", self.residual, residual_modes(template))
         if self.relief:
             vertices += _moved("relief", self.relief, face_shape(template).components)
+        if self.depth:
+            vertices += _moved("depth", self.depth, depth_bumps(template)).T
         return vertices
 
     def view(self, frame: int) -> FittedView | None:
@@ -97,6 +102,7 @@ class FaceFit:
             "warnings": self.warnings,
             "residual": self.residual,
             "relief": self.relief,
+            "depth": self.depth,
             "views": [view.as_json() for view in self.views],
             "calibration": self.calibration.as_json(),
         }
@@ -113,14 +119,14 @@ class FaceFit:
             raise InvalidInput(f"{path}: {shortened(error)}") from None
 
 
-def _moved(name: str, coefficients: list[float], modes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """V x 3 metres by which a head is moved along its modes (N x V x 3); raises InvalidInput."""
+def _moved(name: str, coefficients: list, modes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Sum of modes (N x ...) with coefficients (N ...), metres; raises InvalidInput."""
     if len(modes) != len(coefficients):
         raise InvalidInput(
             f"face fit has {len(coefficients)} {name} coefficients, this head has "
             f"{len(modes)}: fit again"
         )
-    return np.tensordot(coefficients, modes, axes=1)
+    return np.tensordot(np.transpose(coefficients), modes, axes=1)
 
 
 def _fields(document: object) -> dict:
@@ -181,6 +187,10 @@ def _check(fit: FaceFit) -> None:
         if not isinstance(coefficients, list | tuple | np.ndarray):
             raise InvalidInput(f"face fit's {name} must be a list of numbers")
         setattr(fit, name, numbers(name, coefficients, (len(coefficients),)).tolist())
+    if not isinstance(fit.depth, list | tuple | np.ndarray):
+        raise InvalidInput("face fit's depth must be a list of places")
+    if len(fit.depth) > 0:
+        fit.depth = numbers("depth", fit.depth, (len(fit.depth), 3)).tolist()
     frames = [view.frame for view in fit.views]
     if frames and (frames[0] != fit.frame or len(set(frames)) != len(frames)):
         raise InvalidInput("face fit's views must start with its frame and show each frame once")

@@ -311,7 +311,7 @@ def _solved_again(
 ) -> FaceFit:
     """The fit of a new estimate, with the relief, calibration and warnings that it had."""
     solved_fit = _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
-    return replace(solved_fit, relief=fit.relief, calibration=fit.calibration)
+    return replace(solved_fit, relief=fit.relief, depth=fit.depth, calibration=fit.calibration)
 
 
 def _as_fit(

@@ -29,6 +29,7 @@ def with_person(fit: FaceFit, person: FaceFit, template: FaceTemplate | None = N
         identity=dict(person.identity),
         residual=list(person.residual),
         relief=list(person.relief),
+        depth=[list(place) for place in person.depth],
         calibration=person.calibration,
     )
     poses = [view.head_pose for view in fit.views]

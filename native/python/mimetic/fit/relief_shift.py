@@ -22,11 +22,12 @@ def picture_shifts(
 
     poses: 4 x 4, camera from head, one a picture
     """
-    if not fit.relief:
+    if not (fit.relief or fit.depth):
         return [{} for _ in poses]
     landmarks = np.asarray(template.landmark_vertices)
     plain_points, relief_points = (
-        one.neutral_vertices(template)[landmarks] for one in (replace(fit, relief=[]), fit)
+        one.neutral_vertices(template)[landmarks]
+        for one in (replace(fit, relief=[], depth=[]), fit)
     )
     shifts = []
     for pose in poses:

@@ -44,7 +44,7 @@ def residual_modes(template: FaceTemplate) -> NDArray[np.float64]:
         modes.append(_core.elastic_modes(pulls, skin(pulls), face, spread, LEAST_VARIANCE))
     skin_modes = np.concatenate(modes)
     mode_signs = signs(RESIDUAL_REVERSED, len(skin_modes))[:, None, None]
-    return _with_parts(template, mode_signs * skin_modes)
+    return with_parts(template, mode_signs * skin_modes)
 
 
 def _places(template: FaceTemplate) -> list[int]:
@@ -85,8 +85,8 @@ def _held_skin(template: FaceTemplate) -> Callable[[NDArray[np.float64]], NDArra
     return respond
 
 
-def _with_parts(template: FaceTemplate, skin: NDArray[np.float64]) -> NDArray[np.float64]:
-    """N x V x 3: eyeballs and lashes go with their lids, teeth and tongue with the lips."""
+def with_parts(template: FaceTemplate, skin: NDArray[np.float64]) -> NDArray[np.float64]:
+    """N x V x D of N x S x D: eyeballs and lashes go with lids, teeth and tongue with the lips."""
     mesh = SkinMesh(template, template.vertices)
     lids = mesh.vertices_between("skin", "eye_socket")
     lips = mesh.vertices_between("skin", "mouth_cavity")
@@ -94,7 +94,7 @@ def _with_parts(template: FaceTemplate, skin: NDArray[np.float64]) -> NDArray[np
     leaders_of_parts = {"teeth_upper": lips, "teeth_lower": lips, "tongue": lips}
     for side, its_lids in (("L", lids[left]), ("R", lids[~left])):
         leaders_of_parts |= {f"eye.{side}": its_lids, f"lashes.{side}": its_lids}
-    modes = np.zeros((len(skin), *template.vertices.shape))
+    modes = np.zeros((len(skin), len(template.vertices), skin.shape[2]))
     modes[:, : skin.shape[1]] = skin
     for part, leaders in leaders_of_parts.items():
         inner = template.part_vertices(part)

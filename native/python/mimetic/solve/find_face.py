@@ -15,13 +15,16 @@ from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitting import NoFace
 from mimetic.fit.known_lens import KnownLens, camera_with
-from mimetic.fit.views import Candidate, choose_views
+from mimetic.fit.views import Candidate, choose_views, turn_signs
 from mimetic.media.footage import Footage
 from mimetic.shared.progress import FITTED, JUDGED, NUM_TRIED, Progress, stages
 from mimetic.solve.relief_sightings import with_relief
 from mimetic.template.face_template import load_template
 
 LEAST_CHANCE = 0.4  # of the best frame's chance; below it a frame is not tried
+FAR_TURNED = np.radians(
+    15.0
+)  # half of a face turned as far is badly seen: a frontal frame is better
 
 
 @dataclass(frozen=True)
@@ -65,12 +68,34 @@ def find_rest(
         return None
     # A pose or expression mistaken for shape shows as unusual proportions.
     best = min(fits, key=_unusualness)
+    if _turn(best) > FAR_TURNED:
+        frontal = _most_frontal(footage, judgements, camera, near)
+        best = frontal if frontal and _turn(frontal) < _turn(best) / 2 else best
     usual = _core.usual_expression(expressions, scores)
     candidates = [
         Candidate(frame, one.features, float(share))
         for (frame, one), share in zip(judgements.items(), usual, strict=True)
     ]
     return Rest(best, candidates)
+
+
+def _most_frontal(
+    footage: Footage,
+    judgements: dict[int, fitting.Judged],
+    camera: _core.Camera,
+    near: tuple[float, float] | None,
+) -> FaceFit | None:
+    """The head fitted to the frame whose nose is nearest to the middle between the eyes."""
+    frame = min(judgements, key=lambda one: abs(turn_signs(judgements[one].features)[0]))
+    with contextlib.suppress(NoFace):
+        return fitting.find_face(footage.read(frame), frame, camera=camera, near=near)
+    return None
+
+
+def _turn(fit: FaceFit) -> float:
+    """Radians between where the face looks and the camera, up and down aside."""
+    to_camera = -fit.head_pose[:3, :3].T @ fit.head_pose[:3, 3]
+    return float(abs(np.arctan2(to_camera[0], to_camera[2])))
 
 
 def joined_with_others(footage: Footage, rest: Rest, progress: Progress) -> FaceFit:

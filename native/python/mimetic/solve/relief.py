@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
+from mimetic.fit.depth_bumps import bump_places, depth_bumps
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.views import spread_points
@@ -17,6 +19,7 @@ from mimetic.template.face_template import FaceTemplate
 
 Floats = NDArray[np.float64]
 LEAST_SIGHTINGS = 3
+DEPTH_SPREAD = 0.005  # metres: prior s.d. of the depth that no component has
 
 
 def fitted_skin(mesh: SkinMesh, camera: _core.Camera, head_pose: Floats) -> _core.FittedSkin:
@@ -32,24 +35,50 @@ def find_relief(
     modes: Floats,
     std: Floats,
     progress: Callable[[float], bool] | None = None,
-) -> list[float]:
-    """Coefficients of the components of `face_shape` by which the fitted head should differ.
+) -> FaceFit:
+    """The fit with the relief that its head shows in several frames.
 
-    sightings: of the fitted head in several frames; modes: M x S x 3 and std: M, prior, of the
-    muscles and articulators with which it was followed. Empty with too few frames, and when
-    progress (a fraction -> go on?) says to stop.
+    sightings: of the fitted head, relief that it has already included; modes: M x S x 3 and std: M,
+    prior, of the muscles and articulators with which it was followed. The fit as it is with too few
+    frames, and when progress (a fraction -> go on?) says to stop.
     """
     if len(sightings) < LEAST_SIGHTINGS:
-        return []
+        return fit
     mesh = SkinMesh(template, np.ascontiguousarray(fit.neutral_vertices(template)))
+    components = face_shape(template).components[:, : template.num_skin_vertices]
+    bumps = DEPTH_SPREAD * depth_bumps(template)[:, : template.num_skin_vertices]
+    rays = _rays(fit, mesh.neutral[bump_places(template)])
     relief = _core.find_relief(
         fitted_skin(mesh, fit.camera, fit.head_pose),
-        np.ascontiguousarray(face_shape(template).components[:, : template.num_skin_vertices]),
+        np.ascontiguousarray(components),
+        np.ascontiguousarray(bumps),
         np.ascontiguousarray(modes),
         std,
         template.landmark_vertices.tolist(),
         spread_points(template),
+        _coefficients(fit, rays, len(components)),
         list(sightings),
         progress,
     )
-    return np.round(relief, 6).tolist()
+    if len(relief.coefficients) == 0:
+        return fit
+    of_components, of_bumps = np.split(relief.coefficients, [len(components)])
+    return replace(
+        fit,
+        relief=np.round(of_components, 6).tolist(),
+        depth=np.round(DEPTH_SPREAD * of_bumps[:, None] * rays, 7).tolist(),
+    )
+
+
+def _rays(fit: FaceFit, places: Floats) -> Floats:
+    """Directions from the camera to places (K x 3, head frame) in the fitted frame."""
+    rotation, translation = fit.head_pose[:3, :3], fit.head_pose[:3, 3]
+    rays = places + translation @ rotation
+    return rays / np.linalg.norm(rays, axis=1, keepdims=True)
+
+
+def _coefficients(fit: FaceFit, rays: Floats, num_components: int) -> Floats:
+    """Those of components and bumps that the fit has."""
+    of_components = np.array(fit.relief or np.zeros(num_components))
+    depth = np.array(fit.depth or np.zeros(rays.shape))
+    return np.append(of_components, (depth * rays).sum(1) / DEPTH_SPREAD)

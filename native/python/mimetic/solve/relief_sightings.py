@@ -6,7 +6,6 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -25,6 +24,8 @@ from mimetic.solve.relief import LEAST_SIGHTINGS, find_relief
 from mimetic.template.face_template import load_template
 
 Images = Iterator[tuple[int, NDArray[np.uint8]]]
+# Texture that is stretched over the wrong depth is measured wrongly where the head is turned far
+ROUNDS = 3
 GIVEN_UP = 6  # frames in a row in which the face is lost
 
 
@@ -46,12 +47,25 @@ def with_relief(
     ]
     if len(turned_frames) < LEAST_SIGHTINGS:
         return fit
+    first, last = min(*turned_frames, fit.frame), max(*turned_frames, fit.frame)
+    for in_round in stages(progress, *[ATTACHED + MOST_FOLLOWED] * ROUNDS):
+        found = _once_more(footage, fit, (first, last), in_round)
+        if found is None:
+            return fit
+        fit = found
+    return fit
+
+
+def _once_more(
+    footage: Footage, fit: FaceFit, frames: tuple[int, int], progress: Progress
+) -> FaceFit | None:
+    """The fit with the relief that its head, followed through the frames, shows; None: stopped."""
     attaching, following = stages(progress, ATTACHED, MOST_FOLLOWED)
     template = load_template()
     neutral = fit.neutral_vertices(template)
     skin = factored_skin(neutral, template, fit.calibration, attaching)
     if skin is None:
-        return fit
+        return None
     anatomy = modes_of(skin)
     motion = tracking.face_motion(neutral, template, anatomy)
     reference = footage.read(fit.frame)
@@ -60,7 +74,7 @@ def with_relief(
     options.max_key_views = 0
     tracker = tracking.make_tracker(reference, fit, template, anatomy, motion, options)
     at_reference = tracker.advance(reference)
-    first, last = min(*turned_frames, fit.frame), max(*turned_frames, fit.frame)
+    first, last = frames
     stride = 1 + (last - first) // MOST_FOLLOWED
     sightings: list[_core.Sighting] = []
     for images in (
@@ -72,14 +86,13 @@ def with_relief(
         for sighting in _follow(tracker, _one_scene(reference, sparse_images)):
             text = f"looking for the face's relief: frame {sighting.frame}"
             if not following(len(sightings) * stride / (1 + last - first), text):
-                return fit
+                return None
             sightings.append(sighting)
     modes, std = tracking.moving_modes(anatomy, template.num_skin_vertices)
-    relief = find_relief(
+    return find_relief(
         *(fit, template, sightings, modes, std),
         lambda _fraction: following(1.0, "looking for the face's relief: depth"),
     )
-    return replace(fit, relief=relief)
 
 
 def _one_scene(reference: NDArray[np.uint8], images: Images) -> Images:
