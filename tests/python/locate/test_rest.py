@@ -1,11 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The frame at rest is found within its clip, by what a part of the face does most of the time."""
 
+from types import SimpleNamespace
+
 import numpy as np
+import pytest
 from clips import ffmpeg
-from mimetic._core import chances_of_rest, shared_expression, usual_expression
+from mimetic._core import (
+    chances_of_rest,
+    from_rotation_vectors,
+    shared_expression,
+    usual_expression,
+)
+from mimetic.fit import fitting
+from mimetic.fit.fitting import NoFace
 from mimetic.media.footage import Footage
 from mimetic.score.truth import Truth
+from mimetic.solve import find_face as choosing
 from mimetic.solve.clip_capture import find_face, rest_in
 
 from evaluation.runs.rest import RestScore, as_json, as_text, figures
@@ -94,3 +105,32 @@ def test_the_reference_frame_of_the_rendered_clip_is_at_rest(rendered_clip):
     truth = Truth.load(rendered_clip.truth)
     frame = find_face(rendered_clip.footage).frame
     assert truth.unit_values[frame - 1].max() < 0.15
+
+
+def fit_of(frame: int, turn: float, error: float) -> SimpleNamespace:
+    pose = np.eye(4)
+    pose[:3, :3] = from_rotation_vectors(np.radians([[0.0, turn, 0.0]]))[0] @ np.diag([1, -1, -1])
+    pose[2, 3] = 0.6
+    return SimpleNamespace(frame=frame, head_pose=pose, error=error)
+
+
+@pytest.mark.parametrize(
+    ("heads", "chosen"),
+    [
+        ({5: (4.0, 0.04), 7: (-2.0, 0.04)}, 7),  # the least turned, to whichever side
+        ({5: (4.0, 0.04), 7: (2.0, 0.08)}, 5),  # but not one that fits worse
+        ({5: (14.0, 0.04)}, 2),  # nor one that is turned much, too
+        ({}, 2),
+    ],
+)
+def test_a_head_turned_far_gives_way_to_a_frontal_one(monkeypatch, heads, chosen):
+    def find(image, frame, **_):
+        if frame not in heads:
+            raise NoFace("nothing there")
+        return fit_of(frame, *heads[frame])
+
+    monkeypatch.setattr(fitting, "find_face", find)
+    footage = SimpleNamespace(read=lambda frame: None)
+    turned = fit_of(2, 24.0, 0.05)
+    frames = list(range(1, 9))
+    assert choosing._more_frontal(footage, turned, frames, None, None).frame == chosen

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import contextlib
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,16 +16,15 @@ from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitting import NoFace
 from mimetic.fit.known_lens import KnownLens, camera_with
-from mimetic.fit.views import Candidate, choose_views, turn_signs
+from mimetic.fit.views import Candidate, choose_views
 from mimetic.media.footage import Footage
 from mimetic.shared.progress import FITTED, JUDGED, NUM_TRIED, Progress, stages
 from mimetic.solve.relief_sightings import with_relief
 from mimetic.template.face_template import load_template
 
 LEAST_CHANCE = 0.4  # of the best frame's chance; below it a frame is not tried
-FAR_TURNED = np.radians(
-    15.0
-)  # half of a face turned as far is badly seen: a frontal frame is better
+FAR_TURNED = math.radians(15.0)  # one half of a face turned as far is badly seen
+NUM_TRIED_FRONTAL = 8
 
 
 @dataclass(frozen=True)
@@ -69,8 +69,7 @@ def find_rest(
     # A pose or expression mistaken for shape shows as unusual proportions.
     best = min(fits, key=_unusualness)
     if _turn(best) > FAR_TURNED:
-        frontal = _most_frontal(footage, judgements, camera, near)
-        best = frontal if frontal and _turn(frontal) < _turn(best) / 2 else best
+        best = _more_frontal(footage, best, frames, camera, near)
     usual = _core.usual_expression(expressions, scores)
     candidates = [
         Candidate(frame, one.features, float(share))
@@ -79,17 +78,25 @@ def find_rest(
     return Rest(best, candidates)
 
 
-def _most_frontal(
+def _more_frontal(
     footage: Footage,
-    judgements: dict[int, fitting.Judged],
+    turned: FaceFit,
+    frames: list[int],
     camera: _core.Camera,
     near: tuple[float, float] | None,
-) -> FaceFit | None:
-    """The head fitted to the frame whose nose is nearest to the middle between the eyes."""
-    frame = min(judgements, key=lambda one: abs(turn_signs(judgements[one].features)[0]))
-    with contextlib.suppress(NoFace):
-        return fitting.find_face(footage.read(frame), frame, camera=camera, near=near)
-    return None
+) -> FaceFit:
+    """The least turned head of frames all over the clip, if by half, that fits at least as well.
+
+    What the finder measures before a head is fitted hardly tells a turned face from a frontal one,
+    and proportions look the more usual the less of them is seen.
+    """
+    frontal = turned
+    for frame in frames[:: max(1, len(frames) // NUM_TRIED_FRONTAL)]:
+        with contextlib.suppress(NoFace):
+            fit = fitting.find_face(footage.read(frame), frame, camera=camera, near=near)
+            if fit.error <= turned.error:
+                frontal = min(frontal, fit, key=_turn)
+    return frontal if _turn(frontal) <= _turn(turned) / 2 else turned
 
 
 def _turn(fit: FaceFit) -> float:

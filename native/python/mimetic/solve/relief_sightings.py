@@ -16,12 +16,12 @@ from mimetic.fit.views import LEAST_TURN, Candidate, turn_signs
 from mimetic.media.backward import frames_away
 from mimetic.media.cuts import CutWatch
 from mimetic.media.footage import Footage
-from mimetic.muscles.anatomy import factored_skin, modes_of
+from mimetic.muscles.anatomy import Anatomy, factored_skin, modes_of
 from mimetic.performance.document import HELD_QUALITY
 from mimetic.shared.progress import ATTACHED, MOST_FOLLOWED, Progress, stages
 from mimetic.solve import tracking
 from mimetic.solve.relief import LEAST_SIGHTINGS, find_relief
-from mimetic.template.face_template import load_template
+from mimetic.template.face_template import FaceTemplate, load_template
 
 Images = Iterator[tuple[int, NDArray[np.uint8]]]
 # Texture that is stretched over the wrong depth is measured wrongly where the head is turned far
@@ -48,26 +48,30 @@ def with_relief(
     if len(turned_frames) < LEAST_SIGHTINGS:
         return fit
     first, last = min(*turned_frames, fit.frame), max(*turned_frames, fit.frame)
-    for in_round in stages(progress, *[ATTACHED + MOST_FOLLOWED] * ROUNDS):
-        found = _once_more(footage, fit, (first, last), in_round)
+    attaching, *rounds = stages(progress, ATTACHED, *[MOST_FOLLOWED] * ROUNDS)
+    template = load_template()
+    skin = factored_skin(fit.neutral_vertices(template), template, fit.calibration, attaching)
+    if skin is None:
+        return fit
+    anatomy = modes_of(skin)  # some millimetres of depth hardly change what muscles do
+    for in_round in rounds:
+        found = _with_depth(footage, fit, template, anatomy, (first, last), in_round)
         if found is None:
             return fit
         fit = found
     return fit
 
 
-def _once_more(
-    footage: Footage, fit: FaceFit, frames: tuple[int, int], progress: Progress
+def _with_depth(
+    footage: Footage,
+    fit: FaceFit,
+    template: FaceTemplate,
+    anatomy: Anatomy,
+    frames: tuple[int, int],
+    progress: Progress,
 ) -> FaceFit | None:
     """The fit with the relief that its head, followed through the frames, shows; None: stopped."""
-    attaching, following = stages(progress, ATTACHED, MOST_FOLLOWED)
-    template = load_template()
-    neutral = fit.neutral_vertices(template)
-    skin = factored_skin(neutral, template, fit.calibration, attaching)
-    if skin is None:
-        return None
-    anatomy = modes_of(skin)
-    motion = tracking.face_motion(neutral, template, anatomy)
+    motion = tracking.face_motion(fit.neutral_vertices(template), template, anatomy)
     reference = footage.read(fit.frame)
     # Relief moves points along the rays of one frame: so no other frame's texture may be used.
     options = _core.TrackerOptions()
@@ -85,13 +89,13 @@ def _once_more(
         sparse_images = itertools.islice(images, stride - 1, None, stride)
         for sighting in _follow(tracker, _one_scene(reference, sparse_images)):
             text = f"looking for the face's relief: frame {sighting.frame}"
-            if not following(len(sightings) * stride / (1 + last - first), text):
+            if not progress(len(sightings) * stride / (1 + last - first), text):
                 return None
             sightings.append(sighting)
     modes, std = tracking.moving_modes(anatomy, template.num_skin_vertices)
     return find_relief(
         *(fit, template, sightings, modes, std),
-        lambda _fraction: following(1.0, "looking for the face's relief: depth"),
+        lambda _fraction: progress(1.0, "looking for the face's relief: depth"),
     )
 
 
