@@ -94,7 +94,9 @@ class MIMETIC_PT_muscles(Muscles, Panel):
                 column.prop(face.mimetic, name, slider=True)
             return
         for block in blocks:
-            column.prop(block, "value", text=block.name, slider=True)
+            # As anatomy shortens it: the longest name fits beside its value in 300 pixels
+            name = block.name.replace("_superioris_", "_sup_")
+            column.prop(block, "value", text=name, slider=True)
 
 
 class MIMETIC_PT_overlays(Muscles, Panel):
