@@ -49,6 +49,9 @@ Points normals_at(const FittedSkin& skin, const DistinctPoints& points) {
 /// P x K: heights of bumps (K x S) at points.
 MatrixRows heights_at(const FittedSkin& skin, const DistinctPoints& points, const MatrixRows& bumps) {
     MatrixRows heights = MatrixRows::Zero(points.vertices.rows(), bumps.rows());
+    if (bumps.rows() == 0) {  // nor has it columns then
+        return heights;
+    }
     for (Eigen::Index k = 0; k < heights.rows(); ++k) {
         for (int corner = 0; corner < 3; ++corner) {
             for (SparseRows::InnerIterator entry(skin.stencils, points.vertices(k, corner)); entry; ++entry) {
@@ -125,8 +128,10 @@ Eigen::MatrixXd depths_of(const FittedSkin& skin, const ReliefModel& model,
         const int vertex = vertices[i];
         auto row = depths.row(static_cast<Eigen::Index>(i));
         row.head(num_components) = backwards * model.components.middleCols<3>(3 * vertex).transpose();
-        const Eigen::Vector3d ray = (skin.neutral.row(vertex).transpose() - camera_in_head).normalized();
-        row.tail(num_bumps) = backwards.dot(ray) * model.bumps.col(vertex).transpose();
+        if (num_bumps > 0) {
+            const Eigen::Vector3d ray = (skin.neutral.row(vertex).transpose() - camera_in_head).normalized();
+            row.tail(num_bumps) = backwards.dot(ray) * model.bumps.col(vertex).transpose();
+        }
     }
     return depths;
 }
