@@ -38,8 +38,8 @@ SETTINGS = {"bakes": ["glb"], "with_detail": False, "tolerance": 0.02, "blender_
 TASK = {"schema": 1, "clip": CLIP, "settings": SETTINGS, "done": {"capture": DONE}, "begun": "glb"}
 TASK |= {"error": "Blender failed", "take": TAKE, "notes": ["kept"]}
 PERSON = {
-    "schema": 1,
-    "sources": [["/a/b.mp4", "", "/a/fit.json"]],
+    "schema": 2,
+    "sources": [["/a/b.mp4", "", "/a/fit.json", "35", ""]],
     "key": "0a",
     "fit": "/a/fit.json",
 }

@@ -37,7 +37,10 @@ void bind_points(py::module_& m) {
              "surface"_a, "neutral"_a, "camera"_a, "reference_pose"_a,
              "neutral: (S, 3), metres, head frame; camera: of the footage; reference_pose: (4, 4), camera "
              "from "
-             "head in\nthe fitted frame. Raises InvalidInput.");
+             "head in\nthe fitted frame. Raises InvalidInput.")
+        .def("rays_to", &FittedSkin::rays_to, "vertices"_a,
+             "(K, 3): unit vectors from the fitted frame's camera to control vertices, head frame. Raises "
+             "InvalidInput.");
     py::class_<Sighting>(m, "Sighting",
                          "K points of the skin in one frame, and the state that the capture gave it.")
         .def(

@@ -21,11 +21,6 @@ struct Normal {
     Eigen::VectorXd pull;
 };
 
-/// Head frame: where the reference frame was taken from.
-Eigen::Vector3d camera_of(const FittedSkin& skin) {
-    return -(skin.reference_pose.linear().transpose() * skin.reference_pose.translation());
-}
-
 /// Where the distinct points of all sightings are, and how they move: three rows a point, metres.
 struct Seen {
     Eigen::VectorXd rest;  ///< 3P
@@ -82,7 +77,7 @@ Seen see(const FittedSkin& skin, const ReliefModel& model, const DistinctPoints&
     const auto num_nodes = static_cast<Eigen::Index>(field.num_nodes());
     const Points normals = normals_at(skin, points);
     const Eigen::Matrix3d rotation = skin.reference_pose.linear();
-    const Eigen::Vector3d camera_in_head = camera_of(skin);
+    const Eigen::Vector3d camera_in_head = skin.camera_place();
     seen.by_shape.conservativeResize(Eigen::NoChange, num_shape + 2 * num_nodes);
     seen.by_shape.rightCols(num_bumps + 2 * num_nodes).setZero();
     for (Eigen::Index k = 0; k < count; ++k) {
@@ -122,7 +117,7 @@ Eigen::MatrixXd depths_of(const FittedSkin& skin, const ReliefModel& model,
                           const std::vector<int>& vertices) {
     const Eigen::Index num_components = model.components.rows(), num_bumps = model.bumps.rows();
     const Eigen::RowVector3d backwards = skin.reference_pose.linear().row(2);
-    const Eigen::Vector3d camera_in_head = camera_of(skin);
+    const Eigen::Vector3d camera_in_head = skin.camera_place();
     Eigen::MatrixXd depths(static_cast<Eigen::Index>(vertices.size()), num_components + num_bumps);
     for (std::size_t i = 0; i < vertices.size(); ++i) {
         const int vertex = vertices[i];

@@ -47,6 +47,23 @@ FittedSkin::FittedSkin(const SubdividedMesh& surface, Points neutral_in, const C
     normals = surface.normals(neutral);
 }
 
+Eigen::Vector3d FittedSkin::camera_place() const {
+    return -(reference_pose.linear().transpose() * reference_pose.translation());
+}
+
+Points FittedSkin::rays_to(const std::vector<int>& vertices) const {
+    const Eigen::RowVector3d camera_at = camera_place().transpose();
+    Points rays(static_cast<Eigen::Index>(vertices.size()), 3);
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+        if (vertices[i] < 0 || vertices[i] >= neutral.rows()) {
+            fail("rays go to control vertices of the skin, of which there are " +
+                 std::to_string(neutral.rows()));
+        }
+        rays.row(static_cast<Eigen::Index>(i)) = (neutral.row(vertices[i]) - camera_at).normalized();
+    }
+    return rays;
+}
+
 void Sighting::check() const {
     const Eigen::Index count = pixels.rows();
     if (vertices.rows() != count || barycentric.rows() != count || information.rows() != count) {

@@ -101,6 +101,18 @@ TEST_F(FindRelief, SaysHowWellDepthIsKnown) {
     EXPECT_LT(turned, .8 * find_relief(skin, model, still).depth_std.maxCoeff());
 }
 
+TEST_F(FindRelief, RaysMeetTheCamera) {
+    const std::vector<int> vertices{0, 7};
+    const Points rays = skin.rays_to(vertices);
+    for (int i = 0; i < 2; ++i) {
+        const Eigen::Vector3d away =
+            skin.neutral.row(vertices[std::size_t(i)]).transpose() - skin.camera_place();
+        EXPECT_NEAR((rays.row(i).transpose() * away.norm() - away).norm(), 0, 1e-12);
+    }
+    EXPECT_NEAR((skin.reference_pose * skin.camera_place()).norm(), 0, 1e-12);
+    EXPECT_THROW(static_cast<void>(skin.rays_to({int(skin.neutral.rows())})), InvalidInput);
+}
+
 TEST_F(FindRelief, StopsWhenToldAndRefusesAnotherSkin) {
     const auto seen = sightings(Eigen::VectorXd::Zero(4));
     EXPECT_EQ(find_relief(skin, model, seen, {}, [](double) { return false; }).coefficients.size(), 0);

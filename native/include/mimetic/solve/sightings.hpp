@@ -20,6 +20,11 @@ struct FittedSkin {
     /// Throws InvalidInput where sizes do not agree or a number is not finite.
     FittedSkin(const SubdividedMesh& surface, Points neutral, const Camera& camera,
                const Eigen::Isometry3d& reference_pose);
+
+    /// Where the fitted frame was taken from: metres, head frame.
+    Eigen::Vector3d camera_place() const;
+    /// K x 3: unit vectors from there to control vertices, head frame. Throws InvalidInput.
+    Points rays_to(const std::vector<int>& vertices) const;
 };
 
 /// K points of the skin in one frame, and the state that the capture gave it.

@@ -47,9 +47,10 @@ def find_relief(
     mesh = SkinMesh(template, np.ascontiguousarray(fit.neutral_vertices(template)))
     components = face_shape(template).components[:, : template.num_skin_vertices]
     bumps = DEPTH_SPREAD * depth_bumps(template)[:, : template.num_skin_vertices]
-    rays = _rays(fit, mesh.neutral[bump_places(template)])
+    skin = fitted_skin(mesh, fit.camera, fit.head_pose)
+    rays = skin.rays_to(bump_places(template))
     relief = _core.find_relief(
-        fitted_skin(mesh, fit.camera, fit.head_pose),
+        skin,
         np.ascontiguousarray(components),
         np.ascontiguousarray(bumps),
         np.ascontiguousarray(modes),
@@ -68,13 +69,6 @@ def find_relief(
         relief=np.round(of_components, 6).tolist(),
         depth=np.round(DEPTH_SPREAD * of_bumps[:, None] * rays, 7).tolist(),
     )
-
-
-def _rays(fit: FaceFit, places: Floats) -> Floats:
-    """Directions from the camera to places (K x 3, head frame) in the fitted frame."""
-    rotation, translation = fit.head_pose[:3, :3], fit.head_pose[:3, 3]
-    rays = places + translation @ rotation
-    return rays / np.linalg.norm(rays, axis=1, keepdims=True)
 
 
 def _coefficients(fit: FaceFit, rays: Floats, num_components: int) -> Floats:
