@@ -4,11 +4,10 @@
 from __future__ import annotations
 
 import bpy
-import numpy as np
 
 from .. import native, writable
 from . import by_hand, contact
-from .face import BASIS, move_to_end
+from .face import BASIS, add_key, move_to_end, place_key
 
 
 def add(obj: bpy.types.Object, shapes) -> tuple[list[str], list[str]]:
@@ -27,12 +26,9 @@ def add(obj: bpy.types.Object, shapes) -> tuple[list[str], list[str]]:
         if shape.name in keys.key_blocks:
             kept.append(shape.name)
             continue
-        key = obj.shape_key_add(name=shape.name, from_mix=False)
-        key.relative_key = keys.reference_key
-        key.value = 0.0  # Blender 5.2 starts at 1
+        key = add_key(obj, shape.name)
         key.slider_min, key.slider_max = shape.lowest, shape.highest
-        points = rest + native.placement().to_object(shape.offsets)
-        key.points.foreach_set("co", points.astype(np.float32).reshape(-1))
+        place_key(key, rest + native.placement().to_object(shape.offsets))
         added.append(shape.name)
     last = [entry.name for entry in obj.mimetic.groups] + [contact.KEY]
     move_to_end(obj, [name for name in last if name in keys.key_blocks])

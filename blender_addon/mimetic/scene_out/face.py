@@ -105,7 +105,7 @@ def set_shapes(face, neutral_vertices, shapes, groups, is_reset: bool = False) -
     if shift.any():  # other keys go along with the rest, as when it is sculpted
         for key in keys.key_blocks:
             if key != keys.reference_key and key.name not in new_keys:
-                _place(key, contact.points_of(key) + shift)
+                place_key(key, contact.points_of(key) + shift)
     if face.mimetic.use_contact:
         contact.ensure_key(face)
         contact.rest(face)
@@ -156,7 +156,7 @@ def _set_rest(face, neutral_vertices, is_reset: bool, hand_changes: HandChanges)
     if is_sculpted and shift.any():
         hand_changes.things.append("the face at rest")
         return zero
-    _place(basis, neutral)
+    place_key(basis, neutral)
     # The mesh's own vertices follow its first key; foreach_set on keys alone leaves them behind
     face.data.vertices.foreach_set("co", neutral.reshape(-1))
     return shift
@@ -172,13 +172,19 @@ def _add_missing(face, states: dict[str, KeyState], shapes, groups) -> None:
         if shape.name in blocks:  # of the user's own making: as one that was sculpted
             states[shape.name] = KeyState(shape.name, is_sculpted=True, has_own_limits=True)
             continue
-        key = face.shape_key_add(name=shape.name, from_mix=False)
-        key.relative_key = face.data.shape_keys.reference_key
-        key.value = 0.0  # Blender 5.2 starts at 1
+        add_key(face, shape.name)
         states[shape.name] = KeyState(shape.name)
     last = [states[group.name].key for group in groups] + [contact.KEY]
     if len(blocks) > num_before:
         move_to_end(face, [name for name in last if name in blocks])
+
+
+def add_key(obj, name: str) -> bpy.types.ShapeKey:
+    """A new key of an object that has some, at rest."""
+    key = obj.shape_key_add(name=name, from_mix=False)
+    key.relative_key = obj.data.shape_keys.reference_key
+    key.value = 0.0  # Blender 5.2 starts at 1
+    return key
 
 
 def move_to_end(face, names: list[str]) -> None:
@@ -216,7 +222,7 @@ def _write(face, entry, shape, state: KeyState, hand_changes: HandChanges) -> se
     if state.is_sculpted:
         return set()
     key.relative_key = keys.reference_key
-    _place(key, points)
+    place_key(key, points)
     return {key.name}
 
 
@@ -229,7 +235,7 @@ def _list(entries, shapes):
     return entries
 
 
-def _place(key, points) -> None:
+def place_key(key, points) -> None:
     key.points.foreach_set("co", points.astype(np.float32).reshape(-1))
 
 

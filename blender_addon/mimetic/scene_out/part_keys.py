@@ -10,12 +10,11 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import bpy
-import numpy as np
 
 from .. import head_parts, native
 from .contact import points_of
+from .face import BASIS, add_key, place_key
 
-BASIS = "Basis"
 FOLLOWED = "head_key"  # the driver's variable, which says whose it is
 
 
@@ -70,14 +69,11 @@ def _write(
             if shape.name in keys.key_blocks:
                 kept.append(shape.name)
                 continue
-            key = target.shape_key_add(name=shape.name, from_mix=False)
-            key.relative_key = keys.reference_key
-            key.value = 0.0  # Blender 5.2 starts at 1
+            key = add_key(target, shape.name)
             _follow(keys, key, source)
         key.slider_min = min(key.slider_min, source.slider_min)
         key.slider_max, key.slider_min = source.slider_max, source.slider_min
-        points = rest + native.placement().to_object(shape.offsets)
-        key.points.foreach_set("co", points.astype(np.float32).reshape(-1))
+        place_key(key, rest + native.placement().to_object(shape.offsets))
     target.active_shape_key_index = active
     target.data.update()
     return kept

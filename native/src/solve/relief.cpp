@@ -117,15 +117,15 @@ Eigen::MatrixXd depths_of(const FittedSkin& skin, const ReliefModel& model,
                           const std::vector<int>& vertices) {
     const Eigen::Index num_components = model.components.rows(), num_bumps = model.bumps.rows();
     const Eigen::RowVector3d backwards = skin.reference_pose.linear().row(2);
-    const Eigen::Vector3d camera_in_head = skin.camera_place();
+    const Points rays = skin.rays_to(vertices);
     Eigen::MatrixXd depths(static_cast<Eigen::Index>(vertices.size()), num_components + num_bumps);
     for (std::size_t i = 0; i < vertices.size(); ++i) {
         const int vertex = vertices[i];
         auto row = depths.row(static_cast<Eigen::Index>(i));
         row.head(num_components) = backwards * model.components.middleCols<3>(3 * vertex).transpose();
         if (num_bumps > 0) {
-            const Eigen::Vector3d ray = (skin.neutral.row(vertex).transpose() - camera_in_head).normalized();
-            row.tail(num_bumps) = backwards.dot(ray) * model.bumps.col(vertex).transpose();
+            row.tail(num_bumps) =
+                backwards.dot(rays.row(static_cast<Eigen::Index>(i))) * model.bumps.col(vertex).transpose();
         }
     }
     return depths;

@@ -133,4 +133,7 @@ def test_a_head_turned_far_gives_way_to_a_frontal_one(monkeypatch, heads, chosen
     footage = SimpleNamespace(read=lambda frame: None)
     turned = fit_of(2, 24.0, 0.05)
     frames = list(range(1, 9))
-    assert choosing._more_frontal(footage, turned, frames, None, None).frame == chosen
+    arguments = footage, turned, frames, None, None
+    assert choosing._more_frontal(*arguments, lambda *_: True).frame == chosen
+    with pytest.raises(NoFace, match="stopped"):
+        choosing._more_frontal(*arguments, lambda *_: False)

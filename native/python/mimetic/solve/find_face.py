@@ -69,7 +69,7 @@ def find_rest(
     # A pose or expression mistaken for shape shows as unusual proportions.
     best = min(fits, key=_unusualness)
     if _turn(best) > FAR_TURNED:
-        best = _more_frontal(footage, best, frames, camera, near)
+        best = _more_frontal(footage, best, frames, camera, near, fitting_heads)
     usual = _core.usual_expression(expressions, scores)
     candidates = [
         Candidate(frame, one.features, float(share))
@@ -84,6 +84,7 @@ def _more_frontal(
     frames: list[int],
     camera: _core.Camera,
     near: tuple[float, float] | None,
+    progress: Progress,
 ) -> FaceFit:
     """The least turned head of frames all over the clip, if by half, that fits at least as well.
 
@@ -92,6 +93,7 @@ def _more_frontal(
     """
     frontal = turned
     for frame in frames[:: max(1, len(frames) // NUM_TRIED_FRONTAL)]:
+        _go_on(progress, 1.0, f"fitting the head: frame {frame}")
         with contextlib.suppress(NoFace):
             fit = fitting.find_face(footage.read(frame), frame, camera=camera, near=near)
             if fit.error <= turned.error:
