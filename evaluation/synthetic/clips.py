@@ -16,6 +16,7 @@ from pathlib import Path
 
 import numpy as np
 from mimetic.score.truth import Truth
+from mimetic.shared.folder_lock import alone_with
 from mimetic.template.face_template import FaceTemplate
 
 from . import footage, scene, surface_points
@@ -57,9 +58,14 @@ def clip(recipe: Recipe, template: FaceTemplate, report: Report = lambda _: None
     found = Clip(recipe.name, folder / f"{recipe.name}.mp4", folder / f"{recipe.name}.truth.npz")
     if found.footage.exists() and found.truth.exists():
         return found
-    report(f"{recipe.name}: rendering {recipe.num_frames} frames")
     folder.parent.mkdir(parents=True, exist_ok=True)
-    with tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{recipe.name}.") as aside:
+    with (
+        alone_with(folder.parent),
+        tempfile.TemporaryDirectory(dir=folder.parent, prefix=f".{recipe.name}.") as aside,
+    ):
+        if found.footage.exists() and found.truth.exists():  # made by another process meanwhile
+            return found
+        report(f"{recipe.name}: rendering {recipe.num_frames} frames")
         made = Path(aside)
         _render(drawn, scene.paint(recipe, template, neutral), made, recipe.name, report)
         whole = made / "whole"
