@@ -5,8 +5,9 @@
         --tracker crop_height=400 sample_spacing=8 --tracker sample_spacing=8
 
 The first row is the tracker as it is. Printed: the largest activation and articulator value in
-frames at rest, the widest that the jaw opens, and of the points marked by hand in the captured
-frames (evaluation/real) the median distance, % of the interpupillary distance.
+frames at rest, the widest that the jaw opens, how far it goes aside as the head turns by 10 degrees
+(least squares over all frames), and of the points marked by hand in the captured frames
+(evaluation/real) the median distance, % of the interpupillary distance.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import numpy as np
 from mimetic import InvalidInput
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
+from mimetic.report.html import head_angles
 from mimetic.score.json_text import json_text
 from mimetic.score.text_table import text_table
 from mimetic.solve import clip_capture
@@ -33,6 +35,7 @@ RATES = {
     "rest": ("muscle at rest", ".3f"),
     "articulator": ("other at rest", ".3f"),
     "jaw": ("jaw, widest", ".2f"),
+    "aside": ("jaw aside, 10° turn", ".2f"),
     "told": ("lips told", ".2f"),
     "milliseconds": ("ms a frame", ".0f"),
 }
@@ -51,9 +54,15 @@ def captured(clip: str, last: int, variants: dict[str, Variant]) -> dict[str, Va
 
 
 def motion(performance: Performance, rest: tuple[int, int] | None) -> dict[str, float]:
-    """How wide the jaw opens, and what moves in the frames from first to last of rest."""
-    jaw = performance.articulators.index("jaw_open")
-    values = {"jaw": float(performance.articulator_values[:, jaw].max())}
+    """What the jaw does, and what moves in the frames from first to last of rest."""
+    jaw, aside = (
+        performance.articulator_values[:, performance.articulators.index(name)]
+        for name in ("jaw_open", "jaw_side")
+    )
+    yaw = head_angles(performance)[:, 1]
+    turned = yaw - yaw.mean()
+    slope = turned @ aside / max(float(turned @ turned), np.finfo(float).tiny)
+    values = {"jaw": float(jaw.max()), "aside": 10 * float(slope)}
     if rest is not None:
         is_rest = (performance.frame >= rest[0]) & (performance.frame <= rest[1])
         others = np.abs(performance.articulator_values[is_rest])

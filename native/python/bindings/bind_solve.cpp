@@ -13,7 +13,8 @@ namespace {
 FaceMotion make_motion(Points neutral, const ModesArray& modes, int num_muscles, Eigen::VectorXd lower,
                        Eigen::VectorXd upper, Eigen::VectorXd prior_std,
                        std::optional<Eigen::VectorXi> partner, const std::optional<ModesArray>& detail_modes,
-                       std::optional<Eigen::VectorXd> detail_std, std::optional<Eigen::VectorXd> quickness) {
+                       std::optional<Eigen::VectorXd> detail_std, std::optional<Eigen::VectorXd> quickness,
+                       std::optional<Eigen::VectorXd> depth_std) {
     const Eigen::Index num_vertices = neutral.rows();
     FaceMotion motion{std::move(neutral),
                       {},
@@ -24,7 +25,8 @@ FaceMotion make_motion(Points neutral, const ModesArray& modes, int num_muscles,
                       partner.value_or(Eigen::VectorXi()),
                       MatrixRows(0, 3 * num_vertices),
                       detail_std.value_or(Eigen::VectorXd()),
-                      quickness.value_or(Eigen::VectorXd())};
+                      quickness.value_or(Eigen::VectorXd()),
+                      depth_std.value_or(Eigen::VectorXd())};
     motion.modes = view_modes("modes", modes, num_vertices);
     if (detail_modes) {
         motion.detail_modes = view_modes("detail_modes", *detail_modes, num_vertices);
@@ -67,14 +69,17 @@ void bind_model(py::module_& m) {
             py::init(&make_motion), "neutral"_a, py::arg("modes").noconvert(), "num_muscles"_a, "lower"_a,
             "upper"_a, "prior_std"_a, "partner"_a = py::none(),
             py::arg("detail_modes").noconvert() = py::none(), "detail_std"_a = py::none(),
-            "quickness"_a = py::none(),
+            "quickness"_a = py::none(), "depth_std"_a = py::none(),
             "neutral: (V, 3); modes: (M, V, 3) float64, displacement at the value 1, muscles first; lower, "
             "upper,\n"
             "prior_std: (M,), s.d. of a value about 0; partner: (M,) int32, the value of the other "
             "side, -1:\n"
             "none. detail_modes: (D, V, 3), for what the values cannot explain; detail_std: (D,). quickness: "
             "(M,),\n"
-            "speed of a value relative to a skin muscle. Raises InvalidInput.")
+            "speed of a value relative to a skin muscle. depth_std: (M,), s.d. of the depth of the skin that "
+            "a "
+            "value\n"
+            "moves along x, in units of the value, 0 for others. Raises InvalidInput.")
         .def_readonly("num_muscles", &FaceMotion::num_muscles)
         .def_readonly("lower", &FaceMotion::lower)
         .def_readonly("upper", &FaceMotion::upper);

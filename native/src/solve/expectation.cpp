@@ -12,9 +12,9 @@ constexpr double kDeadZone = 2;          // more would delay onsets
 }  // namespace
 
 TrackMemory first_memory(const TrackedFace& face, cv::Mat1b gray, FaceState state) {
-    TrackMemory memory;
-    memory.gray = std::move(gray);
-    memory.state = std::move(state);
+    DepthErrors depth_errors(face.motion, state.camera_from_head);
+    TrackMemory memory{std::move(gray), std::move(state),       {}, {}, {}, false,
+                       Recognition(),   std::move(depth_errors)};
     memory.velocity = FaceStep::none(face.num_values());
     memory.covariance = Eigen::MatrixXd::Zero(face.num_unknowns(), face.num_unknowns());
     memory.covariance.diagonal().head<3>().setConstant(1e-4);
@@ -46,7 +46,7 @@ Expectation predict(const TrackedFace& face, const TrackMemory& memory) {
     constexpr double kDamping = .6;
     const Eigen::Index size = face.num_unknowns(), num_values = face.num_values();
     const double kept = std::exp(-1 / face.options.correlation_time);
-    Expectation expected{memory.state, {}, {}, memory.values_std};
+    Expectation expected{memory.state, {}, {}, memory.values_std, memory.depth_errors};
     expected.mean.apply(FaceStep(kDamping * memory.velocity.flat));
     expected.mean.keep_within(face.motion);
     FaceStep fade(Eigen::VectorXd::Constant(size, kept));

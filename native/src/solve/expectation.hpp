@@ -2,6 +2,7 @@
 #pragma once
 #include <opencv2/core.hpp>
 
+#include "depth_error.hpp"
 #include "locate/recognition.hpp"
 #include "tracked_face.hpp"
 
@@ -16,6 +17,7 @@ struct TrackMemory {
     Eigen::VectorXd values_std;  ///< when the values were last measured
     bool is_lost = false;
     Recognition recognition;
+    DepthErrors depth_errors;
 };
 
 /// Before anything was measured: the face is still, with the prior's covariance.
@@ -27,6 +29,7 @@ struct Expectation {
     Eigen::MatrixXd covariance;   ///< (6 + M) squared, of a step from the mean
     Eigen::MatrixXd information;  ///< its inverse
     Eigen::VectorXd values_std;   ///< how well the values were known
+    DepthErrors depth_errors;
 
     /// The same prediction about another state.
     Expectation about(const FaceState& state) const;

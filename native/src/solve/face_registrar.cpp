@@ -82,6 +82,7 @@ Registration FaceRegistrar::register_textures(const Expectation& expected, const
         present.robust_cut *= iteration == 0 ? 2.5 : 1;  // far off at first
         solver_.linearise(face_.camera, state, samples, present);
         solver_.add(features_.terms(state));
+        solver_.allow(expected.depth_errors.at(state.camera_from_head));
         FaceStep& step = registration.last_step = FaceStep(
             solver_.solve(expected.from(state, face_), state, effort.num_free, iteration == 0 ? 3 : 2));
         state.apply(step);

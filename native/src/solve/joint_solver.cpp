@@ -62,6 +62,7 @@ void JointSolver::linearise(const Camera& camera, const FaceState& state,
     const std::size_t count = measurements.size();
     const Eigen::Index size = 6 + state.values.size();
     evidence_ = {Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)};
+    reading_errors_.clear();
     jacobians_.resize(static_cast<Eigen::Index>(2 * count), size);
     displacements_.resize(static_cast<Eigen::Index>(2 * count));
     whiteners_.resize(count);
@@ -179,6 +180,33 @@ void JointSolver::sum_up(const std::vector<Sums>& parts) {
     pull_ -= (field_coupling_.transpose() * field_factor_.solve(field_pull_)).cast<double>();
     information_ += evidence_.information;
     pull_ += evidence_.gradient;
+    as_read_ = {information_, pull_};
+    for (const ReadingError& error : reading_errors_) {
+        allow_for(error);
+    }
+}
+
+/// Evidence of value + error, the error integrated out.
+void JointSolver::allow_for(const ReadingError& error) {
+    const Eigen::VectorXd along = information_.col(FaceStep::kPose + error.value);
+    pull_ -= error.mean * along;
+    const double known = along[FaceStep::kPose + error.value];
+    const double share = error.variance / (1 + error.variance * known);
+    const double own_pull = pull_[FaceStep::kPose + error.value];
+    pull_ -= share * own_pull * along;
+    information_ -= share * along * along.transpose();
+}
+
+/// What the pictures show of a step: with the most probable errors of reading.
+Eigen::VectorXd JointSolver::read_step(const Eigen::VectorXd& step) const {
+    Eigen::VectorXd read = step;
+    for (const ReadingError& error : reading_errors_) {
+        const Eigen::Index at = FaceStep::kPose + error.value;
+        const double pull = as_read_.gradient[at] - as_read_.information.row(at).dot(read) -
+                            error.mean * as_read_.information(at, at);
+        read[at] += error.mean + error.variance * pull / (1 + error.variance * as_read_.information(at, at));
+    }
+    return read;
 }
 
 Eigen::VectorXd JointSolver::solve(const StepPrior& prior, const FaceState& state, Eigen::Index num_free,
@@ -187,9 +215,9 @@ Eigen::VectorXd JointSolver::solve(const StepPrior& prior, const FaceState& stat
     for (int round = 0; round < num_rounds; ++round) {
         // Before the first step, the residual is motion, not error.
         constexpr double kBeforeStep = 3;
-        reweight(step, noise_.robust_cut * (round == 0 ? kBeforeStep : 1));
+        reweight(round == 0 ? step : read_step(step), noise_.robust_cut * (round == 0 ? kBeforeStep : 1));
         step = bounded(prior, state, num_free);
-        field_ = field_factor_.solve(field_pull_ - field_coupling_ * step.cast<float>());
+        field_ = field_factor_.solve(field_pull_ - field_coupling_ * read_step(step).cast<float>());
     }
     return step;
 }

@@ -2,6 +2,7 @@
 #pragma once
 #include <unordered_map>
 
+#include "depth_error.hpp"
 #include "error_field.hpp"
 #include "face_state.hpp"
 #include "shared/robust.hpp"
@@ -35,6 +36,8 @@ public:
                    const std::vector<SampleMeasurement>& measurements, const NoiseModel& noise);
     /// Adds other evidence of a step from the linearisation point; until the next linearise.
     void add(StepPrior evidence) { evidence_ = std::move(evidence); }
+    /// Errors with which values are read; until the next linearise.
+    void allow(std::vector<ReadingError> errors) { reading_errors_ = std::move(errors); }
     /// Bounded most probable step; num_free < 6 + M keeps the last values as they are (6: pose alone). Starts
     /// from the error field of the last call.
     Eigen::VectorXd solve(const StepPrior& prior, const FaceState& state, Eigen::Index num_free,
@@ -42,6 +45,8 @@ public:
 
     const Eigen::MatrixXd& information() const { return information_; }
     const Eigen::VectorXd& pull() const { return pull_; }  ///< at step 0
+    /// The same where reading errors count as movements of their values
+    const StepPrior& as_read() const { return as_read_; }
     const std::vector<float>& robust_weights() const { return robust_weights_; }
     /// Of the last linearisation and weighting: sample k's square root of weighted information, d frame pixel
     /// / d head frame; whitened and weighted Jacobians and displacements.
@@ -65,6 +70,8 @@ private:
     void find_near_nodes();
     void reweight(const Eigen::VectorXd& step, double robust_cut);
     void sum_up(const std::vector<Sums>& parts);
+    void allow_for(const ReadingError& error);
+    Eigen::VectorXd read_step(const Eigen::VectorXd& step) const;
     Sums sums_of(std::size_t begin, std::size_t end) const;
     Eigen::VectorXd bounded(const StepPrior& prior, const FaceState& state, Eigen::Index num_free) const;
 
@@ -86,7 +93,8 @@ private:
     Eigen::MatrixXf field_coupling_;  // 2N x n
     Eigen::VectorXf field_pull_, field_;
     Eigen::LLT<Eigen::MatrixXf> field_factor_;
-    StepPrior evidence_;
+    StepPrior evidence_, as_read_;
+    std::vector<ReadingError> reading_errors_;
     Eigen::MatrixXd information_;
     Eigen::VectorXd pull_;
 };

@@ -98,6 +98,9 @@ FrameEstimate FaceTracker::State::follow(FrameAtHand& frame, const std::optional
         views.offer(face, now.state, frame.gray, may_be_view, estimate.detail.coefficients);
     }
     now.recognition = std::move(recognition);
+    if (!is_lost) {
+        learn_depth(expected, found, now.depth_errors);
+    }
     memory = std::move(now);
     last_measured = std::move(found.measured);
     return estimate;
@@ -180,6 +183,30 @@ FrameEstimate FaceTracker::State::measured_estimate(const Expectation& expected,
     return estimate;
 }
 
+/// A value that depth may be taken for is read without its own prior, which knows nothing of depth.
+void FaceTracker::State::learn_depth(const Expectation& expected, const Registration& found,
+                                     DepthErrors& depth_errors) const {
+    const StepPrior& shown = registrar.solver().as_read();
+    FaceState before = found.state;
+    before.apply(FaceStep(-found.last_step.flat));
+    const StepPrior prior = expected.from(before, face);
+    for (const ReadingError& error : depth_errors.at(found.state.camera_from_head)) {
+        const Eigen::Index at = FaceStep::kPose + error.value;
+        Eigen::MatrixXd information = prior.information;
+        information.row(at).setZero();
+        information.col(at).setZero();
+        information += shown.information;
+        Eigen::VectorXd pull = prior.gradient;
+        pull[at] = 0;
+        pull += shown.gradient;
+        const Eigen::LLT<Eigen::MatrixXd> factor(information);
+        const double step = factor.solve(pull)[at];
+        const double variance = factor.solve(Eigen::VectorXd::Unit(pull.size(), at))[at];
+        depth_errors.learn(found.state.camera_from_head, error.value, before.values[error.value] + step,
+                           variance, face.options.correlation_time);
+    }
+}
+
 FrameEstimate FaceTracker::State::held_estimate(const Expectation& expected, const FrameScore& score) const {
     const Eigen::Index size = face.num_unknowns();
     FrameEstimate estimate = to_estimate(memory.state, score);
@@ -243,8 +270,10 @@ void FaceTracker::restart(const ColorView& image, const FrameEstimate& estimate)
     }
     Recognition recognition = std::move(s.memory.recognition);
     recognition.end_doubt();
+    DepthErrors depth_errors = std::move(s.memory.depth_errors);
     s.memory = first_memory(s.face, to_gray(image), {estimate.camera_from_head, estimate.values});
     s.memory.recognition = std::move(recognition);  // it is the same face
+    s.memory.depth_errors = std::move(depth_errors);
 }
 
 }  // namespace mimetic

@@ -91,6 +91,11 @@ void check_inputs(const Camera& camera, const TrackedSurface& surface, const Fac
         (motion.quickness.size() != num_values || !(motion.quickness.array() > 0).all())) {
         fail("quickness must be empty or have one number above 0 a mode");
     }
+    if (motion.depth_std.size() != 0 &&
+        (motion.depth_std.size() != num_values || !motion.depth_std.allFinite() ||
+         (motion.depth_std.array() < 0).any())) {
+        fail("depth_std must be empty or have one finite number of 0 or more a mode");
+    }
     for (Eigen::Index i = 0; i < motion.partner.size(); ++i) {
         const int other = motion.partner[i];
         if (motion.partner.size() != num_values || other < -1 || other >= num_values ||

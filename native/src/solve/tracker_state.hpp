@@ -21,6 +21,7 @@ struct FaceTracker::State {
                               const std::optional<Eigen::Isometry3d>& guess, const Recognition& recognition);
     FrameEstimate measured_estimate(const Expectation& expected, const Registration& found);
     FrameEstimate held_estimate(const Expectation& expected, const FrameScore& score) const;
+    void learn_depth(const Expectation& expected, const Registration& found, DepthErrors& depth_errors) const;
 
     TrackedFace face;
     FeatureEvidence features;

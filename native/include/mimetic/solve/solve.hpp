@@ -38,6 +38,10 @@ struct FaceMotion {
         detail_modes;  ///< D x 3V, D may be 0: what the values cannot explain, metres at the coefficient 1
     Eigen::VectorXd detail_std;  ///< D: s.d. of a coefficient about 0
     Eigen::VectorXd quickness;   ///< M or empty: speed, relative to a skin muscle
+    /// M or empty: s.d. of the depth of the skin that a value moves along the head's x axis, in units of the
+    /// value (depth / that movement at the value 1), 0 for others: by the tangent of the head's turn from the
+    /// reference frame that depth looks like a movement
+    Eigen::VectorXd depth_std;
 };
 
 struct TrackerOptions {

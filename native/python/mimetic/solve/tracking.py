@@ -31,6 +31,8 @@ ARTICULATOR_STD = {
     "lip_roll_upper": 0.2,
     "lip_roll_lower": 0.2,
 }
+# Of the chin's depth beside the eyes', metres: what one frontal picture leaves open
+CHIN_DEPTH_STD = 6e-3
 # How many times as fast as a skin muscle: a blink is shut in two frames
 QUICKNESS = {"lid_upper": 8.0, "lid_lower": 4.0}
 
@@ -65,7 +67,19 @@ def face_motion(
         None if detail is None else np.ascontiguousarray(detail.modes[:, :skin]),
         None if detail is None else detail.std,
         np.array([QUICKNESS.get(n.split(".")[0], 1.0) for n in names]),
+        depth_std(names, modes),
     )
+
+
+def depth_std(names: list[str], modes: NDArray[np.float64]) -> NDArray[np.float64]:
+    """How far a turned head's depth may look like a value's movement: the chin's like the jaw's.
+
+    M, in units of the values at a turn of 45 degrees; modes: M x S x 3, metres.
+    """
+    std = np.zeros(len(names))
+    side = names.index("jaw_side")
+    std[side] = CHIN_DEPTH_STD / np.abs(modes[side, :, 0]).max()
+    return std
 
 
 def moving_modes(
