@@ -12,11 +12,13 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from itertools import islice, product
 from pathlib import Path
+from string import Formatter
 
 LEAST_LETTERS = 9  # of a message that can be looked up
 DEEPEST = 6  # calls and names followed one after another
 MOST_WAYS = 60  # that the values of one text are put together
 RELAYS = ("str", "shortened", "shown", "list", "tuple", "sorted", "reversed", "filter")
+TRANSLATIONS = ("iface_", "rpt_")  # of the text that they are given first
 OF_TEXTS = ("replace", "strip", "lower", "capitalize", "removesuffix", "removeprefix", "rstrip")
 # Attributes that hold nothing but what a user is told
 SAYINGS = ("remark", "remarks", "notes", "problem", "guess")
@@ -66,7 +68,9 @@ def files_of(folder: Path) -> dict[Path, ast.Module]:
 
 
 def plain(text: str) -> str:
-    return " ".join(re.sub("…(…| …)+", "…", text.replace("`", "").replace("\\|", "|")).split())
+    """As it is compared: a value, also one that a template still names, is `…`."""
+    text = re.sub(r"\{[a-z]\w*(:[^{}]*)?\}", "…", text.replace("`", "").replace("\\|", "|"))
+    return " ".join(re.sub("…(…| …)+", "…", text).split())
 
 
 def letters(text: str) -> int:
@@ -126,16 +130,37 @@ def _all(nodes: Iterable[ast.expr], follow) -> list[str]:
 
 
 def _formatted(node: ast.JoinedStr, function: ast.AST, sources: Sources, depth: int) -> list[str]:
-    parts = [part.value if isinstance(part, ast.Constant) else "…" for part in node.values]
-    text = "".join(str(part) for part in parts)
+    parts = [
+        str(part.value) if isinstance(part, ast.Constant) else part.value
+        for part in node.values
+        if isinstance(part, (ast.Constant, ast.FormattedValue))
+    ]
+    return _put_together(parts, function, sources, depth)
+
+
+def _filled(
+    template: str, node: ast.Call, function: ast.AST, sources: Sources, depth: int
+) -> list[str]:
+    """A template with what `format` is given for its fields."""
+    given = {keyword.arg: keyword.value for keyword in node.keywords}
+    parts: list[str | ast.expr] = []
+    for text, name, _, _ in Formatter().parse(template):
+        parts.append(text)
+        if name is not None:
+            parts.append(given.get(name, "…"))
+    return _put_together(parts, function, sources, depth)
+
+
+def _put_together(
+    parts: list[str | ast.expr], function: ast.AST, sources: Sources, depth: int
+) -> list[str]:
+    """Words and values; the values are followed where hardly a word would be left without them."""
+    text = "".join(part if isinstance(part, str) else "…" for part in parts)
     if letters(plain(text)) >= LEAST_LETTERS:
         return [text]
     ways = [
-        [str(part.value)]
-        if isinstance(part, ast.Constant)
-        else texts(part.value, function, sources, depth + 1) or ["…"]
-        for part in node.values
-        if isinstance(part, (ast.Constant, ast.FormattedValue))
+        [part] if isinstance(part, str) else texts(part, function, sources, depth + 1) or ["…"]
+        for part in parts
     ]
     return ["".join(way) for way in islice(product(*ways), MOST_WAYS)]
 
@@ -181,13 +206,15 @@ def _rows(table: ast.expr, function: ast.AST, sources: Sources) -> list[ast.Tupl
 def _called(node: ast.Call, function: ast.AST, sources: Sources, depth: int) -> list[str]:
     called = node.func
     name = called.attr if isinstance(called, ast.Attribute) else getattr(called, "id", "")
+    if name in TRANSLATIONS:
+        return texts(node.args[0], function, sources, depth)
     if name in RELAYS or name[:1].isupper():
         return [text for part in node.args for text in texts(part, function, sources, depth + 1)]
     if isinstance(called, ast.Attribute) and name == "join":
         return texts(node.args[0], function, sources, depth + 1)
     if isinstance(called, ast.Attribute) and name == "format":
         own = texts(called.value, function, sources, depth)
-        return [re.sub(r"\{[^{}]*\}", "…", text.replace("{{}}", "{}")) for text in own]
+        return [text for one in own for text in _filled(one, node, function, sources, depth)]
     if isinstance(called, ast.Attribute) and name in OF_TEXTS:
         return texts(called.value, function, sources, depth)
     if isinstance(called, ast.Attribute) and name in ("get", "items", "values"):

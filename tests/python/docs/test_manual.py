@@ -91,8 +91,11 @@ def _bent(value):
 def obstacle(self, context):
     reason = no_clip(context)
     if not reason:
-        reason = f"{context.name} is hidden; show it first"
+        reason = iface_("{name} is hidden; show it first").format(name=context.name)
     return reason or "Select the head's mesh first"
+
+def no_module_for(self, context):
+    return Status("This build is not for {python}", {"python": self.version})
 
 def execute(self, context):
     message = f"{self.name} has no curves at all"
@@ -100,6 +103,9 @@ def execute(self, context):
         raise native.invalid_input("the clip is " + f"{self.length} frames too long: cut it")
     self.report({"INFO"}, "All is well and done")
     self.report({"WARNING"}, "That was beside the footage")
+    text = rpt_("{count} keys are left over") if self.count > 1 else rpt_("one key is left over")
+    self.report({"WARNING"}, text.format(count=self.count))
+    self.report({"ERROR"}, rpt_("{way}, or {other}").format(way=rpt_(LOCAL), other=self.name))
     return outcome.cancelled(self, context, message)
 
 def read(self, text, kind):
@@ -136,9 +142,13 @@ def test_messages_are_found_however_they_are_given():
     assert texts - {""} == {
         "… is hidden; show it first",
         "Select the head's mesh first",
+        "This build is not for …",
         "… has no curves at all",
         "the clip is … frames too long: cut it",
         "That was beside the footage",
+        "… keys are left over",
+        "one key is left over",
+        "make it local first of all, or …",
         "the rate is …",
         "the size is …",
         "…: there is no such …",
