@@ -4,6 +4,7 @@
 import math
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.props import EnumProperty
 
 from . import native
@@ -68,14 +69,14 @@ def unread(clip: bpy.types.MovieClip) -> str:
     """What to say where the clip's camera was set to what we do not read, or ""."""
     camera = clip.tracking.camera
     lens = COEFFICIENTS.get(camera.distortion_model, ())
-    parts = ["principal point"] if any(camera.principal_point) else []
-    parts += ["distortion"] if any(getattr(camera, name) for name in lens) else []
+    parts = [iface_("principal point")] if any(camera.principal_point) else []
+    parts += [iface_("distortion")] if any(getattr(camera, name) for name in lens) else []
     if not parts:
         return ""
-    return (
-        f"Not read of the clip's camera: {' and '.join(parts)}; the face is measured as if the "
-        "lens drew straight lines about the picture's middle"
-    )
+    return iface_(
+        "Not read of the clip's camera: {parts}; the face is measured as if "
+        "the lens drew straight lines about the picture's middle"
+    ).format(parts=iface_(" and ").join(parts))
 
 
 def remark(clip: bpy.types.MovieClip, fit) -> str:

@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from . import native
 
@@ -52,10 +53,10 @@ def remark(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None) -> str:
     if not is_known(clip) or has_rate(scene, clip):
         return ""
     rate = scene.render.fps / scene.render.fps_base
-    return (
-        f"The clip has {clip.fps:.6g} frames/s, the scene {rate:.6g}: the clip editor shows other "
-        "frames than the face, which keeps to the seconds"
-    )
+    return iface_(
+        "The clip has {fps:.6g} frames/s, the scene {rate:.6g}: the clip "
+        "editor shows other frames than the face, which keeps to the seconds"
+    ).format(fps=clip.fps, rate=rate)
 
 
 def apply(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> None:

@@ -10,6 +10,8 @@ from __future__ import annotations
 import os
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from . import clip_time, native
 
@@ -24,7 +26,9 @@ def named(name: str) -> bpy.types.MovieClip:
     """The clip that a job has worked on; raises InvalidInput if it is gone by now."""
     clip = bpy.data.movieclips.get(name)
     if clip is None:
-        raise native.invalid_input(f"{name} was removed or renamed meanwhile: load it again")
+        raise native.invalid_input(
+            rpt_("{name} was removed or renamed meanwhile: load it again").format(name=name)
+        )
     return clip
 
 
@@ -114,10 +118,10 @@ def change_of(clip: bpy.types.MovieClip) -> str:
     before = clip.mimetic.fingerprint
     if not before or before not in clip.mimetic.footage or fingerprint(clip) == before:
         return ""
-    return (
-        f"{clip.name} now has another content: face and take of the earlier one are kept, "
-        "and come back with it"
-    )
+    return iface_(
+        "{clip} now has another content: face and take of the earlier one are "
+        "kept, and come back with it"
+    ).format(clip=clip.name)
 
 
 def migrate() -> None:

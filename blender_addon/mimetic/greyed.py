@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Buttons that are grey, and say why."""
 
+from bpy.app.translations import pgettext_iface as iface_
+
 
 class Greyed:
     """Mixin of operators. Subclasses give `obstacle(context)`: why it cannot run, or nothing."""
@@ -8,5 +10,5 @@ class Greyed:
     @classmethod
     def poll(cls, context):
         if reason := cls.obstacle(context):
-            cls.poll_message_set(reason)
+            cls.poll_message_set(iface_(reason))
         return not reason

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
 
 from . import native, world, writable
 
@@ -106,11 +107,13 @@ def _no_keys(obj: bpy.types.Object) -> str:
         return reason
     keys = obj.data.shape_keys
     if keys is not None and not keys.use_relative:
-        return f"{obj.name}'s shape keys are absolute: only relative ones can be combined"
+        return iface_(
+            "{name}'s shape keys are absolute: only relative ones can be combined"
+        ).format(name=obj.name)
     sharing = obj.data.users - obj.data.use_fake_user
     if sharing > 1:
-        return (
-            f"{obj.name} shares its mesh with {sharing - 1} more: make it its own "
-            "(Object > Relations > Make Single User > Object & Data)"
-        )
+        return iface_(
+            "{name} shares its mesh with {count} more: make it its own (Object "
+            "> Relations > Make Single User > Object & Data)"
+        ).format(name=obj.name, count=sharing - 1)
     return ""

@@ -8,6 +8,7 @@ from functools import cached_property
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from . import head_parts, native, scene_in, world, writable
 from .head_parts import HeadPart
@@ -128,10 +129,13 @@ def unchanged(head: ForeignHead) -> bpy.types.Object:
     """The object that was read; raises InvalidInput if it is gone or has other vertices by now."""
     obj = bpy.data.objects.get(head.name)
     if obj is None or obj.type != "MESH":
-        raise native.invalid_input(f"{head.name} was deleted or renamed meanwhile: begin again")
+        raise native.invalid_input(
+            rpt_("{head} was deleted or renamed meanwhile: begin again").format(head=head.name)
+        )
     if len(obj.data.vertices) != len(head.points):
         raise native.invalid_input(
-            f"{head.name} was changed meanwhile: it had {len(head.points)} vertices and has "
-            f"{len(obj.data.vertices)}; begin again"
+            rpt_(
+                "{head} was changed meanwhile: it had {before} vertices and has {now}; begin again"
+            ).format(head=head.name, before=len(head.points), now=len(obj.data.vertices))
         )
     return obj

@@ -15,6 +15,8 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from . import editors, native, outcome
 from .greyed import Greyed
@@ -78,8 +80,8 @@ class Run:
 
     def text(self) -> str:
         if self.is_endless:
-            return f"{self.label}: {self.what}"
-        text = f"{self.label}: {self.fraction:.0%} {self.what}".rstrip()
+            return f"{self.label}: {iface_(self.what)}"
+        text = f"{self.label}: {self.fraction:.0%} {iface_(self.what)}".rstrip()
         return f"{text}{self._time_left()}"
 
     def short_text(self) -> str:
@@ -90,7 +92,9 @@ class Run:
         if not TELLING <= self.fraction < 1:
             return ""
         left = int((time.monotonic() - self.begun) * (1 - self.fraction) / self.fraction)
-        return f", {left // 60}:{left % 60:02d} left"
+        return iface_(", {minutes}:{seconds:02d} left").format(
+            minutes=left // 60, seconds=left % 60
+        )
 
 
 running: Run | None = None
@@ -100,7 +104,7 @@ _ending: list[threading.Thread] = []  # of jobs that Blender ended: they save wh
 
 def busy() -> str:
     """Why no other job may start, or the empty string."""
-    return f"{running.label} is running; Esc stops it" if running else ""
+    return iface_("{job} is running; Esc stops it").format(job=running.label) if running else ""
 
 
 def stop_running() -> None:
@@ -148,7 +152,7 @@ def _have_blender_ask() -> None:
     to save, also after the file was saved in the middle; undoing the job's result leads to it.
     """
     if not bpy.data.is_dirty:
-        bpy.ops.ed.undo_push(message=f"{running.label} Begun")
+        bpy.ops.ed.undo_push(message=iface_("{job} Begun").format(job=running.label))
 
 
 class Modal(Greyed):
@@ -261,7 +265,7 @@ class Job(Modal):
             inputs = self.read(context)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        run = Run(self.bl_label, self.subject(context))
+        run = Run(iface_(self.bl_label, "Operator"), self.subject(context))
         run.keeps_part, run.so_far = self.keeps_part, self.so_far
         run.begin = lambda: run.start(self.work, inputs)
         self._scene_name = context.scene.name
@@ -303,8 +307,12 @@ class Job(Modal):
         if running.stop.is_set() or running.error or not self.needs_object_mode:
             return ""
         if context.scene.name != self._scene_name and self._scene_name in bpy.data.scenes:
-            return f"is done: go back to the scene {self._scene_name}, where it belongs"
-        return "" if context.mode == "OBJECT" else "is done: go to Object Mode, where it is written"
+            return iface_("is done: go back to the scene {scene}, where it belongs").format(
+                scene=self._scene_name
+            )
+        if context.mode == "OBJECT":
+            return ""
+        return iface_("is done: go to Object Mode, where it is written")
 
     def _end(self, context):
         run = running
@@ -325,16 +333,19 @@ class Job(Modal):
         message = self.write(context, result)
         facts = {**self.facts, "is_stopped": is_stopped}
         if is_stopped:
-            return outcome.finished(self, context, f"Stopped. {message}", "WARNING", **facts)
+            message = rpt_("Stopped. {message}").format(message=rpt_(message))
+            return outcome.finished(self, context, message, "WARNING", **facts)
         return outcome.finished(self, context, message, **facts)
 
     def _show(self, context, reason: str) -> bool:
         """Says whether anything is new."""
         if reason:
-            text = f"{running.label} {reason}   |   Esc discards it"
+            text = iface_("{job} {reason}   |   Esc discards it").format(
+                job=running.label, reason=reason
+            )
         else:
-            hint = "stopping" if running.stop.is_set() else "Esc stops"
-            then = f"   |   {len(waiting)} more" if waiting else ""
+            hint = iface_("stopping") if running.stop.is_set() else iface_("Esc stops")
+            then = iface_("   |   {count} more").format(count=len(waiting)) if waiting else ""
             text = f"{running.text()}   |   {hint}{then}"
         if text == self._shown:
             return False

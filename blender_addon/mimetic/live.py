@@ -10,6 +10,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from . import clip_lens, clips, compat, fast_view, jobs, native, scene_in, takes, targets
 from .live_settings import CHANNELS, package_channels
@@ -53,9 +55,9 @@ class Session:
 
     def line(self) -> str:
         """For the user: what goes on."""
-        state = "recording" if self.is_recording else "live"
+        state = iface_("recording") if self.is_recording else iface_("live")
         if left := self.seconds_left():
-            state = f"recording in {left}"
+            state = iface_("recording in {seconds}").format(seconds=left)
         return f"{state}, {self.thread.line}"
 
 
@@ -127,9 +129,11 @@ def end_take(context, session: Session) -> str:
     session.takes.append(path)
     session.notes += [*summary.remarks, *notes]
     _lay_sound(context.scene, session, take, path, offset)
-    return (
-        f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
-        f"on {session.puppet.name}"
+    return rpt_("{num_curves} curves from frame {first:.6g} to {last:.6g} on {name}").format(
+        num_curves=summary.num_curves,
+        first=summary.first,
+        last=summary.last,
+        name=session.puppet.name,
     )
 
 
@@ -143,7 +147,11 @@ def _lay_sound(scene, session: Session, take, path: str, offset: float | None) -
     try:
         compat.add_sound(scene, sound.stem, str(sound), session.start + offset * rate)
     except RuntimeError as error:  # a Blender without sound; the take must not be lost for it
-        session.notes.append(f"{sound} is kept, but not laid in the sequencer: {error}".strip())
+        session.notes.append(
+            rpt_("{sound} is kept, but not laid in the sequencer: {error}")
+            .format(sound=sound, error=error)
+            .strip()
+        )
 
 
 def _paths(session: Session) -> tuple[str, str]:

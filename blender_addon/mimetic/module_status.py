@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import tomllib
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
 from functools import cache
 from pathlib import Path
+
+from bpy.app.translations import pgettext_iface as iface_
 
 
 class State(Enum):
@@ -20,15 +22,42 @@ class State(Enum):
 @dataclass(frozen=True)
 class Status:
     state: State
-    text: str  # what is wrong and what to do; the version if all is well
+    message: str  # what is wrong and what to do; the version if all is well
+    values: dict[str, object] = field(default_factory=dict)  # of the message, by their names
+
+    @property
+    def text(self) -> str:
+        """In the language that Blender has now: a status is asked once a session."""
+        return iface_(self.message).format(**self.values)
 
 
 def no_module_for(python: str) -> Status:
-    return Status(
-        State.missing,
-        f"This build of Mimetic carries no module for {python}. "
-        "Install the Mimetic zip made for this Blender",
+    message = (
+        "This build of Mimetic carries no module for {python}. "
+        "Install the Mimetic zip made for this Blender"
     )
+    return Status(State.missing, message, {"python": python})
+
+
+def part_missing(name: str) -> Status:
+    return Status(State.broken, "Mimetic's module needs {name}, which is missing", {"name": name})
+
+
+def not_loaded(error: ImportError) -> Status:
+    message = (
+        "Mimetic's module cannot be loaded ({error}). "
+        "Restart Blender; if it stays, install Mimetic again"
+    )
+    return Status(State.broken, message, {"error": error})
+
+
+def of_other_version(version: str) -> Status:
+    message = (
+        "Mimetic's module is {version}, the extension {extension}. "
+        "Restart Blender to finish the update"
+    )
+    values = {"version": version, "extension": extension_version()}
+    return Status(State.other_version, message, values)
 
 
 @cache

@@ -10,7 +10,15 @@ from types import ModuleType
 
 import numpy as np
 
-from .module_status import State, Status, extension_version, no_module_for
+from .module_status import (
+    State,
+    Status,
+    extension_version,
+    no_module_for,
+    not_loaded,
+    of_other_version,
+    part_missing,
+)
 
 
 @cache
@@ -22,19 +30,11 @@ def status() -> Status:
         python = f"Python {sys.version_info.major}.{sys.version_info.minor} on {sys.platform}"
         if error.name in ("mimetic", "mimetic._core"):
             return no_module_for(python)
-        return Status(State.broken, f"Mimetic's module needs {error.name}, which is missing")
+        return part_missing(error.name)
     except ImportError as error:
-        return Status(
-            State.broken,
-            f"Mimetic's module cannot be loaded ({error}). "
-            "Restart Blender; if it stays, install Mimetic again",
-        )
+        return not_loaded(error)
     if version != extension_version():
-        return Status(
-            State.other_version,
-            f"Mimetic's module is {version}, the extension {extension_version()}. "
-            "Restart Blender to finish the update",
-        )
+        return of_other_version(version)
     return Status(State.ready, version)
 
 

@@ -5,6 +5,7 @@
 import json
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 
 def finished(operator, context, message: str, level: str = "INFO", **facts) -> set[str]:
@@ -18,6 +19,7 @@ def cancelled(operator, context, message: str, level: str = "ERROR") -> set[str]
 
 
 def _told(operator, context, status: str, level: str, message: str, facts: dict) -> set[str]:
+    message = rpt_(message)
     if message:
         operator.report({level}, message)
     result = {

@@ -2,6 +2,7 @@
 """The extension's page in the preferences: says whether the native module works."""
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from . import native
 
@@ -13,7 +14,10 @@ class MimeticPreferences(bpy.types.AddonPreferences):
         if reason := native.problem():
             self.layout.label(text=reason, icon="ERROR")
         else:
-            self.layout.label(text=f"Native module {native.status().text}", icon="CHECKMARK")
+            self.layout.label(
+                text=iface_("Native module {version}").format(version=native.status().text),
+                icon="CHECKMARK",
+            )
 
 
 def register() -> None:

@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from . import clips, jobs, native, takes, world, writable
 
@@ -48,7 +49,9 @@ def no_clip(context) -> str:
     if clip is None:
         return "Load the footage first (Load Clip)"
     if clip.source == "SEQUENCE" and not native.footage().is_sequence(clips.path_of(clip)):
-        return f"{clip.name} is a single picture: load a movie or numbered pictures (Load Clip)"
+        return iface_(
+            "{clip} is a single picture: load a movie or numbered pictures (Load Clip)"
+        ).format(clip=clip.name)
     return writable.no_tracks(clip)
 
 
@@ -58,7 +61,7 @@ def no_footage(context) -> str:
         return reason
     clip = clip_of(context)
     if clips.is_missing(clip):
-        return f"{clip.name} is missing: look for it (Find Missing Files)"
+        return iface_("{name} is missing: look for it (Find Missing Files)").format(name=clip.name)
     return ""
 
 
@@ -84,10 +87,14 @@ def no_take(context, first: str) -> str:
     clip = clip_of(context)
     take = takes.of_clip(context.scene, clip)
     if take is None:
-        of_clip = f"{clip.name} has no performance: " if clip else ""
-        return f"{of_clip}press {first}, or Load Performance, first"
+        text = iface_("press {buttons}, or Load Performance, first")
+        if clip:
+            text = iface_("{clip} has no performance: press {buttons}, or Load Performance, first")
+        return text.format(clip=clips.name_of(clip), buttons=iface_(first))
     if not takes.find(take):
-        return f"{takes.name_of(take)} is missing: look for it (Find Missing Files)"
+        return iface_("{name} is missing: look for it (Find Missing Files)").format(
+            name=takes.name_of(take)
+        )
     return ""
 
 
@@ -106,7 +113,9 @@ def no_footage_frame(clip: bpy.types.MovieClip, frame: int) -> str:
     """Why a footage frame of a clip is none, where Blender knows how many there are."""
     if clip.frame_duration <= 0 or frame <= clip.frame_duration:
         return ""
-    return f"frame {frame}: {clip.name} has frames 1 to {clip.frame_duration}"
+    return iface_("frame {frame}: {clip} has frames 1 to {last}").format(
+        frame=frame, clip=clip.name, last=clip.frame_duration
+    )
 
 
 def no_landmarks(context, needs_selection: bool, needs_frame: bool = True) -> str:
@@ -146,7 +155,9 @@ def no_stabilising(context) -> str:
     stabilisation = clip_of(context).tracking.stabilization
     track_names = {track.name for track in (*stabilisation.tracks, *stabilisation.rotation_tracks)}
     if names := sorted(track_names.difference(HELD_BY)):
-        return f"The clip is stabilised by {', '.join(names[:3])}; remove that first"
+        return iface_("The clip is stabilised by {names}; remove that first").format(
+            names=", ".join(names[:3])
+        )
     return ""
 
 
@@ -203,11 +214,17 @@ def no_visible_face(context) -> str:
     if reason := no_face(context):
         return reason
     face = face_of(context)
-    return "" if face.visible_get() else f"{face.name} is hidden; show it to export it"
+    if face.visible_get():
+        return ""
+    return iface_("{face} is hidden; show it to export it").format(face=face.name)
 
 
 def _face_in_edit_mode(face: bpy.types.Object | None) -> str:
-    return f"Leave {face.name}'s edit mode first" if face and face.mode == "EDIT" else ""
+    return (
+        iface_("Leave {name}'s edit mode first").format(name=face.name)
+        if face and face.mode == "EDIT"
+        else ""
+    )
 
 
 def footage(context) -> Footage:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import bpy
 from bpy.app.handlers import persistent
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from . import clips, handlers, native
 
@@ -33,7 +34,9 @@ def save(performance, path: str, spare_path: str) -> tuple[str, list[str]]:
         performance.save(path)
     except OSError as error:  # minutes of work: not lost for a folder that is read-only
         performance.save(spare_path)
-        message = f"{path} cannot be written ({error.strerror}): saved as {spare_path}"
+        message = rpt_("{path} cannot be written ({reason}): saved as {spare}").format(
+            path=path, reason=error.strerror, spare=spare_path
+        )
         return spare_path, [message, *notes]
     return path, [*notes]
 
@@ -72,8 +75,10 @@ def load(take: Take):
     performance = native.performances().Performance.load(take.path)
     if not performance.is_of(take.fingerprint):
         raise native.invalid_input(
-            f"{Path(take.path).name} was captured from {performance.footage[0]}, which is not what "
-            f"{take.clip_name} shows: press Capture, or Load Performance for its own"
+            rpt_(
+                "{file} was captured from {footage}, which is not what {clip} "
+                "shows: press Capture, or Load Performance for its own"
+            ).format(file=Path(take.path).name, footage=performance.footage[0], clip=take.clip_name)
         )
     return performance
 
@@ -106,7 +111,11 @@ def keep_for(scene: bpy.types.Scene, clip_name: str, path: str) -> list[str]:
     """Makes a file the take of the clip of a name; returns what the user should know."""
     clip = bpy.data.movieclips.get(clip_name)
     if clip is None:  # deleted while the job ran
-        return [f"{clip_name} is gone from this file, the take is {path}"]
+        return [
+            rpt_("{clip} is gone from this file, the take is {file}").format(
+                clip=clip_name, file=path
+            )
+        ]
     keep(scene, clip, path)
     return []
 

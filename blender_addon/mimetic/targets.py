@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from . import clips, native, scene_in, writable
 from .scene_out import (
@@ -24,7 +25,7 @@ def no_bake(context) -> str:
     if (head := bound_head(context)) is None:
         return no_update(context.scene)
     if head.mode == "EDIT":
-        return f"Leave {head.name}'s edit mode first"
+        return iface_("Leave {name}'s edit mode first").format(name=head.name)
     return writable.no_sliders(head)
 
 
@@ -71,10 +72,12 @@ def no_head_target(context) -> str:
     if target.type != "ARMATURE":
         return ""
     if target.mode == "EDIT":
-        return f"Leave {target.name}'s edit mode first"
+        return iface_("Leave {name}'s edit mode first").format(name=target.name)
     for name in (settings.head.bone, settings.head.neck):
         if name and name not in target.pose.bones:
-            return f"{target.name} has no bone {name}; choose one of its bones"
+            return iface_("{name} has no bone {bone}; choose one of its bones").format(
+                name=target.name, bone=name
+            )
     if settings.head.bone and settings.head.bone == settings.head.neck:
         return "Head and neck are the same bone; choose another or leave the neck empty"
     return "" if settings.head.bone else rigs.no_whole_motion(target)
@@ -86,7 +89,7 @@ def no_curves(context) -> str:
         return reason
     face = scene_in.face_of(context)
     if face.data.shape_keys is None:
-        return f"{face.name} has no sliders: press Attach Muscles"
+        return iface_("{name} has no sliders: press Attach Muscles").format(name=face.name)
     if reason := writable.no_sliders(face):
         return reason
     if not (curves := face_curves.of(face)):
@@ -111,7 +114,7 @@ def no_take_list(context) -> str:
     if obj is None or not len(obj.mimetic.takes):
         return "No take yet: press Bake first"
     if obj.mode == "EDIT":
-        return f"Leave {obj.name}'s edit mode first"
+        return iface_("Leave {name}'s edit mode first").format(name=obj.name)
     return writable.no_motion(obj)
 
 
@@ -128,7 +131,7 @@ def no_controls(context) -> str:
     if reason:
         return reason
     if character.mode == "EDIT":
-        return f"Leave {character.name}'s edit mode first"
+        return iface_("Leave {name}'s edit mode first").format(name=character.name)
     return "" if is_rig else writable.no_sliders(character)
 
 
@@ -151,7 +154,11 @@ def no_expression(context) -> str:
     asset = getattr(context, "asset", None)
     if asset is not None:
         is_one = asset.id_type == "ACTION"
-        return "" if is_one else f"{asset.name} is no expression: choose one that was kept"
+        return (
+            ""
+            if is_one
+            else iface_("{name} is no expression: choose one that was kept").format(name=asset.name)
+        )
     if not any(map(expressions.is_expression, bpy.data.actions)):
         return "There is no expression yet: press Keep Expression or Load Library"
     return ""
@@ -163,7 +170,7 @@ def no_expression_on_face(context) -> str:
         return reason
     face = scene_in.face_of(context)
     if face.data.shape_keys is None:
-        return f"{face.name} has no sliders: press Attach Muscles"
+        return iface_("{name} has no sliders: press Attach Muscles").format(name=face.name)
     return writable.no_sliders(face) or control_object.no_values(face)
 
 
@@ -182,12 +189,14 @@ def no_added_controls(context) -> str:
         return reason
     face = scene_in.face_of(context)
     if not scene_in.is_face(face):
-        return f"{face.name} has no sliders: press Attach Muscles"
+        return iface_("{name} has no sliders: press Attach Muscles").format(name=face.name)
     if reason := control_object.no_controls(face):
         return reason
     animation = face.data.shape_keys.animation_data
     if animation is not None and (animation.action or animation.nla_tracks):
-        return f"{face.name}'s shape keys have curves: Bake to Control Object instead"
+        return iface_("{name}'s shape keys have curves: Bake to Control Object instead").format(
+            name=face.name
+        )
     return ""
 
 

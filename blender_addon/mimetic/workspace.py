@@ -13,6 +13,7 @@ import os
 from collections.abc import Generator
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from . import editors, native
 from .scene_out import opened_view
@@ -37,7 +38,9 @@ def no_workspace() -> str:
     if bpy.app.background:
         return "Workspaces are for Blender's window"
     if find() is None and _shipped_file() is None:
-        return f"The template {SHIPPED[0]}, which Blender ships, is missing"
+        return iface_("The template {name}, which Blender ships, is missing").format(
+            name=SHIPPED[0]
+        )
     return ""
 
 

@@ -10,6 +10,7 @@ object. Functions say why not and the way out, or nothing.
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from . import native
 
@@ -26,23 +27,31 @@ MESH_OVERRIDE = (
 def no_motion(obj: bpy.types.Object) -> str:
     """Why curves of an object or of its bones would be lost."""
     if obj.library:
-        return f"{_linked(obj)}: {OVERRIDE}, or {LOCAL}"
+        return iface_("{linked}: {way}, or {other}").format(
+            linked=_linked(obj), way=iface_(OVERRIDE), other=iface_(LOCAL)
+        )
     override = obj.override_library
     if override and override.is_system_override:
-        return (
-            f"{obj.name} is a library override that is not editable: make it editable "
-            f"(Outliner, Library Overrides view), or {LOCAL}"
-        )
+        return iface_(
+            "{name} is a library override that is not editable: make it "
+            "editable (Outliner, Library Overrides view), or {way}"
+        ).format(name=obj.name, way=iface_(LOCAL))
     return ""
 
 
 def no_sliders(face: bpy.types.Object) -> str:
     """Why values and curves of a mesh's shape keys would be lost."""
     if face.library:
-        return f"{_linked(face)}, its sliders with it: {LOCAL}"
+        return iface_("{linked}, its sliders with it: {way}").format(
+            linked=_linked(face), way=LOCAL
+        )
     if face.data.library:
-        way = f"{MESH_OVERRIDE}, or {LOCAL}" if face.override_library else LOCAL
-        return f"{_linked(face.data, face)}, its sliders with it: {way}"
+        way = iface_(LOCAL)
+        if face.override_library:
+            way = iface_("{way}, or {other}").format(way=iface_(MESH_OVERRIDE), other=way)
+        return iface_("{linked}, its sliders with it: {way}").format(
+            linked=_linked(face.data, face), way=way
+        )
     return no_motion(face)
 
 
@@ -51,7 +60,9 @@ def no_shapes(face: bpy.types.Object) -> str:
     if reason := no_sliders(face):
         return reason
     if face.override_library or face.data.override_library:
-        return f"{face.name} is a library override, which keeps no shapes of its own: {LOCAL}"
+        return iface_(
+            "{name} is a library override, which keeps no shapes of its own: {way}"
+        ).format(name=face.name, way=iface_(LOCAL))
     return ""
 
 
@@ -59,14 +70,16 @@ def no_lens(camera: bpy.types.Object) -> str:
     """Why a camera's lens and background would be lost."""
     for block in (camera, camera.data):
         if block.library:
-            return f"{_linked(block, camera)}: {LOCAL}"
+            return f"{_linked(block, camera)}: {iface_(LOCAL)}"
     return ""
 
 
 def no_tracks(clip: bpy.types.MovieClip) -> str:
     """Why tracks and stabilisation of a clip would be lost."""
     if clip.library:
-        return f"{_linked(clip)}: make it local (Outliner, Blender File view: ID Data > Make Local)"
+        return iface_(
+            "{linked}: make it local (Outliner, Blender File view: ID Data > Make Local)"
+        ).format(linked=_linked(clip))
     return ""
 
 
@@ -84,5 +97,9 @@ def check(reason: str) -> None:
 
 
 def _linked(block: bpy.types.ID, owner: bpy.types.Object | None = None) -> str:
-    what = block.name if owner in (None, block) else f"{block.bl_rna.name} of {owner.name}"
-    return f"{what} is linked from {bpy.path.basename(block.library.filepath)}"
+    what = block.name
+    if owner not in (None, block):
+        what = iface_("{kind} of {owner}").format(kind=iface_(block.bl_rna.name), owner=owner.name)
+    return iface_("{name} is linked from {file}").format(
+        name=what, file=bpy.path.basename(block.library.filepath)
+    )

@@ -6,6 +6,7 @@ from __future__ import annotations
 import blf
 import bpy
 import gpu
+from bpy.app.translations import pgettext_iface as iface_
 from gpu_extras.batch import batch_for_shader
 
 from .. import native
@@ -131,7 +132,9 @@ def _draw_scale(context, settings, lowest: float, highest: float) -> None:
     batch_for_shader(shader, "TRI_STRIP", {"pos": points, "color": colours}).draw(shader)
     gpu.state.blend_set("NONE")
     measure = settings.bl_rna.properties["strain_measure"].enum_items[settings.strain_measure].name
-    title = f"Skin strain, {measure.lower()}: {100 * lowest:+.1f} to {100 * highest:+.1f} %"
+    title = iface_("Skin strain, {measure}: {lowest:+.1f} to {highest:+.1f} %").format(
+        measure=iface_(measure).lower(), lowest=100 * lowest, highest=100 * highest
+    )
     with text.style(ui_scale):
         for share in (0, 0.25, 0.5, 0.75, 1):
             mark = f"{(2 * share - 1) * settings.strain_limit:+.3g} %" if share != 0.5 else "0"

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The steps from footage to file, top to bottom, the same in both editors."""
 
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Panel
 
 from .. import (
@@ -47,10 +48,10 @@ class Capture:
         paragraph(layout, run.what)
         for i, later in enumerate(jobs.waiting, start=1):
             row = layout.row(align=True)
-            row.label(text=f"Then: {later.name()}")
+            row.label(text=iface_("Then: {job}").format(job=later.name()))
             row.operator("mimetic.stop", text="", icon="X").index = i
-        keeps = " and keeps what is done" if run.keeps_part else ""
-        layout.label(text=f"Esc stops{keeps}")
+        keeps = "Esc stops and keeps what is done"
+        layout.label(text=keeps if run.keeps_part else "Esc stops")
 
     def draw_next(self, layout, settings, step):
         """What takes the footage further, lit, at the top, where no sidebar is too low for it."""
@@ -82,7 +83,7 @@ class Capture:
     def draw_clip(self, layout, clip):
         """The clip whose face and take the buttons below use."""
         if clips.is_missing(clip):
-            layout.label(text=f"{clip.name} is missing", icon="ERROR")
+            layout.label(text=iface_("{name} is missing").format(name=clip.name), icon="ERROR")
             layout.operator("mimetic.find_missing")
         paragraph(layout, clips.change_of(clip))
         layout.label(text=f"{clip.name}: {scene_out.face_fit.summary(clip)}", icon="FILE_MOVIE")
@@ -133,10 +134,12 @@ class Capture:
         if take and takes.find(take):
             layout.label(text=takes.name_of(take), icon="CHECKMARK")
         elif take:
-            layout.label(text=f"{takes.name_of(take)} is missing", icon="ERROR")
+            layout.label(
+                text=iface_("{name} is missing").format(name=takes.name_of(take)), icon="ERROR"
+            )
             layout.operator("mimetic.find_missing")
         head = targets.bound_head(context)
-        text = f"Bake on {head.name}" if head else "Bake"
+        text = iface_("Bake on {head}").format(head=head.name) if head else "Bake"
         layout.operator("mimetic.bake", text=text, icon="ACTION")
         row = layout.row(align=True)
         row.operator("mimetic.export_gltf", icon="EXPORT")

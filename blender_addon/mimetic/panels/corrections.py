@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Corrections of single frames of the captured face, in the clip editor."""
 
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Panel
 
 from .. import corrections, scene_in
@@ -29,7 +30,7 @@ class MIMETIC_PT_corrections(OfClip, Panel):
         for frame in corrections.frames_of(scene_in.clip_of(context)):
             row = layout.row(align=True)
             icon = "RADIOBUT_ON" if frame == shown else "RADIOBUT_OFF"
-            text = f"Frame {frame}"
+            text = iface_("Frame {frame}").format(frame=frame)
             row.operator("mimetic.show_correction", text=text, icon=icon).frame = frame
             row.operator("mimetic.delete_correction", text="", icon="X").frame = frame
         row = layout.row(align=True)

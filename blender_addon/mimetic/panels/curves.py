@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The face's curves: how many keys they have, and edits of many at once."""
 
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Panel
 
 from .. import native, scene_in, scene_out
@@ -20,7 +21,11 @@ class MIMETIC_PT_curves(Muscles, Panel):
         layout = self.layout
         curves = [row.curve for row in scene_out.face_curves.of(scene_in.shown_face(context))]
         count = sum(len(curve.keyframe_points) for curve in curves)
-        layout.label(text=f"{len(curves)} curves, {count} keys" if curves else "No curves yet")
+        layout.label(
+            text=iface_("{curves} curves, {keys} keys").format(curves=len(curves), keys=count)
+            if curves
+            else "No curves yet"
+        )
         column = layout.column(align=True)
         row = column.row(align=True)
         row.operator("mimetic.smooth_curves", icon="MOD_SMOOTH")

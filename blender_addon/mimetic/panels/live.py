@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A face driven by a camera."""
 
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Panel
 
 from .. import live, native, scene_in
@@ -28,7 +29,9 @@ class MIMETIC_PT_live(Muscles, Panel):
         fps = 30.0 if session is None else session.thread.source.fps
         figures = native.stillness_figures(settings.stillness, fps)
         layout.label(
-            text=f"lags {figures.lag_frames:.1f} frames, keeps {figures.jitter_share:.0%} of jitter"
+            text=iface_("lags {frames:.1f} frames, keeps {share:.0%} of jitter").format(
+                frames=figures.lag_frames, share=figures.jitter_share
+            )
         )
         layout.column(align=True).prop(settings, "channels")
         row = layout.row()

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The face's sliders in the groups that its curves are listed under, and its overlays."""
 
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Panel
 
 from .. import contact, native, scene_in, writable
@@ -61,9 +62,9 @@ class MIMETIC_PT_muscles(Muscles, Panel):
 
     def draw_attaching(self, layout, context):
         active = context.active_object
-        name = active.name if active and active.type == "MESH" else "a head of your own"
+        name = active.name if active and active.type == "MESH" else iface_("a head of your own")
         column = layout.column(align=True)
-        column.label(text=f"Muscles on {name}:")
+        column.label(text=iface_("Muscles on {name}:").format(name=name))
         column.operator("mimetic.add_landmarks", icon="EMPTY_DATA")
         column.operator("mimetic.attach_muscles", icon="SHAPEKEY_DATA")
         column.operator("mimetic.add_arkit_shapes", icon="SHAPEKEY_DATA")

@@ -7,6 +7,7 @@ from collections.abc import Callable
 
 import blf
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 MARGINS = 60  # of a sidebar's width, pixels at a UI scale of 1: tabs, frame of the panel, label
 LETTERS = 44  # in a line where there is no window to measure in
@@ -16,6 +17,8 @@ def paragraph(layout: bpy.types.UILayout, text: str, icon: str = "NONE") -> None
     """As many labels as the sidebar's width asks for; the icon stands before the first."""
     limit, width_of = _measure()
     beside = width_of("mmm") if icon != "NONE" else 0
+    # Whole: no translation has its lines
+    text = iface_(text)
     for i, line in enumerate(lines(text, limit - beside, width_of)):
         layout.label(text=line, icon="NONE" if i else icon)
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The takes of the active face or character: which plays, how well each was captured."""
 
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Panel, UIList
 
 from .. import native, scene_out, targets
@@ -17,10 +18,10 @@ class MIMETIC_UL_takes(UIList):
         row.label(text=item.name, icon="GREASEPENCIL" if item.is_edited else "NONE")
         numbers = row.row(align=True)
         numbers.ui_units_x = 5.5
-        numbers.label(text=f"{item.first} to {item.last}")
+        numbers.label(text=iface_("{first} to {last}").format(first=item.first, last=item.last))
         lost = row.row(align=True)
         lost.ui_units_x = 3.0
-        lost.label(text=f"{item.num_lost} lost" if item.num_lost else "")
+        lost.label(text=iface_("{count} lost").format(count=item.num_lost) if item.num_lost else "")
 
 
 class MIMETIC_PT_takes(Muscles, Panel):
@@ -37,7 +38,7 @@ class MIMETIC_PT_takes(Muscles, Panel):
         obj = targets.take_owner(context)
         face = obj.mimetic
         if not len(face.takes):
-            layout.label(text=f"{obj.name}: no take yet")
+            layout.label(text=iface_("{name}: no take yet").format(name=obj.name))
             return
         row = layout.row()
         row.template_list("MIMETIC_UL_takes", "", face, "takes", face, "active_take", rows=3)
@@ -57,9 +58,13 @@ class MIMETIC_PT_takes(Muscles, Panel):
     def draw_take(self, layout, take):
         column = layout.column(align=True)
         lines = [
-            f"{take.clip or take.performance}, frames {take.first} to {take.last}",
-            f"quality {take.quality:.2f}, {take.num_lost} frames lost",
-            f"baked {take.date}; {take.settings}",
+            iface_("{footage}, frames {first} to {last}").format(
+                footage=take.clip or take.performance, first=take.first, last=take.last
+            ),
+            iface_("quality {quality:.2f}, {count} frames lost").format(
+                quality=take.quality, count=take.num_lost
+            ),
+            iface_("baked {date}; {settings}").format(date=take.date, settings=take.settings),
         ]
         for line in lines:
             paragraph(column, line)
