@@ -7,6 +7,7 @@ panel already.
 
 from __future__ import annotations
 
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import IntProperty
 
 from .. import native, scene_in
@@ -59,7 +60,11 @@ def frame_range(operator, context) -> tuple[int | None, int | None] | None:
 def check_order(first: int | None, last: int | None) -> None:
     """Raises InvalidInput."""
     if first and last and last < first:
-        raise native.invalid_input(f"frames {first}:{last}: the first is after the last")
+        raise native.invalid_input(
+            rpt_("frames {first}:{last}: the first is after the last").format(
+                first=first, last=last
+            )
+        )
 
 
 def set_given(operator, names: tuple[str, ...], settings) -> None:

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 from bpy.types import Operator
 
@@ -98,8 +100,9 @@ class MIMETIC_OT_bake(CurveOptions, TakeOptions, Job, Operator):
         options = (footage, self.use_contact, self.use_detail) if head is None else None
         if options and footage and clips.is_missing(clip):
             raise native.invalid_input(
-                f"{clip.name} is missing: look for it (Find Missing Files), or untick "
-                "Footage as Skin"
+                rpt_(
+                    "{name} is missing: look for it (Find Missing Files), or untick Footage as Skin"
+                ).format(name=clip.name)
             )
         return scene_in.take(context), options, head.name if head else "", self.curve_settings()
 
@@ -149,32 +152,33 @@ class MIMETIC_OT_bake(CurveOptions, TakeOptions, Job, Operator):
         )
         face = context.scene.mimetic.face
         self.facts = {"object": face.name, "camera": context.scene.camera.name, **_made(summary)}
-        message = (
-            f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
-            f"on {face.name}"
+        message = rpt_("{num_curves} curves from frame {first:.6g} to {last:.6g} on {name}").format(
+            num_curves=summary.num_curves, first=summary.first, last=summary.last, name=face.name
         )
         like = performance, name, take, clip, self.settings(), before
         message += self.note_take(context, face, *like)
         if summary.kept:
-            message += f"; {summary.kept} (Reset Hand Changes undoes that)"
+            message += rpt_("; {kept} (Reset Hand Changes undoes that)").format(kept=summary.kept)
         if clip and clips.is_missing(clip):
-            message += f"; {clip.name} is missing: the camera shows it once it is found"
+            message += rpt_("; {clip} is missing: the camera shows it once it is found").format(
+                clip=clip.name
+            )
         if clip and self.use_render:
             remark = scene_out.over_footage.set_up(context.scene, face, performance)
             message += f"; {remark}" if remark else ""
         if self.use_view and scene_out.camera.look_through(context, face):
-            message += "; other objects are out of view, View > Local View shows them again"
+            message += rpt_("; other objects are out of view, View > Local View shows them again")
         scene_out.canonical.select_only(context.view_layer, face)
         return message
 
     def settings(self) -> str:
         """Of this bake, for the list of takes."""
-        parts = ["a key a frame"]
+        parts = [iface_("a key a frame")]
         if self.use_few_keys:
-            parts = [f"few keys within {self.tolerance:.3g}"]
-            parts += ["at phases"] if self.use_phases else []
+            parts = [iface_("few keys within {tolerance:.3g}").format(tolerance=self.tolerance)]
+            parts += [iface_("at phases")] if self.use_phases else []
         parts += self.curve_remarks()
-        parts += ["detail"] if self.use_detail else []
+        parts += [iface_("detail")] if self.use_detail else []
         return ", ".join(parts)
 
     def uses_controls(self, face) -> bool:
@@ -197,14 +201,21 @@ class MIMETIC_OT_bake(CurveOptions, TakeOptions, Job, Operator):
         for remark in summary.left_out:
             self.report({"WARNING"}, remark)
         if summary.untouched:
-            self.report({"INFO"}, f"The performance leaves alone: {', '.join(summary.untouched)}")
-        message = (
-            f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
-            f"on {head.name}; its mesh, materials, contact and the scene's camera stay"
+            self.report(
+                {"INFO"},
+                rpt_("The performance leaves alone: {names}").format(
+                    names=", ".join(summary.untouched)
+                ),
+            )
+        message = rpt_(
+            "{num_curves} curves from frame {first:.6g} to {last:.6g} on "
+            "{name}; its mesh, materials, contact and the scene's camera stay"
+        ).format(
+            num_curves=summary.num_curves, first=summary.first, last=summary.last, name=head.name
         )
         if performance.detail_modes is not None and self.use_detail:
-            message += "; detail is the performer's own skin's and was left out"
-        return message if summary.has_motion else f"{message}; the object was not moved"
+            message += rpt_("; detail is the performer's own skin's and was left out")
+        return message if summary.has_motion else message + rpt_("; the object was not moved")
 
 
 def _made(summary) -> dict:

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.types import Operator
 
 from .. import clips, native, scene_in, scene_out
@@ -27,8 +28,10 @@ skin is held and how strong the muscles are; the fit keeps it for every capture"
         most = native.calibration_run().MOST_FRAMES
         if frames is None and clip.frame_duration > most:
             raise native.invalid_input(
-                f"Calibration uses {most} frames at most: tick Part of the Clip, and choose a "
-                "few seconds in which the face moves"
+                rpt_(
+                    "Calibration uses {most} frames at most: tick Part of the "
+                    "Clip, and choose a few seconds in which the face moves"
+                ).format(most=most)
             )
         return scene_in.footage(context), frames, scene_out.face_fit.of_clip(clip)
 
@@ -45,4 +48,4 @@ skin is held and how strong the muscles are; the fit keeps it for every capture"
         clip_name, fit = result
         scene_out.face_fit.keep(clips.named(clip_name), fit)
         self.facts = {"clip": clip_name, "frames": list(fit.calibration.frames)}
-        return f"Calibrated: {fit.calibration.described()}"
+        return rpt_("Calibrated: {what}").format(what=fit.calibration.described())

@@ -2,6 +2,7 @@
 """Which expression a button means: one by name, the Asset Browser's, or the panel's."""
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from .. import native, scene_out, targets
@@ -33,8 +34,10 @@ def chosen(context, name: str) -> bpy.types.Action:
         action = context.scene.mimetic.expression
     if not isinstance(action, bpy.types.Action) or not scene_out.expressions.is_expression(action):
         what = name or (asset.name if asset else "")
+        if not what:
+            raise native.invalid_input(rpt_("Choose an expression"))
         raise native.invalid_input(
-            f"{what} is no expression: choose one that was kept" if what else "Choose an expression"
+            rpt_("{name} is no expression: choose one that was kept").format(name=what)
         )
     return action
 
@@ -49,5 +52,7 @@ def _appended(asset) -> bpy.types.Action | None:
         with bpy.data.libraries.load(asset.full_library_path, link=False) as (there, here):
             here.actions = [name for name in there.actions if name == asset.name]
     except OSError as error:
-        raise native.invalid_input(f"{asset.name} cannot be read: {error}") from None
+        raise native.invalid_input(
+            rpt_("{name} cannot be read: {error}").format(name=asset.name, error=error)
+        ) from None
     return here.actions[0] if here.actions else None

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 from bpy.types import Operator
 
@@ -38,7 +39,11 @@ the clip editor, or in a workspace that has one"""
         if self.is_by_hand:
             workspace.show_footage(context)
         width, height = footage.size
-        messages = [f"{clip.name}: {width} x {height}, {float(footage.fps):.6g} frames/s"]
+        messages = [
+            rpt_("{clip}: {width} x {height}, {fps:.6g} frames/s").format(
+                clip=clip.name, width=width, height=height, fps=float(footage.fps)
+            )
+        ]
         warnings = [*footage.warnings, *filter(None, [clips.change_of(clip), _unturned(footage)])]
         level = "WARNING" if warnings else "INFO"
         facts = {"clip": clip.name, "size": [width, height], "fps": float(footage.fps)}
@@ -50,11 +55,12 @@ def _unturned(footage) -> str:
     """A warning where this Blender shows pictures otherwise than the file means them, or ""."""
     if compat.CLIPS_ARE_TURNED or not footage.rotation:
         return ""
-    return (
-        f"{footage.path.name} says that it is turned by {footage.rotation} degrees, which this "
-        "Blender does not read: what is drawn over it will lie beside; turn it for good (ffmpeg -i "
-        f"{footage.path.name} upright.mp4) and load that, or take Blender 4.5"
-    )
+    return rpt_(
+        "{path} says that it is turned by {rotation} degrees, which this "
+        "Blender does not read: what is drawn over it will lie beside; turn it "
+        "for good (ffmpeg -i {path} upright.mp4) and load that, or take "
+        "Blender 4.5"
+    ).format(path=footage.path.name, rotation=footage.rotation)
 
 
 def _at_scene_rate(path: str, scene: bpy.types.Scene):

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty
 from bpy.types import Operator
 
@@ -20,16 +21,22 @@ class MIMETIC_OT_add_control_object(Greyed, Operator):
         face = scene_in.face_of(context)
         # Not `obstacle`'s: the redo panel asks that while what it will undo is still there
         if control := scene_out.control_object.of(face):
-            return outcome.cancelled(self, context, f"{face.name} has one already: {control.name}")
+            return outcome.cancelled(
+                self,
+                context,
+                rpt_("{face} has one already: {control}").format(
+                    face=face.name, control=control.name
+                ),
+            )
         try:
             control = scene_out.control_object.ensure(context.scene, face)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
         scene_out.canonical.select_only(context.view_layer, control)
         num_bones = len(control.data.bones)
-        message = (
-            f"{control.name} drives {face.name} by {num_bones} bones: Pose Mode, sidebar, Item"
-        )
+        message = rpt_(
+            "{control} drives {face} by {num_bones} bones: Pose Mode, sidebar, Item"
+        ).format(control=control.name, face=face.name, num_bones=num_bones)
         return outcome.finished(
             self, context, message, object=control.name, face=face.name, num_bones=num_bones
         )
@@ -54,14 +61,19 @@ class MIMETIC_OT_remove_control_object(Greyed, Operator):
     def execute(self, context):
         face = scene_in.face_of(context)
         if not face.mimetic.has_controls:
-            return outcome.cancelled(self, context, f"{face.name} has no control object")
+            return outcome.cancelled(
+                self, context, rpt_("{face} has no control object").format(face=face.name)
+            )
         try:
             num_curves = scene_out.control_removal.remove(context.scene, face, self.use_curves)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
         scene_out.canonical.select_only(context.view_layer, face)
-        kept = f", whose motion is {num_curves} curves of its own now" if num_curves else ""
-        message = f"{face.name} is driven by its shape keys again{kept}"
+        message = rpt_("{face} is driven by its shape keys again").format(face=face.name)
+        if num_curves:
+            message += rpt_(", whose motion is {num_curves} curves of its own now").format(
+                num_curves=num_curves
+            )
         return outcome.finished(self, context, message, object=face.name, num_curves=num_curves)
 
 

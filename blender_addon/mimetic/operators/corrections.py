@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Corrections of single frames: pins on the captured skin, values, the head's pose."""
 
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import (
     BoolProperty,
     EnumProperty,
@@ -58,7 +60,9 @@ class Correcting(Greyed):
             context.scene.frame_current = scene_in.scene_frame(clip, frame)
         editors.redraw("CLIP_EDITOR")
         frames = [entry.frame for entry in now]
-        message = f"{self.bl_label}: frame {frame}; Refine solves the frames around it"
+        message = rpt_("{operator}: frame {frame}; Refine solves the frames around it").format(
+            operator=iface_(self.bl_label, "Operator"), frame=frame
+        )
         return outcome.finished(self, context, message, clip=clip.name, frames=frames)
 
 
@@ -99,7 +103,7 @@ class MIMETIC_OT_pin_skin(Correcting, Operator):
         self._is_dragging = False
         self._before = corrections.of_clip(scene_in.clip_of(context))
         context.window.cursor_modal_set("CROSSHAIR")
-        context.workspace.status_text_set("Drag a place of the face   |   Esc cancels")
+        context.workspace.status_text_set(iface_("Drag a place of the face   |   Esc cancels"))
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
@@ -187,7 +191,9 @@ class MIMETIC_OT_correct_value(Correcting, Operator):
         performance = shown_take.performance(context)
         performance.index_of(frame)
         if self.value_name not in native.correcting().value_names(performance):
-            raise native.invalid_input(f"value_name {self.value_name}: the take has no such value")
+            raise native.invalid_input(
+                rpt_("value_name {name}: the take has no such value").format(name=self.value_name)
+            )
         return native.correcting().with_value(
             earlier, frame, self.value_name, self.value, self.std, self.reach
         )
@@ -296,7 +302,10 @@ class MIMETIC_OT_refine(Job, Operator):
         path, remarks = takes.save(refined, *paths)
         frames = [entry.frame for entry in entries]
         facts = {"clip": take.clip_name, "performance": path, "frames": frames}
-        return facts, [f"Refined about {len(frames)} corrected frames", *remarks]
+        return facts, [
+            rpt_("Refined about {count} corrected frames").format(count=len(frames)),
+            *remarks,
+        ]
 
     def write(self, context, result):
         self.facts, remarks = result

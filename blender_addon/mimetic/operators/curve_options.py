@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from bpy.app.translations import pgettext_iface as iface_
 from bpy.props import FloatProperty, IntProperty, StringProperty
 
 from .. import native
@@ -50,7 +51,11 @@ class CurveOptions:
 
     def curve_remarks(self) -> list[str]:
         """The same for the list of takes, nothing where curves are as captured."""
-        parts = [f"smoothed over {self.smoothing:.3g} s"] if self.smoothing else []
-        parts += [f"neutral in frame {self.neutral_frame}"] if self.neutral_frame else []
-        parts += [f"exaggerated by {self.exaggeration:.3g}"] if self.exaggeration != 1 else []
+        parts = []
+        if self.smoothing:
+            parts.append(iface_("smoothed over {seconds:.3g} s").format(seconds=self.smoothing))
+        if self.neutral_frame:
+            parts.append(iface_("neutral in frame {frame}").format(frame=self.neutral_frame))
+        if self.exaggeration != 1:
+            parts.append(iface_("exaggerated by {factor:.3g}").format(factor=self.exaggeration))
         return [*parts, self.group_exaggeration] if self.group_exaggeration else parts

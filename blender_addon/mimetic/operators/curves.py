@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Edits of the face's curves: of all, of a group, of what is selected in the Graph Editor."""
 
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, StringProperty
 from bpy.types import Operator
 
@@ -58,7 +59,7 @@ class OnCurves(Greyed):
 
 
 def _count(chosen) -> str:
-    return "1 curve" if len(chosen) == 1 else f"{len(chosen)} curves"
+    return rpt_("1 curve") if len(chosen) == 1 else rpt_("{count} curves").format(count=len(chosen))
 
 
 class MIMETIC_OT_reduce_keys(OnCurves, Operator):
@@ -87,9 +88,8 @@ class MIMETIC_OT_reduce_keys(OnCurves, Operator):
 
     def edit(self, context, face, chosen):
         summary = scene_out.few_keys.reduce(chosen, self.tolerance, self.use_phases)
-        message = (
-            f"{summary.keys_after} keys instead of {summary.keys_before}, "
-            f"within {summary.error:.3f}"
+        message = rpt_("{after} keys instead of {before}, within {error:.3f}").format(
+            after=summary.keys_after, before=summary.keys_before, error=summary.error
         )
         facts = {"num_keys": summary.keys_after, "num_keys_before": summary.keys_before}
         return message, {**facts, "error": float(summary.error)}
@@ -126,7 +126,9 @@ class MIMETIC_OT_smooth_curves(OnCurves, Operator):
             chosen = [c for c in chosen if c.of.group != gaze and not is_lid(c.of.shape)]
         rate = scene_in.timing(context.scene, None).scene_rate
         farthest = scene_out.curve_edits.smooth(chosen, self.seconds * rate)
-        message = f"{_count(chosen)} smoothed; keys moved by up to {farthest:.3f}"
+        message = rpt_("{curves} smoothed; keys moved by up to {farthest:.3f}").format(
+            curves=_count(chosen), farthest=farthest
+        )
         return message, {"error": farthest, "num_curves": len(chosen)}
 
 
@@ -156,7 +158,7 @@ class WithinLimits:
     def told(self, values, what: str, beyond: int):
         message = f"{_count(values)} {what}"
         if beyond:
-            message += f"; {beyond} keys kept within their limits"
+            message += rpt_("; {count} keys kept within their limits").format(count=beyond)
         return message, {"num_curves": len(values), "num_keys_limited": beyond}
 
 
@@ -188,7 +190,7 @@ class MIMETIC_OT_exaggerate_curves(WithinLimits, OnCurves, Operator):
         at = context.scene.frame_current_final if self.about == "FRAME" else None
         values = self.scaled(chosen)
         beyond = scene_out.curve_edits.exaggerate(values, self.factor, at, self.use_limits)
-        return self.told(values, f"times {self.factor:.3g}", beyond)
+        return self.told(values, rpt_("times {factor:.3g}").format(factor=self.factor), beyond)
 
 
 class MIMETIC_OT_offset_curves(WithinLimits, OnCurves, Operator):
@@ -224,9 +226,9 @@ class MIMETIC_OT_offset_curves(WithinLimits, OnCurves, Operator):
         if self.by == "NEUTRAL":
             at = context.scene.frame_current_final
             beyond = edits.set_neutral(values, at, self.use_limits)
-            return self.told(values, f"at rest in frame {at:.6g}", beyond)
+            return self.told(values, rpt_("at rest in frame {frame:.6g}").format(frame=at), beyond)
         beyond = edits.shift(values, self.amount, self.use_limits)
-        return self.told(values, f"moved by {self.amount:.3g}", beyond)
+        return self.told(values, rpt_("moved by {amount:.3g}").format(amount=self.amount), beyond)
 
 
 class MIMETIC_OT_mirror_curves(OnCurves, Operator):
@@ -262,7 +264,7 @@ class MIMETIC_OT_mirror_curves(OnCurves, Operator):
         if not chosen:
             raise native.invalid_input("Whole curves are mirrored: select all keys of some")
         count = scene_out.curve_edits.mirror(chosen, curves, self.how, self.share)
-        return f"{count} curves mirrored", {"num_curves": count}
+        return rpt_("{count} curves mirrored").format(count=count), {"num_curves": count}
 
 
 class MIMETIC_OT_retime_curves(OnCurves, Operator):
@@ -299,7 +301,9 @@ class MIMETIC_OT_retime_curves(OnCurves, Operator):
         curves = edits.curves_to_retime(face, chosen, with_head)
         edits.retime(curves, first, last, self.factor, self.frames_later)
         ends = edits.ends(curves)
-        message = f"{len(curves)} curves from frame {ends[0]:.6g} to {ends[1]:.6g}"
+        message = rpt_("{num_curves} curves from frame {first:.6g} to {last:.6g}").format(
+            num_curves=len(curves), first=ends[0], last=ends[1]
+        )
         return message, {"num_curves": len(curves), "scene_frames": list(ends)}
 
 

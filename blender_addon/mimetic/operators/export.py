@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Operator
 from bpy_extras.io_utils import ExportHelper
@@ -39,4 +40,6 @@ class MIMETIC_OT_export_character(Greyed, Operator, ExportHelper):
             loses = scene_out.exports.export(context.scene, path, scene_in.face_of(context))
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        return outcome.finished(self, context, f"Wrote {path}; {loses}", file=path)
+        return outcome.finished(
+            self, context, rpt_("Wrote {path}; {loses}").format(path=path, loses=loses), file=path
+        )

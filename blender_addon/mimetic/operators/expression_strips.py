@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Expressions in the NLA of a face: one after the other, over each other, and as one."""
 
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, FloatProperty, StringProperty
 from bpy.types import Operator
 
@@ -36,11 +37,11 @@ class MIMETIC_OT_sequence_expression(OnFace, Operator):
             )
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        text = (
-            f"{action.name} from frame {sequence.first:.6g} to {sequence.last:.6g} on {face.name}"
+        text = rpt_("{action} from frame {first:.6g} to {last:.6g} on {face}").format(
+            action=action.name, first=sequence.first, last=sequence.last, face=face.name
         )
         if sequence.pushed_down:
-            text += f"; {sequence.pushed_down} is a strip under it now"
+            text += rpt_("; {name} is a strip under it now").format(name=sequence.pushed_down)
         facts = {"action": action.name, "object": face.name}
         facts["scene_frames"] = [sequence.first, sequence.last]
         return outcome.finished(self, context, text, **facts)
@@ -70,7 +71,9 @@ class MIMETIC_OT_compose_expressions(Greyed, Operator):
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
         frames = [span.first, span.last]
-        text = f"{count} strips are {self.name}, from frame {span.first:.6g} to {span.last:.6g}"
+        text = rpt_("{count} strips are {name}, from frame {first:.6g} to {last:.6g}").format(
+            count=count, name=self.name, first=span.first, last=span.last
+        )
         return outcome.finished(self, context, text, object=face.name, scene_frames=frames)
 
 

@@ -4,6 +4,8 @@
 from pathlib import Path
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
@@ -157,7 +159,9 @@ class MIMETIC_OT_apply_expression(OnFace, Operator):
         blocks = face.data.shape_keys.key_blocks
         self._start = {name: blocks[name].value for name in self._target}
         if not self._target:
-            message = f"{face.name} has none of the muscles that {self.action} moves"
+            message = rpt_("{name} has none of the muscles that {expression} moves").format(
+                name=face.name, expression=self.action
+            )
             outcome.cancelled(self, context, message)
         return bool(self._target)
 
@@ -173,16 +177,20 @@ class MIMETIC_OT_apply_expression(OnFace, Operator):
         has_keys = self.use_key or scene.tool_settings.use_keyframe_insert_auto
         if has_keys:
             scene_out.expressions.key_sliders(face, self._target, scene.frame_current)
-        text = f"{self.action} at {self.share:.0%} on {face.name}"
-        text += ", keyed" if has_keys else "; auto keying is off"
+        text = rpt_("{action} at {share:.0%} on {face}").format(
+            action=self.action, share=self.share, face=face.name
+        )
+        text += rpt_(", keyed") if has_keys else rpt_("; auto keying is off")
         facts = {"action": self.action, "object": face.name, "is_keyed": has_keys}
         return outcome.finished(self, context, text, **facts)
 
     def _show(self, context) -> None:
-        note = ", mirrored" if self.is_mirrored else ""
+        note = iface_(", mirrored") if self.is_mirrored else ""
         context.workspace.status_text_set(
-            f"{self.action}{note}: {self.share:.0%}   |   drag blends, M mirrors, click keeps, "
-            "Esc leaves the face as it was"
+            iface_(
+                "{action}{note}: {share:.0%}   |   drag blends, M mirrors, click "
+                "keeps, Esc leaves the face as it was"
+            ).format(action=self.action, note=note, share=self.share)
         )
         editors.redraw("VIEW_3D")
 
@@ -205,7 +213,9 @@ class MIMETIC_OT_mirror_expression(OfExpression, Operator):
         picture = scene_out.expressions.picture_of(document)
         asset = expressions.new_asset(name, document, rate, picture)
         show(context.scene, asset)
-        return outcome.finished(self, context, f"{name} is kept", action=asset.name)
+        return outcome.finished(
+            self, context, rpt_("{name} is kept").format(name=name), action=asset.name
+        )
 
 
 class MIMETIC_OT_load_expressions(Job, Operator):
@@ -249,7 +259,9 @@ class MIMETIC_OT_load_expressions(Job, Operator):
         rate = scene_in.timing(context.scene, None).scene_rate
         for name, document, picture in result:
             show(context.scene, scene_out.expressions.new_asset(name, document, rate, picture))
-        return f"{len(result)} expressions are assets now: {', '.join(name for name, *_ in result)}"
+        return rpt_("{count} expressions are assets now: {names}").format(
+            count=len(result), names=", ".join(name for name, *_ in result)
+        )
 
 
 class MIMETIC_OT_save_expression(OfExpression, Operator):
@@ -278,9 +290,11 @@ class MIMETIC_OT_save_expression(OfExpression, Operator):
             library.check_new(action.name, self.use_replace)
             path = library.keep(action.name, document, scene_out.expressions.picture_of(document))
         except native.known_errors() as error:
-            message = str(error).replace("--replace", "tick Replace")
+            message = str(error).replace("--replace", rpt_("tick Replace"))
             return outcome.cancelled(self, context, message)
-        return outcome.finished(self, context, f"{path} is written", file=str(path))
+        return outcome.finished(
+            self, context, rpt_("{path} is written").format(path=path), file=str(path)
+        )
 
 
 def draw_in_asset_menu(menu, context) -> None:

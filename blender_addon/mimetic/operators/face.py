@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, FloatVectorProperty, IntProperty
 from bpy.types import Operator
 
@@ -75,9 +77,9 @@ class MIMETIC_OT_find_face(Job, Operator):
         # What was found is on show at once; frame_set() would leave the clip editors behind
         if clip == scene_in.clip_of(context) and not is_playing():
             context.scene.frame_current = scene_in.scene_frame(clip, fit.frame)
-        message = (
-            f"Face found in frame {fit.frame}; drag its landmarks in the clip editor to pin them"
-        )
+        message = rpt_(
+            "Face found in frame {frame}; drag its landmarks in the clip editor to pin them"
+        ).format(frame=fit.frame)
         return "; ".join([message, *warnings])
 
 
@@ -99,7 +101,7 @@ class MIMETIC_OT_pick_face(Greyed, Operator):
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
         context.window.cursor_modal_set("EYEDROPPER")
-        context.workspace.status_text_set("Click on the face   |   Esc cancels")
+        context.workspace.status_text_set(iface_("Click on the face   |   Esc cancels"))
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 

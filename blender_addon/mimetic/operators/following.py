@@ -2,6 +2,7 @@
 import statistics
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from .. import clip_lens, clips, native, scene_in, scene_out, takes
@@ -57,7 +58,7 @@ class Following(arguments.FrameRange, Job):
         performance = self.follow(option, footage.path, progress, **what)
         path, remarks = takes.save(performance, *paths)
         first, last = int(performance.frame[0]), int(performance.frame[-1])
-        message = self.message.format(first=first, last=last)
+        message = rpt_(self.message).format(first=first, last=last)
         quality, held_quality = performance.quality.tolist(), native.performances().HELD_QUALITY
         facts = {
             "clip": footage.clip_name,

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 from bpy.types import Operator
 
@@ -20,7 +21,9 @@ class MIMETIC_OT_add_landmarks(Job, Operator):
     def read(self, context):
         head = context.active_object
         if empties := heads.landmark_empties(context.scene, head):
-            message = f"There are landmarks for {head.name}: {', '.join(empties)}"
+            message = rpt_("There are landmarks for {head}: {names}").format(
+                head=head.name, names=", ".join(empties)
+            )
             raise native.invalid_input(message)
         return heads.foreign_head(context.scene, head)
 
@@ -44,10 +47,14 @@ class MIMETIC_OT_add_landmarks(Job, Operator):
         count = len(landmarks.places)
         if landmarks.guess:
             self.report({"WARNING"}, f"{object_.name}: {landmarks.guess}")
-            return f"{count} landmarks, guessed: move each to its place, then Attach Muscles"
+            return rpt_(
+                "{count} landmarks, guessed: move each to its place, then Attach Muscles"
+            ).format(count=count)
         if doubtful:
-            return f"{count} landmarks; look at {', '.join(doubtful)}, then Attach Muscles"
-        return f"{count} landmarks: check them, then Attach Muscles"
+            return rpt_("{count} landmarks; look at {names}, then Attach Muscles").format(
+                count=count, names=", ".join(doubtful)
+            )
+        return rpt_("{count} landmarks: check them, then Attach Muscles").format(count=count)
 
 
 class MIMETIC_OT_attach_muscles(Job, Operator):
@@ -95,7 +102,9 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
             "notes": notes,
             "parts": attached.parts,
         }
-        message = f"{head.name} has {num_sliders} sliders: sidebar, Mimetic, Muscles"
+        message = rpt_("{name} has {num_sliders} sliders: sidebar, Mimetic, Muscles").format(
+            name=head.name, num_sliders=num_sliders
+        )
         return "; ".join(filter(None, (message, _along(attached.parts), attached.hand_changes)))
 
 
@@ -132,17 +141,21 @@ class MIMETIC_OT_add_arkit_shapes(Job, Operator):
             "notes": notes,
             "parts": parts,
         }
-        message = f"{object_.name} has {len(added)} of ARKit's shapes"
+        message = rpt_("{name} has {count} of ARKit's shapes").format(
+            name=object_.name, count=len(added)
+        )
         if parts:
             message += f"; {_along(parts)}"
         if kept:
-            message += f"; {len(kept)} keys of such names stay as they were: {', '.join(kept[:4])}"
+            message += rpt_("; {count} keys of such names stay as they were: {names}").format(
+                count=len(kept), names=", ".join(kept[:4])
+            )
         return message
 
 
 def _along(parts: list[str]) -> str:
     """Which objects move with the head's keys."""
-    return f"{', '.join(parts)} moved along" if parts else ""
+    return rpt_("{names} moved along").format(names=", ".join(parts)) if parts else ""
 
 
 def _attached(head, landmarks, progress):

@@ -2,6 +2,7 @@
 """The head alone: following it, and putting its motion on characters."""
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
@@ -65,7 +66,9 @@ class MIMETIC_OT_find_head_bones(Greyed, Operator):
         if not bones.head:
             return outcome.cancelled(self, context, bones.remark)
         settings.bone, settings.neck = bones.head, bones.neck
-        message = f"Head {bones.head}, neck {bones.neck or 'none'}"
+        message = rpt_("Head {head}, neck {neck}").format(
+            head=bones.head, neck=bones.neck or rpt_("none")
+        )
         return outcome.finished(self, context, message, bone=bones.head, neck=bones.neck)
 
 
@@ -90,7 +93,7 @@ class MIMETIC_OT_set_rest_frame(Greyed, Operator):
         if reason := scene_in.no_footage_frame(scene_in.clip_of(context), frame):
             return outcome.cancelled(self, context, reason)
         context.scene.mimetic.head.rest_frame = frame
-        message = f"Footage frame {frame} is the character's pose at rest"
+        message = rpt_("Footage frame {frame} is the character's pose at rest").format(frame=frame)
         return outcome.finished(self, context, message, frame=frame)
 
 
@@ -149,15 +152,17 @@ class MIMETIC_OT_bake_head(Job, Operator):
         frames = [summary.first, summary.last]
         self.facts = {"num_curves": summary.num_curves, "scene_frames": frames}
         self.facts |= {"object": target.name, "bone": target.bone, "neck": target.neck}
-        return (
-            f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
-            f"on {summary.where}"
+        return rpt_("{num_curves} curves from frame {first:.6g} to {last:.6g} on {name}").format(
+            num_curves=summary.num_curves,
+            first=summary.first,
+            last=summary.last,
+            name=summary.where,
         )
 
 
 def _named(scene: bpy.types.Scene, name: str) -> bpy.types.Object:
     if name not in scene.objects:
-        raise native.invalid_input(f"the scene has no object {name}")
+        raise native.invalid_input(rpt_("the scene has no object {name}").format(name=name))
     return scene.objects[name]
 
 

@@ -3,6 +3,8 @@
 
 import time
 
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty
 from bpy.types import Operator
 
@@ -158,7 +160,8 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
             return outcome.cancelled(self, context, "Stopped; nothing was recorded", "INFO")
         if error:
             self.report({"WARNING"}, str(error))
-        return _finished(self, context, session, message or f"{len(session.takes)} takes recorded")
+        message = message or rpt_("{count} takes recorded").format(count=len(session.takes))
+        return _finished(self, context, session, message)
 
     def leave(self, context) -> None:
         session, live.active = live.active, None
@@ -203,7 +206,7 @@ def show(session) -> None:
 def _session(context, is_blocking: bool = False):
     settings = context.scene.mimetic.live
     source = live.source_of(context, is_paced=not is_blocking)
-    run = jobs.Run("Live", is_endless=True)
+    run = jobs.Run(iface_("Live", "Operator"), is_endless=True)
     taught, use = live.taught_of(settings), settings.set_use.lower()
     thread = native.live_thread().LiveThread(
         source, settings.stillness, run.stop, is_blocking, taught, use, live.lens_of(context)
@@ -229,10 +232,13 @@ def _finished(operator, context, session, message: str):
 
 
 def _hints(session, settings) -> str:
-    record = "R ends the take" if session.is_recording else "R records"
-    text = f"N sets neutral, {record}, 1 to {len(DIGITS)} freeze channels, Esc stops"
-    names = [name.lower() for channel, name, _ in CHANNELS if channel not in settings.channels]
-    return f"{text}   |   frozen: {', '.join(names)}" if names else text
+    record = iface_("R ends the take") if session.is_recording else iface_("R records")
+    text = iface_("N sets neutral, {record}, 1 to {last} freeze channels, Esc stops").format(
+        record=record, last=len(DIGITS)
+    )
+    names = [iface_(name).lower() for key, name, _ in CHANNELS if key not in settings.channels]
+    frozen = iface_("   |   frozen: {names}").format(names=", ".join(names)) if names else ""
+    return f"{text}{frozen}"
 
 
 CLASSES = (MIMETIC_OT_live, MIMETIC_OT_live_command)

@@ -2,6 +2,7 @@
 from pathlib import Path
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 from bpy.types import Operator
 
@@ -37,19 +38,23 @@ performances by name, footage by its content, whatever it is called now"""
     def execute(self, context):
         folder = Path(bpy.path.abspath(self.directory))
         if not folder.is_dir():
-            message = f"{folder}: there is no such folder; choose another"
+            message = rpt_("{folder}: there is no such folder; choose another").format(
+                folder=folder
+            )
             return outcome.cancelled(self, context, message)
         lines = [*_find_clips(folder), *_find_takes(folder)]
         absent = [clip.name for clip in _missing_clips()] + list(
             map(takes.name_of, takes.missing())
         )
         absent = list(dict.fromkeys(absent))
-        left = f"{', '.join(absent)}: not in {folder} nor in a folder in it"
+        left = rpt_("{names}: not in {folder} nor in a folder in it").format(
+            names=", ".join(absent), folder=folder
+        )
         if not lines:
             return outcome.cancelled(self, context, left, "WARNING")
         if absent:
             self.report({"WARNING"}, left)
-        message = f"Found {', '.join(lines)}"
+        message = rpt_("Found {files}").format(files=", ".join(lines))
         return outcome.finished(self, context, message, files=lines, missing=absent)
 
 

@@ -4,6 +4,8 @@
 from pathlib import Path
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, EnumProperty, StringProperty
 from bpy.types import Operator
 
@@ -115,8 +117,10 @@ class MIMETIC_OT_fit_controls(Fitting, Operator):
         remarks = native.playing().remarks(rows, played)
         _write_rows(character, rows, remarks)
         self.facts = {"object": name, "num_controls": len(rows)}
-        message = f"{name}: {len(rows)} controls"
-        return f"{message}; {played.summary()}" if played else f"{message}; no performance yet"
+        message = rpt_("{name}: {count} controls").format(name=name, count=len(rows))
+        return (
+            f"{message}; {played.summary()}" if played else message + rpt_("; no performance yet")
+        )
 
 
 class MIMETIC_OT_bake_controls(CurveOptions, TakeOptions, Fitting, Operator):
@@ -151,12 +155,12 @@ class MIMETIC_OT_bake_controls(CurveOptions, TakeOptions, Fitting, Operator):
             "unmatched": list(played.unmatched),
             "explained": played.explained,
         }
-        settings = ", ".join(["own controls", *self.curve_remarks()])
+        settings = ", ".join([iface_("own controls"), *self.curve_remarks()])
         like = performance, action_name, take, clip, settings, before
-        return (
-            f"{summary.num_curves} curves from frame {summary.first:.6g} to {summary.last:.6g} "
-            f"on {name}; {summary.text}{self.note_take(context, character, *like)}"
+        message = rpt_("{num_curves} curves from frame {first:.6g} to {last:.6g} on {name}").format(
+            num_curves=summary.num_curves, first=summary.first, last=summary.last, name=name
         )
+        return f"{message}; {summary.text}{self.note_take(context, character, *like)}"
 
 
 class MIMETIC_OT_preview_controls(Fitting, Operator):
@@ -204,7 +208,7 @@ class MIMETIC_OT_preview_controls(Fitting, Operator):
         if context.window is not None and not bpy.app.background:
             bpy.ops.mimetic.leave_preview("INVOKE_DEFAULT")
         self.facts = {"object": name, "num_controls": len(rows)}
-        return f"{name} shows the performance; Esc puts it back"
+        return rpt_("{name} shows the performance; Esc puts it back").format(name=name)
 
 
 class MIMETIC_OT_leave_preview(Operator):
@@ -248,7 +252,9 @@ class MIMETIC_OT_mirror_controls(OnControls, Operator):
         rows = native.controls().mirrored(before, self.from_side)
         _write_rows(character, rows)
         count = sum(row != old for row, old in zip(rows, before, strict=True))
-        return outcome.finished(self, context, f"{count} rows changed", num_rows=count)
+        return outcome.finished(
+            self, context, rpt_("{count} rows changed").format(count=count), num_rows=count
+        )
 
 
 class Preset(OnControls):
@@ -283,7 +289,12 @@ class MIMETIC_OT_save_controls(Preset, Operator):
             native.controls().save_preset(rows, path)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        return outcome.finished(self, context, f"{path.name}: {len(rows)} rows", file=str(path))
+        return outcome.finished(
+            self,
+            context,
+            rpt_("{file}: {count} rows").format(file=path.name, count=len(rows)),
+            file=str(path),
+        )
 
 
 class MIMETIC_OT_load_controls(Preset, Operator):
@@ -304,12 +315,18 @@ class MIMETIC_OT_load_controls(Preset, Operator):
         own = package.refitted(control_rows.rows_of(character), ranges_of(character))
         rows, strangers = package.with_preset(own, preset)
         if len(strangers) == len(preset):
-            message = f"{character.name} has none of the preset's controls"
+            message = rpt_("{character} has none of the preset's controls").format(
+                character=character.name
+            )
             return outcome.cancelled(self, context, message)
         _write_rows(character, rows)
-        message = f"{len(preset) - len(strangers)} rows from {Path(self.filepath).name}"
+        message = rpt_("{count} rows from {file}").format(
+            count=len(preset) - len(strangers), file=Path(self.filepath).name
+        )
         if strangers:
-            message += f"; {character.name} has no {', '.join(strangers)}"
+            message += rpt_("; {character} has no {names}").format(
+                character=character.name, names=", ".join(strangers)
+            )
         return outcome.finished(self, context, message, left_out=strangers)
 
 

@@ -2,6 +2,7 @@
 from pathlib import Path
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 from bpy.types import Operator
 
@@ -32,12 +33,20 @@ class MIMETIC_OT_load_performance(Greyed, Operator, Opened):
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
         first, last = performance.frame[0], performance.frame[-1]
-        messages = [f"Frames {first} to {last} at {performance.fps:.6g} frames/s"]
+        messages = [
+            rpt_("Frames {first} to {last} at {fps:.6g} frames/s").format(
+                first=first, last=last, fps=performance.fps
+            )
+        ]
         if clip is not None and clip != scene_in.clip_of(context):
             scene_out.clip.show(context, clip)
-            messages.append(f"it is of {clip.name}, which is shown now")
+            messages.append(rpt_("it is of {clip}, which is shown now").format(clip=clip.name))
         elif clip is None and performance.footage:
-            messages.append(f"{performance.footage[0]}, which it is of, is not found: no footage")
+            messages.append(
+                rpt_("{footage}, which it is of, is not found: no footage").format(
+                    footage=performance.footage[0]
+                )
+            )
         takes.keep(context.scene, clip, path)
         messages += performance.notes or []
         level = "WARNING" if performance.notes else "INFO"
@@ -68,6 +77,8 @@ def _clip_of(context, performance, path: str) -> bpy.types.MovieClip | None:
     if current is None:
         return None
     raise native.invalid_input(
-        f"{Path(path).name} was captured from {name}, not from {current.name}: load {name} first "
-        "(Load Clip), or take the footage away to bake without one"
+        rpt_(
+            "{file} was captured from {footage}, not from {clip}: load {footage} "
+            "first (Load Clip), or take the footage away to bake without one"
+        ).format(file=Path(path).name, footage=name, clip=current.name)
     )

@@ -1,4 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.types import Operator
 
 from .. import clips, editors, native, outcome, pins, scene_in, scene_out
@@ -35,7 +37,7 @@ class MIMETIC_OT_pin(Pinning, Operator):
     def change(self, context, clip):
         names = landmarks.selected(clip)
         pins.pin(clip, names, scene_in.shown_frame(context))
-        return f"Pinned {', '.join(names)}"
+        return rpt_("Pinned {names}").format(names=", ".join(names))
 
 
 class MIMETIC_OT_unpin(Pinning, Operator):
@@ -47,7 +49,7 @@ class MIMETIC_OT_unpin(Pinning, Operator):
     def change(self, context, clip):
         names = landmarks.selected(clip)
         pins.unpin(clip, names)
-        return f"Unpinned {', '.join(names)}"
+        return rpt_("Unpinned {names}").format(names=", ".join(names))
 
 
 class MIMETIC_OT_follow_pins(Pinning, Operator):
@@ -59,7 +61,9 @@ class MIMETIC_OT_follow_pins(Pinning, Operator):
 
     def change(self, context, clip):
         names = pins.follow(clip)
-        return f"The face follows {', '.join(names)}" if names else "No landmark was moved"
+        if not names:
+            return rpt_("No landmark was moved")
+        return rpt_("The face follows {names}").format(names=", ".join(names))
 
 
 class MIMETIC_OT_show_landmarks(Job, Operator):
@@ -82,7 +86,7 @@ class MIMETIC_OT_show_landmarks(Job, Operator):
 
     def work(self, inputs, progress):
         footage, fit, frame = inputs
-        progress(0.0, f"finding the face in frame {frame}")
+        progress(0.0, iface_("finding the face in frame {frame}").format(frame=frame))
         image = native.footage().Footage(footage.path).read(frame)
         return footage.clip_name, native.further_frame().with_frame(fit, image, frame), frame
 
@@ -90,7 +94,9 @@ class MIMETIC_OT_show_landmarks(Job, Operator):
         clip_name, fit, frame = result
         scene_out.face_fit.store(clips.named(clip_name), fit)
         self.facts = {"clip": clip_name, "frames": [view.frame for view in fit.views]}
-        return f"The face is fitted to {len(fit.views)} frames now, frame {frame} among them"
+        return rpt_("The face is fitted to {count} frames now, frame {frame} among them").format(
+            count=len(fit.views), frame=frame
+        )
 
 
 CLASSES = (

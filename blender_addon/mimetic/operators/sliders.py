@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, IntProperty
 from bpy.types import Operator
 
@@ -48,7 +49,9 @@ class MIMETIC_OT_add_face(Job, Operator):
         scene_out.canonical.select_only(context.view_layer, face)
         num_sliders = len(head.shapes) + len(units) + len(head.groups)
         self.facts = {"object": face.name, "num_sliders": num_sliders}
-        return f"{face.name} has {num_sliders} sliders: sidebar, Mimetic, Muscles"
+        return rpt_("{name} has {num_sliders} sliders: sidebar, Mimetic, Muscles").format(
+            name=face.name, num_sliders=num_sliders
+        )
 
 
 class MIMETIC_OT_rest_face(Greyed, Operator):

@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import FloatProperty
 from bpy.types import Operator
 
@@ -42,7 +43,9 @@ class MIMETIC_OT_hold_head_still(Job, Operator):
         clip = clips.named(clip_name)
         num_frames = scene_out.stabilised.hold_still(clip, performance)
         self.facts = {"clip": clip_name, "num_frames": num_frames}
-        return f"The head is held still in {num_frames} frames of {clip.name}"
+        return rpt_("The head is held still in {count} frames of {clip}").format(
+            count=num_frames, clip=clip.name
+        )
 
 
 class MIMETIC_OT_release_head(Greyed, Operator):

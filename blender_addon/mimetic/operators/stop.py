@@ -1,4 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import IntProperty
 from bpy.types import Operator
 
@@ -27,5 +28,7 @@ class MIMETIC_OT_stop(Greyed, Operator):
         elif self.index <= len(jobs.waiting):
             jobs.waiting.pop(self.index - 1)
         else:
-            return outcome.cancelled(self, context, f"{len(jobs.waiting)} jobs wait")
+            return outcome.cancelled(
+                self, context, rpt_("{count} jobs wait").format(count=len(jobs.waiting))
+            )
         return outcome.finished(self, context, "")

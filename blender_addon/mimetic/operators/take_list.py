@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Takes of the active face or character: which plays, two at once, and where the face was lost."""
 
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import FloatProperty, StringProperty
 from bpy.types import Operator
 
@@ -46,9 +47,11 @@ class MIMETIC_OT_play_take(OnTake, Operator):
         is_whole = scene_out.take_list.play(obj, row)
         if scene_out.lost_markers.ours(context.scene):
             scene_out.lost_markers.show(context.scene, row)
-        message = f"{row.name} plays on {obj.name}"
+        message = rpt_("{take} plays on {name}").format(take=row.name, name=obj.name)
         if not is_whole:
-            message += "; contact and detail were made for a later bake and rest: bake it again"
+            message += rpt_(
+                "; contact and detail were made for a later bake and rest: bake it again"
+            )
         return message, {}
 
 
@@ -62,8 +65,12 @@ class MIMETIC_OT_remove_take(OnTake, Operator):
     def use(self, context, obj, row):
         name = row.name
         actions = scene_out.take_list.remove(obj, row)
-        gone = f", with {', '.join(actions)}" if actions else "; its actions are used elsewhere"
-        return f"{name} is removed{gone}", {"actions": actions}
+        message = rpt_("{name} is removed").format(name=name)
+        if actions:
+            message += rpt_(", with {actions}").format(actions=", ".join(actions))
+        else:
+            message += rpt_("; its actions are used elsewhere")
+        return message, {"actions": actions}
 
 
 class MIMETIC_OT_compare_take(OnTake, Operator):
@@ -77,7 +84,10 @@ class MIMETIC_OT_compare_take(OnTake, Operator):
     def use(self, context, obj, row):
         name = row.name
         twin = scene_out.take_comparison.stand_beside(context.scene, obj, row)
-        return f"{twin.name} plays {name} beside {obj.name}", {"copy": twin.name}
+        message = rpt_("{copy} plays {take} beside {original}").format(
+            copy=twin.name, take=name, original=obj.name
+        )
+        return message, {"copy": twin.name}
 
 
 class MIMETIC_OT_blend_takes(OnTake, Operator):
@@ -104,9 +114,14 @@ class MIMETIC_OT_blend_takes(OnTake, Operator):
         takes = scene_out.take_list
         under = takes.find(obj, self.over) if self.over else takes.playing(obj)
         if under is None:
-            raise native.invalid_input(f"No take plays on {obj.name}: play one first, or name it")
+            raise native.invalid_input(
+                rpt_("No take plays on {name}: play one first, or name it").format(name=obj.name)
+            )
         takes.blend(obj, under, row, self.influence)
-        return f"{row.name} over {under.name} at {self.influence:.0%}", {"over": under.name}
+        message = rpt_("{take} over {other} at {influence:.0%}").format(
+            take=row.name, other=under.name, influence=self.influence
+        )
+        return message, {"over": under.name}
 
 
 class MIMETIC_OT_mark_lost(OnTake, Operator):
@@ -119,9 +134,13 @@ class MIMETIC_OT_mark_lost(OnTake, Operator):
 
     def use(self, context, obj, row):
         count = scene_out.lost_markers.show(context.scene, row)
-        what = "1 lost range" if count == 1 else f"{count} lost ranges"
-        message = f"{what} of {row.name} marked" if count else f"{row.name} was never lost"
-        return message, {"num_ranges": count}
+        if not count:
+            message = rpt_("{take} was never lost")
+        elif count == 1:
+            message = rpt_("1 lost range of {take} marked")
+        else:
+            message = rpt_("{count} lost ranges of {take} marked")
+        return message.format(take=row.name, count=count), {"num_ranges": count}
 
 
 class MIMETIC_OT_unmark_lost(Greyed, Operator):
@@ -140,7 +159,7 @@ class MIMETIC_OT_unmark_lost(Greyed, Operator):
         if not count:
             return outcome.cancelled(self, context, "No lost frames are marked", "INFO")
         editors.redraw()
-        return outcome.finished(self, context, f"{count} markers removed")
+        return outcome.finished(self, context, rpt_("{count} markers removed").format(count=count))
 
 
 CLASSES = (

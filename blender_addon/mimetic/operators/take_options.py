@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, EnumProperty
 
 from .. import scene_in, scene_out
@@ -51,17 +52,24 @@ class TakeOptions:
             obj, obj.mimetic.takes[earlier_name]
         )
         if is_replaced and is_inherited:
-            remark = f"; {earlier_name} is a take of the linked file and stays in Takes"
+            remark = rpt_("; {take} is a take of the linked file and stays in Takes").format(
+                take=earlier_name
+            )
         elif earlier_name and is_replaced:
             takes.remove(obj, obj.mimetic.takes[earlier_name])
-            remark = f"; {earlier_name} is replaced" + (", edits and all" if is_edited else "")
+            remark = rpt_("; {take} is replaced").format(take=earlier_name)
+            remark += rpt_(", edits and all") if is_edited else ""
             if earlier_name == name or earlier_name.startswith(f"{name}."):
                 obj.mimetic.takes[new].name = new = earlier_name
         elif is_kept:
             takes.play(obj, obj.mimetic.takes[earlier_name])
-            remark = f"; {earlier_name} was edited and plays on, {new} waits in Takes"
+            remark = rpt_("; {take} was edited and plays on, {new} waits in Takes").format(
+                take=earlier_name, new=new
+            )
         elif is_edited:
-            remark = f"; {earlier_name} was edited: it is kept in Takes, {new} plays"
+            remark = rpt_("; {take} was edited: it is kept in Takes, {new} plays").format(
+                take=earlier_name, new=new
+            )
         if self.use_strips and not is_kept:
             takes.as_strips(obj, obj.mimetic.takes[new])
         self.facts = {**(self.facts or {}), "take": new}
