@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from .. import clip_lens, native, scene_in, targets, writable
 from . import (
@@ -140,7 +141,8 @@ def bake(
     obj.mimetic.use_contact = contact_shapes is not None
     if appearance is not None:
         has_paint = materials.dress(obj, appearance, is_reset)
-        hand_changes.things += [f"the picture of {name}" for name in has_paint]
+        text = iface_("the picture of {name}")
+        hand_changes.things += [text.format(name=name) for name in has_paint]
     if with_units:
         expressions.ensure_units(timing.scene_rate)
     motion = placement.head_motion(performance, world_from_camera)

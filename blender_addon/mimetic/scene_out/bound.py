@@ -10,6 +10,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Matrix
 
 from .. import heads, native, scene_in, world, writable
@@ -61,7 +63,11 @@ def bake(
     channels = motion(scene, performance, head_object) if use_head_motion else None
     holder = actions.continued_take(keys, f"{take} muscles")
     if stale := _silence(head_object, holder):
-        remarks.append(f"an earlier take's {', '.join(stale)} on {head_object.name} is at 0 now")
+        remarks.append(
+            rpt_("an earlier take's {names} on {head} is at 0 now").format(
+                names=", ".join(stale), head=head_object.name
+            )
+        )
     for key, shape in playable:
         actions.key_slider(holder, key, shape.group, frames, shape.values)
     num_curves = len(playable)
@@ -84,7 +90,9 @@ def no_motion(head: bpy.types.Object) -> str:
     mover = moved_by(head)
     if not mover:
         return ""
-    return f"{head.name} is moved by {mover}: the head's motion is left to Bake Head (panel Head)"
+    return iface_(
+        "{head} is moved by {mover}: the head's motion is left to Bake Head (panel Head)"
+    ).format(head=head.name, mover=mover)
 
 
 def moved_by(head: bpy.types.Object) -> str:
@@ -95,11 +103,11 @@ def moved_by(head: bpy.types.Object) -> str:
         if modifier.type == "ARMATURE" and modifier.object:
             return modifier.object.name
     if constraint := next((c for c in head.constraints if not c.mute), None):
-        return f"its constraint {constraint.name}"
+        return iface_("its constraint {constraint}").format(constraint=constraint.name)
     if _has_deltas(head):
-        return "its delta transforms"
+        return iface_("its delta transforms")
     if any(path.startswith(("location", "rotation")) for path in actions.driver_paths(head)):
-        return "its drivers"
+        return iface_("its drivers")
     return ""
 
 
@@ -155,12 +163,22 @@ def no_play(head, shapes: Sequence, sliders: Mapping, driven_keys: set[str]) -> 
     """What of the shapes a head does not play, in sentences."""
     notes = []
     if missing := [shape.name for shape in shapes if shape.name not in sliders]:
-        notes.append(f"{head.name} has no slider {', '.join(missing)}")
+        notes.append(
+            iface_("{head} has no slider {names}").format(head=head.name, names=", ".join(missing))
+        )
     if driven_names := [key.name for key in sliders.values() if key.name in driven_keys]:
-        notes.append(f"drivers of {head.name} set {', '.join(driven_names)}")
+        notes.append(
+            iface_("drivers of {head} set {names}").format(
+                head=head.name, names=", ".join(driven_names)
+            )
+        )
     pairs = [(sliders[shape.name], shape) for shape in shapes if shape.name in sliders]
     if cut := [key.name for key, shape in pairs if _is_cut(key, shape.values)]:
-        notes.append(f"{head.name} ends before the performance: the limits of {', '.join(cut)}")
+        notes.append(
+            iface_("{head} ends before the performance: the limits of {names}").format(
+                head=head.name, names=", ".join(cut)
+            )
+        )
     return notes
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
 
 from .. import native
 from .contact import KEY, points_of
@@ -41,16 +42,19 @@ class HandChanges:
         if not self.things:
             return ""
         more = len(self.things) - MOST_TOLD
-        text = ", ".join(self.things[:MOST_TOLD]) + (f" and {more} more" if more > 0 else "")
-        return f"kept as changed by hand: {text}"
+        text = ", ".join(self.things[:MOST_TOLD])
+        text += iface_(" and {count} more").format(count=more) if more > 0 else ""
+        return iface_("kept as changed by hand: {what}").format(what=text)
 
     def add(self, shape: str, state: KeyState) -> None:
         if state.is_renamed:
-            self.things.append(f"the name {state.key} of {shape}")
+            self.things.append(
+                iface_("the name {key} of {shape}").format(key=state.key, shape=shape)
+            )
         if state.is_sculpted:
-            self.things.append(f"the shape of {shape}")
+            self.things.append(iface_("the shape of {shape}").format(shape=shape))
         if state.has_own_limits:
-            self.things.append(f"the limits of {shape}")
+            self.things.append(iface_("the limits of {shape}").format(shape=shape))
 
 
 def look(face) -> dict[str, KeyState]:

@@ -11,6 +11,8 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Matrix, Vector
 
 from .. import native, world, writable
@@ -47,11 +49,13 @@ def no_controls(face: bpy.types.Object) -> str:
     if reason := writable.no_shapes(face):
         return reason
     if face.mode == "EDIT":
-        return f"Leave {face.name}'s edit mode first"
+        return iface_("Leave {name}'s edit mode first").format(name=face.name)
     others = own_keys.driven_keys(face.data.shape_keys) - control_drivers.keys_driven(face)
     names = set(by_hand.keys_now(face).values()) & others
     if names:
-        return f"Drivers of your own set {', '.join(sorted(names)[:3])} of {face.name}"
+        return iface_("Drivers of your own set {names} of {face}").format(
+            names=", ".join(sorted(names)[:3]), face=face.name
+        )
     return ""
 
 
@@ -60,10 +64,10 @@ def no_keys(face: bpy.types.Object | None) -> str:
     control = of(face)
     if control is None:
         return ""
-    return (
-        f"{face.name} is driven by {control.name}: bake to Control Object, or take it away first "
-        "(Remove Control Object)"
-    )
+    return iface_(
+        "{face} is driven by {control}: bake to Control Object, or take it "
+        "away first (Remove Control Object)"
+    ).format(face=face.name, control=control.name)
 
 
 def no_bake(face: bpy.types.Object | None, use_controls: bool) -> str:
@@ -78,7 +82,9 @@ def no_values(face: bpy.types.Object | None) -> str:
     control = of(face)
     if control is None:
         return ""
-    return f"{face.name} is driven by {control.name}: pose that, or Remove Control Object first"
+    return iface_(
+        "{face} is driven by {control}: pose that, or Remove Control Object first"
+    ).format(face=face.name, control=control.name)
 
 
 def forget_lost(face: bpy.types.Object | None) -> str:
@@ -86,7 +92,9 @@ def forget_lost(face: bpy.types.Object | None) -> str:
     if face is None or not is_lost(face):
         return ""
     remove(face)
-    return f"{face.name}'s control object was deleted: its shape keys move by themselves"
+    return rpt_("{face}'s control object was deleted: its shape keys move by themselves").format(
+        face=face.name
+    )
 
 
 def ensure(scene: bpy.types.Scene, face: bpy.types.Object) -> bpy.types.Object:

@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import compat, native
 from . import contact_curves, gltf, negative_keys, selection
@@ -96,11 +98,15 @@ FORMATS = {
 def no_format(suffix: str) -> str:
     """Why a file of this kind cannot be written, or nothing."""
     if suffix not in FORMATS:
-        return f"{suffix or 'no suffix'}: files are written as {', '.join(FORMATS)}"
+        return iface_("{suffix}: files are written as {formats}").format(
+            suffix=suffix or iface_("no suffix"), formats=", ".join(FORMATS)
+        )
     kind = FORMATS[suffix]
     if kind.is_built():
         return ""
-    return f"This Blender has no {kind.name} exporter: enable its add-on, or take another build"
+    return iface_(
+        "This Blender has no {format} exporter: enable its add-on, or take another build"
+    ).format(format=kind.name)
 
 
 def write(scene: bpy.types.Scene, path: str | os.PathLike[str], character) -> str:
@@ -140,9 +146,13 @@ def export(
             except RuntimeError as error:  # what the exporter reported
                 raise OSError(f"{path}: {str(error).strip()}") from None
         if not aside.is_file():
-            raise OSError(f"{path}: Blender's {kind.name} exporter wrote nothing")
+            raise OSError(
+                rpt_("{path}: Blender's {format} exporter wrote nothing").format(
+                    path=path, format=kind.name
+                )
+            )
         os.replace(aside, path)
-    return f"{kind.name}: {kind.loses}"
+    return f"{kind.name}: {rpt_(kind.loses)}"
 
 
 @contextmanager

@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import compat, native
 from . import actions, by_hand, expressions
@@ -107,7 +108,11 @@ def _action_for(
     if is_mirrored:
         document = document.mirrored()
     if not any(name in names for name in document.channels):
-        raise native.invalid_input(f"{obj.name} has none of the muscles that {action.name} moves")
+        raise native.invalid_input(
+            rpt_("{name} has none of the muscles that {expression} moves").format(
+                name=obj.name, expression=action.name
+            )
+        )
     is_renamed = any(names.get(name, name) != name for name in document.channels)
     if not (is_mirrored or is_renamed or document.is_still):
         return action

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import compat, native
 from . import actions, by_hand, contact
@@ -138,7 +139,9 @@ def keep_motion(obj: bpy.types.Object, first: int, last: int, rate: float):
     """The document of what the face's curves do from frame to frame; raises InvalidInput."""
     holder = compat.curves(obj.data.shape_keys)
     if holder is None or not len(holder.fcurves):
-        raise native.invalid_input(f"{obj.name} has no curves: press Bake, or keep a still")
+        raise native.invalid_input(
+            rpt_("{name} has no curves: press Bake, or keep a still").format(name=obj.name)
+        )
     if last - first < 2:
         raise native.invalid_input("A motion needs three frames or more")
     shape_of = {name: shape for shape, name in by_hand.keys_now(obj).items()}

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
 
 from .. import native, writable
 from . import actions, by_hand, contact, gaze
@@ -36,7 +37,7 @@ def ensure(
     gaze.remember(face, performance)
     hand_changes = set_shapes(face, performance.neutral_vertices, shapes, groups, is_reset)
     if subdivide(face, subdivision, is_reset):
-        hand_changes.things.append("the subdivision")
+        hand_changes.things.append(iface_("the subdivision"))
     return face, hand_changes
 
 
@@ -154,7 +155,7 @@ def _set_rest(face, neutral_vertices, is_reset: bool, hand_changes: HandChanges)
     zero = np.zeros_like(neutral)
     by_hand.remember(face.mimetic.rest, basis, neutral, zero, 0.0, 0.0)
     if is_sculpted and shift.any():
-        hand_changes.things.append("the face at rest")
+        hand_changes.things.append(iface_("the face at rest"))
         return zero
     place_key(basis, neutral)
     # The mesh's own vertices follow its first key; foreach_set on keys alone leaves them behind

@@ -12,6 +12,7 @@ from dataclasses import replace
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
 from mathutils import Quaternion
 
 from .. import compat, native, scene_in, world, writable
@@ -35,12 +36,14 @@ def deformed_face(scene: bpy.types.Scene, armature: bpy.types.Object) -> bpy.typ
 def no_face(scene: bpy.types.Scene, armature: bpy.types.Object) -> str:
     """Why a rig's face bones cannot play a performance, or nothing."""
     if deformed_face(scene, armature) is None:
-        return (
-            f"{armature.name} deforms no mesh with muscles: attach muscles to its head first, so "
-            "that what the bones should do is known"
-        )
+        return iface_(
+            "{name} deforms no mesh with muscles: attach muscles to its head "
+            "first, so that what the bones should do is known"
+        ).format(name=armature.name)
     if not channels(armature):
-        return f"{armature.name} has no bones of a face that are free to move"
+        return iface_("{name} has no bones of a face that are free to move").format(
+            name=armature.name
+        )
     return ""
 
 

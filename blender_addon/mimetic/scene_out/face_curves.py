@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import compat, native
 from . import by_hand, control_bones, control_object
@@ -85,7 +86,9 @@ def choose(face: bpy.types.Object, choice: Choice) -> list[Chosen]:
     groups = list(dict.fromkeys(row.group for row in curves if row.group not in rest))
     if choice.group and choice.group not in groups:
         raise native.invalid_input(
-            f"{face.name} has no curves of a group {choice.group}: it has {', '.join(groups)}"
+            rpt_("{face} has no curves of a group {group}: it has {groups}").format(
+                face=face.name, group=choice.group, groups=", ".join(groups)
+            )
         )
     side = {"LEFT": ".L", "RIGHT": ".R"}.get(choice.side, "")
     chosen = []
@@ -98,10 +101,12 @@ def choose(face: bpy.types.Object, choice: Choice) -> list[Chosen]:
         if flags.any():
             chosen.append(Chosen(row, flags))
     if not chosen:
-        what = {"CURVES": "curve", "KEYS": "key"}.get(choice.on)
-        where = f" of {choice.group}" if choice.group else ""
-        reason = f"no {what}{where} is selected (Graph Editor)" if what else f"no curve{where}"
-        raise native.invalid_input(f"{face.name}: {reason} that is not locked")
+        text = {
+            "CURVES": rpt_("{face}: no curve{where} is selected (Graph Editor) that is not locked"),
+            "KEYS": rpt_("{face}: no key{where} is selected (Graph Editor) that is not locked"),
+        }.get(choice.on, rpt_("{face}: no curve{where} that is not locked"))
+        where = rpt_(" of {group}").format(group=choice.group) if choice.group else ""
+        raise native.invalid_input(text.format(face=face.name, where=where))
     return chosen
 
 

@@ -10,6 +10,7 @@ import tempfile
 from pathlib import Path
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
 from .. import clip_lens, clips, native
 from . import landmarks
@@ -86,11 +87,13 @@ def summary(clip: bpy.types.MovieClip) -> str:
     except native.known_errors() as error:
         return str(error)
     if fit is None:
-        return "face not found yet"
+        return iface_("face not found yet")
     num_pins = sum(map(len, fit.pins.values()))
-    parts = [f"face of frame {fit.frame}"]
-    parts += [f"{num_pins} pins" if num_pins > 1 else "1 pin"] if num_pins else []
-    parts += ["calibrated"] if fit.calibration.frames else []
+    parts = [iface_("face of frame {frame}").format(frame=fit.frame)]
+    if num_pins:
+        text = iface_("{count} pins") if num_pins > 1 else iface_("1 pin")
+        parts.append(text.format(count=num_pins))
+    parts += [iface_("calibrated")] if fit.calibration.frames else []
     return ", ".join(parts)
 
 

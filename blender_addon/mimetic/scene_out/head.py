@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import native, scene_in, world, writable
 from . import actions, rigs, standing
@@ -55,7 +56,7 @@ def bake(
         return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, obj.name)
     new_channels = bone_carrier(obj, target)(_motion(performance, target))
     num_curves = key_bones(actions.continued_take(obj, f"{take} head"), frames, new_channels)
-    where = ", ".join(new_channels) + f" of {obj.name}"
+    where = ", ".join(new_channels) + rpt_(" of {obj}").format(obj=obj.name)
     return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, where)
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import native, scene_in, world
 from . import actions, bound, by_hand, contact, own_keys, standing
@@ -29,7 +30,11 @@ class LiveHead:
     def __init__(self, scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
         self._place_before = {path: tuple(getattr(obj, path)) for path in PLACE_PATHS}
         mover = bound.moved_by(obj)
-        self.remark = f"{obj.name} is moved by {mover}: its head stays" if mover else ""
+        self.remark = (
+            rpt_("{obj} is moved by {mover}: its head stays").format(obj=obj.name, mover=mover)
+            if mover
+            else ""
+        )
         self._stand = None if mover else stand_of(scene, obj)
         self.rest = None  # head pose from which the head moves
 
@@ -178,7 +183,11 @@ def record(
     playable = [s for s in playable if names[s.name] not in driven]
     remarks = [puppet.head.remark] if puppet.head.remark else []
     if left_out := sorted({s.name for s in shapes} - {s.name for s in playable}):
-        remarks.append(f"{face.name} has no slider of its own for {', '.join(left_out)}")
+        remarks.append(
+            rpt_("{face} has no slider of its own for {names}").format(
+                face=face.name, names=", ".join(left_out)
+            )
+        )
     num_curves = 0
     if playable:
         holder = actions.continued_take(keys, f"{take} muscles")

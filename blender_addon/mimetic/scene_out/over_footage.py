@@ -8,6 +8,8 @@ that is transparent where nothing is. Whoever has nodes of their own keeps the s
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Matrix
 
 from .. import compat, native, scene_in
@@ -31,7 +33,7 @@ def set_up(scene: bpy.types.Scene, face: bpy.types.Object, performance, with_lig
         return ""
     tree = compat.compositor(scene)
     if tree is not None and tree.nodes and MADE not in tree:
-        return (
+        return rpt_(
             "renders are composed by nodes of your own: put the footage behind the face there "
             "(Film > Transparent, Alpha Over)"
         )
@@ -119,7 +121,9 @@ def _clear_the_way(scene: bpy.types.Scene, face: bpy.types.Object) -> str:
     for other in scene.objects:
         if other != face and is_start_up_cube(other) and not other.hide_render:
             other.hide_render = True
-            return f"{other.name}, in which the camera stands, is left out of renders"
+            return rpt_("{other}, in which the camera stands, is left out of renders").format(
+                other=other.name
+            )
     return ""
 
 
@@ -141,8 +145,10 @@ def _show_as_filmed(scene: bpy.types.Scene, face: bpy.types.Object) -> str:
         return ""
     before = view.view_transform
     if any(o.type in SOLID_TYPES and o != face and not o.hide_render for o in scene.objects):
-        return (
-            f"renders change the footage's colours by {before} (View Transform, Color Management)"
-        )
+        return iface_(
+            "renders change the footage's colours by {before} (View Transform, Color Management)"
+        ).format(before=before)
     view.view_transform = AS_FILMED
-    return f"View Transform is {AS_FILMED} instead of {before}: colours are as filmed"
+    return iface_("View Transform is {now} instead of {before}: colours are as filmed").format(
+        now=AS_FILMED, before=before
+    )

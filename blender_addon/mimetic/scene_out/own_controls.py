@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import native, scene_in, world, writable
 from . import actions, bound, head, own_keys
@@ -40,13 +41,17 @@ def bake(
     keys = character.data.shape_keys
     if missing := [name for name in played.names if keys is None or name not in keys.key_blocks]:
         raise native.invalid_input(
-            f"{character.name} has no shape key {missing[0]} any more: fit its controls again"
+            rpt_("{name} has no shape key {key} any more: fit its controls again").format(
+                name=character.name, key=missing[0]
+            )
         )
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
     remark = ""
     if use_head_motion and (mover := bound.moved_by(character)):
         use_head_motion = False
-        remark = f"; {character.name} is moved by {mover}: bake the head's motion on that"
+        remark = rpt_("; {character} is moved by {mover}: bake the head's motion on that").format(
+            character=character.name, mover=mover
+        )
     holder = actions.continued_take(keys, f"{take} controls")
     for name, values in zip(played.names, played.values.T, strict=True):
         actions.key_slider(holder, keys.key_blocks[name], GROUP, frames, values)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
 
 from .. import native
 from . import actions, by_hand
@@ -37,9 +38,13 @@ def no_own_keys(head: bpy.types.Object | None) -> str:
         return "Select the character's mesh first"
     keys = head.data.shape_keys
     if keys is not None and not keys.use_relative:
-        return f"{head.name}'s shape keys are absolute: only relative ones can be combined"
+        return iface_(
+            "{name}'s shape keys are absolute: only relative ones can be combined"
+        ).format(name=head.name)
     if not own_keys(head):
-        return f"{head.name} has no shape keys of its own that are free to move"
+        return iface_("{head} has no shape keys of its own that are free to move").format(
+            head=head.name
+        )
     return ""
 
 

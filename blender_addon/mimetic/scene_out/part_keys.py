@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import head_parts, native
 from .contact import points_of
@@ -38,17 +39,27 @@ def add(
             continue
         target = head_parts.object_of(part)
         if target is None:
-            notes.append(f"{part.name} was deleted or changed meanwhile: attach again")
+            notes.append(
+                rpt_("{part} was deleted or changed meanwhile: attach again").format(part=part.name)
+            )
         elif part.still:
-            notes.append(f"{part.name} stays where it is: {part.still}")
+            notes.append(
+                rpt_("{part} stays where it is: {reason}").format(part=part.name, reason=part.still)
+            )
         else:
             kept = _write(target, obj, shapes, names)
             moved.append(target.name)
             if kept:
-                notes.append(f"{target.name} keeps keys of its own: {', '.join(kept[:4])}")
+                notes.append(
+                    rpt_("{part} keeps keys of its own: {names}").format(
+                        part=target.name, names=", ".join(kept[:4])
+                    )
+                )
             if not _hangs_on(target, obj):
                 notes.append(
-                    f"{target.name} does not go where {obj.name} goes: parent it (Object > Parent)"
+                    rpt_(
+                        "{part} does not go where {head} goes: parent it (Object > Parent)"
+                    ).format(part=target.name, head=obj.name)
                 )
     return moved, notes
 

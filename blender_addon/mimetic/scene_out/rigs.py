@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from math import sqrt
 
 import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Quaternion
 
 from .. import native
@@ -33,10 +34,16 @@ def head_bones(armature: bpy.types.Object) -> HeadBones:
     neck = next((names[name] for name in NECKS if name in names), "")
     if not head and METARIG in bones:
         return HeadBones(
-            "", "", f"{armature.name} is Rigify's meta-rig: Generate, then choose the generated rig"
+            "",
+            "",
+            rpt_("{name} is Rigify's meta-rig: Generate, then choose the generated rig").format(
+                name=armature.name
+            ),
         )
     if not head:
-        return HeadBones("", "", f"{armature.name} has no bone called head: choose one")
+        return HeadBones(
+            "", "", rpt_("{name} has no bone called head: choose one").format(name=armature.name)
+        )
     return HeadBones(head, neck if _is_above(bones[head], neck) or not neck else "", "")
 
 

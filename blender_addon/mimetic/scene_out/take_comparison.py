@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 from mathutils import Vector
 
 from .. import native, world
@@ -15,7 +16,13 @@ BESIDE = 0.25  # metres
 def no_copy(obj: bpy.types.Object) -> str:
     """Why a face cannot stand beside itself."""
     rig = next((m.object for m in obj.modifiers if m.type == "ARMATURE" and m.object), None)
-    return f"{rig.name} deforms {obj.name}: duplicate the whole character instead" if rig else ""
+    return (
+        iface_("{armature} deforms {name}: duplicate the whole character instead").format(
+            armature=rig.name, name=obj.name
+        )
+        if rig
+        else ""
+    )
 
 
 def stand_beside(scene: bpy.types.Scene, face: bpy.types.Object, row) -> bpy.types.Object:

@@ -8,6 +8,8 @@ import hashlib
 
 import bpy
 import numpy as np
+from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import compat, native
 from . import actions, control_object, key_table, take_strips
@@ -84,12 +86,16 @@ def find(obj: bpy.types.Object, name: str):
     """A take by its name, or the row that is shown; raises InvalidInput."""
     takes = obj.mimetic.takes
     if name and name not in takes:
-        names = ", ".join(row.name for row in takes) or "none"
-        raise native.invalid_input(f"{obj.name} has no take {name}: it has {names}")
+        names = ", ".join(row.name for row in takes) or rpt_("none")
+        raise native.invalid_input(
+            rpt_("{name} has no take {take}: it has {names}").format(
+                name=obj.name, take=name, names=names
+            )
+        )
     if name:
         return takes[name]
     if not 0 <= obj.mimetic.active_take < len(takes):
-        raise native.invalid_input(f"{obj.name} has no take yet: press Bake")
+        raise native.invalid_input(rpt_("{name} has no take yet: press Bake").format(name=obj.name))
     return takes[obj.mimetic.active_take]
 
 
@@ -126,14 +132,16 @@ def no_play(obj: bpy.types.Object, row) -> str:
     """Why a take cannot play, or nothing."""
     names = {part.name for part in row.parts}
     if not names or any(part.action is None for part in row.parts):
-        return f"the actions of {row.name} were removed: bake it again"
+        return iface_("the actions of {take} were removed: bake it again").format(take=row.name)
     if CONTROL in names and control_object.of(obj) is None:
-        return f"{row.name} is of a control object, which {obj.name} no longer has: add it again"
+        return iface_(
+            "{take} is of a control object, which {name} no longer has: add it again"
+        ).format(take=row.name, name=obj.name)
     if CONTROL not in names and KEYS in names and (control := control_object.of(obj)):
-        return (
-            f"{row.name} is on {obj.name}'s shape keys, which {control.name} drives: "
-            "press Remove Control Object first"
-        )
+        return iface_(
+            "{take} is on {name}'s shape keys, which {control} drives: press "
+            "Remove Control Object first"
+        ).format(take=row.name, name=obj.name, control=control.name)
     return ""
 
 
@@ -192,7 +200,9 @@ def blend(obj: bpy.types.Object, under, over, influence: float) -> None:
         if reason := no_play(obj, row):
             raise native.invalid_input(reason)
     if under.name == over.name:
-        raise native.invalid_input(f"{over.name} plays already: choose another take to blend in")
+        raise native.invalid_input(
+            rpt_("{take} plays already: choose another take to blend in").format(take=over.name)
+        )
     take_strips.play(owners(obj), [(under, 1.0), (over, influence)])
     for row in (under, over):
         _suit(obj, row)
@@ -208,7 +218,9 @@ def remove(obj: bpy.types.Object, row) -> list[str]:
     returns their names. Raises InvalidInput, and changes nothing then."""
     if is_inherited(obj, row):
         raise native.invalid_input(
-            f"{row.name} is a take of the file that {obj.name} is linked from: remove it there"
+            rpt_("{take} is a take of the file that {name} is linked from: remove it there").format(
+                take=row.name, name=obj.name
+            )
         )
     index = obj.mimetic.takes.find(row.name)
     parts = [part.action for part in row.parts if part.action is not None]
