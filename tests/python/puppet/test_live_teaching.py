@@ -157,6 +157,29 @@ def test_a_clip_in_a_cameras_place_that_ends_keeps_what_was_shown(there_and_back
     assert "data:image/png" in out.with_suffix(".html").read_text(encoding="utf-8")
 
 
+def test_a_known_lens_is_the_cameras(rendered_clip, tmp_path, capsys, monkeypatch):
+    """The head that looks are taught on is fitted by it, from the first picture on."""
+    widths = []
+
+    def advance(self, image, time):
+        state = live_advance(self, image, time)
+        widths.extend([] if self.face is None else [self.face.camera.fx / image.shape[1]])
+        return state
+
+    live_advance = LiveFilter.advance
+    monkeypatch.setattr(LiveFilter, "advance", advance)
+    words = [
+        "--camera",
+        str(rendered_clip.footage),
+        "--every-frame",
+        "--out",
+        str(tmp_path / "a.npz"),
+    ]
+    assert main(["puppet", "teach", *words, "--focal", "50", "--sensor", "24"]) == 2
+    assert "no look was kept" in capsys.readouterr().err
+    assert len(widths) > 20 and widths == pytest.approx([50 / 24] * len(widths))
+
+
 @pytest.mark.parametrize(
     ("words", "message"),
     [
@@ -166,6 +189,9 @@ def test_a_clip_in_a_cameras_place_that_ends_keeps_what_was_shown(there_and_back
         (["--camera", "camera:0", "--choose", "3"], "--choose does not go with --camera"),
         (["--camera", "camera:0", "--countdown", "99"], "--countdown is 99"),
         (["clip.mp4", "--performance", "p.npz", "--countdown", "1"], "goes with --camera"),
+        (["clip.mp4", "--performance", "p.npz", "--focal", "50"], "--focal goes with --camera"),
+        (["--camera", "camera:0", "--sensor", "24"], "--sensor 24 is of a focal length"),
+        (["--camera", "camera:0", "--focal", "0"], "0 mm: it must be above 0"),
         (["--camera", "camera:0", "--look", "smile=3"], "a camera has no frames"),
     ],
 )

@@ -63,19 +63,21 @@ def add_clip_arguments(parser: argparse.ArgumentParser, subject: str) -> None:
     add_lens_arguments(parser)
 
 
-def add_lens_arguments(parser: argparse.ArgumentParser) -> None:
+def add_lens_arguments(parser: argparse.ArgumentParser, of: str = "") -> None:
+    """of: what the help begins with, such as the argument that these go with."""
     parser.add_argument(
         "--focal",
         type=float,
         metavar="MM",
-        help="focal length that the clip was filmed with, if it is known (default: 1.2 widths of "
-        "the picture)",
+        help=f"{of}focal length that the clip was filmed with, if it is known (default: 1.2 widths "
+        "of the picture)",
     )
     parser.add_argument(
         "--sensor",
         type=float,
         metavar="MM",
-        help=f"width of the camera's sensor, of --focal (default: {FULL_FRAME_MM:g}, full frame)",
+        help=f"{of}width of the camera's sensor, of --focal (default: {FULL_FRAME_MM:g}, full "
+        "frame)",
     )
 
 

@@ -11,6 +11,7 @@ from pathlib import Path
 from mimetic import InvalidInput
 from mimetic.commands.console import Console
 from mimetic.commands.live_source import open_source
+from mimetic.commands.on_clip import add_lens_arguments, lens_of
 from mimetic.commands.taught_set import page_of, save_set
 from mimetic.puppet.live_filter import LiveFilter
 from mimetic.puppet.live_session import LiveSession
@@ -46,6 +47,7 @@ def add_camera_arguments(parser: argparse.ArgumentParser) -> None:
         action="store_true",
         help="of a clip in a camera's place: work on all frames, however long it takes",
     )
+    add_lens_arguments(parser, of="with --camera: ")
 
 
 def check_for_clip(arguments: argparse.Namespace) -> None:
@@ -54,7 +56,7 @@ def check_for_clip(arguments: argparse.Namespace) -> None:
         raise InvalidInput("give a video and its --performance, or --camera SOURCE")
     if arguments.performance is None:
         raise InvalidInput("--performance is missing: capture the video first, or teach --camera")
-    for word in ("countdown", "again", "every_frame"):
+    for word in ("countdown", "again", "every_frame", "focal", "sensor"):
         if getattr(arguments, word) not in (None, False):
             raise InvalidInput(f"--{word.replace('_', '-')} goes with --camera")
 
@@ -65,6 +67,7 @@ def teach_from_camera(arguments: argparse.Namespace) -> int:
             name = word if word == "footage" else f"--{word}"
             raise InvalidInput(f"{name} does not go with --camera")
     options = _options_of(arguments)
+    lens = lens_of(arguments)
     out: Path = arguments.out
     old = TaughtSet.load(arguments.again) if arguments.again else None
     if old is not None and not arguments.look:
@@ -72,7 +75,7 @@ def teach_from_camera(arguments: argparse.Namespace) -> int:
     source, inputs = open_source(arguments.camera, arguments.every_frame)
     for target in (out, page_of(out)):
         check_target(target, *inputs)
-    live = LiveFilter(stillness=0.0, in_background=not arguments.every_frame)
+    live = LiveFilter(stillness=0.0, in_background=not arguments.every_frame, lens=lens)
     looks = named_looks(
         map(parse_shown_look, arguments.look or USUAL_LOOKS), arguments.state, live.names
     )
