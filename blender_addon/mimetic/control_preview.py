@@ -16,7 +16,7 @@ import bpy
 from bpy.app.handlers import persistent
 
 from . import control_rows, handlers, native
-from .scene_out import control_values, face_bones
+from .scene_out import control_values, face_bones, own_keys
 
 
 @dataclass
@@ -26,6 +26,7 @@ class Shown:
     name: str
     preview: object  # mimetic.retarget.playing.ControlPreview
     channels: list = field(default_factory=list)  # of a rig's face
+    others: list[str] = field(default_factory=list)  # names of its teeth and eyes
     is_quiet: bool = False  # rows are being written
 
 
@@ -37,7 +38,9 @@ def begin(character: bpy.types.Object, preview) -> None:
     global active
     end()
     is_rig = character.type == "ARMATURE"
-    active = Shown(character.name, preview, face_bones.channels(character) if is_rig else [])
+    channels = face_bones.channels(character) if is_rig else []
+    others = [] if is_rig else [obj.name for obj, _ in own_keys.holders(character)[1:]]
+    active = Shown(character.name, preview, channels, others)
     _show()
 
 
@@ -85,17 +88,22 @@ def _show() -> None:
         values = active.preview.values(scene.frame_current_final, rows)
     except native.known_errors():  # with these rows there is nothing to go by
         values = {}
-    settings = character.mimetic
+    off = {row.control for row in rows} - values.keys()
+    others = [obj for name in active.others if (obj := bpy.data.objects.get(name))]
+    for obj in (character, *others):
+        if obj.type == "ARMATURE" or obj.data.shape_keys is not None:
+            _put(obj, values, off)
+
+
+def _put(obj: bpy.types.Object, values: dict[str, float], off: set[str]) -> None:
+    """off: controls that were switched off, which are as they were before."""
+    settings = obj.mimetic
     if not settings.before_preview:
-        settings.before_preview = json.dumps(control_values.now(character))
+        settings.before_preview = json.dumps(control_values.now(obj))
     before = json.loads(settings.before_preview)
-    # A control that was switched off since is as it was before
-    if character.type == "ARMATURE":
-        control_values.put_back(character, before)
-    else:
-        off = {row.control for row in rows} - values.keys()
-        control_values.put_back(character, {n: before[n] for n in before if n in off})
-    control_values.put(character, values, active.channels)
+    is_rig = obj.type == "ARMATURE"
+    control_values.put_back(obj, {n: v for n, v in before.items() if is_rig or n in off})
+    control_values.put(obj, values, active.channels)
 
 
 def _put_back_all() -> None:

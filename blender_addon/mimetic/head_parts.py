@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects that belong to a head: eyeballs, teeth, tongue, lashes that are meshes of their own."""
+"""Objects that belong to a head: eyeballs, teeth, tongue, lashes that are meshes of their own; and
+those that it wears, glasses and hats, which go with it and not with its skin."""
 
 from __future__ import annotations
 
@@ -12,6 +13,16 @@ from bpy.app.translations import pgettext_iface as iface_
 from . import native, world, writable
 
 MOST_VERTICES = 50_000  # of one part: what is finer is hair or cloth
+CHOICES = (
+    (
+        "FACE",
+        "Parts of the Face",
+        "Eyeballs, teeth, tongue, lashes, a beard: what lies behind the skin or on it. What the "
+        "head wears before it, glasses or a hat, goes with the head alone",
+    ),
+    ("ALL", "All", "What the head wears is moved by its skin, too"),
+    ("NONE", "None", "The head's own mesh alone"),
+)
 
 
 @dataclass(frozen=True)
@@ -25,7 +36,7 @@ class HeadPart:
 
 
 def found(scene: bpy.types.Scene, head: bpy.types.Object, points) -> tuple[HeadPart, ...]:
-    """Meshes that are shown, rendered, small and inside of the head, by their names."""
+    """Meshes that are shown, rendered, small and inside of the head's box, by their names."""
     lies_in = native.foreign_face().lies_in
     from_world = world.matrix(head).inverted_safe()
     parts = []
@@ -54,6 +65,13 @@ def remember(head: bpy.types.Object, parts: tuple[HeadPart, ...]) -> None:
             entry = entries.add()
             entry.name, entry.part = part.name, obj
             entry.head_from_part = part.mesh.head_from_part.ravel().tolist()
+
+
+def forgotten(head: bpy.types.Object, parts: tuple[HeadPart, ...]) -> list[bpy.types.Object]:
+    """Objects that the head's muscles were attached with before and are not now."""
+    own = {object_of(part) for part in parts}
+    before = [entry.part for entry in head.mimetic.parts if entry.part is not None]
+    return [obj for obj in before if obj not in own and obj.type == "MESH"]
 
 
 def object_of(part: HeadPart) -> bpy.types.Object | None:
@@ -93,13 +111,17 @@ def _may_be_part(obj: bpy.types.Object, head: bpy.types.Object) -> bool:
 
 
 def _part(obj: bpy.types.Object, head_from_part) -> HeadPart:
+    library = obj.library.filepath if obj.library else ""
+    return HeadPart(obj.name, library, part_mesh(obj, head_from_part), _no_keys(obj))
+
+
+def part_mesh(obj: bpy.types.Object, head_from_part):
+    """A `mimetic.character.foreign_face.PartMesh` of an object, as it rests."""
     parts = native.foreign_face()
     points, starts, corners = rest_mesh(obj)
-    polygons = native.foreign_face().Polygons(starts, corners)
     # In single precision, as the head keeps it
     matrix = np.asarray(head_from_part, dtype=np.float32).astype(np.float64)
-    library = obj.library.filepath if obj.library else ""
-    return HeadPart(obj.name, library, parts.PartMesh(points, polygons, matrix), _no_keys(obj))
+    return parts.PartMesh(points, parts.Polygons(starts, corners), matrix)
 
 
 def _no_keys(obj: bpy.types.Object) -> str:

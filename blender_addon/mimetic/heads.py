@@ -25,6 +25,9 @@ class ForeignHead:
     matrix: np.ndarray  # 4 x 4, metres from object
     landmarks: dict  # name -> vertex or place in metres
     parts: tuple[HeadPart, ...] = ()  # eyeballs, teeth, tongue that are objects of their own
+    worn: tuple[
+        str, ...
+    ] = ()  # glasses, a hat: objects that go with the head and not with its skin
 
     @cached_property
     def whole(self):
@@ -45,10 +48,27 @@ def no_foreign_head(context) -> str:
     return "Leave the edit mode first" if context.mode != "OBJECT" else ""
 
 
-def foreign_head(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHead:
-    """The head without its sliders, and its parts; landmarks by empties, else by vertex groups."""
+def foreign_head(
+    scene: bpy.types.Scene, head: bpy.types.Object, others: str = "FACE"
+) -> ForeignHead:
+    """The head without its sliders, and its parts; landmarks by empties, else by vertex groups.
+
+    others: which other objects are parts, one of `head_parts.CHOICES`.
+    """
     own = _read(scene, head)
-    return replace(own, parts=head_parts.found(scene, head, own.points))
+    parts = () if others == "NONE" else head_parts.found(scene, head, own.points)
+    if not parts or others == "ALL":
+        return replace(own, parts=parts)
+    package = native.foreign_face()
+    polygons = package.Polygons(own.starts, own.corners)
+    worn = package.WornParts(own.points, polygons, own.matrix)
+    is_worn = [worn.has(part.mesh) for part in parts]
+    rows = tuple(zip(parts, is_worn, strict=True))
+    return replace(
+        own,
+        parts=tuple(part for part, has in rows if not has),
+        worn=tuple(part.name for part, has in rows if has),
+    )
 
 
 def _read(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHead:
@@ -87,11 +107,12 @@ def no_bound_head(context) -> str:
     return "" if scene_in.is_face(head) else "Press Add Landmarks first, or Attach Muscles"
 
 
-def bound_head(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHead:
-    """A head with landmarks: those it was attached by, its empties, or our own mesh's."""
+def bound_head(scene: bpy.types.Scene, head: bpy.types.Object, others: str = "FACE") -> ForeignHead:
+    """A head with landmarks: those it was attached by, its empties, or our own mesh's; with the
+    parts that it was attached with, else `others`, as for `foreign_head`."""
     if (remembered := remembered_head(scene, head)) is not None:
         return remembered
-    own = foreign_head(scene, head)
+    own = foreign_head(scene, head, others)
     template = native.face_template().load_template()
     if own.landmarks or not scene_in.is_face(head) or len(own.points) != len(template.vertices):
         return own

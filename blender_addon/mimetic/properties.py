@@ -215,6 +215,11 @@ class MimeticFace(take_rows.HasTakes, control_rows.HasControls, bpy.types.Proper
     parts: CollectionProperty(
         type=MimeticPart, description="Objects that the muscles were attached with"
     )
+    companions: CollectionProperty(
+        type=MimeticPart,
+        override=writable.KEPT_ROWS,
+        description="Other meshes that its takes are on",
+    )
     use_contact: BoolProperty(
         name="Contact",
         description="Let lips rest on each other and lids on each other as sliders move",

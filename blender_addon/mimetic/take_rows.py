@@ -20,7 +20,8 @@ from .writable import KEPT, KEPT_ROWS
 
 
 class MimeticTakePart(bpy.types.PropertyGroup):
-    """An action of a take, and what it moves (its name): OBJECT, KEYS or CONTROL."""
+    """An action of a take, and what it moves (its name): OBJECT, KEYS, CONTROL, or KEYS and the
+    name of another mesh of the character."""
 
     action: PointerProperty(type=bpy.types.Action)
     slot: StringProperty(description="Identifier of the action's slot; empty before Blender 4.4")

@@ -204,3 +204,32 @@ def test_contact_of_lips_is_that_of_the_joined_head(joined, split, rows):
     shown = evaluated(joined)
     np.testing.assert_allclose(evaluated(split), shown[rows[""]], atol=0.02)  # .2 mm
     assert np.abs(offsets_of(split, "contact")).max() > 0.1
+
+
+def test_a_copy_that_plays_another_take_has_parts_of_its_own(extension, scene, split, acted):
+    assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+    path = acted[1]
+    scene.mimetic.performance_path = path
+    assert bpy.ops.mimetic.bake() == {"FINISHED"}
+    take = result()["take"]
+    assert bpy.ops.mimetic.compare_take(take=take) == {"FINISHED"}
+    twin = bpy.data.objects[f"Bust {take}"]
+    copies = {entry.name: entry.part for entry in twin.mimetic.parts}
+    assert sorted(copies) == sorted(NAMES)
+    apart = np.array(twin.matrix_world.translation - split.matrix_world.translation)
+    assert np.linalg.norm(apart) == pytest.approx(0.25, abs=1e-4)
+    for name, own in copies.items():
+        original = bpy.data.objects[name]
+        assert own != original and own.data != original.data and own.parent == twin
+        offset = np.array(own.matrix_world.translation - original.matrix_world.translation)
+        np.testing.assert_allclose(offset, apart, atol=1e-5)
+    twin.data.shape_keys.animation_data_clear()
+    split.data.shape_keys.animation_data_clear()
+    for obj in (split, twin):
+        for key in obj.data.shape_keys.key_blocks:
+            key.value = 0.0
+    own, original = copies["eye.L"], bpy.data.objects["eye.L"]
+    rest = evaluated(original).copy()
+    twin.data.shape_keys.key_blocks["look_in.L"].value = 1.0
+    assert np.abs(evaluated(own) - rest).max() > 0.1
+    np.testing.assert_array_equal(evaluated(original), rest)

@@ -1,11 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
-from bpy.props import StringProperty
+from bpy.props import EnumProperty, StringProperty
 from bpy.types import Operator
 
-from .. import heads, native, scene_out
+from .. import head_parts, heads, native, scene_out
 from ..jobs import Job
+
+
+class WithParts:
+    """Mixin of operators that move a head's parts along."""
+
+    others: EnumProperty(
+        name="Other Objects",
+        items=head_parts.CHOICES,
+        description="Which meshes inside of the head's box are moved with its face",
+    )
 
 
 class MIMETIC_OT_add_landmarks(Job, Operator):
@@ -57,7 +67,7 @@ class MIMETIC_OT_add_landmarks(Job, Operator):
         return rpt_("{count} landmarks: check them, then Attach Muscles").format(count=count)
 
 
-class MIMETIC_OT_attach_muscles(Job, Operator):
+class MIMETIC_OT_attach_muscles(WithParts, Job, Operator):
     """Give the active head sliders for muscles, jaw, lids and gaze. Its landmarks are empties or
     vertex groups with their names, or a file"""
 
@@ -76,7 +86,7 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
 
     def read(self, context):
         path = bpy.path.abspath(self.filepath) if self.filepath else ""
-        return heads.foreign_head(context.scene, context.active_object), path
+        return heads.foreign_head(context.scene, context.active_object, self.others), path
 
     def work(self, inputs, progress):
         head, path = inputs
@@ -101,14 +111,16 @@ class MIMETIC_OT_attach_muscles(Job, Operator):
             "num_sliders": num_sliders,
             "notes": notes,
             "parts": attached.parts,
+            "worn": list(head.worn),
         }
         message = rpt_("{name} has {num_sliders} sliders: sidebar, Mimetic, Muscles").format(
             name=head.name, num_sliders=num_sliders
         )
-        return "; ".join(filter(None, (message, _along(attached.parts), attached.hand_changes)))
+        remarks = (_along(attached.parts), scene_out.part_keys.of_worn(head), attached.hand_changes)
+        return "; ".join(filter(None, (message, *remarks)))
 
 
-class MIMETIC_OT_add_arkit_shapes(Job, Operator):
+class MIMETIC_OT_add_arkit_shapes(WithParts, Job, Operator):
     """Give the active head ARKit's 52 blend shapes as shape keys. Its own keys stay"""
 
     bl_idname = "mimetic.add_arkit_shapes"
@@ -118,7 +130,7 @@ class MIMETIC_OT_add_arkit_shapes(Job, Operator):
     obstacle = staticmethod(heads.no_bound_head)
 
     def read(self, context):
-        return heads.bound_head(context.scene, context.active_object)
+        return heads.bound_head(context.scene, context.active_object, self.others)
 
     def work(self, head, progress):
         face = _attached(head, head.landmarks, progress)
@@ -140,12 +152,15 @@ class MIMETIC_OT_add_arkit_shapes(Job, Operator):
             "num_sliders": len(added),
             "notes": notes,
             "parts": parts,
+            "worn": list(head.worn),
         }
         message = rpt_("{name} has {count} of ARKit's shapes").format(
             name=object_.name, count=len(added)
         )
         if parts:
             message += f"; {_along(parts)}"
+        if worn := scene_out.part_keys.of_worn(head):
+            message += f"; {worn}"
         if kept:
             message += rpt_("; {count} keys of such names stay as they were: {names}").format(
                 count=len(kept), names=", ".join(kept[:4])

@@ -16,7 +16,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import compat, native
-from . import contact_curves, gltf, negative_keys, selection
+from . import contact_curves, gltf, negative_keys, part_curves, selection, strip_curves
 
 
 @dataclass(frozen=True)
@@ -136,8 +136,10 @@ def export(
         shaped = selection.with_shape_keys(objects)
         with ExitStack() as stack:
             stack.enter_context(selection.selected_alone(objects, character))
+            stack.enter_context(strip_curves.with_curves(scene, objects))
             for obj in shaped:
                 stack.enter_context(contact_curves.with_keys(scene, obj))
+            stack.enter_context(part_curves.with_curves(shaped))
             stack.enter_context(negative_keys.split(shaped))
             stack.enter_context(_unsubdivided(objects))
             first, last = stack.enter_context(_whole_range(scene, objects))

@@ -49,6 +49,7 @@ def attach(obj: bpy.types.Object, head, landmarks: Mapping, muscles) -> Attached
     shapes, of_parts = part_keys.split(head, [*muscles.shapes, *muscles.groups])
     count = len(muscles.shapes)
     hand_changes = face.set_shapes(obj, to_head(head.points), shapes[:count], shapes[count:]).text()
+    part_keys.remove(obj, head_parts.forgotten(obj, head.parts))
     head_parts.remember(obj, head.parts)
     moved, notes = part_keys.add(obj, head, of_parts, by_hand.keys_now(obj))
     obj.mimetic.metres_from_object = np.asarray(head.matrix, dtype=np.float64).ravel().tolist()

@@ -11,7 +11,7 @@ from pathlib import Path
 import bpy
 
 from .. import compat, native, scene_in
-from . import contact_curves, selection
+from . import contact_curves, part_curves, selection, strip_curves
 
 
 def export(
@@ -32,10 +32,13 @@ def export(
         aside = Path(folder, "face.glb")
         with ExitStack() as stack:
             stack.enter_context(selection.selected_alone(objects, face))
-            for obj in selection.with_shape_keys(objects):
+            stack.enter_context(strip_curves.with_curves(scene, objects))
+            shaped = selection.with_shape_keys(objects)
+            for obj in shaped:
                 # Contact's keys come behind the groups', whose number must not change then
                 if not stack.enter_context(contact_curves.with_keys(scene, obj)):
                     stack.enter_context(_without_idle_groups(obj))
+            stack.enter_context(part_curves.with_curves(shaped))
             bpy.ops.export_scene.gltf(
                 filepath=str(aside),
                 export_format="GLB",

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import bpy
@@ -20,6 +21,13 @@ class _Start:
 
     frame_start: float
     frame_offset: int
+
+
+def _values(obj: bpy.types.Object) -> np.ndarray:
+    blocks = obj.data.shape_keys.key_blocks
+    values = np.empty(len(blocks), dtype=np.float32)
+    blocks.foreach_get("value", values)
+    return values
 
 
 class ControlPuppet:
@@ -51,9 +59,7 @@ class ControlPuppet:
                 bones.update(self._head.names)
             self._before = {b: character.pose.bones[b].matrix_basis.copy() for b in bones}
         else:
-            blocks = character.data.shape_keys.key_blocks
-            self._values_before = np.empty(len(blocks), dtype=np.float32)
-            blocks.foreach_get("value", self._values_before)
+            self._before = {obj.name: _values(obj) for obj, _ in own_keys.holders(character)}
             if scene_in.is_face(character):
                 self._head = LiveHead(scene, character)
 
@@ -71,17 +77,24 @@ class ControlPuppet:
         if self._is_rig:
             face_bones.pose(character, self._channels, values)
         else:
-            self._set_keys(character, values)
+            self._set_keys(values)
         if self._head is not None:
             self._head.show(character, state.head_pose)
 
-    def _set_keys(self, character: bpy.types.Object, values: dict[str, float]) -> None:
-        blocks = character.data.shape_keys.key_blocks
-        numbers = self._values_before.copy()
-        for name, value in values.items():
-            if (number := blocks.find(name)) >= 0:
-                numbers[number] = value
-        write_values(character, numbers)
+    def _set_keys(self, values: dict[str, float]) -> None:
+        for obj, before in self._members():
+            blocks, numbers = obj.data.shape_keys.key_blocks, before.copy()
+            for name, value in values.items():
+                if (number := blocks.find(name)) >= 0:
+                    numbers[number] = value
+            write_values(obj, numbers)
+
+    def _members(self) -> Iterator[tuple[bpy.types.Object, np.ndarray]]:
+        """The head and its companions, and what their keys were before."""
+        for name, before in self._before.items():
+            obj = bpy.data.objects.get(name)
+            if obj is not None and obj.data.shape_keys is not None:
+                yield obj, before
 
     def end(self) -> None:
         """Nothing of the character was switched off."""
@@ -96,7 +109,8 @@ class ControlPuppet:
                 if bone in character.pose.bones:
                     character.pose.bones[bone].matrix_basis = matrix
             return
-        write_values(character, self._values_before)
+        for obj, before in self._members():
+            write_values(obj, before)
         if isinstance(self._head, LiveHead):
             self._head.restore(character)
 

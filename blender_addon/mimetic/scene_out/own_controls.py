@@ -9,7 +9,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import native, scene_in, world, writable
-from . import actions, bound, head, own_keys
+from . import actions, bound, companions, head, own_keys
 
 GROUP = "Face"  # what the curves are listed under
 
@@ -35,11 +35,13 @@ def bake(
 
     What else the character's action holds goes on in a copy. use_head_motion: whether the object
     moves as the actor's head; it never does where a parent, an armature or a constraint moves it.
+    Keys of the same names on the character's other meshes, teeth and eyes, get the same curves.
     Raises InvalidInput, and changes nothing then, where keys were removed meanwhile.
     """
     writable.check(writable.no_sliders(character))
-    keys = character.data.shape_keys
-    if missing := [name for name in played.names if keys is None or name not in keys.key_blocks]:
+    holders = own_keys.holders(character)
+    names = {name for _, keys in holders for name in keys}
+    if missing := [name for name in played.names if name not in names]:
         raise native.invalid_input(
             rpt_("{name} has no shape key {key} any more: fit its controls again").format(
                 name=character.name, key=missing[0]
@@ -52,10 +54,22 @@ def bake(
         remark = rpt_("; {character} is moved by {mover}: bake the head's motion on that").format(
             character=character.name, mover=mover
         )
-    holder = actions.continued_take(keys, f"{take} controls")
-    for name, values in zip(played.names, played.values.T, strict=True):
-        actions.key_slider(holder, keys.key_blocks[name], GROUP, frames, values)
-    num_curves = len(played.names)
+    curves = dict(zip(played.names, played.values.T, strict=True))
+    num_curves, others = 0, []
+    for obj, keys in holders:
+        own = {name: key for name, key in keys.items() if name in curves}
+        if not own and obj != character:
+            continue
+        name = f"{take} controls" if obj == character else f"{take} {obj.name}"
+        holder = actions.continued_take(obj.data.shape_keys, name)
+        for name, key in own.items():
+            actions.key_slider(holder, key, GROUP, frames, curves[name])
+        num_curves += len(own)
+        others += [] if obj == character else [obj]
+    companions.remember(character, others)
+    if others:
+        names = ", ".join(obj.name for obj in others)
+        remark += rpt_("; {names} moved along").format(names=names)
     if use_head_motion:
         if scene_in.is_face(character):
             channels = bound.motion(scene, performance, character)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A character's own controls as plain values: shape keys that are not ours."""
+"""A character's own controls as plain values: shape keys that are not ours, of the head and of
+what else it is made of."""
 
 from __future__ import annotations
 
@@ -8,7 +9,7 @@ import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
 from .. import native
-from . import actions, by_hand
+from . import actions, by_hand, companions
 from .contact import KEY
 
 
@@ -24,6 +25,32 @@ def own_keys(head: bpy.types.Object) -> list[bpy.types.ShapeKey]:
     if len(head.mimetic.shapes):
         others |= set(by_hand.keys_now(head).values())
     return [key for key in keys.key_blocks if key.name not in others and not key.mute]
+
+
+def holders(
+    head: bpy.types.Object,
+) -> list[tuple[bpy.types.Object, dict[str, bpy.types.ShapeKey]]]:
+    """The head and its companions that have own keys of the same names, or of known names that the
+    head has not; each with these keys."""
+    own = {key.name: key for key in own_keys(head)}
+    found = [(head, own)]
+    others = [(obj, own_keys(obj)) for obj in companions.of(head)]
+    blocks = head.data.shape_keys.key_blocks if head.data.shape_keys else {}
+    strangers = {key.name for _, keys in others for key in keys if key.name not in blocks}
+    played = own.keys() | (native.control_names().known_names(strangers) if strangers else set())
+    for obj, keys in others:
+        if shared := {key.name: key for key in keys if key.name in played}:
+            found.append((obj, shared))
+    return found
+
+
+def _control_keys(head: bpy.types.Object) -> dict[str, bpy.types.ShapeKey]:
+    """One key for each name, the head's where it has one."""
+    keys: dict[str, bpy.types.ShapeKey] = {}
+    for _, own in holders(head):
+        for name, key in own.items():
+            keys.setdefault(name, key)
+    return keys
 
 
 def driven_keys(keys: bpy.types.Key) -> set[str]:
@@ -49,8 +76,12 @@ def no_own_keys(head: bpy.types.Object | None) -> str:
 
 
 def surface(head: bpy.types.Object):
-    """A `mimetic.retarget.ControlSurface`: own shape keys, and muscles where there are some."""
-    keys, mesh = own_keys(head), head.data
+    """A `mimetic.retarget.ControlSurface`: own shape keys, and muscles where there are some.
+
+    Keys that companions alone have move nothing of it.
+    """
+    keys, mesh = _control_keys(head), head.data
+    own = {key.name for key in own_keys(head)}
     reference = mesh.shape_keys.reference_key
     starts = np.empty(len(mesh.polygons), dtype=np.int32)
     corners = np.empty(len(mesh.loops), dtype=np.int32)
@@ -61,9 +92,15 @@ def surface(head: bpy.types.Object):
         points=_points(reference),
         starts=starts,
         corners=corners,
-        control_names=[key.name for key in keys],
-        controls=_stack([_offsets(head, key) for key in keys], mesh),
-        control_range=_ranges(keys),
+        control_names=list(keys),
+        controls=_stack(
+            [
+                _offsets(head, key) if name in own else np.zeros((len(mesh.vertices), 3))
+                for name, key in keys.items()
+            ],
+            mesh,
+        ),
+        control_range=_ranges(keys.values()),
         source_names=list(sources),
         sources=_stack([_offsets(head, key) for key in sources.values()], mesh),
         source_range=_ranges(sources.values()),
@@ -72,8 +109,8 @@ def surface(head: bpy.types.Object):
 
 def ranges(head: bpy.types.Object) -> dict[str, list[float]]:
     """Least and greatest value of each own shape key, by name."""
-    keys = own_keys(head)
-    return dict(zip([key.name for key in keys], _ranges(keys).tolist(), strict=True))
+    keys = _control_keys(head)
+    return dict(zip(keys, _ranges(keys.values()).tolist(), strict=True))
 
 
 def _muscles(head: bpy.types.Object) -> dict[str, bpy.types.ShapeKey]:

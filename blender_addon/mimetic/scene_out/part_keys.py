@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from .. import head_parts, native
+from .. import head_parts, native, writable
 from .contact import points_of
 from .face import BASIS, add_key, place_key
 
@@ -55,13 +55,44 @@ def add(
                         part=target.name, names=", ".join(kept[:4])
                     )
                 )
-            if not _hangs_on(target, obj):
-                notes.append(
-                    rpt_(
-                        "{part} does not go where {head} goes: parent it (Object > Parent)"
-                    ).format(part=target.name, head=obj.name)
-                )
+            notes += _no_way(target, obj)
+    for name in head.worn:
+        if (target := bpy.data.objects.get(name)) is not None:
+            notes += _no_way(target, obj)
     return moved, notes
+
+
+def remove(obj: bpy.types.Object, parts: Sequence[bpy.types.Object]) -> None:
+    """Takes the keys that follow a head's off objects that are no parts of it any more."""
+    for part in parts:
+        keys = part.data.shape_keys
+        if keys is None or writable.no_shapes(part):
+            continue
+        own = {path for _, source, path in drivers_of(keys) if source == obj.data.shape_keys}
+        for path, key in _followed(part).items():
+            if path in own:
+                keys.driver_remove(key.path_from_id("value"))
+                part.shape_key_remove(key)
+        part.data.update()
+
+
+def of_worn(head) -> str:
+    """What becomes of the objects that a head wears, or nothing."""
+    if not head.worn:
+        return ""
+    return rpt_(
+        "{names} left as worn, not moved by the skin (Other Objects takes them along)"
+    ).format(names=", ".join(head.worn))
+
+
+def _no_way(target: bpy.types.Object, obj: bpy.types.Object) -> list[str]:
+    if _hangs_on(target, obj):
+        return []
+    return [
+        rpt_("{part} does not go where {head} goes: parent it (Object > Parent)").format(
+            part=target.name, head=obj.name
+        )
+    ]
 
 
 def _write(
@@ -92,14 +123,32 @@ def _write(
 
 def _followed(target: bpy.types.Object) -> dict[str, bpy.types.ShapeKey]:
     """The part's keys by the path of the head's key that they follow."""
-    keys, followed = target.data.shape_keys, {}
-    animation = keys.animation_data
+    keys = target.data.shape_keys
     by_path = {key.path_from_id("value"): key for key in keys.key_blocks}
+    pairs = ((by_path.get(driver.data_path), path) for driver, _, path in drivers_of(keys))
+    return {path: key for key, path in pairs if key is not None}
+
+
+def follow(part: bpy.types.Object, face: bpy.types.Object, other: bpy.types.Object) -> None:
+    """Has a part's keys follow another face's instead of those that they follow."""
+    before, now = face.data.shape_keys, other.data.shape_keys
+    animation = part.data.shape_keys.animation_data
     for curve in animation.drivers if animation else ():
         for variable in curve.driver.variables:
-            if variable.name == FOLLOWED and curve.data_path in by_path:
-                followed[variable.targets[0].data_path] = by_path[curve.data_path]
-    return followed
+            if variable.name == FOLLOWED and variable.targets[0].id == before:
+                variable.targets[0].id = now
+
+
+def drivers_of(keys: bpy.types.Key) -> list[tuple[bpy.types.FCurve, bpy.types.Key, str]]:
+    """Drivers by which a part's keys follow its head's: each with that head's keys, and the path of
+    the followed one's value."""
+    animation = keys.animation_data
+    return [
+        (curve, variable.targets[0].id, variable.targets[0].data_path)
+        for curve in (animation.drivers if animation else ())
+        for variable in curve.driver.variables
+        if variable.name == FOLLOWED and variable.targets[0].id is not None
+    ]
 
 
 def _follow(keys: bpy.types.Key, key: bpy.types.ShapeKey, source: bpy.types.ShapeKey) -> None:

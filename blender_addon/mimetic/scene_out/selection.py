@@ -18,6 +18,8 @@ def character_objects(scene: bpy.types.Scene, obj: bpy.types.Object) -> list[bpy
         rigs.add(obj.parent)
     roots = {obj, *rigs} - {None}
     members = roots | {child for root in roots for child in root.children_recursive}
+    # Eyeballs and teeth may hang on what carries the head, an empty for instance
+    members |= {entry.part for entry in obj.mimetic.parts} - {None}
     for other in scene.objects:
         if any(m.type == "ARMATURE" and m.object in roots for m in other.modifiers):
             members.add(other)

@@ -37,6 +37,8 @@ def write(out: str, file: str, name: str, landmarks_path: str | None) -> str:
     text = f"{len(added)} of ARKit's shapes on {name}"
     if moved:
         text += f"; {', '.join(moved)} moved along"
+    if worn := part_keys.of_worn(own):
+        text += f"; {worn}"
     if kept:
         text += f"; {len(kept)} keys of such names stay as they were"
     return "; ".join(filter(None, (text, remark, *face.notes, *notes, *part_notes)))

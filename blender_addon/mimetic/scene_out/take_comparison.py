@@ -8,7 +8,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from mathutils import Vector
 
 from .. import native, world
-from . import control_object, framed, take_list
+from . import control_object, framed, part_keys, take_list
 
 BESIDE = 0.25  # metres
 
@@ -33,18 +33,48 @@ def stand_beside(scene: bpy.types.Scene, face: bpy.types.Object, row) -> bpy.typ
     twin = face.copy()
     twin.name = f"{face.name} {row.name}"
     twin.data = face.data.copy()
+    twin.mimetic.companions.clear()
     mover = twin
     if (control := control_object.of(face)) is not None:
         own = _own_control(control, face, twin)
         mover = own if twin.parent == own else twin
-    for new in {twin, mover, twin.mimetic.control_object} - {None}:
+    parts = _own_parts(face, twin)
+    for new in {twin, mover, twin.mimetic.control_object, *parts} - {None}:
         for collection in face.users_collection:
             if new.name not in collection.objects:
                 collection.objects.link(new)
-    mover.delta_location = Vector(mover.delta_location) + _aside(scene)
+    for new in (mover, *(part for part in parts if part.parent not in (twin, *parts))):
+        new.delta_location = Vector(new.delta_location) + _aside(scene)
     take_list.play(twin, twin.mimetic.takes[row.name])
     framed.frame(_camera(scene), [face, twin])
     return twin
+
+
+def _own_parts(face, twin) -> list[bpy.types.Object]:
+    """Copies of the eyeballs, teeth and tongue that are objects of their own, which follow the
+    copied face, and of what between them and the face they hang on."""
+    parts = [entry.part for entry in twin.mimetic.parts if entry.part is not None]
+    originals = dict.fromkeys(obj for part in parts for obj in _up_to(face, part))
+    copies = {original: original.copy() for original in originals}
+    for original, own in copies.items():
+        _hold(own, original, {face: twin, **copies})
+    for entry in twin.mimetic.parts:
+        if (own := copies.get(entry.part)) is None:
+            continue
+        own.data = entry.part.data.copy()
+        entry.part = own
+        if own.data.shape_keys is not None:
+            part_keys.follow(own, face, twin)
+    return list(copies.values())
+
+
+def _up_to(face, part) -> list[bpy.types.Object]:
+    """A part, and what it hangs on below the face; the part alone if that is not the face."""
+    way, above = [part], part.parent
+    while above is not None and above != face:
+        way.append(above)
+        above = above.parent
+    return way if above == face else way[:1]
 
 
 def _own_control(control, face, twin) -> bpy.types.Object:

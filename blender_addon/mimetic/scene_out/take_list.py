@@ -12,7 +12,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import compat, native
-from . import actions, control_object, key_table, take_strips
+from . import actions, companions, control_object, key_table, take_strips
 
 KEYS, OBJECT, CONTROL = "KEYS", "OBJECT", "CONTROL"
 MARK_DIGITS = 4  # of handles, which Blender may compute again
@@ -24,6 +24,7 @@ def owners(obj: bpy.types.Object | None) -> dict[str, bpy.types.ID]:
         return {}
     blocks = {OBJECT: obj, CONTROL: control_object.of(obj)}
     blocks[KEYS] = obj.data.shape_keys if obj.type == "MESH" else None
+    blocks |= {f"{KEYS} {name}": keys for name, keys in companions.remembered(obj).items()}
     return {name: block for name, block in blocks.items() if block is not None}
 
 
@@ -77,8 +78,12 @@ def playing(obj: bpy.types.Object | None):
 
 
 def plays(row, current: dict) -> bool:
-    """Whether a take's actions are all among `now`'s."""
-    parts = {part.name: (part.action, part.slot) for part in row.parts}
+    """Whether a take's actions are all among `now`'s; a companion may be gone."""
+    parts = {
+        part.name: (part.action, part.slot)
+        for part in row.parts
+        if part.name in current or part.name in (KEYS, OBJECT, CONTROL)
+    }
     return bool(parts) and all(current.get(owner) == part for owner, part in parts.items())
 
 

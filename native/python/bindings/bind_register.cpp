@@ -3,6 +3,7 @@
 #include <mimetic/register/head_parts.hpp>
 #include <mimetic/register/loose_parts.hpp>
 #include <mimetic/register/registration.hpp>
+#include <mimetic/register/worn.hpp>
 
 #include "arrays.hpp"
 #include "compressed_rows.hpp"
@@ -73,6 +74,16 @@ void bind_meshes(py::module_& m) {
           "Whether the part's frame (4, 4) is a mirror image of the head's.");
     m.def("lies_in_box", &lies_in_box, "head"_a, "part"_a,
           "Whether points (P, 3) are small beside a head's (V, 3) and lie in its box.");
+    py::class_<HeadViews>(m, "HeadViews", "A head as it is seen from 26 directions.")
+        .def(py::init<PointsIn, TrianglesIn, const Eigen::Matrix4d&>(), "points"_a, "triangles"_a,
+             "metres_from_points"_a, release_gil(),
+             "points: (V, 3), any axes and unit; triangles: (T, 3) int32, outward; metres_from_points: (4, "
+             "4);\n"
+             "raises InvalidInput")
+        .def(
+            "wears", &HeadViews::wears, "part"_a, release_gil(),
+            "Whether a small mesh (P, 3) lies before the skin, as glasses and hats do; not what lies behind\n"
+            "it or in its openings, nearer to it than 8 mm, or is a ball or a cap of one.");
     py::class_<ForeignSkin>(m, "ForeignSkin",
                             "The skin of a head's mesh that is not the template's, in the template's frame.")
         .def_readwrite("vertices", &ForeignSkin::vertices, "(N, 3), metres")

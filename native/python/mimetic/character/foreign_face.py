@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from mimetic import InvalidInput, _core
 from mimetic.character.foreign_head import ForeignHead, attach_foreign
 from mimetic.character.foreign_mesh import MAX_VERTICES, REQUIRED
-from mimetic.character.head_parts import PartMesh, lies_in, shapes_of, with_parts
+from mimetic.character.head_parts import PartMesh, WornParts, lies_in, shapes_of, with_parts
 from mimetic.character.live_contact import LiveContact
 from mimetic.character.placement import to_head, to_object
 from mimetic.character.polygons import Polygons
@@ -28,6 +28,7 @@ __all__ = [
     "ForeignFace",
     "PartMesh",
     "Polygons",
+    "WornParts",
     "attach_face",
     "guess_landmarks",
     "lies_in",

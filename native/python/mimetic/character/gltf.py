@@ -89,6 +89,13 @@ class Chunks:
         self.document["bufferViews"].append(dict(self.document["bufferViews"][like]))
         return len(self.views) - 1
 
+    def add_copy(self, index: int) -> int:
+        """An accessor with a buffer view of its own, for what is about to differ; its index."""
+        entry = copy.deepcopy(self.document["accessors"][index])
+        entry["bufferView"] = self.add_view(self.views[entry["bufferView"]], entry["bufferView"])
+        self.document["accessors"].append(entry)
+        return len(self.document["accessors"]) - 1
+
     def add_negative(self, index: int) -> int:
         """An accessor with the negated values of another; returns its index."""
         entry = copy.deepcopy(self.document["accessors"][index])
@@ -153,15 +160,23 @@ def split_negative(glb: bytes) -> bytes:
     whose weight goes below gets a second one, `<name>.negative`, with the opposite displacement.
     """
     chunks = Chunks(glb)
-    for mesh, sampler in _animated_meshes(chunks.document):
-        _split_mesh(chunks, mesh, sampler)
+    # Teeth and tongue that move alike share one accessor, so it is read for all before one is split
+    animated = [
+        (mesh, sampler, chunks.accessor(sampler["output"]).copy())
+        for mesh, sampler in _animated_meshes(chunks.document)
+    ]
+    split: set[int] = set()
+    for mesh, sampler, values in animated:
+        if sampler["output"] in split:
+            sampler["output"] = chunks.add_copy(sampler["output"])
+        split.add(sampler["output"])
+        _split_mesh(chunks, mesh, sampler, values)
     return chunks.to_bytes()
 
 
-def _split_mesh(chunks: Chunks, mesh: dict, sampler: dict) -> None:
+def _split_mesh(chunks: Chunks, mesh: dict, sampler: dict, values: np.ndarray) -> None:
     names = mesh["extras"]["targetNames"]
-    output = chunks.document["accessors"][sampler["output"]]
-    weights = chunks.accessor(sampler["output"]).reshape(-1, len(names))
+    weights = values.reshape(-1, len(names))
     below = np.flatnonzero(weights.min(axis=0) < 0)
     for primitive in mesh["primitives"]:
         primitive["targets"] += [
@@ -171,6 +186,7 @@ def _split_mesh(chunks: Chunks, mesh: dict, sampler: dict) -> None:
     names += [f"{names[i]}.negative" for i in below]
     mesh["weights"] = [0.0] * len(names)
     both = np.hstack([np.maximum(weights, 0), np.maximum(-weights[:, below], 0)])
+    output = chunks.document["accessors"][sampler["output"]]
     chunks.views[output["bufferView"]] = bytearray(both.astype(np.float32).tobytes())
     output["byteOffset"], output["count"] = 0, both.size
     output.pop("min", None), output.pop("max", None)

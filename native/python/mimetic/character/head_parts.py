@@ -2,7 +2,8 @@
 """Eyeballs, teeth, tongue and lashes that are meshes of their own, bound together with their head.
 
 The head and its parts are attached as one mesh, the head's vertices first; what that moves of a
-part goes back into the part's own frame.
+part goes back into the part's own frame. What a head wears before its skin, glasses and hats, is
+distinguished from them by how both are seen from all sides.
 """
 
 from __future__ import annotations
@@ -37,6 +38,26 @@ class PartMesh:
 def lies_in(head_points: NDArray[np.float64], part: PartMesh) -> bool:
     """Whether a mesh is small beside a head (V x 3, its own frame) and lies inside of its box."""
     return _core.lies_in_box(head_points, part.in_head())
+
+
+class WornParts:
+    """Distinguishes what a head wears from the parts of its face.
+
+    points: V x 3, the head's own frame; metres_from_object: 4 x 4.
+    """
+
+    def __init__(
+        self,
+        points: NDArray[np.float64],
+        polygons: Polygons,
+        metres_from_object: NDArray[np.float64],
+    ) -> None:
+        faces, _ = polygons.pieces(points)
+        triangles, _ = _core.cut_faces(points, faces)
+        self._views = _core.HeadViews(points, triangles, metres_from_object)
+
+    def has(self, part: PartMesh) -> bool:
+        return self._views.wears(part.in_head())
 
 
 def with_parts(
