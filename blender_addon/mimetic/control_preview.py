@@ -27,6 +27,7 @@ class Shown:
     preview: object  # mimetic.retarget.playing.ControlPreview
     channels: list = field(default_factory=list)  # of a rig's face
     others: list[str] = field(default_factory=list)  # names of its teeth and eyes
+    rows: list | None = None  # of the table, as they were last read; None after a change
     is_quiet: bool = False  # rows are being written
 
 
@@ -66,13 +67,19 @@ def quiet() -> Iterator[None]:
         yield
     finally:
         active.is_quiet = False
-        _show()
+        _show_changed()
 
 
 def row_changed(character: bpy.types.Object) -> None:
     """A row of the table has another value."""
     if is_of(character):
-        _show()
+        _show_changed()
+
+
+def _show_changed() -> None:
+    if active is not None:
+        active.rows = None
+    _show()
 
 
 def _show() -> None:
@@ -84,11 +91,12 @@ def _show() -> None:
         return
     scene = bpy.context.scene
     try:
-        rows = control_rows.rows_of(character)
-        values = active.preview.values(scene.frame_current_final, rows)
+        if active.rows is None:
+            active.rows = control_rows.rows_of(character)
+        values = active.preview.values(scene.frame_current_final, active.rows)
     except native.known_errors():  # with these rows there is nothing to go by
         values = {}
-    off = {row.control for row in rows} - values.keys()
+    off = {row.control for row in active.rows or ()} - values.keys()
     others = [obj for name in active.others if (obj := bpy.data.objects.get(name))]
     for obj in (character, *others):
         if obj.type == "ARMATURE" or obj.data.shape_keys is not None:
@@ -124,7 +132,7 @@ def _after_undo(*_) -> None:
     if active is None:
         _put_back_all()
     else:
-        _show()
+        _show_changed()
 
 
 @persistent
