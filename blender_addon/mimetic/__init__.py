@@ -15,6 +15,7 @@ from . import (
     pins,
     preferences,
     properties,
+    shown_again,
     takes,
     workspace,
 )
@@ -35,6 +36,7 @@ PARTS = (
     pins,
     takes,
     workspace,
+    shown_again,
 )
 
 
