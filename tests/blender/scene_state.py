@@ -20,6 +20,11 @@ def state(extension) -> dict:
     """All that our operators write, as numbers, texts and arrays."""
     scene = bpy.context.scene
     scene.frame_set(scene.frame_current)
+    return written_into(scene, extension)
+
+
+def written_into(scene: bpy.types.Scene, extension) -> dict:
+    """The same as it stands, without a frame that is set for it."""
     written = {"settings": settings_of(scene.mimetic)}
     marks = [(marker.name, marker.frame) for marker in scene.timeline_markers]
     written["markers"] = sorted(marks)

@@ -127,13 +127,15 @@ class BlenderFolder:
         settings: dict,
         seconds: float,
         is_simulated: bool = True,
+        beside: tuple[str, ...] = (),
     ) -> Findings:
         """Run a walk in a new Blender. `work` must lie in /tmp, which the folder shares.
 
         is_simulated: the walk's own events count, and the screen's do not.
+        beside: what else the walk imports, as seen from here.
         """
-        for source in (HERE / "walk.py", HERE / script):
-            shutil.copy(source, work)
+        for source in ("walk.py", script, *beside):
+            shutil.copy(HERE / source, work)
         (work / "settings.json").write_text(json.dumps(settings))
         resources = work / "resources"
         resources.mkdir()

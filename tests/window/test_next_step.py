@@ -19,6 +19,7 @@ def test_what_is_lit_leads_there_in_less_than_three_minutes(
     subprocess.run([*cut, "25", work / "another.mp4"], check=True)
     settings = {"extension": extension.name, "clip": "shot.mp4", "another": "another.mp4"}
     way = {"seconds": 900, "is_simulated": False}
+    way["beside"] = ("undoing.py", "redo_panels.py", "../blender/scene_state.py")
     result = folder.walk(screen, "walk_next_step.py", work, pictures, settings, **way)
     assert not result.failures()
     rows = result.arrays["steps"]

@@ -13,10 +13,11 @@ import time
 import traceback
 from collections.abc import Callable, Generator
 from pathlib import Path
+from typing import Any
 
 import bpy
 
-Steps = Generator[float | None, None, None]
+Steps = Generator[float | None, None, Any]
 
 
 class Walk:
@@ -32,12 +33,21 @@ class Walk:
         self.checks.append({"claim": claim, "holds": bool(holds), "found": str(found)})
         print(f"walk: {'ok' if holds else 'FAILED'}: {claim} {found}", flush=True)
 
-    def until(self, condition: Callable[[], bool], seconds: float, claim: str) -> Steps:
-        """Wait until the condition holds; that it does within the time is a check of its own."""
+    def until(
+        self,
+        condition: Callable[[], bool],
+        seconds: float,
+        claim: str,
+        hindrance: Callable[[], str] = str,
+    ) -> Steps:
+        """Wait until the condition holds; that it does within the time is a check of its own.
+
+        hindrance: says what it waits for still.
+        """
         start = time.monotonic()
         while not condition():
             if time.monotonic() - start > seconds:
-                self.check(claim, False, f"not within {seconds:g} s")
+                self.check(claim, False, f"not within {seconds:g} s {hindrance()}".rstrip())
                 return
             yield 0.1
         self.check(claim, True, f"after {time.monotonic() - start:.1f} s")

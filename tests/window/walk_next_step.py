@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Someone new: a video is dropped, then only what is lit is clicked, and a place that is off is
-pinned. All of it by the screen's own mouse; how long each step takes is told."""
+pinned. All of it by the screen's own mouse; how long each step takes is told. After each an undo
+leaves nothing of it, and a redo brings it back, which takes no time of theirs."""
 
 import sys
 import time
@@ -9,15 +10,12 @@ from pathlib import Path
 import bpy
 
 sys.path.insert(0, str(Path(__file__).parent))
+import redo_panels
+from undoing import PACKAGE, at_rest, document, module, on_screen, press, undo_and_redo
 from walk import Steps, Walk, area_of, install, start
 
-PACKAGE = "bl_ext.user_default.mimetic"
 WAY = ("find_face", "capture", "bake", "pin_skin", "refine", "bake")  # what the panel leads to
 OFF = 6  # pixels of the screen by which the place that is pinned is moved
-
-
-def module(name: str):
-    return sys.modules[f"{PACKAGE}.{name}"]
 
 
 def is_idle() -> bool:
@@ -33,11 +31,6 @@ def next_name() -> str:
 
 def part(kind: str) -> bpy.types.Region:
     return next(region for region in area_of("CLIP_EDITOR")[1].regions if region.type == kind)
-
-
-def on_screen(x: float, y: float) -> tuple[int, int]:
-    """From the window's bottom left to the screen's top left, whose window it fills."""
-    return round(x), bpy.context.window_manager.windows[0].height - 1 - round(y)
 
 
 def sidebar_box() -> str:
@@ -62,6 +55,10 @@ class Stopwatch:
         now = time.monotonic()
         self._rows[-1][2] = now - self._begin
         self._begin = now
+
+    def go_on(self) -> None:
+        """After what is not of the way."""
+        self._begin = time.monotonic()
 
 
 def drop(walk: Walk, watch: Stopwatch) -> Steps:
@@ -140,21 +137,54 @@ def drop_another(walk: Walk) -> Steps:
     walk.check("the first one has its take", next_name() == "", next_name())
 
 
+def search(walk: Walk, name: str, kind: str, words: str) -> Steps:
+    """By F3, and what it finds first."""
+    yield from press(walk, f"{name}-search", kind, "F3")
+    keys = " ".join("space" if letter == " " else letter for letter in words.lower())
+    yield from walk.ask(f"{name}-words.act", f"sleep 0.5 key {keys}")
+    yield from walk.picture(f"{name}-found")
+    yield from walk.ask(f"{name}-chosen.act", "key Return")
+
+
+def correct_and_smooth(walk: Walk) -> Steps:
+    """What has settings that one tries out: each from its menu, then in its redo panel."""
+    for operator, kind, words, setting, typed in (
+        ("correct_value", "CLIP_EDITOR", "Correct Value", "value", "0.4"),
+        ("smooth_curves", "VIEW_3D", "Mimetic Smooth", "seconds", "0.3"),
+    ):
+        before, name = document(), f"next-{operator}"
+        yield from search(walk, name, kind, words)
+        ran = f"MIMETIC_OT_{operator}"
+        yield from walk.until(lambda r=ran: redo_panels.last().bl_idname == r, 20, f"{name} ran")
+        yield from redo_panels.try_out(walk, name, before, kind, setting, typed)
+
+
 def steps(walk: Walk) -> Steps:
     yield from install(walk, PACKAGE)
     bpy.ops.wm.save_as_mainfile(filepath=str(walk.folder / "shot.blend"))
     yield 0.5
+    before = yield from at_rest(walk, "Blender")
     watch = Stopwatch(walk)
     yield from drop(walk, watch)
     walk.check("the video is the scene's", bpy.context.scene.mimetic.clip is not None)
+    yield from undo_and_redo(walk, "next-drop", before)
     for i, name in enumerate(WAY):
+        before = document()
+        watch.go_on()
         yield from (pin_a_place if name == "pin_skin" else click_lit)(walk, watch, i)
+        step = f"next-{i}-{name}"
+        if i == len(WAY) - 1:
+            yield from redo_panels.try_out(walk, step, before, "CLIP_EDITOR", "exaggeration", "1.5")
+        else:
+            editor = "CLIP_EDITOR" if name == "pin_skin" else "VIEW_3D"
+            yield from undo_and_redo(walk, step, before, editor)
     yield from walk.picture("next-done")
     face = bpy.context.scene.mimetic.face
     takes = [row.performance for row in face.mimetic.takes]
     walk.check("the corrected take is baked too", len(takes) == 2, takes)
     walk.check("all is done", next_name() == "", next_name())
     yield from drop_another(walk)
+    yield from correct_and_smooth(walk)
 
 
 start(steps)
