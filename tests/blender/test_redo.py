@@ -14,6 +14,7 @@ from test_capture import clip_path  # noqa: F401
 from test_corrections import captured, captured_file  # noqa: F401
 from test_expressions import BROWS, bump, face, smile  # noqa: F401
 from test_head import rig  # noqa: F401
+from test_head_parts import _piece
 from test_own_controls import character, played  # noqa: F401
 from test_pins import drag, found, found_file, select  # noqa: F401
 
@@ -134,7 +135,17 @@ def with_own_head(fixture) -> None:
 
 def with_landmarks(fixture) -> None:
     with_own_head(fixture)
-    put_landmarks(bpy.context.active_object, fixture("parts"))
+    from mimetic.template.face_template import load_template
+
+    head, parts = bpy.context.active_object, fixture("parts")
+    put_landmarks(head, parts)
+    template = load_template()
+    points, faces = _piece(parts, template.part_vertices("eye.L"))
+    mesh = bpy.data.meshes.new("eye")
+    mesh.from_pydata(points, [], faces)
+    eye = bpy.data.objects.new("eye", mesh)
+    bpy.context.scene.collection.objects.link(eye)
+    eye.parent = head
 
 
 def with_rig(fixture) -> None:
