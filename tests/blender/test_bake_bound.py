@@ -94,6 +94,17 @@ def test_the_skin_moves_as_by_hand(hero, loaded):
     assert np.ptp(played - rest_of(hero), axis=0).max() > 0.5
 
 
+def test_few_keys_with_handles_are_as_near_as_asked_for(extension, scene, hero, loaded):
+    bpy.ops.mimetic.bake(use_few_keys=True, tolerance=0.04, use_phases=True)
+    assert hero.mimetic.takes[-1].settings == "few keys within 0.04, at phases"
+    curves = extension("compat").curves(hero.data.shape_keys).fcurves
+    assert sum(len(curve.keyframe_points) for curve in curves) < 0.4 * 40 * len(curves)
+    for name, expected in zip(loaded.muscles, loaded.activations.T, strict=True):
+        curve = next(c for c in curves if c.data_path == slider(name)[:-3])
+        actual = [curve.evaluate(frame) for frame in loaded.frame]
+        np.testing.assert_allclose(actual, expected, atol=0.05)
+
+
 def evaluated(face) -> np.ndarray:
     shown = face.evaluated_get(bpy.context.evaluated_depsgraph_get())
     points = np.empty(3 * len(face.data.vertices), dtype=np.float32)

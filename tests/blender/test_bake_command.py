@@ -209,9 +209,19 @@ def test_a_target_with_sliders_plays_the_muscles(performance, extension, tmp_pat
     rig, out = tmp_path / "character.blend", tmp_path / "played.blend"
     bpy.context.scene.render.fps = 25
     bpy.ops.wm.save_as_mainfile(filepath=str(rig))
-    ran = run_bake(tmp_path / "acted.npz", "--out", out, "--target", f"{rig}:{name}")
+    words = ("--out", out, "--target", f"{rig}:{name}", "--few-keys", "0.00001")
+    ran = run_bake(tmp_path / "acted.npz", *words)
+    assert ran.returncode == 2 and "tolerance" in ran.stderr
+    ran = run_bake(tmp_path / "acted.npz", *words[:-2], "--few-keys", "0.03")
     assert ran.returncode == 0, ran.stderr
     assert f"curves on {name}" in ran.stdout
+    bpy.ops.wm.open_mainfile(filepath=str(out))
+    face = bpy.data.objects[name]
+    curves = extension("compat").curves(face.data.shape_keys).fcurves
+    assert max(len(curve.keyframe_points) for curve in curves) < len(acted.frame)
+    assert face.mimetic.takes[0].settings == "by mimetic bake, few keys within 0.03"
+    ran = run_bake(tmp_path / "acted.npz", *words[:-2])
+    assert ran.returncode == 0, ran.stderr
     bpy.ops.wm.open_mainfile(filepath=str(out))
     face = bpy.data.objects[name]
     bpy.context.scene.frame_set(24)
@@ -254,8 +264,9 @@ def test_a_control_object_needs_muscles(acted, rig_file, tmp_path):
         ("{missing}:rig", [], "no such file"),
         ("{rig}:nobody", [], "no object nobody"),
         ("{rig}:rig", ["--out", "face.csv"], ".blend"),
+        ("{rig}:rig", ["--few-keys"], "no shape keys or control object"),
     ],
-    ids=["form", "missing", "object", "suffix"],
+    ids=["form", "missing", "object", "suffix", "few keys"],
 )
 def test_a_bad_target_gets_status_2_and_one_line(
     target, more, said, performance_file, rig_file, tmp_path

@@ -192,6 +192,20 @@ def loaded(character, played, scene):
     return character
 
 
+def test_few_keys_play_nearly_the_same(extension, loaded):
+    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
+    dense = key_curves(extension, loaded)
+    assert bpy.ops.mimetic.bake_controls(use_few_keys=True, tolerance=0.05) == {"FINISHED"}
+    assert loaded.mimetic.takes[-1].settings == "own controls, few keys within 0.05"
+    few = extension("compat").curves(loaded.data.shape_keys).fcurves
+    assert sum(len(c.keyframe_points) for c in few) < 0.5 * sum(map(len, dense.values()))
+    for curve in few:
+        values = dense[curve.data_path.split('"')[1]]
+        first = curve.keyframe_points[0].co[0]
+        actual = [curve.evaluate(first + i) for i in range(len(values))]
+        np.testing.assert_allclose(actual, values, atol=0.06)
+
+
 def row(character, name: str):
     return character.mimetic.controls[name]
 
@@ -216,8 +230,8 @@ def test_a_bake_to_the_character_edits_curves_and_is_a_take(extension, loaded):
     assert after["jawOpen"] == pytest.approx(0.5 * before["jawOpen"], rel=0.1), (before, after)
     rows = [(row.name, row.settings) for row in loaded.mimetic.takes]
     assert rows == [
-        ("hero", "own controls"),
-        ("hero.002", "own controls, exaggerated by 0.5"),
+        ("hero", "own controls, a key a frame"),
+        ("hero.002", "own controls, a key a frame, exaggerated by 0.5"),
     ]
     assert bpy.ops.mimetic.play_take(take="hero") == {"FINISHED"}
     again = {name: values.max() for name, values in key_curves(extension, loaded).items()}

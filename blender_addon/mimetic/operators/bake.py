@@ -2,16 +2,17 @@
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
+from bpy.props import BoolProperty, EnumProperty, IntProperty
 from bpy.types import Operator
 
 from .. import clips, native, scene_in, scene_out, takes, targets, writable
 from ..jobs import Job
 from .curve_options import CurveOptions
+from .key_options import KeyOptions
 from .take_options import TakeOptions
 
 
-class MIMETIC_OT_bake(CurveOptions, TakeOptions, Job, Operator):
+class MIMETIC_OT_bake(KeyOptions, CurveOptions, TakeOptions, Job, Operator):
     """Put the performance into the scene: face, muscle curves, head motion, footage and camera"""
 
     bl_idname = "mimetic.bake"
@@ -50,24 +51,6 @@ class MIMETIC_OT_bake(CurveOptions, TakeOptions, Job, Operator):
         description="Where the scene has no compositor nodes of its own: have renders show the "
         "face over the footage, by nodes behind a transparent film, in its own colours (view "
         "transform Standard), lit by lights that go along with the face",
-    )
-    use_few_keys: BoolProperty(
-        name="Few Keys",
-        default=False,
-        description="Keys with handles where something changes, to drag, instead of one a frame",
-    )
-    tolerance: FloatProperty(
-        name="Tolerance",
-        default=0.02,
-        min=0.001,
-        max=0.5,
-        precision=3,
-        description="By how much few keys may miss an activation, of which 1 is full",
-    )
-    use_phases: BoolProperty(
-        name="At Phases",
-        default=False,
-        description="Keys at onset, apex, release and end of each event first",
     )
     to: EnumProperty(
         name="To",
@@ -173,11 +156,7 @@ class MIMETIC_OT_bake(CurveOptions, TakeOptions, Job, Operator):
 
     def settings(self) -> str:
         """Of this bake, for the list of takes."""
-        parts = [iface_("a key a frame")]
-        if self.use_few_keys:
-            parts = [iface_("few keys within {tolerance:.3g}").format(tolerance=self.tolerance)]
-            parts += [iface_("at phases")] if self.use_phases else []
-        parts += self.curve_remarks()
+        parts = self.key_remarks() + self.curve_remarks()
         parts += [iface_("detail")] if self.use_detail else []
         return ", ".join(parts)
 
@@ -192,11 +171,10 @@ class MIMETIC_OT_bake(CurveOptions, TakeOptions, Job, Operator):
         """On a character's own head; the message names all that it cannot play."""
         place = scene, performance, take, head, clip, self.use_head_motion
         if self.uses_controls(head):
-            tolerance = self.tolerance if self.use_few_keys else 0.0
-            summary = scene_out.bound_controls.bake(*place, tolerance, self.use_phases)
+            summary = scene_out.bound_controls.bake(*place, *self.few_keys())
         else:
             writable.check(scene_out.control_object.no_keys(head))
-            summary = scene_out.bound.bake(*place)
+            summary = scene_out.bound.bake(*place, *self.few_keys())
         self.facts = {"object": head.name, "left_out": list(summary.left_out), **_made(summary)}
         for remark in summary.left_out:
             self.report({"WARNING"}, remark)

@@ -26,6 +26,7 @@ from ..greyed import Greyed
 from ..jobs import Job
 from ..scene_out import face_bones, own_controls, own_keys
 from .curve_options import CurveOptions
+from .key_options import KeyOptions
 from .take_options import TakeOptions
 
 MANY = 0.98  # of the work: fitting
@@ -123,7 +124,7 @@ class MIMETIC_OT_fit_controls(Fitting, Operator):
         )
 
 
-class MIMETIC_OT_bake_controls(CurveOptions, TakeOptions, Fitting, Operator):
+class MIMETIC_OT_bake_controls(KeyOptions, CurveOptions, TakeOptions, Fitting, Operator):
     """Put the performance on the active character's own shape keys, or the bones of its face, and
     the head's motion on the object or the head's bone; actions that were there stay in the file"""
 
@@ -142,10 +143,16 @@ class MIMETIC_OT_bake_controls(CurveOptions, TakeOptions, Fitting, Operator):
         action_name = takes.action_name(take, performance)
         before = scene_out.take_list.now(character)
         control_preview.end()
-        bake = face_bones.bake if character.type == "ARMATURE" else own_controls.bake
-        summary = bake(
-            context.scene, performance, action_name, character, played, clip, self.use_head_motion
-        )
+        place = context.scene, performance, action_name, character, played, clip
+        keys = self.key_remarks()
+        if character.type == "ARMATURE":
+            summary = face_bones.bake(*place, self.use_head_motion)
+            keys = [iface_("a key a frame")]
+            if self.use_few_keys:
+                text = rpt_("bones have a key a frame: Few Keys in the panel Curves makes them few")
+                self.report({"WARNING"}, text)
+        else:
+            summary = own_controls.bake(*place, self.use_head_motion, *self.few_keys())
         _write_rows(character, rows, native.playing().remarks(rows, played))
         self.facts = {
             "object": name,
@@ -155,7 +162,7 @@ class MIMETIC_OT_bake_controls(CurveOptions, TakeOptions, Fitting, Operator):
             "unmatched": list(played.unmatched),
             "explained": played.explained,
         }
-        settings = ", ".join([iface_("own controls"), *self.curve_remarks()])
+        settings = ", ".join([iface_("own controls"), *keys, *self.curve_remarks()])
         like = performance, action_name, take, clip, settings, before
         message = rpt_("{num_curves} curves from frame {first:.6g} to {last:.6g} on {name}").format(
             num_curves=summary.num_curves, first=summary.first, last=summary.last, name=name

@@ -71,11 +71,20 @@ def key_columns(holder, data_path: str, group: str, frames, rows) -> int:
     return rows.shape[1]
 
 
-def key_slider(holder, key: bpy.types.ShapeKey, group: str, frames, values) -> None:
-    """Keys a shape key's value densely, instead of the curve that it has."""
+def key_slider(
+    holder,
+    key: bpy.types.ShapeKey,
+    group: str,
+    frames,
+    values,
+    tolerance: float = 0.0,
+    by_phases: bool = False,
+) -> None:
+    """Keys a shape key's value, instead of the curve that it has; few keys as for `key_shapes`."""
     path = key.path_from_id("value")
     clear(holder, path)
-    fill(compat.new_curve(holder, path, 0, group), frames, values, LINEAR)
+    curve = compat.new_curve(holder, path, 0, group)
+    fill_values(curve, frames, values, tolerance, by_phases)
 
 
 def key_rotations(holder, prefix: str, group: str, frames, channels) -> int:

@@ -35,13 +35,16 @@ def bake(
     head_object: bpy.types.Object,
     footage: bpy.types.MovieClip | None = None,
     use_head_motion: bool = True,
+    tolerance: float = 0.0,
+    by_phases: bool = False,
 ) -> BakeSummary:
     """Keys a `mimetic.performance.Performance` on the sliders of a head, by the names that muscles
     had when they were attached: a slider that was renamed by hand plays, too.
 
     use_head_motion: whether the object moves as the actor's head does, from where it stands; it
-    never does where a parent, an armature or a constraint moves it. The scene's rate and range
-    stay. Raises InvalidInput, and changes nothing then, if nothing of it can be played.
+    never does where a parent, an armature or a constraint moves it. tolerance, by_phases: of few
+    keys, as `actions.key_shapes` has them. The scene's rate and range stay. Raises InvalidInput,
+    and changes nothing then, if nothing of it can be played.
     """
     writable.check(writable.no_sliders(head_object))
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
@@ -69,7 +72,7 @@ def bake(
             )
         )
     for key, shape in playable:
-        actions.key_slider(holder, key, shape.group, frames, shape.values)
+        actions.key_slider(holder, key, shape.group, frames, shape.values, tolerance, by_phases)
     num_curves = len(playable)
     if channels is not None:
         num_curves += head.key_object(

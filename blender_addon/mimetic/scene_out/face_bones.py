@@ -95,8 +95,9 @@ def play(
 def bake(
     scene, performance, take: str, armature, played, footage=None, use_head_motion: bool = True
 ) -> own_controls.BakeSummary:
-    """Keys a `mimetic.retarget.PlayedControls` on a rig's face bones, and the head's motion on
-    those of head and neck, in one new action. What else its action holds goes on in a copy."""
+    """Keys a `mimetic.retarget.PlayedControls` on a rig's face bones, a key a frame, and the head's
+    motion on those of head and neck, in one new action. What else its action holds goes on in a
+    copy."""
     writable.check(writable.no_motion(armature))
     target = head_target(armature)
     num_curves, text = 0, played.summary()

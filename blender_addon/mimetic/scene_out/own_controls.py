@@ -30,12 +30,15 @@ def bake(
     played,
     footage: bpy.types.MovieClip | None = None,
     use_head_motion: bool = True,
+    tolerance: float = 0.0,
+    by_phases: bool = False,
 ) -> BakeSummary:
     """Keys a `mimetic.retarget.PlayedControls` on a character's own shape keys, in a new action.
 
     What else the character's action holds goes on in a copy. use_head_motion: whether the object
     moves as the actor's head; it never does where a parent, an armature or a constraint moves it.
     Keys of the same names on the character's other meshes, teeth and eyes, get the same curves.
+    tolerance, by_phases: of few keys, as `actions.key_shapes` has them.
     Raises InvalidInput, and changes nothing then, where keys were removed meanwhile.
     """
     writable.check(writable.no_sliders(character))
@@ -63,7 +66,7 @@ def bake(
         name = f"{take} controls" if obj == character else f"{take} {obj.name}"
         holder = actions.continued_take(obj.data.shape_keys, name)
         for name, key in own.items():
-            actions.key_slider(holder, key, GROUP, frames, curves[name])
+            actions.key_slider(holder, key, GROUP, frames, curves[name], tolerance, by_phases)
         num_curves += len(own)
         others += [] if obj == character else [obj]
     companions.remember(character, others)

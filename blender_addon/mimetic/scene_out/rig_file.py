@@ -39,7 +39,8 @@ def write(
     are asked for, plays those; an armature plays the face on its bones if asked for; any other
     object, or an armature's head and neck, gets the head's motion. settings: controls, "own",
     "muscles", or "auto" for what there is, muscles first; bone and neck, found by name where None;
-    neck_share; smoothing, of the head's motion alone. curves: `takes.load_edited`'s. The file
+    neck_share; smoothing, of the head's motion alone; tolerance and by_phases, of few keys, as
+    `actions.key_shapes` has them. curves: `takes.load_edited`'s. The file
     keeps its own rate, range and everything else; its scripts do not run. Other files than .blend
     have the object, its rig and what hangs on them. Returns what was written.
     """
@@ -51,22 +52,28 @@ def write(
     take = takes.take_name(footage_path or performance_path)
     choice = settings.get("controls", "auto")
     before = take_list.now(obj)
+    few_keys = settings.get("tolerance", 0.0), settings.get("by_phases", False)
     if obj.type == "ARMATURE" and choice == "own":
+        _check_few_keys(where, obj, few_keys)
         text = _play_bones(
             scene, performance, take, _target(obj, where, settings), settings, footage
         )
     elif _plays_own(obj, where, choice):
         played = own_controls.play(performance, obj, settings.get("preset"))
-        summary = own_controls.bake(scene, performance, take, obj, played, footage)
+        summary = own_controls.bake(scene, performance, take, obj, played, footage, True, *few_keys)
         text = f"{summary.num_curves} curves on {obj.name}, {_frames(summary)}; {summary.text}"
     elif scene_in.is_face(obj):
-        text = _play(scene, performance, take, obj, footage, settings)
+        text = _play(scene, performance, take, obj, footage, settings, few_keys)
     else:
+        _check_few_keys(where, obj, few_keys)
         summary = _turn(scene, performance, take, _target(obj, where, settings), settings, footage)
         text = f"{summary.num_curves} curves on {summary.where}, {_frames(summary)}"
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
     file_name = Path(performance_path).name
-    take_list.note(obj, performance, take, file_name, frames, "by mimetic bake", before)
+    like = "by mimetic bake"
+    if few_keys[0]:
+        like += f", few keys within {few_keys[0]:.3g}" + (", at phases" if few_keys[1] else "")
+    take_list.note(obj, performance, take, file_name, frames, like, before)
     if Path(out).suffix == ".blend":
         save(Path(out).absolute())
         return text
@@ -135,12 +142,28 @@ def _frames(summary) -> str:
     return f"frames {summary.first:.6g} to {summary.last:.6g}"
 
 
-def _play(scene: bpy.types.Scene, performance, take: str, face, footage, settings: dict) -> str:
+def _check_few_keys(where: str, obj: bpy.types.Object, few_keys: tuple[float, bool]) -> None:
+    if few_keys[0]:
+        raise native.invalid_input(
+            f"{where}:{obj.name} plays on no shape keys or control object, whose curves --few-keys "
+            "are of; leave it out"
+        )
+
+
+def _play(
+    scene: bpy.types.Scene,
+    performance,
+    take: str,
+    face,
+    footage,
+    settings: dict,
+    few_keys: tuple[float, bool],
+) -> str:
     """The performance on a head's own sliders or control object, as the button Bake puts it."""
     control_object.forget_lost(face)
     on_bones = settings.get("control_object") or control_object.of(face)
     bake = bound_controls.bake if on_bones else bound.bake
-    summary = bake(scene, performance, take, face, footage)
+    summary = bake(scene, performance, take, face, footage, True, *few_keys)
     remarks = "".join(f"; {remark}" for remark in summary.left_out)
     return f"{summary.num_curves} curves on {face.name}, {_frames(summary)}{remarks}"
 

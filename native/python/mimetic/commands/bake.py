@@ -182,8 +182,6 @@ def run_bake(arguments: argparse.Namespace) -> int:
             raise InvalidInput("--names and --eyes are of the person's own face, not a --target's")
         if arguments.action_units:
             raise InvalidInput("--action-units are the face's; a --target takes the head")
-        if arguments.few_keys is not None:
-            raise InvalidInput("--few-keys are the face's; a --target takes the head")
     elif arguments.controls != "auto" or arguments.preset:
         raise InvalidInput("--controls and --preset are a --target RIG.blend:OBJECT's; give it")
     elif arguments.bone or arguments.neck:
@@ -293,6 +291,9 @@ def bake(
         if footage is not None or with_detail or with_units or tolerance is not None:
             raise InvalidInput(f"--out {out.name}: a table takes no option but the performance")
         return write_table(edited(Performance.load(performance), curves), out)
+    if target is not None:
+        few_keys = {"tolerance": tolerance or 0.0, "by_phases": by_phases}
+        target = {**target, "settings": {**target["settings"], **few_keys}}
     request = {
         "performance": str(Path(performance).absolute()),
         "footage": None if footage is None else os.path.abspath(opened(footage)),
