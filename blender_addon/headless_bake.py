@@ -70,10 +70,11 @@ def bake(request: dict) -> dict:
     try:
         if target := request.get("target"):
             rig_file = importlib.import_module(f"{extension}.scene_out.rig_file")
+            few_keys = {name: request[name] for name in ("tolerance", "by_phases")}
             return {
                 "text": rig_file.write(
                     *(request["performance"], request["out"], target["file"], target["object"]),
-                    *(target["settings"], request["footage"], request["curves"]),
+                    *(target["settings"] | few_keys, request["footage"], request["curves"]),
                 )
             }
         if library := request.get("library"):

@@ -291,9 +291,6 @@ def bake(
         if footage is not None or with_detail or with_units or tolerance is not None:
             raise InvalidInput(f"--out {out.name}: a table takes no option but the performance")
         return write_table(edited(Performance.load(performance), curves), out)
-    if target is not None:
-        few_keys = {"tolerance": tolerance or 0.0, "by_phases": by_phases}
-        target = {**target, "settings": {**target["settings"], **few_keys}}
     request = {
         "performance": str(Path(performance).absolute()),
         "footage": None if footage is None else os.path.abspath(opened(footage)),
