@@ -38,13 +38,12 @@ def state_of(obj) -> list:
 
 
 def parted(objects) -> dict[str, bpy.types.Object]:
-    """Meshes of a file by what they are called in the scene."""
+    """Meshes of a file by what they are called in the scene; Blender 5.2 reads a USD file's as
+    empties of that name that carry the meshes."""
     names = {name.replace(".", "_"): name for name in ("Bust", *MOVED)}
-    return {
-        names[plain]: obj
-        for obj in objects
-        if obj.type == "MESH" and (plain := obj.name.replace(".", "_")) in names
-    }
+    meshes = [obj for obj in objects if obj.type == "MESH"]
+    called = [(said.replace(".", "_"), obj) for obj in meshes for said in (obj.data.name, obj.name)]
+    return {names[plain]: obj for plain, obj in called if plain in names}
 
 
 @pytest.mark.parametrize("suffix", (".glb", ".fbx", ".usdc", ".abc"))
