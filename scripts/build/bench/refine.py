@@ -49,7 +49,7 @@ def main() -> None:
             pins.append(SkinPin(*place, (x + 4, y)))
     print(f"a click is answered in {statistics.median(times):.0f} ms, at most {max(times):.0f} ms")
     start = time.perf_counter()
-    Refinement(performance)
+    Refinement(performance, [])
     print(f"of a refinement, making ready: {time.perf_counter() - start:.2f} s")
     for number, frames in ((1, [60]), (3, [30, 60, 90])):
         for count in (1, 5):
