@@ -11,6 +11,7 @@ FIRST_ROW, ROW = (
     44,
     23,
 )  # pixels from the panel's top to the first row's middle, and from row to row
+LAID_OUT = 0.4  # seconds, for Blender to draw the panel as high as this operator's
 BLENDERS = {"rna_type", *bpy.types.Operator.bl_rna.properties.keys()}
 
 
@@ -51,36 +52,54 @@ def panel_of(kind: str) -> bpy.types.Region:
 def opened(walk: Walk, name: str, kind: str) -> Steps:
     """Opens the panel in the corner of an editor by a click on its header, where it is closed."""
     yield from walk.until(lambda: panel_of(kind).height > 1, 10, f"{name} has its redo panel")
+    yield LAID_OUT
     panel = panel_of(kind)
     if panel.height > 2 * ROW:
         return
     x, y = on_screen(panel.x + 60, panel.y + panel.height - 12)
     yield from walk.ask(f"{name}-open.act", f"mousemove {x} {y} sleep 0.3 click 1")
     yield from walk.until(lambda: panel_of(kind).height > 2 * ROW, 10, "a click opens the panel")
+    yield LAID_OUT
 
 
-def change(walk: Walk, name: str, kind: str, setting: str, typed: str) -> Steps:
-    """Types another value for a setting of the last operator, which is a number."""
+def change(walk: Walk, name: str, kind: str, setting: str, typed: str, row: int = -1) -> Steps:
+    """Gives a setting of the last operator another value: types, ticks, chooses from its list.
+
+    typed: nothing for a tick box; for a list how often Down is pressed, the first time for what
+    is chosen already, or nothing for the next one.
+    row: of the panel, where the operator draws its own.
+    """
     yield from opened(walk, name, kind)
-    yield from walk.picture(f"{name}-panel")
     before, panel = value_of(last().properties, rna(setting)), panel_of(kind)
-    top = panel.y + panel.height - FIRST_ROW - ROW * rows_above(setting)
-    x, y = on_screen(panel.x + 0.75 * panel.width, top)
-    keys = f"mousemove {x} {y} sleep 0.3 click --repeat 2 --delay 60 1 sleep 0.3 "
-    keys += f"key ctrl+a type {typed}"
-    yield from walk.ask(f"{name}-type.act", keys)
-    yield from walk.ask(f"{name}-enter.act", "sleep 0.3 key Return")
+    row = rows_above(setting) if row < 0 else row
+    x, y = on_screen(panel.x + 0.75 * panel.width, panel.y + panel.height - FIRST_ROW - ROW * row)
+    typing = f"click --repeat 2 --delay 60 1 sleep 0.3 key ctrl+a type {typed}"
+    do = {"BOOLEAN": "click 1", "ENUM": "click 1 sleep 0.4"}.get(rna(setting).type, typing)
+    if rna(setting).type == "ENUM":
+        do += " key Down sleep 0.1" * int(typed or 2) + " key Return"
+    yield from walk.ask(f"{name}-change.act", f"mousemove {x} {y} sleep 0.3 {do}")
+    if do == typing:
+        yield from walk.ask(f"{name}-enter.act", "sleep 0.3 key Return")
     claim = f"{setting} of {name} is changed in its redo panel"
-    yield from walk.until(lambda: value_of(last().properties, rna(setting)) != before, 60, claim)
+    yield from walk.until(lambda: value_of(last().properties, rna(setting)) != before, 15, claim)
     now = value_of(last().properties, rna(setting))
-    walk.check("to what was typed", abs(now - float(typed)) < 1e-6, now)
+    if do == typing:
+        is_typed = now == typed if rna(setting).type == "STRING" else abs(now - float(typed)) < 1e-6
+        walk.check("to what was typed", is_typed, now)
 
 
-def try_out(walk: Walk, name: str, before: dict, kind: str, setting: str, typed: str) -> Steps:
+def try_out(
+    walk: Walk, name: str, before: dict, kind: str, setting: str, typed: str, row: int = -1
+) -> Steps:
     """Of the operator that ran last, in an editor: another value in its redo panel gives what a
     call with that value does; undo and redo hold then too. before: the document without it."""
     at_first = yield from at_rest(walk, name)
-    yield from change(walk, name, kind, setting, typed)
+    yield from opened(walk, name, kind)
+    yield from walk.picture(f"{name}-panel")
+    room = next(region for region in area_of(kind)[1].regions if region.type == "WINDOW").height
+    height = panel_of(kind).height
+    walk.check("the panel fits into its editor", height < room - ROW, (height, room))
+    yield from change(walk, name, kind, setting, typed, row)
     changed = yield from at_rest(walk, f"{name}, changed")
     walk.check(f"{setting} changes what {name} gives", difference(at_first, changed))
     shown, given = editors(), values()

@@ -53,6 +53,22 @@ def editors() -> dict:
     return shown
 
 
+def views() -> dict:
+    """How 3D views look: through what, alone or with all objects, in what shading."""
+    shown = {}
+    for area in bpy.context.window_manager.windows[0].screen.areas:
+        if area.type != "VIEW_3D":
+            continue
+        space = area.spaces.active
+        view, shading = space.region_3d, space.shading
+        looks = [view.view_perspective, space.local_view is not None, shading.type]
+        looks += [shading.light, shading.color_type, shading.show_cavity]
+        if view.view_perspective != "CAMERA":
+            looks += [round(one, 3) for one in (*view.view_rotation, view.view_distance)]
+        shown[f"view at {area.x}, {area.y}"] = looks
+    return shown
+
+
 def difference(before: dict, after: dict) -> str:
     """Where the first one is, and what only one of them has; or nothing."""
     try:
@@ -101,12 +117,18 @@ def becomes(walk: Walk, wanted: dict, claim: str) -> Steps:
     yield from walk.until(is_same, PATIENCE, claim, lambda: found)
 
 
-def undo(walk: Walk, name: str, before: dict, kind: str = "VIEW_3D") -> Steps:
+def undo(
+    walk: Walk, name: str, before: dict, kind: str = "VIEW_3D", looks: dict | None = None
+) -> Steps:
+    """looks: of 3D views, before the step."""
     yield from press(walk, f"{name}-undo", kind, "ctrl+z")
     yield from becomes(walk, before, f"undo leaves nothing of {name}")
     yield from walk.picture(f"{name}-undone")
     found = difference(before, document())
     walk.check(f"and nothing of {name} comes back by itself", not found, found)
+    if looks is not None:
+        found = difference(looks, views())
+        walk.check(f"3D views look as they did before {name}", not found, found)
 
 
 def redo(walk: Walk, name: str, after: dict, shown: dict, kind: str = "VIEW_3D") -> Steps:
@@ -120,11 +142,15 @@ def redo(walk: Walk, name: str, after: dict, shown: dict, kind: str = "VIEW_3D")
     walk.check(f"editors show what they did after {name}", not found, found)
 
 
-def undo_and_redo(walk: Walk, name: str, before: dict, kind: str = "VIEW_3D") -> Steps:
-    """Of the step that was done last; before: the document without it."""
+def undo_and_redo(
+    walk: Walk, name: str, before: dict, kind: str = "VIEW_3D", looks: dict | None = None
+) -> Steps:
+    """Of the step that was done last; before: the document without it; looks: of 3D views then."""
     after = yield from at_rest(walk, name)
     walk.check(f"{name} changes the document", difference(before, after))
-    shown = editors()
+    shown, turned = editors(), views()
     yield from walk.picture(f"{name}-done")
-    yield from undo(walk, name, before, kind)
+    yield from undo(walk, name, before, kind, looks)
     yield from redo(walk, name, after, shown, kind)
+    found = difference(turned, views())
+    walk.check(f"3D views look as they did after {name}", not found, found)

@@ -11,7 +11,7 @@ import bpy
 
 sys.path.insert(0, str(Path(__file__).parent))
 import redo_panels
-from undoing import PACKAGE, at_rest, document, module, on_screen, press, undo_and_redo
+from undoing import PACKAGE, at_rest, document, module, on_screen, press, undo_and_redo, views
 from walk import Steps, Walk, area_of, install, start
 
 WAY = ("find_face", "capture", "bake", "pin_skin", "refine", "bake")  # what the panel leads to
@@ -169,15 +169,16 @@ def steps(walk: Walk) -> Steps:
     walk.check("the video is the scene's", bpy.context.scene.mimetic.clip is not None)
     yield from undo_and_redo(walk, "next-drop", before)
     for i, name in enumerate(WAY):
-        before = document()
+        before, looks = document(), views()
         watch.go_on()
         yield from (pin_a_place if name == "pin_skin" else click_lit)(walk, watch, i)
         step = f"next-{i}-{name}"
         if i == len(WAY) - 1:
-            yield from redo_panels.try_out(walk, step, before, "CLIP_EDITOR", "exaggeration", "1.5")
+            setting = "exaggeration", "1.5", 3
+            yield from redo_panels.try_out(walk, step, before, "CLIP_EDITOR", *setting)
         else:
             editor = "CLIP_EDITOR" if name == "pin_skin" else "VIEW_3D"
-            yield from undo_and_redo(walk, step, before, editor)
+            yield from undo_and_redo(walk, step, before, editor, looks)
     yield from walk.picture("next-done")
     face = bpy.context.scene.mimetic.face
     takes = [row.performance for row in face.mimetic.takes]
