@@ -9,10 +9,11 @@ from .. import clips, native, scene_in, scene_out, takes, targets, writable
 from ..jobs import Job
 from .curve_options import CurveOptions
 from .key_options import KeyOptions
+from .sections import InSections
 from .take_options import TakeOptions
 
 
-class MIMETIC_OT_bake(KeyOptions, CurveOptions, TakeOptions, Job, Operator):
+class MIMETIC_OT_bake(KeyOptions, CurveOptions, TakeOptions, InSections, Job, Operator):
     """Put the performance into the scene: face, muscle curves, head motion, footage and camera"""
 
     bl_idname = "mimetic.bake"
@@ -72,6 +73,23 @@ class MIMETIC_OT_bake(KeyOptions, CurveOptions, TakeOptions, Job, Operator):
         options={"SKIP_SAVE"},
         description="Undo what was changed by hand on the face's shapes, their names, limits and "
         "subdivision since the last bake; otherwise it stays",
+    )
+
+    FACE = (
+        "to",
+        "use_texture",
+        "use_contact",
+        "use_detail",
+        "use_units",
+        "subdivision",
+        "reset_hand_changes",
+    )
+    sections = (
+        CurveOptions.CURVES,
+        KeyOptions.KEYS,
+        ("Face", FACE, True),
+        ("Scene", ("use_head_motion", "use_view", "use_render"), True),
+        TakeOptions.TAKE,
     )
 
     obstacle = staticmethod(targets.no_bake)

@@ -12,6 +12,12 @@ from .. import native
 class CurveOptions:
     """Mixin of operators that bake."""
 
+    CURVES = (
+        "Curves",
+        ("smoothing", "neutral_frame", "exaggeration", "group_exaggeration"),
+        False,
+    )
+
     smoothing: FloatProperty(
         name="Smoothing",
         default=0.0,

@@ -7,6 +7,7 @@ from bpy.types import Operator
 
 from .. import editors, native, outcome, scene_in, scene_out, targets
 from ..greyed import Greyed
+from .key_options import FewKeysOptions
 
 
 def _groups(self, context, text) -> list[str]:
@@ -62,7 +63,7 @@ def _count(chosen) -> str:
     return rpt_("1 curve") if len(chosen) == 1 else rpt_("{count} curves").format(count=len(chosen))
 
 
-class MIMETIC_OT_reduce_keys(OnCurves, Operator):
+class MIMETIC_OT_reduce_keys(FewKeysOptions, OnCurves, Operator):
     """Replace keys of the face's curves that are one a frame by few with handles, where something
     changes"""
 
@@ -70,20 +71,6 @@ class MIMETIC_OT_reduce_keys(OnCurves, Operator):
     bl_label = "Few Keys"
     bl_options = {"REGISTER", "UNDO"}
 
-    tolerance: FloatProperty(
-        name="Tolerance",
-        default=0.02,
-        min=0.001,
-        max=0.5,
-        precision=3,
-        description="By how much the curves may change, of which 1 is a full activation",
-    )
-
-    use_phases: BoolProperty(
-        name="At Phases",
-        default=False,
-        description="Keys at onset, apex, release and end of each event first",
-    )
     takes_rest = True
 
     def edit(self, context, face, chosen):

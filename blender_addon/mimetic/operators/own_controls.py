@@ -27,6 +27,7 @@ from ..jobs import Job
 from ..scene_out import face_bones, own_controls, own_keys
 from .curve_options import CurveOptions
 from .key_options import KeyOptions
+from .sections import InSections
 from .take_options import TakeOptions
 
 MANY = 0.98  # of the work: fitting
@@ -124,7 +125,9 @@ class MIMETIC_OT_fit_controls(Fitting, Operator):
         )
 
 
-class MIMETIC_OT_bake_controls(KeyOptions, CurveOptions, TakeOptions, Fitting, Operator):
+class MIMETIC_OT_bake_controls(
+    KeyOptions, CurveOptions, TakeOptions, InSections, Fitting, Operator
+):
     """Put the performance on the active character's own shape keys, or the bones of its face, and
     the head's motion on the object or the head's bone; actions that were there stay in the file"""
 
@@ -134,6 +137,13 @@ class MIMETIC_OT_bake_controls(KeyOptions, CurveOptions, TakeOptions, Fitting, O
 
     use_head_motion: BoolProperty(
         name="Head Motion", default=True, description="Move the object as the actor's head moves"
+    )
+
+    sections = (
+        CurveOptions.CURVES,
+        KeyOptions.KEYS,
+        ("Scene", ("use_head_motion",), True),
+        TakeOptions.TAKE,
     )
 
     def write(self, context, result):

@@ -14,6 +14,8 @@ from .. import scene_in, scene_out
 class TakeOptions:
     """Mixin of operators that bake."""
 
+    TAKE = ("Take", ("edited", "replace_take", "use_strips"), True)
+
     edited: EnumProperty(
         name="If Edited",
         items=(

@@ -144,6 +144,17 @@ def attribute(node: ast.ClassDef, name: str, names: dict[str, object]) -> object
     return None
 
 
+def inherited(node: ast.ClassDef, mixins: dict[str, tuple[Path, ast.ClassDef]]) -> list[Setting]:
+    """Settings that a class has of its mixins, and these of theirs."""
+    found = []
+    for base in node.bases:
+        name = base.attr if isinstance(base, ast.Attribute) else getattr(base, "id", "")
+        if name in mixins:
+            path, mixin = mixins[name]
+            found += declared(mixin.body, constants(path), name) + inherited(mixin, mixins)
+    return found
+
+
 @cache
 def operators() -> list[OperatorSource]:
     """Operators by their files' order, with the properties of their mixins."""
@@ -155,11 +166,7 @@ def operators() -> list[OperatorSource]:
         if not isinstance(idname, str):
             continue
         settings = declared(node.body, names, node.name)
-        for base in node.bases:
-            name = base.attr if isinstance(base, ast.Attribute) else getattr(base, "id", "")
-            if name in mixins:
-                mixin_path, mixin = mixins[name]
-                settings += declared(mixin.body, constants(mixin_path), name)
+        settings += inherited(node, mixins)
         text = attribute(node, "bl_description", names) or ast.get_docstring(node) or ""
         options = attribute(node, "bl_options", names) or ()
         sources.append(
