@@ -17,6 +17,7 @@ from . import (
     properties,
     shown_again,
     takes,
+    turned_views,
     workspace,
 )
 
@@ -37,6 +38,7 @@ PARTS = (
     takes,
     workspace,
     shown_again,
+    turned_views,  # local view is as it was by then
 )
 
 

@@ -273,6 +273,11 @@ class MimeticScene(
         options={"HIDDEN"},
         description="From an earlier version; goes to the clip as the file is opened",
     )
+    num_turns: IntProperty(
+        name="Turned Views",
+        options={"HIDDEN"},
+        description="How many times a bake turned 3D views to the camera, for undo and redo",
+    )
     show_fit: BoolProperty(
         name="Fitted Mesh",
         default=True,

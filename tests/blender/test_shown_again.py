@@ -20,16 +20,22 @@ def view_area() -> bpy.types.Area:
     return next(area for area in areas if area.type == "VIEW_3D")
 
 
+def bake(**options) -> None:
+    plain = {"use_contact": False, "use_texture": False}
+    assert bpy.ops.mimetic.bake("EXEC_DEFAULT", True, **plain, **options) == {"FINISHED"}
+
+
 @pytest.fixture
-def view(performance_file):
-    """Of Blender's start-up scene, with a face in local view: the cube would hide the footage."""
+def view(performance_file, request):
+    """Of Blender's start-up scene; if not False, with a face in local view, as the cube would hide
+    the footage."""
     bpy.ops.preferences.addon_disable(module=MODULE)
     bpy.ops.wm.read_factory_settings()
     enable()
     bpy.context.scene.mimetic.performance_path = str(performance_file)
     bpy.ops.ed.undo_push(message="before")
-    answer = bpy.ops.mimetic.bake("EXEC_DEFAULT", True, use_contact=False, use_texture=False)
-    assert answer == {"FINISHED"}
+    if getattr(request, "param", True):
+        bake()
     return view_area().spaces.active
 
 
@@ -87,3 +93,53 @@ def test_a_local_view_that_somebody_left_stays_left(view):
     in_window(bpy.ops.ed.undo)
     in_window(bpy.ops.ed.redo)
     assert view.local_view is None
+
+
+def look(view) -> tuple:
+    """All of it that a bake changes."""
+    of, place = view.shading, view.region_3d
+    chosen = of.light, of.color_type, of.show_cavity, of.cavity_type
+    at = *place.view_rotation, *place.view_location, place.view_distance
+    at = [round(one, 4) for one in at] if place.view_perspective != "CAMERA" else []
+    return (place.view_perspective, view.local_view is not None, *chosen), at
+
+
+@pytest.mark.parametrize("view", [False], indirect=True)
+def test_a_view_turns_back_when_the_bake_is_undone(view):
+    """From above, with the start-up cube before the face; and again with the redo."""
+    view.region_3d.view_rotation = (1, 0, 0, 0)
+    before = look(view)
+    bake()
+    at_last = look(view)
+    assert at_last[0][:2] == ("CAMERA", True)
+    for _ in range(2):
+        in_window(bpy.ops.ed.undo)
+        assert look(view) == before
+        in_window(bpy.ops.ed.redo)
+        assert look(view) == at_last
+
+
+@pytest.mark.parametrize("view", [False], indirect=True)
+def test_each_of_two_bakes_turns_back_by_itself(view):
+    at_first = look(view)
+    bake()
+    view.region_3d.view_perspective = "PERSP"
+    view.shading.light = "MATCAP"
+    between = look(view)
+    bake()
+    assert view.region_3d.view_perspective == "CAMERA"
+    in_window(bpy.ops.ed.undo)
+    assert look(view) == between
+    in_window(bpy.ops.ed.undo)
+    assert view.region_3d.view_perspective == at_first[0][0]
+    assert view.shading.light == "MATCAP"  # chosen by hand since
+
+
+@pytest.mark.parametrize("view", [False], indirect=True)
+def test_a_view_that_was_not_turned_stays(view):
+    before = look(view)
+    bake(use_view=False)
+    in_window(bpy.ops.ed.undo)
+    assert look(view) == before
+    in_window(bpy.ops.ed.redo)
+    assert look(view) == before

@@ -5,7 +5,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, EnumProperty, IntProperty
 from bpy.types import Operator
 
-from .. import clips, native, scene_in, scene_out, takes, targets, writable
+from .. import clips, native, scene_in, scene_out, takes, targets, turned_views, writable
 from ..jobs import Job
 from .curve_options import CurveOptions
 from .key_options import KeyOptions
@@ -167,8 +167,13 @@ class MIMETIC_OT_bake(KeyOptions, CurveOptions, TakeOptions, InSections, Job, Op
         if clip and self.use_render:
             remark = scene_out.over_footage.set_up(context.scene, face, performance)
             message += f"; {remark}" if remark else ""
-        if self.use_view and scene_out.camera.look_through(context, face):
-            message += rpt_("; other objects are out of view, View > Local View shows them again")
+        if self.use_view:
+            with turned_views.turning(context.scene):
+                is_alone = scene_out.camera.look_through(context, face)
+            if is_alone:
+                message += rpt_(
+                    "; other objects are out of view, View > Local View shows them again"
+                )
         scene_out.canonical.select_only(context.view_layer, face)
         return message
 
