@@ -263,9 +263,9 @@ def test_a_bake_edits_curves_as_it_keys_them(extension, scene, performance, perf
     scene.mimetic.performance_path = str(performance_file)
     options = {"smoothing": 0.1, "neutral_frame": 5, "exaggeration": 1.5}
     options["group_exaggeration"] = "Lip Corners=0.5"
-    assert bpy.ops.mimetic.bake(**options) == {"FINISHED"}
+    assert bpy.ops.mimetic.bake(**options, mirror="SWAP") == {"FINISHED"}
     parts = extension("native").curve_settings()
-    expected = parts.edited(performance, parts.settings_of(*options.values()))
+    expected = parts.edited(performance, parts.settings_of(*options.values(), "swap"))
     face = scene.mimetic.face
     for name, column in zip(performance.muscles, expected.activations.T, strict=True):
         np.testing.assert_allclose(keyed(extension, face, name)[:, 1], column, atol=1e-6)

@@ -4,9 +4,16 @@
 from __future__ import annotations
 
 from bpy.app.translations import pgettext_iface as iface_
-from bpy.props import FloatProperty, IntProperty, StringProperty
+from bpy.props import EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from .. import native
+
+MIRRORS = (
+    ("SWAP", "Swap", "The left does what the right did, and the other way round"),
+    ("LEFT", "Left to Right", "Both sides do what the subject's left does"),
+    ("RIGHT", "Right to Left", "Both sides do what the subject's right does"),
+    ("BOTH", "Symmetrical", "Both sides do the mean of the two"),
+)
 
 
 class CurveOptions:
@@ -14,7 +21,7 @@ class CurveOptions:
 
     CURVES = (
         "Curves",
-        ("smoothing", "neutral_frame", "exaggeration", "group_exaggeration"),
+        ("smoothing", "neutral_frame", "exaggeration", "group_exaggeration", "mirror"),
         False,
     )
 
@@ -49,10 +56,20 @@ class CurveOptions:
         description="Factors of single groups instead, as in: Brow Raisers=1.5, Lip Corners=0.8",
     )
 
+    mirror: EnumProperty(
+        name="Mirror",
+        items=(("NONE", "No", "Each side does what the actor's does"), *MIRRORS),
+        description="What the sides do; the head moves as it did",
+    )
+
     def curve_settings(self):
         """`mimetic.character.curve_settings.CurveSettings` of this call; raises InvalidInput."""
         return native.curve_settings().settings_of(
-            self.smoothing, self.neutral_frame, self.exaggeration, self.group_exaggeration
+            self.smoothing,
+            self.neutral_frame,
+            self.exaggeration,
+            self.group_exaggeration,
+            "" if self.mirror == "NONE" else self.mirror.lower(),
         )
 
     def curve_remarks(self) -> list[str]:
@@ -64,4 +81,6 @@ class CurveOptions:
             parts.append(iface_("neutral in frame {frame}").format(frame=self.neutral_frame))
         if self.exaggeration != 1:
             parts.append(iface_("exaggerated by {factor:.3g}").format(factor=self.exaggeration))
-        return [*parts, self.group_exaggeration] if self.group_exaggeration else parts
+        parts += [self.group_exaggeration] if self.group_exaggeration else []
+        how = next((name for key, name, _ in MIRRORS if key == self.mirror), "")
+        return [*parts, iface_("mirrored: {how}").format(how=iface_(how))] if how else parts

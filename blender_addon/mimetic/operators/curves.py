@@ -7,6 +7,7 @@ from bpy.types import Operator
 
 from .. import editors, native, outcome, scene_in, scene_out, targets
 from ..greyed import Greyed
+from .curve_options import MIRRORS
 from .key_options import FewKeysOptions
 
 
@@ -227,12 +228,7 @@ class MIMETIC_OT_mirror_curves(OnCurves, Operator):
 
     how: EnumProperty(
         name="How",
-        items=(
-            ("SWAP", "Swap", "The left does what the right did, and the other way round"),
-            ("LEFT", "Left to Right", "Both sides do what the subject's left does"),
-            ("RIGHT", "Right to Left", "Both sides do what the subject's right does"),
-            ("BOTH", "Symmetrical", "Both sides do the mean of the two"),
-        ),
+        items=MIRRORS,
         description="What the sides do afterwards",
     )
     share: FloatProperty(

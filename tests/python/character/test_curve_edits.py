@@ -129,6 +129,33 @@ def test_one_group_is_exaggerated_and_stays_within_its_limits():
     np.testing.assert_array_equal(result.articulator_values, performance.articulator_values)
 
 
+@pytest.mark.parametrize(
+    ("how", "left", "right", "middle"),
+    [("swap", 2, 1, -3), ("left", 1, 1, 3), ("right", 2, 2, 3), ("both", 1.5, 1.5, 0)],
+)
+def test_a_mirrored_performance_does_on_a_side_what_the_other_did(how, left, right, middle):
+    performance = make_performance()
+    names = list(performance.muscles)
+    names[:3] = ["brow.L", "brow.R", "lonely.L"]
+    activations = performance.activations.copy()
+    activations[:, :3] = 0.1, 0.2, 0.7
+    given = {"muscles": names, "activations": activations}
+    for bones, row, expected in (
+        (["gaze_yaw.L", "gaze_yaw.R"], (0.1, -0.2), (0.1 * left, -0.1 * right)),
+        (["jaw_side", "jaw_open"], (0.3, 0.4), (0.1 * middle, 0.4)),
+    ):
+        values = np.tile(row, (performance.num_frames, 1))
+        given |= {"articulators": bones, "articulator_values": values}
+        result = edited(dataclasses.replace(performance, **given), settings_of(mirror=how))
+        np.testing.assert_allclose(result.activations[0, :3], [0.1 * left, 0.1 * right, 0.7])
+        np.testing.assert_allclose(result.articulator_values[0], expected, atol=1e-12)
+
+
+def test_a_mirror_that_there_is_not_is_refused():
+    with pytest.raises(InvalidInput, match="mirror up: it is one of swap, left"):
+        edited(make_performance(), settings_of(mirror="up"))
+
+
 def test_the_neutral_frame_is_at_rest_and_larger_is_about_it():
     performance = make_performance()
     result = edited(performance, CurveSettings(0.0, 4, {ALL_GROUPS: 2.0}))

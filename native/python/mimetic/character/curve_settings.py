@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a bake makes of a performance's curves before it keys them: smoother, from rest, larger."""
+"""What a bake makes of a performance's curves before it keys them: smoother, from rest, larger,
+mirrored."""
 
 from __future__ import annotations
 
@@ -14,6 +15,7 @@ from mimetic.character.curve_keys import check_factor, check_width
 from mimetic.character.shapes import GROUPS, listed
 from mimetic.muscles.articulators import ARTICULATORS
 from mimetic.muscles.extras import lip_rows
+from mimetic.muscles.sides import LEFT, RIGHT, mirrored_name, mirrored_sign
 from mimetic.performance.document import Performance
 from mimetic.performance.gaze import GAZE
 
@@ -21,11 +23,14 @@ Floats = NDArray[np.float64]
 Row = tuple[str, str, float, float]
 ALL_GROUPS = ""
 LIDS = ("lid_upper", "lid_lower")
+# Each side does what the other did; both do what the subject's left, or right, did; or the mean
+MIRRORS = ("swap", "left", "right", "both")
 
 
 @dataclass(frozen=True)
 class CurveSettings:
-    """Edits of the curves of muscles, jaw, lids and lips; the gaze, the head and detail stay."""
+    """Edits of the curves of muscles, jaw, lids and lips; the head and detail stay, and the gaze
+    unless it is mirrored."""
 
     # Seconds, of `_core.smooth_curve`; 0 leaves curves as captured
     smoothing: float = 0.0
@@ -35,10 +40,11 @@ class CurveSettings:
     factors: Mapping[str, float] = field(default_factory=dict)
     # Lids too: blinks lose height, as they are short (evaluation.runs.curve_smoothing)
     smooths_lids: bool = False
+    mirror: str = ""  # one of MIRRORS, or nothing
 
     def changes_nothing(self) -> bool:
         is_as_large = all(factor == 1 for factor in self.factors.values())
-        return not self.smoothing and not self.neutral_frame and is_as_large
+        return not (self.smoothing or self.neutral_frame or self.mirror) and is_as_large
 
 
 def is_lid(name: str) -> bool:
@@ -57,13 +63,14 @@ def settings_of(
     neutral_frame: int = 0,
     exaggeration: float = 1.0,
     of_groups: str = "",
+    mirror: str = "",
 ) -> CurveSettings:
     """Settings as a form has them; of_groups: GROUP=FACTOR, ... Raises InvalidInput."""
     texts = [text.strip() for text in of_groups.split(",") if text.strip()]
     if bare := [text for text in texts if "=" not in text]:
         raise InvalidInput(f"exaggeration {bare[0]}: give GROUP=FACTOR")
     factors = {ALL_GROUPS: exaggeration, **parse_factors(texts)}
-    return CurveSettings(smoothing, neutral_frame, factors)
+    return CurveSettings(smoothing, neutral_frame, factors, mirror=mirror)
 
 
 def parse_factors(texts: Sequence[str]) -> dict[str, float]:
@@ -91,10 +98,12 @@ def edited(performance: Performance, settings: CurveSettings) -> Performance:
     """The performance with its curves edited.
 
     They are smoothed over seconds, whatever the rate; then what they are in the neutral frame is
-    taken off; then they are multiplied by their group's factor, within what each can do. Raises
-    InvalidInput.
+    taken off; then they are multiplied by their group's factor, within what each can do; then
+    sides are mirrored. Raises InvalidInput.
     """
     check_width(settings.smoothing)
+    if settings.mirror not in ("", *MIRRORS):
+        raise InvalidInput(f"mirror {settings.mirror}: it is one of {', '.join(MIRRORS)}")
     for factor in settings.factors.values():
         check_factor(factor)
     if settings.changes_nothing():
@@ -104,13 +113,12 @@ def edited(performance: Performance, settings: CurveSettings) -> Performance:
         for name, group in zip(performance.muscles, performance.groups, strict=True)
     ]
     articulators = [listed(name) for name in performance.articulators]
-    return replace(
-        performance,
-        activations=_edited(performance, performance.activations, muscles, settings),
-        articulator_values=_edited(
-            performance, performance.articulator_values, articulators, settings
-        ),
-    )
+    activations = _edited(performance, performance.activations, muscles, settings)
+    values = _edited(performance, performance.articulator_values, articulators, settings)
+    if settings.mirror:
+        activations = _mirrored(performance.muscles, activations, settings.mirror)
+        values = _mirrored(performance.articulators, values, settings.mirror)
+    return replace(performance, activations=activations, articulator_values=values)
 
 
 def _edited(
@@ -130,6 +138,20 @@ def _edited(
         rest = 0.0 if neutral is None else column[neutral]
         factor = settings.factors.get(group, settings.factors.get(ALL_GROUPS, 1.0))
         result[:, i] = np.clip((column - rest) * factor, lowest, highest)
+    return result
+
+
+def _mirrored(names: Sequence[str], values: Floats, how: str) -> Floats:
+    """N x C values with a name for each column; what has no twin among them stays."""
+    columns = {name: i for i, name in enumerate(names)}
+    result = values.copy()
+    for name, i in columns.items():
+        twin = columns.get(mirrored_name(name))
+        takes_all = how == "swap" or name.endswith({"left": RIGHT, "right": LEFT}.get(how, "\0"))
+        share = 0.5 if how == "both" else float(takes_all)
+        if twin is not None and share:
+            other = mirrored_sign(name) * values[:, twin]
+            result[:, i] = (1 - share) * values[:, i] + share * other
     return result
 
 

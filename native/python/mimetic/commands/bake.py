@@ -10,7 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 
 from mimetic import InvalidInput
-from mimetic.character.curve_settings import CurveSettings, edited, parse_factors
+from mimetic.character.curve_settings import MIRRORS, CurveSettings, edited, parse_factors
 from mimetic.character.sparse_curves import USUAL_TOLERANCE, check_tolerance
 from mimetic.commands.blender_process import add_blender_python, write_by_blender
 from mimetic.head.smoothing import USUAL_STRENGTH
@@ -140,6 +140,13 @@ def add_curve_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="FRAME",
         help="the footage's frame in which the actor's face is what the character's is at rest",
     )
+    parser.add_argument(
+        "--mirror",
+        choices=MIRRORS,
+        default="",
+        help="exchange the sides (swap), have both do what the subject's left or right does, or "
+        "the mean of the two (both); the head moves as it did",
+    )
 
 
 def add_face_arguments(parser: argparse.ArgumentParser) -> None:
@@ -196,7 +203,10 @@ def run_bake(arguments: argparse.Namespace) -> int:
         arguments.control_object,
         arguments.names == "arkit",
         CurveSettings(
-            arguments.smooth_curves, arguments.neutral, parse_factors(arguments.exaggerate)
+            arguments.smooth_curves,
+            arguments.neutral,
+            parse_factors(arguments.exaggerate),
+            mirror=arguments.mirror,
         ),
         arguments.eyes == "nodes",
     )
