@@ -54,6 +54,19 @@ def test_a_lens_that_cannot_be_is_refused_and_the_panel_says_so(clip):
     assert lit_buttons(PANEL) == ["mimetic.find_face"]
 
 
+@pytest.mark.parametrize("name", ["capture", "track_head"])
+def test_a_call_of_a_capture_says_it_too(clip, tmp_path, name):
+    """Where no face was found before; the lens of one that was is the fit's."""
+    from mimetic.performance.document import Performance
+
+    clip.tracking.camera.sensor_width, clip.tracking.camera.focal_length = 23.5, 50.0
+    path = tmp_path / "take.npz"
+    capture = getattr(bpy.ops.mimetic, name)
+    assert capture(filepath=str(path), frame_first=1, frame_last=3, lens="UNKNOWN") == {"FINISHED"}
+    assert clip.mimetic.lens == "UNKNOWN"
+    assert Performance.load(path).intrinsics[0, 0] == pytest.approx(400 * 1.2)
+
+
 @pytest.mark.oldest_and_newest
 def test_a_take_and_the_footages_camera_have_the_clips_lens(scene, clip, tmp_path):
     clip.tracking.camera.sensor_width, clip.tracking.camera.focal_length = 23.5, 50.0

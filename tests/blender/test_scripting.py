@@ -107,6 +107,20 @@ def test_settings_of_a_call_are_of_that_call_alone(baked, scene):
     assert scene.mimetic.head.rest_frame == shown
 
 
+def test_every_setting_of_a_panel_is_in_a_call(extension):
+    """But for what is drawn alone."""
+    drawn = {"show_picture", "show_plots", "view_size", "view_corner"}
+    calls = {
+        prop.identifier
+        for operator in extension("operators").CLASSES
+        for prop in getattr(bpy.ops.mimetic, operator.bl_idname[8:]).get_rna_type().properties
+    }
+    groups = bpy.context.scene.mimetic.head, bpy.context.scene.mimetic.live
+    names = {prop.identifier for group in groups for prop in group.bl_rna.properties}
+    assert names - {"rna_type", "name"} - drawn - calls == set()
+    assert {"lens", "frame_first", "frame_last", "value_name", "reach"} <= calls
+
+
 def test_results_are_not_kept_in_files(scene, footage, tmp_path):
     bpy.ops.mimetic.load_clip(filepath=str(footage))
     assert result()["clip"]

@@ -28,6 +28,8 @@ class Following(arguments.FrameRange, Job):
         description="File to write (.npz); empty: beside the .blend, a new one for each take",
     )
 
+    lens: arguments.like(clip_lens.HasLens, "lens")
+
     obstacle = staticmethod(scene_in.no_footage)
 
     @classmethod
@@ -46,6 +48,8 @@ class Following(arguments.FrameRange, Job):
         footage = scene_in.footage(context)
         paths = takes.new_paths(footage.clip_name, self.filepath)
         clip = scene_in.clip_of(context)
+        if arguments.is_given(self, "lens"):
+            clip.mimetic.lens = self.lens
         what = {
             "frames": arguments.frame_range(self, context),
             "fit": scene_out.face_fit.of_clip(clip),
