@@ -49,6 +49,20 @@ def test_a_folder_that_was_moved_still_bakes(project, take, tmp_path):
     assert bpy.ops.mimetic.bake() == {"FINISHED"}
 
 
+def test_the_footage_behind_the_face_moves_along(project, scene, tmp_path):
+    """Also as an image, which it is where the scene has another rate than the clip."""
+    scene.render.fps = 24
+    assert bpy.ops.mimetic.bake(use_contact=False, use_texture=False) == {"FINISHED"}
+    bpy.ops.wm.save_mainfile()
+    os.rename(project, tmp_path / "moved")
+    reopen(tmp_path / "moved" / "shot.blend")
+    (behind,) = bpy.context.scene.camera.data.background_images
+    assert behind.source == "IMAGE"
+    film = Path(bpy.path.abspath(behind.image.filepath))
+    assert film.resolve() == (tmp_path / "moved" / "anna.mp4").resolve()
+    assert behind.image.size[:] == bpy.context.scene.mimetic.clip.size[:]
+
+
 def test_saving_elsewhere_keeps_the_way_to_the_take(project, take, tmp_path):
     other = tmp_path / "a" / "b"
     other.mkdir(parents=True)

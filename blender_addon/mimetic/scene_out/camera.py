@@ -87,7 +87,8 @@ def _film(clip) -> tuple[bpy.types.Image, int]:
         image = bpy.data.images.load(path, check_existing=True)
     else:
         image = bpy.data.images.new(clip.name, 1, 1)
-        image.filepath = path
+    # As the clip has it: beside the .blend it moves with that
+    image.filepath = path if clip.library else clip.filepath
     image.source = clip.source
     if clip.source == "MOVIE":
         return image, 1
