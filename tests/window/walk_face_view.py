@@ -48,7 +48,11 @@ def drop_a_clip(walk: Walk) -> Steps:
     clip = bpy.context.scene.mimetic.clip
     walk.check("the clip is on show", clip is not None and left.spaces.active.clip == clip)
     sidebar = next(region for region in left.regions if region.type == "UI")
-    walk.check("the tab is in front", sidebar.active_panel_category == "Mimetic")
+
+    def is_in_front() -> bool:  # once it has been drawn
+        return getattr(sidebar, "active_panel_category", "") == "Mimetic"
+
+    yield from walk.until(is_in_front, 20, "the tab is in front")
     walk.check("the user's workspaces are as they were", layouts() == before)
     walk.check("and the scenes", len(bpy.data.scenes) == scenes)
     yield from walk.picture("workspace")

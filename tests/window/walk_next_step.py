@@ -11,8 +11,18 @@ import bpy
 
 sys.path.insert(0, str(Path(__file__).parent))
 import redo_panels
-from undoing import PACKAGE, at_rest, document, module, on_screen, press, undo_and_redo, views
-from walk import Steps, Walk, area_of, install, start
+from undoing import (
+    PACKAGE,
+    at_rest,
+    difference,
+    document,
+    module,
+    on_screen,
+    press,
+    undo_and_redo,
+    views,
+)
+from walk import Steps, Walk, area_of, install, override, start
 
 WAY = ("find_face", "capture", "bake", "pin_skin", "refine", "bake")  # what the panel leads to
 OFF = 6  # pixels of the screen by which the place that is pinned is moved
@@ -159,6 +169,38 @@ def correct_and_smooth(walk: Walk) -> Steps:
         yield from redo_panels.try_out(walk, name, before, kind, setting, typed)
 
 
+def without_lists(written: dict) -> dict:
+    """Blender saves no data-blocks that nothing uses."""
+    return {name: value for name, value in written.items() if not name.startswith("all ")}
+
+
+def move_elsewhere(walk: Walk) -> Steps:
+    """Saved by its key, the folder moved, and opened there: nothing is missing."""
+    yield from press(walk, "next-save", "VIEW_3D", "ctrl+s")
+    yield from walk.until(lambda: not bpy.data.is_dirty, 20, "Ctrl+S saves the file")
+    before, takes = document(), module("takes")
+    elsewhere = walk.folder / "elsewhere"
+    elsewhere.mkdir()
+    for path in [p for p in walk.folder.iterdir() if p.suffix in {".blend", ".mp4", ".npz"}]:
+        path.rename(elsewhere / path.name)
+    bpy.ops.wm.open_mainfile(filepath=str(elsewhere / "shot.blend"))
+    yield 2.0
+    scene = bpy.context.scene
+    take = Path(takes.find(takes.of_clip(scene, scene.mimetic.clip)))
+    walk.check("the take is found where the file is", take.parent == elsewhere, take)
+    film = Path(bpy.path.abspath(scene.mimetic.clip.filepath)).resolve()
+    walk.check("and the footage", film == (elsewhere / "shot.mp4").resolve(), film)
+    behind = bpy.context.scene.camera.data.background_images[0]
+    film = Path(bpy.path.abspath((behind.image or behind.clip).filepath)).resolve()
+    walk.check("it is behind the face", film == (elsewhere / "shot.mp4").resolve(), film)
+    found = difference(*map(without_lists, (before, document())))
+    walk.check("all else is as it was", not found, found)
+    yield from walk.picture("next-elsewhere")
+    with bpy.context.temp_override(**override("VIEW_3D")):
+        answer = bpy.ops.mimetic.bake("EXEC_DEFAULT", True)
+    walk.check("and is baked again there", answer == {"FINISHED"}, answer)
+
+
 def steps(walk: Walk) -> Steps:
     yield from install(walk, PACKAGE)
     bpy.ops.wm.save_as_mainfile(filepath=str(walk.folder / "shot.blend"))
@@ -186,6 +228,7 @@ def steps(walk: Walk) -> Steps:
     walk.check("all is done", next_name() == "", next_name())
     yield from drop_another(walk)
     yield from correct_and_smooth(walk)
+    yield from move_elsewhere(walk)
 
 
 start(steps)
