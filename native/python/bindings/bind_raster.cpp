@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <cstring>
+#include <mimetic/raster/gauge.hpp>
 #include <mimetic/raster/overlay.hpp>
 #include <mimetic/raster/rays.hpp>
+#include <mimetic/raster/reframed.hpp>
 
 #include "arrays.hpp"
 
@@ -12,6 +14,12 @@ using namespace pybind11::literals;
 
 namespace {
 
+ImageArray array_of(const ColorImage& picture) {
+    ImageArray array({picture.rows, picture.cols, 3});
+    std::memcpy(array.mutable_data(), picture.pixels.data(), picture.pixels.size());
+    return array;
+}
+
 ImageArray paint(const OverlayPainter& painter, const ImageArray& image, PointsIn vertices, double quality,
                  int frame, const std::vector<Points>& rings) {
     const ColorView view = view_image<3>(image, "the picture");
@@ -20,9 +28,24 @@ ImageArray paint(const OverlayPainter& painter, const ImageArray& image, PointsI
         const py::gil_scoped_release release;
         painted = painter.paint(view, vertices, quality, frame, rings);
     }
-    ImageArray array({painted.rows, painted.cols, 3});
-    std::memcpy(array.mutable_data(), painted.pixels.data(), painted.pixels.size());
-    return array;
+    return array_of(painted);
+}
+
+ImageArray reframed_picture(const ImageArray& image, const Camera& camera, const Camera& other) {
+    const ColorView view = view_image<3>(image, "the picture");
+    ColorImage picture;
+    {
+        const py::gil_scoped_release release;
+        picture = reframed(view, camera, other);
+    }
+    return array_of(picture);
+}
+
+ImageArray with_gauge(const ImageArray& image, double quality, double held_quality, int frame) {
+    const ColorView view = view_image<3>(image, "the picture");
+    ColorImage picture{view.rows, view.cols, {view.data, view.data + image.size()}};
+    draw_gauge(picture, quality, held_quality, frame);
+    return array_of(picture);
 }
 
 }  // namespace
@@ -60,6 +83,19 @@ void bind_raster(py::module_& m) {
              "image: (H, W, 3) uint8; vertices_in_camera: (V, 3) float64, metres; quality: 0 to 1; rings: of "
              "the\nirises, (K, 3) each, metres in the camera frame\n"
              "returns: (H * scale, W * scale, 3) uint8");
+    m.def(
+        "reframed_camera",
+        [](const Camera& camera, const Eigen::Vector2d& centre, double scale, int width, int height) {
+            return reframed(camera, centre, scale, width, height);
+        },
+        "camera"_a, "centre"_a, "scale"_a, "width"_a, "height"_a,
+        "A camera at the same place through another lens: the part of its picture about a pixel (2,), so "
+        "many\ntimes as large. Raises InvalidInput.");
+    m.def("reframed_picture", &reframed_picture, py::arg("image").noconvert(), "camera"_a, "other"_a,
+          "A camera's picture (H, W, 3) uint8 through the lens of `reframed_camera`; black where it does not "
+          "reach.\nRaises InvalidInput.");
+    m.def("with_gauge", &with_gauge, py::arg("image").noconvert(), "quality"_a, "held_quality"_a, "frame"_a,
+          "The picture (H, W, 3) uint8 with a frame's number and quality in a strip at its lower edge.");
 }
 
 }  // namespace mimetic::bindings

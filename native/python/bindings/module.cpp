@@ -11,6 +11,7 @@ void bind_raster_portrait(pybind11::module_& m);
 void bind_raster_texture(pybind11::module_& m);
 void bind_surface(pybind11::module_& m);
 void bind_surface_face_lines(pybind11::module_& m);
+void bind_surface_painted(pybind11::module_& m);
 void bind_flow(pybind11::module_& m);
 void bind_locate_eigenspace(pybind11::module_& m);
 void bind_locate(pybind11::module_& m);
@@ -60,6 +61,7 @@ PYBIND11_MODULE(_core, m) {
     bindings::bind_raster_texture(m);
     bindings::bind_surface(m);
     bindings::bind_surface_face_lines(m);
+    bindings::bind_surface_painted(m);
     bindings::bind_flow(m);
     bindings::bind_locate_eigenspace(m);
     bindings::bind_locate(m);

@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <mimetic/raster/depth.hpp>
+#include <mimetic/raster/gauge.hpp>
 #include <mimetic/raster/overlay.hpp>
 #include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
@@ -22,18 +23,6 @@ cv::Point to_fixed(const Eigen::Vector2d& pixel) {
             static_cast<int>(std::lround(std::clamp(pixel.y(), -kFar, kFar) * unit))};
 }
 
-/// From red (lost) over amber to green-blue (well explained).
-cv::Vec3f colour_of(double quality, double held_quality) {
-    const cv::Vec3f lost(255, 70, 60);
-    const cv::Vec3f doubtful(255, 190, 60);
-    const cv::Vec3f good(90, 235, 215);
-    if (quality < held_quality) {
-        return lost;
-    }
-    const auto t = static_cast<float>(std::clamp((quality - held_quality) / (0.7 - held_quality), 0.0, 1.0));
-    return doubtful * (1 - t) + good * t;
-}
-
 /// Pixels move towards `colour` as far as the mask covers them.
 void tint(cv::Mat& image, const cv::Mat& mask, const cv::Vec3f& colour, double opacity) {
     const auto strength = static_cast<float>(opacity / 255);
@@ -51,28 +40,6 @@ void tint(cv::Mat& image, const cv::Mat& mask, const cv::Vec3f& colour, double o
             }
         }
     }
-}
-
-/// Frame number and quality in a dark strip at the lower left.
-void draw_gauge(cv::Mat& image, double quality, int frame, bool held, const cv::Vec3f& colour) {
-    const double unit = std::max(1.0, image.rows / 360.0);
-    const auto px = [unit](double value) { return static_cast<int>(std::lround(value * unit)); };
-    const cv::Rect strip =
-        cv::Rect(0, image.rows - px(22), image.cols, px(22)) & cv::Rect({0, 0}, image.size());
-    cv::Mat under = image(strip);
-    under *= 0.35;
-    const int baseline = image.rows - px(7);
-    const auto write = [&](const std::string& words, int x) {
-        cv::putText(image, words, {x, baseline}, cv::FONT_HERSHEY_SIMPLEX, 0.4 * unit, kWhite, px(1),
-                    cv::LINE_AA);
-    };
-    write("frame " + std::to_string(frame), px(8));
-    const cv::Rect bar(px(100), image.rows - px(15), px(120), px(8));
-    cv::rectangle(image, bar, cv::Scalar(90, 90, 90), cv::FILLED);
-    const cv::Rect filled(
-        bar.x, bar.y, static_cast<int>(std::lround(bar.width * std::clamp(quality, 0.0, 1.0))), bar.height);
-    cv::rectangle(image, filled, cv::Scalar(colour[0], colour[1], colour[2]), cv::FILLED);
-    write(held ? "held" : "quality " + std::to_string(quality).substr(0, 4), bar.x + bar.width + px(8));
 }
 
 }  // namespace
@@ -152,7 +119,8 @@ ColorImage OverlayPainter::paint(const ColorView& image, PointsIn vertices_in_ca
         }
     }
     const bool held = quality < options_.held_quality;
-    const cv::Vec3f colour = colour_of(quality, options_.held_quality);
+    const Eigen::Vector3f shown = quality_colour(quality, options_.held_quality);
+    const cv::Vec3f colour(shown[0], shown[1], shown[2]);
     tint(canvas, mask, colour, held ? 0.4 * options_.opacity : options_.opacity);
 
     mask.setTo(0);
@@ -176,7 +144,7 @@ ColorImage OverlayPainter::paint(const ColorView& image, PointsIn vertices_in_ca
         }
     }
     tint(canvas, mask, kIris, held ? 0.4 : 0.95);
-    draw_gauge(canvas, quality, frame, held, colour);
+    draw_gauge(painted, quality, options_.held_quality, frame);
     return painted;
 }
 

@@ -34,8 +34,10 @@ bool barycentric_of(const Eigen::Matrix<Scalar, 2, 1>& pixel, const TriangleCorn
 }
 
 /// Calls visit(x, y, weights) for each pixel of a rows x cols picture whose centre lies in the triangle.
+/// slack: by how much a weight may be below 0, so that rounding leaves no gap between neighbours.
 template <typename Scalar, typename Visit>
-void fill_triangle(const TriangleCorners<Scalar>& corners, int rows, int cols, Visit&& visit) {
+void fill_triangle(const TriangleCorners<Scalar>& corners, int rows, int cols, Visit&& visit,
+                   Scalar slack = 0) {
     using Pixel = Eigen::Matrix<Scalar, 2, 1>;
     const Pixel low = corners[0].cwiseMin(corners[1]).cwiseMin(corners[2]);
     const Pixel high = corners[0].cwiseMax(corners[1]).cwiseMax(corners[2]);
@@ -48,7 +50,7 @@ void fill_triangle(const TriangleCorners<Scalar>& corners, int rows, int cols, V
     for (int y = clamped(std::ceil(low.y()), rows); y < y_end; ++y) {
         for (int x = clamped(std::ceil(low.x()), cols); x < x_end; ++x) {
             const Pixel pixel(static_cast<Scalar>(x), static_cast<Scalar>(y));
-            if (barycentric_of(pixel, corners, weights) && weights.minCoeff() >= 0) {
+            if (barycentric_of(pixel, corners, weights) && weights.minCoeff() >= -slack) {
                 visit(x, y, weights);
             }
         }

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """`mimetic bake`: a performance as .blend, .glb, .fbx, .usdc or .abc, by the Blender extension in a
-child process; as Live Link Face's .csv; as timed OSC messages, .osc."""
+child process; as Live Link Face's .csv; as timed OSC messages, .osc; beside its footage, .mp4."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ from pathlib import Path
 from mimetic import InvalidInput
 from mimetic.character.curve_settings import MIRRORS, CurveSettings, edited, parse_factors
 from mimetic.character.sparse_curves import USUAL_TOLERANCE, check_tolerance
+from mimetic.commands.bake_video import write_video
 from mimetic.commands.blender_process import add_blender_python, write_by_blender
 from mimetic.head.smoothing import USUAL_STRENGTH
 from mimetic.media.clip_fingerprint import fingerprint
@@ -25,7 +26,8 @@ from mimetic.shared.shown_text import shortened, shown
 
 TABLES = {".csv": write_face_csv, ".osc": write_osc}  # what needs no Blender
 EXPORTS = (".glb", ".fbx", ".usdc", ".abc")
-SUFFIXES = (".blend", *EXPORTS, *TABLES)
+VIDEO = ".mp4"  # to look at: footage and face side by side
+SUFFIXES = (".blend", *EXPORTS, *TABLES, VIDEO)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -35,7 +37,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         type=Path,
         required=True,
         help=f"FACE and one of {', '.join(SUFFIXES)}: what each format loses is in "
-        "docs/guide/exporting.md",
+        "docs/guide/exporting.md; .mp4 shows footage and face side by side, from the same camera",
     )
     parser.add_argument(
         "--names",
@@ -231,16 +233,46 @@ def parse_target(text: str, form: str = "--target RIG.blend:OBJECT") -> dict:
     return {"file": str(Path(path).absolute()), "object": name}
 
 
+def _check_few_keys(tolerance: float | None, by_phases: bool) -> None:
+    if by_phases and tolerance is None:
+        raise InvalidInput("--by-phases says where few keys are: give --few-keys too")
+    if tolerance is not None:
+        check_tolerance(tolerance)
+
+
 def _check_kind(out: Path, has_target: bool, with_controls: bool, is_remade: bool) -> None:
     """Raises InvalidInput for a kind of file that does not hold what is asked for."""
     if out.suffix not in SUFFIXES:
         raise InvalidInput(f"--out {out.name}: bake writes {', '.join(SUFFIXES)} files")
-    if has_target and out.suffix in TABLES:
+    if has_target and out.suffix in (*TABLES, VIDEO):
         raise InvalidInput(f"--out {out.name}: a target is written as .blend, {', '.join(EXPORTS)}")
     if with_controls and out.suffix != ".blend":
         raise InvalidInput(f"--out {out.name}: --control-object is of a .blend")
     if is_remade and out.suffix not in EXPORTS:
         raise InvalidInput(f"--out {out.name}: --names and --eyes are of {', '.join(EXPORTS)}")
+
+
+def _write_here(
+    performance: os.PathLike[str],
+    out: Path,
+    footage: os.PathLike[str] | None,
+    with_detail: bool,
+    is_edited: bool,
+    curves: CurveSettings,
+) -> str:
+    """What needs no Blender: a table, or a video; is_edited: sliders or few keys are asked for."""
+    if write_table := TABLES.get(out.suffix):
+        if footage is not None or with_detail or is_edited:
+            raise InvalidInput(f"--out {out.name}: a table takes no option but the performance")
+        return write_table(edited(Performance.load(performance), curves), out)
+    if footage is None:
+        raise InvalidInput(f"--out {out.name} shows the face beside its footage: give --footage")
+    if is_edited:
+        raise InvalidInput(
+            f"--out {out.name}: a video has neither sliders nor keys; leave --action-units and "
+            "--few-keys out"
+        )
+    return write_video(edited(Performance.load(performance), curves), footage, out, with_detail)
 
 
 def check_footage(performance: os.PathLike[str], footage: os.PathLike[str]) -> None:
@@ -278,14 +310,11 @@ def bake(
     tolerance: by how much few keys with handles may miss an activation; None keys every frame.
     with_units: sliders of FACS's action units, which need the canonical mesh. by_phases: few keys
     at the phases of each event first. with_controls: curves on a control object, for a .blend.
-    as_arkit: ARKit's 52 shapes instead of muscles, with_eye_nodes: eyeballs as objects that turn,
-    in a file for other programs. curves: edits of the performance's curves before they are keyed.
+    as_arkit: ARKit's 52 shapes instead of muscles, with_eye_nodes: eyeballs as objects, in a file
+    for other programs. curves: edits of the performance's curves before they are keyed.
     Raises InvalidInput, UnreadableMedia, and OSError where `out` cannot be written.
     """
-    if by_phases and tolerance is None:
-        raise InvalidInput("--by-phases says where few keys are: give --few-keys too")
-    if tolerance is not None:
-        check_tolerance(tolerance)
+    _check_few_keys(tolerance, by_phases)
     out = Path(os.path.realpath(out))
     _check_kind(out, target is not None, with_controls, as_arkit or with_eye_nodes)
     if as_arkit and (with_detail or with_units):
@@ -297,12 +326,11 @@ def bake(
     curves = curves or CurveSettings()
     if not curves.changes_nothing():  # what is wrong with it is said before Blender starts
         edited(Performance.load(performance), curves)
-    if write_table := TABLES.get(out.suffix):
-        if footage is not None or with_detail or with_units or tolerance is not None:
-            raise InvalidInput(f"--out {out.name}: a table takes no option but the performance")
-        return write_table(edited(Performance.load(performance), curves), out)
+    if out.suffix in (*TABLES, VIDEO):
+        is_edited = with_units or tolerance is not None
+        return _write_here(performance, out, footage, with_detail, is_edited, curves)
     request = {
-        "performance": str(Path(performance).absolute()),
+        "performance": os.path.abspath(performance),
         "footage": None if footage is None else os.path.abspath(opened(footage)),
         "target": target,
         "with_detail": with_detail,
