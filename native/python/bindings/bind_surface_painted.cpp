@@ -46,18 +46,20 @@ void bind_surface_painted(py::module_& m) {
             "reaches a\nplace. Raises InvalidInput.")
         .def(
             "draw",
-            [](const PaintedSurface& self, const Camera& camera, PointsIn vertices) {
+            [](const PaintedSurface& self, const Camera& camera, PointsIn vertices,
+               const Eigen::VectorXd& light) {
                 ColorImage picture;
                 {
                     const py::gil_scoped_release release;
-                    picture = self.draw(camera, vertices);
+                    picture = self.draw(camera, vertices, light);
                 }
                 ImageArray array({picture.rows, picture.cols, 3});
                 std::copy(picture.pixels.begin(), picture.pixels.end(), array.mutable_data());
                 return array;
             },
-            "camera"_a, py::arg("vertices_in_camera").noconvert(),
-            "(H, W, 3) uint8 of vertices (V, 3) float64, metres, camera frame. Raises InvalidInput.");
+            "camera"_a, py::arg("vertices_in_camera").noconvert(), "light"_a = Eigen::VectorXd(),
+            "(H, W, 3) uint8 of vertices (V, 3) float64, metres, camera frame; light: of each picture, what "
+            "its\ncolours are multiplied by, all 1 if it is empty. Raises InvalidInput.");
 }
 
 }  // namespace mimetic::bindings

@@ -97,6 +97,7 @@ struct PaintedSurface::Placed {
     Rows<float, 3> points;   // metres, camera frame
     Rows<float, 3> normals;  // unit
     Rows<float, 2> pixels;
+    Eigen::VectorXf light;  // of each picture
 };
 
 void PaintedOptions::check() const {
@@ -138,7 +139,7 @@ PaintedSurface::PaintedSurface(QuadsIn faces, Paints paints, const PaintedOption
     }
 }
 
-ColorImage PaintedSurface::draw(const Camera& camera, PointsIn vertices_in_camera) const {
+ColorImage PaintedSurface::draw(const Camera& camera, PointsIn vertices_in_camera, VectorIn light) const {
     camera.check();
     require(vertices_in_camera.rows() == mesh_.stencils().cols(),
             "a painted surface was given another number of vertices than it has");
@@ -150,7 +151,14 @@ ColorImage PaintedSurface::draw(const Camera& camera, PointsIn vertices_in_camer
                       (camera.cy + .5) * finer - .5,
                       camera.width * finer,
                       camera.height * finer};
-    const Placed placed = place(fine, vertices_in_camera);
+    const auto num_pictures = static_cast<Eigen::Index>(paints_.pictures.size());
+    require((light.size() == 0 || light.size() == num_pictures) && light.allFinite(),
+            "a painted surface was given light of other pictures than it has");
+    Placed placed = place(fine, vertices_in_camera);
+    placed.light = Eigen::VectorXf::Ones(num_pictures);
+    if (light.size() > 0) {
+        placed.light = light.cast<float>();
+    }
     Layer covering(fine, placed.pixels, covering_), open(fine, placed.pixels, open_);
     fill(covering, open, placed);
     ColorImage picture{camera.height, camera.width, {}};
@@ -200,6 +208,7 @@ Eigen::Vector3f PaintedSurface::mean(const Layer& covering, const Layer& open, c
 PaintedSurface::Placed PaintedSurface::place(const Camera& camera, PointsIn vertices_in_camera) const {
     Placed placed{mesh_.positions(vertices_in_camera).cast<float>(),
                   mesh_.normals(vertices_in_camera).cast<float>(),
+                  {},
                   {}};
     placed.pixels.resize(placed.points.rows(), 2);
     const Eigen::ArrayXf z = placed.points.col(2).array().max(kNearest);
@@ -292,7 +301,8 @@ Eigen::Vector4f PaintedSurface::colour(const Placed& placed, int half,
     }
     const auto relief = static_cast<float>(options_.relief);
     const float lit = std::clamp(normal.normalized().dot(kLamp), 0.f, 1.f);
-    const float shade = brightness * (1 - relief * (1 - lit));
+    const float light = placed.light[paints_.picture_of_face[mesh_.parent_face()[face]]];
+    const float shade = light * brightness * (1 - relief * (1 - lit));
     const Eigen::Vector2f low = place.array().floor(), part = place - low;
     Eigen::Vector4f sum = Eigen::Vector4f::Zero();
     for (int k = 0; k < 4; ++k) {

@@ -42,8 +42,10 @@ struct Squares {
         options.ground = 50;
     }
 
+    Eigen::VectorXd light;
+
     Eigen::Vector3i pixel(int x, int y) const {
-        const ColorImage picture = PaintedSurface(faces, paints, options).draw(kCamera, vertices);
+        const ColorImage picture = PaintedSurface(faces, paints, options).draw(kCamera, vertices, light);
         const std::uint8_t* level = picture.pixels.data() + 3 * (y * picture.cols + x);
         return {level[0], level[1], level[2]};
     }
@@ -89,6 +91,15 @@ TEST(PaintedSurface, LittleLightMakesItDarkerAndSoDoesATurnFromTheLamp) {
     EXPECT_EQ(squares.pixel(50, 40), Eigen::Vector3i(100, 0, 0));
     squares.options.relief = 1;
     EXPECT_LT(squares.pixel(50, 40)[0], 95);  // the lamp is above the camera
+}
+
+TEST(PaintedSurface, PicturesHaveTheirOwnLight) {
+    Squares squares;
+    squares.light = Eigen::Vector2d(.25, 1);
+    EXPECT_EQ(squares.pixel(50, 40), Eigen::Vector3i(50, 0, 0));
+    EXPECT_EQ(squares.pixel(59, 40), Eigen::Vector3i(0, 0, 200));
+    squares.light = Eigen::VectorXd::Ones(1);
+    EXPECT_THROW(squares.pixel(0, 0), InvalidInput);
 }
 
 TEST(PaintedSurface, AFineSurfaceLooksAsItsControlMeshWhereThatIsFlat) {

@@ -23,11 +23,11 @@ struct Paints {
 };
 
 struct PaintedOptions {
-    int levels = 1;       ///< of subdivision, 0 to 5
-    int finer = 2;        ///< samples a pixel on each axis, against steps at edges, 1 to 4
-    double relief = .45;  ///< how much darker skin gets that is turned from the lamp, 0 to 1
-    int ground = 60;      ///< grey where nothing is, 0 to 255
-    void check() const;   ///< throws InvalidInput: field, value, limit
+    int levels = 1;      ///< of subdivision, 0 to 5
+    int finer = 2;       ///< samples a pixel on each axis, against steps at edges, 1 to 4
+    double relief = .3;  ///< how much darker skin gets that is turned from the lamp, 0 to 1
+    int ground = 60;     ///< grey where nothing is, 0 to 255
+    void check() const;  ///< throws InvalidInput: field, value, limit
 };
 
 /// The limit surface of a painted mesh as a camera sees it, a frame at a time.
@@ -36,9 +36,12 @@ public:
     /// faces: quads of V vertices, each of which one uses. Throws InvalidInput.
     PaintedSurface(QuadsIn faces, Paints paints, const PaintedOptions& options = {});
 
-    /// vertices_in_camera: V x 3, metres. Faces that are turned away and those with a corner behind the
-    /// camera are left out. Throws InvalidInput on another number of vertices, or one that is not finite.
-    ColorImage draw(const Camera& camera, PointsIn vertices_in_camera) const;
+    /// vertices_in_camera: V x 3, metres; light: of each picture, what its colours are multiplied by, all 1
+    /// if it is empty. Faces that are turned away and those with a corner behind the camera are left out; of
+    /// see-through ones the nearest is drawn. Throws InvalidInput on another number of vertices, or one that
+    /// is not finite.
+    ColorImage draw(const Camera& camera, PointsIn vertices_in_camera,
+                    VectorIn light = Eigen::VectorXd()) const;
 
 private:
     struct Layer;

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.character.appearance import Appearance, appearance_of
+from mimetic.character.appearance import SURFACE_OF_PART, Appearance, appearance_of
 from mimetic.character.contact_shapes import contact_shapes
+from mimetic.character.face_paint import SKIN
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.shared.pinhole import camera_of
 from mimetic.shared.progress import Progress
@@ -23,7 +24,10 @@ STEADY = 0.4  # seconds: how slowly the enlarged part follows the face
 INSIDE = ("mouth_cavity", "teeth_upper", "teeth_lower", "tongue")
 INTO_THE_MOUTH = 0.025  # metres behind the lips at which 1/e of the light is left
 IN_THE_SHADE = 0.12  # of the light, at the back of the mouth
-EYES = 0.9  # lids and brows keep light from them
+TOUCHING = 0.002  # metres between the lips' inner landmarks where they touch
+SLIT, OPEN = 0.15, 0.008  # of that light between lips that touch; metres apart for all of it
+EXPOSURES = (0.3, 1.0)  # of footage beside painted skin in full light
+EYES = 0.85  # lids and brows keep light from them
 GAUGE = 22  # rows below the views
 COARSER = 4  # texels of lashes in one
 PLAIN = (200, 168, 148)  # of a mesh that is not our own head's
@@ -64,6 +68,7 @@ class BesideDrawing:
         self.camera = camera_of(performance.intrinsics, performance.image_size)
         appearance = appearance_of(performance, footage)
         self.surface, self.vertices = _painted(performance, appearance)
+        self.inside = _inside(appearance)
         longer = max(performance.image_size)
         scale = float(np.clip(longer, SMALLEST, LARGEST) / longer)
         # H.264 has even sides only
@@ -84,11 +89,12 @@ class BesideDrawing:
         near = _core.reframed_camera(
             *(self.camera, self.centres[i], float(self.scales[i]), self.width, self.height)
         )
+        light = self._light(points)
         rows = [
             np.hstack(
                 [
                     _core.reframed_picture(image, self.camera, camera),
-                    self.surface.draw(camera, points),
+                    self.surface.draw(camera, points, light),
                 ]
             )
             for camera in (self.whole, near)
@@ -97,6 +103,16 @@ class BesideDrawing:
         strip = np.zeros((GAUGE, 2 * self.width, 3), dtype=np.uint8)
         rows.append(_core.with_gauge(strip, quality, HELD_QUALITY, frame))
         return np.ascontiguousarray(np.vstack(rows))
+
+    def _light(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Of each surface: lips that are hardly apart leave the mouth dark. points: V x 3."""
+        light = np.ones(len(self.inside))
+        if self.inside.any():
+            template = load_template()
+            upper, lower = (template.landmark(f"lip_{lip}_inner") for lip in ("upper", "lower"))
+            apart = np.sqrt(((points[upper] - points[lower]) ** 2).sum())
+            light[self.inside] = SLIT + (1 - SLIT) * np.clip((apart - TOUCHING) / OPEN, 0, 1)
+        return light
 
     def _enlarged(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """N x 2 pixels that the enlarged views have in their middle, and how large they are."""
@@ -141,7 +157,7 @@ def _painted(
         corners, of_face = np.zeros((4 * len(faces), 2)), np.zeros(len(faces), dtype=np.int32)
         surface = _core.PaintedSurface(faces, [_plain(PLAIN)], of_face, corners, brightness)
         return surface, vertices
-    brightness = _brightness(performance, template)[vertices]
+    brightness = _brightness(performance, template, appearance)[vertices]
     pictures = [
         _plain(_levels(surface.colour)) if surface.texture is None else _opaque(surface.texture)
         for surface in appearance.surfaces
@@ -151,16 +167,31 @@ def _painted(
     return _core.PaintedSurface(faces, pictures, of_face, corners, brightness), vertices
 
 
-def _brightness(performance: Performance, template: FaceTemplate) -> NDArray[np.float64]:
-    """V, the light that reaches each place: little of it the inside of the mouth."""
+def _inside(appearance: Appearance | None) -> NDArray[np.bool_]:
+    """Which surfaces are of the mouth's inside; none of another mesh than our own."""
+    names = [surface.name for surface in appearance.surfaces] if appearance else []
+    return (
+        np.isin(names, [SURFACE_OF_PART[part] for part in INSIDE]) if names else np.zeros(1, bool)
+    )
+
+
+def _brightness(
+    performance: Performance, template: FaceTemplate, appearance: Appearance
+) -> NDArray[np.float64]:
+    """V, the light that reaches each place: little of it the inside of the mouth.
+
+    Eyes and teeth are painted: they are as dark as the footage is.
+    """
     neutral = performance.neutral_vertices
     light = np.ones(len(neutral))
-    light[template.part_vertices("eye.L", "eye.R")] = EYES
+    filmed = np.mean(_levels(appearance.surfaces[0].colour)) / np.mean(255 * SKIN)
+    light[template.num_skin_vertices :] = np.clip(filmed, *EXPOSURES)
+    light[template.part_vertices("eye.L", "eye.R")] *= EYES
     skin = template.part_vertices("skin")
     inside = np.setdiff1d(template.part_vertices(*INSIDE), skin)
     lips = neutral[[template.landmark(f"lip_{which}") for which in ("upper", "lower")], 2].min()
     depth = np.maximum(lips - neutral[inside, 2], 0.0)
-    light[inside] = IN_THE_SHADE + (1 - IN_THE_SHADE) * np.exp(-depth / INTO_THE_MOUTH)
+    light[inside] *= IN_THE_SHADE + (1 - IN_THE_SHADE) * np.exp(-depth / INTO_THE_MOUTH)
     return light
 
 
