@@ -21,6 +21,7 @@ from .head import (
 from .identity import identity_modes
 from .regions import REGION_NAMES, paint_regions
 from .source import Source
+from .teeth import through_base_mesh, with_teeth_near_lips
 from .unfold import unfold
 from .units import unit_modes
 
@@ -69,7 +70,7 @@ def build_template(source: Source) -> dict[str, np.ndarray]:
     identity = identity_modes(source, cut, vertices, landmarks, frame.scale)
     unit_names, units = unit_modes(source, cut, frame.scale)
     return {
-        "vertices": vertices,
+        "vertices": with_teeth_near_lips(through_base_mesh(vertices, cut), cut),
         "faces": cut.faces.astype(np.int32),
         "num_skin_vertices": np.int64(cut.num_skin_vertices),
         "num_skin_faces": np.int64(cut.num_skin_faces),
@@ -85,10 +86,10 @@ def build_template(source: Source) -> dict[str, np.ndarray]:
         "eye_radius": np.float64(eye_radius),
         "jaw_hinge": jaw_hinge(vertices, landmarks),
         "identity_names": np.array(identity.names),
-        "identity_modes": identity.modes.astype(np.float32),
+        "identity_modes": through_base_mesh(identity.modes, cut).astype(np.float32),
         "identity_limits": identity.limits,
         "unit_names": np.array(unit_names),
-        "unit_modes": units.astype(np.float32),
+        "unit_modes": through_base_mesh(units, cut).astype(np.float32),
     }
 
 

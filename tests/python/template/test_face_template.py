@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from mimetic import InvalidInput, UnreadableMedia
+from mimetic import InvalidInput, UnreadableMedia, _core
 from mimetic.shared.installed_data import data_folder
 from mimetic.template.face_template import KEYS, load_template
 
@@ -237,3 +237,19 @@ def test_a_missing_or_truncated_file(tmp_path):
     (tmp_path / "half.npz").write_bytes(whole[: len(whole) // 2])
     with pytest.raises(UnreadableMedia, match="not a face template"):
         load_template(tmp_path / "half.npz")
+
+
+def test_the_rows_of_teeth_meet_as_they_are_shown(template):
+    """Subdivided: between rows that shrink, a clenched smile shows the tongue."""
+    mesh = _core.SubdividedMesh(template.faces, len(template.vertices), 2)
+    shown = mesh.positions(np.ascontiguousarray(template.vertices))
+    rows = []
+    for name in ("teeth_upper", "teeth_lower"):
+        faces = np.isin(mesh.parent_face, template.part_faces(name))
+        points = shown[np.unique(mesh.faces[faces])]
+        rows.append(points[(np.abs(points[:, 0]) < 0.008) & (points[:, 2] > 0.08)])
+    upper, lower = rows
+    assert 0 < lower[:, 1].max() - upper[:, 1].min() < 2e-3
+    assert upper[:, 2].max() > lower[:, 2].max()  # it bites before the lower
+    lip = template.vertices[template.landmark("lip_upper_inner")]
+    assert 0 < lip[1] - upper[:, 1].min() < 3e-3  # seen when lips part
