@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 from mimetic import InvalidInput
-from mimetic.performance.projection import project_texture, reference_index
+from mimetic.performance.projection import colour_index, project_texture, reference_index
 from mimetic.shared.picture import picture_coordinates
 from sample_performance import make_performance
 
@@ -102,3 +102,23 @@ def test_colours_come_from_a_frame_that_faces_the_camera_at_rest():
     performance.quality[0] = 0.0
     performance.head_pose[0] = np.diag([-1.0, -1, 1, 1])  # seen from behind
     assert reference_index(performance) != 0
+
+
+def test_colours_are_not_of_a_clips_first_second_where_another_frame_is_nearly_as_good():
+    poses = np.tile(make_performance().head_pose[:1], (60, 1, 1))
+    still = np.zeros((60, 36))
+    shut = np.zeros((60, 2))
+    quality = np.full(60, 0.95)
+    quality[3] = 1.0
+    performance = make_performance(
+        num_frames=60,
+        head_pose=poses,
+        activations=still,
+        articulator_values=shut,
+        quality=quality,
+    )
+    assert reference_index(performance) == 3
+    assert performance.frame[colour_index(performance)] == 24  # of 23.976 a second
+    quality[10:] = 0.5
+    performance.quality[:] = quality
+    assert colour_index(performance) == 3

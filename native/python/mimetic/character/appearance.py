@@ -93,7 +93,7 @@ def _from_footage(
     uv: NDArray,
 ) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
     if frame is None:
-        frame = int(performance.frame[projection.reference_index(performance)])
+        frame = int(performance.frame[projection.colour_index(performance)])
     i = performance.index_of(frame)
     image = Footage(footage).read(frame)
     weights = _vertex_weights(template)

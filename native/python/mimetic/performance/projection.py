@@ -13,12 +13,30 @@ from mimetic.shared.picture import picture_coordinates, picture_pixels
 from mimetic.shared.pinhole import camera_of
 from mimetic.skin.mesh import quad_normals
 
+START = 1.0  # seconds of the footage whose frames are badly compressed
+NEARLY = 0.9  # of how well the best frame suits
+
 
 def reference_index(performance: Performance) -> int:
-    """Index of the frame to take colours from: well explained, facing the camera, at rest."""
+    """Index of the frame in which the face is best seen: well explained, facing us, at rest."""
+    return int(np.argmax(_suits(performance)))
+
+
+def colour_index(performance: Performance) -> int:
+    """Index of the frame to take colours from: as `reference_index`, but not at a clip's start.
+
+    Encoders spend little on it: the first frames of many clips are blocks of one colour.
+    """
+    suits = _suits(performance)
+    late = np.where(performance.frame > START * performance.fps, suits, 0.0)
+    return int(np.argmax(late if late.max() > NEARLY * suits.max() else suits))
+
+
+def _suits(performance: Performance) -> NDArray[np.float64]:
+    """N, 0 to 1."""
     facing = -performance.head_pose[:, 2, 2]  # cosine between the face and the way to the camera
     motion = performance.activations.sum(axis=1) + np.abs(expression_of(performance)).sum(axis=1)
-    return int(np.argmax(performance.quality * np.maximum(facing, 0) ** 2 / (1 + motion)))
+    return performance.quality * np.maximum(facing, 0) ** 2 / (1 + motion)
 
 
 def rescaled(pixels: ArrayLike, from_size: ArrayLike, to_size: ArrayLike) -> NDArray[np.float64]:
