@@ -8,10 +8,10 @@
 namespace mimetic {
 
 Eigen::Vector3f quality_colour(double quality, double held_quality) {
-    const Eigen::Vector3f lost(255, 70, 60), doubtful(255, 190, 60), good(90, 235, 215);
     if (quality < held_quality) {
-        return lost;
+        return {255, 70, 60};
     }
+    const Eigen::Vector3f doubtful(255, 190, 60), good(90, 235, 215);
     const auto t = static_cast<float>(std::clamp((quality - held_quality) / (0.7 - held_quality), 0.0, 1.0));
     return doubtful * (1 - t) + good * t;
 }
