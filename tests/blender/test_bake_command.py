@@ -264,9 +264,8 @@ def test_a_control_object_needs_muscles(acted, rig_file, tmp_path):
         ("{missing}:rig", [], "no such file"),
         ("{rig}:nobody", [], "no object nobody"),
         ("{rig}:rig", ["--out", "face.csv"], ".blend"),
-        ("{rig}:rig", ["--few-keys"], "no shape keys or control object"),
     ],
-    ids=["form", "missing", "object", "suffix", "few keys"],
+    ids=["form", "missing", "object", "suffix"],
 )
 def test_a_bad_target_gets_status_2_and_one_line(
     target, more, said, performance_file, rig_file, tmp_path

@@ -16,7 +16,8 @@ class FewKeysOptions:
         min=0.001,
         max=0.5,
         precision=3,
-        description="By how much few keys may miss a curve, of which 1 is a full activation",
+        description="By how much few keys may miss a curve, of which 1 is a full activation, or a "
+        "centimetre or ten degrees of a bone",
     )
     use_phases: BoolProperty(
         name="At Phases",

@@ -155,14 +155,9 @@ class MIMETIC_OT_bake_controls(
         control_preview.end()
         place = context.scene, performance, action_name, character, played, clip
         keys = self.key_remarks()
-        if character.type == "ARMATURE":
-            summary = face_bones.bake(*place, self.use_head_motion)
-            keys = [iface_("a key a frame")]
-            if self.use_few_keys:
-                text = rpt_("bones have a key a frame: Few Keys in the panel Curves makes them few")
-                self.report({"WARNING"}, text)
-        else:
-            summary = own_controls.bake(*place, self.use_head_motion, *self.few_keys())
+        is_rig = character.type == "ARMATURE"
+        bake = face_bones.bake if is_rig else own_controls.bake
+        summary = bake(*place, self.use_head_motion, *self.few_keys())
         _write_rows(character, rows, native.playing().remarks(rows, played))
         self.facts = {
             "object": name,

@@ -42,13 +42,17 @@ def key_shapes(
 
 def fill_values(
     curve: bpy.types.FCurve, frames, values, tolerance: float, by_phases: bool, unit: float = 1.0
-) -> None:
-    """Keys a curve by values (N) times `unit`: few keys within a tolerance of them, 0 for all."""
+) -> float:
+    """Keys a curve by values (N) times `unit`: few keys within a tolerance of them, 0 for all.
+
+    Returns how far few keys are from the values at most.
+    """
     if tolerance > 0:
         keys = native.sparse_curves().sparse_keys(frames, values, tolerance, by_phases)
         fill_sparse(curve, keys if unit == 1 else keys.scaled(unit))
-    else:
-        fill(curve, frames, values * unit, LINEAR)
+        return keys.error
+    fill(curve, frames, values * unit, LINEAR)
+    return 0.0
 
 
 def key_motion(face, take: str, frames, motion) -> int:
@@ -88,13 +92,18 @@ def key_slider(
 
 
 def key_rotations(holder, prefix: str, group: str, frames, channels) -> int:
-    """Keys the rotations of `mimetic.rig_motion.Channels`; returns the number of curves.
+    """Keys the rotations of `mimetic.rig_motion.Channels`; returns the number of curves."""
+    clear_rotations(holder, prefix)
+    return key_columns(holder, prefix + channels.rotation_path, group, frames, channels.rotations)
 
-    Curves of other modes go: they would lie beside unread. prefix: path of what turns, or nothing.
+
+def clear_rotations(holder, prefix: str) -> None:
+    """Removes curves of all rotation modes: those of others would lie beside unread.
+
+    prefix: path of what turns, or nothing.
     """
     for path in ROTATION_PATHS:
         clear(holder, prefix + path)
-    return key_columns(holder, prefix + channels.rotation_path, group, frames, channels.rotations)
 
 
 def clear(holder, data_path: str) -> None:

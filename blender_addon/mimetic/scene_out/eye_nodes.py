@@ -35,7 +35,7 @@ def split(scene: bpy.types.Scene, performance, footage, take: str) -> list[bpy.t
         eye = bpy.data.objects.new(name, face.data.copy())
         face.users_collection[0].objects.link(eye)
         eye.shape_key_clear()
-        _keep(eye.data, eye_of == number + 1)
+        keep(eye.data, eye_of == number + 1)
         eye.data.transform(_shift(-pivot))
         eye.parent, eye.location = face, pivot
         yaw, pitch = angles[:, 2 * number], angles[:, 2 * number + 1]
@@ -45,11 +45,11 @@ def split(scene: bpy.types.Scene, performance, footage, take: str) -> list[bpy.t
         actions.key_columns(holder, "rotation_quaternion", "Gaze", frames, rows)
         eyes.append(eye)
     _drop_turns(face)
-    _keep(face.data, eye_of == 0)
+    keep(face.data, eye_of == 0)
     return eyes
 
 
-def _keep(mesh: bpy.types.Mesh, is_kept: np.ndarray) -> None:
+def keep(mesh: bpy.types.Mesh, is_kept: np.ndarray) -> None:
     """Deletes all other vertices, of shape keys too."""
     edited = bmesh.new()
     edited.from_mesh(mesh)

@@ -17,6 +17,7 @@ from mathutils import Quaternion
 
 from .. import compat, native, scene_in, world, writable
 from . import actions, head, own_controls, own_keys, rigs
+from .motion_keys import MotionKeys
 
 NECK_SHARE = 0.3  # of the head's turns
 STEP = 0.3  # of a channel's value, to both sides
@@ -93,20 +94,30 @@ def play(
 
 
 def bake(
-    scene, performance, take: str, armature, played, footage=None, use_head_motion: bool = True
+    scene,
+    performance,
+    take: str,
+    armature,
+    played,
+    footage=None,
+    use_head_motion: bool = True,
+    tolerance: float = 0.0,
+    by_phases: bool = False,
 ) -> own_controls.BakeSummary:
-    """Keys a `mimetic.retarget.PlayedControls` on a rig's face bones, a key a frame, and the head's
-    motion on those of head and neck, in one new action. What else its action holds goes on in a
-    copy."""
+    """Keys a `mimetic.retarget.PlayedControls` on a rig's face bones, and the head's motion on
+    those of head and neck, in one new action. What else its action holds goes on in a copy.
+    tolerance, by_phases: of few keys, as `MotionKeys` has them."""
     writable.check(writable.no_motion(armature))
+    keys = MotionKeys(tolerance, by_phases)
     target = head_target(armature)
     num_curves, text = 0, played.summary()
     if use_head_motion and target is not None:
-        num_curves = head.bake(scene, performance, take, target, footage).num_curves
+        num_curves = head.bake(scene, performance, take, target, footage, keys).num_curves
     else:
         actions.continued_take(armature, f"{take} controls")
         text += f"; {rigs.head_bones(armature).remark}" if use_head_motion else ""
-    num_curves += key(scene, performance, armature, played, footage)
+    num_curves += key(scene, performance, armature, played, footage, keys)
+    text = "; ".join(filter(None, (keys.text(), text)))
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
     return own_controls.BakeSummary(float(frames[0]), float(frames[-1]), num_curves, text)
 
@@ -119,8 +130,16 @@ def head_target(armature: bpy.types.Object) -> head.Target | None:
     return head.Target(armature.name, bones.head, bones.neck, NECK_SHARE, translation_scale=0.0)
 
 
-def key(scene, performance, armature: bpy.types.Object, played, footage=None) -> int:
+def key(
+    scene,
+    performance,
+    armature: bpy.types.Object,
+    played,
+    footage=None,
+    keys: MotionKeys | None = None,
+) -> int:
     """Keys the played channels in the armature's own action; returns the number of curves."""
+    keys = keys or MotionKeys()
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
     holder = compat.curves(armature)
     values = dict(zip(played.names, played.values.T, strict=True))
@@ -133,15 +152,14 @@ def key(scene, performance, armature: bpy.types.Object, played, footage=None) ->
             parts = native.bone_channels().turns(values[channel.name], bone.rotation_mode)
             path = bone.path_from_id(parts[0])
             actions.clear(holder, path)
-            num_curves += actions.key_columns(holder, path, channel.bone, frames, parts[1])
+            num_curves += keys.turn(holder, path, channel.bone, frames, parts[1])
             continue
         path = bone.path_from_id("location")
         for curve in [c for c in holder.fcurves if c.data_path == path]:
             if curve.array_index == channel.axis:
                 holder.fcurves.remove(curve)
         curve = compat.new_curve(holder, path, channel.axis, channel.bone)
-        rows = values[channel.name] * _unit(armature)
-        actions.fill(curve, frames, rows, actions.LINEAR)
+        keys.along(curve, frames, values[channel.name], _unit(armature))
         num_curves += 1
     return num_curves
 

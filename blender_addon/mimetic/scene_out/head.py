@@ -11,6 +11,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import native, scene_in, world, writable
 from . import actions, rigs, standing
+from .motion_keys import MotionKeys
 
 
 @dataclass(frozen=True)
@@ -37,9 +38,16 @@ class BakeSummary:
 
 
 def bake(
-    scene: bpy.types.Scene, performance, take: str, target: Target, footage=None
+    scene: bpy.types.Scene,
+    performance,
+    take: str,
+    target: Target,
+    footage=None,
+    keys: MotionKeys | None = None,
 ) -> BakeSummary:
     """Keys the motion of a `mimetic.performance.Performance`; smooth it before if it shall be.
+
+    keys: how, and what became of it; a key a frame where None.
 
     What else moves the target goes on: its action is copied, and the copy gets the head's curves.
     The scene's rate and range stay as they are. Raises InvalidInput, and changes nothing then.
@@ -52,17 +60,23 @@ def bake(
     frames = scene_in.scene_frames(performance, timing)
     if not target.bone:
         channels = _object_channels(scene, obj, performance, target)
-        num_curves = key_object(obj, performance, take, frames, channels, target)
+        num_curves = key_object(obj, performance, take, frames, channels, target, keys)
         return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, obj.name)
     new_channels = bone_carrier(obj, target)(_motion(performance, target))
-    num_curves = key_bones(actions.continued_take(obj, f"{take} head"), frames, new_channels)
+    holder = actions.continued_take(obj, f"{take} head")
+    metres = metres_of(scene, obj)
+    num_curves = key_bones(holder, frames, new_channels, keys, metres)
     where = ", ".join(new_channels) + rpt_(" of {obj}").format(obj=obj.name)
     return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, where)
 
 
-def key_object(obj, performance, take: str, frames, channels, target: Target) -> int:
+def key_object(
+    obj, performance, take: str, frames, channels, target: Target, keys: MotionKeys | None = None
+) -> int:
     """Keys an object's own `mimetic.rig_motion.Channels`; returns the number of curves."""
-    num_curves = _key(actions.continued_take(obj, f"{take} head"), "", "Head", frames, channels)
+    holder = actions.continued_take(obj, f"{take} head")
+    metres = metres_of(bpy.context.scene, obj.parent)
+    num_curves = _key(holder, "", "Head", frames, channels, keys, metres)
     if target.is_absolute:
         standing.forget(obj)
     else:
@@ -71,12 +85,23 @@ def key_object(obj, performance, take: str, frames, channels, target: Target) ->
     return num_curves
 
 
-def key_bones(holder, frames, new_channels: dict) -> int:
-    """Keys channels of bones by their names, instead of what curves there are; returns how many."""
+def metres_of(scene: bpy.types.Scene, frame: bpy.types.Object | None) -> float:
+    """A unit of what lies in an object's frame, or in the world."""
+    scale = world.matrix(frame).median_scale if frame is not None else 1.0
+    return scale * (scene.unit_settings.scale_length or 1.0)
+
+
+def key_bones(
+    holder, frames, new_channels: dict, keys: MotionKeys | None = None, metres: float = 1.0
+) -> int:
+    """Keys channels of bones by their names, instead of what curves there are; returns how many.
+
+    metres: a unit of their locations.
+    """
     num_curves = 0
     for bone, channels in new_channels.items():
         prefix = f'pose.bones["{bpy.utils.escape_identifier(bone)}"].'
-        num_curves += _key(holder, prefix, bone, frames, channels)
+        num_curves += _key(holder, prefix, bone, frames, channels, keys, metres)
     return num_curves
 
 
@@ -140,12 +165,16 @@ def _without_location(channels):
     return type(channels)(channels.rotation_path, channels.rotations, None)
 
 
-def _key(holder, prefix: str, group: str, frames, channels) -> int:
+def _key(
+    holder, prefix: str, group: str, frames, channels, keys: MotionKeys | None, metres: float
+) -> int:
     """Replaces what curves there are."""
-    num_curves = actions.key_rotations(holder, prefix, group, frames, channels)
+    keys = keys or MotionKeys()
+    actions.clear_rotations(holder, prefix)
+    path = prefix + channels.rotation_path
+    num_curves = keys.turn(holder, path, group, frames, channels.rotations)
     if channels.locations is not None:
-        actions.clear(holder, prefix + "location")
-        num_curves += actions.key_columns(
-            holder, prefix + "location", group, frames, channels.locations
-        )
+        path = prefix + "location"
+        actions.clear(holder, path)
+        num_curves += keys.shift(holder, path, group, frames, channels.locations, metres)
     return num_curves

@@ -4,15 +4,19 @@
 from __future__ import annotations
 
 import os
+from contextlib import ExitStack
 from pathlib import Path
 
 import bpy
 
 from .. import native, scene_in, takes
 from . import (
+    arkit_target,
     bound,
     bound_controls,
+    bound_eyes,
     clip,
+    contact_curves,
     control_object,
     exports,
     face_bones,
@@ -22,6 +26,7 @@ from . import (
     rigs,
     take_list,
 )
+from .motion_keys import MotionKeys
 
 
 def write(
@@ -40,9 +45,11 @@ def write(
     object, or an armature's head and neck, gets the head's motion. settings: controls, "own",
     "muscles", or "auto" for what there is, muscles first; bone and neck, found by name where None;
     neck_share; smoothing, of the head's motion alone; tolerance and by_phases, of few keys, as
-    `actions.key_shapes` has them. curves: `takes.load_edited`'s. The file
-    keeps its own rate, range and everything else; its scripts do not run. Other files than .blend
-    have the object, its rig and what hangs on them. Returns what was written.
+    `actions.key_shapes` has them, and `MotionKeys` of bones and objects; as_arkit, ARKit's 52
+    shapes for the file, and with_eye_nodes, eyeballs as objects that turn, both for other programs.
+    curves: `takes.load_edited`'s. The file keeps its own rate, range and everything else; its
+    scripts do not run. Other files than .blend have the object, its rig and what hangs on them.
+    Returns what was written.
     """
     performance = takes.load_edited(performance_path, curves)
     where = f"--target {Path(rig_path).name}"
@@ -50,24 +57,14 @@ def write(
     obj = _object(scene, where, name, settings)
     footage = clip.load(scene, footage_path) if footage_path else None
     take = takes.take_name(footage_path or performance_path)
-    choice = settings.get("controls", "auto")
     before = take_list.now(obj)
     few_keys = settings.get("tolerance", 0.0), settings.get("by_phases", False)
-    if obj.type == "ARMATURE" and choice == "own":
-        _check_few_keys(where, obj, few_keys)
-        text = _play_bones(
-            scene, performance, take, _target(obj, where, settings), settings, footage
-        )
-    elif _plays_own(obj, where, choice):
-        played = own_controls.play(performance, obj, settings.get("preset"))
-        summary = own_controls.bake(scene, performance, take, obj, played, footage, True, *few_keys)
-        text = f"{summary.num_curves} curves on {obj.name}, {_frames(summary)}; {summary.text}"
-    elif scene_in.is_face(obj):
-        text = _play(scene, performance, take, obj, footage, settings, few_keys)
-    else:
-        _check_few_keys(where, obj, few_keys)
-        summary = _turn(scene, performance, take, _target(obj, where, settings), settings, footage)
-        text = f"{summary.num_curves} curves on {summary.where}, {_frames(summary)}"
+    eyes = None
+    if settings.get("with_eye_nodes"):
+        if reason := bound_eyes.no_eyes(performance, obj):
+            raise native.invalid_input(f"{where}: {reason}")
+        eyes = bound_eyes.BoundEyes(scene, obj)
+    text = _bake(scene, performance, take, obj, where, settings, footage, few_keys)
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
     file_name = Path(performance_path).name
     like = "by mimetic bake"
@@ -77,7 +74,44 @@ def write(
     if Path(out).suffix == ".blend":
         save(Path(out).absolute())
         return text
-    return "; ".join(filter(None, (text, exports.write(scene, out, obj))))
+    with ExitStack() as stack:
+        if eyes is not None:
+            # Of the whole mesh: contact knows its vertices by their numbers
+            stack.enter_context(contact_curves.with_keys(scene, obj))
+            names = eyes.split(scene, performance, footage, take)
+            text += f"; {', '.join(names)} turn"
+        loses = exports.write(scene, out, obj)
+    return "; ".join(filter(None, (text, loses)))
+
+
+def _bake(
+    scene: bpy.types.Scene,
+    performance,
+    take: str,
+    obj: bpy.types.Object,
+    where: str,
+    settings: dict,
+    footage,
+    few_keys: tuple[float, bool],
+) -> str:
+    """The performance on what of the object plays it; returns what was keyed."""
+    choice, keys = settings.get("controls", "auto"), MotionKeys(*few_keys)
+    if settings.get("as_arkit"):
+        summary = arkit_target.bake(scene, performance, take, obj, footage, *few_keys)
+        return f"{summary.num_curves} curves on {obj.name}, {_frames(summary)}; {summary.text}"
+    if obj.type == "ARMATURE" and choice == "own":
+        target = _target(obj, where, settings)
+        return _play_bones(scene, performance, take, target, settings, footage, keys)
+    if _plays_own(obj, where, choice):
+        played = own_controls.play(performance, obj, settings.get("preset"))
+        summary = own_controls.bake(scene, performance, take, obj, played, footage, True, *few_keys)
+        return f"{summary.num_curves} curves on {obj.name}, {_frames(summary)}; {summary.text}"
+    if scene_in.is_face(obj):
+        return _play(scene, performance, take, obj, footage, settings, few_keys)
+    target = _target(obj, where, settings)
+    summary = _turn(scene, performance, take, target, settings, footage, keys)
+    text = f"{summary.num_curves} curves on {summary.where}, {_frames(summary)}"
+    return "; ".join(filter(None, (text, keys.text())))
 
 
 def open_file(path: str, where: str) -> bpy.types.Scene:
@@ -97,19 +131,24 @@ def find_object(scene: bpy.types.Scene, where: str, name: str) -> bpy.types.Obje
     return scene.objects[name]
 
 
-def _turn(scene, performance, take: str, target: head.Target, settings: dict, footage):
+def _turn(
+    scene, performance, take: str, target: head.Target, settings: dict, footage, keys: MotionKeys
+):
     """The head's motion, smoothed, on an object or an armature's bones."""
     smooth = native.head_smoothing().smoothed(performance, settings["smoothing"])
-    return head.bake(scene, smooth, take, target, footage)
+    return head.bake(scene, smooth, take, target, footage, keys)
 
 
-def _play_bones(scene, performance, take: str, target: head.Target, settings: dict, footage) -> str:
+def _play_bones(
+    scene, performance, take: str, target: head.Target, settings: dict, footage, keys: MotionKeys
+) -> str:
     """The face on a rig's bones, and the head's motion in the same action."""
     rig = scene.objects[target.name]
     played = face_bones.play(scene, performance, rig, settings.get("preset"))
-    summary = _turn(scene, performance, take, target, settings, footage)
-    num_curves = face_bones.key(scene, performance, rig, played, footage) + summary.num_curves
-    return f"{num_curves} curves on {rig.name}, {_frames(summary)}; {played.summary()}"
+    summary = _turn(scene, performance, take, target, settings, footage, keys)
+    num_curves = face_bones.key(scene, performance, rig, played, footage, keys) + summary.num_curves
+    texts = (f"{num_curves} curves on {rig.name}, {_frames(summary)}", keys.text())
+    return "; ".join(filter(None, (*texts, played.summary())))
 
 
 def _plays_own(obj: bpy.types.Object, where: str, choice: str) -> bool:
@@ -140,14 +179,6 @@ def save(path: Path) -> None:
 
 def _frames(summary) -> str:
     return f"frames {summary.first:.6g} to {summary.last:.6g}"
-
-
-def _check_few_keys(where: str, obj: bpy.types.Object, few_keys: tuple[float, bool]) -> None:
-    if few_keys[0]:
-        raise native.invalid_input(
-            f"{where}:{obj.name} plays on no shape keys or control object, whose curves --few-keys "
-            "are of; leave it out"
-        )
 
 
 def _play(

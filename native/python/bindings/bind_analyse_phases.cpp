@@ -135,6 +135,9 @@ void bind_sparse_curve(py::module_& m) {
     m.def("reduce_curve", &reduce_curve, "frames"_a, "values"_a, "tolerance"_a,
           py::call_guard<py::gil_scoped_release>(),
           "The SparseCurve that stays within the tolerance of a dense one (N,). Raises InvalidInput.");
+    m.def("reduce_together", &reduce_together, "frames"_a, "values"_a, "tolerance"_a,
+          py::call_guard<py::gil_scoped_release>(),
+          "A SparseCurve of each column (N, C), all with keys at the same frames. Raises InvalidInput.");
     m.def(
         "reduce_by_phases",
         [](const Eigen::VectorXd& frames, const Eigen::VectorXd& values, const Eigen::VectorXd& stds,

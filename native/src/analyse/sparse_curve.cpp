@@ -211,6 +211,38 @@ SparseCurve reduce_curve(VectorIn frames, VectorIn values, double tolerance) {
     return refined(frames, values, tolerance, rows);
 }
 
+std::vector<SparseCurve> reduce_together(VectorIn frames, const Eigen::Ref<const Eigen::MatrixXd>& values,
+                                         double tolerance) {
+    std::set<int> rows{0, static_cast<int>(frames.size()) - 1};
+    bool all_still = true;
+    for (Eigen::Index c = 0; c < values.cols(); ++c) {
+        check_curve(frames, values.col(c), tolerance);
+        if (!is_still(frames, values.col(c), tolerance)) {
+            all_still = false;
+            rows.merge(change_rows(frames, values.col(c), tolerance));
+        }
+    }
+    std::vector<SparseCurve> curves(static_cast<std::size_t>(values.cols()));
+    for (;;) {
+        int worst = -1;
+        double most = tolerance;
+        for (Eigen::Index c = 0; c < values.cols(); ++c) {
+            SparseCurve& curve = curves[static_cast<std::size_t>(c)];
+            curve = all_still ? one_key(frames, values.col(c), tolerance)
+                              : fit_keys(frames, values.col(c), rows, tolerance);
+            const int row = all_still ? -1 : farthest(frames, values.col(c), rows, curve);
+            if (curve.error > most && row >= 0) {
+                most = curve.error;
+                worst = row;
+            }
+        }
+        if (worst < 0) {
+            return curves;
+        }
+        rows.insert(worst);
+    }
+}
+
 PhaseKeys reduce_by_phases(VectorIn frames, VectorIn values, VectorIn stds, double tolerance) {
     check_curve(frames, values, tolerance);
     if (is_still(frames, values, tolerance)) {

@@ -2,7 +2,12 @@
 import numpy as np
 import pytest
 from mimetic import InvalidInput, _core
-from mimetic.character.sparse_curves import count_keys, sparse_keys
+from mimetic.character.sparse_curves import (
+    count_keys,
+    sparse_keys,
+    sparse_rotation,
+    sparse_together,
+)
 from sample_performance import make_performance
 
 FRAMES = np.arange(1.0, 101)
@@ -91,3 +96,40 @@ def test_keys_of_a_performance_are_counted():
         assert 0 < count.few < count.dense == 40 * 38
         assert count.error <= 0.02
         assert bool(count.keys_of_event) == by_phases
+
+
+def test_curves_that_are_keyed_together_have_keys_at_the_same_frames():
+    rows = np.stack([event(10), -event(40, 0.3), np.full(100, 0.25)], axis=1)
+    keys = sparse_together(FRAMES, rows, 0.01)
+    for one, values in zip(keys, rows.T, strict=True):
+        np.testing.assert_array_equal(one.points[:, 0], keys[0].points[:, 0])
+        error = np.abs(played(one) - values).max()
+        assert error == pytest.approx(one.error, abs=1e-9)
+        assert error <= 0.01
+    assert 4 < len(keys[0].points) < 40
+    still = sparse_together(FRAMES, rows[:, 2:], 0.01)
+    assert len(still[0].points) == 1
+
+
+@pytest.mark.parametrize("mode", ["QUATERNION", "AXIS_ANGLE", "XYZ", "ZYX"])
+def test_a_rotation_by_few_keys_is_as_near_as_stated(mode):
+    from mimetic.character.rig_motion import rotation_channels
+
+    vectors = np.stack([0.6 * event(10), 0.4 - event(40, 0.5), 0.2 * np.sin(FRAMES / 9)], axis=1)
+    path, rows = rotation_channels(_core.from_rotation_vectors(vectors), mode)
+    tolerance = np.radians(0.2)
+    keys, error = sparse_rotation(FRAMES, rows, path, tolerance)
+    assert error <= tolerance
+    assert len(keys[0].points) < 50
+    few = np.stack([played(one) for one in keys], axis=1)
+    if path == "rotation_quaternion":
+        few /= np.linalg.norm(few, axis=1, keepdims=True)
+        angles = 2 * np.arccos(np.clip(np.abs((few * rows).sum(axis=1)), 0, 1))
+    elif path == "rotation_axis_angle":
+        axes = [
+            row[:, 1:] / np.linalg.norm(row[:, 1:], axis=1, keepdims=True) for row in (few, rows)
+        ]
+        angles = np.linalg.norm(few[:, :1] * axes[0] - rows[:, :1] * axes[1], axis=1)
+    else:
+        angles = np.abs(few - rows).sum(axis=1)  # of turns one after the other, at most
+    assert angles.max() <= error + 1e-9

@@ -75,3 +75,15 @@ def test_strange_names_are_unknown():
 def test_mirrored_names(name, twin):
     assert mirrored_name(name) == twin
     assert mirrored_name(twin) == name
+
+
+def test_arkits_shapes_are_found_in_any_spelling_and_shares_are_none():
+    from mimetic.retarget.control_names import units_of
+
+    names = ["jaw_open", "eyeBlink_L", "eyeBlinkLeft", "fat", "mouthSmile_R"]
+    assert units_of(names) == {
+        "eyeBlinkLeft": "eyeBlinkLeft",
+        "jawOpen": "jaw_open",
+        "mouthSmileRight": "mouthSmile_R",
+    }
+    assert units_of(["aa", "happy"]) == {}  # VRM's, which are several at once

@@ -20,7 +20,12 @@ struct SparseCurve {
 /// largest. What is at rest stays at rest. frames, values: N, frames rising. Throws InvalidInput.
 SparseCurve reduce_curve(VectorIn frames, VectorIn values, double tolerance);
 
-/// The same with keys at the phases of its events.
+/// The same of C curves that are keyed at the same frames, as the parts of a rotation are: one each.
+/// values: N x C. Throws InvalidInput.
+std::vector<SparseCurve> reduce_together(VectorIn frames, const Eigen::Ref<const Eigen::MatrixXd>& values,
+                                         double tolerance);
+
+/// One curve with keys at the phases of its events.
 struct PhaseKeys {
     SparseCurve curve;
     std::vector<int> keys_of_event;  ///< one an event: keys from its onset to where it is at rest again

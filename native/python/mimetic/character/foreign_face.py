@@ -49,6 +49,7 @@ class ForeignFace:
     shapes: list[Shape]
     groups: list[Shape]
     object_from_head: NDArray[np.float64]  # 3 x 3, of displacements of the head's own frame
+    eye_centers: NDArray[np.float64]  # 2 x 3, left first, the object's frame
     notes: tuple[str, ...]  # of the head, with the numbers of polygons
 
     def unit_shapes(self) -> tuple[list[Shape], tuple[str, ...]]:
@@ -140,6 +141,7 @@ def _attach_face(
         list(map(in_object, shapes)),
         list(map(in_object, groups)),
         object_from_head,
+        (head.eye_centers - metres_from_object[:3, 3]) @ object_from_head.T,
         tuple(_by_polygon(note, polygon) for note in head.notes),
     )
 

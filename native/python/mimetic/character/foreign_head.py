@@ -42,7 +42,8 @@ class ForeignHead:
     newtons; make_contact: the contact of its lips and lids, in these axes, solved when asked for;
     make_units: ARKit's 52 shapes, likewise;
     registered: the template's vertices registered to the head, mesh coordinates; eye_centers:
-    2 x 3, left first, likewise; mesh_from_template: from the template's axes and size; gap_mm:
+    2 x 3, left first, likewise; eye_of_vertex: V, 1 of the left eyeball, 2 of the right, else 0;
+    mesh_from_template: from the template's axes and size; gap_mm:
     median and 95 % distance of the free skin from the registered template; notes: what was
     assumed or repaired.
     """
@@ -53,6 +54,7 @@ class ForeignHead:
     make_units: Callable[[], FaceUnits]
     registered: NDArray[np.float64]
     eye_centers: NDArray[np.float64]
+    eye_of_vertex: NDArray[np.int32]
     mesh_from_template: _core.Similarity
     gap_mm: tuple[float, float]
     notes: tuple[str, ...]
@@ -107,6 +109,7 @@ def attach_foreign(
         make_units=lambda: head.units({**own_bones, **own_gaze}, to_user),
         registered=to_user.apply(template_mesh.neutral),
         eye_centers=to_user.apply(np.array([frame.centre for frame in head.eye_frames.values()])),
+        eye_of_vertex=head.loose.eye_of_vertex(),
         mesh_from_template=to_user,
         gap_mm=(float(np.median(gaps)), float(np.percentile(gaps, 95))),
         notes=head.notes,

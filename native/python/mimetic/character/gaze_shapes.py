@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from mimetic import _core
 from mimetic.character.shape import Shape, shape_of_values
@@ -50,14 +50,25 @@ def turn_weights(yaw: NDArray[np.float64], pitch: NDArray[np.float64]) -> NDArra
     return _core.eye_turn_weights(np.ascontiguousarray(yaw), np.ascontiguousarray(pitch))
 
 
-def eye_quaternions(yaw: NDArray[np.float64], pitch: NDArray[np.float64]) -> NDArray[np.float64]:
-    """N x 4, w first: the turns that those shapes make, in the frame of objects (looking along -y,
-    z up); degrees. The shortest way from straight ahead, as eyes take it."""
+def eye_quaternions(
+    yaw: NDArray[np.float64],
+    pitch: NDArray[np.float64],
+    object_from_character: ArrayLike | None = None,
+) -> NDArray[np.float64]:
+    """N x 4, w first: the turns that those shapes make; degrees. The shortest way from straight
+    ahead, as eyes take it.
+
+    object_from_character: 4 x 4, how a head lies in its object; None: it looks along -y, z up.
+    """
     weights = turn_weights(yaw, pitch)
     down, left = weights[:, 0], weights[:, 1]
     ahead = np.cos(np.radians(yaw)) * np.cos(np.radians(pitch))
     half = np.sqrt(2 * (1 + ahead))  # twice the cosine of half of the turn
-    return np.column_stack([half / 2, down / half, np.zeros_like(down), left / half])
+    turns = np.column_stack([half / 2, down / half, np.zeros_like(down), left / half])
+    if object_from_character is not None:
+        axes = _core.rotation_of(np.asarray(object_from_character, float)[:3, :3], "head")
+        turns[:, 1:] = turns[:, 1:] @ axes.T
+    return turns
 
 
 def turned_keys(side: str, yaw: float, pitch: float) -> dict[str, float]:

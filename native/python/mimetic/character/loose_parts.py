@@ -54,3 +54,10 @@ class LooseParts:
             self.notes = (
                 f"{parts_by_kind.num_left} loose vertices near to the skin are too many: they stay",
             )
+
+    def eye_of_vertex(self) -> NDArray[np.int32]:
+        """V: 1 of the left eyeball, 2 of the right, 0 of all else."""
+        number = np.zeros(len(self.on_jaw), np.int32)
+        for eye, side in enumerate(SIDES):
+            number[self.eyes[side]] = eye + 1
+        return number

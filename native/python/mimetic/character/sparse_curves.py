@@ -14,6 +14,8 @@ from mimetic.performance.document import Performance
 
 USUAL_TOLERANCE = 0.02  # of an activation
 CURVE_STD = 0.05  # of an activation, about what captures say of theirs; phases are fitted with it
+# The error of a rotation, radians, over that of the worst of its parts: at most so much
+TURN_ERRORS = {"rotation_quaternion": 4.0, "rotation_euler": 3.0, "rotation_axis_angle": 8.0}
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-4, 0.5
 
 
@@ -54,6 +56,35 @@ def sparse_keys(
     keys = cubic_keys(curve.frames, curve.values, curve.slopes, curve.slopes)
     error = float(curve.error)
     return SparseKeys(keys.points, keys.left, keys.right, error, list(keys_of_event))
+
+
+def sparse_rotation(
+    frames: NDArray[np.float64], rows: NDArray[np.float64], path: str, tolerance: float
+) -> tuple[list[SparseKeys], float]:
+    """Few keys of a rotation's curves (N x C), all at the same frames; how far it may be off.
+
+    path: rotation_quaternion, rotation_euler or rotation_axis_angle, by which the curves are read;
+    tolerance: radians, within which the rotation stays at all N frames. Raises InvalidInput.
+    """
+    factor = TURN_ERRORS[path]
+    keys = sparse_together(frames, rows, tolerance / factor)
+    return keys, factor * max(one.error for one in keys)
+
+
+def sparse_together(
+    frames: NDArray[np.float64], rows: NDArray[np.float64], tolerance: float
+) -> list[SparseKeys]:
+    """Few keys of curves (N x C) within `tolerance` of each, all at the same frames."""
+    curves = _core.reduce_together(
+        np.ascontiguousarray(frames, dtype=np.float64),
+        np.asfortranarray(rows, dtype=np.float64),
+        tolerance,
+    )
+    keys = [cubic_keys(one.frames, one.values, one.slopes, one.slopes) for one in curves]
+    return [
+        SparseKeys(key.points, key.left, key.right, float(one.error), [])
+        for key, one in zip(keys, curves, strict=True)
+    ]
 
 
 def check_tolerance(tolerance: float) -> None:

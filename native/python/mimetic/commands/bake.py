@@ -43,15 +43,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--names",
         choices=("muscles", "arkit"),
         default="muscles",
-        help="shapes of an exported face: our muscles, jaw, lids and lips, or ARKit's 52 "
-        "(default: %(default)s; a --target has its own)",
+        help="shapes of an exported face: our muscles, jaw, lids and lips (a --target's own), or "
+        "ARKit's 52, which a --target has by known names, or its muscles make (default: "
+        "%(default)s)",
     )
     parser.add_argument(
         "--eyes",
         choices=("shapes", "nodes"),
         default="shapes",
-        help="what turns the eyes of an exported face: its shapes, or eyeballs that are objects of "
-        "their own (default: %(default)s)",
+        help="what turns the eyes of an exported face or --target with muscles: its shapes, or "
+        "eyeballs that are objects of their own (default: %(default)s)",
     )
     parser.add_argument(
         "--footage",
@@ -164,7 +165,8 @@ def add_face_arguments(parser: argparse.ArgumentParser) -> None:
         type=float,
         const=USUAL_TOLERANCE,
         metavar="TOLERANCE",
-        help="few keys with handles to drag instead of one a frame, within this of each activation "
+        help="few keys with handles to drag instead of one a frame, within this of each "
+        "activation, or of bones and a target's head, of which 1 is a centimetre or ten degrees "
         f"(default: {USUAL_TOLERANCE:g})",
     )
     add_blender_python(parser)
@@ -182,13 +184,18 @@ def run_bake(arguments: argparse.Namespace) -> int:
             "controls": arguments.controls,
             "preset": _preset(arguments.preset),
             "control_object": arguments.control_object,
+            "as_arkit": arguments.names == "arkit",
+            "with_eye_nodes": arguments.eyes == "nodes",
         }
         if arguments.control_object and arguments.controls == "own":
             raise InvalidInput("--control-object drives muscles; leave --controls own out")
         if arguments.detail:
             raise InvalidInput("--detail is of the person's own face; a --target takes the head")
-        if arguments.names != "muscles" or arguments.eyes != "shapes":
-            raise InvalidInput("--names and --eyes are of the person's own face, not a --target's")
+        if arguments.names == "arkit" and (arguments.controls != "auto" or arguments.preset):
+            raise InvalidInput(
+                "--names arkit takes ARKit's shapes of a --target; leave --controls and "
+                "--preset out"
+            )
         if arguments.action_units:
             raise InvalidInput("--action-units are the face's; a --target takes the head")
     elif arguments.controls != "auto" or arguments.preset:

@@ -71,6 +71,24 @@ def unit_shares(names: Iterable[str], known: Mapping[str, KnownName]) -> NDArray
     return shares
 
 
+def units_of(names: Iterable[str]) -> dict[str, str]:
+    """ARKit's shapes among a character's controls: each by ARKit's spelling, with its name there.
+
+    Any convention's control counts that is one unit and nothing else; ARKit's own spelling goes
+    first, then the character's order.
+    """
+    names, own = list(names), load_template().unit_names
+    known = known_names(names)
+    found: dict[str, str] = {}
+    for name in sorted(names, key=lambda name: name not in own):
+        units = dict(known[name].units) if name in known else {}
+        if len(units) == 1:
+            ((unit, share),) = units.items()
+            if share == 1.0:
+                found.setdefault(unit, name)
+    return found
+
+
 def mirrored_name(name: str) -> str:
     """The same control of the other side; the name itself if it says no side."""
     for left, right in (("Left", "Right"), ("left", "right"), ("LEFT", "RIGHT")):

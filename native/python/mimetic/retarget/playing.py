@@ -8,7 +8,7 @@ muscles, names alone decide, through what the face units do to the canonical hea
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import NoReturn
 
@@ -143,6 +143,27 @@ def play(
         resting=[names[k] for k, driven in zip(kept, is_driven, strict=True) if not driven],
         unplayed=unplayed,
         explained=explained,
+    )
+
+
+def play_units(performance: Performance, units: Iterable[str]) -> PlayedControls:
+    """Curves of those of the 52 that a character has, by ARKit's names: what is sent live.
+
+    Raises InvalidInput for a performance that is not of the canonical mesh.
+    """
+    has = set(units)
+    names = [unit for unit in unit_order() if unit in has]
+    columns = [unit_order().index(unit) for unit in names]
+    values = unit_values(performance)[:, columns]
+    is_driven = np.abs(values).max(axis=0, initial=0) > DRIVEN
+    return PlayedControls(
+        names=names,
+        values=values,
+        by_name=[],
+        unmatched=[],
+        resting=[name for name, driven in zip(names, is_driven, strict=True) if not driven],
+        unplayed=[],
+        explained=None,
     )
 
 
