@@ -39,6 +39,7 @@ MIXTURES, UNITS_AT_ONCE = 150, 4
 # One view sees neither the tongue behind the lips nor air; lips that stay shut over an opening jaw
 # are seen, and muscles have no counterpart
 UNSEEN = ("cheekPuff", "tongueOut", "mouthClose")
+RIDGE = 0.01  # of the best linear reading, beside a unit's full value
 WAYS = {"readings": _core.ControlFitOptions().unmatched_motion, "nearest surface": 1.0}
 
 Floats = NDArray[np.float64]
@@ -54,6 +55,10 @@ class UnitScore:
     correlation: float  # of the key's values with the actor's weights
     leak: float  # mean value in frames in which the unit rests
     full: float  # value where the actor shows it alone and in full
+    # Of the actor, whoever plays it: correlation of the best linear reading of all values with the
+    # weights, which is fitted to these very weights; share of the unit's motion that muscles make
+    linear: float = 0.0
+    made: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -70,12 +75,13 @@ def score_retargeting(which: str, report: Callable[[str], None]) -> Iterator[Uni
     course = make_course(template)
     for actor, character in SETS[which]:
         report(f"actor {actor}, character {character}")
-        source_names, acted = activations(template, course, actor)
+        source_names, acted, made = activations(template, course, actor)
+        limits = linear_readings(acted, course.weights), made
         head = disguise(template, character, IDENTITY)
         bound = attach_foreign(head.vertices, head.faces, head.landmarks, template)
         for way, unmatched in WAYS.items():
             fitted = played(head, bound, template, source_names, acted, unmatched)
-            yield from _scores(way, character, template.unit_names, course, fitted)
+            yield from _scores(way, character, template.unit_names, course, fitted, limits)
 
 
 def make_course(template: FaceTemplate) -> Course:
@@ -98,8 +104,11 @@ def make_course(template: FaceTemplate) -> Course:
     return Course(np.array(rows), peaks)
 
 
-def activations(template: FaceTemplate, course: Course, seed: int) -> tuple[list[str], Floats]:
-    """Names of muscles, jaw, lids, lips and gaze, and their values (T x S) nearest to the actor."""
+def activations(
+    template: FaceTemplate, course: Course, seed: int
+) -> tuple[list[str], Floats, Floats]:
+    """Names of muscles, jaw, lids, lips and gaze, their values (T x S) nearest to the actor, and
+    what share of each unit's motion (52) they make where it is alone and full."""
     identity = random_identity(template.identity_names, template.identity_limits, seed)
     neutral = neutral_vertices(template, identity, seed)
     skin = attach_skin(neutral, template)
@@ -117,7 +126,19 @@ def activations(template: FaceTemplate, course: Course, seed: int) -> tuple[list
         options,
     )
     values = fit.frames(course.weights, np.zeros((len(course.weights), len(shapes))))
-    return [shape.name for shape in shapes], values
+    made = [fit.explained(course.weights[[peak]], values[[peak]]) for peak in course.peaks]
+    return [shape.name for shape in shapes], values, np.array(made)
+
+
+def linear_readings(acted: Floats, weights: Floats) -> Floats:
+    """52: how the best linear reading of the actor's values correlates with the true weights.
+
+    It is fitted to these weights, which no mapping knows, so that it is a bound and no method.
+    """
+    inputs = np.hstack([acted, np.ones((len(acted), 1))])
+    normal = inputs.T @ inputs + RIDGE * np.eye(inputs.shape[1])
+    readings = inputs @ np.linalg.solve(normal, inputs.T @ weights)
+    return np.array([np.corrcoef(*pair)[0, 1] for pair in zip(readings.T, weights.T, strict=True)])
 
 
 def played(
@@ -168,8 +189,14 @@ def _ranges(shapes: Sequence[Shape]) -> Floats:
 
 
 def _scores(
-    way: str, character: int, units: list[str], course: Course, fitted: Floats
+    way: str,
+    character: int,
+    units: list[str],
+    course: Course,
+    fitted: Floats,
+    limits: tuple[Floats, Floats],
 ) -> Iterator[UnitScore]:
+    """limits: of each unit's `linear` and `made`."""
     for k, unit in enumerate(units):
         weights, values = course.weights[:, k], fitted[:, k]
         moves = values.std() > 1e-9
@@ -178,6 +205,7 @@ def _scores(
             float(np.corrcoef(weights, values)[0, 1]) if moves else 0.0,
             float(values[weights == 0].mean()),
             float(values[course.peaks[k]]),
+            *(float(limit[k]) for limit in limits),
         )
 
 
@@ -204,6 +232,8 @@ def as_text(scores: list[UnitScore]) -> str:
             "least": min(s.correlation for s in rows),
             "leak": max(s.leak for s in rows),
             "full": float(np.median([s.full for s in rows])),
+            "linear": float(np.median([s.linear for s in rows])),
+            "made": float(np.median([s.made for s in rows])),
         }
         for unit, rows in sorted(
             by_unit.items(), key=lambda item: np.median([s.correlation for s in item[1]])
@@ -214,6 +244,8 @@ def as_text(scores: list[UnitScore]) -> str:
         "least": ("least", ".2f"),
         "leak": ("largest leak", ".3f"),
         "full": ("at full", ".2f"),
+        "linear": ("best linear", ".2f"),
+        "made": ("made", ".2f"),
     }
     return "\n\n".join([*texts, text_table("units", columns, figures)])
 
