@@ -21,7 +21,7 @@ def skin():
 
 @pytest.fixture(scope="module")
 def detail(skin):
-    return detail_of(skin, UNMEASURED, COUNT)
+    return detail_of(skin.mesh, UNMEASURED, COUNT)
 
 
 def test_detail_modes_move_the_measured_skin_and_stay_off_the_rest(skin, detail):
@@ -37,6 +37,17 @@ def test_detail_is_drawn_sideways_where_one_camera_does_not_see_depth(skin, deta
     frontal = skin.mesh.template.vertices[: skin.mesh.template.num_skin_vertices, 2] > 0.05
     moved = detail.modes[:, : len(frontal)][:, frontal]
     assert (moved[..., 2] ** 2).mean() < 0.3 * (moved[..., :2] ** 2).mean()
+
+
+def test_detail_moves_skin_that_muscles_hardly_move(skin):
+    template = skin.mesh.template
+    detail = detail_of(skin.mesh, UNMEASURED)
+    seen = (detail.modes[:, : template.num_skin_vertices, :2] ** 2).sum(axis=2)
+    deviation = np.sqrt(detail.std**2 @ seen)
+    still = ("nose", "nasal_bridge", "temple", "jaw_line", "chin")  # on bone or cartilage
+    typical = deviation[template.in_region("cheek")].mean()
+    for region in still:
+        assert deviation[template.in_region(region)].mean() > 0.7 * typical, region
 
 
 def test_prior_of_detail_adds_up_and_falls(skin, detail):

@@ -107,14 +107,15 @@ def _entry(row: dict) -> _core.MuscleEntry:
 
 
 @cache
-def material_table() -> _core.MaterialTable:
-    """data/materials.toml for the core."""
+def material_table(regions: tuple[str, ...] | None = None) -> _core.MaterialTable:
+    """data/materials.toml for the core; regions: with factors of their own, by default all."""
     table = load_table("materials.toml")
     return _core.MaterialTable(
         base=[table["base"][name] for name in MATERIALS],
         regions={
             region: [factors.get(name, 1.0) for name in MATERIALS]
             for region, factors in table["regions"].items()
+            if regions is None or region in regions
         },
         lid_reach=table["lid_margin"]["reach"],
         lid_attachment=table["lid_margin"]["attachment"],
@@ -263,14 +264,19 @@ class AttachedSkin(_core.AttachedSkin):
     """A person's skin with its materials on its bones, factored on first use."""
 
     def __init__(
-        self, mesh: SkinMesh, stiffness_factor: float, calibration: Calibration | None = None
+        self,
+        mesh: SkinMesh,
+        stiffness_factor: float,
+        calibration: Calibration | None = None,
+        regions: tuple[str, ...] | None = None,
     ):
+        """regions: whose materials differ from the base's, by default all that are in the table."""
         self.mesh = mesh
         self.calibration = calibration or Calibration()
         stiffness = np.full(len(mesh.vertices), float(stiffness_factor))
         if self.calibration.stiffness:
             stiffness = stiffness * self.calibration.stiffness_factors(mesh)
-        super().__init__(mesh, material_table(), stiffness)
+        super().__init__(mesh, material_table(regions), stiffness)
         self.num_vertices = len(mesh.template.vertices)
 
     def factor(self) -> None:

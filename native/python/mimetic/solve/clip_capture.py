@@ -253,7 +253,7 @@ class ClipCapture:
         if skin is None:
             raise UnreadableMedia(f"{footage.path.name}: stopped too early, no frame is done")
         self.anatomy = self.attach(skin)
-        self.detail = detail_of(skin, tracking.UNMEASURED)
+        self.detail = detail_of(skin.mesh, tracking.UNMEASURED)
         self.motion = tracking.face_motion(self.neutral, self.template, self.anatomy, self.detail)
         summary.add("attach the muscles", time.perf_counter() - start)
 
