@@ -84,3 +84,11 @@ def test_stages_tell_the_whole_by_their_costs():
     assert only(1, "nobody listens")
     (stopped,) = progress.stages(lambda *_: False, 1)
     assert not stopped(0, "")
+
+
+def test_what_a_stage_left_out_would_have_cost_is_shared_by_the_rest():
+    told = []
+    first, _, third, last = progress.stages(lambda part, _: told.append(part) or True, 2, 4, 3, 1)
+    for stage in (first, third, last):
+        stage(1, "at work")
+    assert told == pytest.approx([0.2, 0.8, 1])

@@ -57,7 +57,8 @@ def test_the_driven_face_does_what_the_captured_one_does(run, folder):
     jaws = [
         one.articulator_values[:, one.articulators.index("jaw_open")] for one in (captured, driven)
     ]
-    assert correlation(*means) > 0.9
+    # Of frames that were not taught. One brow alone is driven in some drawings of this clip.
+    assert correlation(*means) > 0.8
     assert correlation(*jaws) > 0.9
     assert np.median(driven.quality) > 0.6
     assert driven.notes and "templates" in driven.notes[0]

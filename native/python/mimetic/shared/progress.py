@@ -39,15 +39,22 @@ def check_goes_on(progress: Progress | None, fraction: float, text: str) -> None
 def stages(progress: Progress | None, *costs: float) -> list[Progress]:
     """A progress for each stage of some work: takes its fraction, reports that of the whole.
 
-    progress: of the whole; None shows nothing and never stops. costs: of the stages, in turn.
+    progress: of the whole; None shows nothing and never stops. costs: of the stages, in turn. What
+    a stage that was left out would have cost is shared by those that follow: had the whole jumped
+    over it, the time left would be told too short.
     """
-    whole = sum(costs) or 1.0
+    reached = [0.0]  # of the whole, as told last
 
-    def stage(before: float, cost: float) -> Progress:
+    def stage(cost: float, later: float) -> Progress:
+        begun: list[float] = []
+
         def tell(fraction: float, text: str) -> bool:
-            part = min(max(fraction, 0.0), 1.0)
-            return progress is None or progress((before + cost * part) / whole, text)
+            if not begun:
+                begun.append(reached[0])
+            span = (1 - begun[0]) * cost / ((cost + later) or 1.0)
+            reached[0] = begun[0] + span * min(max(fraction, 0.0), 1.0)
+            return progress is None or progress(reached[0], text)
 
         return tell
 
-    return [stage(sum(costs[:i]), cost) for i, cost in enumerate(costs)]
+    return [stage(cost, sum(costs[i + 1 :])) for i, cost in enumerate(costs)]
