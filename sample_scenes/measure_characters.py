@@ -110,7 +110,7 @@ def _values(surface) -> np.ndarray:
     from evaluation.runs.retarget import Course, activations
 
     course = Course(np.eye(52), np.arange(52))
-    names, acted = activations(load_template(), course, ACTOR)
+    names, acted, _ = activations(load_template(), course, ACTOR)
     rows = np.zeros((52, len(surface.source_names)))
     for name, column in zip(names, acted.T, strict=True):
         if name in surface.source_names:

@@ -5,6 +5,7 @@ import dataclasses
 import os
 import shutil
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -118,7 +119,9 @@ def test_capture_of_another_clip_does_not_start_from_this_face(
     """What its work is given: the face found in the clip itself, so none here."""
     operator = extension("operators.capture").MIMETIC_OT_capture
     unset = {"filepath": "", "frame_first": 0, "frame_last": 0}
-    reader = type("Reader", (), {**unset, "option": lambda self, context: None})()
+    nothing_given = SimpleNamespace(is_property_set=lambda _name: False)
+    given = {"option": lambda self, context: None, "properties": nothing_given}
+    reader = type("Reader", (), {**unset, **given})()
     extension("scene_out").face_fit.store(load(films[0]), a_fit)
     footage, what, *_ = operator.read(reader, bpy.context)
     assert (Path(footage.path), what["fit"].frame) == (films[0], 1)
