@@ -16,6 +16,13 @@ def open_editors(*kinds: str) -> Iterator[bpy.types.Area]:
                 yield area
 
 
+def toggle_local_view(window: bpy.types.Window, area: bpy.types.Area) -> None:
+    """Has a 3D view show what is selected alone, or all again; where it looks stays."""
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    with bpy.context.temp_override(window=window, area=area, region=region):
+        bpy.ops.view3d.localview(frame_selected=False)
+
+
 def redraw_parts(part: str, *kinds: str) -> None:
     """One part of these editors, UI for the sidebar: a 3D view takes long to draw."""
     for area in open_editors(*kinds):

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import bpy
 from bpy.app.handlers import persistent
 
-from . import handlers
+from . import editors, handlers
 
 # By the address of an editor's space, which no undo touches: what it shows, as noted before an
 # undo or a redo, and what it has lost because that is no longer there
@@ -90,9 +90,7 @@ def _isolate(window, area, names: tuple[str, ...]) -> None:
     before, perspective = [o for o in objects if o.select_get()], view.view_perspective
     for obj in objects:
         obj.select_set(obj.name in names)
-    region = next(region for region in area.regions if region.type == "WINDOW")
-    with bpy.context.temp_override(window=window, area=area, region=region):
-        bpy.ops.view3d.localview(frame_selected=False)
+    editors.toggle_local_view(window, area)
     view.view_perspective = perspective
     for obj in objects:
         obj.select_set(obj in before)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import bpy
 from bpy.app.handlers import persistent
 
-from . import handlers
+from . import editors, handlers
 
 SHADING = ("light", "color_type", "show_cavity", "cavity_type")
 PLACE = (
@@ -113,9 +113,7 @@ def _turn(window: bpy.types.Window, area: bpy.types.Area, had: Look, wanted: Loo
     space = area.spaces.active
     view, shading = space.region_3d, space.shading
     if had.is_local and not wanted.is_local and space.local_view is not None:
-        region = next(region for region in area.regions if region.type == "WINDOW")
-        with bpy.context.temp_override(window=window, area=area, region=region):
-            bpy.ops.view3d.localview(frame_selected=False)
+        editors.toggle_local_view(window, area)
     if view.view_perspective in {had.perspective, wanted.perspective}:
         view.view_perspective = wanted.perspective
         if wanted.perspective != "CAMERA":

@@ -8,7 +8,7 @@ import os
 import bpy
 from mathutils import Matrix
 
-from .. import compat, native
+from .. import compat, editors, native
 from . import actions, clip, cover, opened_view
 
 NAME = "Footage Camera"
@@ -132,8 +132,6 @@ def _isolate(context, window, area, face) -> None:
     """Local view takes what is selected: the face and its camera, which also stay selected."""
     for obj in context.view_layer.objects:
         obj.select_set(obj in (face, context.scene.camera))
-    region = next(region for region in area.regions if region.type == "WINDOW")
-    with context.temp_override(window=window, area=area, region=region):
-        if area.spaces.active.local_view:
-            bpy.ops.view3d.localview(frame_selected=False)  # leaves it
-        bpy.ops.view3d.localview(frame_selected=False)
+    if area.spaces.active.local_view:
+        editors.toggle_local_view(window, area)  # leaves it
+    editors.toggle_local_view(window, area)

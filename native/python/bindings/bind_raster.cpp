@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <cstring>
 #include <mimetic/raster/gauge.hpp>
-#include <mimetic/raster/overlay.hpp>
 #include <mimetic/raster/rays.hpp>
 #include <mimetic/raster/reframed.hpp>
 
-#include "arrays.hpp"
+#include "picture_arrays.hpp"
 
 namespace mimetic::bindings {
 
@@ -13,12 +11,6 @@ namespace py = pybind11;
 using namespace pybind11::literals;
 
 namespace {
-
-ImageArray array_of(const ColorImage& picture) {
-    ImageArray array({picture.rows, picture.cols, 3});
-    std::memcpy(array.mutable_data(), picture.pixels.data(), picture.pixels.size());
-    return array;
-}
 
 ImageArray paint(const OverlayPainter& painter, const ImageArray& image, PointsIn vertices, double quality,
                  int frame, const std::vector<Points>& rings) {

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <algorithm>
 #include <mimetic/surface/painted_surface.hpp>
 
-#include "arrays.hpp"
+#include "picture_arrays.hpp"
 
 namespace mimetic::bindings {
 
@@ -53,9 +52,7 @@ void bind_surface_painted(py::module_& m) {
                     const py::gil_scoped_release release;
                     picture = self.draw(camera, vertices, light);
                 }
-                ImageArray array({picture.rows, picture.cols, 3});
-                std::copy(picture.pixels.begin(), picture.pixels.end(), array.mutable_data());
-                return array;
+                return array_of(picture);
             },
             "camera"_a, py::arg("vertices_in_camera").noconvert(), "light"_a = Eigen::VectorXd(),
             "(H, W, 3) uint8 of vertices (V, 3) float64, metres, camera frame; light: of each picture, what "

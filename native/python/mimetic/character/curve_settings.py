@@ -25,6 +25,7 @@ ALL_GROUPS = ""
 LIDS = ("lid_upper", "lid_lower")
 # Each side does what the other did; both do what the subject's left, or right, did; or the mean
 MIRRORS = ("swap", "left", "right", "both")
+FOLLOWING = {"swap": "", "left": RIGHT, "right": LEFT}  # by how names end that do what others did
 
 
 @dataclass(frozen=True)
@@ -147,8 +148,7 @@ def _mirrored(names: Sequence[str], values: Floats, how: str) -> Floats:
     result = values.copy()
     for name, i in columns.items():
         twin = columns.get(mirrored_name(name))
-        takes_all = how == "swap" or name.endswith({"left": RIGHT, "right": LEFT}.get(how, "\0"))
-        share = 0.5 if how == "both" else float(takes_all)
+        share = 0.5 if how == "both" else float(name.endswith(FOLLOWING[how]))
         if twin is not None and share:
             other = mirrored_sign(name) * values[:, twin]
             result[:, i] = (1 - share) * values[:, i] + share * other
