@@ -48,10 +48,10 @@ def test_a_real_smile_is_not_cut_off_where_muscles_are_assumed_to_end(smile):
     performance, fit = smile
     assert fit.calibration.extent["zygomaticus_major.R"] > 1.1
     assert max(fit.calibration.extent.values()) <= HEADROOM
-    assert saturation(performance) < 0.06
+    assert saturation(performance) < 0.01
     apex = performance.activations[:, list(performance.muscles).index("zygomaticus_major.R")]
-    assert apex.max() == 1
-    assert (apex > 0.995).sum() < 10
+    assert 0.85 < apex.max() < 1
+    assert (apex > 0.995 * apex.max()).sum() < 10
 
 
 def test_a_real_person_is_read_the_same_with_the_extents_that_a_clip_of_theirs_showed(

@@ -64,12 +64,12 @@ def test_activations_are_stated_relative_to_how_far_the_person_went(anatomy):
     values = values_of(anatomy, 1.4)
     std = np.full(values.shape, 0.07)
     fit = make_fit(calibration=Calibration())
-    fit = full_range.with_extent(fit, anatomy.muscle_names, values)
-    assert fit.calibration.extent == {SMILE: 1.4}
+    fit = full_range.with_extent(fit, anatomy.muscle_names, values, std)
+    assert fit.calibration.extent == {SMILE: pytest.approx(1.47)}  # a deviation further
     fields = full_range.stated(fit, anatomy, values, std, evidence_of(anatomy))
     column = anatomy.muscle_names.index(SMILE)
-    assert fields["activations"][:, column].max() == 1
-    np.testing.assert_allclose(fields["activations_std"][:, column], 0.05)
+    assert fields["activations"][:, column].max() == pytest.approx(1.4 / 1.47)
+    np.testing.assert_allclose(fields["activations_std"][:, column], 0.07 / 1.47)
     np.testing.assert_array_equal(fields["activations"][:, 0], values[:, 0])
     moved = np.tensordot(fields["activations"], fields["muscle_modes"], axes=1)
     np.testing.assert_allclose(moved, np.tensordot(values, anatomy.muscle_modes, axes=1))
@@ -77,7 +77,8 @@ def test_activations_are_stated_relative_to_how_far_the_person_went(anatomy):
 
 def test_nothing_is_stated_otherwise_where_no_muscle_went_further(anatomy):
     values = values_of(anatomy, 0.9)
-    fit = full_range.with_extent(make_fit(calibration=Calibration()), anatomy.muscle_names, values)
+    fit = make_fit(calibration=Calibration())
+    fit = full_range.with_extent(fit, anatomy.muscle_names, values, np.full(values.shape, 0.2))
     assert fit.calibration.extent == {}
     evidence = evidence_of(anatomy)
     fields = full_range.stated(fit, anatomy, values, values, evidence)
@@ -86,11 +87,18 @@ def test_nothing_is_stated_otherwise_where_no_muscle_went_further(anatomy):
     np.testing.assert_array_equal(fields["activations"], values)
 
 
+def test_no_extent_goes_beyond_what_a_muscle_may_do(anatomy):
+    values = values_of(anatomy, full_range.HEADROOM)
+    fit = make_fit(calibration=Calibration())
+    fit = full_range.with_extent(fit, anatomy.muscle_names, values, np.full(values.shape, 0.2))
+    assert fit.calibration.extent == {SMILE: full_range.HEADROOM}
+
+
 def test_what_an_earlier_clip_showed_holds_in_the_next_one(anatomy):
     fit = make_fit(calibration=Calibration(extent={SMILE: 1.5}))
-    fit = full_range.with_extent(fit, anatomy.muscle_names, values_of(anatomy, 1.2))
-    assert fit.calibration.extent == {SMILE: 1.5}
     values = values_of(anatomy, 1.2)
+    fit = full_range.with_extent(fit, anatomy.muscle_names, values, np.full(values.shape, 0.5))
+    assert fit.calibration.extent == {SMILE: 1.5}
     fields = full_range.stated(fit, anatomy, values, values, evidence_of(anatomy))
     assert fields["activations"].max() == pytest.approx(0.8)
 

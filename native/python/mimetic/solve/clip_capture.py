@@ -324,7 +324,8 @@ class ClipCapture:
         fit = self.walk.fit
         num_muscles = len(self.anatomy.muscle_names)
         values, std = np.array(rows.values), np.array(rows.values_std)
-        fit = full_range.with_extent(fit, self.anatomy.muscle_names, values[:, :num_muscles])
+        of_muscles = values[:, :num_muscles], std[:, :num_muscles]
+        fit = full_range.with_extent(fit, self.anatomy.muscle_names, *of_muscles)
         self.walk.summary.fit = fit
         poses = rows.rigid_poses()
         pose_cov = rows.pose_covariances()
@@ -337,8 +338,7 @@ class ClipCapture:
             std[:, num_muscles:],
             self.anatomy.articulator_modes,
         ) | full_range.stated(
-            *(fit, self.anatomy, values[:, :num_muscles], std[:, :num_muscles]),
-            np.array(rows.evidence),
+            *(fit, self.anatomy, *of_muscles), np.array(rows.evidence)
         )
         return clip_performance(
             *(rows, self.walk.footage, fit, self.template, self.anatomy),

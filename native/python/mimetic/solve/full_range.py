@@ -2,9 +2,10 @@
 """How far a person's muscles go: beyond what is assumed where a whole clip shows it.
 
 A clip is solved with the assumed strengths. Muscles that stand at activation 1 in it may go further
-(`SmootherOptions.muscle_headroom`), and how far they go is this person's full contraction, their
-extent: activations are stated relative to it, modes go that much further. All priors stay those of
-the assumed strengths, so that no work moves between muscles because one of them was raised.
+(`SmootherOptions.muscle_headroom`). How far they go, and a deviation of that measurement further,
+is taken for this person's full contraction, their extent: activations are stated relative to it,
+modes go that much further. All priors stay those of the assumed strengths, so that no work moves
+between muscles because one of them was raised.
 """
 
 from __future__ import annotations
@@ -34,12 +35,22 @@ def smoother_options() -> _core.SmootherOptions:
     return options
 
 
-def with_extent(fit: FaceFit, names: tuple[str, ...], values: NDArray[np.float64]) -> FaceFit:
+def with_extent(
+    fit: FaceFit,
+    names: tuple[str, ...],
+    values: NDArray[np.float64],
+    std: NDArray[np.float64],
+) -> FaceFit:
     """The fit with what a clip adds to the extents that it knows.
 
-    names: P muscles; values: N x P, in units of the assumed strengths.
+    names: P muscles; values, std: N x P, in units of the assumed strengths. The measured maximum is
+    hardly the furthest that the muscle can go: a held expression comes near it again and again.
     """
-    extent = np.maximum(fit.calibration.extent_factors(names), values.max(axis=0))
+    extent = fit.calibration.extent_factors(names)
+    largest = values.max(axis=0)
+    error = np.take_along_axis(std, values.argmax(axis=0)[None], axis=0)[0]
+    further = np.maximum(largest, np.minimum(largest + error, HEADROOM))
+    extent = np.where(largest > extent, further, extent)
     known = {name: float(one) for name, one in zip(names, extent, strict=True) if one > 1}
     return replace(fit, calibration=replace(fit.calibration, extent=known))
 
