@@ -34,6 +34,7 @@ void bind_shape(py::module_& m) {
         .def_readwrite("relaxed_share", &PhaseShape::relaxed_share)
         .def_property_readonly("apex", &PhaseShape::apex)
         .def_property_readonly("release", &PhaseShape::release)
+        .def_property_readonly("fall_time", &PhaseShape::fall_time)
         .def(
             "values",
             [](const PhaseShape& shape, const Eigen::VectorXd& frames) {
@@ -61,6 +62,7 @@ void bind_fit(py::module_& m) {
         .def_readonly("release_time", &PhaseFit::release_time)
         .def_readonly("relaxation_time", &PhaseFit::relaxation_time)
         .def_readonly("relaxed_share", &PhaseFit::relaxed_share)
+        .def_readonly("length", &PhaseFit::length)
         .def_readonly("bic", &PhaseFit::bic)
         .def_readonly("noise", &PhaseFit::noise)
         .def_readonly("smoothing", &PhaseFit::smoothing)

@@ -10,6 +10,27 @@ double PhaseShape::value(double frame) const {
                                           relaxation_time, relaxed_share, drift);
 }
 
+double PhaseShape::fall_time() const {
+    constexpr double kLeft = .1;
+    if (model == PhaseModel::linear_ramp) {
+        return (1 - kLeft) * release_time;
+    }
+    const double alone = -std::log(kLeft);  // time constants that one exponential takes
+    if (model == PhaseModel::one_exponential) {
+        return alone * release_time;
+    }
+    // Two exponentials fall later than the quicker would alone, and earlier than the slower
+    double early = alone * std::min(release_time, relaxation_time);
+    double late = alone * std::max(release_time, relaxation_time);
+    for (int i = 0; i < 60; ++i) {
+        const double middle = .5 * (early + late);
+        const double left = (1 - relaxed_share) * std::exp(-middle / release_time) +
+                            relaxed_share * std::exp(-middle / relaxation_time);
+        (left > kLeft ? early : late) = middle;
+    }
+    return .5 * (early + late);
+}
+
 void PhaseOptions::check() const {
     check_range("PhaseOptions.least_amplitude", least_amplitude, 1e-6, 1);
     check_range("PhaseOptions.least_drop", least_drop, .01, 1);

@@ -28,10 +28,12 @@ Interval interval_of(double value, std::vector<double> draws, double further_std
     return {value, value - std::max(0.0, below), value + std::max(0.0, above)};
 }
 
+double length_of(const PhaseShape& shape) { return shape.release() + shape.fall_time() - shape.onset; }
+
 /// Parameters of fits to the parametric bootstrap's curves.
 struct Draws {
-    std::vector<double> onset, apex, release, amplitude, exponent;  // of all models that may be right
-    std::vector<double> release_time, relaxation_time, share;       // of the best one: others lack them
+    std::vector<double> onset, apex, release, amplitude, exponent, length;  // of all models that may be right
+    std::vector<double> release_time, relaxation_time, share;  // of the best one: others lack them
 };
 
 void add_draws(const FittedEvent& data, const ModelFit& model, bool is_best, const PhaseOptions& options,
@@ -45,6 +47,7 @@ void add_draws(const FittedEvent& data, const ModelFit& model, bool is_best, con
         draws.release.push_back(shape.release());
         draws.amplitude.push_back(shape.amplitude);
         draws.exponent.push_back(shape.exponent);
+        draws.length.push_back(length_of(shape));
         if (is_best) {
             draws.release_time.push_back(shape.release_time);
             draws.relaxation_time.push_back(shape.relaxation_time);
@@ -82,6 +85,8 @@ void set_intervals(const PhaseShape& shape, const Draws& draws, double value_std
     fit.release = interval_of(shape.release(), draws.release, timing_std);
     fit.amplitude = interval_of(shape.amplitude, draws.amplitude, value_std);
     fit.exponent = interval_of(shape.exponent, draws.exponent);
+    // Of both its ends
+    fit.length = interval_of(length_of(shape), draws.length, std::sqrt(2.) * timing_std);
     fit.release_time = interval_of(shape.release_time, draws.release_time);
     fit.relaxation_time = interval_of(shape.relaxation_time, draws.relaxation_time);
     fit.relaxed_share = interval_of(shape.relaxed_share, draws.share);

@@ -66,6 +66,44 @@ TEST(PhaseShape, IsContinuousAndAnExponentNearZeroIsStraight) {
     EXPECT_NEAR(shape.value(shape.onset + 5.5), .35, 1e-5);
 }
 
+TEST(PhaseShape, AFallEndsWhereATenthIsLeft) {
+    PhaseShape shape = smile(10);
+    shape.drift = -.2;
+    for (const PhaseModel model : {PhaseModel::one_exponential, PhaseModel::two_exponentials}) {
+        for (const double share : {.05, .1, .11, .15, .25, .5, .8}) {
+            shape.model = model;
+            shape.release_time = 5;
+            shape.relaxation_time = 15;
+            shape.relaxed_share = share;
+            const double height = shape.value(shape.release());
+            EXPECT_NEAR(shape.value(shape.release() + shape.fall_time()), .1 * height, 1e-9) << share;
+        }
+    }
+    shape.relaxed_share = .15;
+    EXPECT_NEAR(shape.fall_time(), 14.8, .05);  // the slow part alone is a tenth after 6.1
+    shape.model = PhaseModel::linear_ramp;
+    EXPECT_NEAR(shape.value(shape.release() + shape.fall_time()), .1 * .56, 1e-9);
+}
+
+TEST(Phases, TheLengthContainsHowUncertainTheFallIs) {
+    PhaseShape truth = smile(12);
+    truth.model = PhaseModel::two_exponentials;
+    truth.release_time = 3;
+    truth.relaxation_time = 12;
+    truth.relaxed_share = .3;
+    const double length = truth.release() + truth.fall_time() - truth.onset;
+    int held = 0;
+    constexpr int kTrials = 10;
+    for (unsigned seed = 0; seed < kTrials; ++seed) {
+        const PhaseFit fit = fit_phases(frames, captured(truth, .01, seed), stds, all).at(0);
+        const double ends =
+            std::hypot(fit.onset.upper - fit.onset.lower, fit.release.upper - fit.release.lower);
+        EXPECT_GT(fit.length.upper - fit.length.lower, ends);
+        held += fit.length.lower <= length && length <= fit.length.upper;
+    }
+    EXPECT_GE(held, 8);
+}
+
 TEST(CurveNoise, KeepsStraightLinesAndItsErrorsAreAsLargeAsAsked) {
     const CurveNoise noise(kFrames, 3);
     EXPECT_TRUE(noise.smoothed(frames).isApprox(frames, 1e-9));

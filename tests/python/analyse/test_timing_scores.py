@@ -16,10 +16,14 @@ FRAMES = 80
 
 
 def firing(onset, amplitude=0.7):
+    return shape_of(onset, amplitude).values(np.arange(1.0, FRAMES + 1))
+
+
+def shape_of(onset, amplitude):
     shape = _core.PhaseShape()
     shape.onset, shape.amplitude, shape.rise, shape.hold = onset, amplitude, 9, 10
     shape.exponent, shape.release_time = -2, 4
-    return shape.values(np.arange(1.0, FRAMES + 1))
+    return shape
 
 
 def smiling(mouth=20.0, eyes=23.0, right=0.7):
@@ -103,6 +107,15 @@ def test_a_smile_says_no_more_than_its_numbers():
     assert "No contraction about the eyes" in summary_of(even)
     for word in ("fake", "genuine", "posed", "felt"):
         assert word not in words + summary_of(even)
+
+
+def test_a_smile_lasts_until_a_tenth_is_left():
+    [smile] = smiles_of(analyse_timing(smiling(eyes=None), kinds=("group", "side")))
+    seconds = (9 + 10 + 4 * np.log(10)) / 30  # rise, hold and fall of `firing`
+    assert seconds == pytest.approx((19 + shape_of(20.0, 0.7).fall_time) / 30)
+    total = smile.total_seconds
+    assert total.value == pytest.approx(seconds, abs=0.05)
+    assert total.lower < seconds < total.upper
 
 
 def test_the_command_writes_tables_figures_and_a_page(tmp_path, capsys):

@@ -30,6 +30,7 @@ struct PhaseShape {
     double relaxed_share = 0;    ///< of the amplitude that relaxes, 0 without one
     double apex() const { return onset + rise; }
     double release() const { return onset + rise + hold; }
+    double fall_time() const;  ///< frames from the release until a tenth of the height there is left
     double value(double frame) const;
 };
 
@@ -42,6 +43,7 @@ struct Interval {
 struct PhaseFit {
     PhaseShape shape;
     Interval onset, apex, release, amplitude, exponent, release_time, relaxation_time, relaxed_share;
+    Interval length;                            ///< frames from the onset to the end of `fall_time`
     std::array<double, kNumPhaseModels> bic{};  ///< of each model; the shape's is the least
     double noise = 0;                           ///< s.d. of the curve about the fit
     double smoothing = 0;                       ///< ratio of CurveNoise

@@ -8,7 +8,15 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from mimetic.analyse import drawing
-from mimetic.analyse.smiles import BLINK, PUBLISHED, Smile, smile_rows, smiles_of, summary_of
+from mimetic.analyse.smiles import (
+    BLINK,
+    LONGER,
+    PUBLISHED,
+    Smile,
+    smile_rows,
+    smiles_of,
+    summary_of,
+)
 from mimetic.analyse.tables import columns_of, delay_rows, phase_rows, write_table
 from mimetic.analyse.timing import Event, GroupDelay, Timing
 from mimetic.analyse.timing_figures import delay_figure, group_figure, smile_figure
@@ -127,7 +135,7 @@ def _smile_parts(smiles: list[Smile], pictures: dict[str, bytes]) -> Iterator[st
         "Bands are what others measured of other people, by other means; they say nothing about "
         "whether this smile is felt. Their numbers are as later work quotes them. The eyes "
         "contract in polite and embarrassed smiles too "
-        f"(Ambadar et al. 2009). {BLINK}",
+        f"(Ambadar et al. 2009). {LONGER} {BLINK}",
         "caption",
     )
     rows = [[b.text, f"{b.lower:g} to {b.upper:g} s", b.source] for b in PUBLISHED]
