@@ -11,12 +11,14 @@ from typing import Any
 
 import numpy as np
 from mimetic import _core
+from mimetic.fit.face_fit import FaceFit
 from mimetic.media.ffmpeg import ffmpeg_program
 from mimetic.media.ffmpeg_process import running
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
 from mimetic.performance.gaze import GAZE as GAZE_ANGLES
 from mimetic.puppet.live_filter import DEFAULT_STILLNESS, LiveFilter
+from mimetic.puppet.live_heads import lens_of_fit
 from mimetic.puppet.take import Take
 from mimetic.puppet.taught_follower import SHARPEN
 from mimetic.puppet.templates import TaughtSet
@@ -37,7 +39,7 @@ from evaluation.runs.live_score import (
     jitter_at_rest,
     lag_of,
 )
-from evaluation.runs.real_captures import captured
+from evaluation.runs.real_captures import captured_person
 from evaluation.runs.real_events import score_events
 from evaluation.runs.real_labels import CLIPS, FOLDER, footage_of
 from evaluation.runs.real_still import still_runs
@@ -46,6 +48,7 @@ LAST = 600  # frame of each clip that is captured offline
 STILLNESSES = (0.0, DEFAULT_STILLNESS, 1.0)
 LAST_MARKED = 2410  # frame of franck.mp4, after its last marked blink
 OFFLINE = "capture"
+KNOWN_HEAD = "live, known head"  # that of the capture: what is left is the filter's own
 CAMERA = (640, 480)
 TIMED = 240  # frames of each clip at a camera's size
 Report = Callable[[str], None]
@@ -74,24 +77,37 @@ def score_live(report: Report, folder: Path | None = None) -> Iterator[list[Live
     for clip in CLIPS:
         footage = Footage(footage_of(clip))
         last = min(LAST, footage.num_frames)
-        offline = captured(clip, last, report, folder)
+        offline, fit = captured_person(clip, last, report, folder)
         runs = still_runs(clip, offline)
         report(f"{clip}: live")
         # Blinks are marked in many more frames than are captured offline
         end = LAST_MARKED if (FOLDER / f"{clip}.blinks.csv").exists() else last
-        take = followed(footage, min(footage.num_frames, end))
+        end = min(footage.num_frames, end)
+        take = followed(footage, end)
+        ways = {f"live, stillness {s:g}": stilled(take, s) for s in STILLNESSES}
+        report(f"{clip}: live, known head")
+        ways[KNOWN_HEAD] = stilled(followed(footage, end, person=fit), 0.0)
         scores = [_offline_score(clip, offline, runs)]
-        for stillness in STILLNESSES:
-            performance = stilled(take, stillness).performance(footage)
-            scores.append(_score(clip, stillness, performance, take, offline, runs))
+        for way, stilled_take in ways.items():
+            performance = stilled_take.performance(footage)
+            scores.append(_score(clip, way, performance, stilled_take, offline, runs))
         yield scores
 
 
 def followed(
-    footage: Footage, last: int, taught: TaughtSet | None = None, use: str = SHARPEN
+    footage: Footage,
+    last: int,
+    taught: TaughtSet | None = None,
+    use: str = SHARPEN,
+    person: FaceFit | None = None,
 ) -> Take:
-    """A clip as a camera's pictures, none skipped, without the last filter."""
-    live = LiveFilter(stillness=0.0, in_background=False, taught=taught, use=use)
+    """A clip as a camera's pictures, none skipped, without the last filter.
+
+    person: the fit that is known beforehand, with its lens
+    """
+    lens = lens_of_fit(person) if person else None
+    live = LiveFilter(0.0, in_background=False, taught=taught, use=use, lens=lens, person=person)
+    live.prepare()
     take = Take(float(footage.fps))
     for frame, image in footage.frames(1, last):
         state = live.advance(image, (frame - 1) / float(footage.fps))
@@ -133,7 +149,7 @@ def _offline_score(clip: str, offline: Performance, runs: NDArray[np.int64]) -> 
 
 def _score(
     clip: str,
-    stillness: float,
+    way: str,
     performance: Performance,
     take: Take,
     offline: Performance,
@@ -143,7 +159,7 @@ def _score(
     live, truth = curves_of(performance, rows), curves_of(offline, offline_rows)
     blinks = [one.text() for one in score_events(clip, performance) if one.kind == "blinks"]
     return LiveScore(
-        *(clip, f"live, stillness {stillness:g}", performance.num_frames),
+        *(clip, way, performance.num_frames),
         *(int((performance.quality < 0.2).sum()), correlations(live, truth), lag_of(live, truth)),
         jitter_at_rest(runs, performance),
         *timed(take),
@@ -177,7 +193,7 @@ def speed(report: Report) -> dict[str, tuple[float, float, float]]:
 
 
 def as_json(scores: list[Any]) -> str:
-    """Of rows of both tables, this one's and `live_taught`'s."""
+    """Of rows of all tables, this one's, `live_taught`'s and `live_still`'s."""
     return json_text([asdict(score) for score in scores])
 
 

@@ -1,12 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The filter on a rendered clip: first face, own head, loss, neutral."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from mimetic import InvalidInput
+from mimetic.fit.fitting import find_face
 from mimetic.fit.known_lens import KnownLens
 from mimetic.media.footage import Footage
+from mimetic.muscles.calibration import Calibration
 from mimetic.puppet.live_filter import LiveFilter
+from mimetic.puppet.live_heads import STRANGER, lens_of_fit
+from mimetic.template.face_template import load_template
 
 
 @pytest.fixture(scope="module")
@@ -40,6 +46,51 @@ def test_a_known_lens_is_that_of_both_heads(images):
     assert [head.is_own for head in heads] == [False, True]
     width = images[0].shape[1]
     assert [head.camera.fx / width for head in heads] == pytest.approx([50 / 24, 50 / 24])
+
+
+@pytest.fixture(scope="module")
+def person(images):
+    """The fit of an earlier capture, by another lens, which found out how far a muscle goes."""
+    fit = find_face(images[0], camera=None)
+    return replace(fit, calibration=Calibration(extent={"frontalis_medial.L": 1.5}))
+
+
+def test_a_known_head_is_there_from_the_first_picture_on(images, person):
+    live = LiveFilter(in_background=False, person=person)
+    states = [live.advance(image, 0.45 * n) for n, image in enumerate(images[20:36])]
+    assert live.face.is_own and live.is_settled and not live.remarks
+    template = load_template()
+    neutral = live.face.fit.neutral_vertices(template)
+    np.testing.assert_array_equal(neutral, person.neutral_vertices(template))
+    extent = dict(zip(live.face.anatomy.muscle_names, live.face.anatomy.extent, strict=True))
+    assert extent["frontalis_medial.L"] == 1.5 and extent["frontalis_medial.R"] == 1
+    assert min(state.quality for state in states) > 0.4
+    first = LiveFilter(in_background=False, person=person)
+    first.advance(images[20], 0.0)
+    assert first.face.is_own and first.face.fit.identity == person.identity
+
+
+def test_a_known_head_is_moved_by_set_neutral_and_not_replaced(images, person):
+    live = LiveFilter(in_background=False, person=person)
+    live.advance(images[0], 0.0)
+    before = live.face
+    live.set_neutral()
+    live.advance(images[1], 0.1)
+    assert live.face is not before and live.face.anatomy is before.anatomy
+
+
+def test_another_face_is_followed_as_a_strangers(images, person):
+    other = {name: value + 1.5 for name, value in person.identity.items()}
+    live = LiveFilter(in_background=False, person=replace(person, identity=other))
+    states = [live.advance(image, 0.45 * n) for n, image in enumerate(images[:16])]
+    assert live.remarks == [STRANGER] and live.face.fit.identity != other
+    assert min(state.quality for state in states) > 0.4 and live.face.is_own
+
+
+def test_a_fits_lens_holds_for_other_sizes_of_the_picture(person):
+    lens = lens_of_fit(person)
+    focal, width = person.intrinsics[0, 0], person.image_size[0]
+    assert lens.focal_mm / lens.sensor_mm == pytest.approx(focal / width)
 
 
 def test_the_same_in_the_background(images):

@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 from clips import ffmpeg, make_clip
 from mimetic.commands.cli import main
+from mimetic.fit.face_fit import FaceFit
+from mimetic.fit.fitting import find_face
+from mimetic.media.footage import Footage
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.puppet import receiver
 from mimetic.puppet.channels import CHANNELS, Freezer, channel_of
@@ -18,6 +21,7 @@ from mimetic.puppet.pictures import Picture
 from mimetic.puppet.take import Take
 from mimetic.score.truth import Truth
 from mimetic.solve.clip_capture import capture
+from mimetic.template.face_template import load_template
 
 
 def record(footage, out, *options):
@@ -67,6 +71,18 @@ def test_what_moves_is_what_a_capture_says_moves(rendered_clip, performance):
         ]
         > 0.9
     )
+
+
+@pytest.mark.parametrize("word", ["--fit", "--person"])
+def test_a_known_head_is_recorded_on(rendered_clip, tmp_path, word):
+    fit = find_face(Footage(rendered_clip.footage).read(1))
+    fit.save(tmp_path / "fit.json")
+    words = [word, str(tmp_path / "fit.json"), "--every-frame", "--seconds", "0.5"]
+    assert record(rendered_clip.footage, tmp_path / "out", *words) == 0
+    take = Performance.load(tmp_path / "out" / "performance.npz")
+    neutral = FaceFit.load(tmp_path / "fit.json").neutral_vertices(load_template())
+    np.testing.assert_allclose(take.neutral_vertices, neutral, atol=1e-9)
+    assert not any("fitted anew" in note for note in take.notes)
 
 
 def test_takes_replace_no_earlier_one(recorded, rendered_clip):
@@ -120,6 +136,9 @@ def test_footage_without_a_face_is_said(tmp_path, capsys):
         (["--send", "http://x"], "osc://HOST:PORT"),
         (["--freeze", "nose"], "there is no channel 'nose'"),
         (["--microphone", "default"], "a clip has its own sound"),
+        (["--fit", "a.json", "--person", "b.json"], "give one of them"),
+        (["--fit", "a.json", "--focal", "50"], "--fit has the lens"),
+        (["--person", "none.json"], "none.json"),
     ],
 )
 def test_bad_options_are_one_line(rendered_clip, tmp_path, capsys, option, message):

@@ -141,7 +141,7 @@ def test_a_muscles_bound_is_its_extent(anatomy):
 def test_a_live_filter_follows_within_the_persons_extents(rendered_clip):
     image = Footage(rendered_clip.footage).read(1)
     fit = replace(find_face(rendered_clip.footage, 1), calibration=Calibration(extent={SMILE: 1.5}))
-    face = live_face(image, fit, is_own=False)
+    face = live_face(image, fit)
     column = face.anatomy.muscle_names.index(SMILE)
     usual_modes = canonical_anatomy().muscle_modes
     np.testing.assert_array_equal(face.anatomy.muscle_modes[column], 1.5 * usual_modes[column])

@@ -11,13 +11,9 @@ from pathlib import Path
 
 from mimetic import InvalidInput, _core
 from mimetic.commands.console import Console
+from mimetic.commands.live_person import add_person_arguments, person_of
 from mimetic.commands.live_source import open_source
-from mimetic.commands.on_clip import (
-    add_lens_arguments,
-    lens_of,
-    save_performance,
-    tell_results,
-)
+from mimetic.commands.on_clip import add_lens_arguments, save_performance, tell_results
 from mimetic.commands.send import add_send, addresses_of
 from mimetic.performance.document import Performance
 from mimetic.puppet.channels import CHANNELS, check_channels
@@ -76,6 +72,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--microphone", metavar="NAME", help="record its sound beside a camera (audio.wav)"
     )
+    add_person_arguments(parser)
     add_lens_arguments(parser)
     add_send(parser)
     parser.add_argument(
@@ -88,7 +85,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run_record(arguments: argparse.Namespace) -> int:
     options = _options_of(arguments)
     source, inputs = open_source(arguments.source, arguments.every_frame)
-    inputs = [*inputs, arguments.set] if arguments.set else inputs
+    inputs += filter(None, (arguments.set, arguments.fit, arguments.person))
     if arguments.microphone and isinstance(source, ClipSource):
         raise InvalidInput("--microphone goes with a camera; a clip has its own sound")
     out = take_folder(arguments.out)
@@ -129,6 +126,7 @@ def _options_of(arguments: argparse.Namespace) -> RecordingOptions:
     receivers = addresses_of(arguments)
     frozen = frozenset(filter(None, arguments.freeze.split(",")))
     check_channels(frozen)
+    person, lens = person_of(arguments)
     return RecordingOptions(
         stillness=arguments.stillness,
         seconds=seconds,
@@ -138,7 +136,8 @@ def _options_of(arguments: argparse.Namespace) -> RecordingOptions:
         in_background=not arguments.every_frame,
         taught=TaughtSet.load(arguments.set) if arguments.set else None,
         use=arguments.set_use,
-        lens=lens_of(arguments),
+        lens=lens,
+        person=person,
     )
 
 

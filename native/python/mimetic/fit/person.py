@@ -14,6 +14,18 @@ from mimetic.fit.relief_shift import picture_shifts
 from mimetic.template.face_template import FaceTemplate, load_template
 
 
+def with_shape_of(fit: FaceFit, person: FaceFit) -> FaceFit:
+    """The head of `person`, with all that is known of it, in the poses of `fit`."""
+    return replace(
+        fit,
+        identity=dict(person.identity),
+        residual=list(person.residual),
+        relief=list(person.relief),
+        depth=[list(place) for place in person.depth],
+        calibration=person.calibration,
+    )
+
+
 def with_person(fit: FaceFit, person: FaceFit, template: FaceTemplate | None = None) -> FaceFit:
     """The head of `person` where `fit`, of footage that shows the same person, has its own.
 
@@ -24,14 +36,7 @@ def with_person(fit: FaceFit, person: FaceFit, template: FaceTemplate | None = N
         raise InvalidInput("the face fit is from an older version of Mimetic: fit again")
     template = template or load_template()
     values = face_shape(template).joined(person.identity, person.residual)
-    new_fit = replace(
-        fit,
-        identity=dict(person.identity),
-        residual=list(person.residual),
-        relief=list(person.relief),
-        depth=[list(place) for place in person.depth],
-        calibration=person.calibration,
-    )
+    new_fit = with_shape_of(fit, person)
     poses = [view.head_pose for view in fit.views]
     shifts = picture_shifts(new_fit, template, poses)
     observations = [view.observed(shift) for view, shift in zip(fit.views, shifts, strict=True)]

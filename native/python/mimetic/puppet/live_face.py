@@ -43,16 +43,18 @@ class LiveFace:
         return self.fit.camera
 
 
-def live_face(image: NDArray[np.uint8], fit: FaceFit, is_own: bool) -> LiveFace:
+def live_face(
+    image: NDArray[np.uint8], fit: FaceFit, anatomy: Anatomy | None = None, is_own: bool = False
+) -> LiveFace:
     """The face of a picture (H x W x 3) that the head was fitted to.
 
-    is_own: muscles are attached to this head, which takes most of a second; otherwise the
-    canonical head's are carried over, vertex by vertex.
+    anatomy: `own_anatomy` of this head, or of another; otherwise the canonical head's muscles are
+    carried over, vertex by vertex.
     """
     template = load_template()
     neutral = fit.neutral_vertices(template)
-    anatomy = _attached(neutral, template, fit) if is_own else canonical_anatomy()
-    anatomy = anatomy.extended_by(fit.calibration)
+    if anatomy is None:
+        anatomy = canonical_anatomy().extended_by(fit.calibration)
     motion = tracking.face_motion(neutral, template, anatomy)
     tracker = tracking.make_tracker(image, fit, template, anatomy, motion, live_options())
     eyes = eye_geometry(neutral, template)
@@ -64,6 +66,13 @@ def live_face(image: NDArray[np.uint8], fit: FaceFit, is_own: bool) -> LiveFace:
         for per_degree, pitch in zip(eyes.lid_per_degree, pitches, strict=True)
     ]
     return LiveFace(fit, template, anatomy, eyes, tracker, gaze, lids, is_own)
+
+
+def own_anatomy(fit: FaceFit) -> Anatomy:
+    """Muscles attached to a fitted head, which takes most of a second, as far as they go there."""
+    template = load_template()
+    neutral = fit.neutral_vertices(template)
+    return _attached(neutral, template, fit).extended_by(fit.calibration)
 
 
 def live_options() -> _core.TrackerOptions:

@@ -2,7 +2,8 @@
 """The estimator live: picture in, state of the face out, no look ahead and no second pass.
 
 The face is shown from the first picture that it is found in, on the canonical head's muscles;
-its own head follows some seconds later (`PersonSearch`), without a break.
+its own head follows some seconds later (`PersonSearch`), without a break. Who is known is shown on
+their own head from the first picture on.
 """
 
 from __future__ import annotations
@@ -14,10 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
+from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.known_lens import KnownLens
-from mimetic.puppet.live_face import LiveFace, live_face, live_names
+from mimetic.puppet.live_face import LiveFace, live_names
+from mimetic.puppet.live_heads import STRANGER, LiveHeads
 from mimetic.puppet.mapping import State
-from mimetic.puppet.person_search import PersonSearch, found_face
+from mimetic.puppet.person_search import PersonSearch
 from mimetic.puppet.taught_follower import SHARPEN, TaughtFollower
 from mimetic.puppet.templates import TaughtSet
 from mimetic.solve.gaze import SIDES, gaze_in
@@ -25,7 +28,7 @@ from mimetic.solve.walk import PROOF, find_again
 
 DEFAULT_STILLNESS = 0.5
 FIRST_SEARCH, LONGEST_SEARCH = 8, 64  # frames between looks for a face that is lost: ever fewer
-STRANGER = 3.0  # seconds after which a face that is not the lost one is taken for another person
+LONG_AWAY = 3.0  # seconds after which a face that is not the lost one is taken for another person
 TAKEN_OVER = 0.5  # quality from which on the person's own head replaces the first one
 
 Image = NDArray[np.uint8]
@@ -62,7 +65,9 @@ class LiveFilter:
     person's head is searched for in a thread, as a live session needs it; otherwise `advance` takes
     as long as that does, and the same pictures always give the same states. taught: looks of the
     person, which drive the face or sharpen what is measured, by `use`, of taught_follower.USES.
-    lens: that the pictures are taken with, if it is known. Raises InvalidInput.
+    lens: that the pictures are taken with, if it is known; person: a fit of the one expected, in
+    whatever footage, whose head, muscles and calibration are taken; a face that does not look like
+    it is followed as a stranger's, which `remarks` says. Raises InvalidInput.
     """
 
     def __init__(
@@ -72,8 +77,10 @@ class LiveFilter:
         taught: TaughtSet | None = None,
         use: str = SHARPEN,
         lens: KnownLens | None = None,
+        person: FaceFit | None = None,
     ) -> None:
-        self._lens = lens
+        self._heads = LiveHeads(lens, person)
+        self.remarks: list[str] = []  # for the user; who tells them takes them out
         self._stillness = _core.StillnessFilter(stillness)
         self._in_background = in_background
         self.names = live_names()
@@ -98,8 +105,15 @@ class LiveFilter:
         """Whether the person's head is known as well as it will be."""
         return self.face is not None and self._search is None and not self._is_neutral_due
 
+    def prepare(self) -> None:
+        """What takes seconds before the first picture, and would otherwise be done at it."""
+        self._heads.prepare()
+
     def set_neutral(self) -> None:
-        """The next picture shows the face at rest: the head is fitted to it, in the background."""
+        """The next picture shows the face at rest: the head is fitted to it, in the background.
+
+        That of a person who is known is placed in it.
+        """
         self._is_neutral_due = True
         if self.follower is not None:
             self.follower.set_neutral()
@@ -138,7 +152,7 @@ class LiveFilter:
             return None
         else:
             self._num_lost += 1
-            if guess is not None and time - self._seen_at > STRANGER:
+            if guess is not None and time - self._seen_at > LONG_AWAY:
                 self.start_over()
                 return self.advance(image, time)
         state = self._state(image, estimate, time, since)
@@ -147,10 +161,10 @@ class LiveFilter:
 
     def _find(self, image: Image) -> bool:
         try:
-            self.face = live_face(image, found_face(image, self._lens), is_own=False)
+            self.face = self._heads.first(image)
         except InvalidInput:  # no face among others
             return False
-        self._search = PersonSearch(self._in_background, lens=self._lens)
+        self._search = PersonSearch(self._heads, self._in_background)
         return True
 
     def _improve(self, image: Image, time: float) -> None:
@@ -158,7 +172,7 @@ class LiveFilter:
         if self._is_neutral_due:
             self._is_neutral_due = False
             self.stop()
-            self._search = PersonSearch(self._in_background, num_judged=1, lens=self._lens)
+            self._search = PersonSearch(self._heads, self._in_background, num_judged=1)
         search = self._search
         if search is None:
             return
@@ -169,6 +183,8 @@ class LiveFilter:
         self._search = None
         own, old = search.result, self.face
         search.stop()
+        if self._heads.is_stranger and STRANGER not in self.remarks:
+            self.remarks.append(STRANGER)
         if own is None or old is None:
             return
         there = old.tracker.advance(image, None)

@@ -101,6 +101,8 @@ class LiveSession:
             self.filter.start_over()
         began = perf_counter()
         state = self.filter.advance(picture.image, picture.time)
+        while self.filter.remarks:
+            self._tell(self.filter.remarks.pop(0))
         figures = self.figures
         figures.milliseconds.append(1000 * (perf_counter() - began))
         figures.num_pictures += 1

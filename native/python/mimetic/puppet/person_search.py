@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""While a face is followed already: a better fit of it, from the first seconds, in the background.
+"""While a face is followed already: a better one of it, from the first seconds, in the background.
 
 The first picture may show any expression, which a fit takes for the person's rest. As a capture
-does, the search judges pictures of the first seconds, fits the head to the one most at rest, and
-attaches the muscles to it.
+does, the search judges pictures of the first seconds, and takes the head of the one most at rest:
+fitted to it, with muscles attached, or, of a person who is known, placed there alone.
 """
 
 from __future__ import annotations
@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.fit import fitting
-from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.fitting import Judged
-from mimetic.fit.known_lens import KnownLens, camera_with
-from mimetic.puppet.live_face import LiveFace, live_face
+from mimetic.puppet.live_face import LiveFace
+from mimetic.puppet.live_heads import LiveHeads
 
 SEARCHED_SECONDS = 4.0
 NUM_JUDGED = 10
@@ -27,26 +26,17 @@ NUM_JUDGED = 10
 Image = NDArray[np.uint8]
 
 
-def found_face(image: Image, lens: KnownLens | None) -> FaceFit:
-    """The head fitted to a picture (H x W x 3) by its lens, if that is known. Raises NoFace."""
-    height, width = image.shape[:2]
-    return fitting.find_face(image, camera=camera_with(lens, (width, height)))
-
-
 class PersonSearch:
     """One search; pictures are offered to it, until `result` has a face or it gives up.
 
     in_background: judge, fit and attach in a thread; otherwise in `offer`, which then takes as long
-    as that does. lens: of the pictures, if it is known.
+    as that does. heads: that make the face of a picture.
     """
 
     def __init__(
-        self,
-        in_background: bool = True,
-        num_judged: int = NUM_JUDGED,
-        lens: KnownLens | None = None,
+        self, heads: LiveHeads, in_background: bool = True, num_judged: int = NUM_JUDGED
     ) -> None:
-        self._lens = lens
+        self._heads = heads
         self.result: LiveFace | None = None
         self.is_over = False
         self._num_judged, self._num_offered = num_judged, 0
@@ -104,7 +94,7 @@ class PersonSearch:
         for i in np.argsort(-chances):
             image = self._judged[i][1]
             try:
-                return live_face(image, found_face(image, self._lens), is_own=True)
+                return self._heads.own(image)
             except InvalidInput:  # no head fits, or too little of it is seen: the next best
                 continue
         return None

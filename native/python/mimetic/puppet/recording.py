@@ -7,6 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.known_lens import KnownLens
 from mimetic.performance.document import Performance
 from mimetic.puppet.camera_source import CameraSource
@@ -38,6 +39,7 @@ class RecordingOptions:
     taught: TaughtSet | None = None
     use: str = SHARPEN  # of taught_follower.USES
     lens: KnownLens | None = None
+    person: FaceFit | None = None
 
 
 class Recording:
@@ -52,8 +54,10 @@ class Recording:
     ) -> None:
         self._source, self._folder, self._options, self._tell = source, folder, options, tell
         self._filter = LiveFilter(
-            options.stillness, options.in_background, options.taught, options.use, options.lens
+            *(options.stillness, options.in_background, options.taught, options.use),
+            *(options.lens, options.person),
         )
+        self._filter.prepare()
         names = self._filter.names
         self._receivers = [Receiver(one, names, source.fps) for one in options.receivers]
         self._freezer = Freezer(names, options.frozen)

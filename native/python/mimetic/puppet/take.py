@@ -43,8 +43,9 @@ class Take:
         if not state.is_proved:
             self._unproved.append(state)
             return
-        if face is not self._kept:
-            self._kept, self.num_faces = face, self.num_faces + 1
+        if self._kept is None or face.anatomy is not self._kept.anatomy:
+            self.num_faces += 1
+        self._kept = face
         self.states += [*self._unproved, state]
         self._unproved.clear()
 
