@@ -15,6 +15,11 @@ TEXTS = {
     ("*", "frame {frame}: {clip} has frames 1 to {last}"): (
         "{clip} hat {last} Bilder, nicht {frame}"
     ),
+    (
+        "*",
+        "Frame {frame} is taken as rest: the face looks most at rest there, and {alike} of the "
+        "{seen} frames looked at show this expression",
+    ): "Ruhe ist Bild {frame}: {alike} von {seen} Bildern zeigen diesen Ausdruck",
     ("*", "{job} is running; Esc stops it"): "{job} läuft; Esc beendet es",
     ("Operator", "Capture"): "Aufnehmen",
 }

@@ -4,10 +4,13 @@
 import sys
 
 import bpy
+import numpy as np
 import pytest
 from conftest import MODULE
 from german_texts import LANGUAGE, TEXTS
 from last_result import result
+from mimetic.fit.face_fit import FaceFit
+from mimetic.fit.rest_choice import RestChoice
 from panel_texts import drawn
 
 OWNER = "mimetic_german"
@@ -62,6 +65,19 @@ def test_a_report_is_in_blenders_language(german, footage):
     assert result()["message"] == f"25 Bilder/s, 400 mal 300: {clip.name}"
     with pytest.raises(RuntimeError, match=f"{clip.name} hat {clip.frame_duration} Bilder, nicht"):
         bpy.ops.mimetic.set_rest_frame(frame=5000)
+
+
+def test_why_a_frame_is_taken_as_rest_is_in_blenders_language(german, extension, footage):
+    bpy.ops.mimetic.load_clip(filepath=str(footage))
+    clip = bpy.context.scene.mimetic.clip
+    assert "Rest = Shown Frame" in drawn("MIMETIC_PT_capture_clip")
+    pose = np.diag([1.0, -1.0, -1.0, 1.0])
+    pose[2, 3] = 0.6
+    size, camera = (400, 300), np.array([[480.0, 0, 199.5], [0, 480, 149.5], [0, 0, 1]])
+    fit = FaceFit(4, size, camera, pose, {}, rest=RestChoice("usual", 16, 11))
+    extension("scene_out").face_fit.keep(clip, fit)
+    texts = drawn("MIMETIC_PT_capture_clip")
+    assert "Ruhe ist Bild 4: 11 von 16 Bildern zeigen diesen Ausdruck" in " ".join(texts)
 
 
 def test_a_job_is_named_in_blenders_language(german, extension):

@@ -5,6 +5,7 @@ import numpy as np
 from mimetic import _core
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.fitted_view import FittedView
+from mimetic.fit.rest_choice import RestChoice
 from mimetic.muscles.calibration import Calibration
 
 
@@ -45,5 +46,6 @@ def make_fit(**changes):
             [4, 9],
             {"zygomaticus_major.R": 1.25},
         ),
+        "rest": RestChoice("usual", 16, 11),
     }
     return FaceFit(**(values | changes))

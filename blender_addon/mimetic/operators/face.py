@@ -23,11 +23,11 @@ class MIMETIC_OT_find_face(Job, Operator):
     frame: IntProperty(
         name="Frame",
         min=0,
-        description="Footage frame to look in; 0 takes the one of the first seconds in which the "
-        "face is seen best at rest",
+        description="Footage frame in which the face is at rest; 0: one is chosen",
     )
     use_shown_frame: BoolProperty(
-        name="Shown Frame", description="Look in the frame that the clip editor shows"
+        name="Rest = Shown Frame",
+        description="The face is at rest in the frame that the clip editor shows",
     )
     near: FloatVectorProperty(
         name="Near",
@@ -73,7 +73,8 @@ class MIMETIC_OT_find_face(Job, Operator):
         scene_out.clip.show_pixels(clip, pixel_aspect)  # Blender's own drop did not
         scene_out.face_fit.store(clip, fit)
         warnings = [*fit.warnings, *filter(None, [clip_lens.unread(clip)])]
-        self.facts = {"clip": clip_name, "frame": fit.frame, "warnings": warnings}
+        facts = {"clip": clip_name, "frame": fit.frame, "rest": fit.rest_text()}
+        self.facts = facts | {"warnings": warnings}
         # What was found is on show at once; frame_set() would leave the clip editors behind
         if clip == scene_in.clip_of(context) and not is_playing():
             context.scene.frame_current = scene_in.scene_frame(clip, fit.frame)

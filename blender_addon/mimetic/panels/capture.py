@@ -72,10 +72,10 @@ class Capture:
         self.draw_rate(layout, context)
         row = layout.row(align=True)
         row.operator("mimetic.find_face", icon="VIEWZOOM")
-        row.operator("mimetic.find_face", text="", icon="TIME").use_shown_frame = True
         row.operator("mimetic.pick_face", text="", icon="EYEDROPPER")
         if clip:
             self.draw_clip(layout, clip)
+            self.draw_rest(layout, clip)
             self.draw_lens(layout, clip)
         if scene_in.has_fit(clip):
             self.draw_pins(layout, settings)
@@ -87,6 +87,13 @@ class Capture:
             layout.operator("mimetic.find_missing")
         paragraph(layout, clips.change_of(clip))
         layout.label(text=f"{clip.name}: {scene_out.face_fit.summary(clip)}", icon="FILE_MOVIE")
+
+    def draw_rest(self, layout, clip):
+        """Which frame the head is fitted in, and the button for whoever knows a better one."""
+        column = layout.column(align=True)
+        paragraph(column, scene_out.face_fit.rest_remark(clip))
+        shown = column.operator("mimetic.find_face", text="Rest = Shown Frame", icon="TIME")
+        shown.use_shown_frame = True
 
     def draw_lens(self, layout, clip):
         """What it was filmed with; the numbers where they count, which are the clip's own."""

@@ -97,6 +97,18 @@ def summary(clip: bpy.types.MovieClip) -> str:
     return ", ".join(parts)
 
 
+def rest_remark(clip: bpy.types.MovieClip) -> str:
+    """Which frame is taken as rest, and why; "" without a fit."""
+    try:
+        fit = of_clip(clip)
+    except native.known_errors():
+        return ""
+    if fit is None:
+        return ""
+    rest = fit.rest
+    return iface_(rest.template).format(frame=fit.frame, seen=rest.seen, alike=rest.alike)
+
+
 def lens_remark(clip: bpy.types.MovieClip) -> str:
     """What to say where the face was found with another lens than the clip has now, or ""."""
     try:

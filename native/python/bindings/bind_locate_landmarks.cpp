@@ -85,10 +85,14 @@ void bind_locate_landmarks(py::module_& m) {
           "(6,) heights of brows and mouth corners below the pupils, the lips' height and the mouth's width, "
           "pupil\n"
           "distances; nan where a feature was not found.");
-    m.def("usual_expression", &usual_expression, "expressions"_a, "scores"_a,
-          "(F,) how near each frame's expression (F, 6) is to its clip's median, 0 to 1. scores: (F,) of "
-          "rest_score; "
-          "where\nmost frames are plainly not at rest, the others alone say what is usual.");
+    m.def(
+        "usual_expression", &usual_expression, "expressions"_a, "scores"_a, "rest"_a = py::none(),
+        "(F,) how near each frame's expression (F, 6) is to its clip's median, 0 to 1. scores: (F,) of "
+        "rest_score; "
+        "where\nmost frames are plainly not at rest, the others alone say what is usual. rest: index of the "
+        "frame that is\nknown to show rest: how near to it.");
+    m.def("num_alike", &num_alike, "expressions"_a, "frame"_a,
+          "How many frames have the expression (F, 6) of the one at index `frame`, it among them.");
     m.def("shared_expression", &shared_expression, "expressions"_a, "weights"_a,
           "(F,) how many frames share each frame's expression (F, 6), as a part of the most. weights: (F,).");
     m.def("chances_of_rest", &chances_of_rest, "scores"_a, "details"_a, "expressions"_a,

@@ -112,6 +112,24 @@ std::vector<int> informative_frames(VectorIn scores) {
     return frames;
 }
 
+/// How far each frame's expression is from one of them, spreads, rms of what was found in both.
+Eigen::ArrayXd away_from(const Expressions& expressions, Eigen::Index frame) {
+    Eigen::ArrayXd away(expressions.rows());
+    for (Eigen::Index other = 0; other < expressions.rows(); ++other) {
+        Eigen::Array<double, 1, 6> apart =
+            (expressions.row(frame) - expressions.row(other)).array() / kLeastSpread;
+        apart = apart.isNaN().select(0, apart);
+        away[other] = std::sqrt(apart.square().mean());
+    }
+    return away;
+}
+
+void check_frame(const Expressions& expressions, Eigen::Index frame) {
+    if (frame < 0 || frame >= expressions.rows()) {
+        throw InvalidInput("the frame must be one of those with an expression");
+    }
+}
+
 void check_sizes(const Expressions& expressions, VectorIn values) {
     if (expressions.rows() != values.size() || values.size() == 0) {
         throw InvalidInput("there must be an expression and a number for each of some frames");
@@ -193,8 +211,12 @@ Expression expression_of(const FaceFeatures& face) {
     return values / across.squaredNorm();
 }
 
-Eigen::VectorXd usual_expression(const Expressions& expressions, VectorIn scores) {
+Eigen::VectorXd usual_expression(const Expressions& expressions, VectorIn scores,
+                                 std::optional<Eigen::Index> rest) {
     check_sizes(expressions, scores);
+    if (rest) {
+        check_frame(expressions, *rest);
+    }
     const std::vector<int> frames = informative_frames(scores);
     Eigen::ArrayXd farthest = Eigen::ArrayXd::Zero(scores.size());
     for (const auto values : expressions.colwise()) {
@@ -204,29 +226,30 @@ Eigen::VectorXd usual_expression(const Expressions& expressions, VectorIn scores
                 known.push_back(values[f]);
             }
         }
-        const double rest = median(known);
-        Eigen::ArrayXd off = (values.array() - rest).abs();
-        off = off.isNaN().select(0, off);
+        const double usual = median(known);
+        const double at_rest = rest && !std::isnan(values[*rest]) ? values[*rest] : usual;
         std::vector<double> distances;
         distances.reserve(frames.size());
         for (const int f : frames) {
-            distances.push_back(off[f]);
+            distances.push_back(std::isnan(values[f]) ? 0 : std::abs(values[f] - usual));
         }
+        Eigen::ArrayXd off = (values.array() - at_rest).abs();
+        off = off.isNaN().select(0, off);
         farthest = farthest.max(off / std::max(1.48 * median(distances), kLeastSpread));
     }
     return (-.5 * (farthest / kUsual).square()).exp();
+}
+
+Eigen::Index num_alike(const Expressions& expressions, Eigen::Index frame) {
+    check_frame(expressions, frame);
+    return (away_from(expressions, frame) <= 1).count();
 }
 
 Eigen::VectorXd shared_expression(const Expressions& expressions, VectorIn weights) {
     check_sizes(expressions, weights);
     Eigen::VectorXd number = Eigen::VectorXd::Zero(weights.size());
     for (Eigen::Index a = 0; a < weights.size(); ++a) {
-        for (Eigen::Index b = 0; b < weights.size(); ++b) {
-            Eigen::Array<double, 1, 6> apart =
-                (expressions.row(a) - expressions.row(b)).array() / kLeastSpread;
-            apart = apart.isNaN().select(0, apart);
-            number[a] += std::exp(-apart.square().mean()) * weights[b];
-        }
+        number[a] = weights.dot((-away_from(expressions, a).square()).exp().matrix());
     }
     return number / std::max(number.maxCoeff(), 1e-300);
 }

@@ -177,7 +177,7 @@ def _changed(key, value):
 @pytest.mark.parametrize(
     ("change", "text"),
     [
-        (_changed("schema", 7), "schema 7"),
+        (_changed("schema", 8), "schema 8"),
         (lambda d: d.pop("head_pose"), "lacks head_pose"),
         (_changed("pose", 1), "unknown keys: pose"),
         (_changed("frame", 0), "frame"),
@@ -198,6 +198,10 @@ def _changed(key, value):
         (lambda d: d["views"][0].pop("box"), "views must be objects"),
         (lambda d: d["views"][0]["curves"].update(jaw=[[1, 2]]), "curve jaw"),
         (lambda d: d["views"][0]["pins"].update(chin=["low"]), "pin chin"),
+        (_changed("rest", {"why": "usual"}), "rest must be an object"),
+        (_changed("rest", {"why": "a whim", "seen": 4, "alike": 2}), "why of these"),
+        (_changed("rest", {"why": "usual", "seen": 4, "alike": 5}), "alike <= seen"),
+        (_changed("rest", {"why": "usual", "seen": True, "alike": 1}), "whole numbers"),
         (lambda d: d["views"].append(d["views"][0]), "each frame once"),
     ],
 )
@@ -254,7 +258,7 @@ def test_pins_of_no_landmark_and_on_no_view_are_refused(fitted):
 def test_fit_of_an_older_file_is_read(tmp_path, template, fitted):
     fitted.save(tmp_path / "fit.json")
     document = json.loads((tmp_path / "fit.json").read_text()) | {"schema": 1}
-    for key in ("residual", "relief", "depth", "views", "calibration"):
+    for key in ("residual", "relief", "depth", "views", "calibration", "rest"):
         del document[key]
     (tmp_path / "fit.json").write_text(json.dumps(document))
     fit = FaceFit.load(tmp_path / "fit.json")

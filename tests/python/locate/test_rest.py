@@ -6,9 +6,11 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from clips import ffmpeg
+from mimetic import InvalidInput
 from mimetic._core import (
     chances_of_rest,
     from_rotation_vectors,
+    num_alike,
     shared_expression,
     usual_expression,
 )
@@ -45,6 +47,21 @@ def test_a_smile_that_lasts_most_of_the_clip_is_not_its_rest():
     chances = scores * usual_expression(clip, scores)
     assert chances[:5].min() > 0.2
     assert chances[5:].max() < 0.01
+
+
+def test_what_is_usual_can_be_told_of_a_frame_that_is_known_to_show_rest():
+    rng = np.random.default_rng(5)
+    clip = NEUTRAL + rng.normal(0, 0.004, (16, 6))
+    clip[4:, 2:4] -= 0.1  # a smile that lasts most of the clip
+    clip[4:, 5] += 0.1
+    assert usual_expression(clip, np.ones(16))[:4].max() < 0.1
+    told = usual_expression(clip, np.ones(16), 2)
+    assert told[:4].min() > 0.5 and told[4:].max() < 0.1
+    assert num_alike(clip, 2) == 4 and num_alike(clip, 9) == 12
+    clip[2, :2] = np.nan
+    assert num_alike(clip, 2) == 4
+    with pytest.raises(InvalidInput):
+        num_alike(clip, 16)
 
 
 def test_features_not_found_do_not_count():

@@ -13,6 +13,7 @@ from mimetic.performance.document import Performance
 from mimetic.report.html import GROUPS, head_angles, write_report
 from mimetic.report.overlay import FaceDrawing, write_overlay
 from mimetic.solve.capture_summary import CaptureSummary
+from sample_fit import make_fit
 from sample_performance import make_performance
 
 
@@ -35,13 +36,14 @@ def test_capture_without_matplotlib_tells_before_any_work(monkeypatch, tmp_path,
 
 def test_the_report_needs_no_other_file_and_says_what_was_found(tmp_path, footage):
     performance = make_performance(notes=["cut at frame 7 <here>"])
-    summary = CaptureSummary(seconds={"decode": 0.5, "follow the face": 1.5})
+    summary = CaptureSummary(seconds={"decode": 0.5, "follow the face": 1.5}, fit=make_fit())
     write_report(performance, footage, tmp_path / "report.html", summary)
     text = (tmp_path / "report.html").read_text()
     addresses = re.findall(r"(?:src|href|url)\s*[=(]\s*['\"]?([^'\"\s>)]+)", text)
     assert addresses and all(address.startswith("data:image/") for address in addresses)
     assert "http" not in re.sub(r"data:[^']*", "", text)
     assert "clip.mp4" in text and "follow the face" in text and "numpy" in text
+    assert "Frame 4 is taken as rest: the face looks most at rest there, and 11 of the 16" in text
     assert "cut at frame 7 &lt;here&gt;" in text
     assert text.count("data:image/jpeg") == 6 and text.count("data:image/png") == 3
     assert not list(tmp_path.glob(".*"))

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 #include <mimetic/locate/locate.hpp>
+#include <optional>
 
 namespace mimetic {
 
@@ -23,8 +24,13 @@ Expression expression_of(const FaceFeatures& face);
 /// F: how near each frame's expression is to the clip's median, 0 to 1. Each part of a face is at rest in
 /// most of a clip's frames, though rarely all at once; so the median of each value is its rest, whatever the
 /// person looks like. scores: F of rest_score; where most frames are clearly not at rest (a long smile), the
-/// median is of the others alone.
-Eigen::VectorXd usual_expression(const Expressions& expressions, VectorIn scores);
+/// median is of the others alone. rest: the frame that is known to show rest, which the others are compared
+/// with instead of the median.
+Eigen::VectorXd usual_expression(const Expressions& expressions, VectorIn scores,
+                                 std::optional<Eigen::Index> rest = {});
+
+/// How many frames, this one among them, have its expression but for what a still face's features seem to move.
+Eigen::Index num_alike(const Expressions& expressions, Eigen::Index frame);
 
 /// F: density of frames about each frame's expression, relative to the largest, 0 to 1. A face returns to the
 /// same rest as a whole; moving, it differs in every frame. weights: F, of the frames.

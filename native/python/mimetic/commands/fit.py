@@ -11,14 +11,19 @@ from numpy.typing import NDArray
 
 from mimetic import _core
 from mimetic.commands.footage_argument import add_footage_argument, give_rate
-from mimetic.commands.on_clip import add_lens_arguments, lens_of, parse_frames
+from mimetic.commands.on_clip import (
+    add_lens_arguments,
+    add_rest_argument,
+    lens_of,
+    parse_frames,
+)
 from mimetic.fit.canonical_image import canonical_image
 from mimetic.fit.face_fit import FaceFit
 from mimetic.media.footage import Footage
 from mimetic.report.overlay import CLEAR_WIDTH, HIDDEN_REGIONS
 from mimetic.shared.results import prepare_folder, publish, staging
 from mimetic.shared.whole_file import whole_file
-from mimetic.solve.clip_capture import find_face
+from mimetic.solve.clip_capture import check_rest, find_face
 from mimetic.template.face_template import FaceTemplate, load_template
 
 WRITTEN = ("fit.json", "fit.png", "canonical.png")
@@ -29,11 +34,11 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out", type=Path, required=True, metavar="DIR", help="folder for the results"
     )
-    which = parser.add_mutually_exclusive_group()
-    which.add_argument("--frame", type=int, metavar="N", help="the frame to fit, counted from 1")
-    which.add_argument(
-        "--frames", type=parse_frames, metavar="A:B", help="choose the frame between these"
+    parser.add_argument(
+        "--frames", type=parse_frames, metavar="A:B", help="look for the face between these frames"
     )
+    # --frame: as it was called before
+    add_rest_argument(parser, "--frame")
     add_lens_arguments(parser)
 
 
@@ -41,10 +46,11 @@ def run_fit(arguments: argparse.Namespace) -> int:
     """Writes fit.json, fit.png and canonical.png together; bad input raises."""
     give_rate(arguments)
     footage = Footage(arguments.footage)
+    check_rest(arguments.rest, footage)
     out = arguments.out
     prepare_folder(out, WRITTEN, footage.path)
-    frame, frames, lens = arguments.frame, arguments.frames, lens_of(arguments)
-    fit = find_face(arguments.footage, frame, frames, lens=lens)
+    rest, frames, lens = arguments.rest, arguments.frames, lens_of(arguments)
+    fit = find_face(arguments.footage, rest, frames, lens=lens)
     image = footage.read(fit.frame)
     with staging(out) as folder:
         fit.save(folder / "fit.json")
@@ -53,6 +59,7 @@ def run_fit(arguments: argparse.Namespace) -> int:
         publish(folder, out, is_finished=True)
     for warning in fit.warnings:
         print(f"note: {warning}")
+    print(fit.rest_text())
     others = ", ".join(str(view.frame) for view in fit.views[1:])
     beside = f" and, beside it, {others}" if others else ""
     print(f"{out}: {', '.join(WRITTEN)}; frame {fit.frame}{beside}")

@@ -24,7 +24,7 @@ from mimetic.shared.interrupts import listen_for_interrupt
 from mimetic.shared.progress import SEARCHED, Costs, Progress, stages
 from mimetic.shared.results import OF_A_CLIP, PERFORMANCE, prepare_folder, publish, staging
 from mimetic.solve.capture_summary import CaptureSummary
-from mimetic.solve.clip_capture import check_range, find_face
+from mimetic.solve.clip_capture import check_range, check_rest, find_face
 from mimetic.solve.walk import before_range
 
 Follow = Callable[[FaceFit | None, Progress, CaptureSummary], Performance]
@@ -60,7 +60,19 @@ def add_clip_arguments(parser: argparse.ArgumentParser, subject: str) -> None:
         metavar="X,Y",
         help="of several faces, the one nearest to this pixel (default: the largest)",
     )
+    add_rest_argument(parser)
     add_lens_arguments(parser)
+
+
+def add_rest_argument(parser: argparse.ArgumentParser, *older_names: str) -> None:
+    parser.add_argument(
+        "--rest",
+        *older_names,
+        type=int,
+        metavar="FRAME",
+        help="the frame, counted from 1, in which the face is at rest: the head is fitted to it "
+        "(default: one is chosen, and the command says which and why)",
+    )
 
 
 def add_lens_arguments(parser: argparse.ArgumentParser, of: str = "") -> None:
@@ -124,8 +136,9 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
     footage = Footage(arguments.footage)
     fit, person = _given_fits(arguments)
     lens = lens_of(arguments)
-    is_found_first = bool(arguments.face or person or lens)
+    is_found_first = bool(arguments.face or person or lens or arguments.rest is not None)
     first, last = check_range(arguments.frames, footage)
+    check_rest(arguments.rest, footage)
     prepare_folder(out, OF_A_CLIP, footage.path)
     summary = CaptureSummary()
     with staging(out) as folder, Console() as console, listen_for_interrupt() as interrupt:
@@ -147,9 +160,7 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
         )
         try:
             if is_found_first:
-                frames, near = arguments.frames, arguments.face
-                fit = find_face(footage.path, None, frames, finding, near, lens)
-                fit = with_person(fit, person) if person else fit
+                fit = _found(arguments, person, lens, finding)
             performance = follow(fit, following, summary)
         except (InvalidInput, UnreadableMedia):
             if interrupt():  # before there was anything to keep
@@ -157,8 +168,8 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
             raise
         save_performance(performance, folder / PERFORMANCE, console.tell)
         failure = summary.footage.failure if summary.footage else None
+        assert summary.fit is not None  # given, or found before anything was followed
         try:
-            assert summary.fit is not None  # given, or found before anything was followed
             summary.fit.save(folder / "fit.json")
             draw(performance, footage, folder, summary, drawing, interrupt)
         except OSError as error:  # a full disk, footage that is gone: the capture is done
@@ -166,12 +177,24 @@ def run_on_clip(arguments: argparse.Namespace, costs: Costs, follow: Follow, dra
         console.show(1.0, "done")
         names = sorted(path.name for path in folder.iterdir())
         where = publish(folder, out, is_finished=not interrupt() and failure is None)
+        console.tell(summary.fit.rest_text())
         tell_results(console, performance, where, names)
         if where != out:
             console.tell(f"note: not finished; {out} keeps the results that were there before")
         if failure:
             raise failure
     return interrupt.status
+
+
+def _found(
+    arguments: argparse.Namespace,
+    person: FaceFit | None,
+    lens: KnownLens | None,
+    progress: Progress,
+) -> FaceFit:
+    rest, frames, near = arguments.rest, arguments.frames, arguments.face
+    fit = find_face(arguments.footage, rest, frames, progress, near, lens)
+    return with_person(fit, person) if person else fit
 
 
 def beginning(footage: Footage, frames: tuple[int, int], fit: FaceFit | None) -> str:
@@ -190,9 +213,10 @@ def beginning(footage: Footage, frames: tuple[int, int], fit: FaceFit | None) ->
 
 def _given_fits(arguments: argparse.Namespace) -> tuple[FaceFit | None, FaceFit | None]:
     """A fit of this footage, and one of the person in other footage."""
-    if arguments.fit and (arguments.face or arguments.person):
+    if arguments.fit and (arguments.face or arguments.person or arguments.rest is not None):
         raise InvalidInput(
-            "--face and --person are of a face to find, --fit says where it is: give one of them"
+            "--face, --person and --rest are of a face to find, --fit says where it is: give one "
+            "of them"
         )
     fit, person = (
         FaceFit.load(path) if path else None for path in (arguments.fit, arguments.person)

@@ -15,6 +15,7 @@ from mimetic.fit.depth_bumps import depth_bumps
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitted_view import FittedView, checked_frame
 from mimetic.fit.residual_shape import residual_modes
+from mimetic.fit.rest_choice import RestChoice
 from mimetic.muscles.calibration import Calibration
 from mimetic.shared.documents import checked_places, checked_pose, named, numbers
 from mimetic.shared.json_file import read_json
@@ -23,11 +24,11 @@ from mimetic.shared.shown_text import shortened, shown
 from mimetic.shared.whole_file import whole_file
 from mimetic.template.face_template import FaceTemplate
 
-SCHEMA = 6
+SCHEMA = 7
 REQUIRED = ("schema", "frame", "image_size", "intrinsics", "head_pose", "identity")
 # Key: the schema that it came with; files of older schemas still load.
 OPTIONAL = {"features": 1, "error": 1, "warnings": 1}
-OPTIONAL |= {"residual": 2, "views": 2, "calibration": 3, "relief": 4, "depth": 6}
+OPTIONAL |= {"residual": 2, "views": 2, "calibration": 3, "relief": 4, "depth": 6, "rest": 7}
 LARGEST_FILE = 4 << 20  # bytes
 MOST_VIEWS = 100
 
@@ -55,6 +56,7 @@ class FaceFit:
     # Metres, head frame, by which each of `depth_bumps` is moved; found with the relief
     depth: list[list[float]] = field(default_factory=list)
     calibration: Calibration = field(default_factory=Calibration)  # `mimetic calibrate` finds it
+    rest: RestChoice = field(default_factory=RestChoice)  # why the face is at rest in `frame`
 
     def __post_init__(self) -> None:
         _check(self)
@@ -67,6 +69,10 @@ class FaceFit:
     def pins(self) -> dict[int, dict[str, tuple[float, float]]]:
         """Frame: landmark: the pixel it is pinned to. `mimetic.fit.fitting.refit` changes them."""
         return {view.frame: dict(view.pins) for view in self.views if view.pins}
+
+    def rest_text(self) -> str:
+        """Which frame is taken as rest, and why."""
+        return self.rest.text(self.frame)
 
     def head_place(self) -> tuple[float, float]:
         """The pixel of the head's origin in the reference frame: which person it is."""
@@ -105,6 +111,7 @@ class FaceFit:
             "depth": self.depth,
             "views": [view.as_json() for view in self.views],
             "calibration": self.calibration.as_json(),
+            "rest": self.rest.as_json(),
         }
         with whole_file(path) as stream:
             stream.write(json.dumps(document, indent=1, allow_nan=False).encode() + b"\n")
@@ -152,6 +159,7 @@ def _fields(document: object) -> dict:
     return fields | {
         "views": [FittedView.from_json(view) for view in views],
         "calibration": calibration,
+        "rest": RestChoice.from_json(fields.get("rest", {})),
     }
 
 

@@ -309,9 +309,10 @@ def _estimate_of(fit: FaceFit, template: FaceTemplate) -> _core.FaceEstimate:
 def _solved_again(
     fit: FaceFit, template: FaceTemplate, estimate: _core.FaceEstimate, views: list[FittedView]
 ) -> FaceFit:
-    """The fit of a new estimate, with the relief, calibration and warnings that it had."""
+    """The fit of a new estimate; what no landmark determines is kept."""
     solved_fit = _as_fit(template, fit.camera, estimate, views, list(fit.warnings))
-    return replace(solved_fit, relief=fit.relief, depth=fit.depth, calibration=fit.calibration)
+    kept = {name: getattr(fit, name) for name in ("relief", "depth", "calibration", "rest")}
+    return replace(solved_fit, **kept)
 
 
 def _as_fit(

@@ -95,7 +95,7 @@ def _parts(performance: Performance, footage: Footage, summary: CaptureSummary) 
     yield "<!doctype html><html lang='en'><head><meta charset='utf-8'>"
     yield "<meta name='viewport' content='width=device-width, initial-scale=1'>"
     yield f"<title>{name}: capture</title><style>{STYLE}</style></head><body>"
-    yield f"<h1>{name}</h1><p class='lead'>{_lead(performance)}</p>"
+    yield f"<h1>{name}</h1><p class='lead'>{_lead(performance, summary)}</p>"
     yield _facts(performance, summary)
     for note in performance.notes or ():
         yield f"<p class='note'>{_html(note)}</p>"
@@ -125,11 +125,12 @@ def _html(text: str) -> str:
     return html.escape(shown(text))
 
 
-def _lead(performance: Performance) -> str:
+def _lead(performance: Performance, summary: CaptureSummary) -> str:
     width, height = performance.image_size
+    rest = f"<br>{_html(summary.fit.rest_text())}" if summary.fit else ""
     return (
         f"Frames {performance.frame[0]} to {performance.frame[-1]}, "
-        f"{performance.fps:.6g} frames/s, {width} &times; {height} pixels"
+        f"{performance.fps:.6g} frames/s, {width} &times; {height} pixels{rest}"
     )
 
 

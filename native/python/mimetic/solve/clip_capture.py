@@ -17,9 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, UnreadableMedia, _core
-from mimetic.fit import fitting
 from mimetic.fit.fitting import FaceFit, NoFace
-from mimetic.fit.known_lens import KnownLens, camera_with
+from mimetic.fit.known_lens import KnownLens
 from mimetic.fit.same_footage import check_same_footage
 from mimetic.fit.upright import check_upright
 from mimetic.locate.feature_networks import installed_networks
@@ -45,7 +44,7 @@ from mimetic.shared.progress import (
 from mimetic.solve import full_range, smoothing, tracking
 from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_performance import clip_performance
-from mimetic.solve.find_face import Rest, find_rest, joined_with_others
+from mimetic.solve.find_face import Rest, find_rest, joined_with_others, rest_asked_for
 from mimetic.solve.frames_so_far import FramesSoFar
 from mimetic.solve.gaze import ClipGaze
 from mimetic.solve.refining import check_of_capture, refined, within
@@ -75,23 +74,25 @@ def find_face(
     """The head fitted to `frame`, or to the best of the first seconds (within `frames`).
 
     The face must be at rest there. Of several the largest is taken, or the one nearest to `near`.
-    A frame chosen by itself is joined by others in which the head is turned otherwise
-    (`FaceFit.views`); one that is asked for stands alone. lens: that it was filmed with, if known.
-    Raises NoFace, UnreadableMedia, InvalidInput.
+    The frame is joined by others near it (within `frames`) in which the head is turned otherwise
+    (`FaceFit.views`); `FaceFit.rest` says why it was taken. lens: that it was filmed with, if
+    known. Raises NoFace, UnreadableMedia, InvalidInput.
     """
     footage = Footage(path)
     if near is not None:
         x, y = rescaled(near, footage.stored_size, footage.size)[0]
         near = float(x), float(y)
-    if frame is not None:
-        first, last = check_range((frame, frame), footage)
-        return face_in(footage, first, near, lens)
     first, last = check_range(frames, footage)
+    check_rest(frame, footage)
     finding, joining = stages(
         progress, NUM_CANDIDATES * JUDGED + NUM_TRIED * FITTED, ATTACHED + MOST_FOLLOWED
     )
-    rest = rest_in(footage, (first, last), finding, near, lens)
-    check_upright(footage, rest.fit.frame, footage.read(rest.fit.frame))
+    if frame is not None:
+        others = _spread(*_seconds_about(frame, (first, last), footage), NUM_CANDIDATES)
+        rest = rest_asked_for(footage, frame, others, finding, near, lens)
+    else:
+        rest = rest_in(footage, (first, last), finding, near, lens)
+        check_upright(footage, rest.fit.frame, footage.read(rest.fit.frame))
     return joined_with_others(footage, rest, joining)
 
 
@@ -125,14 +126,12 @@ def rest_in(
     return rest
 
 
-def face_in(
-    footage: Footage, frame: int, near: Place | None = None, lens: KnownLens | None = None
-) -> FaceFit:
-    """The head fitted to this frame alone; near: in the picture. Raises NoFace."""
-    image = footage.read(frame)
-    check_upright(footage, frame, image)
-    camera = camera_with(lens, footage.size)
-    return fitting.find_face(image, frame, camera=camera, near=near)
+def _seconds_about(frame: int, frames: tuple[int, int], footage: Footage) -> tuple[int, int]:
+    """The part of `frames` that is looked at beside a frame: as long as is searched for rest."""
+    first, last = frames
+    num_frames = max(1, round(SEARCHED_SECONDS * float(footage.fps)))
+    begin = max(first, min(frame - num_frames // 2, last - num_frames))
+    return begin, min(last, begin + num_frames)
 
 
 def _spread(first: int, last: int, number: int) -> set[int]:
@@ -154,6 +153,15 @@ def check_range(frames: FrameRange | None, footage: Footage) -> tuple[int, int]:
             f"frames {first}:{last} of {footage.path.name}: it has frames 1 to {footage.num_frames}"
         )
     return first, last
+
+
+def check_rest(frame: int | None, footage: Footage) -> None:
+    """Raises InvalidInput if the footage has no such frame."""
+    if frame is not None and not 1 <= frame <= footage.num_frames:
+        raise InvalidInput(
+            f"frame {frame} is to show the face at rest, but {footage.path.name} has frames 1 to "
+            f"{footage.num_frames}: choose one of them (--rest FRAME)"
+        )
 
 
 def fit_for(

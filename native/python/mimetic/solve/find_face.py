@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import contextlib
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,8 @@ from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitting import NoFace
 from mimetic.fit.known_lens import KnownLens, camera_with
+from mimetic.fit.rest_choice import RestChoice
+from mimetic.fit.upright import check_upright
 from mimetic.fit.views import Candidate, choose_views
 from mimetic.media.footage import Footage
 from mimetic.shared.progress import FITTED, JUDGED, NUM_TRIED, Progress, stages
@@ -51,8 +54,7 @@ def find_rest(
     if not judgements:
         return None
     frames = list(judgements)
-    scores = np.array([one.score for one in judgements.values()])
-    expressions = np.array([one.expression for one in judgements.values()])
+    scores, expressions = _compared(judgements)
     details = np.array([one.detail for one in judgements.values()])
     chances = _core.chances_of_rest(scores, details, expressions)
     fits: list[FaceFit] = []
@@ -67,15 +69,56 @@ def find_rest(
     if not fits:
         return None
     # A pose or expression mistaken for shape shows as unusual proportions.
-    best = min(fits, key=_unusualness)
+    usual = best = min(fits, key=_unusualness)
     if _turn(best) > FAR_TURNED:
         best = _more_frontal(footage, best, frames, camera, near, fitting_heads)
-    usual = _core.usual_expression(expressions, scores)
-    candidates = [
+    candidates = _candidates(judgements, _core.usual_expression(expressions, scores))
+    return Rest(_explained(best, "usual" if best is usual else "frontal", judgements), candidates)
+
+
+def rest_asked_for(
+    footage: Footage,
+    frame: int,
+    others: set[int],
+    progress: Progress,
+    near: tuple[float, float] | None = None,
+    lens: KnownLens | None = None,
+) -> Rest:
+    """The head in the frame that is known to show rest; candidates are of `others` too.
+
+    near, lens: as `find_rest` has them. Raises NoFace.
+    """
+    image = footage.read(frame)
+    check_upright(footage, frame, image)
+    fit = fitting.find_face(image, frame, camera=camera_with(lens, footage.size), near=near)
+    judgements = _judged(footage, {frame, *others}, progress, fit.head_place())
+    scores, expressions = _compared(judgements)
+    usual = _core.usual_expression(expressions, scores, list(judgements).index(frame))
+    return Rest(_explained(fit, "asked for", judgements), _candidates(judgements, usual))
+
+
+def _compared(
+    judgements: Mapping[int, fitting.Judged],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Scores and expressions of the frames, in their order."""
+    scores = np.array([one.score for one in judgements.values()])
+    return scores, np.array([one.expression for one in judgements.values()])
+
+
+def _candidates(
+    judgements: Mapping[int, fitting.Judged], usual: NDArray[np.float64]
+) -> list[Candidate]:
+    return [
         Candidate(frame, one.features, float(share))
         for (frame, one), share in zip(judgements.items(), usual, strict=True)
     ]
-    return Rest(best, candidates)
+
+
+def _explained(fit: FaceFit, why: str, judgements: Mapping[int, fitting.Judged]) -> FaceFit:
+    """The fit with the reason why its frame was taken."""
+    _, expressions = _compared(judgements)
+    alike = _core.num_alike(expressions, list(judgements).index(fit.frame))
+    return replace(fit, rest=RestChoice(why, len(judgements), alike))
 
 
 def _more_frontal(

@@ -1,0 +1,76 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The frame taken as rest: a person may name it, and is told which it is and why."""
+
+import pytest
+from clips import make_clip
+from mimetic import InvalidInput
+from mimetic.commands.cli import main
+from mimetic.fit.face_fit import FaceFit
+from mimetic.fit.fitting import NoFace
+from mimetic.shared.progress import NUM_CANDIDATES
+from mimetic.solve.clip_capture import find_face
+
+FRAME = 3  # at rest
+
+
+@pytest.fixture(scope="module")
+def asked(rendered_clip):
+    return find_face(rendered_clip.footage, FRAME)
+
+
+@pytest.fixture(scope="module")
+def chosen(rendered_clip):
+    return find_face(rendered_clip.footage)
+
+
+def test_a_frame_that_is_asked_for_is_joined_by_others_as_a_chosen_one(asked, chosen):
+    assert asked.frame == asked.views[0].frame == FRAME
+    assert len(chosen.views) > 1 and len(asked.views) > 1
+    assert bool(asked.relief) == bool(chosen.relief)
+
+
+def test_the_fit_says_which_frame_was_taken_and_why(asked, chosen, tmp_path):
+    assert chosen.rest.why == "usual" and asked.rest.why == "asked for"
+    for fit in (chosen, asked):
+        assert 1 < fit.rest.alike <= fit.rest.seen <= NUM_CANDIDATES + 1
+    chosen.save(tmp_path / "fit.json")
+    again = FaceFit.load(tmp_path / "fit.json")
+    assert again.rest == chosen.rest
+    assert again.rest_text().startswith(
+        f"Frame {chosen.frame} is taken as rest: the face looks most at rest there"
+    )
+
+
+@pytest.mark.parametrize("frame", [0, 9999])
+def test_a_frame_outside_of_the_clip_is_refused(rendered_clip, frame):
+    with pytest.raises(InvalidInput, match=rf"frame {frame} is to show .* has frames 1 to"):
+        find_face(rendered_clip.footage, frame)
+
+
+def test_a_frame_without_a_face_is_refused(tmp_path):
+    with pytest.raises(NoFace, match="no frontal face in frame 2"):
+        find_face(make_clip(tmp_path / "bars.mp4", size="320x240"), 2)
+
+
+@pytest.mark.parametrize(
+    ("words", "text"),
+    [
+        (["capture", "--rest", "9999"], "frame 9999 is to show the face at rest"),
+        (["fit", "--rest", "0"], "frame 0 is to show the face at rest"),
+        (["capture", "--rest", "2", "--fit", "fit.json"], "--rest are of a face to find"),
+    ],
+)
+def test_commands_refuse_a_wrong_rest(rendered_clip, tmp_path, capsys, words, text):
+    command, *options = words
+    out = tmp_path / "out"
+    assert main([command, str(rendered_clip.footage), "--out", str(out), *options]) == 2
+    assert text in capsys.readouterr().err
+    assert not out.exists()
+
+
+def test_fit_says_which_frame_it_took(rendered_clip, tmp_path, capsys):
+    words = ["fit", str(rendered_clip.footage), "--rest", str(FRAME), "--out", str(tmp_path)]
+    assert main(words) == 0
+    fit = FaceFit.load(tmp_path / "fit.json")
+    assert fit.frame == FRAME
+    assert fit.rest_text() in capsys.readouterr().out.splitlines()
