@@ -79,7 +79,9 @@ def measure(name: str) -> None:
 def _made(scene, mesh):
     """The character's surface; and what its own controls make of values of its sources (T x S), T x
     V x 3 of the evaluated mesh, None where muscles' sliders play by themselves."""
-    rigs, keys = (_part(f"scene_out.{part}") for part in ("face_bones", "own_keys"))
+    rigs, keys, rest = (
+        _part(f"scene_out.{part}") for part in ("face_bones", "own_keys", "rest_pose")
+    )
     playing, values = _native().playing(), _part("scene_out.control_values")
     if mesh.parent is not None and mesh.parent.type == "ARMATURE":
         character, surface = mesh.parent, rigs.surface(scene, mesh.parent)
@@ -94,10 +96,10 @@ def _made(scene, mesh):
             rows, np.zeros((len(rows), len(surface.control_names)))
         )
         shown = []
-        with rigs._armature_alone(mesh):
+        with rest.held(character if channels else None, mesh):
             for row in np.vstack([np.zeros_like(fitted[:1]), fitted]):
                 values.put(character, dict(zip(surface.control_names, row, strict=True)), channels)
-                shown.append(rigs._evaluated(mesh))
+                shown.append(rest.evaluated(mesh))
         return np.array(shown[1:]) - shown[0]
 
     return surface, made

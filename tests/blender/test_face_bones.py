@@ -149,6 +149,30 @@ def test_measuring_leaves_the_pose_as_it_was(extension, rig, scene):
     assert bpy.data.objects["Hero"].modifiers["Subdivision"].show_viewport
 
 
+def test_bones_are_measured_with_the_rig_at_rest(extension, rig, scene):
+    """The head may be turned at the playhead, by hand or by the take before."""
+    bones = extension("scene_out.face_bones")
+    face, own = bones.deformed_face(scene, rig), bones.channels(rig)
+    at_rest = bones._responses(rig, face, own)
+    head = rig.pose.bones["head"]
+    head.rotation_mode = "XYZ"
+    head.rotation_euler = (0, 0, np.radians(30))
+    face.data.shape_keys.key_blocks["jaw_open"].value = 0.5
+    np.testing.assert_allclose(bones._responses(rig, face, own), at_rest, atol=1e-5)
+    assert head.rotation_euler[2] == pytest.approx(np.radians(30))
+    assert face.data.shape_keys.key_blocks["jaw_open"].value == 0.5
+    head.keyframe_insert("rotation_euler", frame=1)
+    scene.frame_set(1)
+    np.testing.assert_allclose(bones._responses(rig, face, own), at_rest, atol=1e-5)
+    # What holds the head turned from outside
+    aim = bpy.data.objects.new("Aim", None)
+    aim.rotation_euler = (0, 0, np.radians(30))
+    scene.collection.objects.link(aim)
+    head.constraints.new("COPY_ROTATION").target = aim
+    turned = bones._responses(rig, face, own)
+    np.testing.assert_allclose(turned, at_rest, atol=0.05 * np.abs(at_rest).max())
+
+
 def test_rows_and_presets_need_no_bone_moved(extension, rig, monkeypatch, tmp_path):
     bones = extension("scene_out.face_bones")
     monkeypatch.setattr(bones, "_moved", lambda *_: pytest.fail("a bone was moved"))
@@ -179,3 +203,89 @@ def test_the_buttons_fit_and_bake_bones_too(extension, rig, scene, acting_file):
     bpy.ops.object.mode_set(mode="EDIT")
     assert not bpy.ops.mimetic.bake_controls.poll()
     bpy.ops.object.mode_set(mode="OBJECT")
+
+
+def loaded_take(scene, path, rig) -> None:
+    scene.render.fps = 25
+    bpy.ops.mimetic.load_performance(filepath=str(path))
+    bpy.context.view_layer.objects.active = rig
+
+
+def moves(extension, rig, path: str) -> float:
+    """By how much the curves of a property move it."""
+    curves = extension("compat").curves(rig).fcurves
+    own = [curve for curve in curves if curve.data_path == path]
+    keys = [[key.co.y for key in curve.keyframe_points] for curve in own]
+    return max((np.ptp(values) for values in keys), default=0.0)
+
+
+BROW = 'pose.bones["brow.L"].location'
+
+
+def test_a_bone_at_rest_in_the_next_take_keeps_nothing_of_the_one_before(
+    extension, rig, scene, acting_file, tmp_path
+):
+    from acting import make_acting
+
+    loaded_take(scene, acting_file, rig)
+    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
+    first = rig.animation_data.action
+    assert moves(extension, rig, BROW) > 1e-3
+    still = tmp_path / "still.npz"
+    make_acting({"zygomaticus_major.L": np.linspace(0, 1, 6)}).save(still)
+    loaded_take(scene, still, rig)
+    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
+    assert rig.animation_data.action != first
+    assert moves(extension, rig, BROW) < 1e-4
+
+
+def test_a_bone_that_is_switched_off_keeps_nothing_of_the_bake_before(
+    extension, rig, scene, acting_file
+):
+    loaded_take(scene, acting_file, rig)
+    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
+    scene.frame_set(6)
+    for axis in "xyz":
+        rig.mimetic.controls[f"brow.L along {axis}"].is_on = False
+    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
+    assert moves(extension, rig, BROW) == 0
+    assert moves(extension, rig, BROW.replace(".L", ".R")) > 1e-3
+    scene.frame_set(6)
+    assert rig.pose.bones["brow.L"].location.length == 0
+    # What an animator keys on it then goes on through further bakes
+    rig.pose.bones["brow.L"].location[2] = 0.02
+    rig.keyframe_insert(BROW, frame=3)
+    rig.pose.bones["brow.L"].location[2] = 0.01
+    rig.keyframe_insert(BROW, frame=9)
+    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
+    assert moves(extension, rig, BROW) == pytest.approx(0.01)
+
+
+def test_a_curve_edited_by_hand_outlives_its_row(extension, rig, scene, acting_file):
+    loaded_take(scene, acting_file, rig)
+    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
+    curves = extension("compat").curves(rig).fcurves
+    edited = next(c for c in curves if c.data_path == BROW and c.array_index == 2)
+    edited.keyframe_points[0].co.y = 0.5
+    for axis in "xyz":
+        rig.mimetic.controls[f"brow.L along {axis}"].is_on = False
+    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
+    left = [c for c in extension("compat").curves(rig).fcurves if c.data_path == BROW]
+    assert [curve.array_index for curve in left] == [2]
+
+
+@pytest.mark.parametrize("is_renamed", [True, False])
+def test_a_bone_that_is_gone_meanwhile_is_named(extension, rig, scene, acting_file, is_renamed):
+    bones = extension("scene_out.face_bones")
+    performance = extension("native").performances().Performance.load(acting_file)
+    played = bones.play(scene, performance, rig)
+    if is_renamed:
+        rig.data.bones["brow.L"].name = "Other"
+    else:
+        bpy.context.view_layer.objects.active = rig
+        bpy.ops.object.mode_set(mode="EDIT")
+        rig.data.edit_bones.remove(rig.data.edit_bones["brow.L"])
+        bpy.ops.object.mode_set(mode="OBJECT")
+    with pytest.raises(ValueError, match=r"Rig has no bone to move for brow\.L along x any more"):
+        bones.bake(scene, performance, "hero", rig, played)
+    assert rig.animation_data is None or rig.animation_data.action is None

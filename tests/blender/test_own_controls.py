@@ -262,6 +262,17 @@ def test_the_table_is_heeded_and_survives_a_refit(extension, loaded):
     assert len([a for a in bpy.data.actions if a.name.startswith("hero controls")]) == 2
 
 
+def test_a_key_that_is_switched_off_keeps_nothing_of_the_bake_before(extension, loaded, scene):
+    bpy.ops.mimetic.bake_controls(use_head_motion=False)
+    scene.frame_set(20)
+    assert key_curves(extension, loaded)["eyeBlinkLeft"].max() > 0.05
+    bpy.ops.mimetic.fit_controls()
+    row(loaded, "eyeBlinkLeft").is_on = False
+    bpy.ops.mimetic.bake_controls(use_head_motion=False)
+    assert set(key_curves(extension, loaded)) == set(UNITS) - {"eyeBlinkLeft"}
+    assert loaded.data.shape_keys.key_blocks["eyeBlinkLeft"].value == 0
+
+
 def test_rows_are_mirrored_and_kept_as_a_preset(loaded, tmp_path):
     bpy.ops.mimetic.fit_controls()
     row(loaded, "mouthSmileLeft").gain = 1.5

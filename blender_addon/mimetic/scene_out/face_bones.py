@@ -2,21 +2,22 @@
 """A performance on the bones of a rig's face, by what the mesh does when they move.
 
 The mesh has muscles; how it follows each bone is measured by moving the bone a little and
-evaluating the rig, constraints, drivers and all. The pose is put back.
+evaluating the rig, constraints, drivers and all, with every bone at rest (`rest_pose`).
 """
 
 from __future__ import annotations
 
-from contextlib import contextmanager
+from collections.abc import Iterable
 from dataclasses import replace
 
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Quaternion
 
 from .. import compat, native, scene_in, world, writable
-from . import actions, head, own_controls, own_keys, rigs
+from . import actions, baked_curves, head, own_controls, own_keys, rest_pose, rigs
 from .motion_keys import MotionKeys
 
 NECK_SHARE = 0.3  # of the head's turns
@@ -106,8 +107,10 @@ def bake(
 ) -> own_controls.BakeSummary:
     """Keys a `mimetic.retarget.PlayedControls` on a rig's face bones, and the head's motion on
     those of head and neck, in one new action. What else its action holds goes on in a copy.
-    tolerance, by_phases: of few keys, as `MotionKeys` has them."""
+    tolerance, by_phases: of few keys, as `MotionKeys` has them. Raises InvalidInput, and changes
+    nothing then, where a bone was renamed or removed meanwhile."""
     writable.check(writable.no_motion(armature))
+    _check_channels(armature, played.names)
     keys = MotionKeys(tolerance, by_phases)
     target = head_target(armature)
     num_curves, text = 0, played.summary()
@@ -130,6 +133,16 @@ def head_target(armature: bpy.types.Object) -> head.Target | None:
     return head.Target(armature.name, bones.head, bones.neck, NECK_SHARE, translation_scale=0.0)
 
 
+def _check_channels(armature: bpy.types.Object, names: Iterable[str]) -> None:
+    known = {channel.name for channel in channels(armature)}
+    if missing := [name for name in names if name not in known]:
+        raise native.invalid_input(
+            rpt_(
+                "{name} has no bone to move for {control} any more: fit its controls again"
+            ).format(name=armature.name, control=missing[0])
+        )
+
+
 def key(
     scene,
     performance,
@@ -138,30 +151,52 @@ def key(
     footage=None,
     keys: MotionKeys | None = None,
 ) -> int:
-    """Keys the played channels in the armature's own action; returns the number of curves."""
+    """Keys the played channels in the armature's own action; returns the number of curves.
+
+    A channel at rest is keyed only where a curve would go on instead, of a take before or by hand;
+    one that is not played keeps a curve by hand, and loses that of a bake before.
+    """
     keys = keys or MotionKeys()
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
     holder = compat.curves(armature)
     values = dict(zip(played.names, played.values.T, strict=True))
-    num_curves = 0
+    keyed: list[tuple[str, int]] = []
     for channel in channels(armature):
-        if channel.name not in values or channel.name in played.resting:
+        if channel.name not in values:
             continue
-        bone = armature.pose.bones[channel.bone]
-        if channel.is_turn:
-            parts = native.bone_channels().turns(values[channel.name], bone.rotation_mode)
-            path = bone.path_from_id(parts[0])
-            actions.clear(holder, path)
-            num_curves += keys.turn(holder, path, channel.bone, frames, parts[1])
+        is_resting = channel.name in played.resting
+        if is_resting and not _curves_of(holder, armature.pose.bones[channel.bone], channel):
             continue
-        path = bone.path_from_id("location")
-        for curve in [c for c in holder.fcurves if c.data_path == path]:
-            if curve.array_index == channel.axis:
-                holder.fcurves.remove(curve)
-        curve = compat.new_curve(holder, path, channel.axis, channel.bone)
-        keys.along(curve, frames, values[channel.name], _unit(armature))
-        num_curves += 1
-    return num_curves
+        keyed += _key_channel(holder, armature, channel, frames, values[channel.name], keys)
+    baked_curves.replace(armature, set(keyed))
+    return len(keyed)
+
+
+def _curves_of(holder, bone: bpy.types.PoseBone, channel) -> list[bpy.types.FCurve]:
+    """What moves a channel now."""
+    if channel.is_turn:
+        paths = {bone.path_from_id(path) for path in actions.ROTATION_PATHS}
+        return [curve for curve in holder.fcurves if curve.data_path in paths]
+    path = bone.path_from_id("location")
+    return [c for c in holder.fcurves if c.data_path == path and c.array_index == channel.axis]
+
+
+def _key_channel(
+    holder, armature: bpy.types.Object, channel, frames, values, keys: MotionKeys
+) -> list[tuple[str, int]]:
+    """Keys one channel instead of what moved it; returns the path and index of each curve."""
+    bone = armature.pose.bones[channel.bone]
+    for curve in _curves_of(holder, bone, channel):
+        holder.fcurves.remove(curve)
+    if channel.is_turn:
+        part, rows = native.bone_channels().turns(values, bone.rotation_mode)
+        path = bone.path_from_id(part)
+        count = keys.turn(holder, path, channel.bone, frames, rows)
+        return [(path, index) for index in range(count)]
+    path = bone.path_from_id("location")
+    curve = compat.new_curve(holder, path, channel.axis, channel.bone)
+    keys.along(curve, frames, values, _unit(armature))
+    return [(path, channel.axis)]
 
 
 def pose(armature: bpy.types.Object, own: list, values: dict[str, float]) -> None:
@@ -185,13 +220,15 @@ def _unit(armature: bpy.types.Object) -> float:
 
 
 def _responses(armature, face, own: list) -> np.ndarray:
-    """K x V x 3: what the mesh does, in its own frame, at value 1 of each channel."""
+    """K x V x 3: what the mesh does, in its own frame at rest, at value 1 of each channel."""
     responses = np.zeros((len(own), len(face.data.vertices), 3))
-    with _armature_alone(face):
+    with rest_pose.held(armature, face):
+        before = rest_pose.evaluated(face)
         for response, channel in zip(responses, own, strict=True):
             ends = [_moved(armature, face, channel, side * STEP) for side in (1, -1)]
             response[:] = (ends[0] - ends[1]) / (2 * STEP)
-    return responses
+    # Constraints to what is outside of the rig may hold the head turned all the same
+    return native.bone_channels().at_rest(responses, before, own_keys.rest_points(face))
 
 
 def _moved(armature, face, channel, value: float) -> np.ndarray:
@@ -204,28 +241,6 @@ def _moved(armature, face, channel, value: float) -> np.ndarray:
             bone.matrix_basis = before @ turn.to_matrix().to_4x4()
         else:
             bone.location[channel.axis] += value * _unit(armature)
-        return _evaluated(face)
+        return rest_pose.evaluated(face)
     finally:
         bone.matrix_basis = before
-
-
-def _evaluated(face) -> np.ndarray:
-    bpy.context.view_layer.update()
-    vertices = face.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices
-    points = np.empty(3 * len(vertices), dtype=np.float32)
-    vertices.foreach_get("co", points)
-    return points.reshape(-1, 3).astype(np.float64)
-
-
-@contextmanager
-def _armature_alone(face):
-    """Without modifiers that make other vertices."""
-    others = [m for m in face.modifiers if m.type != "ARMATURE" and m.show_viewport]
-    for modifier in others:
-        modifier.show_viewport = False
-    try:
-        yield
-    finally:
-        for modifier in others:
-            modifier.show_viewport = True
-        bpy.context.view_layer.update()

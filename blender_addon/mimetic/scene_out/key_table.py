@@ -9,10 +9,12 @@ import bpy
 import numpy as np
 
 from .. import native
+from .actions import BEZIER
 
 PLACES = ("co", "handle_left", "handle_right")
 KINDS = ("interpolation", "easing", "handle_left_type", "handle_right_type", "type")
 SELECTED = ("select_control_point", "select_left_handle", "select_right_handle")
+MARK_DIGITS = 4  # of handles, which Blender may compute again
 SHAPES = ("amplitude", "period", "back")  # of easing
 DTYPES = (
     dict.fromkeys(KINDS, np.int32)
@@ -54,6 +56,18 @@ def read(curve: bpy.types.FCurve) -> KeyTable:
     for name, values in columns.items():
         points.foreach_get(name, values)
     return KeyTable(native.curve_keys().CurveKeys(*rows), columns)
+
+
+def mark(curve: bpy.types.FCurve) -> bytes:
+    """What changes with every edit of a curve's keys."""
+    table = read(curve)
+    kinds = table.columns["interpolation"]
+    is_curved = kinds == BEZIER
+    handles = [
+        np.round(rows[is_curved], MARK_DIGITS).tobytes()
+        for rows in (table.keys.left, table.keys.right)
+    ]
+    return b"".join((table.keys.points.astype(np.float32).tobytes(), kinds.tobytes(), *handles))
 
 
 def write(curve: bpy.types.FCurve, table: KeyTable) -> None:

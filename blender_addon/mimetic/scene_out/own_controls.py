@@ -9,7 +9,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import native, scene_in, world, writable
-from . import actions, bound, companions, head, own_keys
+from . import actions, baked_curves, bound, companions, head, own_keys
 
 GROUP = "Face"  # what the curves are listed under
 
@@ -67,6 +67,9 @@ def bake(
         holder = actions.continued_take(obj.data.shape_keys, name)
         for name, key in own.items():
             actions.key_slider(holder, key, GROUP, frames, curves[name], tolerance, by_phases)
+        baked_curves.replace(
+            obj.data.shape_keys, {(key.path_from_id("value"), 0) for key in own.values()}
+        )
         num_curves += len(own)
         others += [] if obj == character else [obj]
     companions.remember(character, others)
@@ -74,14 +77,18 @@ def bake(
         names = ", ".join(obj.name for obj in others)
         remark += rpt_("; {names} moved along").format(names=names)
     if use_head_motion:
-        if scene_in.is_face(character):
-            channels = bound.motion(scene, performance, character)
-            target = head.Target(character.name)
-            num_curves += head.key_object(character, performance, take, frames, channels, target)
-        else:
-            target = head.Target(character.name, pivot=_pivot(scene, character))
-            num_curves += head.bake(scene, performance, take, target, footage).num_curves
+        num_curves += _key_head(scene, performance, take, character, footage, frames)
     return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, played.summary() + remark)
+
+
+def _key_head(scene, performance, take: str, character, footage, frames) -> int:
+    """Keys the motion of a head that nothing else moves; returns the number of curves."""
+    if scene_in.is_face(character):
+        channels = bound.motion(scene, performance, character)
+        target = head.Target(character.name)
+        return head.key_object(character, performance, take, frames, channels, target)
+    target = head.Target(character.name, pivot=_pivot(scene, character))
+    return head.bake(scene, performance, take, target, footage).num_curves
 
 
 def play(performance, character: bpy.types.Object, preset: str | None = None):
@@ -99,8 +106,7 @@ def preset_rows(surface, preset: str | None):
     if preset is None:
         return None
     package = native.controls()
-    ranges = dict(zip(surface.control_names, surface.control_range.tolist(), strict=True))
-    return package.with_preset(package.refitted([], ranges), package.load_preset(preset))[0]
+    return package.with_preset(package.refitted([], surface.ranges), package.load_preset(preset))[0]
 
 
 def _pivot(scene: bpy.types.Scene, character: bpy.types.Object) -> tuple[float, float, float]:

@@ -147,6 +147,11 @@ def _offsets(head: bpy.types.Object, key: bpy.types.ShapeKey) -> np.ndarray:
     return offsets
 
 
+def rest_points(head: bpy.types.Object) -> np.ndarray:
+    """V x 3: the head's mesh without its shape keys."""
+    return _points(head.data.shape_keys.reference_key)
+
+
 def _points(key: bpy.types.ShapeKey) -> np.ndarray:
     points = np.empty(3 * len(key.points), dtype=np.float32)
     key.points.foreach_get("co", points)

@@ -12,10 +12,9 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import compat, native
-from . import actions, companions, control_object, key_table, take_strips
+from . import companions, control_object, key_table, take_strips
 
 KEYS, OBJECT, CONTROL = "KEYS", "OBJECT", "CONTROL"
-MARK_DIGITS = 4  # of handles, which Blender may compute again
 
 
 def owners(obj: bpy.types.Object | None) -> dict[str, bpy.types.ID]:
@@ -122,14 +121,8 @@ def mark_of(row) -> str:
     for part in row.parts:
         curves = compat.curves_of(part.action, part.slot) if part.action else ()
         for curve in sorted(curves, key=lambda curve: (curve.data_path, curve.array_index)):
-            table = key_table.read(curve)
             digest.update(f"{part.name} {curve.data_path} {curve.array_index}".encode())
-            digest.update(table.keys.points.astype(np.float32).tobytes())
-            kinds = table.columns["interpolation"]
-            digest.update(kinds.tobytes())
-            is_curved = kinds == actions.BEZIER
-            for handles in (table.keys.left, table.keys.right):
-                digest.update(np.round(handles[is_curved], MARK_DIGITS).tobytes())
+            digest.update(key_table.mark(curve))
     return digest.hexdigest()
 
 

@@ -61,6 +61,14 @@ def nearest_surface() -> _core.ControlFitOptions:
     return options
 
 
+def at_rest(
+    responses: NDArray[np.float64], points: NDArray[np.float64], rest: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """What controls do (K x V x 3) to a mesh that something holds turned (its points: V x 3), as
+    they would do it to the mesh at rest (V x 3)."""
+    return _core.fit_similarity(points, rest).turn(responses)
+
+
 def turns(values: NDArray[np.float64], rotation_mode: str) -> tuple[str, NDArray[np.float64]]:
     """The property that a rotation mode reads, and its curves (N x 3 or 4), for turns about x."""
     vectors = np.zeros((len(values), 3))
