@@ -9,9 +9,12 @@ from functools import cached_property
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
+from mathutils import Matrix, Vector
 
 from . import head_parts, native, scene_in, world, writable
 from .head_parts import HeadPart
+
+DRAGGED = 1e-4  # metres by which a landmark lies elsewhere
 
 
 @dataclass(frozen=True)
@@ -37,10 +40,18 @@ class ForeignHead:
         return package.with_parts(self.points, polygons, [part.mesh for part in self.parts])
 
 
+def active_head(context) -> bpy.types.Object | None:
+    """The active object, or the head whose landmark that is: one has just been dragged."""
+    active = context.active_object
+    if active is not None and active.type == "EMPTY" and active.mimetic.landmark and active.parent:
+        return active.parent
+    return active
+
+
 def no_foreign_head(context) -> str:
     if reason := scene_in.no_start():
         return reason
-    head = context.active_object
+    head = active_head(context)
     if head is None or head.type != "MESH":
         return "Select the head's mesh first"
     if reason := writable.no_shapes(head):
@@ -101,7 +112,7 @@ def no_bound_head(context) -> str:
     """Why the active mesh has no landmarks by which shapes could be made."""
     if reason := no_foreign_head(context):
         return reason
-    head = context.active_object
+    head = active_head(context)
     if len(head.mimetic.landmarks) or landmark_empties(context.scene, head):
         return ""
     return "" if scene_in.is_face(head) else "Press Add Landmarks first, or Attach Muscles"
@@ -126,6 +137,29 @@ def landmark_empties(scene: bpy.types.Scene, head: bpy.types.Object) -> dict:
     own = [mark for mark in marks if mark.parent == head]
     free = [mark for mark in marks if mark.parent is None]
     return {_landmark_of(mark): mark for mark in own or free}
+
+
+def moved_landmarks(scene: bpy.types.Scene, head: bpy.types.Object | None) -> list[str]:
+    """Names of the empties that were dragged since the head's muscles were attached by them."""
+    if head is None or head.type != "MESH" or head.data.shape_keys is None:
+        return []
+    attached_by = head.mimetic.landmarks
+    if not len(attached_by):
+        return []
+    metres = Matrix(native.array(head.mimetic.metres_from_object).reshape(4, 4).tolist())
+    size = metres.median_scale
+    rest, from_metres = head.data.shape_keys.reference_key.points, metres.inverted_safe()
+    from_world = world.matrix(head).inverted_safe()
+    moved = []
+    for name, empty in landmark_empties(scene, head).items():
+        mark = attached_by.get(name)
+        if mark is not None and mark.vertex < len(rest):
+            before = rest[mark.vertex].co if mark.vertex >= 0 else from_metres @ Vector(mark.place)
+            now = from_world @ world.matrix(empty).translation
+            if (now - before).length * size < DRAGGED:
+                continue
+        moved.append(name)
+    return moved
 
 
 def _landmark_of(empty: bpy.types.Object) -> str:

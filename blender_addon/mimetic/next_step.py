@@ -6,8 +6,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import bpy
+from bpy.app.translations import pgettext_iface as iface_
 
-from . import clips, corrections, native, scene_in, shown_take, takes
+from . import clips, corrections, heads, native, scene_in, shown_take, takes
 
 
 @dataclass(frozen=True)
@@ -22,12 +23,15 @@ LOAD = Step("mimetic.load_clip", "Next: Load Clip", "Or drop a video here")
 FIND = Step("mimetic.find_face", "Next: Find Face")
 CAPTURE = Step("mimetic.capture", "Next: Capture")
 REFINE = Step("mimetic.refine", "Next: Refine", "For what was corrected")
+ATTACH = "mimetic.attach_muscles"
 BAKE = Step("mimetic.bake", "Next: Bake")
 DONE = Step("", "", "Baked. In a frame where the face is off: Pin Skin or Correct (Corrections)")
 
 
 def of(context) -> Step:
     """The step that comes next for the clip on show, or for the take while there is no clip."""
+    if moved := landmarks_moved(context):
+        return Step(ATTACH, "Next: Attach Muscles", moved)
     clip = scene_in.clip_of(context)
     holder = takes.of_clip(context.scene, clip)
     if clip is None and holder is None:
@@ -39,6 +43,14 @@ def of(context) -> Step:
     if clip is not None and not clips.is_missing(clip) and _waits_for_refine(context, clip):
         return REFINE
     return DONE if _is_baked(context.scene, takes.name_of(holder)) else BAKE
+
+
+def landmarks_moved(context) -> str:
+    """Which landmarks of the active head its muscles do not know yet, or nothing."""
+    head = heads.active_head(context)
+    if not (names := heads.moved_landmarks(context.scene, head)):
+        return ""
+    return iface_("{head}: landmarks moved: {names}").format(head=head.name, names=", ".join(names))
 
 
 def _to_take(clip: bpy.types.MovieClip) -> Step:

@@ -173,6 +173,8 @@ def face_of(context) -> bpy.types.Object | None:
         return active
     if active is not None and (controlled_face := face_by_control(context.scene, active)):
         return controlled_face
+    if active is not None and active.mimetic.landmark and active.parent and is_face(active.parent):
+        return active.parent
     face = context.scene.mimetic.face
     return face if face is not None and face.name in context.scene.objects else None
 

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import pytest
 from last_result import result
+from panel_texts import drawn, lit_buttons
 
 HOLE = 139  # a face of the forehead
 UNIT = 0.01  # metres in the object's unit: modelled in centimetres, scaled in the scene
@@ -117,6 +118,28 @@ def test_landmarks_by_vertex_groups_are_their_vertices(extension, scene, parts, 
         group.add([vertex], 1.0, "REPLACE")
         group.add([vertex + 1], 0.4, "REPLACE")
     assert extension("heads").foreign_head(scene, head).landmarks == parts[2]
+
+
+def test_a_dragged_landmark_asks_for_the_muscles_to_be_attached_again(extension, parts, head):
+    put_landmarks(head, parts)
+    assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+    panels = ("MIMETIC_PT_capture_view", "MIMETIC_PT_muscles")
+    assert not any("mimetic.attach_muscles" in lit_buttons(panel) for panel in panels)
+    before = offsets_of(head, "mentalis.L")
+    head.location[2] += 0.4  # the whole head, its landmarks with it
+    bpy.context.view_layer.update()
+    assert extension("heads").moved_landmarks(bpy.context.scene, head) == []
+    chin = next(mark for mark in head.children if mark.mimetic.landmark == "chin")
+    chin.location[2] -= 1.0  # a centimetre
+    bpy.context.view_layer.objects.active = chin  # as whoever drags it has it
+    bpy.context.view_layer.update()
+    for panel in panels:
+        assert lit_buttons(panel) == ["mimetic.attach_muscles"]
+        assert "Bust: landmarks moved: chin" in " ".join(drawn(panel).split())
+    assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+    assert np.abs(offsets_of(head, "mentalis.L") - before).max() > 1e-3
+    for panel in panels:
+        assert "mimetic.attach_muscles" not in lit_buttons(panel)
 
 
 def test_landmarks_by_a_file_are_those_of_the_empties(extension, scene, parts, head, tmp_path):

@@ -29,7 +29,7 @@ class MIMETIC_OT_add_landmarks(Job, Operator):
     obstacle = staticmethod(heads.no_foreign_head)
 
     def read(self, context):
-        head = context.active_object
+        head = heads.active_head(context)
         if empties := heads.landmark_empties(context.scene, head):
             message = rpt_("There are landmarks for {head}: {names}").format(
                 head=head.name, names=", ".join(empties)
@@ -86,7 +86,7 @@ class MIMETIC_OT_attach_muscles(WithParts, Job, Operator):
 
     def read(self, context):
         path = bpy.path.abspath(self.filepath) if self.filepath else ""
-        return heads.foreign_head(context.scene, context.active_object, self.others), path
+        return heads.foreign_head(context.scene, heads.active_head(context), self.others), path
 
     def work(self, inputs, progress):
         head, path = inputs
@@ -130,7 +130,7 @@ class MIMETIC_OT_add_arkit_shapes(WithParts, Job, Operator):
     obstacle = staticmethod(heads.no_bound_head)
 
     def read(self, context):
-        return heads.bound_head(context.scene, context.active_object, self.others)
+        return heads.bound_head(context.scene, heads.active_head(context), self.others)
 
     def work(self, head, progress):
         face = _attached(head, head.landmarks, progress)

@@ -4,7 +4,7 @@
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Panel
 
-from .. import contact, native, scene_in, writable
+from .. import contact, native, next_step, scene_in, writable
 from ..overlay import live
 from ..scene_out import gaze
 from .paragraph import paragraph
@@ -42,8 +42,12 @@ class MIMETIC_PT_muscles(Muscles, Panel):
             row.operator("mimetic.remove_control_object", icon="ARMATURE_DATA", text="")
         else:
             row.operator("mimetic.add_control_object", icon="ARMATURE_DATA", text="")
-        if len(face.mimetic.landmarks):
+        moved = next_step.landmarks_moved(context)
+        if len(face.mimetic.landmarks) and not moved:
             row.operator("mimetic.attach_muscles", icon="SHAPEKEY_DATA", text="")
+        if moved:
+            layout.operator(next_step.ATTACH, icon="SHAPEKEY_DATA", depress=True)
+            paragraph(layout, moved)
         row = layout.row()
         row.enabled = not (reason := writable.no_shapes(face))
         row.prop(face.mimetic, "use_contact")
