@@ -21,8 +21,8 @@ SKULL = "DEF-spine.006"
 IDLE = 1, 240  # frames in which the body moves
 # Parts that are stiff, and the deform bones that carry them: of the new face, else of the legacy
 STIFF = {
-    "eye.L": ("DEF-eye.L", SKULL),
-    "eye.R": ("DEF-eye.R", SKULL),
+    "eye.L": ("DEF-eye.L", "ORG-eye.L"),
+    "eye.R": ("DEF-eye.R", "ORG-eye.R"),
     "teeth_upper": ("DEF-teeth.T", SKULL),
     "teeth_lower": ("DEF-teeth.B", "DEF-jaw"),
     "tongue": ("DEF-tongue",),
@@ -95,6 +95,7 @@ def _stiffen(head, rig, template) -> None:
         for group in deforming:
             group.remove(vertices)
         name = next(bone for bone in bones if bone in rig.data.bones)
+        rig.data.bones[name].use_deform = True  # what turns an eye of the legacy face does not
         group = head.vertex_groups.get(name) or head.vertex_groups.new(name=name)
         group.add(vertices, 1.0, "REPLACE")
 

@@ -4,7 +4,8 @@
 What muscles make of each unit, alone and full, is what a character should do; what its own controls
 make of that is read from the evaluated mesh. Prints a line a character, over the skin that can be
 seen: medians over the units of cosine and gain, the widest gap of lids that blink, and how far off
-lips are in the worst of the units that move them, in mm.
+lips are in the worst of the units that move them, in mm. Of rigs whose bones turn the eyes, how far
+off those look at most, to 25 degrees aside and 15 up and down.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from make_characters import CHARACTERS, at_hand
 
 ACTOR = 11  # seed of the actor's identity
 PARTED = ("lid_upper.L", "lid_upper.R", "jaw_open")  # sources that shut rims, or part them
+ASIDE, UP = (-25.0, -10.0, 0.0, 10.0, 25.0), (-15.0, 0.0, 15.0)  # degrees, of gaze
 SHUT = 0.5  # mm; lips that are no further apart are shut
 NEAR = 0.004  # of a head 0.25 m high: so near lie rims that touch
 HEADER = "character     cosine  below .8  gain  lids, mm  lips, mm  52: lids, mm  lips, mm"
@@ -74,6 +76,30 @@ def measure(name: str) -> None:
         f"{np.median(along / np.maximum(whole, 1e-30)):5.2f} {lids:9.2f} {lips:9.2f} "
         f"{_shape_gaps(scene, mesh)}"
     )
+    if surface.gaze is not None:
+        print(
+            f"{name:12s} eyes look up to {_gaze_error(mesh, surface):.2f} degrees aside of the gaze"
+        )
+
+
+def _gaze_error(mesh, surface) -> float:
+    """Degrees that an eyeball's turn is off at most."""
+    rigs, eyes, rest = (
+        _part(f"scene_out.{part}") for part in ("face_bones", "eye_bones", "rest_pose")
+    )
+    gaze, between = surface.gaze, _native().controls().gaze_controls.turn_between
+    grid = np.array([(yaw, pitch, yaw, pitch) for yaw in ASIDE for pitch in UP])
+    own = [channel for channel in rigs.channels(mesh.parent) if channel.name in gaze.names]
+    eyeballs, farthest = eyes.Eyeballs(mesh), 0.0
+    with rest.held(mesh.parent, mesh):
+        before = eyeballs.places()
+        for angles, row in zip(grid, gaze.values(grid), strict=True):
+            rigs.pose(mesh.parent, own, dict(zip(gaze.names, row, strict=True)))
+            places = eyeballs.places()
+            for eye in range(2):
+                off = between(before[eye], places[eye]) - gaze.turn_of(angles[None], eye)[0]
+                farthest = max(farthest, float(np.degrees(np.linalg.norm(off))))
+    return farthest
 
 
 def _made(scene, mesh):

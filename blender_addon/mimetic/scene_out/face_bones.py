@@ -7,7 +7,8 @@ evaluating the rig, constraints, drivers and all, with every bone at rest (`rest
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 
 import bpy
@@ -17,7 +18,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Quaternion
 
 from .. import compat, native, scene_in, world, writable
-from . import actions, baked_curves, head, own_controls, own_keys, rest_pose, rigs
+from . import actions, baked_curves, eye_bones, head, own_controls, own_keys, rest_pose, rigs
 from .motion_keys import MotionKeys
 
 NECK_SHARE = 0.3  # of the head's turns
@@ -50,37 +51,60 @@ def no_face(scene: bpy.types.Scene, armature: bpy.types.Object) -> str:
 
 
 def channels(armature: bpy.types.Object) -> list:
-    """`mimetic.retarget.BoneChannel`s of the face's bones, but for those that drivers set."""
+    """`mimetic.retarget.BoneChannel`s of the face's bones and then of the eyes', but for those that
+    drivers set."""
     package = native.bone_channels()
     driven = actions.driver_paths(armature)
+    names = [
+        bone.name
+        for bone in armature.pose.bones
+        if not any(path.startswith(bone.path_from_id()) for path in driven)
+    ]
     own = []
-    for name in package.face_bones([bone.name for bone in armature.pose.bones]):
+    for name in package.face_bones(names):
         bone = armature.pose.bones[name]
-        can_move = not (bone.bone.use_connect and bone.bone.parent)
-        prefix = bone.path_from_id()
-        if any(path.startswith(prefix) for path in driven):
-            continue
-        own += package.channels_of(name, can_move, tuple(bone.lock_location), bone.lock_rotation[0])
+        locks = tuple(bone.lock_location), bone.lock_rotation[0]
+        own += package.channels_of(name, _can_move(bone), *locks)
+    for name in package.eye_bones(names):
+        bone = armature.pose.bones[name]
+        locks = tuple(bone.lock_location), tuple(bone.lock_rotation)
+        own += package.eye_channels_of(name, _can_move(bone), *locks)
     return own
 
 
+def _can_move(bone: bpy.types.PoseBone) -> bool:
+    return not (bone.bone.use_connect and bone.bone.parent)
+
+
 def surface(scene: bpy.types.Scene, armature: bpy.types.Object):
-    """A `mimetic.retarget.ControlSurface`: channels of bones by their measured responses."""
+    """A `mimetic.retarget.ControlSurface`: channels of bones by their measured responses, those
+    that turn the eyes by what the eyeballs do."""
     face = deformed_face(scene, armature)
-    own = channels(armature)
+    every = channels(armature)
+    own = [channel for channel in every if not channel.is_of_eye]
+    plain, eyeballs = own_keys.surface(face), eye_bones.Eyeballs(face)
+    eyes = [channel for channel in every if channel.is_of_eye]
+    gaze, carried = _gaze(scene, armature, face, eyes, eyeballs)
+    sources = plain.sources.copy()
+    for side in set(eyeballs.sides) - set(gaze.undriven()):
+        sources[:, eyeballs.vertices(side)] = 0.0
     return replace(
-        own_keys.surface(face),
+        plain,
         control_names=[channel.name for channel in own],
         controls=_responses(armature, face, own),
-        control_range=np.tile(native.bone_channels().RANGE, (len(own), 1)),
+        control_range=np.array([channel.range for channel in own]).reshape(-1, 2),
+        source_names=[*plain.source_names, *gaze.names],
+        sources=np.concatenate([sources, -carried]),
+        source_range=np.concatenate([plain.source_range, gaze.ranges]),
         # What bones take along within the head is as its weights chance to be
         heeds_hidden=False,
+        gaze=gaze if gaze.channels else None,
     )
 
 
 def ranges(armature: bpy.types.Object) -> dict[str, list[float]]:
     """Least and greatest value of each channel of the face's bones, by name."""
-    return {channel.name: list(native.bone_channels().RANGE) for channel in channels(armature)}
+    return {channel.name: list(channel.range) for channel in channels(armature)}
 
 
 def play(
@@ -161,13 +185,13 @@ def key(
     holder = compat.curves(armature)
     values = dict(zip(played.names, played.values.T, strict=True))
     keyed: list[tuple[str, int]] = []
-    for channel in channels(armature):
-        if channel.name not in values:
+    for group in _together(c for c in channels(armature) if c.name in values):
+        bone = armature.pose.bones[group[0].bone]
+        is_resting = all(channel.name in played.resting for channel in group)
+        if is_resting and not _curves_of(holder, bone, group[0]):
             continue
-        is_resting = channel.name in played.resting
-        if is_resting and not _curves_of(holder, armature.pose.bones[channel.bone], channel):
-            continue
-        keyed += _key_channel(holder, armature, channel, frames, values[channel.name], keys)
+        rows = np.stack([values[channel.name] for channel in group], axis=-1)
+        keyed += _key_channels(holder, armature, group, frames, rows, keys)
     baked_curves.replace(armature, set(keyed))
     return len(keyed)
 
@@ -181,36 +205,49 @@ def _curves_of(holder, bone: bpy.types.PoseBone, channel) -> list[bpy.types.FCur
     return [c for c in holder.fcurves if c.data_path == path and c.array_index == channel.axis]
 
 
-def _key_channel(
-    holder, armature: bpy.types.Object, channel, frames, values, keys: MotionKeys
+def _together(own: Iterable) -> list[list]:
+    """Channels that are keyed at once: turns of one bone are one rotation."""
+    groups: dict[tuple, list] = {}
+    for channel in own:
+        axis = None if channel.is_turn else channel.axis
+        groups.setdefault((channel.bone, axis), []).append(channel)
+    return list(groups.values())
+
+
+def _key_channels(
+    holder, armature: bpy.types.Object, group: list, frames, rows, keys: MotionKeys
 ) -> list[tuple[str, int]]:
-    """Keys one channel instead of what moved it; returns the path and index of each curve."""
-    bone = armature.pose.bones[channel.bone]
-    for curve in _curves_of(holder, bone, channel):
+    """Keys channels that belong together (rows: N x C) instead of what moved them; returns the path
+    and index of each curve."""
+    first = group[0]
+    bone = armature.pose.bones[first.bone]
+    for curve in _curves_of(holder, bone, first):
         holder.fcurves.remove(curve)
-    if channel.is_turn:
-        part, rows = native.bone_channels().turns(values, bone.rotation_mode)
+    if first.is_turn:
+        axes = [channel.axis for channel in group]
+        part, turns = native.bone_channels().turns(rows, bone.rotation_mode, axes)
         path = bone.path_from_id(part)
-        count = keys.turn(holder, path, channel.bone, frames, rows)
+        count = keys.turn(holder, path, first.bone, frames, turns)
         return [(path, index) for index in range(count)]
     path = bone.path_from_id("location")
-    curve = compat.new_curve(holder, path, channel.axis, channel.bone)
-    keys.along(curve, frames, values, _unit(armature))
-    return [(path, channel.axis)]
+    curve = compat.new_curve(holder, path, first.axis, first.bone)
+    keys.along(curve, frames, rows[:, 0], _unit(armature))
+    return [(path, first.axis)]
 
 
 def pose(armature: bpy.types.Object, own: list, values: dict[str, float]) -> None:
     """Puts bones as values of their channels say, as `key` would key them."""
-    for channel in own:
-        bone = armature.pose.bones.get(channel.bone)
+    for group in _together(own):
+        bone = armature.pose.bones.get(group[0].bone)
         if bone is None:
             continue
-        value = values[channel.name]
-        if channel.is_turn:
-            path, rows = native.bone_channels().turns(np.array([value]), bone.rotation_mode)
+        row = np.array([[values[channel.name] for channel in group]])
+        if group[0].is_turn:
+            axes = [channel.axis for channel in group]
+            path, rows = native.bone_channels().turns(row, bone.rotation_mode, axes)
             setattr(bone, path, rows[0])
         else:
-            bone.location[channel.axis] = value * _unit(armature)
+            bone.location[group[0].axis] = row[0, 0] * _unit(armature)
 
 
 def _unit(armature: bpy.types.Object) -> float:
@@ -223,15 +260,36 @@ def _responses(armature, face, own: list) -> np.ndarray:
     """K x V x 3: what the mesh does, in its own frame at rest, at value 1 of each channel."""
     responses = np.zeros((len(own), len(face.data.vertices), 3))
     with rest_pose.held(armature, face):
-        before = rest_pose.evaluated(face)
+        to_rest = _to_rest(face)
         for response, channel in zip(responses, own, strict=True):
             ends = [_moved(armature, face, channel, side * STEP) for side in (1, -1)]
             response[:] = (ends[0] - ends[1]) / (2 * STEP)
-    # Constraints to what is outside of the rig may hold the head turned all the same
-    return native.bone_channels().at_rest(responses, before, own_keys.rest_points(face))
+    return to_rest.turn(responses)
+
+
+def _gaze(scene, armature, face, own: list, eyeballs) -> tuple:
+    """As `eye_bones.measured`."""
+    with rest_pose.held(armature, face):
+        to_rest = _to_rest(face)
+        gaze, carried = eye_bones.measured(
+            scene, face, eyeballs, own, lambda *place: _with_value(armature, *place)
+        )
+    return gaze.turned(to_rest.rotation), to_rest.turn(carried)
+
+
+def _to_rest(face):
+    """Constraints to what is outside of the rig may hold the head turned though it is at rest."""
+    return native.bone_channels().to_rest(rest_pose.evaluated(face), own_keys.rest_points(face))
 
 
 def _moved(armature, face, channel, value: float) -> np.ndarray:
+    with _with_value(armature, channel, value):
+        return rest_pose.evaluated(face)
+
+
+@contextmanager
+def _with_value(armature, channel, value: float) -> Iterator[None]:
+    """A channel at a value more than now."""
     bone = armature.pose.bones[channel.bone]
     before = bone.matrix_basis.copy()
     try:
@@ -241,6 +299,6 @@ def _moved(armature, face, channel, value: float) -> np.ndarray:
             bone.matrix_basis = before @ turn.to_matrix().to_4x4()
         else:
             bone.location[channel.axis] += value * _unit(armature)
-        return rest_pose.evaluated(face)
+        yield
     finally:
         bone.matrix_basis = before

@@ -95,14 +95,14 @@ def surface(head: bpy.types.Object):
         control_names=list(keys),
         controls=_stack(
             [
-                _offsets(head, key) if name in own else np.zeros((len(mesh.vertices), 3))
+                offsets_of(head, key) if name in own else np.zeros((len(mesh.vertices), 3))
                 for name, key in keys.items()
             ],
             mesh,
         ),
         control_range=_ranges(keys.values()),
         source_names=list(sources),
-        sources=_stack([_offsets(head, key) for key in sources.values()], mesh),
+        sources=_stack([offsets_of(head, key) for key in sources.values()], mesh),
         source_range=_ranges(sources.values()),
     )
 
@@ -134,7 +134,7 @@ def _ranges(keys) -> np.ndarray:
     return np.array(rows, dtype=np.float64).reshape(-1, 2)
 
 
-def _offsets(head: bpy.types.Object, key: bpy.types.ShapeKey) -> np.ndarray:
+def offsets_of(head: bpy.types.Object, key: bpy.types.ShapeKey) -> np.ndarray:
     """V x 3: what a key adds at value 1, to the key that it is relative to."""
     offsets = _points(key) - _points(key.relative_key)
     if key.vertex_group and (group := head.vertex_groups.get(key.vertex_group)):

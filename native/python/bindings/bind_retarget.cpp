@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/retarget/bounded_fit.hpp>
 #include <mimetic/retarget/control_fit.hpp>
+#include <mimetic/retarget/eye_channels.hpp>
 #include <mimetic/retarget/response.hpp>
 #include <mimetic/retarget/seen_areas.hpp>
 #include <mimetic/retarget/touching_rims.hpp>
@@ -12,7 +13,41 @@ namespace mimetic::bindings {
 namespace py = pybind11;
 using namespace pybind11::literals;
 
+namespace {
+
+void bind_eye_channels(py::module_& m) {
+    m.def("eye_rates", &eye_rates, "turned"_a, "is_aim"_a, "step"_a,
+          "Rotation vectors (2, 3) of both eyes at value 1 of a channel by which they turned so from value\n"
+          "-step to step; is_aim: the eyes look at what moves, so that values are as the tangent.");
+    m.def("gaze_turns", &gaze_turns, "yaw"_a, "pitch"_a,
+          "(N, 3) rotation vectors of eyes that look ahead at rest, the shortest way; degrees (N,), in a\n"
+          "frame with x to the subject's left, z up, the face towards -y.");
+    py::class_<EyeChannels>(m, "EyeChannels", "Values of channels that turn eyes; see eye_channels.hpp.")
+        .def(py::init([](const std::vector<int>& bones, const std::vector<bool>& are_aims,
+                         const std::vector<EyeTurns>& turns, const Eigen::Vector3d& ahead,
+                         const std::vector<int>& eyes) {
+                 if (bones.size() != turns.size() || are_aims.size() != turns.size()) {
+                     throw InvalidInput("each channel has a bone, a kind and turns");
+                 }
+                 std::vector<EyeChannel> channels;
+                 for (std::size_t k = 0; k < bones.size(); ++k) {
+                     channels.push_back({bones[k], are_aims[k], turns[k]});
+                 }
+                 return EyeChannels(std::move(channels), ahead, eyes);
+             }),
+             "bones"_a, "are_aims"_a, "turns"_a, "ahead"_a, "eyes"_a,
+             "Of K channels: the bone that each is of, whether eyes look at it, and rotation vectors (2, 3) "
+             "at\nvalue 1; ahead: (3,), where eyes look at rest; eyes: which there are, 0 (left) and 1. "
+             "Raises InvalidInput.")
+        .def("values", &EyeChannels::values, "turns"_a,
+             "(T, K) for rotation vectors of both eyes (T, 6). Raises InvalidInput.")
+        .def("undriven", &EyeChannels::undriven, "Eyes that no channel turns.");
+}
+
+}  // namespace
+
 void bind_retarget(py::module_& m) {
+    bind_eye_channels(m);
     m.def("polygon_areas", &polygon_areas, "points"_a, "starts"_a, "corners"_a,
           "A share of each polygon's area for the vertices (V,) of its corners, square units of points\n"
           "(V, 3). starts: the first corner of each polygon; corners: vertices. Raises InvalidInput.");

@@ -3,7 +3,13 @@
 
 import numpy as np
 import pytest
-from mimetic.retarget.bone_channels import channels_of, face_bones, turns
+from mimetic.retarget.bone_channels import (
+    channels_of,
+    eye_bones,
+    eye_channels_of,
+    face_bones,
+    turns,
+)
 
 
 def test_bones_of_a_face_are_known_and_those_of_the_rigs_mechanism_are_not():
@@ -18,6 +24,29 @@ def test_bones_of_a_face_are_known_and_those_of_the_rigs_mechanism_are_not():
     ]
     others = ["spine.006", "head", "hand.L", "c_lips_smile.l", "LowerJaw", "eye.L"]
     assert face_bones([*rigify, *others]) == [*rigify[:4], "c_lips_smile.l", "LowerJaw"]
+
+
+def test_words_that_only_hold_a_face_in_them_are_none():
+    strangers = ["slide", "collider.L", "hair_clip", "machine", "flip", "solid_01", "browser"]
+    assert face_bones(strangers) == []
+    others = ["lUpperLid", "CC_Base_JawRoot", "upperlip.L", "FACIAL_L_LipCorner", "EyeBrow.L"]
+    assert face_bones(others) == others
+
+
+def test_eyes_and_what_they_look_at_are_known():
+    eyes = ["eye.L", "eyes", "LeftEye", "J_Adj_L_FaceEye", "c_eye_target.l", "lEye"]
+    others = ["eyelid.L", "eye_master.L", "MCH-eye.L", "eyebrow.R", "EyeSocket", "target"]
+    assert eye_bones([*eyes, *others]) == eyes
+
+
+def test_lids_that_cannot_move_open_by_a_turn_and_eyes_by_any():
+    hinge = channels_of("lid.T.L", True, (True,) * 3, False)
+    assert [channel.name for channel in hinge] == ["lid.T.L turn x"]
+    free = channels_of("lid.T.L", True, (False,) * 3, False)
+    assert not any(channel.is_turn for channel in free)
+    eye = eye_channels_of("eye.L", False, (False,) * 3, (False, True, False))
+    assert [channel.name for channel in eye] == ["eye.L turn x", "eye.L turn z"]
+    assert eye[0].range[1] > free[0].range[1]
 
 
 def test_locked_channels_are_left_out_and_jaws_turn():

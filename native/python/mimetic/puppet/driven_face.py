@@ -120,7 +120,8 @@ class DrivenControls:
         options: _core.ControlFitOptions | None = None,
     ) -> None:
         table = table_of(surface, rows)
-        used = surface.without(name for name in surface.control_names if name not in table)
+        used = surface.without(name for name in surface.ranges if name not in table)
+        self._gaze = used.gaze
         names = list(used.control_names)
         self._shares = unit_shares(names, known_names(names))
         is_named = self._shares.any(axis=1)
@@ -139,19 +140,34 @@ class DrivenControls:
         self._played = [name for name in self._sources if not name.startswith("eye_")]
         kept = np.flatnonzero(is_matched | self._only_named)
         self._kept = [(int(k), table[names[k]]) for k in kept]
-        self.names = [names[k] for k in kept]
+        self._eyes = [table[name] for name in used.gaze.names] if used.gaze is not None else []
+        self.names = [names[k] for k in kept] + [row.control for row in self._eyes]
 
     def values(self, names: Sequence[str], state: LiveState, face: LiveFace) -> dict[str, float]:
         """Each control's value in a state; names: of the state's values."""
         expected = self._expected(state)
+        turned = self._turned(names, state)
         if self._fit is None:
             fitted = expected
         else:
-            own = slider_values(names, state.values, face.lids, self._played)
+            own = slider_values(names, state.values, face.lids, self._played) | turned
             row = np.array([own.get(name, 0.0) for name in self._sources])
             fitted = self._fit.frames(row[None], expected[None])[0]
         fitted[self._only_named] = expected[self._only_named]
-        return {row.control: float(row.played(fitted[k : k + 1])[0]) for k, row in self._kept}
+        fits = {row.control: float(row.played(fitted[k : k + 1])[0]) for k, row in self._kept}
+        return fits | turned
+
+    def _turned(self, names: Sequence[str], state: LiveState) -> dict[str, float]:
+        """Controls that turn the eyes."""
+        if self._gaze is None or not self._eyes:
+            return {}
+        by_name = dict(zip(names, state.values, strict=True))
+        angles = np.array([[by_name[name] for name in GAZE]])
+        fitted = self._gaze.values(angles)
+        return {
+            row.control: float(row.played(np.ascontiguousarray(fitted[:, k]))[0])
+            for k, row in enumerate(self._eyes)
+        }
 
     def _expected(self, state: LiveState) -> Floats:
         """What the controls' names say, 0 of those that are unknown."""

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Bones of a face as controls: which of a rig's bones are of its face, and what their values key.
 
-A control is one channel of a bone: its location along one of its axes, or a jaw's turn about its
-own x. Value 1 is a centimetre of the world, or ten degrees.
+A control is one channel of a bone: its location along one of its axes, or its turn about one: a
+jaw's and a lid's about its own x, an eye's about any. Value 1 is a centimetre of the world, or ten
+degrees.
 """
 
 from __future__ import annotations
@@ -17,31 +18,73 @@ from numpy.typing import NDArray
 from mimetic import _core
 from mimetic.character.rig_motion import rotation_channels
 
-FACE = re.compile(r"jaw|chin|lid|brow|lip|mouth|cheek|nose", re.IGNORECASE)
+# Words of a bone's name, split where its letters change from small to capital, at digits and signs
+WORDS = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+")
+WHERE = "upper|lower|up|low|top|bottom|bot|inner|outer|out|mid|middle|left|right|center|centre"
+# Words that are of a face however they go on, and short ones that begin other words (slide, clip)
+FACE = re.compile(
+    rf"(?:eye|{WHERE})*(?:(?:jaw|mouth|cheek|nose)\w*|brow(?!n|se)\w*|"
+    rf"(?:lid|lip|chin)s?(?:{WHERE}|corner|bone|ctrl|end|tip|root|roll)*)$",
+    re.IGNORECASE,
+)
 TURNING = re.compile(r"jaw", re.IGNORECASE)
+LIDS = re.compile(rf"(?:eye|{WHERE})*lids?(?:{WHERE})*$", re.IGNORECASE)
+EYES = re.compile(r"eye(?:s|balls?)?$", re.IGNORECASE)
+# What an eye's own bone, or the bone that it looks at, is called besides
+BESIDE_EYES = re.compile(
+    r"(?:[lrcxjm]|left|right|face|facial|head|adj|base|cc|mixamorig|bip|def|target|aim|look|at|ik|fk"
+    r"|ctrl|control|con|bone|jnt|joint|track|rot)$",
+    re.IGNORECASE,
+)
 # Bones that a rig's own mechanism moves: of Rigify, Auto-Rig Pro
 MECHANISM = re.compile(r"^(DEF|ORG|MCH|VIS)[-_]|_(ref|stretch)\.", re.IGNORECASE)
 CENTIMETRE = 0.01  # metres at value 1
 TURN = np.radians(10.0)  # at value 1
 RANGE = (-3.0, 3.0)  # of values: 3 cm, 30 degrees
+EYE_TURNS, EYE_AIMS = (-6.0, 6.0), (-100.0, 100.0)  # 60 degrees, 1 m: eyes look at what is far
 
 
 @dataclass(frozen=True)
 class BoneChannel:
-    """axis: 0 to 2, of the bone; is_turn: about it, else along it."""
+    """axis: 0 to 2, of the bone; is_turn: about it, else along it; is_of_eye: it may turn an eye,
+    and is none of the controls that are fitted to the skin."""
 
     bone: str
     axis: int
     is_turn: bool
+    is_of_eye: bool = False
 
     @property
     def name(self) -> str:
         return f"{self.bone} {'turn' if self.is_turn else 'along'} {'xyz'[self.axis]}"
 
+    @property
+    def range(self) -> tuple[float, float]:
+        """Least and greatest value."""
+        if not self.is_of_eye:
+            return RANGE
+        return EYE_TURNS if self.is_turn else EYE_AIMS
+
 
 def face_bones(names: Sequence[str]) -> list[str]:
-    """Those of a rig's bones that an animator moves its face by, by their names."""
-    return [name for name in names if FACE.search(name) and not MECHANISM.search(name)]
+    """Those of a rig's bones that an animator moves the skin of its face by, by their names."""
+    return [
+        name
+        for name in names
+        if any(FACE.match(word) for word in WORDS.findall(name)) and not MECHANISM.search(name)
+    ]
+
+
+def eye_bones(names: Sequence[str]) -> list[str]:
+    """Those that may be an eye, or what one looks at."""
+    return [name for name in names if _is_of_eye(name) and not MECHANISM.search(name)]
+
+
+def _is_of_eye(name: str) -> bool:
+    words = WORDS.findall(name)
+    return any(EYES.match(word) for word in words) and all(
+        EYES.match(word) or BESIDE_EYES.match(word) for word in words
+    )
 
 
 def channels_of(
@@ -49,9 +92,23 @@ def channels_of(
 ) -> list[BoneChannel]:
     """A face bone's channels. locks: of its location along x, y, z; turn_locked: about x."""
     channels = [BoneChannel(name, axis, False) for axis in range(3) if can_move and not locks[axis]]
-    if TURNING.search(name) and not turn_locked:
+    is_lid = any(LIDS.match(word) for word in WORDS.findall(name))
+    is_hinge = is_lid and not channels  # a lid that cannot move opens by a turn
+    if (TURNING.search(name) or is_hinge) and not turn_locked:
         channels.append(BoneChannel(name, 0, True))
     return channels
+
+
+def eye_channels_of(
+    name: str, can_move: bool, locks: Sequence[bool], turn_locks: Sequence[bool]
+) -> list[BoneChannel]:
+    """An eye bone's channels. locks, turn_locks: of its location and its turns along x, y, z."""
+    along = [axis for axis in range(3) if can_move and not locks[axis]]
+    about = [axis for axis in range(3) if not turn_locks[axis]]
+    return [
+        *(BoneChannel(name, axis, False, True) for axis in along),
+        *(BoneChannel(name, axis, True, True) for axis in about),
+    ]
 
 
 def nearest_surface() -> _core.ControlFitOptions:
@@ -61,16 +118,16 @@ def nearest_surface() -> _core.ControlFitOptions:
     return options
 
 
-def at_rest(
-    responses: NDArray[np.float64], points: NDArray[np.float64], rest: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """What controls do (K x V x 3) to a mesh that something holds turned (its points: V x 3), as
-    they would do it to the mesh at rest (V x 3)."""
-    return _core.fit_similarity(points, rest).turn(responses)
+def to_rest(points: NDArray[np.float64], rest: NDArray[np.float64]) -> _core.Similarity:
+    """What takes a mesh that something holds turned (V x 3) to where it rests (V x 3)."""
+    return _core.fit_similarity(points, rest)
 
 
-def turns(values: NDArray[np.float64], rotation_mode: str) -> tuple[str, NDArray[np.float64]]:
-    """The property that a rotation mode reads, and its curves (N x 3 or 4), for turns about x."""
+def turns(
+    values: NDArray[np.float64], rotation_mode: str, axes: Sequence[int] = (0,)
+) -> tuple[str, NDArray[np.float64]]:
+    """The property that a rotation mode reads, and its curves (N x 3 or 4), for turns (N, or N x A)
+    about axes of the bone: together one turn about an axis between them."""
     vectors = np.zeros((len(values), 3))
-    vectors[:, 0] = TURN * values
+    vectors[:, list(axes)] = TURN * np.reshape(values, (len(values), -1))
     return rotation_channels(_core.from_rotation_vectors(vectors), rotation_mode)

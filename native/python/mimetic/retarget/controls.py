@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
+from mimetic.retarget import gaze_controls
 from mimetic.retarget.control_names import mirrored_name
 from mimetic.shared.json_file import read_json, write_json
 from mimetic.shared.shown_text import shortened
@@ -53,6 +54,8 @@ class ControlSurface:
     3, displacements at value 1, in the points' unit and frame; control_range: K x 2; source_names:
     S, of muscles, jaw, lids and gaze as a performance's shapes are called; source_range: S x 2;
     heeds_hidden: False lets what cannot be seen from outside count by a hundredth in the fit.
+    gaze: controls beside those that turn the eyes; a source of the same name is what such a control
+    leaves of the skin to do: the reverse of what it takes along.
     """
 
     points: NDArray[np.float64]
@@ -65,16 +68,31 @@ class ControlSurface:
     sources: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 0, 3)))
     source_range: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 2)))
     heeds_hidden: bool = True
+    gaze: gaze_controls.GazeControls | None = None
+
+    @property
+    def ranges(self) -> dict[str, tuple[float, float]]:
+        """Least and greatest value of each control, those that turn eyes last."""
+        pairs = zip(self.control_names, self.control_range, strict=True)
+        own = {name: (float(low), float(high)) for name, (low, high) in pairs}
+        eyes = self.gaze.channels if self.gaze is not None else ()
+        return own | {channel.name: (channel.lowest, channel.highest) for channel in eyes}
 
     def without(self, names: Iterable[str]) -> ControlSurface:
         """The same less some of its controls."""
         left_out = set(names)
         rows = [i for i, name in enumerate(self.control_names) if name not in left_out]
+        turning = set(self.gaze.names) & left_out if self.gaze is not None else set()
+        kept = [i for i, name in enumerate(self.source_names) if name not in turning]
         return replace(
             self,
             control_names=[self.control_names[i] for i in rows],
             controls=self.controls[rows],
             control_range=self.control_range[rows],
+            source_names=[self.source_names[i] for i in kept],
+            sources=self.sources[kept],
+            source_range=self.source_range[kept],
+            gaze=self.gaze.without(turning) if self.gaze is not None else None,
         )
 
 

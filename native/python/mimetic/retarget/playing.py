@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core
 from mimetic.character.shapes import slider_shapes_of
 from mimetic.performance.document import Performance
+from mimetic.performance.gaze import SIDES, gaze_of, has_gaze
 from mimetic.retarget.control_names import KnownName, known_names, unit_shares
 from mimetic.retarget.controls import ControlRow, ControlSurface, refitted
 from mimetic.retarget.unit_fit import NOT_CANONICAL, unit_order, unit_values
@@ -31,6 +32,7 @@ MOST_FITS = 8  # that a preview keeps: one for each choice of controls that are 
 SHUTTING, PARTING = ("lid_upper.L", "lid_upper.R"), "jaw_open"  # sources that move rims
 # Share of what a muscle does by itself: below it no control stands for it; the fit leaves it out
 UNPLAYED = _core.ControlFitOptions().least_explained
+STILL_EYE = 1.0  # degrees, of what an eye turns by
 READABLE = (
     0.05  # share of a control's motion that a face can make: below it is no control of a face
 )
@@ -108,20 +110,22 @@ def play(
     ranges. Raises InvalidInput if there is nothing to go by: no muscles and no known name.
     """
     table = table_of(surface, rows)
-    used = surface.without(name for name in surface.control_names if name not in table)
+    used = surface.without(name for name in surface.ranges if name not in table)
     names = list(used.control_names)
     known = known_names(names)
     expected = _by_names(performance, names, known)
+    gaze = _gaze(performance, used, table)
     has_muscles = bool(len(used.source_names))
     if expected is None and not has_muscles and unit_shares(names, known).any():
         raise InvalidInput(NOT_CANONICAL)
     moves = moving(used)
     is_named = unit_shares(names, known).any(axis=1) & (expected is not None)
     if has_muscles:
-        fit, values, explained, source_values = _fit(performance, used, expected, options)
+        fit, values, explained, source_values = _fit(performance, used, expected, options, gaze)
         is_matched = moves & (fit.readable > READABLE)
         only_named = is_named & ~moves
-        unplayed = _unplayed(fit, used.source_names, source_values)
+        unplayed = _unplayed(fit, used.source_names, source_values, gaze)
+        unplayed += _still_eyes(performance, used)
     else:
         if not is_named.any():
             refuse_unknown(names)
@@ -130,20 +134,46 @@ def play(
     if expected is not None:
         values[:, only_named] = expected[:, only_named]
     kept = np.flatnonzero(is_matched | only_named)
-    played = np.stack(
-        [table[names[k]].played(values[:, k]) for k in kept] or [np.zeros((0,))], axis=-1
-    ).reshape(performance.num_frames, len(kept))
-    spans = np.array([table[names[k]].highest - table[names[k]].lowest for k in kept])
-    is_driven = np.abs(played).max(axis=0, initial=0) > DRIVEN * spans
+    curves = {names[k]: table[names[k]].played(values[:, k]) for k in kept} | gaze
     return PlayedControls(
-        names=[names[k] for k in kept],
-        values=played,
+        names=list(curves),
+        values=np.stack([*curves.values(), *[np.zeros(0)] * (not curves)], axis=-1).reshape(
+            performance.num_frames, len(curves)
+        ),
         by_name=[names[k] for k in np.flatnonzero(only_named)],
         unmatched=[name for k, name in enumerate(names) if k not in kept],
-        resting=[names[k] for k, driven in zip(kept, is_driven, strict=True) if not driven],
+        resting=[name for name, curve in curves.items() if not _is_driven(curve, table[name])],
         unplayed=unplayed,
         explained=explained,
     )
+
+
+def _is_driven(curve: Floats, row: ControlRow) -> bool:
+    return bool(np.abs(curve).max(initial=0) > DRIVEN * (row.highest - row.lowest))
+
+
+def _gaze(
+    performance: Performance, surface: ControlSurface, table: Mapping[str, ControlRow]
+) -> dict[str, Floats]:
+    """N values of each control that turns an eye, as they are played."""
+    if surface.gaze is None or not surface.gaze.channels:
+        return {}
+    angles = (
+        gaze_of(performance) if has_gaze(performance) else np.zeros((performance.num_frames, 4))
+    )
+    columns = surface.gaze.values(angles).T
+    return {
+        name: table[name].played(np.ascontiguousarray(column))
+        for name, column in zip(surface.gaze.names, columns, strict=True)
+    }
+
+
+def _still_eyes(performance: Performance, surface: ControlSurface) -> list[str]:
+    """Gaze that moves and turns no eye that the mesh has."""
+    if surface.gaze is None or not has_gaze(performance):
+        return []
+    moves = np.ptp(gaze_of(performance), axis=0).reshape(2, 2).max(axis=1) > STILL_EYE
+    return [f"gaze.{side}" for side in surface.gaze.undriven() if moves[SIDES.index(side)]]
 
 
 def play_units(performance: Performance, units: Iterable[str]) -> PlayedControls:
@@ -183,8 +213,7 @@ class ControlPreview:
     ) -> None:
         self._performance, self._surface = performance, surface
         self._frames, self._options = np.asarray(frames, dtype=np.float64), options
-        ranges = dict(zip(surface.control_names, surface.control_range.tolist(), strict=True))
-        self._plain = {row.control: row for row in refitted([], ranges)}
+        self._plain = {row.control: row for row in refitted([], surface.ranges)}
         self._fits: dict[frozenset[str], PlayedControls] = {}
         self._fitted(frozenset(self._plain))
 
@@ -285,9 +314,10 @@ def _fit(
     surface: ControlSurface,
     expected: Floats | None,
     options: _core.ControlFitOptions | None,
+    gaze: Mapping[str, Floats],
 ) -> tuple[_core.ControlFit, Floats, float, Floats]:
     fit = fit_of(surface, options)
-    curves = {shape.name: shape.values for shape in slider_shapes_of(performance)}
+    curves = {shape.name: shape.values for shape in slider_shapes_of(performance)} | dict(gaze)
     none = np.zeros(performance.num_frames)
     source_values = np.stack([curves.get(name, none) for name in surface.source_names], axis=1)
     if expected is None:
@@ -296,10 +326,16 @@ def _fit(
     return fit, values, fit.explained(source_values, values), source_values
 
 
-def _unplayed(fit: _core.ControlFit, names: Sequence[str], values: Floats) -> list[str]:
+def _unplayed(
+    fit: _core.ControlFit, names: Sequence[str], values: Floats, left_out: Iterable[str]
+) -> list[str]:
     moves = np.abs(values).max(axis=0, initial=0) > 0.1
     share = fit.source_explained()
-    return [name for s, name in enumerate(names) if moves[s] and share[s] < UNPLAYED]
+    return [
+        name
+        for s, name in enumerate(names)
+        if moves[s] and share[s] < UNPLAYED and name not in left_out
+    ]
 
 
 def refuse_unknown(names: Sequence[str]) -> NoReturn:
@@ -314,11 +350,7 @@ def table_of(surface: ControlSurface, rows: Sequence[ControlRow] | None) -> dict
     """Rows of the controls that are driven, by name; None drives all within their ranges."""
     if rows is not None:
         return {row.control: row for row in rows if row.is_on}
-    ranges = zip(surface.control_names, surface.control_range, strict=True)
-    return {
-        name: ControlRow(name, lowest=float(low), highest=float(high))
-        for name, (low, high) in ranges
-    }
+    return {row.control: row for row in refitted([], surface.ranges)}
 
 
 def moving(surface: ControlSurface) -> NDArray[np.bool_]:
