@@ -39,7 +39,10 @@ def test_a_capture_far_from_its_reference_frame_says_so_from_its_first_line(rend
     following = [text for _, text in told if text.startswith("following")]
     way = "following the face from the reference frame 3 to 12: frame "
     assert [text for text in following if way in text] == [f"{way}{i}" for i in range(4, 12)]
-    assert following[-2:] == ["following the face: frame 12", "following the face: frame 13"]
+    assert following[-2:] == [
+        "following the face: frame 12 of 12 to 13",
+        "following the face: frame 13 of 12 to 13",
+    ]
     fractions = [fraction for fraction, _ in told]
     assert fractions == sorted(fractions)
     # The way counts: nine of the ten frames are done before the first that is asked for

@@ -25,7 +25,7 @@ from mimetic.media.footage import Footage
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.performance.gaze import has_gaze, iris_circles
 from mimetic.shared.pinhole import camera_of
-from mimetic.shared.progress import Progress
+from mimetic.shared.progress import Progress, frame_text
 from mimetic.shared.whole_file import file_beside
 from mimetic.template.face_template import FaceTemplate, load_template
 
@@ -144,7 +144,8 @@ def _pictures(drawing: Drawing, footage: Footage, progress: Progress | None) -> 
     for frame, image in footage.frames(int(numbers[0]), int(numbers[-1])):
         if frame in index:
             i = index[frame]
-            if progress and not progress(i / len(numbers), f"drawing frame {frame}"):
+            text = f"drawing {frame_text(frame, int(numbers[0]), int(numbers[-1]))}"
+            if progress and not progress(i / len(numbers), text):
                 yield None
                 return
             yield drawing.paint(image, i)

@@ -30,6 +30,11 @@ class Costs:
     written: float
 
 
+def frame_text(frame: int, first: int, last: int) -> str:
+    """Which of footage's frames work is at: first and last are those that it goes through."""
+    return f"frame {frame} of {last}" if first == 1 else f"frame {frame} of {first} to {last}"
+
+
 def check_goes_on(progress: Progress | None, fraction: float, text: str) -> None:
     """Reports progress of work that is of no use in part; raises KeyboardInterrupt when stopped."""
     if progress is not None and not progress(fraction, text):

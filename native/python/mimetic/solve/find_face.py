@@ -21,7 +21,7 @@ from mimetic.fit.rest_choice import RestChoice
 from mimetic.fit.upright import check_upright
 from mimetic.fit.views import Candidate, choose_views
 from mimetic.media.footage import Footage
-from mimetic.shared.progress import FITTED, JUDGED, NUM_TRIED, Progress, stages
+from mimetic.shared.progress import FITTED, JUDGED, NUM_TRIED, Progress, frame_text, stages
 from mimetic.solve.relief_sightings import with_relief
 from mimetic.template.face_template import load_template
 
@@ -163,9 +163,11 @@ def _judged(
     """What the finder measures in those of `frame_numbers` that show a face."""
     judgements = {}
     num_seen = 0
-    for frame, image in footage.frames(min(frame_numbers), max(frame_numbers)):
+    first, last = min(frame_numbers), max(frame_numbers)
+    for frame, image in footage.frames(first, last):
         if frame in frame_numbers:
-            _go_on(progress, num_seen / len(frame_numbers), f"looking for the face: frame {frame}")
+            text = f"looking for the face: {frame_text(frame, first, last)}"
+            _go_on(progress, num_seen / len(frame_numbers), text)
             num_seen += 1
             judgement = fitting.judge_frame(image, near)
             if judgement is not None:

@@ -18,7 +18,7 @@ from mimetic.media.cuts import CutWatch
 from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import Anatomy, factored_skin, modes_of
 from mimetic.performance.document import HELD_QUALITY
-from mimetic.shared.progress import ATTACHED, MOST_FOLLOWED, Progress, stages
+from mimetic.shared.progress import ATTACHED, MOST_FOLLOWED, Progress, frame_text, stages
 from mimetic.solve import tracking
 from mimetic.solve.relief import LEAST_SIGHTINGS, find_relief
 from mimetic.template.face_template import FaceTemplate, load_template
@@ -88,7 +88,8 @@ def _with_depth(
         tracker.restart(reference, at_reference)
         sparse_images = itertools.islice(images, stride - 1, None, stride)
         for sighting in _follow(tracker, _one_scene(reference, sparse_images)):
-            text = f"looking for the face's relief: frame {sighting.frame}"
+            where = frame_text(sighting.frame, first, last)
+            text = f"looking for the face's relief: {where}"
             if not progress(len(sightings) * stride / (1 + last - first), text):
                 return None
             sightings.append(sighting)

@@ -20,7 +20,7 @@ from mimetic.media.cuts import CutWatch
 from mimetic.media.footage import Footage
 from mimetic.performance.document import HELD_QUALITY
 from mimetic.performance.rows import Rows
-from mimetic.shared.progress import Progress
+from mimetic.shared.progress import Progress, frame_text
 from mimetic.solve.capture_summary import CaptureSummary
 
 Image = NDArray[np.uint8]
@@ -83,7 +83,7 @@ class ClipWalk:
         for frame, image in frames_away(self.footage, self.fit.frame, end):
             self.summary.add("decode", time.perf_counter() - start)
             fraction = min(1.0, self.num_done / self.num_needed)
-            text = f"following the {self.subject}{self._way_to(frame)}: frame {frame}"
+            text = f"following the {self.subject}{self._at(frame)}"
             if self.summary.stopped or (self.progress and not self.progress(fraction, text)):
                 self.summary.stopped = True
                 return
@@ -91,12 +91,13 @@ class ClipWalk:
             self.num_done += 1
             start = time.perf_counter()
 
-    def _way_to(self, frame: int) -> str:
+    def _at(self, frame: int) -> str:
         """Says so of a frame outside the range, which is gone through to get there."""
         first, last = self.frames
         if first <= frame <= last:
-            return ""
-        return f" from the reference frame {self.fit.frame} to {first if frame < first else last}"
+            return f": {frame_text(frame, first, last)}"
+        begin, reference = first if frame < first else last, self.fit.frame
+        return f" from the reference frame {reference} to {begin}: frame {frame}"
 
     def follow(
         self,
