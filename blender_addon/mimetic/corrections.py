@@ -32,12 +32,16 @@ def keep(clip: bpy.types.MovieClip, corrections: tuple) -> None:
     record.corrections = json.dumps(document) if corrections else ""
 
 
-def frames_of(clip: bpy.types.MovieClip | None) -> list[int]:
-    """Frames that are corrected; none where the JSON was edited and is no longer read."""
+def readable(clip: bpy.types.MovieClip | None) -> tuple:
+    """The same for drawing: none where the JSON was edited and is no longer read."""
     try:
-        return [entry.frame for entry in of_clip(clip)]
+        return of_clip(clip)
     except native.known_errors():
-        return []
+        return ()
+
+
+def frames_of(clip: bpy.types.MovieClip | None) -> list[int]:
+    return [entry.frame for entry in readable(clip)]
 
 
 def board(context):

@@ -154,6 +154,34 @@ def test_a_deleted_correction_is_taken_back(extension, captured, performance, tm
         bpy.ops.mimetic.delete_correction()
 
 
+def test_a_pose_says_how_surely_it_is_there(extension, captured, performance):
+    stds = {"rotation_std": 0.03, "translation_std": 0.004}
+    assert bpy.ops.mimetic.correct_pose(shift=(0.01, 0.0, 0.0), **stds) == {"FINISHED"}
+    pose = kept(extension, captured)[0].pose
+    assert (pose.rotation_std, pose.translation_std) == pytest.approx((0.03, 0.004))
+    moved = pose.head_pose - performance.head_pose[performance.index_of(FRAME)]
+    np.testing.assert_allclose(moved[:3, 3], (0.01, 0, 0), atol=1e-6)
+
+
+def test_one_thing_that_is_stated_is_taken_back(extension, captured, performance):
+    x, y = nose(performance)
+    bpy.ops.mimetic.pin_skin(grab=(x, y), to=(x, y - 3))
+    bpy.ops.mimetic.correct_value(value_name="jaw_open", value=0.5)
+    bpy.ops.mimetic.correct_value(value_name="lip_gap", value=0.003)
+    bpy.ops.mimetic.correct_pose(turn=(0.0, 3.0, 0.0))
+    parts = extension("stated_parts").stated_parts(kept(extension, captured)[0])
+    assert [part.name for part in parts] == ["pin 1", "pose", "jaw_open", "lip_gap"]
+    assert [part.text for part in parts[2:]] == ["jaw_open 0.50", "lip_gap 3.0 mm"]
+    for count, part in enumerate(parts, 1):
+        assert bpy.ops.mimetic.delete_correction(what=part.name) == {"FINISHED"}
+        left = kept(extension, captured)
+        assert sum(len(extension("stated_parts").stated_parts(e)) for e in left) == 4 - count
+        if left and part.name != "lip_gap":
+            with pytest.raises(RuntimeError, match="frame 15"):
+                bpy.ops.mimetic.delete_correction(what=part.name)
+    assert kept(extension, captured) == ()
+
+
 def test_corrections_live_in_the_file_and_in_its_next_capture(extension, captured, scene, tmp_path):
     bpy.ops.mimetic.correct_value(value_name="jaw_open", value=0.5, frame=6)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))

@@ -64,3 +64,8 @@ def test_a_baked_face(scene, footage, acted, cut_off):
     assert cut_off() == []
     bpy.ops.mimetic.correct_value(value_name="jaw_open", value=0.5, frame=7)
     assert cut_off() == []
+    for name, value in (("levator_labii_superioris_alaeque_nasi.L", 0.5), ("lip_gap", 0.004)):
+        bpy.ops.mimetic.correct_value(value_name=name, value=value, frame=7)
+    bpy.ops.mimetic.correct_pose(turn=(0.0, 2.0, 0.0), frame=7)
+    scene.frame_set(7)
+    assert cut_off() == []

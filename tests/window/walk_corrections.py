@@ -10,101 +10,29 @@ import bpy
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
+from over_footage import (
+    PACKAGE,
+    click,
+    clip,
+    drag,
+    entry_at,
+    go_to,
+    in_window,
+    is_idle,
+    kept,
+    kept_frames,
+    key,
+    module,
+    mouse,
+    region_of,
+    take,
+    take_path,
+)
 from walk import Steps, Walk, area_of, install, invoke, open_sidebar, override, start
 
-PACKAGE = "bl_ext.user_default.mimetic"
 LID, LID_FRAME = "lid_upper.L", 12
 ROW = 22  # pixels between the redo panel's rows
-MOVES = 8  # of the mouse in a drag
 NEAR = 10  # pixels of the footage, within which a click grabs the pin that is there
-
-
-def module(name: str):
-    return importlib.import_module(f"{PACKAGE}.{name}")
-
-
-def is_idle() -> bool:
-    return module("jobs").running is None
-
-
-def clip() -> bpy.types.MovieClip:
-    return bpy.context.scene.mimetic.clip
-
-
-def take_path() -> str:
-    takes = module("takes")
-    return takes.find(takes.of_clip(bpy.context.scene, clip()))
-
-
-def take():
-    return importlib.import_module("mimetic.performance.document").Performance.load(take_path())
-
-
-def kept() -> tuple:
-    return module("corrections").of_clip(clip())
-
-
-def kept_frames() -> list[int]:
-    return [entry.frame for entry in kept()]
-
-
-def go_to(frame: int) -> Steps:
-    """As keys and the timeline do it."""
-    with bpy.context.temp_override(**override("CLIP_EDITOR")):
-        bpy.ops.screen.frame_offset(delta=frame - bpy.context.scene.frame_current)
-    yield 0.5
-
-
-def region_of(kind: str = "WINDOW") -> bpy.types.Region:
-    _, area = area_of("CLIP_EDITOR")
-    return next(region for region in area.regions if region.type == kind)
-
-
-def in_window(pixel) -> tuple[int, int]:
-    """Where the window shows a pixel of the footage."""
-    width, height = clip().size
-    place = (pixel[0] + 0.5) / width, 1 - (pixel[1] + 0.5) / height
-    region = region_of()
-    x, y = region.view2d.view_to_region(*place, clip=False)
-    return region.x + x, region.y + y
-
-
-def mouse(kind: str, value: str, place) -> None:
-    window, _ = area_of("CLIP_EDITOR")
-    window.event_simulate(type=kind, value=value, x=round(place[0]), y=round(place[1]))
-
-
-def key(kind: str, **held: bool) -> Steps:
-    """With the mouse over the footage."""
-    window, area = area_of("CLIP_EDITOR")
-    x, y = area.x + area.width // 2, area.y + area.height // 2
-    mouse("MOUSEMOVE", "NOTHING", (x, y))
-    for value in ("PRESS", "RELEASE"):
-        window.event_simulate(type=kind, value=value, x=x, y=y, **held)
-    yield 0.7
-
-
-def drag(begin, end, is_released: bool = True) -> Steps:
-    """From one place of the window to another."""
-    begin, end = np.array(begin, dtype=float), np.array(end, dtype=float)
-    mouse("MOUSEMOVE", "NOTHING", begin)
-    yield 0.2
-    mouse("LEFTMOUSE", "PRESS", begin)
-    yield 0.1
-    for step in range(1, MOVES + 1):
-        mouse("MOUSEMOVE", "NOTHING", begin + (end - begin) * step / MOVES)
-        yield 0.05
-    if is_released:
-        mouse("LEFTMOUSE", "RELEASE", end)
-        yield 0.4
-
-
-def click(place) -> Steps:
-    mouse("MOUSEMOVE", "NOTHING", place)
-    yield 0.2
-    for value in ("PRESS", "RELEASE"):
-        mouse("LEFTMOUSE", value, place)
-    yield 0.7
 
 
 def captured_pixels(frame: int, points) -> np.ndarray:
@@ -280,12 +208,95 @@ def state_a_lid(walk: Walk) -> Steps:
     yield from walk.picture("corrections-slider")
     yield from drag(field, (field[0] + 60, field[1]))
     yield from walk.picture("corrections-slid")
+    seen = module("overlay.captured")._last
+    walk.check(
+        "the face is drawn as stated", seen.stated is not None and seen.stated[2] is not None
+    )
     after = {entry.frame: entry.values for entry in kept()}.get(LID_FRAME, {}).get(LID)
     is_moved = after is not None and after.value > before + 0.02
     walk.check("the slider of the redo panel moves it", is_moved, (before, after))
     shown = bpy.context.scene.frame_current
     walk.check("in the frame on show, which stays", shown == LID_FRAME, shown)
     walk.check("without another correction", len(kept()) == 3, kept_frames())
+    yield from state_again(walk, after)
+    yield from time_drawing(walk)
+
+
+def state_again(walk: Walk, stated) -> Steps:
+    """A button pressed once more begins at what is stated, and changes nothing by itself."""
+    before = kept()
+    invoke("CLIP_EDITOR", bpy.ops.mimetic.correct_value, value_name=LID, reach=6.0)
+    yield 0.5
+    pinned = entry_at(LID_FRAME).values[LID]
+    is_kept = abs(pinned.value - stated.value) + abs(pinned.std - stated.std) < 1e-6
+    walk.check("Correct begins at the value that is stated", is_kept, (stated, pinned))
+    walk.check("and leaves all others", [e.frame for e in kept()] == [e.frame for e in before])
+
+
+def drag_the_head(walk: Walk) -> Steps:
+    """Moved by the mouse, turned after R; Escape leaves it, each drag is one step of undo."""
+    before, size = kept(), clip().size
+    captured = take().head_pose[LID_FRAME - 1]
+    begin = in_window((size[0] / 2, size[1] / 2))
+    end = (begin[0] + 24, begin[1])
+    invoke("CLIP_EDITOR", bpy.ops.mimetic.drag_pose)
+    yield 0.3
+    yield from drag(begin, end, is_released=False)
+    walk.check("the head moves with the mouse", entry_at(LID_FRAME).pose is not None)
+    yield from walk.picture("corrections-head-dragged")
+    yield from key("ESC")
+    walk.check("Esc leaves the head where it was", kept() == before)
+    mouse("LEFTMOUSE", "RELEASE", end)
+    yield 0.2
+    with bpy.context.temp_override(**override("CLIP_EDITOR")):
+        bpy.ops.mimetic.drag_pose("INVOKE_DEFAULT", True)
+    yield 0.3
+    yield from drag(begin, end)
+    moved = entry_at(LID_FRAME).pose
+    beside = 0.0 if moved is None else moved.head_pose[0, 3] - captured[0, 3]
+    walk.check("a drag states the pose", beside > 0.005, f"{1000 * beside:.1f} mm to the right")
+    with bpy.context.temp_override(**override("CLIP_EDITOR")):
+        bpy.ops.mimetic.drag_pose("INVOKE_DEFAULT", True)
+    yield 0.3
+    yield from key("R")
+    yield from drag(begin, end)
+    turned = entry_at(LID_FRAME).pose
+    is_turned = np.abs(turned.head_pose[:3, :3] - captured[:3, :3]).max() > 0.05
+    stays = np.allclose(turned.head_pose[:3, 3], moved.head_pose[:3, 3], atol=1e-5)
+    walk.check("after R it turns, from where it was moved to", is_turned and stays, turned)
+    yield from walk.picture("corrections-head-turned")
+    yield from key("Z", ctrl=True)
+    pose = entry_at(LID_FRAME).pose
+    walk.check("one undo takes the turn alone", np.allclose(pose.head_pose, moved.head_pose))
+    yield from key("Z", ctrl=True)
+    walk.check("one more the move", entry_at(LID_FRAME).pose is None)
+    walk.check("and no more", [e.frame for e in kept()] == [e.frame for e in before])
+
+
+def time_drawing(walk: Walk) -> Steps:
+    """What the overlay takes in a corrected frame: whenever it is drawn, and as a value changes."""
+    overlay, times = module("overlay.captured"), []
+    draw = overlay.draw_capture
+
+    def timed(context) -> bool:
+        begin = time.perf_counter()
+        is_drawn = draw(context)
+        times.append(1000 * (time.perf_counter() - begin))
+        return is_drawn
+
+    overlay.draw_capture = timed
+    figures = []
+    for is_changed in (False, True):
+        times.clear()
+        for _ in range(30):
+            if is_changed and overlay._last is not None:
+                overlay._last.drawn = overlay._last.stated = None
+            region_of().tag_redraw()
+            yield 0.03
+        figures.append(float(np.median(times)))
+    overlay.draw_capture = draw
+    found = f"{figures[0]:.2f} ms drawn again, {figures[1]:.2f} ms anew, {len(times)} times"
+    walk.check("the overlay takes less than 3 ms", 0 < max(figures) < 3, found)
 
 
 def refine(walk: Walk) -> Steps:
@@ -326,6 +337,7 @@ def steps(walk: Walk) -> Steps:
     yield from click_beside(walk)
     yield from change_ones_mind(walk)
     yield from state_a_lid(walk)
+    yield from drag_the_head(walk)
     yield from refine(walk)
     yield from open_again(walk)
 

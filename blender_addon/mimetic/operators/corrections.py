@@ -1,76 +1,26 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Corrections of single frames: pins on the captured skin, values, the head's pose."""
+"""Corrections of single frames: pins on the captured skin, what is deleted, and refining."""
 
-from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
-from bpy.props import (
-    BoolProperty,
-    EnumProperty,
-    FloatProperty,
-    FloatVectorProperty,
-    IntProperty,
-    StringProperty,
-)
+from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from .. import corrections, editors, native, outcome, scene_in, shown_take, takes
+from .. import corrections, editors, native, outcome, scene_in, takes
 from ..greyed import Greyed
 from ..jobs import Job
 from . import arguments
-
-REACH = FloatProperty(
-    name="Reach",
-    default=8.0,
-    min=1.0,
-    soft_max=60.0,
-    max=1000.0,
-    description="Frames before and after from which on nothing of the correction counts",
-)
-FRAME = IntProperty(
-    name="Frame", min=0, options={"SKIP_SAVE"}, description="Of the footage; 0: the one on show"
-)
+from .correct_pose import MIMETIC_OT_correct_pose, MIMETIC_OT_drag_pose
+from .correct_value import MIMETIC_OT_correct_value
+from .correcting import FRAME, REACH, Correcting
+from .dragging import Dragging
 
 
-class Correcting(Greyed):
-    """Mixin of operators that change corrections.
-
-    `change(context, earlier, frame)` gives the new ones.
-    """
-
-    bl_options = {"REGISTER", "UNDO"}
-    obstacle = staticmethod(corrections.no_corrections)
-
-    frame: FRAME
-    is_of_shown: BoolProperty(
-        name="Frame on Show",
-        options={"HIDDEN", "SKIP_SAVE"},
-        description="The playhead goes to it again: the redo panel's undo takes it elsewhere",
-    )
-
-    def execute(self, context):
-        clip = scene_in.clip_of(context)
-        self.is_of_shown = self.is_of_shown or not self.frame
-        frame = self.frame = self.frame or scene_in.shown_frame(context)
-        try:
-            now = self.change(context, corrections.of_clip(clip), frame)
-            corrections.keep(clip, now)
-        except native.known_errors() as error:
-            return outcome.cancelled(self, context, str(error))
-        if self.is_of_shown:
-            context.scene.frame_current = scene_in.scene_frame(clip, frame)
-        editors.redraw("CLIP_EDITOR")
-        frames = [entry.frame for entry in now]
-        message = rpt_("{operator}: frame {frame}; Refine solves the frames around it").format(
-            operator=iface_(self.bl_label, "Operator"), frame=frame
-        )
-        return outcome.finished(self, context, message, clip=clip.name, frames=frames)
-
-
-class MIMETIC_OT_pin_skin(Correcting, Operator):
+class MIMETIC_OT_pin_skin(Dragging, Operator):
     """Drag any place of the captured face to where it belongs in this frame"""
 
     bl_idname = "mimetic.pin_skin"
     bl_label = "Pin Skin"
+    hint = "Drag a place of the face   |   Esc cancels"
 
     grab: FloatVectorProperty(
         name="From", size=2, description="Pixel of the footage at which the skin is seen"
@@ -92,142 +42,27 @@ class MIMETIC_OT_pin_skin(Correcting, Operator):
         pin = board.grabbed(earlier, frame, tuple(self.grab), self.std)
         return board.with_pin(earlier, frame, pin, tuple(self.to), self.reach)
 
-    def invoke(self, context, event):
-        if reason := scene_in.no_picture(context):
-            return outcome.cancelled(self, context, reason)
-        try:
-            # Read before the first click is to be answered
-            self._size = tuple(map(int, corrections.board(context).stored_size))
-        except native.known_errors() as error:
-            return outcome.cancelled(self, context, str(error))
-        self._is_dragging = False
-        self._before = corrections.of_clip(scene_in.clip_of(context))
-        context.window.cursor_modal_set("CROSSHAIR")
-        context.workspace.status_text_set(iface_("Drag a place of the face   |   Esc cancels"))
-        context.window_manager.modal_handler_add(self)
-        return {"RUNNING_MODAL"}
+    def grab_at(self, pixel):
+        self.grab = self.to = pixel
 
-    def modal(self, context, event):
-        if event.type in {"ESC", "RIGHTMOUSE"}:
-            return self._leave(context, False)
-        pixel = scene_in.footage_pixel(context, event.mouse_x, event.mouse_y, self._size)
-        if event.type == "LEFTMOUSE" and event.value == "PRESS" and pixel is not None:
-            self.grab = self.to = pixel
-            self._is_dragging = self._show(context)
-            return {"RUNNING_MODAL"} if self._is_dragging else self._leave(context, False)
-        if self._is_dragging and event.type == "MOUSEMOVE" and pixel is not None:
-            self.to = pixel
-            self._show(context)
-        if self._is_dragging and event.type == "LEFTMOUSE" and event.value == "RELEASE":
-            return self._leave(context, True)
-        return {"RUNNING_MODAL"} if self._is_dragging else {"PASS_THROUGH"}
-
-    def _show(self, context) -> bool:
-        """The pin as it would be now; says whether there is skin where it was grabbed."""
-        clip = scene_in.clip_of(context)
-        try:
-            frame = self.frame or scene_in.shown_frame(context)
-            corrections.keep(clip, self.change(context, self._before, frame))
-        except native.known_errors() as error:
-            self.report({"WARNING"}, str(error))
-            return False
-        editors.redraw("CLIP_EDITOR")
-        return True
-
-    def _leave(self, context, is_kept: bool):
-        context.window.cursor_modal_restore()
-        context.workspace.status_text_set(None)
-        corrections.keep(scene_in.clip_of(context), self._before)
-        editors.redraw("CLIP_EDITOR")
-        return self.execute(context) if is_kept else {"CANCELLED"}
-
-    def cancel(self, context):
-        self._leave(context, False)
-
-
-class MIMETIC_OT_correct_value(Correcting, Operator):
-    """State jaw, lid, lips, gaze or a muscle in this frame"""
-
-    bl_idname = "mimetic.correct_value"
-    bl_label = "Correct Value"
-
-    value_name: StringProperty(
-        name="Of",
-        default="jaw_open",
-        search=corrections.value_names,
-        description="As the take names it: muscle, articulator, gaze in degrees; lip_gap in metres",
-    )
-    value: FloatProperty(
-        name="Value",
-        min=-50.0,
-        max=50.0,
-        step=1,
-        precision=3,
-        description="What it is in this frame: degrees of a gaze, otherwise from -1 to 1",
-    )
-    std: FloatProperty(
-        name="Deviation",
-        min=0.0,
-        soft_max=1.0,
-        precision=4,
-        description="Standard deviation, how surely it has this value; 0: 0.03, of a gap 0.3 mm, "
-        "of a gaze 1 degree",
-    )
-    reach: REACH
-
-    def invoke(self, context, event):
-        """From what was captured: the slider in the redo panel moves on from there."""
-        performance = shown_take.performance_or_none(context)
-        frame = self.frame or scene_in.shown_frame(context)
-        if performance is not None and not self.properties.is_property_set("value"):
-            try:
-                at = native.correcting().value_at(performance, frame, self.value_name)
-            except native.known_errors() as error:
-                return outcome.cancelled(self, context, str(error))
-            self.value = at
-        return self.execute(context)
-
-    def change(self, context, earlier, frame):
-        performance = shown_take.performance(context)
-        performance.index_of(frame)
-        if self.value_name not in native.correcting().value_names(performance):
-            raise native.invalid_input(
-                rpt_("value_name {name}: the take has no such value").format(name=self.value_name)
-            )
-        return native.correcting().with_value(
-            earlier, frame, self.value_name, self.value, self.std, self.reach
-        )
-
-
-class MIMETIC_OT_correct_pose(Correcting, Operator):
-    """State the head's pose in this frame, as a turn and a shift of the captured one"""
-
-    bl_idname = "mimetic.correct_pose"
-    bl_label = "Correct Pose"
-
-    turn: FloatVectorProperty(
-        name="Turn", size=3, description="Degrees about the camera's axes: right, down, forward"
-    )
-    shift: FloatVectorProperty(
-        name="Shift", size=3, precision=4, description="Metres to the right, down, forward"
-    )
-    reach: REACH
-
-    def change(self, context, earlier, frame):
-        performance = shown_take.performance(context)
-        return native.correcting().with_turn(
-            earlier, performance, frame, list(self.turn), list(self.shift), self.reach
-        )
+    def drag_to(self, pixel):
+        self.to = pixel
 
 
 class MIMETIC_OT_delete_correction(Correcting, Operator):
-    """Delete all corrections of this frame; Refine takes back what they did"""
+    """Delete corrections of this frame; Refine takes back what they did"""
 
     bl_idname = "mimetic.delete_correction"
     bl_label = "Delete Correction"
 
+    what: StringProperty(
+        name="What",
+        options={"SKIP_SAVE"},
+        description="A value's name, pose, or pin 1 and so on; empty: all that the frame has",
+    )
+
     def change(self, context, earlier, frame):
-        return native.correcting().without_frame(earlier, frame)
+        return native.correcting().without(earlier, frame, self.what)
 
 
 class MIMETIC_OT_show_correction(Greyed, Operator):
@@ -318,6 +153,7 @@ CLASSES = (
     MIMETIC_OT_pin_skin,
     MIMETIC_OT_correct_value,
     MIMETIC_OT_correct_pose,
+    MIMETIC_OT_drag_pose,
     MIMETIC_OT_delete_correction,
     MIMETIC_OT_show_correction,
     MIMETIC_OT_refine,

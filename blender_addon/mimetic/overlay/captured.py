@@ -15,7 +15,9 @@ from . import picture, text
 
 MESH, FEATURES, IRISES = (0.15, 1.0, 0.45, 0.2), (1.0, 0.75, 0.1, 0.95), (0.2, 0.75, 1.0, 0.95)
 LANDMARKS, LANDMARK_SIZE = (1.0, 0.2, 0.6, 0.95), 4.0
-PINS, PIN_SIZE = (1.0, 1.0, 1.0, 0.95), 7.0
+CAPTURED = (MESH, FEATURES, IRISES, LANDMARKS)
+STATED_MESH, STATED = (1.0, 1.0, 1.0, 0.12), (1.0, 1.0, 1.0, 0.95)  # by corrections
+PIN_SIZE = 7.0
 STRIP_BOTTOM, STRIP_HEIGHT = 22, 6  # pixels at a UI scale of 1, above Blender's own strips
 
 
@@ -26,6 +28,7 @@ class Seen:
     performance: object  # None of a capture at work
     lines: object  # of mimetic.report.face_lines; None: a head's alone has no face
     drawn: tuple | None = None  # a frame's index, batches of what is drawn in it
+    stated: tuple | None = None  # the same of the face as corrections state it, with their entry
     strip: tuple | None = None  # what it was made for, and its batch
 
 
@@ -94,43 +97,58 @@ def _seen(context) -> Seen | None:
 
 def _draw_face(context, seen: Seen, row: int, settings) -> None:
     if seen.drawn is None or seen.drawn[0] != row:
-        lines = seen.lines.draw(row)
-        marks = lines.marks[np.array(lines.marks_shown, dtype=bool)]
-        seen.drawn = (
-            row,
-            *(_batch(part, "LINES") for part in (lines.mesh, lines.features, lines.rings)),
-            _batch(marks, "POINTS"),
-        )
-    _, mesh, features, irises, landmarks = seen.drawn
+        seen.drawn = (row, *_batches(seen.lines.draw(row)))
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
     scale = context.preferences.system.pixel_size
     gpu.state.point_size_set(LANDMARK_SIZE * scale)
     with gpu.matrix.push_pop():
         picture.lay_over(context.region.view2d)
-        for batch, colour, is_on in (
-            (mesh, MESH, settings.show_capture_mesh),
-            (features, FEATURES, settings.show_capture_features),
-            (irises, IRISES, settings.show_capture_features),
-            (landmarks, LANDMARKS, settings.show_capture_landmarks),
-        ):
-            if is_on and batch is not None:
-                shader.uniform_float("color", colour)
-                batch.draw(shader)
-        if seen.performance is not None:  # pins are put on takes
-            _draw_pins(context, shader)
+        _draw_batches(shader, seen.drawn[1:], CAPTURED, settings)
+        if seen.performance is not None:  # takes are corrected
+            _draw_corrections(context, shader, seen, row, settings)
 
 
-def _draw_pins(context, shader) -> None:
+def _batches(lines) -> tuple:
+    marks = lines.marks[np.array(lines.marks_shown, dtype=bool)]
+    parts = (lines.mesh, lines.features, lines.rings)
+    return (*(_batch(part, "LINES") for part in parts), _batch(marks, "POINTS"))
+
+
+def _draw_batches(shader, batches: tuple, colours: tuple, settings) -> None:
+    is_on = (
+        settings.show_capture_mesh,
+        settings.show_capture_features,
+        settings.show_capture_features,
+        settings.show_capture_landmarks,
+    )
+    for batch, colour, is_shown in zip(batches, colours, is_on, strict=True):
+        if is_shown and batch is not None:
+            shader.uniform_float("color", colour)
+            batch.draw(shader)
+
+
+def _draw_corrections(context, shader, seen: Seen, row: int, settings) -> None:
+    """The face as values and pose are stated, in white over the captured one; pins."""
+    entries = corrections.readable(context.edit_movieclip)
+    correcting = native.correcting()
+    entry = correcting.at_frame(entries, scene_in.shown_frame(context))
+    if entry is None:
+        return
+    if correcting.states_more_than_pins(entry):
+        if seen.stated is None or seen.stated[0] != row or seen.stated[1] is not entry:
+            seen.stated = (row, entry, *_batches(seen.lines.draw(row, entry)))
+        _draw_batches(shader, seen.stated[2:], (STATED_MESH, *3 * (STATED,)), settings)
+    _draw_pins(context, shader, entries)
+
+
+def _draw_pins(context, shader, entries: tuple) -> None:
     """Each from the skin's place as captured to the pixel where it belongs."""
     try:
-        entries = corrections.of_clip(context.edit_movieclip)
-        if not entries:
-            return
         places = corrections.board(context).lines(entries, scene_in.shown_frame(context))
     except native.known_errors():  # of a capture with fewer frames
         return
     if len(places):
-        shader.uniform_float("color", PINS)
+        shader.uniform_float("color", STATED)
         _batch(places, "LINES").draw(shader)
         gpu.state.point_size_set(PIN_SIZE * context.preferences.system.pixel_size)
         _batch(places[1::2], "POINTS").draw(shader)

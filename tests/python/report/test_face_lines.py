@@ -9,6 +9,7 @@ from mimetic.library.composing import canonical_person
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.report.face_lines import PerformanceLines, quality_strip
 from mimetic.report.overlay import FaceDrawing
+from mimetic.solve.correcting import with_turn, with_value
 from mimetic.template.face_template import load_template
 from sample_performance import make_performance
 
@@ -84,3 +85,20 @@ def test_the_strip_has_a_box_a_frame_in_the_colour_of_its_quality():
     lines = PerformanceLines(performance)
     assert lines.quality_text(0) == "quality 0.10, lost: held"
     assert (lines.quality_text(2), lines.quality_text(None)) == ("quality 1.00", "not captured")
+
+
+def test_a_correction_is_drawn_as_it_states_the_face(person):
+    lines = PerformanceLines(person)
+    captured = lines.draw(0)
+    lid = with_value((), 1, "lid_upper.L", 1.0, 0, 8)[0]
+    stated = lines.draw(0, lid)
+    moved = np.abs(stated.marks - captured.marks).max(axis=1) * person.image_size[1]
+    names = [name for name, by in zip(lines.landmarks, moved, strict=True) if by > 0.5]
+    assert names and all(name.endswith(".L") for name in names), names
+    pose = with_turn((), person, 1, (0, 0, 0), (0.02, 0, 0), 8)[0]
+    beside = lines.draw(0, pose).marks - captured.marks
+    assert (beside[:, 0] > 0.01).all() and np.abs(beside[:, 1]).max() < 1e-5
+    gaze = with_value((), 1, "gaze_yaw.L", 25.0, 0, 8)[0]
+    assert not np.array_equal(lines.draw(0, gaze).rings, captured.rings)
+    np.testing.assert_array_equal(lines.draw(0, gaze).mesh, captured.mesh)
+    np.testing.assert_array_equal(lines.draw(0).features, captured.features)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from mimetic import _core
 from mimetic.muscles.anatomy import SIDES, Anatomy, AttachedSkin, load_table
-from mimetic.muscles.articulators import EyeLids, eye_frames
+from mimetic.muscles.articulators import ARTICULATORS, EyeLids, eye_frames
 from mimetic.skin.mesh import SkinMesh, canonical_skin
 
 # Each moves one lip to the slit, or off it where the other pushes
@@ -88,6 +88,12 @@ def lip_rows() -> list[dict]:
     """The entries of LIP_SHAPES, in their order."""
     rows = {row["name"]: row for row in extras_table()}
     return [rows[name] for name in LIP_SHAPES]
+
+
+def articulator_limits() -> dict[str, tuple[float, float]]:
+    """Range of the values of all articulators that a capture estimates, by name."""
+    lips = {row["name"]: (float(row["limits"][0]), float(row["limits"][1])) for row in lip_rows()}
+    return ARTICULATORS | lips
 
 
 def collect(modes: dict[str, NDArray[np.float64]]) -> Extras:

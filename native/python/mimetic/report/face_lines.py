@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 
 from mimetic import _core
 from mimetic.muscles.feature_lines import feature_lines
-from mimetic.performance.corrections import corrected_frames
+from mimetic.performance.corrections import FrameCorrection, corrected_frames
 from mimetic.performance.document import HELD_QUALITY, Performance
-from mimetic.performance.gaze import has_gaze, iris_circles, seen_articulators
+from mimetic.performance.gaze import turned_irises
 from mimetic.report.overlay import shown_faces, shown_landmarks
 from mimetic.shared.pinhole import camera_of
 from mimetic.solve.frames_so_far import FramesSoFar
+from mimetic.solve.stated import captured_state, stated_state
 from mimetic.template.face_template import load_template
 
 CORRECTED = (0.2, 0.5, 1.0, 1.0)  # colour of a corrected frame's box
@@ -46,16 +47,23 @@ class PerformanceLines:
         """The index of a frame number; None for one that was not captured."""
         return self._rows.get(frame)
 
-    def draw(self, i: int) -> _core.DrawnLines:
-        """What is seen at frame index `i`."""
+    def draw(self, i: int, entry: FrameCorrection | None = None) -> _core.DrawnLines:
+        """What is seen at frame index `i`; with an entry, the face as its values and pose are."""
         performance = self.performance
-        values = [performance.activations[i]]
+        state = (
+            captured_state(performance, i) if entry is None else stated_state(performance, i, entry)
+        )
+        values = [state.activations]
         if performance.articulator_modes is not None:
-            values.append(seen_articulators(performance, slice(i, i + 1))[0])
+            values.append(state.articulators)
         if performance.detail_coefficients is not None:
             values.append(performance.detail_coefficients[i])
-        rims = [ring[1:] for ring in iris_circles(performance, i)] if has_gaze(performance) else []
-        return self._lines.draw(np.concatenate(values), performance.head_pose[i], rims)
+        rims = []
+        if state.gaze is not None:
+            centers, irises = np.asarray(performance.eye_centers), performance.iris_centers
+            circles = turned_irises(centers, np.asarray(irises), state.gaze)
+            rims = [ring[1:] for ring in circles]
+        return self._lines.draw(np.concatenate(values), state.head_pose, rims)
 
     def quality_text(self, i: int | None) -> str:
         """What is known of frame index `i`; None: a frame that was not captured."""

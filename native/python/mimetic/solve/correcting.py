@@ -9,8 +9,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from mimetic import InvalidInput, _core
+from mimetic.muscles.extras import articulator_limits
 from mimetic.performance.corrections import (
     LIP_GAP,
+    ROTATION_STD,
+    TRANSLATION_STD,
     Corrections,
     FrameCorrection,
     Pinned,
@@ -30,23 +33,39 @@ from mimetic.performance.places import RefinedSurface
 from mimetic.performance.projection import rescaled
 from mimetic.shared.picture import picture_coordinates
 from mimetic.solve.refining import refined, within
+from mimetic.solve.stated import lip_gap_of, states_more_than_pins
+from mimetic.solve.stated_pose import PoseDrag, turned
 from mimetic.template.face_template import load_template
 
 __all__ = [
+    "PIN",
+    "POSE",
     "PinBoard",
+    "PoseDrag",
     "as_document",
     "at_frame",
     "corrections_in",
     "is_refined_by",
+    "kind_of",
+    "parts_of",
+    "pinned_at",
     "refined",
+    "states_more_than_pins",
+    "turn_at",
     "value_at",
     "value_names",
     "with_entry",
     "with_turn",
     "with_value",
+    "without",
     "without_frame",
+    "without_pin",
+    "without_pose",
+    "without_value",
 ]
 
+# Names of what is stated beside values
+POSE, PIN = "pose", "pin "
 SAME_PLACE = 8.0  # pixels of the footage's file within which a click means the pin that is there
 
 
@@ -64,9 +83,65 @@ def with_entry(corrections: Corrections, entry: FrameCorrection) -> Corrections:
 
 def without_frame(corrections: Corrections, frame: int) -> Corrections:
     """Raises InvalidInput where nothing is corrected there."""
-    if at_frame(corrections, frame) is None:
+    gone = _entry(corrections, frame)
+    return tuple(entry for entry in corrections if entry is not gone)
+
+
+def without(corrections: Corrections, frame: int, what: str = "") -> Corrections:
+    """Without one thing that is stated in a frame, by its name in `parts_of`; empty: without all.
+
+    Raises InvalidInput where that is not corrected there.
+    """
+    if not what:
+        return without_frame(corrections, frame)
+    if what == POSE:
+        return without_pose(corrections, frame)
+    if what.startswith(PIN):
+        number = what.removeprefix(PIN)
+        return without_pin(corrections, frame, int(number) if number.isdecimal() else 0)
+    return without_value(corrections, frame, what)
+
+
+def without_value(corrections: Corrections, frame: int, name: str) -> Corrections:
+    """Raises InvalidInput where it is not stated there."""
+    if pinned_at(corrections, frame, name) is None:
+        raise InvalidInput(f"frame {frame}: {name} is not corrected there")
+    entry = _entry(corrections, frame)
+    if name == LIP_GAP:
+        return with_entry(corrections, replace(entry, lip_gap=None))
+    values = {other: pinned for other, pinned in entry.values.items() if other != name}
+    return with_entry(corrections, replace(entry, values=values))
+
+
+def without_pin(corrections: Corrections, frame: int, number: int) -> Corrections:
+    """number: from 1. Raises InvalidInput where there are fewer pins."""
+    entry = _entry(corrections, frame)
+    if not 1 <= number <= len(entry.pins):
+        raise InvalidInput(f"frame {frame} has {len(entry.pins)} pins, counted from {PIN}1")
+    pins = entry.pins[: number - 1] + entry.pins[number:]
+    return with_entry(corrections, replace(entry, pins=pins))
+
+
+def without_pose(corrections: Corrections, frame: int) -> Corrections:
+    """Raises InvalidInput where no pose is stated."""
+    entry = _entry(corrections, frame)
+    if entry.pose is None:
+        raise InvalidInput(f"frame {frame}: no {POSE} is corrected there")
+    return with_entry(corrections, replace(entry, pose=None))
+
+
+def parts_of(entry: FrameCorrection) -> list[str]:
+    """Names of what an entry states: `pin 1`, ..., `pose`, values."""
+    names = [f"{PIN}{number}" for number in range(1, len(entry.pins) + 1)]
+    names += [POSE] * (entry.pose is not None) + [*entry.values]
+    return names + [LIP_GAP] * (entry.lip_gap is not None)
+
+
+def _entry(corrections: Corrections, frame: int) -> FrameCorrection:
+    entry = at_frame(corrections, frame)
+    if entry is None:
         raise InvalidInput(f"nothing is corrected in frame {frame}")
-    return tuple(entry for entry in corrections if entry.frame != frame)
+    return entry
 
 
 def is_refined_by(performance: Performance, corrections: Corrections) -> bool:
@@ -100,15 +175,39 @@ def with_value(
     return with_entry(corrections, replace(entry, reach=reach, values=values))
 
 
-def value_at(performance: Performance, frame: int, name: str) -> float:
-    """What the performance has of a value that a correction may state; 0 of the lips' gap."""
+def value_at(
+    performance: Performance, frame: int, name: str, corrections: Corrections = ()
+) -> float:
+    """A value that a correction may state: as stated in the frame, otherwise as captured."""
     i = performance.index_of(frame)
+    if (pinned := pinned_at(corrections, frame, name)) is not None:
+        return pinned.value
     if name in performance.muscles:
         return float(performance.activations[i, performance.muscles.index(name)])
+    if name == LIP_GAP:
+        return lip_gap_of(performance, i)
     if name not in performance.articulators:
         return 0.0
     seen = seen_articulators(performance, slice(i, i + 1))[0]
     return float(seen[performance.articulators.index(name)])
+
+
+def pinned_at(corrections: Corrections, frame: int, name: str) -> Pinned | None:
+    """What is stated of a value in a frame."""
+    entry = at_frame(corrections, frame)
+    if entry is None:
+        return None
+    return entry.lip_gap if name == LIP_GAP else entry.values.get(name)
+
+
+def kind_of(name: str) -> str:
+    """What a value is: `share`, `signed` (below 0 too), `angle` in degrees, `gap` in metres."""
+    if name == LIP_GAP:
+        return "gap"
+    if name in GAZE:
+        return "angle"
+    lowest, _ = articulator_limits().get(name, (0.0, 1.0))
+    return "signed" if lowest < 0 else "share"
 
 
 def with_turn(
@@ -118,16 +217,30 @@ def with_turn(
     degrees: ArrayLike,
     metres: ArrayLike,
     reach: float,
+    rotation_std: float = ROTATION_STD,
+    translation_std: float = TRANSLATION_STD,
 ) -> Corrections:
-    """The captured pose turned about the camera's axes (3) and moved along them (3)."""
-    pose = performance.head_pose[performance.index_of(frame)].copy()
-    turn = _core.from_rotation_vectors(np.radians(np.asarray(degrees, dtype=np.float64))[None])[0]
-    pose[:3, :3] = turn @ pose[:3, :3]
-    pose[:3, 3] += np.asarray(metres, dtype=np.float64)
-    if pose[2, 3] <= 0:
-        raise InvalidInput(f"frame {frame}: the head would be behind the camera")
+    """The captured pose turned about the camera's axes (3) and moved along them (3).
+
+    rotation_std in radians, translation_std in metres.
+    """
+    pose = turned(performance, frame, degrees, metres)
     entry = at_frame(corrections, frame) or FrameCorrection(frame)
-    return with_entry(corrections, replace(entry, reach=reach, pose=PinnedPose(pose)))
+    pinned = PinnedPose(pose, rotation_std, translation_std)
+    return with_entry(corrections, replace(entry, reach=reach, pose=pinned))
+
+
+def turn_at(
+    corrections: Corrections, performance: Performance, frame: int
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """By what `with_turn` states the pose that is stated: degrees (3), metres (3); 0 if none is."""
+    entry = at_frame(corrections, frame)
+    if entry is None or entry.pose is None:
+        return np.zeros(3), np.zeros(3)
+    captured, stated = performance.head_pose[performance.index_of(frame)], entry.pose.head_pose
+    turn = np.ascontiguousarray(stated[:3, :3] @ captured[:3, :3].T)
+    degrees = np.degrees(_core.rotation_vectors(turn[None])[0])
+    return degrees, stated[:3, 3] - captured[:3, 3]
 
 
 class PinBoard:

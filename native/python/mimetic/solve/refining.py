@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core
 from mimetic.muscles.anatomy import Anatomy, muscle_names
 from mimetic.muscles.articulators import ARTICULATORS
-from mimetic.muscles.extras import LIP_SHAPES, lip_rows
-from mimetic.muscles.feature_lines import feature_lines
+from mimetic.muscles.extras import LIP_SHAPES, articulator_limits
 from mimetic.performance.corrections import (
     Corrections,
     FrameCorrection,
@@ -33,6 +32,7 @@ from mimetic.shared.pinhole import camera_of
 from mimetic.shared.progress import Progress
 from mimetic.solve.full_range import assumed_modes, evidence_factors
 from mimetic.solve.refined_spans import FIXED, FrameSpan, limits_of_change, spans_of
+from mimetic.solve.stated import gap_places
 from mimetic.solve.tracking import face_motion
 from mimetic.template.face_template import load_template
 
@@ -317,14 +317,11 @@ class Refinement:
             weights[names.index(name)] = 1.0 / self.scale[names.index(name)]
             yield _core.ValuePin(weights, pinned.value, pinned.std)
         if entry.lip_gap is not None:
-            lines = feature_lines(self.template)
-            upper, lower = lines["lip_upper_inner"], lines["lip_lower_inner"]
             modes = self._modes()
-            neutral = self.performance.neutral_vertices
-            for share in (0.3, 0.5, 0.7):  # of the way from corner to corner
-                top, bottom = (line[round(share * (len(line) - 1))] for line in (upper, lower))
+            unmoved = self._unmoved(self.performance.index_of(entry.frame))
+            for top, bottom in gap_places(self.template):
                 weights = np.array(modes[:, top, 1] - modes[:, bottom, 1], dtype=np.float64)
-                at_rest = float(neutral[top, 1] - neutral[bottom, 1])
+                at_rest = float(unmoved[top, 1] - unmoved[bottom, 1])
                 yield _core.ValuePin(weights, entry.lip_gap.value - at_rest, entry.lip_gap.std)
 
     def _modes(self) -> NDArray[np.float32]:
@@ -382,7 +379,7 @@ def _is_of_skin(entry: FrameCorrection) -> bool:
 
 def anatomy_of(performance: Performance, names: list[str], columns: list[int]) -> Anatomy:
     """The performance's modes as assumed, with the articulators' limits by their names."""
-    limits = ARTICULATORS | {row["name"]: tuple(row["limits"]) for row in lip_rows()}
+    limits = articulator_limits()
     if unknown := [name for name in names if name not in limits]:
         raise InvalidInput(f"this version knows no articulator {unknown[0]}: update Mimetic")
     assert performance.articulator_modes is not None
