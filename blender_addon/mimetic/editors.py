@@ -7,6 +7,9 @@ from collections.abc import Iterator
 
 import bpy
 
+TIME = ("DOPESHEET_EDITOR", "GRAPH_EDITOR")  # whose width is the scene's time
+OF_TAKES = ("CLIP_EDITOR", *TIME)  # that draw how captured frames are
+
 
 def open_editors(*kinds: str) -> Iterator[bpy.types.Area]:
     """Areas of these types, such as CLIP_EDITOR; of all types if none is given."""

@@ -356,8 +356,8 @@ class Job(Modal):
 
 
 def _redraw() -> None:
-    """What shows how far jobs are: sidebars, and footage with what was followed of it."""
-    editors.redraw_parts("WINDOW", "CLIP_EDITOR")
+    """What shows how far jobs are: sidebars, and footage and time with what was followed."""
+    editors.redraw_parts("WINDOW", *editors.OF_TAKES)
     editors.redraw_parts("UI", "CLIP_EDITOR", "VIEW_3D")
 
 

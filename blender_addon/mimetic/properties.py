@@ -15,7 +15,8 @@ from bpy.props import (
     StringProperty,
 )
 
-from . import clip_lens, compat, control_rows, correction_settings, editors, take_rows, writable
+from . import clip_lens, compat, control_rows, correction_settings, take_rows, writable
+from .clip_overlay_settings import ClipOverlaySettings
 from .face_view_settings import FaceViewSettings
 from .live_settings import MimeticLive
 from .scene_out import contact, expressions, gaze, rigs
@@ -27,10 +28,6 @@ def _is_mesh(self, candidate) -> bool:
 
 def _is_expression(self, candidate) -> bool:
     return expressions.is_expression(candidate)
-
-
-def _redraw_clips(self, context) -> None:
-    editors.redraw("CLIP_EDITOR")
 
 
 HEAD_MODES = (
@@ -263,7 +260,10 @@ class MimeticClip(clip_lens.HasLens, bpy.types.PropertyGroup):
 
 
 class MimeticScene(
-    FaceViewSettings, correction_settings.CorrectionSettings, bpy.types.PropertyGroup
+    FaceViewSettings,
+    ClipOverlaySettings,
+    correction_settings.CorrectionSettings,
+    bpy.types.PropertyGroup,
 ):
     clip: PointerProperty(
         name="Footage", type=bpy.types.MovieClip, description="Movie clip with the face"
@@ -277,43 +277,6 @@ class MimeticScene(
         name="Turned Views",
         options={"HIDDEN"},
         description="How many times a bake turned 3D views to the camera, for undo and redo",
-    )
-    show_fit: BoolProperty(
-        name="Fitted Mesh",
-        default=True,
-        description="Draw the fitted face over its frames in the clip editor",
-        update=_redraw_clips,
-    )
-    show_capture: BoolProperty(
-        name="Captured Face",
-        default=True,
-        description="Draw the captured face over every frame of its take in the clip editor",
-        update=_redraw_clips,
-    )
-    show_capture_mesh: BoolProperty(
-        name="Surface",
-        default=True,
-        description="The skin's mesh, where nothing covers it",
-        update=_redraw_clips,
-    )
-    show_capture_features: BoolProperty(
-        name="Lids, Lips, Irises",
-        default=True,
-        description="The margins of lids and lips, and the irises' rims",
-        update=_redraw_clips,
-    )
-    show_capture_landmarks: BoolProperty(
-        name="Landmarks",
-        default=True,
-        description="The landmarks that are seen",
-        update=_redraw_clips,
-    )
-    show_quality: BoolProperty(
-        name="Quality",
-        default=True,
-        description="A strip over the scene's range at the bottom: red where the face was lost and "
-        "is held, by yellow to green where the picture is well explained",
-        update=_redraw_clips,
     )
     use_live_pins: BoolProperty(
         name="Follow Pins",

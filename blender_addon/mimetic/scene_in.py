@@ -245,12 +245,13 @@ def timing(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None) -> Timing:
 
 def scene_frames(performance, clock: Timing):
     """N scene frames, whole or not, at which the performance's frames are."""
+    return scene_frames_of(performance.frame, performance.fps, clock)
+
+
+def scene_frames_of(frames, rate: float, clock: Timing):
+    """The same of any footage frames; rate: the footage's frames a second."""
     return native.timing().scene_frames(
-        performance.frame,
-        performance.fps,
-        clock.scene_rate,
-        clock.frame_start,
-        clock.frame_offset,
+        frames, rate, clock.scene_rate, clock.frame_start, clock.frame_offset
     )
 
 

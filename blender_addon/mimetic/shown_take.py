@@ -7,7 +7,10 @@ import os
 
 from . import native, scene_in, takes
 
-_last: tuple | None = None  # what says that a take is still the same, its Performance or an error
+NUM_KEPT = 2  # takes: editors may show different clips
+
+# Takes that were read, oldest first: what says that it is still the same, its Performance or error
+_read: dict[takes.Take, tuple] = {}
 
 
 def performance(context):
@@ -15,24 +18,28 @@ def performance(context):
 
     To be asked where `scene_in.no_take` has nothing to say. Raises what `takes.load` raises.
     """
-    global _last
     take = scene_in.take(context)
     facts = os.stat(take.path)
-    stamp = (take, facts.st_mtime_ns, facts.st_size)
-    if _last is None or _last[0] != stamp:
+    stamp = (facts.st_mtime_ns, facts.st_size)
+    if take not in _read or _read[take][0] != stamp:
         try:
-            _last = (stamp, takes.load(take))
+            found = takes.load(take)
         except native.known_errors() as error:
-            _last = (stamp, error)
-    if isinstance(_last[1], Exception):
-        raise _last[1].with_traceback(None)
-    return _last[1]
+            found = error
+        _read.pop(take, None)
+        while len(_read) >= NUM_KEPT:
+            del _read[next(iter(_read))]
+        _read[take] = (stamp, found)
+    found = _read[take][1]
+    if isinstance(found, Exception):
+        raise found.with_traceback(None)
+    return found
 
 
 def last_read(context):
     """The take's Performance if it was read before, else None; the clip has a take."""
-    is_it = _last is not None and _last[0][0] == scene_in.take(context)
-    return _last[1] if is_it and not isinstance(_last[1], Exception) else None
+    found = _read.get(scene_in.take(context), (None, None))[1]
+    return None if isinstance(found, Exception) else found
 
 
 def performance_or_none(context):
@@ -47,5 +54,4 @@ def performance_or_none(context):
 
 
 def forget() -> None:
-    global _last
-    _last = None
+    _read.clear()

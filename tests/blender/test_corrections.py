@@ -136,7 +136,7 @@ def test_the_take_is_read_once_for_drawing_and_for_corrections(extension, captur
     takes, readings = extension("takes"), []
     load = takes.load
     monkeypatch.setattr(takes, "load", lambda take: readings.append(take) or load(take))
-    extension("overlay.captured").forget()
+    extension("overlay").forget_takes()
     performance = extension("shown_take").performance_or_none(bpy.context)
     bpy.ops.mimetic.correct_value(value_name="jaw_open", value=0.4)
     assert extension("corrections").board(bpy.context).performance is performance

@@ -236,9 +236,10 @@ def test_a_bake_as_strips_plays_the_same(extension, scene, bake, performance, to
 def test_lost_frames_are_marked_and_the_users_markers_stay(
     extension, scene, bake, performance, other
 ):
-    bake(performance)
-    bake(other, "again")
     scene.timeline_markers.new("Lost", frame=3)
+    bake(performance)
+    bake(other, "again", use_lost_markers=False)
+    assert [marker.frame for marker in scene.timeline_markers] == [3]
     assert bpy.ops.mimetic.mark_lost(take="again") == {"FINISHED"}
     assert result()["num_ranges"] == 2
     marks = sorted((marker.frame, marker.name) for marker in scene.timeline_markers)
@@ -250,6 +251,26 @@ def test_lost_frames_are_marked_and_the_users_markers_stay(
     assert bpy.ops.mimetic.unmark_lost() == {"FINISHED"}
     assert [marker.frame for marker in scene.timeline_markers] == [3]
     assert bpy.ops.mimetic.unmark_lost() == {"CANCELLED"}
+
+
+def test_a_bake_marks_lost_frames_of_the_take_that_plays(
+    extension, scene, bake, performance, other
+):
+    def marked() -> list[int]:
+        return [marker.frame for marker in scene.timeline_markers]
+
+    face = bake(other)
+    assert sorted(marked()) == [5, 8, 31, 32]
+    assert result()["num_ranges"] == 2
+    assert "2 lost ranges are marked" in result()["message"]
+    edit(extension, face)
+    bake(performance, "again", edited="KEEP")  # the edited one, which has lost frames, plays on
+    assert sorted(marked()) == [5, 8, 31, 32]
+    bake(performance, "again")
+    assert marked() == []
+    bake(other)
+    bake(other, use_lost_markers=False)
+    assert marked() == []
 
 
 def test_a_removed_take_leaves_no_actions_and_others_as_they_are(

@@ -11,6 +11,7 @@ from matplotlib.image import imread
 from mimetic.performance.document import Performance
 from mimetic.score.truth import Truth
 from mimetic.solve.clip_capture import find_face
+from strip_pixels import strip_colours
 
 CORRECTED = (38, 44)
 APART = 14  # pixels at least between pins: a nearer click would grab the one that is there
@@ -43,6 +44,9 @@ def test_a_spoilt_clip_is_corrected_by_mouse(folder, screen, extension, work, pi
     assert all(
         is_drawn(result.pictures["corrections-pinned"], pin) for pin in result.arrays["pins"]
     )
+    corrected, beside = strip_colours(result.pictures["corrections-pinned"], result.arrays["strip"])
+    assert "corrected" in corrected and beside, "the timeline's strip, before any bake"
+    assert "corrected" not in beside
     captured, refined = (
         Performance.load(work / f"spoilt{take}.performance.npz") for take in ("", ".002")
     )

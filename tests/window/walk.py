@@ -110,6 +110,17 @@ def install(walk: Walk, package: str) -> Steps:
     walk.check("the extension is enabled", package in bpy.context.preferences.addons)
 
 
+def strip_columns(kind: str, frames: list[int]) -> list[list[int]]:
+    """Where an editor of time shows the quality of scene frames: x, and between which y, in the
+    window."""
+    region = override(kind)["region"]
+    top = region.y + region.height
+    return [
+        [region.x + region.view2d.view_to_region(frame, 0, clip=False)[0], top - 40, top - 20]
+        for frame in frames
+    ]
+
+
 def open_sidebar(walk: Walk, kind: str, category: str) -> Steps:
     """Show a sidebar with a category's tab; the tab exists only after a first drawing."""
     _, area = area_of(kind)

@@ -28,7 +28,17 @@ from over_footage import (
     take,
     take_path,
 )
-from walk import Steps, Walk, area_of, install, invoke, open_sidebar, override, start
+from walk import (
+    Steps,
+    Walk,
+    area_of,
+    install,
+    invoke,
+    open_sidebar,
+    override,
+    start,
+    strip_columns,
+)
 
 LID, LID_FRAME = "lid_upper.L", 12
 ROW = 22  # pixels between the redo panel's rows
@@ -74,7 +84,7 @@ def capture(walk: Walk) -> Steps:
 def watch(walk: Walk) -> Steps:
     """The face is drawn frame by frame while the capture works, and the playhead goes along."""
     scene, jobs = bpy.context.scene, module("jobs")
-    captured = module("overlay.captured")
+    seen = module("overlay.seen")
 
     def num_followed() -> int:
         return len(jobs.running.so_far) if jobs.running else 0
@@ -83,14 +93,14 @@ def watch(walk: Walk) -> Steps:
     yield 0.2
     begin = scene.frame_current
     walk.check("the playhead goes along", begin > 4, begin)
-    row = captured._at_work.drawn[0] if captured._at_work and captured._at_work.drawn else 0
+    row = seen.at_work.drawn[0] if seen.at_work and seen.at_work.drawn else 0
     walk.check("the frame at hand is drawn", abs(row - begin) < 4, f"{row} at {begin}")
     yield from walk.picture("corrections-capture-at-work")
     yield from go_to(3)
     yield 0.5
     walk.check("the capture is still at work", not is_idle())
     walk.check("who scrubs is left where they are", scene.frame_current == 3, scene.frame_current)
-    walk.check("and sees what was followed there", captured._at_work.drawn[0] == 3)
+    walk.check("and sees what was followed there", seen.at_work.drawn[0] == 3)
 
 
 def slow_down() -> None:
@@ -143,6 +153,8 @@ def pin_the_mouth(walk: Walk) -> Steps:
     counts = [len(entry.pins) for entry in kept()]
     walk.check("each with all pins", counts == [len(points)] * 2, counts)
     walk.arrays["pins"] = [list(in_window(pin.pixel)) for pin in kept()[-1].pins]
+    frames = [walk.settings["corrected"][0], walk.settings["corrected"][0] - 2]
+    walk.arrays["strip"] = strip_columns("DOPESHEET_EDITOR", frames)
     yield from walk.picture("corrections-pinned")
 
 

@@ -197,7 +197,7 @@ def capture_again(walk: Walk) -> Steps:
 
 def look_at_the_capture(walk: Walk) -> Steps:
     """Every captured frame shows the face over the footage."""
-    overlay = importlib.import_module(f"{PACKAGE}.overlay.captured")
+    overlay = importlib.import_module(f"{PACKAGE}.overlay.seen")
     with bpy.context.temp_override(**override("CLIP_EDITOR")):
         bpy.ops.clip.view_all(fit_view=True)
     frames = captured_frames()
@@ -206,7 +206,7 @@ def look_at_the_capture(walk: Walk) -> Steps:
         with bpy.context.temp_override(**override("CLIP_EDITOR")):
             bpy.ops.screen.frame_offset(delta=frame - bpy.context.scene.frame_current)
         yield 0.5
-        seen = overlay._last
+        seen = overlay.last_take()
         row = seen.lines.row_of(frame)
         walk.check("the captured face is drawn", seen.drawn is not None and seen.drawn[0] == row)
     walk.check("the strip of quality is drawn", seen.strip is not None)

@@ -11,7 +11,17 @@ from bpy_extras.view3d_utils import location_3d_to_region_2d
 from mathutils import Vector
 
 sys.path.insert(0, str(Path(__file__).parent))
-from walk import Steps, Walk, area_of, install, invoke, open_sidebar, override, start
+from walk import (
+    Steps,
+    Walk,
+    area_of,
+    install,
+    invoke,
+    open_sidebar,
+    override,
+    start,
+    strip_columns,
+)
 from walk import press as press_key
 
 PACKAGE = "bl_ext.user_default.mimetic"
@@ -110,9 +120,9 @@ def work_on_takes(walk: Walk) -> Steps:
     yield from bake(walk, "again")
     walk.check("the edited take is kept", "hero was edited" in result()["message"], result())
     walk.check("the new one plays", playing() == "again", playing())
-    invoke("VIEW_3D", bpy.ops.mimetic.mark_lost)
     marks = [marker.frame for marker in bpy.context.scene.timeline_markers]
     walk.check("lost frames are marked", sorted(marks) == [37, 49], marks)
+    yield from show_the_strip(walk)
     bpy.context.scene.frame_set(12)
     yield from walk.picture("takes")
     invoke("VIEW_3D", bpy.ops.mimetic.compare_take, take="hero")
@@ -127,6 +137,27 @@ def work_on_takes(walk: Walk) -> Steps:
     yield from walk.picture("takes-blended")
     invoke("VIEW_3D", bpy.ops.mimetic.play_take, take="hero")
     walk.check("a take plays alone again", playing() == "hero", playing())
+
+
+def show_the_strip(walk: Walk) -> Steps:
+    """Of quality, in each editor of time; the test outside looks at its pixels."""
+    bpy.context.scene.frame_set(70)
+    bpy.context.view_layer.objects.active = face()
+    area = area_of("DOPESHEET_EDITOR")[1]
+    for kind in ("TIMELINE", "DOPESHEET", "FCURVES"):
+        area.ui_type = kind
+        yield 0.5
+        if kind == "FCURVES":
+            with bpy.context.temp_override(**override(area.type)):
+                bpy.ops.graph.view_all()
+            yield 0.5
+        walk.arrays[f"strip-{kind}"] = strip_columns(area.type, walk.settings["looked_at"])
+        yield from walk.picture(f"strip-{kind}")
+    bpy.context.scene.mimetic.show_quality = False
+    yield from walk.picture("strip-off")
+    bpy.context.scene.mimetic.show_quality = True
+    area.ui_type = "TIMELINE"
+    yield 0.5
 
 
 def preview_a_table(walk: Walk) -> Steps:

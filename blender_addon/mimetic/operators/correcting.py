@@ -48,7 +48,7 @@ class Correcting(Greyed):
             return outcome.cancelled(self, context, str(error))
         if self.is_of_shown:
             context.scene.frame_current = scene_in.scene_frame(clip, frame)
-        editors.redraw("CLIP_EDITOR")
+        editors.redraw(*editors.OF_TAKES)
         frames = [entry.frame for entry in now]
         message = rpt_("{operator}: frame {frame}; Refine solves the frames around it").format(
             operator=iface_(self.bl_label, "Operator"), frame=frame

@@ -14,7 +14,7 @@ from .. import scene_in, scene_out
 class TakeOptions:
     """Mixin of operators that bake."""
 
-    TAKE = ("Take", ("edited", "replace_take", "use_strips"), True)
+    TAKE = ("Take", ("edited", "replace_take", "use_strips", "use_lost_markers"), True)
 
     edited: EnumProperty(
         name="If Edited",
@@ -34,6 +34,12 @@ class TakeOptions:
     use_strips: BoolProperty(
         name="As NLA Strips",
         description="Strips on tracks of their own instead of active actions: room for keys above",
+    )
+    use_lost_markers: BoolProperty(
+        name="Mark Lost Frames",
+        default=True,
+        description="Markers in the timeline where the face of the take that plays was lost and is "
+        "held, instead of those of another take; unticked, no take's",
     )
 
     def note_take(self, context, obj, performance, name, take, clip, settings, before) -> str:
@@ -74,5 +80,19 @@ class TakeOptions:
             )
         if self.use_strips and not is_kept:
             takes.as_strips(obj, obj.mimetic.takes[new])
-        self.facts = {**(self.facts or {}), "take": new}
+        num_ranges = self.mark_lost(context.scene, obj, earlier_name if is_kept else new)
+        if num_ranges == 1:
+            remark += rpt_("; 1 lost range is marked in the timeline")
+        elif num_ranges:
+            remark += rpt_("; {count} lost ranges are marked in the timeline").format(
+                count=num_ranges
+            )
+        self.facts = {**(self.facts or {}), "take": new, "num_ranges": num_ranges}
         return remark
+
+    def mark_lost(self, scene, obj, playing: str) -> int:
+        """Returns how many lost ranges of the take that plays are marked now."""
+        if self.use_lost_markers:
+            return scene_out.lost_markers.show(scene, obj.mimetic.takes[playing])
+        scene_out.lost_markers.clear(scene)
+        return 0

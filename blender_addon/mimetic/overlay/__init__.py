@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is drawn over faces: muscles and strain in the 3D view, fit and take in the clip editor.
+"""What is drawn over faces: muscles and strain in the 3D view, fit and take in the clip editor, and
+how good the take is along the time.
 
 The drawing is never part of the face: switched off, nothing of it is left.
 """
@@ -7,8 +8,8 @@ The drawing is never part of the face: switched off, nothing of it is left.
 import bpy
 from bpy.app.handlers import persistent
 
-from .. import handlers
-from . import captured, drawing, fitted, live, picture
+from .. import corrections, handlers, shown_take
+from . import captured, drawing, fitted, live, picture, seen, timeline
 
 _handles = []  # handles of Blender's draw callbacks
 
@@ -17,7 +18,13 @@ _handles = []  # handles of Blender's draw callbacks
 def forget_all(*_) -> None:
     """Another file is open: what is cached is of faces that no longer exist."""
     live.forget()
-    captured.forget()
+    forget_takes()
+
+
+def forget_takes() -> None:
+    seen.forget()
+    corrections.forget()
+    shown_take.forget()
 
 
 @persistent
@@ -48,6 +55,8 @@ def register() -> None:
         (bpy.types.SpaceView3D, drawing.draw_faces, "POST_VIEW"),
         (bpy.types.SpaceView3D, drawing.draw_legend, "POST_PIXEL"),
         (bpy.types.SpaceClipEditor, draw_clip, "POST_PIXEL"),
+        (bpy.types.SpaceDopeSheetEditor, timeline.draw_strip, "POST_PIXEL"),
+        (bpy.types.SpaceGraphEditor, timeline.draw_strip, "POST_PIXEL"),
     ):
         _handles.append((space, space.draw_handler_add(draw, (), "WINDOW", kind)))
     handlers.add(HANDLERS)
@@ -60,4 +69,4 @@ def unregister() -> None:
         space.draw_handler_remove(handle, "WINDOW")
     live.forget()
     fitted.forget()
-    captured.forget()
+    forget_takes()

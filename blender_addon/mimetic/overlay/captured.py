@@ -4,14 +4,12 @@ landmarks, and the quality of each frame."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import gpu
 import numpy as np
 from gpu_extras.batch import batch_for_shader
 
-from .. import corrections, jobs, native, scene_in, shown_take
-from . import picture, text
+from .. import corrections, native, scene_in
+from . import picture, quality, seen, text
 
 MESH, FEATURES, IRISES = (0.15, 1.0, 0.45, 0.2), (1.0, 0.75, 0.1, 0.95), (0.2, 0.75, 1.0, 0.95)
 LANDMARKS, LANDMARK_SIZE = (1.0, 0.2, 0.6, 0.95), 4.0
@@ -21,91 +19,42 @@ PIN_SIZE = 7.0
 STRIP_BOTTOM, STRIP_HEIGHT = 22, 6  # pixels at a UI scale of 1, above Blender's own strips
 
 
-@dataclass
-class Seen:
-    """A take, or the capture at work, as it was last drawn."""
-
-    performance: object  # None of a capture at work
-    lines: object  # of mimetic.report.face_lines; None: a head's alone has no face
-    drawn: tuple | None = None  # a frame's index, batches of what is drawn in it
-    stated: tuple | None = None  # the same of the face as corrections state it, with their entry
-    strip: tuple | None = None  # what it was made for, and its batch
-
-
-_last: Seen | None = None
-_at_work: Seen | None = None  # of the capture that runs
-
-
-def forget() -> None:
-    global _last, _at_work
-    _last = _at_work = None
-    corrections.forget()
-    shown_take.forget()
-
-
 def draw_capture(context) -> bool:
     """Returns whether the frame on show has a captured face: a fitted one would lie beneath."""
     settings = context.scene.mimetic
-    if not settings.show_capture:
+    if not settings.show_capture and not settings.show_quality:
         return False
     frame = scene_in.shown_frame(context)
-    seen = at_work = _seen_at_work(context)
+    shown = at_work = seen.of_work(context)
     # What the run has not come to yet is as the take before has it
-    if at_work is None or at_work.lines.row_of(frame) is None:
-        seen = _seen(context)
-    if seen is None or seen.lines is None:
-        seen = at_work
-    if seen is None:
+    if at_work is None or at_work.row_of(frame) is None:
+        shown = seen.of_take(context) or at_work
+    if shown is None:
         return False
-    row = seen.lines.row_of(frame)
+    row = shown.row_of(frame) if settings.show_capture else None
     gpu.state.blend_set("ALPHA")
     try:
         if row is not None:
-            _draw_face(context, seen, row, settings)
+            _draw_face(context, shown, row, settings)
         if settings.show_quality:
-            _draw_quality(context, at_work or seen, row)
+            _draw_quality(context, at_work or shown, frame)
     finally:
         gpu.state.point_size_set(1.0)
         gpu.state.blend_set("NONE")
     return row is not None
 
 
-def _seen_at_work(context) -> Seen | None:
-    """What the job at work has followed of the clip on show."""
-    global _at_work
-    run = jobs.running
-    so_far = run.so_far if run and run.subject == context.edit_movieclip.name else None
-    if so_far is None or not len(so_far):
-        _at_work = None
-    elif _at_work is None or _at_work.lines.so_far is not so_far:
-        _at_work = Seen(None, native.face_lines().LinesSoFar(so_far))
-    return _at_work
-
-
-def _seen(context) -> Seen | None:
-    global _last
-    performance = shown_take.performance_or_none(context)
-    if performance is None:
-        return None
-    if _last is None or _last.performance is not performance:
-        try:
-            _last = Seen(performance, native.face_lines().PerformanceLines(performance))
-        except native.known_errors():
-            _last = Seen(performance, None)
-    return _last
-
-
-def _draw_face(context, seen: Seen, row: int, settings) -> None:
-    if seen.drawn is None or seen.drawn[0] != row:
-        seen.drawn = (row, *_batches(seen.lines.draw(row)))
+def _draw_face(context, shown: seen.Seen, row: int, settings) -> None:
+    if shown.drawn is None or shown.drawn[0] != row:
+        shown.drawn = (row, *_batches(shown.lines.draw(row)))
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
     scale = context.preferences.system.pixel_size
     gpu.state.point_size_set(LANDMARK_SIZE * scale)
     with gpu.matrix.push_pop():
         picture.lay_over(context.region.view2d)
-        _draw_batches(shader, seen.drawn[1:], CAPTURED, settings)
-        if seen.performance is not None:  # takes are corrected
-            _draw_corrections(context, shader, seen, row, settings)
+        _draw_batches(shader, shown.drawn[1:], CAPTURED, settings)
+        if shown.performance is not None:  # takes are corrected
+            _draw_corrections(context, shader, shown, row, settings)
 
 
 def _batches(lines) -> tuple:
@@ -127,7 +76,7 @@ def _draw_batches(shader, batches: tuple, colours: tuple, settings) -> None:
             batch.draw(shader)
 
 
-def _draw_corrections(context, shader, seen: Seen, row: int, settings) -> None:
+def _draw_corrections(context, shader, shown: seen.Seen, row: int, settings) -> None:
     """The face as values and pose are stated, in white over the captured one; pins."""
     entries = corrections.readable(context.edit_movieclip)
     correcting = native.correcting()
@@ -135,9 +84,9 @@ def _draw_corrections(context, shader, seen: Seen, row: int, settings) -> None:
     if entry is None:
         return
     if correcting.states_more_than_pins(entry):
-        if seen.stated is None or seen.stated[0] != row or seen.stated[1] is not entry:
-            seen.stated = (row, entry, *_batches(seen.lines.draw(row, entry)))
-        _draw_batches(shader, seen.stated[2:], (STATED_MESH, *3 * (STATED,)), settings)
+        if shown.stated is None or shown.stated[0] != row or shown.stated[1] is not entry:
+            shown.stated = (row, entry, *_batches(shown.lines.draw(row, entry)))
+        _draw_batches(shader, shown.stated[2:], (STATED_MESH, *3 * (STATED,)), settings)
     _draw_pins(context, shader, entries)
 
 
@@ -162,21 +111,13 @@ def _batch(places, kind: str):
     return batch_for_shader(gpu.shader.from_builtin("UNIFORM_COLOR"), kind, {"pos": points})
 
 
-def _draw_quality(context, seen: Seen, row: int | None) -> None:
+def _draw_quality(context, shown: seen.Seen, frame: int) -> None:
     """Along the bottom, as Blender's own strips: the scene's range over the region's width."""
     scene, clip, region = context.scene, context.edit_movieclip, context.region
     scale = context.preferences.system.ui_scale
     per_frame = region.width / max(scene.frame_end - scene.frame_start + 1, 1)
     left = per_frame * (scene_in.scene_frame(clip, 1) - scene.frame_start)
-    place = (left, per_frame, STRIP_BOTTOM * scale, STRIP_HEIGHT * scale)
-    corrected = tuple(corrections.frames_of(clip))
-    shader = gpu.shader.from_builtin("SMOOTH_COLOR")
-    state = (place, corrected, seen.lines.num_frames)
-    if seen.strip is None or seen.strip[0] != state:
-        points, colours = seen.lines.strip(*place, corrected)
-        content = {"pos": points, "color": colours}
-        seen.strip = (state, batch_for_shader(shader, "TRIS", content))
-    seen.strip[1].draw(shader)
+    quality.draw(context, shown, left, per_frame, STRIP_BOTTOM * scale, STRIP_HEIGHT * scale)
     with text.style(scale):
         above = (STRIP_BOTTOM + STRIP_HEIGHT + 6) * scale
-        text.write(seen.lines.quality_text(row), 10 * scale, above)
+        text.write(quality.text_of(shown, frame), 10 * scale, above)

@@ -39,7 +39,7 @@ class MIMETIC_PT_clip_overlays(OfClip, Panel):
         column.active = settings.show_capture
         for name in ("mesh", "features", "landmarks"):
             column.prop(settings, f"show_capture_{name}")
-        column.prop(settings, "show_quality")
+        layout.prop(settings, "show_quality")
 
 
 CLASSES = (MIMETIC_PT_clip_overlays,)

@@ -17,7 +17,8 @@ from mimetic.performance.corrections import (
 from mimetic.performance.document import Performance
 from mimetic.performance.pinned_places import PinnedPlaces, place_under
 from mimetic.performance.places import RefinedSurface
-from mimetic.report.face_lines import CORRECTED, PerformanceLines
+from mimetic.performance.take_facts import facts_of, quality_of
+from mimetic.report.face_lines import CORRECTED, quality_strip
 from sample_performance import make_performance
 
 POSE = [[1, 0, 0, 0.01], [0, -1, 0, 0], [0, 0, -1, 0.6], [0, 0, 0, 1]]
@@ -120,10 +121,13 @@ def test_a_performance_keeps_what_was_corrected(tmp_path):
 def test_the_strip_marks_corrected_frames():
     texts = texts_of(corrections_from(WHOLE))
     performance = make_performance(num_frames=50, corrections=texts)
-    points, colours = PerformanceLines(performance).strip(0.0, 2.0, 10.0, 5.0, [12, 41])
+    place = (0.0, 2.0, 10.0, 5.0)
+    points, colours = quality_strip(performance.frame, performance.quality, *place, [12, 41])
     assert len(points) == 6 * 52
     np.testing.assert_allclose(colours[-12:], np.tile(CORRECTED, (12, 1)), rtol=1e-6)
     assert points[-6:, 0].min() == 80.0 and points[-6:, 1].min() == 15.0
+    assert facts_of(performance).num_corrected == 2
+    assert quality_of(performance, 12).is_corrected and not quality_of(performance, 13).is_corrected
 
 
 def test_the_place_under_a_pixel_is_seen_at_that_pixel():

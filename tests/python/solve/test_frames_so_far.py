@@ -6,7 +6,8 @@ import threading
 import numpy as np
 import pytest
 from mimetic.performance.gaze import iris_circles
-from mimetic.report.face_lines import LinesSoFar, PerformanceLines
+from mimetic.performance.take_facts import quality_of
+from mimetic.report.face_lines import LinesSoFar, PerformanceLines, quality_strip
 from mimetic.solve.clip_capture import capture, find_face
 from mimetic.solve.frames_so_far import FramesSoFar
 
@@ -46,8 +47,8 @@ def test_what_is_drawn_meanwhile_lies_where_the_capture_ends(captured):
         drawn, final = meanwhile.draw(row), after.draw(after.row_of(frame))
         off = np.abs(drawn.marks - final.marks) * performance.image_size
         assert off.max() < 1.0
-        assert meanwhile.quality_text(row) == after.quality_text(after.row_of(frame))
-    assert meanwhile.row_of(20) is None and meanwhile.quality_text(None) == "not followed yet"
+        assert so_far.quality_of(frame) == pytest.approx(quality_of(performance, frame), abs=0.005)
+    assert meanwhile.row_of(20) is None and so_far.quality_of(20) is None
 
 
 def test_irises_lie_within_two_pixels_of_where_the_capture_ends(captured):
@@ -63,5 +64,5 @@ def test_irises_lie_within_two_pixels_of_where_the_capture_ends(captured):
 
 
 def test_the_strip_grows_with_the_frames(captured):
-    points, _ = LinesSoFar(captured[0]).strip(0.0, 2.0, 10.0, 5.0, [])
+    points, _ = quality_strip(*captured[0].qualities(), 0.0, 2.0, 10.0, 5.0)
     assert sorted(points[::6, 0].tolist()) == [2.0 * (frame - 1) for frame in range(1, 10)]

@@ -19,6 +19,7 @@ from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import attach
 from mimetic.performance.document import Performance
 from mimetic.performance.rows import Rows
+from mimetic.shared.note_beginnings import HEAD_ALONE
 from mimetic.shared.progress import ATTACHED, SEARCHED, Progress, stages
 from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_capture import FrameRange, check_range, fit_for
@@ -201,7 +202,7 @@ class _HeadMotion:
             activations_std=np.full(shape, ACTIVATION_STD),
             articulator_values=np.zeros((shape[0], len(anatomy.articulator_names))),
             notes=self.walk.notes(
-                rows, [f"head motion alone, by the {self.model}: muscles were not measured"]
+                rows, [f"{HEAD_ALONE}, by the {self.model}: muscles were not measured"]
             ),
         )
 

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core
 from mimetic.media.timing import LAST_FRAME
 from mimetic.shared.documents import named, numbers
+from mimetic.shared.note_beginnings import CALIBRATED
 from mimetic.skin.mesh import SkinMesh, multiply
 
 # Estimated as one, by regions of the template: footage hardly separates more.
@@ -96,7 +97,7 @@ class Calibration:
     def notes(self) -> list[str]:
         """For people, of a performance: none, or a line that names all factors, and one of the
         extents."""
-        notes = [f"calibrated to this person: {self.described()}"] if self.frames else []
+        notes = [f"{CALIBRATED}: {self.described()}"] if self.frames else []
         if self.extent:
             further = ", ".join(f"{name} {factor:.2f}" for name, factor in self.extent.items())
             notes.append(f"at full contraction this person goes further than is assumed: {further}")

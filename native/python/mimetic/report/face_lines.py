@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from mimetic import _core
 from mimetic.muscles.feature_lines import feature_lines
-from mimetic.performance.corrections import FrameCorrection, corrected_frames
+from mimetic.performance.corrections import FrameCorrection
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.performance.gaze import turned_irises
 from mimetic.report.overlay import shown_faces, shown_landmarks
@@ -39,10 +39,6 @@ class PerformanceLines:
             performance.faces,
         )
 
-    @property
-    def num_frames(self) -> int:
-        return self.performance.num_frames
-
     def row_of(self, frame: int) -> int | None:
         """The index of a frame number; None for one that was not captured."""
         return self._rows.get(frame)
@@ -65,22 +61,6 @@ class PerformanceLines:
             rims = [ring[1:] for ring in circles]
         return self._lines.draw(np.concatenate(values), state.head_pose, rims)
 
-    def quality_text(self, i: int | None) -> str:
-        """What is known of frame index `i`; None: a frame that was not captured."""
-        if i is None:
-            return "not captured"
-        text = _quality_text(float(self.performance.quality[i]))
-        is_corrected = self.performance.frame[i] in corrected_frames(self.performance)
-        return text + (", corrected" if is_corrected else "")
-
-    def strip(
-        self, left: float, per_frame: float, bottom: float, height: float, corrected: Sequence[int]
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Its `quality_strip`."""
-        performance = self.performance
-        place = (left, per_frame, bottom, height)
-        return quality_strip(performance.frame, performance.quality, *place, corrected)
-
 
 class LinesSoFar:
     """The same of a capture at work, whose frames are added meanwhile; rows are their numbers."""
@@ -88,10 +68,6 @@ class LinesSoFar:
     def __init__(self, so_far: FramesSoFar) -> None:
         self.so_far = so_far
         self._lines: _core.FaceLines | None = None
-
-    @property
-    def num_frames(self) -> int:
-        return len(self.so_far)
 
     def row_of(self, frame: int) -> int | None:
         """None for a frame that was not followed yet."""
@@ -106,17 +82,6 @@ class LinesSoFar:
                 person.camera, person.neutral_vertices, person.modes, load_template().faces
             )
         return self._lines.draw(entry.values, entry.head_pose, list(entry.rims))
-
-    def quality_text(self, frame: int | None) -> str:
-        entry = None if frame is None else self.so_far.at(frame)
-        return "not followed yet" if entry is None else _quality_text(entry.quality)
-
-    def strip(
-        self, left: float, per_frame: float, bottom: float, height: float, corrected: Sequence[int]
-    ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """`quality_strip` of the frames there are by now."""
-        place = (left, per_frame, bottom, height)
-        return quality_strip(*self.so_far.qualities(), *place, corrected)
 
 
 def _lines_of(
@@ -147,10 +112,6 @@ def _lines_of(
         features,
         marks,
     )
-
-
-def _quality_text(quality: float) -> str:
-    return f"quality {quality:.2f}" + ("" if quality >= HELD_QUALITY else ", lost: held")
 
 
 def _modes_of(performance: Performance) -> list[NDArray[np.float32]]:

@@ -345,9 +345,7 @@ class ClipCapture:
             values[:, num_muscles:],
             std[:, num_muscles:],
             self.anatomy.articulator_modes,
-        ) | full_range.stated(
-            *(fit, self.anatomy, *of_muscles), np.array(rows.evidence)
-        )
+        ) | full_range.stated(*(fit, self.anatomy, *of_muscles), np.array(rows.evidence))
         return clip_performance(
             *(rows, self.walk.footage, fit, self.template, self.anatomy),
             head_pose=poses,

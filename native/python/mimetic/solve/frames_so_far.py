@@ -15,7 +15,9 @@ from mimetic.fit.face_fit import FaceFit
 from mimetic.muscles.anatomy import Anatomy
 from mimetic.muscles.detail import Detail
 from mimetic.muscles.eyeballs import eye_geometry
+from mimetic.performance.document import HELD_QUALITY
 from mimetic.performance.gaze import turned_irises
+from mimetic.performance.take_facts import FrameQuality
 from mimetic.solve.gaze import FACING, gaze_in
 from mimetic.template.face_template import FaceTemplate
 
@@ -78,6 +80,13 @@ class FramesSoFar:
         """None for a frame that was not followed yet."""
         with self._lock:
             return self._frames.get(frame)
+
+    def quality_of(self, frame: int) -> FrameQuality | None:
+        """None for a frame that was not followed yet."""
+        entry = self.at(frame)
+        if entry is None:
+            return None
+        return FrameQuality(entry.quality, entry.quality < HELD_QUALITY, False)
 
     def qualities(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Numbers of the frames that there are, in the order of following; quality of each."""
