@@ -17,6 +17,7 @@ MARGIN = 10.0  # of a text in its widget
 LABEL = 3.0  # of a text that stands by itself
 FIELD = 60.0  # the least of a text or pointer beside its name
 VALUE = 40.0  # of a number beside its name
+LIST = 24.0  # of a list: its frame, and its scroll bar
 SPLIT = 0.4  # of the width is for names where properties are split
 
 
@@ -73,7 +74,8 @@ class Recorded:
         elif self.use_property_split:
             self._add(text_width(shown) / SPLIT, shown)
         elif not shown:
-            self._add(UNIT if kind.type == "BOOLEAN" else FIELD, name)
+            bare = {"BOOLEAN": UNIT, "INT": VALUE, "FLOAT": VALUE}
+            self._add(bare.get(kind.type, FIELD), name)
         elif kind.type in {"INT", "FLOAT"}:
             self._add(text_width(shown) + MARGIN + VALUE, shown)
         elif kind.type == "BOOLEAN":
@@ -85,18 +87,27 @@ class Recorded:
         self.prop(data, name, text)
 
     def progress(self, factor=0.0, text="", **_):
-        self._add(text_width(text) + MARGIN, text)
+        self._add(text_width(text) + LABEL, text)
 
     def template_icon(self, *_, **__):
         self._add(100.0, "icon")
 
-    def template_list(self, *_, **__):
-        self._add(100.0, "list")
+    def template_list(self, kind, _, data, name, active_data, active, **__):
+        """Its rows, each as its list draws it: what the frame and a scroll bar take is beside."""
+        listed = self._child(across=False)
+        for index, item in enumerate(getattr(data, name)):
+            row = listed.row()
+            row._add(LIST, "list")
+            shown = _stand_in(getattr(bpy.types, kind), row.row())
+            shown.draw_item(bpy.context, shown.layout, data, item, 0, active_data, active, index)
 
     @property
     def width(self) -> float:
-        if self.ui_units_x:
-            return UNIT * self.ui_units_x
+        return UNIT * self.ui_units_x if self.ui_units_x else self.needed
+
+    @property
+    def needed(self) -> float:
+        """By what it shows, whatever width it was given."""
         widths = [part.width if isinstance(part, Recorded) else part[0] for part in self.parts]
         return sum(widths) if self.across else max(widths, default=0.0)
 
@@ -119,6 +130,16 @@ class Recorded:
                 found.append((part[1], part[0]))
         return found
 
+    def overfull(self) -> list[tuple[str, float]]:
+        """Parts that were given less than they show: their texts and how much less."""
+        found = []
+        for part in self.parts:
+            if isinstance(part, Recorded):
+                found += part.overfull()
+        if self.ui_units_x and self.needed > UNIT * self.ui_units_x + 0.5:
+            found.append((" | ".join(self.texts), self.needed - UNIT * self.ui_units_x))
+        return found
+
     def _child(self, across: bool) -> Recorded:
         child = Recorded(across)
         child.use_property_split = self.use_property_split
@@ -131,13 +152,19 @@ class Recorded:
 
 def drawn(panel: type, context) -> Recorded:
     """What a panel draws there."""
-    shown = SimpleNamespace(layout=Recorded())
-    for name in dir(panel):
-        if name.startswith(("draw", "bl_")):
-            own = getattr(panel, name)
-            setattr(shown, name, MethodType(own, shown) if callable(own) else own)
+    shown = _stand_in(panel, Recorded())
     shown.draw(context)
     return shown.layout
+
+
+def _stand_in(kind: type, layout: Recorded) -> SimpleNamespace:
+    """A panel or a list, which cannot be made from Python."""
+    shown = SimpleNamespace(layout=layout)
+    for name in dir(kind):
+        if name.startswith(("draw", "bl_")):
+            own = getattr(kind, name)
+            setattr(shown, name, MethodType(own, shown) if callable(own) else own)
+    return shown
 
 
 def _labelled(text: str, icon: str, margin: float = MARGIN) -> float:

@@ -94,6 +94,16 @@ class MIMETIC_OT_bake(KeyOptions, CurveOptions, TakeOptions, InSections, Job, Op
 
     obstacle = staticmethod(targets.no_bake)
 
+    @classmethod
+    def description(cls, context, properties):
+        """Of a character by its whole name, which may be too long for the button."""
+        head = targets.bound_head(context)
+        if head is None:
+            return ""  # as above
+        return iface_("Put the performance on {head}: its sliders, and the head's motion").format(
+            head=head.name
+        )
+
     def read(self, context):
         clip = scene_in.clip_of(context)
         head = targets.bound_head(context)

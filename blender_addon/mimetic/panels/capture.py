@@ -16,7 +16,7 @@ from .. import (
     takes,
     targets,
 )
-from .paragraph import paragraph
+from .paragraph import one_line, paragraph
 
 
 class Capture:
@@ -40,7 +40,7 @@ class Capture:
 
     def draw_running(self, layout, run):
         if run.is_endless:
-            layout.label(text=run.text())
+            paragraph(layout, run.text())
             return
         row = layout.row(align=True)
         row.progress(factor=run.fraction, text=run.short_text())
@@ -48,7 +48,8 @@ class Capture:
         paragraph(layout, run.what)
         for i, later in enumerate(jobs.waiting, start=1):
             row = layout.row(align=True)
-            row.label(text=iface_("Then: {job}").format(job=later.name()))
+            then = iface_("Then: {job}").format(job=later.name())
+            paragraph(row.column(align=True), then, num_beside=1)
             row.operator("mimetic.stop", text="", icon="X").index = i
         keeps = "Esc stops and keeps what is done"
         layout.label(text=keeps if run.keeps_part else "Esc stops")
@@ -83,10 +84,10 @@ class Capture:
     def draw_clip(self, layout, clip):
         """The clip whose face and take the buttons below use."""
         if clips.is_missing(clip):
-            layout.label(text=iface_("{name} is missing").format(name=clip.name), icon="ERROR")
+            paragraph(layout, iface_("{name} is missing").format(name=clip.name), "ERROR")
             layout.operator("mimetic.find_missing")
         paragraph(layout, clips.change_of(clip))
-        layout.label(text=f"{clip.name}: {scene_out.face_fit.summary(clip)}", icon="FILE_MOVIE")
+        paragraph(layout, f"{clip.name}: {scene_out.face_fit.summary(clip)}", "FILE_MOVIE")
 
     def draw_rest(self, layout, clip):
         """Which frame the head is fitted in, and the button for whoever knows a better one."""
@@ -139,15 +140,13 @@ class Capture:
         layout.operator("mimetic.load_performance", icon="FILE_FOLDER")
         take = takes.of_clip(context.scene, scene_in.clip_of(context))
         if take and takes.find(take):
-            layout.label(text=takes.name_of(take), icon="CHECKMARK")
+            paragraph(layout, takes.name_of(take), "CHECKMARK")
         elif take:
-            layout.label(
-                text=iface_("{name} is missing").format(name=takes.name_of(take)), icon="ERROR"
-            )
+            paragraph(layout, iface_("{name} is missing").format(name=takes.name_of(take)), "ERROR")
             layout.operator("mimetic.find_missing")
         head = targets.bound_head(context)
         text = iface_("Bake on {head}").format(head=head.name) if head else "Bake"
-        layout.operator("mimetic.bake", text=text, icon="ACTION")
+        layout.operator("mimetic.bake", text=one_line(text, 1.5), icon="ACTION")
         row = layout.row(align=True)
         row.operator("mimetic.export_gltf", icon="EXPORT")
         row.operator("mimetic.export_character", text="", icon="FILE_3D")

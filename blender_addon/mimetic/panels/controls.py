@@ -4,10 +4,12 @@
 from bpy.types import Panel, UIList
 
 from .. import control_preview, native, targets
+from . import list_rows
 from .muscles import Muscles
 from .paragraph import paragraph
 
 TYPES = ("MESH", "ARMATURE")
+GAIN_UNITS = 2.2  # the names are long; the offset is below the list
 
 
 class MIMETIC_UL_controls(UIList):
@@ -16,10 +18,11 @@ class MIMETIC_UL_controls(UIList):
         row.prop(item, "is_on", text="")
         name = row.row()
         name.active = item.is_on
-        name.label(text=item.name, icon="GREASEPENCIL" if item.is_edited else "NONE")
+        shown = list_rows.row_name(item.name, 1.5 + GAIN_UNITS + item.is_edited)
+        name.label(text=shown, icon="GREASEPENCIL" if item.is_edited else "NONE")
         gain = row.row()
         gain.active = item.is_on
-        gain.ui_units_x = 2.2  # the names are long; the offset is below the list
+        gain.ui_units_x = GAIN_UNITS
         gain.prop(item, "gain", text="", emboss=False)
 
 
@@ -60,6 +63,7 @@ class MIMETIC_PT_controls(Muscles, Panel):
             return
         control = face.controls[face.active_control]
         box = layout.column(align=True)
+        paragraph(box, control.name)
         box.prop(control, "gain")
         box.prop(control, "offset")
         limits = box.row(align=True)

@@ -69,7 +69,7 @@ class MIMETIC_PT_live(Muscles, Panel):
         layout.prop(settings, "clip_path")
         clip = scene_in.clip_of(context)
         if not settings.clip_path:
-            layout.label(text=clip.name if clip else live.NO_SOURCE)
+            paragraph(layout, clip.name if clip else live.NO_SOURCE)
 
 
 CLASSES = (MIMETIC_PT_live,)

@@ -7,7 +7,7 @@ from bpy.types import Panel
 from .. import contact, native, next_step, scene_in, writable
 from ..overlay import live
 from ..scene_out import gaze
-from .paragraph import paragraph
+from .paragraph import one_line, paragraph
 
 GAZE_SLIDERS = ("gaze_yaw_left", "gaze_pitch_left", "gaze_yaw_right", "gaze_pitch_right")
 
@@ -34,7 +34,8 @@ class MIMETIC_PT_muscles(Muscles, Panel):
             self.draw_attaching(layout, context)
             return
         row = layout.row(align=True)
-        row.label(text=face.name, icon="USER")
+        has_landmarks = len(face.mimetic.landmarks) > 0
+        row.label(text=one_line(face.name, 5 + has_landmarks), icon="USER")
         row.operator("mimetic.rest_face", icon="LOOP_BACK", text="")
         row.operator("mimetic.add_face", icon="ADD", text="")
         row.operator("mimetic.add_arkit_shapes", icon="OUTLINER_OB_FORCE_FIELD", text="")
@@ -43,7 +44,7 @@ class MIMETIC_PT_muscles(Muscles, Panel):
         else:
             row.operator("mimetic.add_control_object", icon="ARMATURE_DATA", text="")
         moved = next_step.landmarks_moved(context)
-        if len(face.mimetic.landmarks) and not moved:
+        if has_landmarks and not moved:
             row.operator("mimetic.attach_muscles", icon="SHAPEKEY_DATA", text="")
         if moved:
             layout.operator(next_step.ATTACH, icon="SHAPEKEY_DATA", depress=True)
@@ -68,7 +69,7 @@ class MIMETIC_PT_muscles(Muscles, Panel):
         active = context.active_object
         name = active.name if active and active.type == "MESH" else iface_("a head of your own")
         column = layout.column(align=True)
-        column.label(text=iface_("Muscles on {name}:").format(name=name))
+        paragraph(column, iface_("Muscles on {name}:").format(name=name))
         column.operator("mimetic.add_landmarks", icon="EMPTY_DATA")
         column.operator("mimetic.attach_muscles", icon="SHAPEKEY_DATA")
         column.operator("mimetic.add_arkit_shapes", icon="SHAPEKEY_DATA")

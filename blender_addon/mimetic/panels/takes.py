@@ -5,6 +5,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Panel, UIList
 
 from .. import native, scene_out, targets
+from . import list_rows
 from .muscles import Muscles
 from .paragraph import paragraph
 
@@ -14,14 +15,12 @@ class MIMETIC_UL_takes(UIList):
         row = layout.row(align=True)
         playing = scene_out.take_list.playing(item.id_data)
         is_playing = playing is not None and playing.name == item.name
+        of_all = [list_rows.range_and_lost(take) for take in data.takes]
         row.label(text="", icon="PLAY" if is_playing else "ACTION")
-        row.label(text=item.name, icon="GREASEPENCIL" if item.is_edited else "NONE")
-        numbers = row.row(align=True)
-        numbers.ui_units_x = 5.5
-        numbers.label(text=iface_("{first} to {last}").format(first=item.first, last=item.last))
-        lost = row.row(align=True)
-        lost.ui_units_x = 3.0
-        lost.label(text=iface_("{count} lost").format(count=item.num_lost) if item.num_lost else "")
+        beside = 1.3 + item.is_edited + sum(list_rows.widths(of_all))
+        name = list_rows.row_name(item.name, beside)
+        row.label(text=name, icon="GREASEPENCIL" if item.is_edited else "NONE")
+        list_rows.figures(row, list_rows.range_and_lost(item), of_all)
 
 
 class MIMETIC_PT_takes(Muscles, Panel):
@@ -38,7 +37,7 @@ class MIMETIC_PT_takes(Muscles, Panel):
         obj = targets.take_owner(context)
         face = obj.mimetic
         if not len(face.takes):
-            layout.label(text=iface_("{name}: no take yet").format(name=obj.name))
+            paragraph(layout, iface_("{name}: no take yet").format(name=obj.name))
             return
         row = layout.row()
         row.template_list("MIMETIC_UL_takes", "", face, "takes", face, "active_take", rows=3)
@@ -58,6 +57,7 @@ class MIMETIC_PT_takes(Muscles, Panel):
     def draw_take(self, layout, take):
         column = layout.column(align=True)
         lines = [
+            take.name,
             iface_("{footage}, frames {first} to {last}").format(
                 footage=take.clip or take.performance, first=take.first, last=take.last
             ),
