@@ -11,11 +11,12 @@ CURVES = (
     *("smooth_curves", "reduce_keys", "exaggerate_curves", "offset_curves", "mirror_curves"),
     "retime_curves",
 )
+CAPTURED = ("load_performance", "use_captured_take", "remove_captured_take", "find_missing")
 TAKES = ("play_take", "compare_take", "blend_takes", "remove_take", "mark_lost", "unmark_lost")
 CLIP = (
     *("open_workspace", "load_clip", "scene_as_clip", None),
     *("find_face", "pick_face", "show_landmarks", "pin", "unpin", "follow_pins", None),
-    *("calibrate", "capture", "track_head", "load_performance", "find_missing", None),
+    *("calibrate", "capture", "track_head", *CAPTURED, None),
     *("hold_head_still", "release_head", "set_rest_frame", None),
     *("bake", "bake_head", "export_gltf", "export_character", None),
     *(*TAKES, None),
@@ -23,7 +24,7 @@ CLIP = (
 )
 OBJECT = (
     *("open_workspace", "load_clip", "scene_as_clip", "find_face", "calibrate", None),
-    *("capture", "track_head", "load_performance", "find_missing", None),
+    *("capture", "track_head", *CAPTURED, None),
     *("bake", "export_gltf", "export_character", None),
     *(*TAKES, None),
     *(*CURVES, None),

@@ -15,7 +15,15 @@ from bpy.props import (
     StringProperty,
 )
 
-from . import clip_lens, compat, control_rows, correction_settings, take_rows, writable
+from . import (
+    captured_rows,
+    clip_lens,
+    compat,
+    control_rows,
+    correction_settings,
+    take_rows,
+    writable,
+)
 from .clip_overlay_settings import ClipOverlaySettings
 from .face_view_settings import FaceViewSettings
 from .live_settings import MimeticLive
@@ -231,19 +239,17 @@ class MimeticFace(take_rows.HasTakes, control_rows.HasControls, bpy.types.Proper
     )
 
 
-class MimeticFootage(correction_settings.KeepsCorrections, bpy.types.PropertyGroup):
+class MimeticFootage(
+    captured_rows.KeepsCapturedTakes,
+    correction_settings.KeepsCorrections,
+    bpy.types.PropertyGroup,
+):
     """What belongs to footage, by the fingerprint of its content, which is the name."""
 
     face_fit: StringProperty(
         name="Face Fit",
         description="The person found in the footage: head shape, pose, camera, pins and "
         "calibration, as JSON",
-    )
-    performance_path: StringProperty(
-        name="Performance",
-        subtype="FILE_PATH",
-        options={"ANIMATABLE", *compat.RELATIVE_PATH},
-        description="The performance captured from the footage (.npz)",
     )
 
 
@@ -332,6 +338,7 @@ CLASSES = (
     control_rows.MimeticControl,
     *take_rows.CLASSES,
     MimeticFace,
+    *captured_rows.CLASSES,
     MimeticFootage,
     MimeticClip,
     MimeticScene,

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a face or a character remembers of what was baked on it: `object.mimetic.takes`.
+"""Baked takes, each of a captured one (`captured_rows`): what a face or a character remembers of
+what was baked on it, `object.mimetic.takes`.
 
 A library override has the rows of the file that it comes from, and keeps its own after them.
 """
@@ -35,7 +36,7 @@ class MimeticLostRange(bpy.types.PropertyGroup):
 
 
 class MimeticTake(bpy.types.PropertyGroup):
-    """A bake of a performance; its name is the take's."""
+    """A bake of a captured take; its name is the baked take's."""
 
     clip: StringProperty(name="Clip", description="The footage that it was captured from")
     performance: StringProperty(name="Performance", description="Name of the file")

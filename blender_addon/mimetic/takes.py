@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Takes: captured performances, files of their own that belong to a clip or to none.
+"""Captured takes: performance files, which belong to a clip or to none. (What a bake makes of one
+is a baked take: `take_rows`.)
 
 The .blend names a take's file relative to itself, so that both may move together, also when it is
 saved elsewhere. A file that is not where it was is looked for beside the .blend.
@@ -20,7 +21,7 @@ from . import clips, handlers, native
 
 @dataclass(frozen=True)
 class Take:
-    """The take that buttons act on, for a worker: no reference to Blender's data."""
+    """The captured take that buttons act on, for a worker: no reference to Blender's data."""
 
     path: str  # of a file that is there
     clip_name: str = ""  # of the clip that it belongs to
@@ -101,23 +102,12 @@ def take_name(path: str | os.PathLike[str]) -> str:
     return native.shown_text().shown(Path(path).name.split(".")[0])
 
 
-def keep(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None, path: str) -> None:
-    """Makes a file the take of a clip, or of the scene while it has no clip."""
+def keep(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None, path: str):
+    """Makes a file the take that is used, of a clip, or of the scene while it has no clip; returns
+    what holds its path. `captured_takes.keep` lists it, too."""
     holder = scene.mimetic if clip is None else clips.ensure(clip)
     holder.performance_path = _relative(os.path.abspath(path), bpy.data.filepath)
-
-
-def keep_for(scene: bpy.types.Scene, clip_name: str, path: str) -> list[str]:
-    """Makes a file the take of the clip of a name; returns what the user should know."""
-    clip = bpy.data.movieclips.get(clip_name)
-    if clip is None:  # deleted while the job ran
-        return [
-            rpt_("{clip} is gone from this file, the take is {file}").format(
-                clip=clip_name, file=path
-            )
-        ]
-    keep(scene, clip, path)
-    return []
+    return holder
 
 
 def of_clip(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None):
@@ -132,7 +122,7 @@ def name_of(holder) -> str:
 
 def find(holder) -> str:
     """Where the file is that a holder names, there or beside the .blend; "" if it is missing."""
-    path = _absolute(holder)
+    path = path_of(holder)
     beside = bpy.path.abspath(f"//{name_of(holder)}") if bpy.data.filepath else ""
     return next((place for place in (path, beside) if place and os.path.isfile(place)), "")
 
@@ -144,39 +134,34 @@ def missing() -> list:
 
 def place(holder, path: str) -> bool:
     """Sets where a take is now, if it is of the holder's footage; returns whether it is."""
-    mark = "" if isinstance(holder.id_data, bpy.types.Scene) else holder.name
     try:
-        load(Take(path, holder.id_data.name, mark))
+        load(Take(path, holder.id_data.name, _footage_of(holder)))
     except native.known_errors():
         return False
     holder.performance_path = _relative(path, bpy.data.filepath)
     return True
 
 
-def adopt(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> None:
-    """Gives a clip that has no take the one that was loaded before it, if it can be the clip's."""
-    loose = of_clip(scene, None)
-    path = find(loose) if loose and not of_clip(scene, clip) else ""
-    if not path:
-        return
-    try:
-        load(Take(path, clip.name, clips.fingerprint(clip)))
-    except native.known_errors():
-        return
-    keep(scene, clip, path)
-    loose.performance_path = ""
-
-
 def _holders() -> list:
-    """Everything in the .blend itself that may name a take."""
+    """Everything in the .blend itself that may name a take: what is used, and the lists' rows."""
     holders = [scene.mimetic for scene in bpy.data.scenes if not scene.library]
     for clip in bpy.data.movieclips:
         if not clip.library:
             holders += clip.mimetic.footage
+            holders += [row for record in clip.mimetic.footage for row in record.captured]
     return holders
 
 
-def _absolute(holder) -> str:
+def _footage_of(holder) -> str:
+    """The fingerprint of the footage that a holder's take is of, "" where that is not known."""
+    if isinstance(holder.id_data, bpy.types.Scene):
+        return ""
+    records = holder.id_data.mimetic.footage
+    return next(r.name for r in records if holder == r or holder in list(r.captured))
+
+
+def path_of(holder) -> str:
+    """Where the file that a holder names should be."""
     path = bpy.path.abspath(holder.performance_path, library=holder.id_data.library)
     return os.path.normpath(path)
 
@@ -201,7 +186,7 @@ def name_from_new_place(blend: str, *_) -> None:
     """Before saving: takes are named as seen from where the .blend will be."""
     for clip in bpy.data.movieclips:
         clips.settle(clip)
-    _references[:] = [(h, find(h) or _absolute(h)) for h in _holders() if h.performance_path]
+    _references[:] = [(h, find(h) or path_of(h)) for h in _holders() if h.performance_path]
     _name(blend)
 
 

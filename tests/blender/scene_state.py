@@ -60,6 +60,7 @@ def settings_of(settings) -> dict:
     names = [bool(part) and part.name for part in (settings.clip, settings.face, settings.camera)]
     of_clip = settings.clip.mimetic.footage[:1] if settings.clip else []
     kept += [footage.performance_path for footage in of_clip]
+    kept += [row.performance_path for footage in of_clip for row in footage.captured]
     kept += [footage.corrections for footage in of_clip]
     fit = [json.loads(footage.face_fit or "{}") for footage in of_clip]  # of few digits
     return {"kept": kept, "names": names, "at": head.rest_frame, "fit": fit}

@@ -120,7 +120,7 @@ def test_edited_curves_are_kept_and_the_new_take_plays(extension, scene, bake, p
     bake(performance, "again", to=to)
     assert rows(face) == ["hero", "again"]
     assert playing(extension, face) == "again"
-    assert "hero was edited: it is kept in Takes, again plays" in result()["message"]
+    assert "hero was edited: it is kept in Baked Takes, again plays" in result()["message"]
     assert face.mimetic.takes["hero"].is_edited
     assert abs(value(scene, face, 11) - before) > 0.04
     bpy.ops.mimetic.play_take(take="hero")

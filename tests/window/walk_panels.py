@@ -146,9 +146,10 @@ def of_the_footage(walk: Walk) -> Steps:
     with bpy.context.temp_override(**override("CLIP_EDITOR")):
         bpy.ops.clip.view_all(fit_view=True)
     yield from picture(walk, "CLIP_EDITOR", "capture_clip")
-    take = str(walk.folder / walk.settings["takes"][0])
-    bpy.ops.mimetic.load_performance(filepath=take)
+    for take in reversed(walk.settings["takes"]):
+        bpy.ops.mimetic.load_performance(filepath=str(walk.folder / take))
     go_to(SHOWN)
+    yield from picture(walk, "CLIP_EDITOR", "captured_takes")
     yield from picture(walk, "CLIP_EDITOR", "clip_overlays")
     only("MIMETIC_PT_capture_clip", "MIMETIC_PT_clip_overlays")
     yield from walk.picture("window-captured")

@@ -104,6 +104,10 @@ class MIMETIC_OT_bake(KeyOptions, CurveOptions, TakeOptions, InSections, Job, Op
             head=head.name
         )
 
+    @classmethod
+    def subject(cls, context):
+        return clips.name_of(scene_in.clip_of(context))
+
     def read(self, context):
         clip = scene_in.clip_of(context)
         head = targets.bound_head(context)

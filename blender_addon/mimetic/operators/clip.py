@@ -4,7 +4,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 from bpy.types import Operator
 
-from .. import clip_time, clips, compat, native, outcome, scene_out, takes, workspace
+from .. import captured_takes, clip_time, clips, compat, native, outcome, scene_out, workspace
 from ..greyed import Greyed
 from .opened import Opened
 
@@ -35,7 +35,7 @@ the clip editor, or in a workspace that has one"""
         clip = scene_out.clip.load(context.scene, path)
         scene_out.clip.show_pixels(clip, footage.pixel_aspect)
         scene_out.clip.show(context, clip)
-        takes.adopt(context.scene, clip)
+        captured_takes.adopt(context.scene, clip)
         if self.is_by_hand:
             workspace.show_footage(context)
         width, height = footage.size

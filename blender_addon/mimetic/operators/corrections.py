@@ -5,7 +5,16 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, FloatProperty, FloatVectorProperty, IntProperty, StringProperty
 from bpy.types import Operator
 
-from .. import corrections, editors, native, outcome, scene_in, takes
+from .. import (
+    captured_takes,
+    clips,
+    corrections,
+    editors,
+    native,
+    outcome,
+    scene_in,
+    takes,
+)
 from ..greyed import Greyed
 from ..jobs import Job
 from . import arguments
@@ -114,6 +123,10 @@ class MIMETIC_OT_refine(Job, Operator):
         description="File to write (.npz); empty: beside the .blend, a new one for each take",
     )
 
+    @classmethod
+    def subject(cls, context):
+        return clips.name_of(scene_in.clip_of(context))
+
     def read(self, context):
         clip = scene_in.clip_of(context)
         paths = takes.new_paths(clip.name, self.filepath)
@@ -137,16 +150,21 @@ class MIMETIC_OT_refine(Job, Operator):
         path, remarks = takes.save(refined, *paths)
         frames = [entry.frame for entry in entries]
         facts = {"clip": take.clip_name, "performance": path, "frames": frames}
-        return facts, [
-            rpt_("Refined about {count} corrected frames").format(count=len(frames)),
-            *remarks,
-        ]
+        return (
+            facts,
+            native.take_facts().facts_of(refined),
+            [
+                rpt_("Refined about {count} corrected frames").format(count=len(frames)),
+                *remarks,
+            ],
+        )
 
     def write(self, context, result):
-        self.facts, remarks = result
+        self.facts, of_take, remarks = result
         clip_name, path = self.facts["clip"], self.facts["performance"]
-        editors.redraw("CLIP_EDITOR")
-        return "; ".join([*remarks, *takes.keep_for(context.scene, clip_name, path)])
+        editors.redraw(*editors.OF_TAKES)
+        gone = captured_takes.keep_for(context.scene, clip_name, path, of_take)
+        return "; ".join([*remarks, *gone])
 
 
 CLASSES = (

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-import statistics
-
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
-from .. import clip_lens, clips, native, scene_in, scene_out, takes
+from .. import captured_takes, clip_lens, clips, native, scene_in, scene_out, takes
 from ..jobs import Job
 from . import arguments
 
@@ -61,22 +59,22 @@ class Following(arguments.FrameRange, Job):
         footage, what, paths, option, fit_before = inputs
         performance = self.follow(option, footage.path, progress, **what)
         path, remarks = takes.save(performance, *paths)
-        first, last = int(performance.frame[0]), int(performance.frame[-1])
-        message = rpt_(self.message).format(first=first, last=last)
-        quality, held_quality = performance.quality.tolist(), native.performances().HELD_QUALITY
+        of_take = native.take_facts().facts_of(performance)
+        message = rpt_(self.message).format(first=of_take.first, last=of_take.last)
         facts = {
             "clip": footage.clip_name,
             "performance": path,
-            "footage_frames": [first, last],
-            "quality": round(statistics.median(quality), 3),
-            "num_held": sum(one < held_quality for one in quality),
+            "footage_frames": [of_take.first, of_take.last],
+            "quality": round(of_take.quality, 3),
+            "num_held": of_take.num_held,
         }
-        return facts, [message, *remarks], fit_before, self.learned(option)
+        return facts, of_take, [message, *remarks], fit_before, self.learned(option)
 
     def write(self, context, result):
-        self.facts, remarks, fit_before, learned_fit = result
+        self.facts, of_take, remarks, fit_before, learned_fit = result
         clip_name, path = self.facts["clip"], self.facts["performance"]
         clip = bpy.data.movieclips.get(clip_name)
         if learned_fit is not None and clip is not None:
             scene_out.face_fit.learn(clip, fit_before, learned_fit)
-        return "; ".join([*remarks, *takes.keep_for(context.scene, clip_name, path)])
+        gone = captured_takes.keep_for(context.scene, clip_name, path, of_take)
+        return "; ".join([*remarks, *gone])

@@ -42,7 +42,7 @@ performances by name, footage by its content, whatever it is called now"""
                 folder=folder
             )
             return outcome.cancelled(self, context, message)
-        lines = [*_find_clips(folder), *_find_takes(folder)]
+        lines = list(dict.fromkeys([*_find_clips(folder), *_find_takes(folder)]))
         absent = [clip.name for clip in _missing_clips()] + list(
             map(takes.name_of, takes.missing())
         )

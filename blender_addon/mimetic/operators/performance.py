@@ -6,7 +6,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 from bpy.types import Operator
 
-from .. import clips, native, outcome, scene_in, scene_out, takes
+from .. import captured_takes, clips, native, outcome, scene_in, scene_out
 from ..greyed import Greyed
 from .opened import Opened
 
@@ -32,7 +32,8 @@ class MIMETIC_OT_load_performance(Greyed, Operator, Opened):
             clip = _clip_of(context, performance, path)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        first, last = performance.frame[0], performance.frame[-1]
+        of_take = native.take_facts().facts_of(performance)
+        first, last = of_take.first, of_take.last
         messages = [
             rpt_("Frames {first} to {last} at {fps:.6g} frames/s").format(
                 first=first, last=last, fps=performance.fps
@@ -47,11 +48,11 @@ class MIMETIC_OT_load_performance(Greyed, Operator, Opened):
                     footage=performance.footage[0]
                 )
             )
-        takes.keep(context.scene, clip, path)
+        captured_takes.keep(context.scene, clip, path, of_take)
         messages += performance.notes or []
         level = "WARNING" if performance.notes else "INFO"
         facts = {"performance": path, "clip": clip.name if clip else ""}
-        facts["footage_frames"] = [int(first), int(last)]
+        facts["footage_frames"] = [first, last]
         return outcome.finished(self, context, "; ".join(messages), level, **facts)
 
 

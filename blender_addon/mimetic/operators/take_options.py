@@ -60,7 +60,7 @@ class TakeOptions:
             obj, obj.mimetic.takes[earlier_name]
         )
         if is_replaced and is_inherited:
-            remark = rpt_("; {take} is a take of the linked file and stays in Takes").format(
+            remark = rpt_("; {take} is a take of the linked file and stays in Baked Takes").format(
                 take=earlier_name
             )
         elif earlier_name and is_replaced:
@@ -71,11 +71,11 @@ class TakeOptions:
                 obj.mimetic.takes[new].name = new = earlier_name
         elif is_kept:
             takes.play(obj, obj.mimetic.takes[earlier_name])
-            remark = rpt_("; {take} was edited and plays on, {new} waits in Takes").format(
+            remark = rpt_("; {take} was edited and plays on, {new} waits in Baked Takes").format(
                 take=earlier_name, new=new
             )
         elif is_edited:
-            remark = rpt_("; {take} was edited: it is kept in Takes, {new} plays").format(
+            remark = rpt_("; {take} was edited: it is kept in Baked Takes, {new} plays").format(
                 take=earlier_name, new=new
             )
         if self.use_strips and not is_kept:

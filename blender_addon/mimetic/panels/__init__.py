@@ -5,6 +5,7 @@ import bpy
 
 from . import (
     capture,
+    captured_takes,
     clip_overlays,
     controls,
     corrections,
@@ -18,6 +19,7 @@ from . import (
 
 CLASSES = (
     *capture.CLASSES,
+    *captured_takes.CLASSES,
     *clip_overlays.CLASSES,
     *corrections.CLASSES,
     *head.CLASSES,

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The takes of the active face or character: which plays, how well each was captured."""
+"""The baked takes of the active face or character: which plays, how well each was captured."""
 
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Panel, UIList
@@ -25,7 +25,7 @@ class MIMETIC_UL_takes(UIList):
 
 class MIMETIC_PT_takes(Muscles, Panel):
     bl_idname = "MIMETIC_PT_takes"
-    bl_label = "Takes"
+    bl_label = "Baked Takes"
     bl_options = {"DEFAULT_CLOSED"}
 
     @classmethod

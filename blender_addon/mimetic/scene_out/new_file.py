@@ -9,8 +9,8 @@ from pathlib import Path
 import bpy
 from mathutils import Euler
 
-from .. import compat, native, scene_in, takes
-from . import bake, clip, exports, eye_nodes, opened_view, over_footage, take_list
+from .. import captured_takes, compat, native, scene_in, takes
+from . import bake, clip, exports, eye_nodes, lost_markers, opened_view, over_footage, take_list
 
 
 def write(
@@ -62,11 +62,11 @@ def write(
     )
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
     face, file_name = scene.mimetic.face, Path(performance_path).name
-    take_list.note(face, performance, take, file_name, frames, "by mimetic bake", {})
-    takes.keep(scene, footage, performance_path)
+    row = take_list.note(face, performance, take, file_name, frames, "by mimetic bake", {})
+    captured_takes.keep_read(scene, footage, performance_path, performance)
     scene.frame_set(scene.frame_start)
     if is_blend:
-        show(scene, performance)
+        show(scene, performance, row)
         save(out, footage)
         loses = ""
     else:
@@ -91,8 +91,10 @@ def set_up(scene: bpy.types.Scene, performance) -> None:
     scene.view_settings.view_transform = "Standard"
 
 
-def show(scene: bpy.types.Scene, performance) -> None:
-    """Screens that show the face; renders of it over its footage, in a soft light from above."""
+def show(scene: bpy.types.Scene, performance, take) -> None:
+    """Screens that show the face; renders of it over its footage, in a soft light from above; marks
+    where it was lost."""
+    lost_markers.show(scene, take)
     opened_view.arrange(scene, scene.mimetic.face)
     sun = bpy.data.objects.new("Key Light", bpy.data.lights.new("Key Light", "SUN"))
     sun.data.energy = 2.0

@@ -12,6 +12,8 @@ ABOUT = {
     "[the first minute](first-minute.md), [fitting.md](fitting.md), "
     "[calibration.md](calibration.md).",
     "Over the Footage": "What the clip editor draws over each frame.",
+    "Captured Takes": "What was captured of the clip, refined or loaded, each a performance "
+    "file, and which of them is used: [takes.md](takes.md).",
     "Corrections": "Single frames that are stated by hand, and the frames around solved again: "
     "[corrections.md](corrections.md).",
     "Head": "The head's motion on an object or on a character's bones, and the clip with the head "
@@ -22,7 +24,7 @@ ABOUT = {
     "strain, drawn on it.",
     "Own Controls": "A character's own shape keys or bones, played by a performance: "
     "[own-controls.md](own-controls.md).",
-    "Takes": "What was baked on this face: play, compare, blend in: [takes.md](takes.md).",
+    "Baked Takes": "What was baked on this face: play, compare, blend in: [takes.md](takes.md).",
     "Curves": "All curves of the face at once, in one undo step: [curves.md](curves.md).",
     "Expressions": "Kept expressions, blended, mirrored and put in sequence: "
     "[expressions.md](expressions.md).",
@@ -39,11 +41,11 @@ every setting, in their own words. A button that cannot run is grey and says why
 finds it by its name; scripts call it by the name in the last column ([scripting.md](scripting.md)).
 
 Long ones show their progress and the time left in the status bar, and leave the window free
-meanwhile: scrub, play, undo, load the next clip. *Capture*, *Head Only*, *Find Face* and
-*Calibrate* wait their turn behind one that is at work on another clip. Esc ends the one at work
-(while the animation plays Esc ends that alone), and so does the cross beside it in the panel. What
-a job writes into objects waits until you are in Object Mode and in its scene again; the status bar
-says so.
+meanwhile: scrub, play, undo, load the next clip. *Capture*, *Head Only*, *Find Face*, *Calibrate*,
+*Refine* and *Bake* wait their turn behind one that is at work on another clip. Esc ends the one at
+work (while the animation plays Esc ends that alone), and so does the cross beside it in the panel.
+What a job writes into objects waits until you are in Object Mode and in its scene again; the status
+bar says so.
 
 While *Capture* works, the clip editor draws the face on each frame as it is followed, with the
 strip of quality, and the playhead goes along. Scrub or play, and it leaves you there: frames that
