@@ -42,12 +42,14 @@ class Variant:
     tracker: dict[str, object] = field(default_factory=dict)
     smoothed: bool = True
     relief: bool = True
+    lines: bool = True
     stiffness: float = 1.0
 
 
 VARIANTS = {
     "as it is": Variant(),
     "no relief": Variant(relief=False),
+    "lids and lips as in the first fit": Variant(lines=False),
     "no smoother": Variant(smoothed=False),
     "no flow between frames": Variant({"relative_flow": False}),
     "no further reference views": Variant({"max_key_views": 0}),
@@ -80,6 +82,7 @@ class VariedCapture(clip_capture.ClipCapture):
 
     def __init__(self, footage: Footage, fit: FaceFit, variant: Variant) -> None:
         fit = fit if variant.relief else replace(fit, relief=[], depth=[])
+        fit = fit if variant.lines else replace(fit, lines=[])
         summary = CaptureSummary(fit=fit)
         super().__init__(footage, fit, (1, footage.num_frames), None, summary)
         self.variant = variant

@@ -13,6 +13,7 @@ import numpy as np
 from mimetic import InvalidInput, _core
 from mimetic.fit.face_model import limit_positions
 from mimetic.fit.fitting import NoFace, find_face
+from mimetic.fit.line_fit import with_lines
 from mimetic.locate.feature_networks import MESH_POINTS, feature_places
 from mimetic.media.footage import Footage
 from mimetic.muscles.eyeballs import eye_geometry
@@ -70,7 +71,8 @@ def by_fit(labels: Labels, footage: Footage) -> NDArray[np.float64]:
     places = np.full((len(labels.frame), len(POINTS), 2), np.nan)
     for row, frame in enumerate(labels.frame):
         with contextlib.suppress(NoFace):
-            fit = find_face(np.ascontiguousarray(footage.read(int(frame))), int(frame))
+            alone = find_face(np.ascontiguousarray(footage.read(int(frame))), int(frame))
+            fit = with_lines(alone, (), template)
             head = fit.neutral_vertices(template)
             irises = iris_fronts(head, template)
             head[:skin] = on_limit(head[:skin])

@@ -86,18 +86,22 @@ void bind_fit(py::module_& m) {
     m.def(
         "fit_face",
         [](const FaceModel& model, const std::vector<FaceView>& views, const Camera& camera, bool focal_free,
-           const std::optional<FaceEstimate>& start, bool shape_free) {
+           const std::optional<FaceEstimate>& start, bool shape_free, bool pose_free, double elsewhere) {
             FitOptions options;
             options.focal_free = focal_free;
             options.shape_free = shape_free;
+            options.pose_free = pose_free;
+            options.elsewhere = elsewhere;
             return fit_face(model, views, camera, options, start ? &*start : nullptr);
         },
         "model"_a, "views"_a, "camera"_a, "focal_free"_a = false, "start"_a = py::none(),
-        "shape_free"_a = true, py::call_guard<py::gil_scoped_release>(),
+        "shape_free"_a = true, "pose_free"_a = true, "elsewhere"_a = FitOptions().elsewhere,
+        py::call_guard<py::gil_scoped_release>(),
         "Pose of every view and the proportions and focal length that they share.\n\n"
         "start: FaceEstimate of the same views to go on from\nshape_free: whether proportions are estimated, "
         "or "
-        "kept as start has them\nreturns: FaceEstimate, metres and pixels");
+        "kept as start has them; pose_free: the same of poses\nelsewhere: factor on the standard deviations "
+        "of features in views after the first\nreturns: FaceEstimate, metres and pixels");
     m.def("project_features", &project_features, "model"_a, "estimate"_a, "camera"_a, "view"_a = 0,
           py::call_guard<py::gil_scoped_release>(),
           "Landmarks and curves of the fitted model in a view's image, pixels.");

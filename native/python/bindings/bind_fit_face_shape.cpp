@@ -76,6 +76,21 @@ void bind_shapes(py::module_& m) {
         "rms\n"
         "`spread` metres there, largest first, none with less than `least_variance` of the first's. pulls, "
         "responses:\n(N, S, 3), newtons and metres. Raises InvalidInput.");
+    m.def(
+        "sliding_on_eyeball",
+        [](const ModesArray& modes, const Points& skin, const std::vector<int>& margin,
+           const Eigen::Vector3d& centre, double reach, double steepest) {
+            const auto rows = view_modes("modes", modes, skin.rows());
+            MatrixRows sliding;
+            {
+                const py::gil_scoped_release release;
+                sliding = sliding_on_eyeball(rows, skin, margin, centre, reach, steepest);
+            }
+            return to_modes(sliding);
+        },
+        py::arg("modes").noconvert(), "skin"_a, "margin"_a, "centre"_a, "reach"_a, "steepest"_a,
+        "(N, S, 3): modes of a skin (S, 3) whose lid slides on its eyeball, as far as they go seen from the "
+        "front,\nfading with the distance to the lid's margin (s.d. reach, metres). Raises InvalidInput.");
     m.def("nearest_coefficients", &nearest_coefficients, "matrix"_a, "values"_a, release_gil(),
           "(K,) nearest in least squares to values (N,) of matrix (N, K), the shortest of them.");
 }

@@ -121,6 +121,11 @@ void bind_locate_networks(py::module_& m) {
     m.def("with_network_features", &with_network_features, "landmarks"_a, "seen"_a,
           "FaceFeatures for a fit: landmarks, replaced by the networks' where both have one.\n\n"
           "The landmarks alone where the networks' eyes are elsewhere.");
+    m.def("local_features", &local_features, "joined"_a, "frames"_a,
+          "FaceFeatures of eyes and mouth alone, of features for a fit, with errors for a head whose lids "
+          "and lips "
+          "move by\nthemselves. Without lines where the networks saw nothing. frames: fitted together, which "
+          "count as one.");
 }
 
 }  // namespace mimetic::bindings

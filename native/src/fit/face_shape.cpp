@@ -2,6 +2,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 #include <mimetic/fit/face_shape.hpp>
 #include <mimetic/shared/error.hpp>
@@ -125,6 +126,32 @@ MatrixRows bumps(PointsIn skin, const std::vector<int>& places, double radius) {
                 .transpose();
     }
     return heights / heights.colwise().norm().maxCoeff();
+}
+
+MatrixRows sliding_on_eyeball(MatrixIn modes, PointsIn skin, const std::vector<int>& margin,
+                              const Eigen::Vector3d& centre, double reach, double steepest) {
+    if (modes.cols() != 3 * skin.rows() || margin.empty() || !(reach > 0) || !(steepest > 0)) {
+        throw InvalidInput(
+            "modes must be of this skin, with a margin, a reach and a steepest cosine above 0");
+    }
+    for (const int m : margin) {
+        if (m < 0 || m >= skin.rows()) {
+            throw InvalidInput("margin " + std::to_string(m) + " is no vertex of the skin");
+        }
+    }
+    const Points at_margin = skin(margin, Eigen::all);
+    MatrixRows sliding = modes;
+    for (Eigen::Index v = 0; v < skin.rows(); ++v) {
+        const double square = (at_margin.rowwise() - skin.row(v)).rowwise().squaredNorm().minCoeff();
+        const double share = std::exp(-square / (2 * reach * reach));
+        const Eigen::Vector3d arm = skin.row(v).transpose() - centre;
+        const Eigen::Vector2d back = arm.head<2>() / std::max(arm.z(), steepest * arm.norm());
+        for (Eigen::Index i = 0; i < modes.rows(); ++i) {
+            auto moved = sliding.row(i).segment<3>(3 * v);
+            moved.z() -= share * (moved.head<2>().dot(back) + moved.z());
+        }
+    }
+    return sliding;
 }
 
 Eigen::VectorXd nearest_coefficients(MatrixIn matrix, VectorIn values) {

@@ -29,10 +29,6 @@ constexpr double kReach = 0.35;
 /// Interpupillary distances by which a rigid average head may miss a pin.
 constexpr double kRigidPin = 0.03;
 
-/// Factor on the standard deviations of features in views after the first: all views share the same errors of
-/// measurement, and in the first the face is most at rest.
-constexpr double kElsewhere = 3.0;
-
 /// Factor on a line's standard deviation where a landmark of its name was placed by hand: it was wrong there.
 constexpr double kPinnedLine = 4.0;
 
@@ -166,7 +162,7 @@ private:
     }
 
     /// Factor on a view's measured standard deviations.
-    static double distrust(std::size_t view) { return view == 0 ? 1.0 : kElsewhere; }
+    double distrust(std::size_t view) const { return view == 0 ? 1.0 : options_.elsewhere; }
 
     void add_motion(ceres::Problem& problem, std::size_t view) {
         for (const auto& motion : views_[view].motion) {
@@ -225,6 +221,7 @@ private:
             problem.AddResidualBlock(new ceres::AutoDiffCostFunction<fit::FacingResidual, 2, fit::kPose>(
                                          new fit::FacingResidual{options_.pitch_spread, options_.yaw_spread}),
                                      nullptr, pose.data());
+            if (!options_.pose_free) problem.SetParameterBlockConstant(pose.data());
         }
         for (int i = 0; i < model_.limits.rows(); ++i) {
             problem.SetParameterLowerBound(state_.identity.data(), i, model_.limits(i, 0));
@@ -324,9 +321,11 @@ void FitOptions::check() const {
     positive("focal_spread", focal_spread);
     positive("pitch_spread", pitch_spread);
     positive("yaw_spread", yaw_spread);
+    positive("elsewhere", elsewhere);
     positive("robust_scale", robust_scale);
     positive("pupil_distance", pupil_distance);
     require(gaze_spread >= 0, "gaze_spread must not be negative");
+    require(pose_free || shape_free, "poses or proportions must be free");
     require(max_rounds >= 1, "max_rounds is " + std::to_string(max_rounds) + "; it must be at least 1");
 }
 
@@ -343,6 +342,8 @@ FaceEstimate fit_face(const FaceModel& model, const std::vector<FaceView>& views
                     start->identity.size() == model.modes.rows() && start->identity.allFinite(),
                 "the estimate to start from must be of the same views and the same model");
     }
+    require(options.pose_free || start != nullptr,
+            "poses that are kept are those of an estimate to start from");
     return FaceFitter(model, views, camera, options).run(start);
 }
 

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <algorithm>
 #include <cmath>
 #include <mimetic/locate/network_features.hpp>
 #include <mimetic/shared/error.hpp>
@@ -21,11 +22,18 @@ constexpr LipNoise kOuterLip{0.0073, 0.022}, kInnerLip{0.006, 0.018};
 /// The networks see the lower lip's red end lower than a hand marks it, midway by this: the mean of
 /// single_face and cap12_edit.
 constexpr double kLowerEdge = 0.021;
+/// Of lines and corners for what moves by itself: a line's error is common to some of its stations.
+constexpr double kLocalLid = 0.012, kLocalOuterLip = 0.0073, kLocalInnerLip = 0.006, kLocalEyeCorner = 0.01;
+/// The networks, and the head fitted to them, have the outer corner of an eye nearer to the nose and higher
+/// than a hand marks it, by these: the means of both eyes in single_face and cap12_edit.
+constexpr double kOuterCornerIn = 0.026, kOuterCornerUp = 0.017;
 /// An eyeball turns while somebody looks about: by some twenty degrees the iris wanders by this.
 constexpr double kGaze = 0.08;
 constexpr double kLeastSigma = 0.25;  // pixels: no finer than the picture
 constexpr double kLeastPresence = 0.5;
 constexpr double kElsewhere = 0.3;  // interpupillary distances between an iris and the pupil of a landmark
+
+constexpr const char* kLocal[] = {"pupil.", "eye_", "mouth_corner."};  // beginnings of features' names
 
 // Of the mesh
 constexpr int kMouthCorners[] = {291, 61}, kOuterCorners[] = {263, 33}, kInnerCorners[] = {362, 133};
@@ -82,6 +90,16 @@ Feature both(const Feature& one, const Feature& other) {
             std::max(one.likelihood, other.likelihood)};
 }
 
+/// Where a hand would mark the outer corner of an eye that the networks saw; where they did not, as it is.
+Eigen::Vector2d marked_corner(const FaceFeatures& face, const Feature& outer, double pupils) {
+    const bool is_left = outer.name.ends_with(".L");
+    const Feature* inner = face.find(is_left ? "eye_inner.L" : "eye_inner.R");
+    if (inner == nullptr) return outer.position;
+    const Eigen::Vector2d outward = (outer.position - inner->position).normalized();
+    const Eigen::Vector2d down = (is_left ? 1 : -1) * Eigen::Vector2d(-outward.y(), outward.x());
+    return outer.position + pupils * (kOuterCornerIn * outward + kOuterCornerUp * down);
+}
+
 bool are_elsewhere(const FaceFeatures& landmarks, const FaceFeatures& seen) {
     const Eigen::Vector2d across =
         pupil_of(landmarks, "pupil.L").position - pupil_of(landmarks, "pupil.R").position;
@@ -125,6 +143,36 @@ FaceFeatures network_features(const MeshPoints& mesh, const std::array<EyePoints
     add_lip("lip_upper_inner", LipEdges::kInnerUpper, kInnerLip);
     add_lip("lip_lower_inner", LipEdges::kInnerLower, kInnerLip);
     return face;
+}
+
+FaceFeatures local_features(const FaceFeatures& joined, int frames) {
+    if (frames < 1)
+        throw InvalidInput("there must be at least one frame, there are " + std::to_string(frames));
+    const double pupils =
+        (pupil_of(joined, "pupil.L").position - pupil_of(joined, "pupil.R").position).norm();
+    const auto sigma = [&](double part) {
+        return std::sqrt(frames) * std::hypot(part * pupils, kLeastSigma);
+    };
+    FaceFeatures local;
+    local.box = joined.box;
+    local.likelihood = joined.likelihood;
+    for (Feature feature : joined.features) {
+        if (feature.name.starts_with("eye_outer.")) {
+            feature.position = marked_corner(joined, feature, pupils);
+        }
+        if (feature.name.starts_with("eye_")) feature.sigma_px = sigma(kLocalEyeCorner);
+        if (feature.name.starts_with("mouth_corner.")) feature.sigma_px = sigma(kMouthCorner);
+        if (std::ranges::any_of(kLocal, [&](const char* name) { return feature.name.starts_with(name); })) {
+            local.features.push_back(std::move(feature));
+        }
+    }
+    for (FeatureCurve curve : joined.curves) {
+        const bool is_lid = curve.name.starts_with("lid_"), is_inner = curve.name.ends_with("_inner");
+        if (!is_lid && !curve.name.starts_with("lip_upper") && !curve.name.starts_with("lip_lower")) continue;
+        curve.sigma_px.setConstant(sigma(is_lid ? kLocalLid : is_inner ? kLocalInnerLip : kLocalOuterLip));
+        local.curves.push_back(std::move(curve));
+    }
+    return local;
 }
 
 FaceFeatures with_network_features(const FaceFeatures& landmarks, const FaceFeatures& seen) {

@@ -94,5 +94,23 @@ TEST(NearestCoefficients, AreTheShortestInLeastSquares) {
     EXPECT_THROW(nearest_coefficients(matrix, values.head(3)), InvalidInput);
 }
 
+TEST(SlidingOnEyeball, ALidThatSlidesKeepsItsDistanceFromTheEyeballsCentre) {
+    const Eigen::Vector3d centre(0.03, 0.02, 0.05);
+    Points skin(3, 3);
+    skin << 0.03, 0.026, 0.0604, 0.033, 0.014, 0.06, 0.03, 0.08, 0.06;  // two on the margin, one far off
+    MatrixRows modes(1, 9);
+    modes << 0.0002, 0.001, 0.004, -0.0005, 0.001, 0, 0.0001, 0.001, 0.002;
+    const MatrixRows sliding = sliding_on_eyeball(modes, skin, {0, 1}, centre, 0.005, 0.5);
+    for (int v = 0; v < 2; ++v) {
+        const Eigen::Vector3d arm = skin.row(v).transpose() - centre,
+                              moved = sliding.row(0).segment<3>(3 * v);
+        EXPECT_NEAR(moved.dot(arm), 0, 1e-12);
+        EXPECT_EQ(moved.head<2>(), modes.row(0).segment<2>(3 * v).transpose());
+    }
+    EXPECT_NEAR(sliding(0, 8), 0.002, 1e-9);
+    EXPECT_THROW(sliding_on_eyeball(modes, skin, {3}, centre, 0.005, 0.5), InvalidInput);
+    EXPECT_THROW(sliding_on_eyeball(modes, skin.topRows(2), {0}, centre, 0.005, 0.5), InvalidInput);
+}
+
 }  // namespace
 }  // namespace mimetic

@@ -157,6 +157,48 @@ TEST(FitFace, ViewsOfOnePersonShareTheProportionsAndTellDepthTogether) {
     EXPECT_LT(angle_deg(again.camera_from_head[0], joint.camera_from_head[0]), 0.05);
 }
 
+TEST(FitFace, PosesThatAreKeptLeaveWhatFeaturesSayToTheProportions) {
+    Cloud cloud;
+    const Eigen::Isometry3d pose = turned(0.1, 0.05, 0);
+    Eigen::VectorXd identity(4);
+    identity << 0.8, -0.5, 0.4, 0.6;
+    const FaceView view{cloud.seen(pose, identity, 0), {}, {}};
+    FaceEstimate start;
+    start.camera_from_head = {pose};
+    start.focal = kCamera.fx;
+    start.identity = Eigen::VectorXd::Zero(4);
+    FitOptions options;
+    options.pose_free = false;
+    const FaceEstimate kept = fit_face(cloud.model, {view}, kCamera, options, &start);
+    EXPECT_LT(angle_deg(kept.camera_from_head[0], pose), 1e-6);
+    EXPECT_NEAR(kept.camera_from_head[0].translation().z(), 0.7, 1e-12);
+    EXPECT_LT((kept.identity - identity).norm(), 0.1);
+    EXPECT_THROW(fit_face(cloud.model, {view}, kCamera, options), InvalidInput);
+    options.shape_free = false;
+    EXPECT_THROW(fit_face(cloud.model, {view}, kCamera, options, &start), InvalidInput);
+}
+
+TEST(FitFace, FurtherViewsWeighAsIsAsked) {
+    Cloud cloud;
+    const Eigen::Isometry3d pose = turned(0, 0, 0);
+    Eigen::VectorXd first = Eigen::VectorXd::Zero(4), second = first;
+    second(3) = 1;
+    const std::vector<FaceView> views{{cloud.seen(pose, first, 0), {}, {}},
+                                      {cloud.seen(pose, second, 0), {}, {}}};
+    FaceEstimate start;
+    start.camera_from_head = {pose, pose};
+    start.focal = kCamera.fx;
+    start.identity = first;
+    FitOptions options;
+    options.pose_free = false;
+    options.robust_scale = 1e3;
+    const double little = fit_face(cloud.model, views, kCamera, options, &start).identity(3);
+    options.elsewhere = 1;
+    const double alike = fit_face(cloud.model, views, kCamera, options, &start).identity(3);
+    EXPECT_NEAR(little, 0.1, 0.02);
+    EXPECT_NEAR(alike, 0.5, 0.02);
+}
+
 TEST(FitFace, ALineBendsTheShapeAcrossItselfAlone) {
     Cloud cloud;
     cloud.model.points.row(2) << -0.02, -0.04, 0.09;

@@ -140,6 +140,29 @@ TEST(NetworkFeatures, AreLeftOutWhereNoFaceIsSeenOrAnother) {
     EXPECT_NE(with_network_features(landmarks(), unsure).find("lip_lower"), nullptr);
 }
 
+TEST(NetworkFeatures, OfAHeadThatMovesLocallyAreEyesAndMouthAloneWithTheOuterCornersWhereHandsMarkThem) {
+    const Seen seen;
+    const FaceFeatures joined = with_network_features(landmarks(), network_features(seen.mesh, seen.eyes));
+    const FaceFeatures local = local_features(joined, 1);
+    EXPECT_EQ(local.find("ala.L"), nullptr);
+    EXPECT_EQ(local.find_curve("jaw"), nullptr);
+    EXPECT_EQ(local.curves.size(), 8U);
+    const double pupils = (local.find("pupil.L")->position - local.find("pupil.R")->position).norm();
+    const Eigen::Vector2d left = local.find("eye_outer.L")->position,
+                          right = local.find("eye_outer.R")->position;
+    EXPECT_NEAR(left.x(), 142 + 0.026 * pupils, 1e-9);
+    EXPECT_NEAR(right.x(), 58 - 0.026 * pupils, 1e-9);
+    EXPECT_NEAR(left.y(), 100 + 0.017 * pupils, 1e-9);
+    EXPECT_NEAR(right.y(), 100 + 0.017 * pupils, 1e-9);
+    EXPECT_EQ(local.find("eye_inner.L")->position, joined.find("eye_inner.L")->position);
+    const FeatureCurve* edge = local.find_curve("lip_upper");
+    EXPECT_EQ(edge->points, joined.find_curve("lip_upper")->points);
+    EXPECT_EQ(edge->sigma_px(0), edge->sigma_px(4));
+    EXPECT_NEAR(local_features(joined, 4).find_curve("lip_upper")->sigma_px(0), 2 * edge->sigma_px(0), 1e-9);
+    EXPECT_THROW(local_features(joined, 0), InvalidInput);
+    EXPECT_TRUE(local_features(landmarks(), 1).curves.empty());  // the networks saw nothing
+}
+
 TEST(NetworkFeatures, RefusePointsOfSomethingElse) {
     Seen seen;
     seen.mesh.places.conservativeResize(400, 2);

@@ -258,7 +258,7 @@ def test_pins_of_no_landmark_and_on_no_view_are_refused(fitted):
 def test_fit_of_an_older_file_is_read(tmp_path, template, fitted):
     fitted.save(tmp_path / "fit.json")
     document = json.loads((tmp_path / "fit.json").read_text()) | {"schema": 1}
-    for key in ("residual", "relief", "depth", "views", "calibration", "rest"):
+    for key in ("residual", "relief", "depth", "lines", "views", "calibration", "rest"):
         del document[key]
     (tmp_path / "fit.json").write_text(json.dumps(document))
     fit = FaceFit.load(tmp_path / "fit.json")

@@ -78,6 +78,7 @@ def put(document, keys, value):
         (["relief"], {"a": 1}, "relief must be a list"),
         (["relief"], ["1", "2"], "relief"),
         (["depth"], {"a": 1}, "depth must be a list"),
+        (["lines"], {"a": 1}, "lines must be a list"),
         (["depth"], [[1, 2, 3], [1]], "depth"),
         (["intrinsics"], [["600", 0, 1], [0, 600, 1], [0, 0, 1]], "intrinsics"),
         (["head_pose"], [[1], [2, 3]], "head_pose"),

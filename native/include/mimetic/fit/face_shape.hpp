@@ -38,4 +38,10 @@ MatrixRows bumps(PointsIn skin, const std::vector<int>& places, double radius);
 /// Coefficients nearest to b in least squares, the shortest of them: A+ b.
 Eigen::VectorXd nearest_coefficients(MatrixIn matrix, VectorIn values);
 
+/// Modes (N x 3S) of a skin at rest (S x 3) whose lid slides on its eyeball: as far as they go seen from the
+/// front, forth or back with the ball, fading with the distance to the lid's margin (s.d. `reach`, metres).
+/// steepest: cosine to the front, beyond which the ball is not followed further back. Throws InvalidInput.
+MatrixRows sliding_on_eyeball(MatrixIn modes, PointsIn skin, const std::vector<int>& margin,
+                              const Eigen::Vector3d& centre, double reach, double steepest);
+
 }  // namespace mimetic

@@ -28,11 +28,14 @@ struct FaceModel {
 struct FitOptions {
     bool focal_free = false;     ///< whether the focal length is estimated as well
     bool shape_free = true;      ///< whether the proportions are estimated; if not, those of `start` are kept
+    bool pose_free = true;       ///< whether poses are estimated; if not, those of `start` are kept
     double focal_spread = 0.2;   ///< prior standard deviation of its logarithm
     double pitch_spread = 0.12;  ///< prior standard deviation of the head's pitch to the camera, rad:
                                  ///< features hardly separate it from long or short proportions
     double yaw_spread = 0.6;     ///< the same for yaw, which they determine well
     double gaze_spread = 0.02;   ///< s.d. of the pupils' shift by gaze, interpupillary distances
+    double elsewhere = 3.0;      ///< factor on the s.d. of features in views after the first: all share the
+                                 ///< same errors, and in the first the face is most at rest
     double robust_scale = 1.5;   ///< residuals beyond this many standard deviations count for less
     int max_rounds = 8;          ///< times that outlines are matched again
     double pupil_distance = kPupilDistance;  ///< metres: the scale

@@ -17,4 +17,10 @@ FaceFeatures network_features(const MeshPoints& mesh, const std::array<EyePoints
 /// something else.
 FaceFeatures with_network_features(const FaceFeatures& landmarks, const FaceFeatures& seen);
 
+/// What the networks saw, of features merged so, with errors for a head whose lids and lips move by
+/// themselves: there lines pull on nothing else, so that they count as far as they can be believed, to the
+/// corners. Pupils, corners and lines; no lines where the networks saw nothing. frames: that are fitted
+/// together. The networks err alike in them: all together count as one. Throws InvalidInput without pupils.
+FaceFeatures local_features(const FaceFeatures& joined, int frames);
+
 }  // namespace mimetic

@@ -14,6 +14,7 @@ from mimetic import InvalidInput, _core
 from mimetic.fit.depth_bumps import depth_bumps
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitted_view import FittedView, checked_frame
+from mimetic.fit.line_modes import line_modes
 from mimetic.fit.residual_shape import residual_modes
 from mimetic.fit.rest_choice import RestChoice
 from mimetic.muscles.calibration import Calibration
@@ -28,7 +29,8 @@ SCHEMA = 7
 REQUIRED = ("schema", "frame", "image_size", "intrinsics", "head_pose", "identity")
 # Key: the schema that it came with; files of older schemas still load.
 OPTIONAL = {"features": 1, "error": 1, "warnings": 1}
-OPTIONAL |= {"residual": 2, "views": 2, "calibration": 3, "relief": 4, "depth": 6, "rest": 7}
+OPTIONAL |= {"residual": 2, "views": 2, "calibration": 3, "relief": 4, "depth": 6}
+OPTIONAL |= {"lines": 7, "rest": 7}
 LARGEST_FILE = 4 << 20  # bytes
 MOST_VIEWS = 100
 
@@ -55,6 +57,8 @@ class FaceFit:
     relief: list[float] = field(default_factory=list)
     # Metres, head frame, by which each of `depth_bumps` is moved; found with the relief
     depth: list[list[float]] = field(default_factory=list)
+    # Of `line_modes.line_modes`; `mimetic.fit.line_fit` finds it
+    lines: list[float] = field(default_factory=list)
     calibration: Calibration = field(default_factory=Calibration)  # `mimetic calibrate` finds it
     rest: RestChoice = field(default_factory=RestChoice)  # why the face is at rest in `frame`
 
@@ -88,6 +92,8 @@ class FaceFit:
             vertices += _moved("relief", self.relief, face_shape(template).components)
         if self.depth:
             vertices += _moved("depth", self.depth, depth_bumps(template)).T
+        if self.lines:
+            vertices += _moved("lines", self.lines, line_modes(template))
         return vertices
 
     def view(self, frame: int) -> FittedView | None:
@@ -109,6 +115,7 @@ class FaceFit:
             "residual": self.residual,
             "relief": self.relief,
             "depth": self.depth,
+            "lines": self.lines,
             "views": [view.as_json() for view in self.views],
             "calibration": self.calibration.as_json(),
             "rest": self.rest.as_json(),
@@ -190,7 +197,7 @@ def _check(fit: FaceFit) -> None:
     ):
         raise InvalidInput("face fit's warnings must be a list of texts")
     fit.warnings = [shown(text) for text in fit.warnings]
-    for name in ("residual", "relief"):
+    for name in ("residual", "relief", "lines"):
         coefficients = getattr(fit, name)
         if not isinstance(coefficients, list | tuple | np.ndarray):
             raise InvalidInput(f"face fit's {name} must be a list of numbers")

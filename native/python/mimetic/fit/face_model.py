@@ -39,7 +39,6 @@ def face_model(
     Modes: the components of `face_shape` with the same arguments.
     """
     skin = template.num_skin_vertices
-    faces = np.ascontiguousarray(template.skin_faces, dtype=np.int32)
     on_limit = limit_positions(template)
     eyes = [template.part_vertices(name) for name in ("eye.L", "eye.R")]
     components = face_shape(template, with_identity, with_residual).components
@@ -51,9 +50,37 @@ def face_model(
     )
     # Means of the eyeballs' vertices move as their centres do; the centres are the template's own
     points[0, skin:] = template.eye_centers
-    far = np.full((len(components), 1), COMPONENT_LIMIT)
-    names, weights = _landmark_weights(template, len(points[0]))
-    on_outline = np.zeros(len(points[0]), dtype=bool)
+    return _model(template, points[0], points[1:])
+
+
+def moved_model(
+    template: FaceTemplate, neutral_vertices: NDArray[np.float64], modes: NDArray[np.float64]
+) -> _core.FaceModel:
+    """A person's head (V x 3) as the core's fit needs it, with other modes (M x V x 3) to move in.
+
+    Each has a unit normal prior; the eyeballs stay.
+    """
+    skin = template.num_skin_vertices
+    on_limit = limit_positions(template)
+    eyes = [template.part_vertices(name) for name in ("eye.L", "eye.R")]
+    moved = [(neutral_vertices - template.vertices)[eye].mean(axis=0) for eye in eyes]
+    stay = np.zeros((2, 3))
+    return _model(
+        template,
+        np.vstack([on_limit(neutral_vertices[:skin]), template.eye_centers + moved]),
+        np.array([np.vstack([on_limit(mode[:skin]), stay]) for mode in modes]),
+    )
+
+
+def _model(
+    template: FaceTemplate, points: NDArray[np.float64], modes: NDArray[np.float64]
+) -> _core.FaceModel:
+    """points: P x 3, the skin's, then the eyeballs' centres; modes: M x P x 3."""
+    skin = template.num_skin_vertices
+    faces = np.ascontiguousarray(template.skin_faces, dtype=np.int32)
+    far = np.full((len(modes), 1), COMPONENT_LIMIT)
+    names, weights = _landmark_weights(template, len(points))
+    on_outline = np.zeros(len(points), dtype=bool)
     # Under the chin the outline runs on what counts as neck; the neck's own sides are not the jaw
     normals = _core.SubdividedMesh(faces, skin, 0).normals(
         np.ascontiguousarray(template.vertices[:skin])
@@ -61,14 +88,14 @@ def face_model(
     underside = template.in_region("neck") & (normals[:, 1] < -0.3)
     on_outline[:skin] = template.in_region(*OUTLINE_REGIONS) | underside
     chains = [
-        _core.shortest_way(faces, points[0], [template.landmark(name) for name in stops])
+        _core.shortest_way(faces, points, [template.landmark(name) for name in stops])
         for stops in CURVES.values()
     ]
     lines = feature_lines(template)
     return _core.FaceModel(
-        points[0],
-        points[1:].reshape(len(components), -1),
-        np.ones(len(components)),
+        points,
+        modes.reshape(len(modes), -1),
+        np.ones(len(modes)),
         np.hstack([-far, far]),
         faces,
         on_outline.tolist(),

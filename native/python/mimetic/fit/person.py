@@ -22,6 +22,7 @@ def with_shape_of(fit: FaceFit, person: FaceFit) -> FaceFit:
         residual=list(person.residual),
         relief=list(person.relief),
         depth=[list(place) for place in person.depth],
+        lines=list(person.lines),
         calibration=person.calibration,
     )
 
@@ -29,8 +30,9 @@ def with_shape_of(fit: FaceFit, person: FaceFit) -> FaceFit:
 def with_person(fit: FaceFit, person: FaceFit, template: FaceTemplate | None = None) -> FaceFit:
     """The head of `person` where `fit`, of footage that shows the same person, has its own.
 
-    The person's proportions, relief and calibration are kept as they are; the pose in every view
-    is solved again, with the camera of `fit`. Raises InvalidInput where that head does not fit.
+    The person's proportions, relief, lines and calibration are kept as they are; the pose in every
+    view is solved again, with the camera of `fit`. Raises InvalidInput where that head does not
+    fit.
     """
     if not fit.views:
         raise InvalidInput("the face fit is from an older version of Mimetic: fit again")

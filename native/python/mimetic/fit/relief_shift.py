@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""By how much the relief of a head shifts its landmarks in pictures from other directions."""
+"""By how much relief and lines of a head shift its landmarks in its pictures."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ Floats = NDArray[np.float64]
 def picture_shifts(
     fit: FaceFit, template: FaceTemplate, poses: Sequence[Floats]
 ) -> list[dict[str, tuple[float, float]]]:
-    """Pixels, right and down, by which relief moves each landmark; nothing without relief.
+    """Pixels, right and down, by which relief and lines move each landmark; nothing without them.
 
     poses: 4 x 4, camera from head, one a picture
     """
-    if not (fit.relief or fit.depth):
+    if not (fit.relief or fit.depth or fit.lines):
         return [{} for _ in poses]
     landmarks = np.asarray(template.landmark_vertices)
     plain_points, relief_points = (
         one.neutral_vertices(template)[landmarks]
-        for one in (replace(fit, relief=[], depth=[]), fit)
+        for one in (replace(fit, relief=[], depth=[], lines=[]), fit)
     )
     shifts = []
     for pose in poses:

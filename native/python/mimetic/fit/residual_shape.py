@@ -34,7 +34,7 @@ ATTACHMENT = 1e5  # N/m^3, both along and across: deformations reach about 2 cm
 @lru_cache(maxsize=2)
 def residual_modes(template: FaceTemplate) -> NDArray[np.float64]:
     """M x V x 3 metres at one prior standard deviation; even modes under the mirror, then odd."""
-    skin = _held_skin(template)
+    skin = held_skin(template)
     points = np.ascontiguousarray(template.vertices[: template.num_skin_vertices])
     on_face = template.in_region(*FACE)
     face, places = np.flatnonzero(on_face).tolist(), _places(template)
@@ -55,8 +55,13 @@ def _places(template: FaceTemplate) -> list[int]:
     return _core.spread_rows(points, landmarks, is_allowed.tolist(), PLACES)
 
 
-def _held_skin(template: FaceTemplate) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-    """A function from forces N x S x 3 on the canonical head's skin to what it does, N x S x 3."""
+def held_skin(
+    template: FaceTemplate, attachment: float = ATTACHMENT
+) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
+    """A function from forces N x S x 3 on the canonical head's skin to what it does, N x S x 3.
+
+    attachment: N/m^3, of the skin to the head
+    """
     count = template.num_skin_vertices
     points = np.ascontiguousarray(template.vertices[:count])
     is_free = ~(template.in_region(*HELD) | (template.in_region("neck") & (points[:, 2] < 0)))
@@ -70,8 +75,8 @@ def _held_skin(template: FaceTemplate) -> Callable[[NDArray[np.float64]], NDArra
             poisson=POISSON * ones,
             thickness=THICKNESS * ones,
             pre_stress=PRE_STRESS * ones,
-            tangential=ATTACHMENT * ones,
-            normal=ATTACHMENT * ones,
+            tangential=attachment * ones,
+            normal=attachment * ones,
         ),
         keep_columns(_core.CompressedRows(rows, rows[:-1], ones, count), is_free),
     )

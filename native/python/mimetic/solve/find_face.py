@@ -15,11 +15,14 @@ from mimetic import _core
 from mimetic.fit import fitting
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.face_shape import face_shape
+from mimetic.fit.fitted_view import FittedView
 from mimetic.fit.fitting import NoFace
 from mimetic.fit.known_lens import KnownLens, camera_with
 from mimetic.fit.rest_choice import RestChoice
 from mimetic.fit.upright import check_upright
+from mimetic.fit.line_fit import with_lines
 from mimetic.fit.views import Candidate, choose_views
+from mimetic.locate.feature_networks import installed_networks
 from mimetic.media.footage import Footage
 from mimetic.shared.progress import FITTED, JUDGED, NUM_TRIED, Progress, frame_text, stages
 from mimetic.solve.relief_sightings import with_relief
@@ -28,6 +31,8 @@ from mimetic.template.face_template import load_template
 LEAST_CHANCE = 0.4  # of the best frame's chance; below it a frame is not tried
 FAR_TURNED = math.radians(15.0)  # one half of a face turned as far is badly seen
 NUM_TRIED_FRONTAL = 8
+AT_REST = 0.5  # of `rest.usual_expression`, for lids and lips to be looked at
+NUM_AT_REST = 4  # frames beside the reference, whose lids and lips are looked at
 
 
 @dataclass(frozen=True)
@@ -151,10 +156,14 @@ def _turn(fit: FaceFit) -> float:
 
 
 def joined_with_others(footage: Footage, rest: Rest, progress: Progress) -> FaceFit:
-    """The head fitted to the frame at rest and to others in which it is turned otherwise."""
-    return with_relief(
+    """The head fitted to the frame at rest and to others in which it is turned otherwise.
+
+    Lids and lips are then moved to where they are seen in frames at rest.
+    """
+    fit = with_relief(
         footage, _joined(footage, rest.fit, rest.candidates), rest.candidates, progress
     )
+    return with_lines(fit, _others_at_rest(footage, fit, rest.candidates), load_template())
 
 
 def _judged(
@@ -193,6 +202,22 @@ def _joined(footage: Footage, best: FaceFit, candidates: list[Candidate]) -> Fac
     }
     others = [(frame, features, images[frame]) for frame, features in views.items()]
     return fitting.join_views(best, images[best.frame], others)
+
+
+def _others_at_rest(
+    footage: Footage, fit: FaceFit, candidates: list[Candidate]
+) -> list[FittedView]:
+    """The frames of the most usual expression beside the reference, as far as one is at rest."""
+    if installed_networks() is None:
+        return []
+    usual = sorted(candidates, key=lambda c: -c.usual)
+    chosen = [c for c in usual if c.usual >= AT_REST and c.frame != fit.frame][:NUM_AT_REST]
+    template = load_template()
+    views = [
+        fitting.lone_view(c.frame, footage.read(c.frame), c.features, fit.camera, template)
+        for c in sorted(chosen, key=lambda c: c.frame)
+    ]
+    return [view for view in views if view is not None]
 
 
 def _unusualness(fit: FaceFit) -> float:
