@@ -77,7 +77,7 @@ def test_why_a_frame_is_taken_as_rest_is_in_blenders_language(german, extension,
     fit = FaceFit(4, size, camera, pose, {}, rest=RestChoice("usual", 16, 11))
     extension("scene_out").face_fit.keep(clip, fit)
     texts = drawn("MIMETIC_PT_capture_clip")
-    assert "Ruhe ist Bild 4: 11 von 16 Bildern zeigen diesen Ausdruck" in " ".join(texts)
+    assert "Ruhe ist Bild 4: 11 von 16 Bildern zeigen diesen Ausdruck" in " ".join(texts.split())
 
 
 def test_a_job_is_named_in_blenders_language(german, extension):
