@@ -41,6 +41,12 @@ def test_all_52_of_arkit_are_known_in_every_spelling(spell):
         ("CTRL_expressions_eyeLookLeftR", {"eyeLookInRight": 1}),
         ("CTRL_expressions_mouthCornerPullL", {"mouthSmileLeft": 1}),
         ("happy", {}),
+        ("Blink_L", {"eyeBlinkLeft": 1}),
+        ("Joy", {}),
+        ("Fcl_EYE_Close_L", {"eyeBlinkLeft": 1}),
+        ("Face.M_F00_000_00_Fcl_EYE_Close_R", {"eyeBlinkRight": 1}),
+        ("Face_Blendshape.Fcl_MTH_A", {"jawOpen": 1.4}),
+        ("Fcl_ALL_Sorrow", {}),
     ],
 )
 def test_names_of_other_conventions(name, units):
@@ -51,6 +57,13 @@ def test_a_shared_name_is_read_by_the_convention_that_most_names_are_of():
     # Two conventions have "mouthLeft"; "EyeClosed" is of one alone
     names = ["MouthStretchLeft", "EyeClosedLeft", "LipFunnelUpperLeft", "MouthPressLeft"]
     assert {known.convention for known in known_names(names).values()} == {"Unified Expressions"}
+
+
+def test_a_vowels_letter_is_one_where_all_five_are():
+    assert known_names(["A", "O", "Blink_L"]).keys() == {"Blink_L"}
+    known = known_names([*"AIUEO", "Blink_L", "Sorrow"])
+    assert known["A"].units == {"jawOpen": 1.4}
+    assert {one.convention for one in known.values()} == {"VRM 0"}
 
 
 def test_strange_names_are_unknown():

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Names that characters' controls are known by: what each is in the 52 face units.
 
-Known are ARKit's names in both spellings, VRM 1.0, Unified Expressions and MetaHuman's curves
-(`data/control_names.toml`).
+Known are ARKit's names in both spellings, VRM 0 and 1.0, VRoid's, Unified Expressions and
+MetaHuman's curves (`data/control_names.toml`).
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from mimetic.muscles.anatomy import load_table
 from mimetic.template.face_template import load_template
 
+PREFIXED = re.compile(r"Fcl_[A-Z]+_.+")  # VRoid's, behind the name of the model
 SEPARATORS = str.maketrans("", "", " _-.:|")
 UNIT_SIDES = ("Left", "Right")
 MARKED_SIDE = re.compile(r"(?<=[._ -])[LRlr](?=[._ -]|$)")
@@ -37,6 +38,11 @@ class Convention:
     name: str
     controls: Mapping[str, KnownName]  # by the plain name
 
+    @property
+    def letters(self) -> set[str]:
+        """Names of one letter."""
+        return {plain for plain in self.controls if len(plain) == 1}
+
 
 def known_names(names: Iterable[str]) -> dict[str, KnownName]:
     """What each of a character's names says; those that no convention has are left out.
@@ -45,6 +51,8 @@ def known_names(names: Iterable[str]) -> dict[str, KnownName]:
     """
     names = list(names)
     spellings = {name: _spellings(name) for name in names}
+    # A letter means something only among the others of its convention
+    all_plain = {plain for spelled in spellings.values() for plain in spelled}
     by_use = sorted(
         conventions(),
         key=lambda convention: (
@@ -55,7 +63,7 @@ def known_names(names: Iterable[str]) -> dict[str, KnownName]:
     for name in names:
         for convention in by_use:
             plain = next((s for s in spellings[name] if s in convention.controls), None)
-            if plain is not None:
+            if plain is not None and (len(plain) > 1 or convention.letters <= all_plain):
                 known[name] = convention.controls[plain]
                 break
     return known
@@ -130,8 +138,9 @@ def _plain(name: str) -> str:
 def _spellings(name: str) -> list[str]:
     """The plain name; without what stands before its last dot; with its side in full."""
     last = name.rsplit(".", 1)[-1] if len(name.rsplit(".", 1)[-1]) > 1 else name
+    prefixed = PREFIXED.search(name)
     spellings = []
-    for text in (name, last):
+    for text in (name, last, *([prefixed.group()] if prefixed else [])):
         spellings.append(_plain(text))
         for mark in "_.- ":
             for side, full in (("L", "Left"), ("R", "Right"), ("l", "Left"), ("r", "Right")):
