@@ -18,6 +18,7 @@ from . import (
     clip,
     contact_curves,
     control_object,
+    control_values_file,
     exports,
     face_bones,
     head,
@@ -48,13 +49,17 @@ def write(
     `actions.key_shapes` has them, and `MotionKeys` of bones and objects; as_arkit, ARKit's 52
     shapes for the file, and with_eye_nodes, eyeballs as objects that turn, both for other programs.
     curves: `takes.load_edited`'s. The file keeps its own rate, range and everything else; its
-    scripts do not run. Other files than .blend have the object, its rig and what hangs on them.
+    scripts do not run. Other files than .blend have the object, its rig and what hangs on them; an
+    .npz has the values of its controls alone (`control_values_file`).
     Returns what was written.
     """
     performance = takes.load_edited(performance_path, curves)
     where = f"--target {Path(rig_path).name}"
     scene = open_file(rig_path, where)
     obj = _object(scene, where, name, settings)
+    if Path(out).suffix == ".npz":
+        is_own = obj.type == "MESH" and _plays_own(obj, where, settings.get("controls", "auto"))
+        return control_values_file.write(scene, performance, obj, settings, is_own, out)
     footage = clip.load(scene, footage_path) if footage_path else None
     take = takes.take_name(footage_path or performance_path)
     before = take_list.now(obj)

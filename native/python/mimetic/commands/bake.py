@@ -6,8 +6,11 @@ from __future__ import annotations
 
 import argparse
 import os
+import tempfile
 from dataclasses import asdict
 from pathlib import Path
+
+import numpy as np
 
 from mimetic import InvalidInput
 from mimetic.character.curve_settings import MIRRORS, CurveSettings, edited, parse_factors
@@ -18,13 +21,14 @@ from mimetic.head.smoothing import USUAL_STRENGTH
 from mimetic.media.clip_fingerprint import fingerprint
 from mimetic.media.image_sequence import opened
 from mimetic.performance.document import Performance
-from mimetic.puppet.osc_file import write_osc
+from mimetic.puppet.osc_file import write_control_osc, write_osc
 from mimetic.retarget.controls import load_preset
-from mimetic.retarget.face_csv import write_face_csv
+from mimetic.retarget.face_csv import write_control_csv, write_face_csv
 from mimetic.shared.regular_file import check_input, check_target
 from mimetic.shared.shown_text import shortened, shown
 
 TABLES = {".csv": write_face_csv, ".osc": write_osc}  # what needs no Blender
+CONTROL_TABLES = {".csv": write_control_csv, ".osc": write_control_osc}  # of a target
 EXPORTS = (".glb", ".fbx", ".usdc", ".abc")
 VIDEO = ".mp4"  # to look at: footage and face side by side
 SUFFIXES = (".blend", *EXPORTS, *TABLES, VIDEO)
@@ -87,8 +91,8 @@ def _add_target_arguments(parser: argparse.ArgumentParser) -> None:
         metavar="RIG.blend:OBJECT",
         help="put the performance on this character instead, in a copy of its file: on the "
         "muscles of a head that has them attached, on shape keys of its own with known names "
-        "(ARKit, VRM, Unified Expressions, MetaHuman), the head's motion alone on any other object "
-        "or an armature",
+        "(ARKit, VRM, VRoid, Unified Expressions, MetaHuman), the head's motion alone on any other "
+        "object or an armature; a .csv or .osc has the values of its controls",
     )
     parser.add_argument(
         "--controls",
@@ -251,11 +255,12 @@ def _check_kind(out: Path, has_target: bool, with_controls: bool, is_remade: boo
     """Raises InvalidInput for a kind of file that does not hold what is asked for."""
     if out.suffix not in SUFFIXES:
         raise InvalidInput(f"--out {out.name}: bake writes {', '.join(SUFFIXES)} files")
-    if has_target and out.suffix in (*TABLES, VIDEO):
-        raise InvalidInput(f"--out {out.name}: a target is written as .blend, {', '.join(EXPORTS)}")
+    if has_target and out.suffix == VIDEO:
+        kinds = ", ".join((".blend", *EXPORTS, *TABLES))
+        raise InvalidInput(f"--out {out.name}: a target is written as {kinds}")
     if with_controls and out.suffix != ".blend":
         raise InvalidInput(f"--out {out.name}: --control-object is of a .blend")
-    if is_remade and out.suffix not in EXPORTS:
+    if is_remade and out.suffix not in (*EXPORTS, *(TABLES if has_target else ())):
         raise InvalidInput(f"--out {out.name}: --names and --eyes are of {', '.join(EXPORTS)}")
 
 
@@ -333,7 +338,7 @@ def bake(
     curves = curves or CurveSettings()
     if not curves.changes_nothing():  # what is wrong with it is said before Blender starts
         edited(Performance.load(performance), curves)
-    if out.suffix in (*TABLES, VIDEO):
+    if target is None and out.suffix in (*TABLES, VIDEO):
         is_edited = with_units or tolerance is not None
         return _write_here(performance, out, footage, with_detail, is_edited, curves)
     request = {
@@ -349,4 +354,25 @@ def bake(
         "curves": asdict(curves),
         "with_eye_nodes": with_eye_nodes,
     }
+    if out.suffix in TABLES:
+        return _write_controls(request, out, blender_python, curves)
     return write_by_blender(request, out, blender_python)
+
+
+def _write_controls(
+    request: dict, out: Path, blender_python: os.PathLike[str] | None, curves: CurveSettings
+) -> str:
+    """A table of what a target's own controls do, which Blender finds out."""
+    if request["footage"] or request["tolerance"] or request["with_eye_nodes"]:
+        raise InvalidInput(
+            f"--out {out.name}: a table has a value in every frame and no more; leave --footage, "
+            "--few-keys and --eyes out"
+        )
+    with tempfile.TemporaryDirectory(prefix="mimetic-controls-") as folder:
+        found = Path(folder, "controls.npz")
+        text = write_by_blender(request, found, blender_python)
+        with np.load(found) as arrays:
+            names, values = arrays["names"].tolist(), arrays["values"]
+    performance = edited(Performance.load(request["performance"]), curves)
+    written = CONTROL_TABLES[out.suffix](performance, names, values, out)
+    return f"{written}; {text}"

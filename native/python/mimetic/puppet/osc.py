@@ -21,20 +21,20 @@ Floats = NDArray[np.float64]
 
 
 def vmc_messages(
-    head_pose: Floats, weights: Floats, names: Sequence[str], values: Floats, seconds: float
+    head_pose: Floats, weights: Floats | None, names: Sequence[str], values: Floats, seconds: float
 ) -> list[bytes]:
     """One state of a face as the VMC protocol has it.
 
     head_pose: 4 x 4, camera from head; weights: 52, in the order of `unit_order`, sent under
-    ARKit's names with a capital, as avatars made for face tracking have them; values: by name, sent
-    under these, but for gaze, which the weights have.
+    ARKit's names with a capital, as avatars made for face tracking have them, None for a character
+    of other names; values: by name, sent under these, but for gaze, which the weights have.
     """
     w, x, y, z = quaternion(head_turn(head_pose)).tolist()
     # Unity's axes are left-handed, and avatars look along z: x is mirrored
     messages = [message("/VMC/Ext/Bone/Pos", "Head", 0.0, 0.0, 0.0, x, -y, -z, w)]
     blends = [
         (name[0].upper() + name[1:], float(weight))
-        for name, weight in zip(unit_order(), weights, strict=True)
+        for name, weight in zip(unit_order(), () if weights is None else weights, strict=False)
     ]
     blends += [(n, float(v)) for n, v in zip(names, values, strict=True) if n not in GAZE]
     messages += [message("/VMC/Ext/Blend/Val", name, value) for name, value in blends]

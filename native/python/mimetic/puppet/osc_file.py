@@ -10,10 +10,12 @@ from __future__ import annotations
 
 import os
 import struct
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimetic import InvalidInput
 from mimetic.performance.document import Performance
@@ -25,6 +27,8 @@ from mimetic.shared.whole_file import whole_file
 LARGEST = 2_000_000_000  # bytes
 TAG = 2.0**32  # of a second
 LONGEST_MESSAGE = 65536  # bytes
+
+Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -41,9 +45,25 @@ def write_osc(performance: Performance, path: str | os.PathLike[str]) -> str:
 
     Raises InvalidInput for a performance that is not of the canonical mesh.
     """
-    weights = unit_values(performance)
     names = [*performance.muscles, *performance.articulators]
     values = np.hstack([performance.activations, performance.articulator_values])
+    return _write(performance, unit_values(performance), names, values, path)
+
+
+def write_control_osc(
+    performance: Performance, names: Sequence[str], values: Floats, path: str | os.PathLike[str]
+) -> str:
+    """The same of a character's own controls (N x K) alone, by their names."""
+    return _write(performance, [None] * len(values), names, values, path)
+
+
+def _write(
+    performance: Performance,
+    weights: Sequence[Floats | None] | Floats,
+    names: Sequence[str],
+    values: Floats,
+    path: str | os.PathLike[str],
+) -> str:
     seconds = (np.asarray(performance.frame) - 1) / performance.fps
     poses = np.asarray(performance.head_pose)
     count = 0

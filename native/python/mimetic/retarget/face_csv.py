@@ -11,7 +11,7 @@ import csv
 import io
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -48,22 +48,38 @@ def face_table(performance: Performance) -> FaceTable:
 
     Raises InvalidInput for a performance that is not of the canonical mesh.
     """
-    heads = np.array([angles(head_turn(pose)) for pose in np.asarray(performance.head_pose)])
     return FaceTable(
         (*(name[0].upper() + name[1:] for name in unit_order()), *TURNS),
-        (np.asarray(performance.frame) - 1) / performance.fps,
-        np.hstack([unit_values(performance), heads, _eyes(performance)]),
+        _seconds(performance),
+        np.hstack([unit_values(performance), _turns(performance)]),
     )
 
 
 def write_face_csv(performance: Performance, path: str | os.PathLike[str]) -> str:
     """Writes the table, whole or not at all; returns what is in it."""
-    table = face_table(performance)
+    return _write(face_table(performance), performance.fps, path)
+
+
+def write_control_csv(
+    performance: Performance,
+    names: Sequence[str],
+    values: NDArray[np.float64],
+    path: str | os.PathLike[str],
+) -> str:
+    """The same of a character's own controls (N x K), by their names, before the turns of head and
+    eyes."""
+    table = FaceTable(
+        (*names, *TURNS), _seconds(performance), np.hstack([values, _turns(performance)])
+    )
+    return _write(table, performance.fps, path)
+
+
+def _write(table: FaceTable, fps: float, path: str | os.PathLike[str]) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([*FIRST_COLUMNS, *table.names])
     for seconds, row in zip(table.seconds, table.values, strict=True):
-        code = time_code(float(seconds), performance.fps)
+        code = time_code(float(seconds), fps)
         writer.writerow([code, len(row), *(f"{value:.8f}" for value in row)])
     with whole_file(Path(path)) as stream:
         stream.write(text.getvalue().encode())
@@ -126,9 +142,14 @@ def seconds_of(code: str, fps: float) -> float:
     return 3600 * hours + 60 * minutes + seconds + frames / fps
 
 
-def _eyes(performance: Performance) -> NDArray[np.float64]:
-    """N x 6 radians; ARKit's eyes turn as heads do: pitch is positive downwards."""
-    turns = np.zeros((performance.num_frames, 6))
+def _seconds(performance: Performance) -> NDArray[np.float64]:
+    return (np.asarray(performance.frame) - 1) / performance.fps
+
+
+def _turns(performance: Performance) -> NDArray[np.float64]:
+    """N x 9 radians; ARKit's eyes turn as heads do: pitch is positive downwards."""
+    heads = np.array([angles(head_turn(pose)) for pose in np.asarray(performance.head_pose)])
+    eyes = np.zeros((performance.num_frames, 6))
     if has_gaze(performance):
-        turns[:, [0, 1, 3, 4]] = np.radians(gaze_of(performance)) * (1, -1, 1, -1)
-    return turns
+        eyes[:, [0, 1, 3, 4]] = np.radians(gaze_of(performance)) * (1, -1, 1, -1)
+    return np.hstack([heads, eyes])
