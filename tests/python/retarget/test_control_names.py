@@ -66,6 +66,19 @@ def test_a_vowels_letter_is_one_where_all_five_are():
     assert {one.convention for one in known.values()} == {"VRM 0"}
 
 
+def test_bones_of_rigifys_faces_are_known_by_their_channels_alone():
+    legacy = ["brow.T.L.001 along z", "eyes along x", "jaw_master turn x", "tail along x"]
+    known = known_names(legacy)
+    assert {name: one.convention for name, one in known.items()} == dict.fromkeys(
+        legacy[:3], "Rigify's legacy face"
+    )
+    assert not unit_shares(legacy, known).any()
+    new = [*legacy[::2], "lip_end.L.001 along x", "jaw_master_mouth along y"]
+    assert {one.convention for one in known_names(new).values()} == {"Rigify's new face"}
+    assert known_names(["eyes", "nose", "Jaw"]) == {}
+    assert known_names(["jaw turn x", "Brow_L along x", "Lip_L along x"]) == {}  # another rig
+
+
 def test_strange_names_are_unknown():
     assert known_names(["Key 1", "Fat", "", ".", "L", "smile_special"]) == {}
 

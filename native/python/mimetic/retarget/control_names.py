@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Names that characters' controls are known by: what each is in the 52 face units.
 
-Known are ARKit's names in both spellings, VRM 0 and 1.0, VRoid's, Unified Expressions and
-MetaHuman's curves (`data/control_names.toml`).
+Known are ARKit's names in both spellings, VRM 0 and 1.0, VRoid's, Unified Expressions,
+MetaHuman's curves and the bones of Rigify's faces (`data/control_names.toml`).
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from mimetic.muscles.anatomy import load_table
 from mimetic.template.face_template import load_template
 
 PREFIXED = re.compile(r"Fcl_[A-Z]+_.+")  # VRoid's, behind the name of the model
+CHANNEL = re.compile(r"(.+) (?:along|turn) [xyz]")  # of a bone, as `bone_channels` names it
 SEPARATORS = str.maketrans("", "", " _-.:|")
 UNIT_SIDES = ("Left", "Right")
 MARKED_SIDE = re.compile(r"(?<=[._ -])[LRlr](?=[._ -]|$)")
@@ -30,13 +31,14 @@ class KnownName:
     """What a control's name says."""
 
     convention: str  # that has it
-    units: Mapping[str, float]  # share of each face unit; none for a state that is no motion
+    units: Mapping[str, float]  # share of each face unit; none for a state, or a bone
 
 
 @dataclass(frozen=True)
 class Convention:
     name: str
     controls: Mapping[str, KnownName]  # by the plain name
+    is_bones: bool = False
 
     @property
     def letters(self) -> set[str]:
@@ -53,20 +55,35 @@ def known_names(names: Iterable[str]) -> dict[str, KnownName]:
     spellings = {name: _spellings(name) for name in names}
     # A letter means something only among the others of its convention
     all_plain = {plain for spelled in spellings.values() for plain in spelled}
-    by_use = sorted(
-        conventions(),
-        key=lambda convention: (
-            -sum(any(plain in convention.controls for plain in spellings[name]) for name in names)
-        ),
-    )
+    uses = {
+        convention.name: sum(
+            convention.is_bones == is_bone_channel(name)
+            and any(plain in convention.controls for plain in spellings[name])
+            for name in names
+        )
+        for convention in conventions()
+    }
+    # Bones are called jaw in any rig: it is of a rig that half of its bones are of
+    least = 0.5 * sum(map(is_bone_channel, names))
+    by_use = [
+        convention
+        for convention in sorted(conventions(), key=lambda convention: -uses[convention.name])
+        if not convention.is_bones or uses[convention.name] >= least
+    ]
     known = {}
     for name in names:
         for convention in by_use:
+            if convention.is_bones != is_bone_channel(name):
+                continue
             plain = next((s for s in spellings[name] if s in convention.controls), None)
             if plain is not None and (len(plain) > 1 or convention.letters <= all_plain):
                 known[name] = convention.controls[plain]
                 break
     return known
+
+
+def is_bone_channel(name: str) -> bool:
+    return CHANNEL.fullmatch(name) is not None
 
 
 def unit_shares(names: Iterable[str], known: Mapping[str, KnownName]) -> NDArray[np.float64]:
@@ -128,7 +145,7 @@ def _convention(entry: Mapping) -> Convention:
         for side, unit_side in zip(entry["sides"], UNIT_SIDES, strict=True):
             own = {unit.replace("*", unit_side): float(share) for unit, share in units.items()}
             controls[_plain(name.replace("*", side))] = KnownName(entry["name"], own)
-    return Convention(entry["name"], controls)
+    return Convention(entry["name"], controls, bool(entry.get("is_bones")))
 
 
 def _plain(name: str) -> str:
@@ -136,7 +153,10 @@ def _plain(name: str) -> str:
 
 
 def _spellings(name: str) -> list[str]:
-    """The plain name; without what stands before its last dot; with its side in full."""
+    """The plain name; without what stands before its last dot; with its side in full. Of a bone's
+    channel the bone's plain name."""
+    if channel := CHANNEL.fullmatch(name):
+        return [_plain(channel.group(1))]
     last = name.rsplit(".", 1)[-1] if len(name.rsplit(".", 1)[-1]) > 1 else name
     prefixed = PREFIXED.search(name)
     spellings = []

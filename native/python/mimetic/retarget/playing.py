@@ -19,7 +19,12 @@ from mimetic import InvalidInput, _core
 from mimetic.character.shapes import slider_shapes_of
 from mimetic.performance.document import Performance
 from mimetic.performance.gaze import SIDES, gaze_of, has_gaze
-from mimetic.retarget.control_names import KnownName, known_names, unit_shares
+from mimetic.retarget.control_names import (
+    KnownName,
+    is_bone_channel,
+    known_names,
+    unit_shares,
+)
 from mimetic.retarget.controls import ControlRow, ControlSurface, refitted
 from mimetic.retarget.unit_fit import NOT_CANONICAL, unit_order, unit_values
 from mimetic.template.face_template import load_template
@@ -93,7 +98,8 @@ def remarks(rows: Sequence[ControlRow], played: PlayedControls | None) -> dict[s
                 parts += ["by its name"] if name in played.by_name else []
         if name in known:
             units = " + ".join(f"{share:g} {unit}" for unit, share in known[name].units.items())
-            parts.append(f"{known[name].convention}: {units or 'no motion'}")
+            meaning = units if is_bone_channel(name) else units or "no motion"
+            parts.append(": ".join(filter(None, (known[name].convention, meaning))))
         texts[name] = "; ".join(parts)
     return texts
 
