@@ -18,9 +18,9 @@ from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitted_view import FittedView
 from mimetic.fit.fitting import NoFace
 from mimetic.fit.known_lens import KnownLens, camera_with
+from mimetic.fit.line_fit import with_lines
 from mimetic.fit.rest_choice import RestChoice
 from mimetic.fit.upright import check_upright
-from mimetic.fit.line_fit import with_lines
 from mimetic.fit.views import Candidate, choose_views
 from mimetic.locate.feature_networks import installed_networks
 from mimetic.media.footage import Footage
