@@ -11,7 +11,7 @@ from . import compat
 
 
 class MimeticCapturedTake(bpy.types.PropertyGroup):
-    """A captured take; its name is its file's."""
+    """A captured take; its name is its file's, without what all end in."""
 
     performance_path: StringProperty(
         name="Performance",

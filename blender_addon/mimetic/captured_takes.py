@@ -156,10 +156,9 @@ def _note(record, path: str, facts) -> None:
 
 
 def _free_name(record, path: str) -> str:
-    """Of its file, and of folders where several files have that name."""
-    parts = Path(path).parts
-    name, depth = parts[-1], 1
-    while name in record.captured and depth < len(parts):
-        depth += 1
-        name = "/".join(parts[-depth:])
+    """Its file's without what all end in, and of folders where several files have that name."""
+    *folders, file = Path(path).parts
+    name = file.removesuffix(".npz").removesuffix(".performance")
+    while name in record.captured and folders:
+        name = f"{folders.pop()}/{name}"
     return native.shown_text().shown(name)

@@ -116,7 +116,7 @@ def strip_columns(kind: str, frames: list[int]) -> list[list[int]]:
     region = override(kind)["region"]
     top = region.y + region.height
     return [
-        [region.x + region.view2d.view_to_region(frame, 0, clip=False)[0], top - 40, top - 20]
+        [region.x + region.view2d.view_to_region(frame, 0, clip=False)[0], top - 30, top - 12]
         for frame in frames
     ]
 

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The quality of captured frames in Timeline, Dope Sheet and Graph Editor, where the keys of a bake
-are or will be: at the upper edge, under the numbers of frames and above the rows of keys."""
+are or will be: in the row of frame numbers, below them. Blender's own timeline shows no other row.
+"""
 
 from __future__ import annotations
 
@@ -10,8 +11,8 @@ import gpu
 from .. import clip_time, native, scene_in
 from . import quality, seen
 
-SCRUBBING = 23  # height of the numbers of frames, pixels at a UI scale of 1
-HEIGHT = 3  # of the boxes, and again of those above them
+NUMBERS = 23  # height of the row of frame numbers, pixels at a UI scale of 1
+HEIGHT = 3  # of the boxes, and again of those above them: as much is free below the numbers
 
 
 def draw_strip() -> None:
@@ -31,7 +32,7 @@ def draw_strip() -> None:
         return
     per_scene_frame = region.width / (right - left)
     scale = context.preferences.system.ui_scale
-    bottom = region.height - (SCRUBBING + 2 * HEIGHT) * scale
+    bottom = region.height - NUMBERS * scale
     # A frame's key is drawn in the middle of its box
     begin = (first - 0.5 * step - left) * per_scene_frame
     gpu.state.blend_set("ALPHA")

@@ -44,7 +44,7 @@ class MIMETIC_PT_captured_takes(OfClip, Panel):
             self.draw_take(layout.column(align=True), record.captured[record.active_captured])
 
     def draw_take(self, column, take):
-        paragraph(column, take.name)
+        paragraph(column, takes.name_of(take))
         if not takes.find(take):
             paragraph(column, iface_("{name} is missing").format(name=takes.name_of(take)), "ERROR")
             column.operator("mimetic.find_missing")

@@ -10,7 +10,7 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from .paragraph import one_line, units_of
 
-AROUND = 2.5  # icons wide: a list's frame, its scroll bar, and the buttons beside it
+AROUND = 2.2  # icons wide: a list's frame, its scroll bar, and the buttons beside it
 
 
 def row_name(name: str, num_beside: float) -> str:
