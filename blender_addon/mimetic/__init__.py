@@ -7,6 +7,7 @@ from . import (
     drops,
     jobs,
     keys,
+    live_looks,
     menus,
     operators,
     outcome,
@@ -36,6 +37,7 @@ PARTS = (
     control_preview,
     pins,
     takes,
+    live_looks,
     workspace,
     shown_again,
     turned_views,  # local view is as it was by then

@@ -15,6 +15,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from . import clip_lens, clips, compat, fast_view, jobs, native, scene_in, takes, targets
 from .live_settings import CHANNELS, package_channels
+from .scene_out import face_fit
 
 NO_SOURCE = "Choose a clip, or load the scene's footage"
 ALL = frozenset(identifier for identifier, _, _ in CHANNELS)
@@ -35,6 +36,11 @@ class Session:
     takes: list[str] = field(default_factory=list)  # recorded ones
     notes: list[str] = field(default_factory=list)
     commands: list[str] = field(default_factory=list)  # of buttons: NEUTRAL, RECORD, STOP
+
+    def new_lines(self) -> list[str]:
+        """What the session has told since the last time."""
+        told = self.thread.told
+        return [told.pop(0) for _ in range(len(told))]
 
     @property
     def is_recording(self) -> bool:
@@ -85,19 +91,44 @@ def source_of(context, is_paced: bool = True):
     return native.live_source(False).ClipSource(path, is_paced)
 
 
-def lens_of(context):
+def clip_with_fit(context):
+    """The scene's clip, where a session may take the face that was found in it, or None.
+
+    Another video may show another person; in front of a camera is mostly the one who was filmed.
+    """
+    settings = context.scene.mimetic.live
+    if settings.fit_path or (settings.source == "CLIP" and settings.clip_path):
+        return None
+    return scene_in.clip_of(context)
+
+
+def person_of(context):
+    """The FaceFit of the person who is expected, or None; raises what `known_errors` has."""
+    settings = context.scene.mimetic.live
+    if not settings.use_fit:
+        return None
+    if settings.fit_path:
+        return native.fitting().FaceFit.load(bpy.path.abspath(settings.fit_path))
+    clip = clip_with_fit(context)
+    return face_fit.of_clip(clip) if clip is not None else None
+
+
+def lens_of(context, person):
     """The lens of the scene's footage, where that is the source, or None; raises what
-    `known_errors` has."""
+    `known_errors` has. person: as `person_of` has it."""
     settings, clip = context.scene.mimetic.live, scene_in.clip_of(context)
-    is_clips = settings.source == "CLIP" and not settings.clip_path and clip is not None
-    return clip_lens.known(clip) if is_clips else None
+    if settings.source != "CLIP" or settings.clip_path or clip is None:
+        return None
+    if person is not None and not settings.fit_path:
+        return native.puppet("live_heads").lens_of_fit(person)
+    return clip_lens.known(clip)
 
 
 def taught_of(settings):
-    """The taught set that the settings name, or None; raises what `known_errors` has."""
-    if not settings.taught_set:
+    """The taught set that drives or sharpens, or None; raises what `known_errors` has."""
+    if not settings.taught_set or settings.use_teaching:
         return None
-    return native.taught_sets().TaughtSet.load(bpy.path.abspath(settings.taught_set))
+    return native.puppet("templates").TaughtSet.load(bpy.path.abspath(settings.taught_set))
 
 
 def frozen(settings) -> frozenset[str]:

@@ -2,9 +2,17 @@
 """What a scene remembers of live sessions: `scene.mimetic.live`."""
 
 import bpy
-from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    StringProperty,
+)
 
 from . import compat
+from .look_settings import MimeticLook
 
 SOURCES = (
     ("CAMERA", "Camera", "A camera of this computer"),
@@ -53,6 +61,19 @@ class MimeticLive(bpy.types.PropertyGroup):
         options={"ANIMATABLE", *compat.RELATIVE_PATH},
         description="A video of a face; empty takes the scene's footage",
     )
+    use_fit: BoolProperty(
+        name="Known Head",
+        default=True,
+        description="Start from the person's head, calibration and extents of the muscles that are "
+        "known already, if there is a fit; another person is followed as a stranger",
+    )
+    fit_path: StringProperty(
+        name="Fit",
+        subtype="FILE_PATH",
+        options={"ANIMATABLE", *compat.RELATIVE_PATH},
+        description="A fit.json of the person, of any footage; empty takes the face that was found "
+        "in the scene's footage",
+    )
     microphone: StringProperty(
         name="Microphone",
         description="Recorded beside a camera: its name, on Linux `default`; empty records none",
@@ -68,6 +89,18 @@ class MimeticLive(bpy.types.PropertyGroup):
     )
     set_use: EnumProperty(
         name="Use of the Set", items=SET_USES, description="What the taught set is for"
+    )
+    use_teaching: BoolProperty(
+        name="Teach",
+        description="Keep looks for a taught set while a session runs, by Keep Look; a set that is "
+        "named is taught again, and does not drive the face meanwhile",
+    )
+    looks: CollectionProperty(
+        type=MimeticLook, name="Looks", description="Looks to teach, in the order of the list"
+    )
+    active_look: IntProperty(name="Look", description="The look that buttons act on")
+    advice: StringProperty(
+        name="Advice", description="What the set that was saved last is worth, line by line"
     )
     stillness: FloatProperty(
         name="Stillness",
@@ -87,8 +120,8 @@ class MimeticLive(bpy.types.PropertyGroup):
     use_fast_view: BoolProperty(
         name="Fast View",
         default=True,
-        description="Draw the 3D view without subdivision of the face, anti-aliasing and overlays "
-        "while a session runs: without a graphics card they take most of the time",
+        description="Draw the 3D view without subdivision of the face, its outline, anti-aliasing "
+        "and overlays while a session runs: without a graphics card they take most of the time",
     )
     show_picture: BoolProperty(
         name="Picture",

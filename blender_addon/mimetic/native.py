@@ -250,28 +250,27 @@ def landmarks_file() -> ModuleType:
     return landmarks_file
 
 
+def puppet(part: str) -> ModuleType:
+    """One of these modules, by its name."""
+    from mimetic import puppet
+    from mimetic.puppet import (  # noqa: F401
+        driven_face,
+        live_heads,
+        live_thread,
+        look_keeper,
+        separability,
+        taught_look,
+        templates,
+        usual_looks,
+    )
+
+    return getattr(puppet, part)
+
+
 def live_source(is_camera: bool) -> ModuleType:
     from mimetic.puppet import camera_source, clip_source
 
     return camera_source if is_camera else clip_source
-
-
-def driven_face() -> ModuleType:
-    from mimetic.puppet import driven_face
-
-    return driven_face
-
-
-def live_thread() -> ModuleType:
-    from mimetic.puppet import live_thread
-
-    return live_thread
-
-
-def taught_sets() -> ModuleType:
-    from mimetic.puppet import templates as taught_sets
-
-    return taught_sets
 
 
 @lru_cache(maxsize=64)

@@ -27,6 +27,7 @@ from . import (
 from .clip_overlay_settings import ClipOverlaySettings
 from .face_view_settings import FaceViewSettings
 from .live_settings import MimeticLive
+from .look_settings import MimeticLook
 from .scene_out import contact, expressions, gaze, rigs
 
 
@@ -331,6 +332,7 @@ class MimeticScene(
 
 CLASSES = (
     MimeticHead,
+    MimeticLook,
     MimeticLive,
     MimeticShape,
     MimeticLandmark,

@@ -56,18 +56,31 @@ def new_paths(clip_name: str, path: str = "") -> tuple[str, str]:
     return _new_take(Path(bpy.path.abspath("//")), clip_name), spare
 
 
+def new_set_path() -> str:
+    """Where a new taught set goes: beside the .blend, or with the user's files."""
+    folder = Path(bpy.path.abspath("//")) if bpy.data.filepath else _user_folder()
+    return _new_file(folder, "looks", "taught")
+
+
+def _user_folder() -> Path:
+    return Path(bpy.utils.extension_path_user(__package__, path="captures", create=True))
+
+
 def _spare_path(clip_name: str) -> str:
-    folder = bpy.utils.extension_path_user(__package__, path="captures", create=True)
-    return _new_take(Path(folder), clip_name)
+    return _new_take(_user_folder(), clip_name)
 
 
 def _new_take(folder: Path, clip_name: str) -> str:
-    stem = bpy.path.clean_name(Path(clip_name).stem)
-    path = folder / f"{stem}.performance.npz"
-    take = 1
-    while path.exists():  # a take never overwrites the one before
-        take += 1
-        path = folder / f"{stem}.{take:03d}.performance.npz"
+    return _new_file(folder, Path(clip_name).stem, "performance")
+
+
+def _new_file(folder: Path, name: str, kind: str) -> str:
+    stem = bpy.path.clean_name(name)
+    path = folder / f"{stem}.{kind}.npz"
+    number = 1
+    while path.exists():  # none overwrites the one before
+        number += 1
+        path = folder / f"{stem}.{number:03d}.{kind}.npz"
     return str(path)
 
 

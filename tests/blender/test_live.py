@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A face driven live: headless through a whole clip, and as its timer drives it."""
 
-import subprocess
 import time
 import wave
 from pathlib import Path
@@ -11,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from last_result import result
+from live_clip import ffmpeg
 
 SMILE, RATE = "zygomaticus_major.L", 30
 CHANNELS = {"HEAD_POSITION", "HEAD_ROTATION", "EYES", "MOUTH", "BROWS"}
@@ -32,12 +32,6 @@ def clip(tmp_path_factory):
         *("-c:a", "pcm_s16le", str(path)),
     )
     return path
-
-
-def ffmpeg(*words):
-    from imageio_ffmpeg import get_ffmpeg_exe
-
-    subprocess.run([get_ffmpeg_exe(), "-v", "error", *words], check=True)
 
 
 @pytest.fixture
@@ -263,6 +257,42 @@ def test_no_face_in_the_clip_changes_nothing(scene, face, tmp_path):
 def test_a_source_that_is_none_is_said(scene, face, source, path, message):
     scene.mimetic.live.source, scene.mimetic.live.clip_path = source, path
     with pytest.raises(RuntimeError, match=message):
+        bpy.ops.mimetic.live()
+
+
+def test_the_clips_fit_is_the_head_from_the_first_picture_on(scene, face, clip, extension):
+    live = extension("live")
+    loaded = bpy.data.movieclips.load(str(clip))
+    scene.mimetic.clip, scene.mimetic.live.clip_path = loaded, ""
+    assert live.person_of(bpy.context) is None
+    assert bpy.ops.mimetic.find_face() == {"FINISHED"}
+    person = live.person_of(bpy.context)
+    assert live.lens_of(bpy.context, person).focal_mm > 0
+    assert live.person_of(bpy.context) is person
+    assert bpy.ops.mimetic.live() == {"FINISHED"}
+    from mimetic.performance.document import Performance
+    from mimetic.template.face_template import load_template
+
+    take = Performance.load(result()["takes"][0])
+    neutral = person.neutral_vertices(load_template())
+    np.testing.assert_allclose(take.neutral_vertices, neutral, atol=1e-6)
+    assert bpy.ops.mimetic.live(use_fit=False) == {"FINISHED"}
+    stranger = Performance.load(result()["takes"][0])
+    assert np.abs(stranger.neutral_vertices - neutral).max() > 1e-4
+
+
+def test_a_fit_of_other_footage_is_the_persons(scene, face, clip, extension, tmp_path):
+    loaded = bpy.data.movieclips.load(str(clip))
+    scene.mimetic.clip = loaded
+    assert bpy.ops.mimetic.find_face() == {"FINISHED"}
+    live, path = extension("live"), tmp_path / "fit.json"
+    assert live.person_of(bpy.context) is None  # the clip that is named may show another person
+    extension("scene_out").face_fit.of_clip(loaded).save(path)
+    scene.mimetic.live.fit_path = str(path)
+    assert live.person_of(bpy.context).identity
+    assert live.lens_of(bpy.context, live.person_of(bpy.context)) is None
+    scene.mimetic.live.fit_path = str(tmp_path / "none.json")
+    with pytest.raises(RuntimeError, match=r"none\.json"):
         bpy.ops.mimetic.live()
 
 

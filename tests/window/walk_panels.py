@@ -242,6 +242,8 @@ def of_a_camera(walk: Walk) -> Steps:
     live = bpy.context.scene.mimetic.live
     live.source, live.clip_path = "CLIP", f"//{walk.settings['clip']}"
     yield from picture(walk, "VIEW_3D", "live")
+    bpy.ops.mimetic.add_usual_looks()
+    yield from picture(walk, "VIEW_3D", "live_looks")
 
 
 def steps(walk: Walk) -> Steps:

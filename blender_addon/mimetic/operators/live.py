@@ -3,19 +3,21 @@
 
 import time
 
+import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty
 from bpy.types import Operator
 
-from .. import editors, fast_view, jobs, live, native, outcome, scene_in, scene_out
+from .. import editors, fast_view, jobs, live, live_looks, native, outcome, scene_in, scene_out
 from ..greyed import Greyed
 from ..live_settings import CHANNELS, MimeticLive
 from ..overlay import session as session_view
 from . import arguments
+from .live_looks import MIMETIC_OT_keep_look
 
 TOLD_EVERY = 0.5  # seconds
-KEYS = {"N": "NEUTRAL", "R": "RECORD", "ESC": "STOP"}
+KEYS = {"N": "NEUTRAL", "R": "RECORD", "K": "KEEP", "ESC": "STOP"}
 DIGITS = ("ONE", "TWO", "THREE", "FOUR", "FIVE")  # keys of the channels, in the panel's order
 # What the viewport and the panels need; all else could change what the session writes to
 PASSED = {
@@ -27,14 +29,15 @@ PASSED = {
 
 # Of the panel, which a call may give
 LIVE_SETTINGS = (
-    *("source", "camera", "clip_path", "microphone", "driven", "taught_set", "set_use"),
-    *("stillness", "channels", "use_fast_view", "countdown"),
+    *("source", "camera", "clip_path", "use_fit", "fit_path", "microphone", "driven"),
+    *("taught_set", "set_use", "use_teaching", "stillness", "channels", "use_fast_view"),
+    "countdown",
 )
 
 
 class MIMETIC_OT_live(jobs.Modal, Operator):
-    """Drive the face by a camera, or by a clip in its place: N sets neutral, R records, Esc stops.
-    Without a window a whole clip is recorded"""
+    """Drive the face by a camera, or by a clip in its place: N sets neutral, R records, K keeps a
+    look, Esc stops. Without a window a whole clip is recorded"""
 
     bl_idname = "mimetic.live"
     bl_label = "Start Live"
@@ -43,10 +46,13 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
     source: arguments.like(MimeticLive, "source")
     camera: arguments.like(MimeticLive, "camera")
     clip_path: arguments.like(MimeticLive, "clip_path")
+    use_fit: arguments.like(MimeticLive, "use_fit")
+    fit_path: arguments.like(MimeticLive, "fit_path")
     microphone: arguments.like(MimeticLive, "microphone")
     driven: arguments.like(MimeticLive, "driven")
     taught_set: arguments.like(MimeticLive, "taught_set")
     set_use: arguments.like(MimeticLive, "set_use")
+    use_teaching: arguments.like(MimeticLive, "use_teaching")
     stillness: arguments.like(MimeticLive, "stillness")
     channels: arguments.like(MimeticLive, "channels")
     use_fast_view: arguments.like(MimeticLive, "use_fast_view")
@@ -73,6 +79,7 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
             if session.thread.error:
                 raise session.thread.error
             message = live.end_take(context, session)
+            session.notes = [*session.new_lines(), *session.notes]
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
         finally:
@@ -119,6 +126,8 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
         if session.due is not None and time.monotonic() >= session.due:
             live.begin_take(context, session)
         show(session)
+        for line in session.new_lines():
+            self.report({"INFO"}, line)
         if session.view is not None and session.view.has_news(settings):
             session_view.redraw()
         # What is shown is drawn by itself; lines of text cost as much, and are read more slowly
@@ -144,6 +153,11 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
                 self.report({"INFO"}, message)
         elif command == "RECORD":
             session.due = time.monotonic() + context.scene.mimetic.live.countdown
+        elif command == "KEEP":
+            if reason := MIMETIC_OT_keep_look.obstacle(context):
+                self.report({"WARNING"}, rpt_(reason))
+            else:
+                bpy.ops.mimetic.keep_look()
         return command == "STOP"
 
     def _end(self, context, session):
@@ -207,9 +221,11 @@ def _session(context, is_blocking: bool = False):
     settings = context.scene.mimetic.live
     source = live.source_of(context, is_paced=not is_blocking)
     run = jobs.Run(iface_("Live", "Operator"), is_endless=True)
-    taught, use = live.taught_of(settings), settings.set_use.lower()
-    thread = native.live_thread().LiveThread(
-        source, settings.stillness, run.stop, is_blocking, taught, use, live.lens_of(context)
+    person = live.person_of(context)
+    thread = native.puppet("live_thread").LiveThread(
+        *(source, settings.stillness, run.stop, is_blocking),
+        *(live.taught_of(settings), settings.set_use.lower()),
+        *(live.lens_of(context, person), person, live_looks.keeper_of(settings)),
     )
     run.thread = thread.thread
     if settings.driven == "CONTROLS":
@@ -233,8 +249,9 @@ def _finished(operator, context, session, message: str):
 
 def _hints(session, settings) -> str:
     record = iface_("R ends the take") if session.is_recording else iface_("R records")
-    text = iface_("N sets neutral, {record}, 1 to {last} freeze channels, Esc stops").format(
-        record=record, last=len(DIGITS)
+    keep = iface_("K keeps the look, ") if settings.use_teaching else ""
+    text = iface_("N sets neutral, {record}, {keep}1 to {last} freeze channels, Esc stops").format(
+        record=record, keep=keep, last=len(DIGITS)
     )
     names = [iface_(name).lower() for key, name, _ in CHANNELS if key not in settings.channels]
     frozen = iface_("   |   frozen: {names}").format(names=", ".join(names)) if names else ""

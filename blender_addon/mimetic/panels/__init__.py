@@ -13,6 +13,7 @@ from . import (
     expressions,
     head,
     live,
+    live_looks,
     muscles,
     takes,
 )
@@ -24,6 +25,7 @@ CLASSES = (
     *corrections.CLASSES,
     *head.CLASSES,
     *live.CLASSES,
+    *live_looks.CLASSES,
     *muscles.CLASSES,
     *takes.CLASSES,
     *curves.CLASSES,

@@ -5,6 +5,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.types import Panel
 
 from .. import live, native, scene_in
+from ..scene_out import face_fit
 from .muscles import Muscles
 from .paragraph import paragraph
 
@@ -21,6 +22,7 @@ class MIMETIC_PT_live(Muscles, Panel):
         column = layout.column()
         column.enabled = session is None
         self.draw_source(column, context, settings)
+        self.draw_person(column, context, settings)
         column.row().prop(settings, "driven", expand=True)
         column.prop(settings, "taught_set", text="Taught")
         if settings.taught_set:
@@ -50,6 +52,16 @@ class MIMETIC_PT_live(Muscles, Panel):
         ):
             row.operator("mimetic.live_command", text=text).command = command
         paragraph(layout, session.line())
+
+    def draw_person(self, layout, context, settings):
+        layout.prop(settings, "use_fit")
+        if not settings.use_fit:
+            return
+        layout.prop(settings, "fit_path")
+        if not settings.fit_path:
+            clip = live.clip_with_fit(context)
+            text = face_fit.summary(clip) if clip else iface_("no fit: a head is searched for")
+            paragraph(layout, text)
 
     def draw_view(self, layout, settings):
         row = layout.row(align=True, heading="In the View")

@@ -43,7 +43,7 @@ class LiveHead:
         if self._stand is None:
             return
         self.rest = pose if self.rest is None else self.rest
-        channels = native.driven_face().head_channels(pose[None], self.rest, self._stand)
+        channels = native.puppet("driven_face").head_channels(pose[None], self.rest, self._stand)
         setattr(obj, channels.rotation_path, channels.rotations[0])
         obj.location = channels.locations[0]
 
@@ -58,7 +58,9 @@ class LiveHead:
         if self._stand is None or not wanted:
             return 0
         rest = performance.head_pose[0] if self.rest is None else self.rest
-        motion = native.driven_face().head_channels(performance.head_pose, rest, self._stand)
+        motion = native.puppet("driven_face").head_channels(
+            performance.head_pose, rest, self._stand
+        )
         holder = actions.continued_take(obj, f"{take} head")
         num_curves = 0
         if "head_rotation" in wanted:
@@ -102,7 +104,7 @@ class Puppet:
         face = bpy.data.objects.get(self.name)
         if face is None:
             return
-        parts = native.driven_face()
+        parts = native.puppet("driven_face")
         values = parts.slider_values(names, state.values, live_face.lids, self._numbers)
         for shape, value in values.items():
             self._values[self._numbers[shape]] = value
@@ -145,7 +147,7 @@ def write_values(face: bpy.types.Object, values) -> None:
 def stand_of(scene: bpy.types.Scene, face: bpy.types.Object):
     """Where a face's object stands: `mimetic.puppet.driven_face.Stand`."""
     with standing.at_rest(scene, face):
-        return native.driven_face().Stand(
+        return native.puppet("driven_face").Stand(
             native.array(world.matrix(face)) @ bound.object_from_character(scene, face),
             native.array(face.location),
             native.array(bound.rotation_of(face)),
@@ -168,7 +170,7 @@ def record(
     the actions that were there. The scene's rate and range stay.
     """
     face = scene.objects[puppet.name]
-    parts = native.driven_face()
+    parts = native.puppet("driven_face")
     shapes_of = native.shapes().shapes_of
     if parts.EYE_TURN not in puppet.sliders:
         shapes_of = native.shapes().slider_shapes_of

@@ -31,6 +31,6 @@ class LiveHeadBones:
         return head.key_bones(compat.curves(armature), frames, channels)
 
     def _channels(self, poses) -> dict:
-        parts = native.driven_face()
+        parts = native.puppet("driven_face")
         carried = self._carry(parts.head_motion(poses, self.rest))
         return {name: parts.after_rest(channels) for name, channels in carried.items()}

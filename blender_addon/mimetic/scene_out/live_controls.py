@@ -48,7 +48,9 @@ class ControlPuppet:
             self._surface, self._options = own_keys.surface(character), None
         ranges = (face_bones if self._is_rig else own_keys).ranges(character)
         self._rows = native.controls().refitted(control_rows.rows_of(character), ranges)
-        self._driven = native.driven_face().DrivenControls(self._surface, self._rows, self._options)
+        self._driven = native.puppet("driven_face").DrivenControls(
+            self._surface, self._rows, self._options
+        )
         self._head: LiveHead | LiveHeadBones | None = None
         if self._is_rig:
             own = face_bones.channels(character)

@@ -29,6 +29,7 @@ ABOUT = {
     "Expressions": "Kept expressions, blended, mirrored and put in sequence: "
     "[expressions.md](expressions.md).",
     "Live": "A face driven by a camera: [live.md](live.md).",
+    "Teach": "Looks for a taught set, kept while a live session runs: [live.md](live.md).",
 }
 # A panel that has one more picture, and the words for it
 AT_WORK = ("Mimetic", "The same panel while the face is looked for")

@@ -18,11 +18,11 @@ from mimetic.puppet.live_session import LiveSession
 from mimetic.puppet.live_teaching import LiveTeaching, LiveTeachingOptions
 from mimetic.puppet.taught_look import named_looks, parse_shown_look
 from mimetic.puppet.templates import TaughtSet
+from mimetic.puppet.usual_looks import ASKED_FOR
 from mimetic.puppet.warm_up import warm_up
 from mimetic.shared.interrupts import listen_for_interrupt
 from mimetic.shared.regular_file import check_target
 
-USUAL_LOOKS = ("neutral", "smile", "mouth open", "lips pursed", "brows raised", "eyes closed")
 MOST_LOOKS = 20
 LONGEST_COUNTDOWN = 60  # seconds
 
@@ -77,7 +77,7 @@ def teach_from_camera(arguments: argparse.Namespace) -> int:
         check_target(target, *inputs)
     live = LiveFilter(stillness=0.0, in_background=not arguments.every_frame, lens=lens)
     looks = named_looks(
-        map(parse_shown_look, arguments.look or USUAL_LOOKS), arguments.state, live.names
+        map(parse_shown_look, arguments.look or ASKED_FOR), arguments.state, live.names
     )
     if len(looks) > MOST_LOOKS:
         raise InvalidInput(f"--look: at most {MOST_LOOKS} at a time")

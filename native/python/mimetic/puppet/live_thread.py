@@ -8,6 +8,7 @@ from dataclasses import replace
 from pathlib import Path
 from time import monotonic
 
+from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.known_lens import KnownLens
 from mimetic.puppet.camera_source import CameraSource
 from mimetic.puppet.channels import Freezer
@@ -16,6 +17,7 @@ from mimetic.puppet.live_face import LiveFace
 from mimetic.puppet.live_filter import LiveFilter, LiveState
 from mimetic.puppet.live_plots import LiveTrace
 from mimetic.puppet.live_session import LiveSession
+from mimetic.puppet.look_keeper import LookKeeper
 from mimetic.puppet.pictures import Picture
 from mimetic.puppet.sound import Microphone, clip_sound
 from mimetic.puppet.take import Take
@@ -28,7 +30,8 @@ class LiveThread:
     """Follows a source until it is stopped; the host asks for the newest state.
 
     stop: set from outside, it ends the session. is_blocking: nothing runs in a thread: `start`
-    works through the whole clip and records it. taught, use, lens: as of a `LiveFilter`.
+    works through the whole clip and records it. taught, use, lens, person: as of a `LiveFilter`.
+    keeper: of looks that are taught meanwhile.
     """
 
     def __init__(
@@ -40,6 +43,8 @@ class LiveThread:
         taught: TaughtSet | None = None,
         use: str = SHARPEN,
         lens: KnownLens | None = None,
+        person: FaceFit | None = None,
+        keeper: LookKeeper | None = None,
     ) -> None:
         self.source = source
         self.line = "starting"
@@ -47,7 +52,8 @@ class LiveThread:
         self._filter: LiveFilter | None = None
         self._stillness, self._is_blocking = stillness, is_blocking
         self._taught, self._use = taught, use
-        self.lens = lens
+        self.lens, self.person, self.keeper = lens, person, keeper
+        self.told: list[str] = []  # lines for the user; who shows them takes them out
         self._is_neutral_due = False
         self._freezer: Freezer | None = None
         self._frozen: frozenset[str] = frozenset()
@@ -143,8 +149,12 @@ class LiveThread:
         try:
             warm_up()
             self._filter = LiveFilter(
-                self._stillness, not self._is_blocking, self._taught, self._use, self.lens
+                *(self._stillness, not self._is_blocking, self._taught, self._use),
+                *(self.lens, self.person),
             )
+            self._filter.prepare()
+            if self.keeper is not None:
+                self.keeper.begin(self._filter, self._tell)
             self._freezer = Freezer(self._filter.names)
             self.trace = LiveTrace(self._filter.names, self._filter.follower)
             self.session = LiveSession(self.source, self._filter, self._see, self._tell)
@@ -163,6 +173,8 @@ class LiveThread:
         if self._is_neutral_due:
             self._is_neutral_due = False
             live.set_neutral()
+        if self.keeper is not None:
+            self.keeper.see(picture, state, self.source.fps)
         if state is None or live.face is None:
             return True
         freezer.frozen = self._frozen
@@ -181,3 +193,4 @@ class LiveThread:
 
     def _tell(self, line: str) -> None:
         self.line = line
+        self.told.append(line)

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Looks kept one by one while a rendered clip stands in for a camera."""
+
+import pytest
+from mimetic import InvalidInput
+from mimetic.media.footage import Footage
+from mimetic.puppet.live_filter import LiveFilter
+from mimetic.puppet.look_keeper import LookKeeper
+from mimetic.puppet.pictures import Picture
+from mimetic.puppet.taught_look import Look
+from mimetic.puppet.usual_looks import ASKED_FOR, USUAL_LOOKS
+from mimetic.score.truth import Truth
+
+FPS, SETTLED = 25, 110  # pictures until the person's head is known
+ORDER = [*range(50), *range(48, 0, -1)]
+
+
+class Sitting:
+    def __init__(self, footage, keeper):
+        self.images = [image.copy() for _, image in Footage(footage).frames()]
+        self.live, self.keeper, self.lines = LiveFilter(0.0, in_background=False), keeper, []
+        self.number = 0
+        keeper.begin(self.live, self.lines.append)
+
+    def show(self, num_pictures):
+        for _ in range(num_pictures):
+            image, time = self.images[ORDER[self.number % len(ORDER)]], self.number / FPS
+            state = self.live.advance(image, time)
+            self.keeper.see(Picture(image, time, 0.0), state, FPS)
+            self.number += 1
+
+
+@pytest.fixture(scope="module")
+def widest(rendered_clip):
+    """The frame in which the mouth is widest open, from 0."""
+    truth = Truth.load(rendered_clip.truth)
+    return int(truth.unit_values[:, truth.units.index("jawOpen")].argmax())
+
+
+def test_looks_are_kept_in_any_order_and_anew(rendered_clip, widest):
+    keeper = LookKeeper()
+    sitting = Sitting(rendered_clip.footage, keeper)
+    sitting.show(3)
+    keeper.ask(Look("too soon", 0))
+    sitting.show(SETTLED - 3)
+    assert keeper.kept == [] and "not known yet" in sitting.lines[-1]
+    with pytest.raises(InvalidInput, match="no look was kept"):
+        keeper.taught()
+    # Of the next round: frames of the clip that is played, from 1
+    start = len(ORDER) * (1 + SETTLED // len(ORDER))
+    keeper.ask(Look("open", 1 + start + widest))
+    keeper.ask(Look("neutral", 1 + start + len(ORDER)))
+    keeper.ask(Look("past", 5))
+    sitting.show(start + len(ORDER) + 20 - sitting.number)
+    assert keeper.kept == ["open", "neutral"] and keeper.keeping == ""
+    assert any("past: frame 5 is past" in line for line in sitting.lines)
+    taught = keeper.taught()
+    jaw = taught.look_values[:, taught.channels.index("jaw_open")]
+    assert taught.looks == ["open", "neutral"] and taught.neutral == 1
+    assert jaw[1] < 0.1 and jaw[0] > jaw[1] + 0.15
+    keeper.ask(Look("open", 0, values={"jaw_open": 0.9}))
+    sitting.show(20)
+    again = keeper.taught()
+    assert again.looks == ["open", "neutral"]
+    assert again.look_values[0, again.channels.index("jaw_open")] == 0.9
+    assert (again.example_looks >= 0).all()  # others would contradict it
+
+
+def test_a_set_needs_the_face_at_rest(rendered_clip):
+    keeper = LookKeeper()
+    sitting = Sitting(rendered_clip.footage, keeper)
+    sitting.show(SETTLED)
+    keeper.ask(Look("one", 0))
+    keeper.ask(Look("two", 0))
+    sitting.show(1)
+    assert keeper.keeping == "one"
+    sitting.show(30)
+    assert keeper.kept == ["one", "two"]
+    with pytest.raises(InvalidInput, match="neutral, the face at rest, was not kept"):
+        keeper.taught()
+
+
+def test_a_set_of_a_clip_is_not_taught_again_by_a_camera():
+    from sample_taught import make_taught
+
+    with pytest.raises(InvalidInput, match="taught from a clip"):
+        LookKeeper(make_taught()).begin(LiveFilter(in_background=False), print)
+
+
+def test_usual_looks_begin_at_rest_and_are_those_that_are_asked_for():
+    assert next(iter(USUAL_LOOKS)) == "neutral" == ASKED_FOR[0]
+    assert set(ASKED_FOR) <= set(USUAL_LOOKS)
