@@ -98,7 +98,9 @@ class MimeticLive(bpy.types.PropertyGroup):
     looks: CollectionProperty(
         type=MimeticLook, name="Looks", description="Looks to teach, in the order of the list"
     )
-    active_look: IntProperty(name="Look", description="The look that buttons act on")
+    active_look: IntProperty(
+        name="Look", description="Row of the list, from 0, whose look buttons act on"
+    )
     advice: StringProperty(
         name="Advice", description="What the set that was saved last is worth, line by line"
     )

@@ -29,7 +29,12 @@ class Layout:
         assert hasattr(bpy.types, name)
         self.texts.append(name)
 
-    def prop(self, owner, name, text=None, icon="NONE", slider=False):
+    def operator_menu_enum(self, name, property, text="", icon="NONE"):
+        self.operator(name, text, icon)
+        kind = getattr(bpy.ops.mimetic, name.removeprefix("mimetic.")).get_rna_type()
+        assert property in kind.properties
+
+    def prop(self, owner, name, text=None, icon="NONE", slider=False, expand=False):
         assert icon in ICONS
         assert name in owner.bl_rna.properties
         self.texts.append(text or name)

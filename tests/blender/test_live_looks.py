@@ -188,3 +188,16 @@ def test_new_sets_lie_beside_the_file_and_replace_none(extension, tmp_path):
     assert first == tmp_path / "looks.taught.npz"
     first.touch()
     assert Path(takes.new_set_path()) == tmp_path / "looks.002.taught.npz"
+
+
+def test_the_panel_shows_list_state_and_advice(settings):
+    from panel_texts import drawn
+
+    bpy.ops.mimetic.add_look(look="smile")
+    settings.advice = "All looks are told apart\nmost alike: a and b"
+    text = drawn("MIMETIC_PT_live_looks")
+    assert "All looks are told apart" in text and "most alike: a and b" in text
+    assert "mimetic.take_sliders" not in text and "frame" in text
+    settings.looks[0].state, settings.source = "SLIDERS", "CAMERA"
+    text = drawn("MIMETIC_PT_live_looks")
+    assert "mimetic.take_sliders" in text and "frame" not in text

@@ -13,7 +13,7 @@ from ..look_settings import MimeticLook
 from . import arguments
 from .chosen_expression import chosen
 
-NO_LOOK = "Add a look to the list first"
+NO_LOOK = "Press Add Look first: the list has none"
 OWN = "OWN"
 _items: list = []  # Blender keeps no copy of a callback's texts
 
