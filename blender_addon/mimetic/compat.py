@@ -162,6 +162,28 @@ def follow(
     variable.targets[0].data_path = source_path
 
 
+def compute(
+    owner: bpy.types.ID,
+    path: str,
+    source: bpy.types.ID,
+    source_type: str,
+    variables: dict[str, str],
+    expression: str,
+) -> None:
+    """Has a property follow a formula of another one's (variables by name: their paths).
+
+    It must be so simple that Blender computes it without running a script.
+    """
+    driver = owner.driver_add(path).driver
+    for name, source_path in variables.items():
+        variable = driver.variables.new()
+        variable.name, variable.type = name, "SINGLE_PROP"
+        variable.targets[0].id_type = source_type
+        variable.targets[0].id = source
+        variable.targets[0].data_path = source_path
+    driver.expression = expression
+
+
 def compositor(scene: bpy.types.Scene) -> bpy.types.NodeTree | None:
     """The nodes that make a picture of what was rendered, if the scene has any."""
     return scene.compositing_node_group if COMPOSITOR_IS_A_GROUP else scene.node_tree

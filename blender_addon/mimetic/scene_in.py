@@ -310,6 +310,12 @@ def picture_size(scene: bpy.types.Scene) -> tuple[int, int]:
     return scene.render.resolution_x, scene.render.resolution_y
 
 
+def side(scene: bpy.types.Scene, axis: str) -> float:
+    """A side of the picture in pixels that are square: `x` or `y`."""
+    render = scene.render
+    return getattr(render, f"resolution_{axis}") * getattr(render, f"pixel_aspect_{axis}")
+
+
 def pixel_aspect(scene: bpy.types.Scene) -> float:
     return scene.render.pixel_aspect_y / scene.render.pixel_aspect_x
 

@@ -77,6 +77,23 @@ def test_footage_keeps_its_shape_in_a_wider_picture(loaded, scene, tmp_path):
     assert np.median(inside) < 0.04
 
 
+@pytest.mark.parametrize("size", [(800, 300), (400, 300), (1000, 750)])
+def test_footage_keeps_its_shape_where_the_picture_gets_another_after_the_bake(
+    loaded, scene, extension, tmp_path, size
+):
+    scene.render.resolution_x, scene.render.resolution_y = 1920, 1080
+    bpy.ops.mimetic.bake(use_texture=False)
+    scene.render.resolution_x, scene.render.resolution_y = size
+    picture = rendered(scene, tmp_path, 21)
+    scale = size[1] / 300
+    left = (size[0] - 400 * scale) / 2
+    columns = np.round(left + scale * (np.arange(5, 20) + 0.5)).astype(int)
+    inside = np.abs(picture[:, columns, :3] - stripes(21)[:1, 5:20])
+    assert np.median(inside) < 0.04
+    (curve,) = extension("compat").compositor(scene).animation_data.drivers
+    assert curve.driver.is_simple_expression, "it needs no script, which a file may not run"
+
+
 def test_the_start_up_cube_stays_but_is_out_of_the_way(loaded, scene, extension):
     bpy.ops.mimetic.bake(use_texture=False)
     cube = scene.objects["Cube"]

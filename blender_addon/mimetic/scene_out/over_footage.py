@@ -106,14 +106,34 @@ def _put_in(tree: bpy.types.NodeTree, camera: bpy.types.Camera) -> None:
 
 
 def _frame(tree: bpy.types.NodeTree, scene: bpy.types.Scene, performance) -> None:
-    """Fits the footage whole into the picture, as the camera's view does."""
+    """Fits the footage whole into the picture, as the camera's view does.
+
+    The camera goes on fitting the same side when the picture gets another size: so does this.
+    """
     framing = tree.nodes.get(FRAMING)
     if framing is None:
         return
     size, aspect = scene_in.picture_size(scene), scene_in.pixel_aspect(scene)
     lens = native.placement().lens(performance.intrinsics, performance.image_size, size, aspect)
     for name, part in zip("XY", lens.covered, strict=True):
-        framing.inputs[name].default_value = part
+        scale = framing.inputs[name]
+        path = scale.path_from_id("default_value")
+        tree.driver_remove(path)
+        scale.default_value = part
+        if name != ("X" if lens.fit == "VERTICAL" else "Y"):
+            continue
+        beside, along = ("x", "y") if name == "X" else ("y", "x")
+        now = part * scene_in.side(scene, beside) / scene_in.side(scene, along)
+        sides = {
+            f"{what}_{axis}": f"render.{what}_{axis}"
+            for what in ("resolution", "pixel_aspect")
+            for axis in "xy"
+        }
+        expression = (
+            f"{now:.9g} * resolution_{along} * pixel_aspect_{along}"
+            f" / (resolution_{beside} * pixel_aspect_{beside})"
+        )
+        compat.compute(tree, path, scene, "SCENE", sides, expression)
 
 
 def _clear_the_way(scene: bpy.types.Scene, face: bpy.types.Object) -> str:
