@@ -9,14 +9,17 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from mimetic import InvalidInput
 from mimetic.character import face_paint
 from mimetic.media.footage import Footage
 from mimetic.performance import projection
 from mimetic.performance.document import Performance
+from mimetic.performance.gaze import SIDES
 from mimetic.template.face_template import FaceTemplate, load_template
 
 TEXTURE_SIZE = 1024  # the face fills a third of it; footage rarely has more pixels on a face
 EYE_SIZE, LASHES_SIZE = 256, (512, 128)
+DARKEST_EYES = 0.3  # of the painted ones: what is seen of nearly closed eyes is lids
 UNSEEN_REGIONS = ("scalp", "ear", "neck", "mouth_cavity", "eye_socket")  # hair, clothes, shadows
 
 
@@ -65,8 +68,13 @@ def appearance_of(
     if footage is None:
         return painted(template)
     uv = face_paint.fill_square(template)
-    texture, colour = _from_footage(performance, footage, frame, template, uv)
-    return _appearance(template, uv, texture, colour)
+    if frame is None:
+        frame = int(performance.frame[projection.colour_index(performance)])
+    i, image = performance.index_of(frame), Footage(footage).read(frame)
+    weights = _vertex_weights(template)
+    texture, colour = projection.project_texture(performance, i, image, uv, weights, TEXTURE_SIZE)
+    light = light_on_eyes(performance, i, image, template, uv)
+    return _appearance(template, uv, texture, colour, light)
 
 
 def painted(template: FaceTemplate) -> Appearance:
@@ -77,37 +85,49 @@ def painted(template: FaceTemplate) -> Appearance:
 
 
 def _appearance(
-    template: FaceTemplate, uv: NDArray, texture: NDArray[np.uint8], colour: NDArray
+    template: FaceTemplate,
+    uv: NDArray,
+    texture: NDArray[np.uint8],
+    colour: NDArray,
+    light_on_eyes: NDArray | None = None,
 ) -> Appearance:
-    surfaces = _surfaces(texture, _linear(colour / 255))
+    eyes = face_paint.paint_eye(EYE_SIZE) * (1 if light_on_eyes is None else light_on_eyes)
+    surfaces = _surfaces(texture, _linear(colour / 255), _bytes(eyes))
     names = [surface.name for surface in surfaces]
     of_part = [names.index(SURFACE_OF_PART[str(part)]) for part in template.part_names]
     return Appearance(uv, surfaces, np.array(of_part)[template.part])
 
 
-def _from_footage(
-    performance: Performance,
-    footage: str | os.PathLike[str],
-    frame: int | None,
-    template: FaceTemplate,
-    uv: NDArray,
-) -> tuple[NDArray[np.uint8], NDArray[np.float64]]:
-    if frame is None:
-        frame = int(performance.frame[projection.colour_index(performance)])
-    i = performance.index_of(frame)
-    image = Footage(footage).read(frame)
-    weights = _vertex_weights(template)
-    return projection.project_texture(performance, i, image, uv, weights, TEXTURE_SIZE)
+def light_on_eyes(
+    performance: Performance, i: int, image: NDArray[np.uint8], template: FaceTemplate, uv: NDArray
+) -> NDArray[np.float64]:
+    """Of three colours, how bright the eyes' whites are seen to those that are painted, up to 1.
+
+    Sockets and lids shade them: as white as painted they would glare.
+    """
+    weights = np.zeros(len(template.vertices))
+    for side in SIDES:
+        eye = np.asarray(template.part_vertices(f"eye.{side}"))
+        depth = template.vertices[eye, 2] - template.vertices[eye, 2].mean()
+        ahead = depth / depth.max()  # cosine of the angle from the pupil
+        weights[eye] = (ahead < np.cos(np.radians(face_paint.IRIS + 5.0))) & (ahead > 0.5)
+    try:
+        _, seen = projection.project_texture(performance, i, image, uv, weights, EYE_SIZE)
+    except InvalidInput:  # no white is seen
+        return np.ones(3)
+    light = np.clip(seen / 255 / face_paint.SCLERA, DARKEST_EYES, 1)
+    # The rims of lids are in these few pixels, redder than the whites: half of the tint is theirs
+    return np.sqrt(light * light.max())
 
 
-def _surfaces(skin: NDArray[np.uint8], colour: NDArray) -> list[Surface]:
-    """All surfaces, from the skin's texture and its colour in linear light."""
+def _surfaces(skin: NDArray[np.uint8], colour: NDArray, eyes: NDArray[np.uint8]) -> list[Surface]:
+    """All surfaces, from the skin's texture, its colour in linear light and the eyes' texture."""
     lashes = _bytes(face_paint.paint_lashes(*LASHES_SIZE))
     return [
         Surface("Skin", _triple(colour), 0.55, skin),
         Surface("Inner Lids", _triple(0.6 * colour), 0.5),
         Surface("Mouth", (0.22, 0.035, 0.03), 0.4),
-        Surface("Eyes", (0.55, 0.50, 0.46), 0.15, _bytes(face_paint.paint_eye(EYE_SIZE))),
+        Surface("Eyes", (0.55, 0.50, 0.46), 0.15, eyes),
         Surface("Teeth", (0.66, 0.58, 0.46), 0.3),
         Surface("Tongue", (0.38, 0.10, 0.09), 0.4),
         Surface("Lashes", _triple(_linear(face_paint.LASH)), 0.8, lashes),

@@ -10,6 +10,7 @@ from mimetic import _core
 from mimetic.template.face_template import FaceTemplate
 
 SKIN = np.array([0.80, 0.595, 0.50])  # sRGB, as all colours here
+SCLERA = np.array([0.90, 0.88, 0.86])
 LIPS = np.array([0.70, 0.40, 0.37])
 BLOOD = np.array([0.83, 0.52, 0.44])  # cheeks, nose, ears
 STUBBLE = np.array([0.62, 0.50, 0.44])
@@ -61,7 +62,7 @@ def paint_eye(size: int) -> NDArray[np.float64]:
     iris = np.array([0.36, 0.25, 0.15]) * (0.75 + 0.5 * rays * (1 - ring))[..., None]
     iris *= (1 - 0.55 * np.clip(ring - 0.75, 0, 1) / 0.25)[..., None]
     redness = np.clip((degrees - 30) / 50, 0, 1)[..., None]
-    sclera = np.array([0.90, 0.88, 0.86]) - redness * np.array([0.02, 0.16, 0.16])
+    sclera = SCLERA - redness * np.array([0.02, 0.16, 0.16])
     eye = sclera + _step(LIMBUS, IRIS, degrees)[..., None] * (iris - sclera)
     return eye * (1 - 0.97 * _step(PUPIL + 0.8, PUPIL - 0.8, degrees)[..., None])
 
