@@ -59,8 +59,11 @@ def _draw_face(context, shown: seen.Seen, row: int, settings) -> None:
 
 def _batches(lines) -> tuple:
     marks = lines.marks[np.array(lines.marks_shown, dtype=bool)]
-    parts = (lines.mesh, lines.features, lines.rings)
-    return (*(_batch(part, "LINES") for part in parts), _batch(marks, "POINTS"))
+    return (*_line_batches(lines), _batch(marks, "POINTS"))
+
+
+def _line_batches(lines) -> tuple:
+    return tuple(_batch(part, "LINES") for part in (lines.mesh, lines.features, lines.rings))
 
 
 def _draw_batches(shader, batches: tuple, colours: tuple, settings) -> None:
@@ -70,7 +73,7 @@ def _draw_batches(shader, batches: tuple, colours: tuple, settings) -> None:
         settings.show_capture_features,
         settings.show_capture_landmarks,
     )
-    for batch, colour, is_shown in zip(batches, colours, is_on, strict=True):
+    for batch, colour, is_shown in zip(batches, colours, is_on, strict=False):
         if is_shown and batch is not None:
             shader.uniform_float("color", colour)
             batch.draw(shader)
@@ -85,8 +88,8 @@ def _draw_corrections(context, shader, shown: seen.Seen, row: int, settings) -> 
         return
     if correcting.states_more_than_pins(entry):
         if shown.stated is None or shown.stated[0] != row or shown.stated[1] is not entry:
-            shown.stated = (row, entry, *_batches(shown.lines.draw(row, entry)))
-        _draw_batches(shader, shown.stated[2:], (STATED_MESH, *3 * (STATED,)), settings)
+            shown.stated = (row, entry, *_line_batches(shown.lines.draw(row, entry)))
+        _draw_batches(shader, shown.stated[2:], (STATED_MESH, STATED, STATED), settings)
     _draw_pins(context, shader, entries)
 
 
@@ -107,7 +110,8 @@ def _batch(places, kind: str):
     if not len(places):
         return None
     # Blender takes an array's bytes as they are: of double precision nothing would be seen
-    points = np.column_stack([places, np.zeros(len(places))]).astype(np.float32)
+    points = np.zeros((len(places), 3), dtype=np.float32)
+    points[:, :2] = places
     return batch_for_shader(gpu.shader.from_builtin("UNIFORM_COLOR"), kind, {"pos": points})
 
 

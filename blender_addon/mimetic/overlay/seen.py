@@ -17,7 +17,7 @@ class Seen:
         """One of them: a Performance, or the FramesSoFar of a capture at work."""
         self.performance, self.so_far = performance, so_far
         self.drawn: tuple | None = None  # a frame's index, batches of what is drawn in it
-        # The same of the face as corrections state it, with their entry
+        # A frame's index, what corrects it, batches of lines without marks
         self.stated: tuple | None = None
         self.strip: tuple | None = None  # what it was made for, and its batch
 

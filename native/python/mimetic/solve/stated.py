@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -69,6 +70,7 @@ def states_more_than_pins(entry: FrameCorrection | None) -> bool:
     return entry is not None and bool(entry.values or entry.pose or entry.lip_gap)
 
 
+@lru_cache(maxsize=2)
 def gap_places(template: FaceTemplate) -> list[tuple[int, int]]:
     """Vertices of the upper and the lower lip's inner edge between which the gap is measured."""
     lines = feature_lines(template)
@@ -115,5 +117,5 @@ def _part_lips(performance: Performance, i: int, state: FrameState, gap: float) 
     ]
     if not columns or performance.articulator_modes is None or not _is_ours(performance):
         return
-    for_one = float(_gaps(performance.articulator_modes[columns]).sum())
+    for_one = float(_gaps(performance.articulator_modes)[columns].sum())
     state.articulators[columns] += (gap - _gap(performance, i, state)) / for_one
