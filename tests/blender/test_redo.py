@@ -253,6 +253,7 @@ CASES = [
     Case("follow_pins", with_dragged_landmark),
     Case("correct_value", with_captured, values={"value_name": "jaw_open", "value": 0.4}),
     Case("correct_pose", with_captured, values={"turn": (0.0, 5.0, 0.0)}),
+    Case("drag_pose", with_captured, values={"shift": (0.01, 0.0, 0.0)}),
     Case("pin_skin", with_captured, values={"grab": (200.0, 160.0), "to": (205.0, 160.0)}),
     Case("delete_correction", with_corrections, others={"frame": 20}),
     Case("add_landmarks", with_own_head),

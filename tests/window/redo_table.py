@@ -62,6 +62,7 @@ TABLE = (
     Trial("load_controls", scenes.character, *SECOND_FILE, is_file=True),
     Trial("correct_value", scenes.captured, "value", "0.7", JAW, **IN_CLIP),
     Trial("correct_pose", scenes.captured, "reach", "12", {"turn": (0.0, 5.0, 0.0)}, **IN_CLIP),
+    Trial("drag_pose", scenes.captured, "reach", "12", {"shift": (0.01, 0.0, 0.0)}, **IN_CLIP),
     Trial("pin_skin", scenes.captured, "std", "3", PIN, **IN_CLIP),
     Trial("delete_correction", scenes.corrected, "frame", str(scenes.OTHER), **IN_CLIP),
 )
