@@ -29,6 +29,7 @@ from evaluation.runs import (
     head,
     keys,
     live,
+    live_still,
     live_taught,
     locate,
     puppet,
@@ -269,11 +270,13 @@ def _run_live(options: argparse.Namespace) -> int:
             print(live.as_text(of_clip), end="\n\n", flush=True)
     of_clips = live_taught.score_taught(_to_stderr, options.performances)
     taught = [score for of_clip in of_clips for score in of_clip]
+    still = live_still.score_still(_to_stderr)
     if not options.json:
         print(live_taught.as_text(taught), end="\n\n", flush=True)
+        print(live_still.as_text(still), end="\n\n", flush=True)
         print(live.speed_text(live.speed(_to_stderr)))
     else:
-        print(live.as_json([*scores, *taught]))
+        print(live.as_json([*scores, *taught, *still]))
     return 0
 
 
