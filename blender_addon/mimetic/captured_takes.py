@@ -157,8 +157,8 @@ def _note(record, path: str, facts) -> None:
 
 def _free_name(record, path: str) -> str:
     """Its file's without what all end in, and of folders where several files have that name."""
-    *folders, file = Path(path).parts
+    *folders, file = map(native.shown_text().shown, Path(path).parts)
     name = file.removesuffix(".npz").removesuffix(".performance")
     while name in record.captured and folders:
         name = f"{folders.pop()}/{name}"
-    return native.shown_text().shown(name)
+    return name

@@ -228,7 +228,8 @@ def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, t
     what = {"frames": (1, 40), "fit": fit, "lens": None}
     summary = CaptureSummary()
     inputs = (footage, what, (path, path), ((), None, summary), "")  # no corrections, nobody looks
-    made, _, _, learned_fit = operator.work(operator, inputs, progress)
+    made, of_take, _, _, learned_fit = operator.work(operator, inputs, progress)
+    assert [of_take.first, of_take.last] == made["footage_frames"]
     assert learned_fit is summary.fit
     assert (made["clip"], made["performance"]) == (footage.clip_name, path)
     from mimetic.performance.document import Performance
