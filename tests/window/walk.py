@@ -110,7 +110,7 @@ def install(walk: Walk, package: str) -> Steps:
     walk.check("the extension is enabled", package in bpy.context.preferences.addons)
 
 
-def strip_columns(kind: str, frames: list[int]) -> list[list[int]]:
+def strip_columns(kind: str, frames: list[float]) -> list[list[int]]:
     """Where an editor of time shows the quality of scene frames: x, and between which y, in the
     window."""
     region = override(kind)["region"]

@@ -154,7 +154,9 @@ def pin_the_mouth(walk: Walk) -> Steps:
     walk.check("each with all pins", counts == [len(points)] * 2, counts)
     walk.arrays["pins"] = [list(in_window(pin.pixel)) for pin in kept()[-1].pins]
     frames = [walk.settings["corrected"][0], walk.settings["corrected"][0] - 2]
-    walk.arrays["strip"] = strip_columns("DOPESHEET_EDITOR", frames)
+    clock = module("scene_in").timing(bpy.context.scene, clip())
+    at = module("scene_in").scene_frames_of(frames, clip().fps, clock)  # where keys would be
+    walk.arrays["strip"] = strip_columns("DOPESHEET_EDITOR", at.tolist())
     yield from walk.picture("corrections-pinned")
 
 
