@@ -57,7 +57,7 @@ def person(images):
 
 def test_a_known_head_is_there_from_the_first_picture_on(images, person):
     live = LiveFilter(in_background=False, person=person)
-    states = [live.advance(image, 0.45 * n) for n, image in enumerate(images[20:36])]
+    states = [live.advance(image, 0.45 * n) for n, image in enumerate(images[20:41])]
     assert live.face.is_own and live.is_settled and not live.remarks
     template = load_template()
     neutral = live.face.fit.neutral_vertices(template)
@@ -82,7 +82,7 @@ def test_a_known_head_is_moved_by_set_neutral_and_not_replaced(images, person):
 def test_another_face_is_followed_as_a_strangers(images, person):
     other = {name: value + 1.5 for name, value in person.identity.items()}
     live = LiveFilter(in_background=False, person=replace(person, identity=other))
-    states = [live.advance(image, 0.45 * n) for n, image in enumerate(images[:16])]
+    states = [live.advance(image, 0.45 * n) for n, image in enumerate(images[:21])]
     assert live.remarks == [STRANGER] and live.face.fit.identity != other
     assert min(state.quality for state in states) > 0.4 and live.face.is_own
 

@@ -3,12 +3,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput
+from mimetic import InvalidInput, _core
 from mimetic.fit import fitting
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.face_shape import face_shape
@@ -26,7 +27,11 @@ STRANGER = (
     "same person, look into the camera at rest and start again, or make the fit anew"
 )
 
+# How long pictures are judged for the face at rest, seconds, and how many
+SEARCH, KNOWN_SEARCH = (4.0, 10), (8.0, 20)
+
 Image = NDArray[np.uint8]
+Judgement = fitting.Judged | float
 
 
 def lens_of_fit(fit: FaceFit) -> KnownLens:
@@ -57,6 +62,36 @@ class LiveHeads:
         """What takes a second and can be done before there is a picture."""
         if self._person is not None:
             _ = self._anatomy
+
+    @property
+    def search(self) -> tuple[float, int]:
+        """Seconds, and number of pictures; a head that is known can wait for a better one."""
+        return SEARCH if self._person is None else KNOWN_SEARCH
+
+    def judge(self, image: Image) -> Judgement | None:
+        """What `most_at_rest` compares; None where there is no face.
+
+        Of a person who is known it is how far the head that fits is from theirs: an expression is
+        taken for shape.
+        """
+        if self._person is None:
+            return fitting.judge_frame(image)
+        try:
+            return unlikeness(self._found(image), self._person)
+        except InvalidInput:
+            return None
+
+    def most_at_rest(self, judgements: Sequence[Judgement]) -> NDArray[np.intp]:
+        """Indices, the picture most at rest first."""
+        judged = [one for one in judgements if isinstance(one, fitting.Judged)]
+        if not judged:
+            return np.argsort([one for one in judgements if isinstance(one, float)])
+        chances = _core.chances_of_rest(
+            np.array([one.score for one in judged]),
+            np.array([one.detail for one in judged]),
+            np.array([one.expression for one in judged]),
+        )
+        return np.argsort(-chances)
 
     def first(self, image: Image) -> LiveFace:
         """To begin with, from a picture (H x W x 3) in which the face may do anything.

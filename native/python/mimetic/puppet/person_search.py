@@ -2,8 +2,9 @@
 """While a face is followed already: a better one of it, from the first seconds, in the background.
 
 The first picture may show any expression, which a fit takes for the person's rest. As a capture
-does, the search judges pictures of the first seconds, and takes the head of the one most at rest:
-fitted to it, with muscles attached, or, of a person who is known, placed there alone.
+does, the search judges pictures of the first seconds (`LiveHeads.judge`), and takes the head of the
+one most at rest: fitted to it, with muscles attached, or, of a person who is known, placed there
+alone.
 """
 
 from __future__ import annotations
@@ -14,14 +15,9 @@ import threading
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import InvalidInput, _core
-from mimetic.fit import fitting
-from mimetic.fit.fitting import Judged
+from mimetic import InvalidInput
 from mimetic.puppet.live_face import LiveFace
-from mimetic.puppet.live_heads import LiveHeads
-
-SEARCHED_SECONDS = 4.0
-NUM_JUDGED = 10
+from mimetic.puppet.live_heads import Judgement, LiveHeads
 
 Image = NDArray[np.uint8]
 
@@ -34,14 +30,15 @@ class PersonSearch:
     """
 
     def __init__(
-        self, heads: LiveHeads, in_background: bool = True, num_judged: int = NUM_JUDGED
+        self, heads: LiveHeads, in_background: bool = True, num_judged: int | None = None
     ) -> None:
         self._heads = heads
+        self._seconds, usual_number = heads.search
         self.result: LiveFace | None = None
         self.is_over = False
-        self._num_judged, self._num_offered = num_judged, 0
+        self._num_judged, self._num_offered = num_judged or usual_number, 0
         self._start: float | None = None
-        self._judged: list[tuple[Judged, Image]] = []
+        self._judged: list[tuple[Judgement, Image]] = []
         self._offered: queue.Queue[Image | None] = queue.Queue(maxsize=1)
         self._thread: threading.Thread | None = None
         if in_background:
@@ -51,7 +48,7 @@ class PersonSearch:
     def offer(self, image: Image, time: float) -> None:
         """A picture that shows the face; most are passed over. time: seconds."""
         self._start = time if self._start is None else self._start
-        due = self._start + SEARCHED_SECONDS * self._num_offered / self._num_judged
+        due = self._start + self._seconds * self._num_offered / self._num_judged
         if self.is_over or self._num_offered >= self._num_judged or time < due:
             return
         if self._thread is None:
@@ -76,7 +73,7 @@ class PersonSearch:
                 self._take(image)
 
     def _take(self, image: Image) -> None:
-        judged = fitting.judge_frame(image)
+        judged = self._heads.judge(image)
         if judged is not None:
             self._judged.append((judged, image))
         if self._num_offered >= self._num_judged:
@@ -85,13 +82,7 @@ class PersonSearch:
             self.is_over = True
 
     def _best(self) -> LiveFace | None:
-        judged = [one for one, _ in self._judged]
-        chances = _core.chances_of_rest(
-            np.array([one.score for one in judged]),
-            np.array([one.detail for one in judged]),
-            np.array([one.expression for one in judged]),
-        )
-        for i in np.argsort(-chances):
+        for i in self._heads.most_at_rest([judged for judged, _ in self._judged]):
             image = self._judged[i][1]
             try:
                 return self._heads.own(image)
