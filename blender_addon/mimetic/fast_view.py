@@ -14,7 +14,8 @@ NO_ANTI_ALIASING = "OFF"
 
 
 class FastView:
-    """Lowers anti-aliasing and overlays of the 3D views and a face's subdivision, until it ends.
+    """Lowers anti-aliasing, overlays and outlines of the 3D views and a face's subdivision, until
+    it ends.
 
     What someone changed meanwhile stays as they have it.
     """
@@ -27,12 +28,10 @@ class FastView:
         with _preferences() as system:
             self._anti_aliasing, system.viewport_aa = system.viewport_aa, NO_ANTI_ALIASING
         # By address: an area may be joined with another meanwhile
-        self._spaces = {
-            area.spaces.active.as_pointer()
-            for area in editors.open_editors("VIEW_3D")
-            if area.spaces.active.overlay.show_overlays
-        }
-        self._show_overlays(False)
+        views = [area.spaces.active for area in editors.open_editors("VIEW_3D")]
+        self._overlaid = {v.as_pointer() for v in views if v.overlay.show_overlays}
+        self._outlined = {v.as_pointer() for v in views if v.shading.show_object_outline}
+        self._show(False)
 
     def end(self) -> None:
         """Puts all of it back; once."""
@@ -40,19 +39,21 @@ class FastView:
             if self._anti_aliasing and system.viewport_aa == NO_ANTI_ALIASING:
                 system.viewport_aa = self._anti_aliasing
         self._anti_aliasing = ""
-        self._show_overlays(True)
-        self._spaces = set()
+        self._show(True)
+        self._overlaid, self._outlined = set(), set()
         if face := bpy.data.objects.get(self._face):
             for modifier in face.modifiers:
                 modifier.show_viewport |= modifier.name in self._smoothers
         self._smoothers = []
 
-    def _show_overlays(self, is_shown: bool) -> None:
+    def _show(self, is_shown: bool) -> None:
         for screen in bpy.data.screens:
             for area in screen.areas:
                 for space in area.spaces:
-                    if space.as_pointer() in self._spaces:
+                    if space.as_pointer() in self._overlaid:
                         space.overlay.show_overlays = is_shown
+                    if space.as_pointer() in self._outlined:
+                        space.shading.show_object_outline = is_shown
 
 
 def _subdivides(modifier: bpy.types.Modifier) -> bool:

@@ -56,6 +56,7 @@ def drawn_fast() -> tuple[bool, ...]:
         face.modifiers["Subdivision"].show_viewport,
         bpy.context.preferences.system.viewport_aa != "OFF",
         area_of("VIEW_3D")[1].spaces.active.overlay.show_overlays,
+        area_of("VIEW_3D")[1].spaces.active.shading.show_object_outline,
     )
 
 
