@@ -85,14 +85,15 @@ def surface(scene: bpy.types.Scene, armature: bpy.types.Object):
     plain, eyeballs = own_keys.surface(face), eye_bones.Eyeballs(face)
     eyes = [channel for channel in every if channel.is_of_eye]
     gaze, carried = _gaze(scene, armature, face, eyes, eyeballs)
+    responses = _responses(armature, face, own)
     sources = plain.sources.copy()
     for side in set(eyeballs.sides) - set(gaze.undriven()):
         sources[:, eyeballs.vertices(side)] = 0.0
     return replace(
         plain,
         control_names=[channel.name for channel in own],
-        controls=_responses(armature, face, own),
-        control_range=np.array([channel.range for channel in own]).reshape(-1, 2),
+        controls=responses,
+        control_range=_reaches(armature, face, own, responses),
         source_names=[*plain.source_names, *gaze.names],
         sources=np.concatenate([sources, -carried]),
         source_range=np.concatenate([plain.source_range, gaze.ranges]),
@@ -237,6 +238,7 @@ def _key_channels(
 
 def pose(armature: bpy.types.Object, own: list, values: dict[str, float]) -> None:
     """Puts bones as values of their channels say, as `key` would key them."""
+    unit = _unit(armature)  # once: it evaluates what the bone before has changed
     for group in _together(own):
         bone = armature.pose.bones.get(group[0].bone)
         if bone is None:
@@ -247,7 +249,7 @@ def pose(armature: bpy.types.Object, own: list, values: dict[str, float]) -> Non
             path, rows = native.bone_channels().turns(row, bone.rotation_mode, axes)
             setattr(bone, path, rows[0])
         else:
-            bone.location[group[0].axis] = row[0, 0] * _unit(armature)
+            bone.location[group[0].axis] = row[0, 0] * unit
 
 
 def _unit(armature: bpy.types.Object) -> float:
@@ -265,6 +267,19 @@ def _responses(armature, face, own: list) -> np.ndarray:
             ends = [_moved(armature, face, channel, side * STEP) for side in (1, -1)]
             response[:] = (ends[0] - ends[1]) / (2 * STEP)
     return to_rest.turn(responses)
+
+
+def _reaches(armature, face, own: list, responses: np.ndarray) -> np.ndarray:
+    """K x 2: how far each channel may go for its response to be what the mesh does, within its
+    range: chains of bones fold where one is taken far."""
+    reaches = np.array([channel.range for channel in own]).reshape(-1, 2)
+    with rest_pose.held(armature, face):
+        to_rest, before = _to_rest(face), rest_pose.evaluated(face)
+        for reach, channel, response in zip(reaches, own, responses, strict=True):
+            for side, end in enumerate(reach):
+                moved = to_rest.turn(_moved(armature, face, channel, end) - before)
+                reach[side] = native.bone_channels().reach(moved, response, end, STEP)
+    return reaches
 
 
 def _gaze(scene, armature, face, own: list, eyeballs) -> tuple:

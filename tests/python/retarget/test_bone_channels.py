@@ -4,10 +4,12 @@
 import numpy as np
 import pytest
 from mimetic.retarget.bone_channels import (
+    PROPORTIONAL,
     channels_of,
     eye_bones,
     eye_channels_of,
     face_bones,
+    reach,
     turns,
 )
 
@@ -58,6 +60,15 @@ def test_locked_channels_are_left_out_and_jaws_turn():
     ]
     assert [c.name for c in channels_of("jaw", False, (False,) * 3, False)] == ["jaw turn x"]
     assert channels_of("brow.L", False, (False,) * 3, False) == []
+
+
+def test_a_channel_goes_as_far_as_it_moves_the_mesh_in_proportion():
+    response = np.array([[1.0, 0, 0], [0, 0.5, 0]])
+    assert reach(-3 * response, response, -3.0, 0.3) == -3
+    folded = 3 * response + np.array([[0, 0, 0.2 * 9], [0, 0, 0]])  # as the value's square
+    assert reach(folded, response, 3.0, 0.3) == pytest.approx(PROPORTIONAL * np.sqrt(1.25) / 0.2)
+    assert reach(50 * folded, response, 3.0, 0.3) == 0.3
+    assert reach(folded, 0 * response, 3.0, 0.3) == 3  # moves nothing
 
 
 @pytest.mark.parametrize(

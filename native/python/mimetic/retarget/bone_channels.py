@@ -40,6 +40,7 @@ BESIDE_EYES = re.compile(
 MECHANISM = re.compile(r"^(DEF|ORG|MCH|VIS)[-_]|_(ref|stretch)\.", re.IGNORECASE)
 CENTIMETRE = 0.01  # metres at value 1
 TURN = np.radians(10.0)  # at value 1
+PROPORTIONAL = 0.15  # of a channel's motion, that may be otherwise than in proportion to its value
 RANGE = (-3.0, 3.0)  # of values: 3 cm, 30 degrees
 EYE_TURNS, EYE_AIMS = (-6.0, 6.0), (-100.0, 100.0)  # 60 degrees, 1 m: eyes look at what is far
 
@@ -116,6 +117,22 @@ def nearest_surface() -> _core.ControlFitOptions:
     options = _core.ControlFitOptions()
     options.unmatched_motion = 1.0
     return options
+
+
+def reach(
+    moved: NDArray[np.float64], response: NDArray[np.float64], end: float, least: float
+) -> float:
+    """How far a channel may go, of the same sign as its end, for the mesh (V x 3) to move as its
+    response says, but for PROPORTIONAL of it: what is off grows as the value's square.
+
+    moved: by the channel at its end; least: as far it may always.
+    """
+    wanted = end * response
+    size = float(np.square(wanted).sum())
+    off = float(np.sqrt(np.square(moved - wanted).sum() / size)) if size > 0 else 0.0
+    if off <= PROPORTIONAL:
+        return end
+    return float(np.sign(end)) * max(least, abs(end) * PROPORTIONAL / off)
 
 
 def to_rest(points: NDArray[np.float64], rest: NDArray[np.float64]) -> _core.Similarity:
