@@ -32,6 +32,15 @@ constexpr double kLeastSpread = .015;  // pupil distances by which a still face'
 constexpr double kUsual = 1.5;         // spreads
 constexpr double kLeastRest = .1;      // of the best frame's score: below, a face is clearly not at rest
 
+// By what moves, chosen on `mimetic evaluate rest --set tuning`: half and one and a half of each do as well
+// there.
+constexpr double kSameState = .1;     // activation by which a state that recurs differs
+constexpr double kRelaxed = .2;       // of a clip's frames have less of a value than its relaxed ones
+constexpr double kPerExcess = .5;     // cost of an activation above that
+constexpr double kPerScore = .75;     // of the logarithm of rest_score
+constexpr double kPerDetail = .75;    // of the logarithm of what there is of the detail
+constexpr double kLeastShare = 1e-9;  // whose logarithm is taken
+
 using Window = Eigen::Array<double, 41, 41, Eigen::RowMajor>;
 
 /// Grey level of a pixel, ITU-R BT.601.
@@ -128,6 +137,11 @@ void check_frame(const Expressions& expressions, Eigen::Index frame) {
     if (frame < 0 || frame >= expressions.rows()) {
         throw InvalidInput("the frame must be one of those with an expression");
     }
+}
+
+/// Of each frame's detail, what the clip's better frames have, up to 1.
+Eigen::ArrayXd shares_of_detail(VectorIn details) {
+    return (details.array() / std::max(quantile({details.begin(), details.end()}, kDetailed), 1e-6)).min(1);
 }
 
 void check_sizes(const Expressions& expressions, VectorIn values) {
@@ -257,10 +271,28 @@ Eigen::VectorXd shared_expression(const Expressions& expressions, VectorIn weigh
 Eigen::VectorXd chances_of_rest(VectorIn scores, VectorIn details, const Expressions& expressions) {
     check_sizes(expressions, scores);
     check_sizes(expressions, details);
-    const double full = std::max(quantile({details.begin(), details.end()}, kDetailed), 1e-6);
-    const Eigen::ArrayXd weights = scores.array() * (details.array() / full).min(1).square();
+    const Eigen::ArrayXd weights = scores.array() * shares_of_detail(details).square();
     return weights * usual_expression(expressions, scores).array() *
            shared_expression(expressions, weights.matrix()).array();
+}
+
+Eigen::VectorXd costs_of_rest(MatrixIn values, VectorIn scores, VectorIn details) {
+    if (values.rows() == 0 || scores.size() != values.rows() || details.size() != values.rows()) {
+        throw InvalidInput("there must be values, a score and a detail for each of some frames");
+    }
+    Eigen::VectorXd excess = Eigen::VectorXd::Zero(values.rows());
+    for (const auto value : values.colwise()) {
+        const double relaxed = quantile({value.begin(), value.end()}, kRelaxed);
+        excess += (value.array() - relaxed).max(0).matrix();
+    }
+    Eigen::VectorXd density(values.rows());
+    for (Eigen::Index frame = 0; frame < values.rows(); ++frame) {
+        const Eigen::ArrayXd away = (values.rowwise() - values.row(frame)).rowwise().squaredNorm();
+        density[frame] = (-away / (2 * kSameState * kSameState)).exp().sum();
+    }
+    return kPerExcess * excess.array() - density.array().log() -
+           kPerScore * scores.array().max(kLeastShare).log() -
+           kPerDetail * shares_of_detail(details).max(kLeastShare).log();
 }
 
 }  // namespace mimetic

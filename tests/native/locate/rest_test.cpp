@@ -77,6 +77,26 @@ TEST(Rest, DetailIsWhatSmoothShadesLack) {
     EXPECT_EQ(face_detail({noisy.data(), 200, 200, 600}, outside), 0);
 }
 
+TEST(Rest, FramesAlikeAreCountedWithTheFrameItself) {
+    Expressions expressions = Expressions::Zero(4, 6);
+    expressions.row(1).setConstant(.014);  // within what a still face seems to move
+    expressions.row(2).setConstant(.016);
+    expressions.row(3).setConstant(std::nan(""));
+    EXPECT_EQ(num_alike(expressions, 0), 3);
+    EXPECT_EQ(num_alike(expressions, 2), 3);
+    EXPECT_THROW(num_alike(expressions, 4), InvalidInput);
+}
+
+TEST(Rest, CostsCountWhatIsAboveTheRelaxedFramesAndWhatDoesNotRecur) {
+    MatrixRows values = MatrixRows::Zero(10, 2);
+    values.col(0) << 0, 0, 0, 0, .5, .5, .5, .5, .2, .8;
+    const Eigen::VectorXd all = Eigen::VectorXd::Ones(10);
+    const Eigen::VectorXd costs = costs_of_rest(values, all, all);
+    EXPECT_NEAR(costs[4] - costs[0], .25, .05);  // .5 of a value at .5 each; both recur alike
+    EXPECT_GT(costs[8] - costs[0], std::log(2.));
+    EXPECT_THROW(costs_of_rest(values, all.head(9), all), InvalidInput);
+}
+
 TEST(Rest, ChancesNeedAnExpressionAFrame) {
     EXPECT_THROW(chances_of_rest(Eigen::Vector3d::Ones(), Eigen::Vector3d::Ones(), Expressions::Zero(2, 6)),
                  InvalidInput);

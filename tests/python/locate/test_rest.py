@@ -9,6 +9,7 @@ from clips import ffmpeg
 from mimetic import InvalidInput
 from mimetic._core import (
     chances_of_rest,
+    costs_of_rest,
     from_rotation_vectors,
     num_alike,
     shared_expression,
@@ -47,6 +48,34 @@ def test_a_smile_that_lasts_most_of_the_clip_is_not_its_rest():
     chances = scores * usual_expression(clip, scores)
     assert chances[:5].min() > 0.2
     assert chances[5:].max() < 0.01
+
+
+def test_what_relaxes_below_a_supposed_rest_is_the_rest():
+    rng = np.random.default_rng(6)
+    values = rng.normal(0, 0.01, (24, 8))  # seen from a smile that is held for half of the clip
+    values[:7, :3] -= 0.4
+    values[7:12, :3] -= np.linspace(0.35, 0.05, 5)[:, None]
+    values[20:, 4] += np.linspace(0.3, 0.9, 4)
+    costs = costs_of_rest(values, np.ones(24), np.ones(24))
+    assert np.argmin(costs) < 7 and costs[7:].min() > costs[:7].max()
+    blurred = np.r_[np.full(4, 0.2), np.ones(20)]
+    assert 4 <= np.argmin(costs_of_rest(values, np.ones(24), blurred)) < 7
+    shut_eyes = np.r_[np.ones(4), np.full(20, 1e-3)]
+    assert np.argmin(costs_of_rest(values, shut_eyes, np.ones(24))) < 4
+    with pytest.raises(InvalidInput):
+        costs_of_rest(values, np.ones(23), np.ones(24))
+
+
+def test_a_frame_in_mid_expression_gives_way_to_one_at_rest(rendered_clip):
+    moved = Truth.load(rendered_clip.truth).unit_values.max(axis=1)
+    footage = Footage(rendered_clip.footage)
+    supposed = 1 + int(np.argmax(moved))
+    assert moved[supposed - 1] > 0.5
+    frames = set(range(1, footage.num_frames + 1, 2)) | {supposed}
+    judgements = choosing._judged(footage, frames, lambda *_: True, None)
+    fit = fitting.find_face(footage.read(supposed), supposed)
+    relaxed, _ = choosing._relaxed(footage, fit, judgements, None, lambda *_: True)
+    assert moved[relaxed.frame - 1] < 0.1 and relaxed.rest.why == "relaxed"
 
 
 def test_what_is_usual_can_be_told_of_a_frame_that_is_known_to_show_rest():

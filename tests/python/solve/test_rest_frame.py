@@ -30,14 +30,14 @@ def test_a_frame_that_is_asked_for_is_joined_by_others_as_a_chosen_one(asked, ch
 
 
 def test_the_fit_says_which_frame_was_taken_and_why(asked, chosen, tmp_path):
-    assert chosen.rest.why == "usual" and asked.rest.why == "asked for"
+    assert chosen.rest.why == "relaxed" and asked.rest.why == "asked for"
     for fit in (chosen, asked):
         assert 1 < fit.rest.alike <= fit.rest.seen <= NUM_CANDIDATES + 1
     chosen.save(tmp_path / "fit.json")
     again = FaceFit.load(tmp_path / "fit.json")
     assert again.rest == chosen.rest
     assert again.rest_text().startswith(
-        f"Frame {chosen.frame} is taken as rest: the face looks most at rest there"
+        f"Frame {chosen.frame} is taken as rest: the face is relaxed there and returns to it"
     )
 
 

@@ -29,7 +29,8 @@ Expression expression_of(const FaceFeatures& face);
 Eigen::VectorXd usual_expression(const Expressions& expressions, VectorIn scores,
                                  std::optional<Eigen::Index> rest = {});
 
-/// How many frames, this one among them, have its expression but for what a still face's features seem to move.
+/// How many frames, this one among them, have its expression but for what a still face's features seem to
+/// move.
 Eigen::Index num_alike(const Expressions& expressions, Eigen::Index frame);
 
 /// F: density of frames about each frame's expression, relative to the largest, 0 to 1. A face returns to the
@@ -40,5 +41,12 @@ Eigen::VectorXd shared_expression(const Expressions& expressions, VectorIn weigh
 /// face_detail, which count by the information that they give on motion, the square of the gradients,
 /// relative to the clip's better frames.
 Eigen::VectorXd chances_of_rest(VectorIn scores, VectorIn details, const Expressions& expressions);
+
+/// F: how little a frame serves as rest by what moves from frame to frame, the least is the best. values: F x
+/// M, of what moves the skin, relative to any one of the frames: what relaxes below that is negative. A face
+/// returns to its rest, and moves by what contracts: counted are the density of frames about a frame's
+/// values, and by how much they are above what they are in the clip's lowest frames, so that a smile that
+/// lasts is none. scores, details: F, as for chances_of_rest.
+Eigen::VectorXd costs_of_rest(MatrixIn values, VectorIn scores, VectorIn details);
 
 }  // namespace mimetic

@@ -13,6 +13,8 @@ TEXTS = {
     UNKNOWN: "Frame {frame} is taken as rest",
     "asked for": "Frame {frame} is taken as rest, as was asked for; {alike} of the {seen} frames "
     "looked at show this expression",
+    "relaxed": "Frame {frame} is taken as rest: the face is relaxed there and returns to it; "
+    "{alike} of the {seen} frames looked at show this expression",
     "usual": "Frame {frame} is taken as rest: the face looks most at rest there, and {alike} of "
     "the {seen} frames looked at show this expression",
     "frontal": "Frame {frame} is taken as rest: where the face looks more at rest, the head is "

@@ -3,9 +3,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
+Images = Iterator[tuple[int, NDArray[np.uint8]]]  # with the frames' numbers
 CUT_DIFFERENCE = 18.0  # mean change of grey levels from frame to frame
 
 
@@ -25,3 +28,12 @@ class CutWatch:
     def _shrink(image: NDArray[np.uint8]) -> NDArray[np.float64]:
         """A small copy of a frame, enough to detect a cut; grey levels."""
         return image[::8, ::8].mean(axis=2)
+
+
+def of_one_scene(before: NDArray[np.uint8], images: Images) -> Images:
+    """The images up to a cut; before: the one that they follow."""
+    cuts = CutWatch(before)
+    for frame, image in images:
+        if cuts.starts_scene(image):
+            return
+        yield frame, image

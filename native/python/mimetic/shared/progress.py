@@ -16,8 +16,10 @@ JUDGED = 2.0  # a face found in a frame, and how much it is at rest
 FITTED = 8.0  # a head fitted to a frame
 ATTACHED = 120.0  # muscles attached to a head
 MOST_FOLLOWED = 30  # frames, for a head's relief; with more of them, every second, third ...
-NUM_CANDIDATES, NUM_TRIED = 16, 5  # frames judged, and fitted, in search of the face at rest
-SEARCHED = NUM_CANDIDATES * JUDGED + NUM_TRIED * FITTED + ATTACHED + MOST_FOLLOWED
+# Frames judged and followed, and those of them fitted, in search of the face at rest
+NUM_CANDIDATES, NUM_TRIED = 24, 5
+FOUND = NUM_CANDIDATES * (JUDGED + 1) + (NUM_TRIED + 1) * FITTED + ATTACHED
+SEARCHED = FOUND + MOST_FOLLOWED
 
 
 @dataclass(frozen=True)

@@ -32,11 +32,10 @@ from mimetic.performance.projection import rescaled
 from mimetic.performance.rows import Rows, State
 from mimetic.shared.progress import (
     ATTACHED,
-    FITTED,
+    FOUND,
     JUDGED,
     MOST_FOLLOWED,
     NUM_CANDIDATES,
-    NUM_TRIED,
     SEARCHED,
     Progress,
     stages,
@@ -56,7 +55,7 @@ FrameRange = tuple[int | None, int | None]
 Estimates = Iterator[tuple[int, _core.FrameEstimate | None]]
 Place = tuple[float, float]  # x, y, pixels of the footage's file
 
-SEARCHED_SECONDS = 8.0  # of the clip, for the frame that shows the face best
+SEARCHED_SECONDS = 10.0  # of the clip, for the frame that shows the face best
 # Share of the turn since the reference frame: what a fitted depth that is wrong makes of it
 # [Belhumeur et al. 1999, the bas-relief ambiguity]; `mimetic evaluate --set full-tuning`.
 TURN_ERROR = 0.02
@@ -84,9 +83,8 @@ def find_face(
         near = float(x), float(y)
     first, last = check_range(frames, footage)
     check_rest(frame, footage)
-    finding, joining = stages(
-        progress, NUM_CANDIDATES * JUDGED + NUM_TRIED * FITTED, ATTACHED + MOST_FOLLOWED
-    )
+    asked_cost = (NUM_CANDIDATES * JUDGED, ATTACHED + MOST_FOLLOWED)
+    finding, joining = stages(progress, *((FOUND, MOST_FOLLOWED) if frame is None else asked_cost))
     if frame is not None:
         others = _spread(*_seconds_about(frame, (first, last), footage), NUM_CANDIDATES)
         rest = rest_asked_for(footage, frame, others, finding, near, lens)

@@ -24,8 +24,18 @@ from mimetic.fit.upright import check_upright
 from mimetic.fit.views import Candidate, choose_views
 from mimetic.locate.feature_networks import installed_networks
 from mimetic.media.footage import Footage
-from mimetic.shared.progress import FITTED, JUDGED, NUM_TRIED, Progress, frame_text, stages
+from mimetic.muscles.anatomy import AttachedSkin, factored_skin
+from mimetic.shared.progress import (
+    ATTACHED,
+    FITTED,
+    JUDGED,
+    NUM_TRIED,
+    Progress,
+    frame_text,
+    stages,
+)
 from mimetic.solve.relief_sightings import with_relief
+from mimetic.solve.rest_motion import values_from
 from mimetic.template.face_template import load_template
 
 LEAST_CHANCE = 0.4  # of the best frame's chance; below it a frame is not tried
@@ -33,6 +43,9 @@ FAR_TURNED = math.radians(15.0)  # one half of a face turned as far is badly see
 NUM_TRIED_FRONTAL = 8
 AT_REST = 0.5  # of `rest.usual_expression`, for lids and lips to be looked at
 NUM_AT_REST = 4  # frames beside the reference, whose lids and lips are looked at
+LEAST_FOLLOWED = 5  # frames, to say which of them is at rest
+CLEARLY_BETTER = 0.2  # of `costs_of_rest`: by less, the supposed rest stays, which looks better
+MOST_REFITTED = 3
 
 
 @dataclass(frozen=True)
@@ -41,6 +54,7 @@ class Rest:
 
     fit: FaceFit
     candidates: list[Candidate]
+    skin: AttachedSkin | None = None  # of nearly this head
 
 
 def find_rest(
@@ -54,13 +68,15 @@ def find_rest(
 
     near: as `mimetic.fit.fitting.find_face` has it; lens: that it was filmed with, if known
     """
-    judging, fitting_heads = stages(progress, len(frame_numbers) * JUDGED, NUM_TRIED * FITTED)
+    num_frames = len(frame_numbers)
+    judging, fitting_heads, following = stages(
+        *(progress, num_frames * JUDGED, NUM_TRIED * FITTED, ATTACHED + num_frames + FITTED)
+    )
     judgements = _judged(footage, frame_numbers, judging, near)
     if not judgements:
         return None
     frames = list(judgements)
-    scores, expressions = _compared(judgements)
-    details = np.array([one.detail for one in judgements.values()])
+    scores, expressions, details = _compared(judgements)
     chances = _core.chances_of_rest(scores, details, expressions)
     fits: list[FaceFit] = []
     camera = camera_with(lens, footage.size)
@@ -77,8 +93,51 @@ def find_rest(
     usual = best = min(fits, key=_unusualness)
     if _turn(best) > FAR_TURNED:
         best = _more_frontal(footage, best, frames, camera, near, fitting_heads)
-    candidates = _candidates(judgements, _core.usual_expression(expressions, scores))
-    return Rest(_explained(best, "usual" if best is usual else "frontal", judgements), candidates)
+    best = _explained(best, "usual" if best is usual else "frontal", judgements)
+    best, skin = _relaxed(footage, best, judgements, near, following)
+    rest = None if best.rest.why == "usual" else frames.index(best.frame)
+    candidates = _candidates(judgements, _core.usual_expression(expressions, scores, rest))
+    return Rest(best, candidates, skin)
+
+
+def _relaxed(
+    footage: Footage,
+    supposed: FaceFit,
+    judgements: dict[int, fitting.Judged],
+    near: tuple[float, float] | None,
+    progress: Progress,
+) -> tuple[FaceFit, AttachedSkin]:
+    """The head in the frame that is best at rest by what moves, seen from a supposed rest.
+
+    The supposed one where the face cannot be followed, or no head be fitted to what is better.
+    With the skin of its head.
+    """
+    template = load_template()
+    attaching, trying = stages(progress, ATTACHED, len(judgements) + FITTED)
+    skin = factored_skin(
+        supposed.neutral_vertices(template), template, supposed.calibration, attaching
+    )
+    if skin is None:
+        raise NoFace("stopped while looking for the face")
+    followed: dict[int, NDArray[np.float64]] = {}
+    for frame, values in values_from(footage, supposed, set(judgements), skin):
+        _go_on(trying, len(followed) / len(judgements), f"looking for rest: frame {frame}")
+        followed[frame] = values
+    if len(followed) < LEAST_FOLLOWED:
+        return supposed, skin
+    frames = list(followed)
+    scores, _, details = _compared({frame: judgements[frame] for frame in frames})
+    costs = _core.costs_of_rest(np.array(list(followed.values())), scores, details)
+    is_good = costs[frames.index(supposed.frame)] <= costs.min() + CLEARLY_BETTER
+    for i in np.argsort(costs)[:MOST_REFITTED]:
+        if is_good or frames[i] == supposed.frame:
+            return _explained(supposed, "relaxed", judgements), skin
+        with contextlib.suppress(NoFace):
+            image = footage.read(frames[i])
+            fit = fitting.find_face(image, frames[i], camera=supposed.camera, near=near)
+            if _turn(fit) <= max(FAR_TURNED, _turn(supposed)):
+                return _explained(fit, "relaxed", judgements), skin
+    return supposed, skin
 
 
 def rest_asked_for(
@@ -97,17 +156,18 @@ def rest_asked_for(
     check_upright(footage, frame, image)
     fit = fitting.find_face(image, frame, camera=camera_with(lens, footage.size), near=near)
     judgements = _judged(footage, {frame, *others}, progress, fit.head_place())
-    scores, expressions = _compared(judgements)
+    scores, expressions, _ = _compared(judgements)
     usual = _core.usual_expression(expressions, scores, list(judgements).index(frame))
     return Rest(_explained(fit, "asked for", judgements), _candidates(judgements, usual))
 
 
 def _compared(
     judgements: Mapping[int, fitting.Judged],
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Scores and expressions of the frames, in their order."""
-    scores = np.array([one.score for one in judgements.values()])
-    return scores, np.array([one.expression for one in judgements.values()])
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Scores, expressions and details of the frames, in their order."""
+    rows = judgements.values()
+    scores, details = (np.array([getattr(one, n) for one in rows]) for n in ("score", "detail"))
+    return scores, np.array([one.expression for one in rows]), details
 
 
 def _candidates(
@@ -121,7 +181,7 @@ def _candidates(
 
 def _explained(fit: FaceFit, why: str, judgements: Mapping[int, fitting.Judged]) -> FaceFit:
     """The fit with the reason why its frame was taken."""
-    _, expressions = _compared(judgements)
+    _, expressions, _ = _compared(judgements)
     alike = _core.num_alike(expressions, list(judgements).index(fit.frame))
     return replace(fit, rest=RestChoice(why, len(judgements), alike))
 
@@ -161,7 +221,8 @@ def joined_with_others(footage: Footage, rest: Rest, progress: Progress) -> Face
     Lids and lips are then moved to where they are seen in frames at rest.
     """
     fit = with_relief(
-        footage, _joined(footage, rest.fit, rest.candidates), rest.candidates, progress
+        *(footage, _joined(footage, rest.fit, rest.candidates), rest.candidates, progress),
+        skin=rest.skin,
     )
     return with_lines(fit, _others_at_rest(footage, fit, rest.candidates), load_template())
 

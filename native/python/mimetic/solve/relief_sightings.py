@@ -7,23 +7,19 @@ import itertools
 import math
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-from numpy.typing import NDArray
-
 from mimetic import _core
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.views import LEAST_TURN, Candidate, turn_signs
 from mimetic.media.backward import frames_away
-from mimetic.media.cuts import CutWatch
+from mimetic.media.cuts import Images, of_one_scene
 from mimetic.media.footage import Footage
-from mimetic.muscles.anatomy import Anatomy, factored_skin, modes_of
+from mimetic.muscles.anatomy import Anatomy, AttachedSkin, factored_skin, modes_of
 from mimetic.performance.document import HELD_QUALITY
 from mimetic.shared.progress import ATTACHED, MOST_FOLLOWED, Progress, frame_text, stages
 from mimetic.solve import tracking
 from mimetic.solve.relief import LEAST_SIGHTINGS, find_relief
 from mimetic.template.face_template import FaceTemplate, load_template
 
-Images = Iterator[tuple[int, NDArray[np.uint8]]]
 # Texture that is stretched over the wrong depth is measured wrongly where the head is turned far
 ROUNDS = 3
 GIVEN_UP = 6  # frames in a row in which the face is lost
@@ -34,12 +30,13 @@ def with_relief(
     fit: FaceFit,
     candidates: Sequence[Candidate],
     progress: Progress | None,
+    skin: AttachedSkin | None = None,
 ) -> FaceFit:
     """The fit with the relief by the frames in which the head is turned otherwise.
 
     candidates: frames in which the face was found, the fit's among them, expressions allowed; the
-    face is followed from the fit's frame as far as any of them that is turned. The fit as it is
-    where too few are, or progress says to stop.
+    face is followed from the fit's frame as far as any of them that is turned. skin: of nearly this
+    head, if there is one. The fit as it is where too few are turned, or progress says to stop.
     """
     signs = {c.frame: turn_signs(c.features) for c in candidates}
     turned_frames = [
@@ -48,9 +45,10 @@ def with_relief(
     if len(turned_frames) < LEAST_SIGHTINGS:
         return fit
     first, last = min(*turned_frames, fit.frame), max(*turned_frames, fit.frame)
-    attaching, *rounds = stages(progress, ATTACHED, *[MOST_FOLLOWED] * ROUNDS)
+    attaching, *rounds = stages(progress, 0.0 if skin else ATTACHED, *[MOST_FOLLOWED] * ROUNDS)
     template = load_template()
-    skin = factored_skin(fit.neutral_vertices(template), template, fit.calibration, attaching)
+    if skin is None:
+        skin = factored_skin(fit.neutral_vertices(template), template, fit.calibration, attaching)
     if skin is None:
         return fit
     anatomy = modes_of(skin)  # some millimetres of depth hardly change what muscles do
@@ -87,7 +85,7 @@ def _with_depth(
     ):
         tracker.restart(reference, at_reference)
         sparse_images = itertools.islice(images, stride - 1, None, stride)
-        for sighting in _follow(tracker, _one_scene(reference, sparse_images)):
+        for sighting in _follow(tracker, of_one_scene(reference, sparse_images)):
             where = frame_text(sighting.frame, first, last)
             text = f"looking for the face's relief: {where}"
             if not progress(len(sightings) * stride / (1 + last - first), text):
@@ -98,15 +96,6 @@ def _with_depth(
         *(fit, template, sightings, modes, std),
         lambda _fraction: progress(1.0, "looking for the face's relief: depth"),
     )
-
-
-def _one_scene(reference: NDArray[np.uint8], images: Images) -> Images:
-    """The images up to a cut."""
-    cuts = CutWatch(reference)
-    for frame, image in images:
-        if cuts.starts_scene(image):
-            return
-        yield frame, image
 
 
 def _follow(tracker: _core.FaceTracker, images: Images) -> Iterator[_core.Sighting]:

@@ -43,17 +43,20 @@ def face_motion(
     anatomy: Anatomy,
     detail: Detail | None = None,
     extent: NDArray[np.float64] | None = None,
+    lowest: float = 0.0,
 ) -> _core.FaceMotion:
     """The skin's motion: muscles, the articulators, then detail.
 
     neutral_vertices: V x 3, metres; detail: None for muscles and articulators alone; extent: M, the
-    muscles' upper bounds, 1 without.
+    muscles' upper bounds, 1 without; lowest: their lower bound, and half of it the opened jaw's.
     """
     skin = template.num_skin_vertices
     modes, std = moving_modes(anatomy, skin)
     muscles = len(anatomy.muscle_names)
     names = [*anatomy.muscle_names, *anatomy.articulator_names]
-    limits = np.vstack([np.tile([0.0, 1.0], (muscles, 1)), anatomy.articulator_limits])
+    limits = np.vstack([np.tile([lowest, 1.0], (muscles, 1)), anatomy.articulator_limits])
+    jaw = names.index("jaw_open")
+    limits[jaw, 0] = min(limits[jaw, 0], lowest / 2)
     if extent is not None:
         limits[:muscles, 1] = extent
     return _core.FaceMotion(
