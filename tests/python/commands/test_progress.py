@@ -9,7 +9,7 @@ from mimetic import _core
 from mimetic.commands import cli, console
 from mimetic.fit import fitting
 from mimetic.shared import progress
-from mimetic.solve import clip_capture, relief_sightings
+from mimetic.solve import clip_capture, find_face, relief_sightings
 
 FRAMES = 20
 # Seconds, as on two laptop cores
@@ -33,6 +33,7 @@ def clock(monkeypatch):
 
     takes(COSTS["judge"], fitting, "judge_frame")
     takes(COSTS["fit"], fitting, "find_face")
+    takes(COSTS["attach"], find_face, "factored_skin")
     takes(COSTS["attach"], relief_sightings, "factored_skin")
     takes(COSTS["attach"], clip_capture, "factored_skin")
     sighting = SimpleNamespace(of=_core.Sighting.of)

@@ -15,9 +15,9 @@ from mimetic.fit.face_model import face_model
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitted_view import FittedView
 from mimetic.fit.fitting import landmark_places, refit
+from mimetic.media.cuts import of_one_scene
 from mimetic.skin.mesh import SkinMesh
 from mimetic.solve.relief import find_relief
-from mimetic.solve.relief_sightings import _one_scene
 from mimetic.template.face_template import load_template
 
 from evaluation.runs.projection import project_points
@@ -144,7 +144,7 @@ def test_too_few_frames_tell_nothing(fit):
 def test_following_ends_with_the_scene():
     dark, light = (np.full((64, 64, 3), level, np.uint8) for level in (60, 120))
     images = [(2, dark), (3, dark), (4, light), (5, dark)]
-    assert [frame for frame, _ in _one_scene(dark, iter(images))] == [2, 3]
+    assert [frame for frame, _ in of_one_scene(dark, iter(images))] == [2, 3]
 
 
 def test_pins_hold_the_head_with_its_relief(fit):
