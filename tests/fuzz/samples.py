@@ -84,7 +84,7 @@ def truths() -> list[Sample]:
 def fits() -> list[Sample]:
     whole = _saved(make_fit(residual=[], relief=[], depth=[]), ".json", JSON)
     older = json.loads(whole.content)
-    for key in ("residual", "views", "calibration", "relief", "depth"):
+    for key in ("residual", "views", "calibration", "relief", "depth", "lines", "rest"):
         del older[key]
     older["schema"] = 1
     full = _saved(make_fit(), ".json", JSON)

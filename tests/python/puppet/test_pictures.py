@@ -55,7 +55,9 @@ def test_the_last_picture_is_worked_on_though_it_came_as_a_wait_ended():
 
     times = []
     source = SimpleNamespace(feed=lambda _pictures, events: events.wait(5))
-    live = SimpleNamespace(advance=lambda _image, time: times.append(time), stop=lambda: None)
+    live = SimpleNamespace(
+        advance=lambda _image, time: times.append(time), stop=lambda: None, remarks=[]
+    )
     session = LiveSession(source, live, lambda _picture, _state: True, print)
     session._pictures = LateAndClosed()
     session.run()

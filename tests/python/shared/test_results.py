@@ -47,7 +47,7 @@ def run(clip, out, num_frames=12, draw=write_pictures, meanwhile=lambda: None):
         return make_performance(num_frames=num_frames)
 
     arguments = argparse.Namespace(
-        **dict.fromkeys(("frames", "fit", "face", "person", "focal", "sensor")),
+        **dict.fromkeys(("frames", "fit", "face", "person", "rest", "focal", "sensor")),
         footage=clip,
         out=out,
     )
