@@ -39,13 +39,14 @@ def test_a_spoilt_clip_is_corrected_by_mouse(folder, screen, extension, work, pi
         "points": truth.tracks[0, chosen].tolist(),
         "true": {frame: truth.tracks[frame - 1, chosen].tolist() for frame in CORRECTED},
     }
-    result = folder.walk(screen, "walk_corrections.py", work, pictures, settings, seconds=600)
+    parts, beside = ("walk_corrections.py", work, pictures, settings), ("over_footage.py",)
+    result = folder.walk(screen, *parts, seconds=600, beside=beside)
     assert not result.failures()
     assert all(
         is_drawn(result.pictures["corrections-pinned"], pin) for pin in result.arrays["pins"]
     )
-    corrected, beside = strip_colours(result.pictures["corrections-pinned"], result.arrays["strip"])
-    assert "corrected" in corrected and "corrected" not in beside, "along the timeline, unbaked"
+    corrected, others = strip_colours(result.pictures["corrections-pinned"], result.arrays["strip"])
+    assert "corrected" in corrected and "corrected" not in others, "along the timeline, unbaked"
     captured, refined = (
         Performance.load(work / f"spoilt{take}.performance.npz") for take in ("", ".002")
     )

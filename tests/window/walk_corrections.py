@@ -222,7 +222,7 @@ def state_a_lid(walk: Walk) -> Steps:
     yield from walk.picture("corrections-slider")
     yield from drag(field, (field[0] + 60, field[1]))
     yield from walk.picture("corrections-slid")
-    seen = module("overlay.captured")._last
+    seen = module("overlay.seen").last_take()
     walk.check(
         "the face is drawn as stated", seen.stated is not None and seen.stated[2] is not None
     )
@@ -289,7 +289,7 @@ def drag_the_head(walk: Walk) -> Steps:
 
 def time_drawing(walk: Walk) -> Steps:
     """What the overlay takes in a corrected frame: whenever it is drawn, and as a value changes."""
-    overlay, times = module("overlay.captured"), []
+    overlay, last_take, times = module("overlay.captured"), module("overlay.seen").last_take, []
     draw = overlay.draw_capture
 
     def timed(context) -> bool:
@@ -303,8 +303,8 @@ def time_drawing(walk: Walk) -> Steps:
     for is_changed in (False, True):
         times.clear()
         for _ in range(30):
-            if is_changed and overlay._last is not None:
-                overlay._last.stated = None
+            if is_changed and (take_drawn := last_take()) is not None:
+                take_drawn.stated = None
             region_of().tag_redraw()
             yield 0.03
         figures.append(float(np.median(times)) if times else np.inf)
