@@ -65,6 +65,9 @@ class Recorded:
         self._add(_labelled(shown, icon), shown)
         return SimpleNamespace()
 
+    def operator_menu_enum(self, name, _property, text=None, icon="NONE", **_):
+        return self.operator(name, text, icon)
+
     def prop(self, data, name, text=None, icon="NONE", expand=False, slider=False, **_):
         kind = data.bl_rna.properties[name]
         shown = kind.name if text is None else text
