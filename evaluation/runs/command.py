@@ -21,6 +21,7 @@ from evaluation.runs import (
     abuse,
     calibration,
     characters,
+    consistency,
     expression_tables,
     expressions,
     fit,
@@ -45,8 +46,8 @@ from evaluation.runs.rendered import scored
 from evaluation.runs.stills import Stills, rendered_stills
 
 FILES = ("truth", "performance", "footage")
-SCORED_AGAIN = ("real", "keys", "live", "puppet", "timing")
-WITH_OUT = "--out goes with --set full, `fit`, `head`, `locate`, `real` and `timing`"
+SCORED_AGAIN = ("consistency", "real", "keys", "live", "puppet", "timing")
+WITH_OUT = "--out goes with --set full, `consistency`, `fit`, `head`, `locate`, `real` and `timing`"
 WHAT_IS_SCORED = (
     " `locate` scores what finds faces on still images instead, beside OpenCV's cascades; "
     "`head` scores what follows heads on rendered sequences, beside MediaPipe's face mesh; "
@@ -62,9 +63,10 @@ WHAT_IS_SCORED = (
     "followed (docs/measured/gaze.md), `retarget` how well a performance plays on a "
     "character's own shape keys (docs/measured/retargeting.md), `characters` how near "
     "landmarks that place themselves on heads of other makes come to the true ones "
-    "(docs/measured/characters.md), `live` what the live filter loses against the capture "
-    "(docs/measured/live.md), `puppet` how a taught face does on time that was held out, and on "
-    "disturbed pictures (docs/measured/puppet.md)."
+    "(docs/measured/characters.md), `consistency` whether the same expression is read as the same "
+    "muscles on different people (docs/measured/consistency.md), `live` what the live filter loses "
+    "against the capture (docs/measured/live.md), `puppet` how a taught face does on time that was "
+    "held out, and on disturbed pictures (docs/measured/puppet.md)."
 )
 
 
@@ -75,8 +77,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "what",
         nargs="?",
         choices=(
-            *("ablations", "abuse", "calibration", "capture", "characters", "fit", "flow", "gaze"),
-            *("head", "keys", "live", "locate", "puppet", "real", "rest", "retarget", "timing"),
+            *("ablations", "abuse", "calibration", "capture", "characters", "consistency", "fit"),
+            *("flow", "gaze", "head", "keys", "live", "locate", "puppet", "real", "rest"),
+            *("retarget", "timing"),
         ),
         default="capture",
         help="what to score (default: capture)",
@@ -97,7 +100,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         help="locate: this model, not the installed one (scripts/train_eigenspaces)",
     )
     parser.add_argument(
-        "--people", type=int, metavar="N", help="--set full: only N of the people, evenly"
+        "--people", type=int, metavar="N", help="--set full, consistency: N of the people, evenly"
     )
     parser.add_argument(
         "--jobs", type=int, default=2, help="--set full: clips at once (default: 2)"
@@ -105,14 +108,15 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--out",
         type=Path,
-        help="--set full, fit, head, locate, real: write figures here; real, timing: performances",
+        help="--set full, fit, head, locate, real: write figures here; consistency, real, timing: "
+        "performances",
     )
     parser.add_argument(
         "--performances",
         type=Path,
         metavar="DIR",
         help="real, keys, live, puppet: score the performances that an earlier `real --out` left "
-        "here; timing: that an earlier `timing --out` left here",
+        "here; consistency, timing: that an earlier run of theirs with --out left here",
     )
     parser.add_argument(
         "--first-fit",
@@ -147,6 +151,7 @@ def run_tables(options: argparse.Namespace) -> int:
         "locate": _run_locate,
         "calibration": _run_calibration,
         "characters": _run_characters,
+        "consistency": _run_consistency,
         "ablations": _run_ablations,
         "abuse": _run_abuse,
         "real": _run_real,
@@ -239,6 +244,15 @@ def _run_characters(options: argparse.Namespace) -> int:
     _check_set_of(options, characters.SETS)
     scores = list(characters.score_characters(options.set, _to_stderr))
     return _show(options, scores, characters.as_json, characters.as_text)
+
+
+def _run_consistency(options: argparse.Namespace) -> int:
+    _check_set_of(options, consistency.SETS)
+    _prepare_out(options)
+    scores = consistency.score_consistency(
+        options.set, options.people, options.out, options.performances, _to_stderr
+    )
+    return _show(options, scores, consistency.as_json, consistency.as_text)
 
 
 def _run_timing(options: argparse.Namespace) -> int:
@@ -351,8 +365,9 @@ def _check_set_of(options: argparse.Namespace, sets: Collection[str]) -> None:
 
 
 def _check_set(options: argparse.Namespace) -> None:
-    if options.people is not None and options.set not in expressions.SETS:
-        raise InvalidInput("--people goes with --set full")
+    is_of_many = options.set in expressions.SETS or options.what == "consistency"
+    if options.people is not None and not is_of_many:
+        raise InvalidInput("--people goes with --set full and `consistency`")
     if options.set == "real":
         raise InvalidInput("--set real goes with `mimetic evaluate locate`")
 

@@ -195,4 +195,5 @@ def some_of(chosen: tuple[Take, ...], number: int | None) -> tuple[Take, ...]:
 SETS = {
     "full": takes(400, 30, "full", num_units=20),
     "full-tuning": takes(61, 9, "full-tuning", num_units=6),
+    "consistency-tuning": takes(430, 18, "consistency-tuning", num_units=18),
 }
