@@ -8,7 +8,9 @@ The window stays free meanwhile: a job knows what it writes to by name, and look
 from __future__ import annotations
 
 import contextlib
+import os
 import queue
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -23,6 +25,7 @@ from .greyed import Greyed
 from .pace import Pace
 
 TELLING = 0.02  # of the work, from which on the time left is told
+GIVES_WAY = 3  # nice value that the thread of a job adds: docs/measured/addon.md
 
 
 @dataclass
@@ -46,6 +49,7 @@ class Run:
 
     def start(self, work, inputs) -> None:
         def target() -> None:
+            _give_way()
             try:
                 self.posts.put(("result", work(inputs, self.progress)))
             except BaseException as error:
@@ -95,6 +99,15 @@ class Run:
         return iface_(", {minutes}:{seconds:02d} left").format(
             minutes=left // 60, seconds=left % 60
         )
+
+
+def _give_way() -> None:
+    """Lets the window be drawn first where there are fewer processors than work.
+
+    A nice value is a thread's own on Linux alone, where the threads that it starts have it, too.
+    """
+    if sys.platform == "linux":
+        os.nice(GIVES_WAY)
 
 
 running: Run | None = None

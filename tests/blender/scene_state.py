@@ -62,6 +62,7 @@ def settings_of(settings) -> dict:
     kept += [footage.performance_path for footage in of_clip]
     kept += [row.performance_path for footage in of_clip for row in footage.captured]
     kept += [footage.corrections for footage in of_clip]
+    kept += [(look.name, look.state, look.frame, look.sliders) for look in settings.live.looks]
     fit = [json.loads(footage.face_fit or "{}") for footage in of_clip]  # of few digits
     return {"kept": kept, "names": names, "at": head.rest_frame, "fit": fit}
 

@@ -263,7 +263,7 @@ def test_a_control_object_needs_muscles(acted, rig_file, tmp_path):
         ("{rig}", [], "RIG.blend:OBJECT"),
         ("{missing}:rig", [], "no such file"),
         ("{rig}:nobody", [], "no object nobody"),
-        ("{rig}:rig", ["--out", "face.csv"], ".blend"),
+        ("{rig}:rig", ["--out", "face.obj"], ".blend"),
     ],
     ids=["form", "missing", "object", "suffix"],
 )

@@ -48,16 +48,15 @@ def test_a_found_face_is_kept_and_its_landmarks_marked(extension, scene, with_cl
         np.testing.assert_allclose(pixel, (x, y), atol=1e-3)
 
 
-def test_finding_again_replaces_the_marks(scene, with_clip):
+def test_finding_again_replaces_the_marks(extension, scene, with_clip):
     for frame in (FIT_FRAME, FIT_FRAME + 2):
         bpy.ops.mimetic.find_face(frame=frame)
     assert [o.name for o in with_clip.tracking.objects].count("Face") == 1
-    (marker,) = [
-        marker
-        for marker in with_clip.tracking.objects["Face"].tracks["pupil.L"].markers
-        if not marker.mute and marker.frame > 0
-    ]
-    assert marker.frame == FIT_FRAME + 2
+    marks = with_clip.tracking.objects["Face"].tracks["pupil.L"].markers
+    frames = {marker.frame for marker in marks if not marker.mute and marker.frame > 0}
+    fit = extension("scene_out").face_fit.of_clip(with_clip)
+    assert fit.frame == FIT_FRAME + 2
+    assert frames == {view.frame for view in fit.views}
 
 
 def test_of_several_faces_the_one_near_a_pixel_is_taken(extension, scene, clip_path, tmp_path):

@@ -110,12 +110,12 @@ def test_what_is_not_read_of_the_clips_camera_is_said(clip, extension):
 def test_a_session_on_the_clip_has_its_lens_and_others_none(scene, clip, extension):
     lens_of, live = extension("live").lens_of, scene.mimetic.live
     clip.tracking.camera.sensor_width, clip.tracking.camera.focal_length = 23.5, 50.0
-    assert live.source == "CAMERA" and lens_of(bpy.context) is None
+    assert live.source == "CAMERA" and lens_of(bpy.context, None) is None
     live.source = "CLIP"
-    assert lens_of(bpy.context).widths == pytest.approx(50 / 23.5)
+    assert lens_of(bpy.context, None).widths == pytest.approx(50 / 23.5)
     bpy.ops.mimetic.add_face()
     session = extension("operators.live")._session(bpy.context, is_blocking=True)
-    assert session.thread.lens == lens_of(bpy.context)
+    assert session.thread.lens == lens_of(bpy.context, None)
     session.end()
     live.clip_path = clip.filepath  # another's, as far as Blender knows
-    assert lens_of(bpy.context) is None
+    assert lens_of(bpy.context, None) is None

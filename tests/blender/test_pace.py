@@ -1,6 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How much of the window's time a job's news takes."""
 
+import os
+import sys
+
 import pytest
 
 TICK = 0.02
@@ -65,3 +68,18 @@ def test_whoever_works_in_a_slow_window_goes_first(extension):
     assert num_shown(10, 0.01, is_used=True) > 400  # a quick one shows it all
     assert num_shown(10, 0.05, is_used=True) <= 1
     assert num_shown(10, 0.05, is_used=False) >= 4
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="threads have no nice value of their own")
+def test_a_job_lets_the_window_go_first(extension):
+    def own() -> int:
+        return os.getpriority(os.PRIO_PROCESS, 0)  # of the thread that asks
+
+    before = own()
+    jobs = extension("jobs")
+    run = jobs.Run("Capture")
+    run.start(lambda _inputs, _progress: own(), None)
+    run.thread.join()
+    assert run.is_done() and run.error is None
+    assert run.result == min(before + jobs.GIVES_WAY, 19)
+    assert own() == before

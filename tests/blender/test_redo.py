@@ -107,6 +107,13 @@ def with_sliders(fixture) -> None:
     bpy.context.active_object.matrix_world = STANDS
 
 
+def with_looks(fixture) -> None:
+    """To be taught, the first one chosen, and sliders for it."""
+    with_sliders(fixture)
+    bpy.context.scene.mimetic.face = bpy.context.active_object
+    assert bpy.ops.mimetic.add_usual_looks() == {"FINISHED"}
+
+
 def with_control_object(fixture) -> None:
     """A face that a control object drives by a take of its own."""
     bpy.context.scene.mimetic.performance_path = str(fixture("performance_file"))
@@ -260,6 +267,9 @@ CASES = [
     Case("attach_muscles", with_landmarks),
     Case("add_arkit_shapes", with_landmarks),
     Case("add_face", lambda fixture: None),
+    Case("add_look", lambda fixture: None, values={"look": "OWN"}, others={"look": "smile"}),
+    Case("remove_look", with_looks),
+    Case("take_sliders", with_looks),
     Case("rest_face", with_face),
     Case("reduce_keys", with_plain_face),
     Case("play_take", with_takes, values={"take": "take"}),

@@ -108,8 +108,9 @@ def test_settings_of_a_call_are_of_that_call_alone(baked, scene):
 
 
 def test_every_setting_of_a_panel_is_in_a_call(extension):
-    """But for what is drawn alone."""
+    """But for what is drawn alone, and the list of looks, which has operators of its own."""
     drawn = {"show_picture", "show_plots", "view_size", "view_corner"}
+    drawn |= {"looks", "active_look", "advice"}
     calls = {
         prop.identifier
         for operator in extension("operators").CLASSES

@@ -69,7 +69,7 @@ eyes and mouth"""
 
     bl_idname = "mimetic.add_usual_looks"
     bl_label = "Add Usual Looks"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"UNDO"}  # nothing to set, and greyed out once it was pressed
 
     @classmethod
     def obstacle(cls, context):
@@ -198,7 +198,7 @@ class MIMETIC_OT_save_set(Greyed, Operator):
 
     bl_idname = "mimetic.save_set"
     bl_label = "Save Set"
-    bl_options = {"REGISTER", "UNDO"}
+    bl_options = {"UNDO"}  # a redo panel would write files as one types
 
     filepath: StringProperty(
         name="File",
