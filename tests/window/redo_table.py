@@ -37,7 +37,7 @@ IN_CLIP = {"kind": "CLIP_EDITOR"}
 TABLE = (
     Trial("bake", scenes.plain, "exaggeration", "1.5", scenes.PLAIN, row=3),
     Trial("add_face", scenes.plain, "subdivision", "2"),
-    Trial("add_look", scenes.plain, "frame", "7", {"look": "OWN"}),
+    Trial("add_look", scenes.plain, "look", options={"look": "smile"}),
     Trial("reduce_keys", scenes.face, "tolerance", "0.2"),
     Trial("smooth_curves", scenes.face, "seconds", "0.3"),
     Trial("exaggerate_curves", scenes.face, "factor", "0.5"),
