@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
-from mimetic.fit.known_lens import FULL_FRAME_MM, KnownLens
+from mimetic.fit.known_lens import KnownLens
 from mimetic.media.clip_fingerprint import MOST_DEPTH, files_in
 from mimetic.media.frame_range import parse_range
 from mimetic.media.image_sequence import (
@@ -20,6 +20,7 @@ from mimetic.media.image_sequence import (
     picture_before,
     sequences_in,
 )
+from mimetic.shared.pinhole import FULL_FRAME_MM
 from mimetic.shared.regular_file import check_input
 from mimetic.shared.shown_text import shortened
 

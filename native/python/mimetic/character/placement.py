@@ -16,10 +16,10 @@ from numpy.typing import ArrayLike, NDArray
 from mimetic import InvalidInput, _core
 from mimetic._core import OBJECT_FROM_HEAD, quaternions
 from mimetic.performance.document import Performance
+from mimetic.shared.pinhole import FULL_FRAME_MM
 
 # A camera at the world's origin that looks along +y, level: a head facing it stands upright
 WORLD_FROM_SCENE_CAMERA = np.array([[1.0, 0, 0, 0], [0, 0, -1, 0], [0, 1, 0, 0], [0, 0, 0, 1]])
-SENSOR_MM = 36.0
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def lens(
     picture = np.asarray((width, height) if picture_size is None else picture_size, dtype=float)
     is_wider = picture[0] > picture[1] * pixel_aspect * width / height * (1 + 1e-9)
     side = height if is_wider else width
-    sensor = SENSOR_MM if sensor_mm is None else sensor_mm * side / width
+    sensor = FULL_FRAME_MM if sensor_mm is None else sensor_mm * side / width
     widths = width / height / (picture[0] / (picture[1] * pixel_aspect))  # footage's to picture's
     return Lens(
         fit="VERTICAL" if is_wider else "HORIZONTAL",

@@ -371,7 +371,7 @@ def _write_controls(
     with tempfile.TemporaryDirectory(prefix="mimetic-controls-") as folder:
         found = Path(folder, "controls.npz")
         text = write_by_blender(request, found, blender_python)
-        with np.load(found) as arrays:
+        with np.load(found, allow_pickle=False) as arrays:
             names, values = arrays["names"].tolist(), arrays["values"]
     performance = edited(Performance.load(request["performance"]), curves)
     written = CONTROL_TABLES[out.suffix](performance, names, values, out)

@@ -22,11 +22,11 @@ from mimetic.character.sparse_curves import check_tolerance
 from mimetic.commands import cli
 from mimetic.commands.bake import add_face_arguments
 from mimetic.commands.console import Console
-from mimetic.fit.known_lens import FULL_FRAME_MM
 from mimetic.media.frame_range import parse_range
 from mimetic.media.image_sequence import USUAL_FPS, ImageSequence, opened
 from mimetic.report.html import check_report_packages
 from mimetic.shared.interrupts import listen_for_interrupt
+from mimetic.shared.pinhole import FULL_FRAME_MM
 from mimetic.shared.results import prepare_folder
 
 FAILED = 1  # exit status where a clip failed

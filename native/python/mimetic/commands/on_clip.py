@@ -14,13 +14,14 @@ from mimetic import InvalidInput, UnreadableMedia
 from mimetic.commands.console import Console
 from mimetic.commands.footage_argument import add_footage_argument
 from mimetic.fit.fitting import FaceFit
-from mimetic.fit.known_lens import FULL_FRAME_MM, KnownLens
+from mimetic.fit.known_lens import KnownLens
 from mimetic.fit.person import with_person
 from mimetic.media.footage import Footage
 from mimetic.media.frame_range import parse_range
 from mimetic.performance.document import Performance
 from mimetic.report.html import check_report_packages
 from mimetic.shared.interrupts import listen_for_interrupt
+from mimetic.shared.pinhole import FULL_FRAME_MM
 from mimetic.shared.progress import SEARCHED, Costs, Progress, stages
 from mimetic.shared.results import OF_A_CLIP, PERFORMANCE, prepare_folder, publish, staging
 from mimetic.solve.capture_summary import CaptureSummary

@@ -8,9 +8,9 @@ from dataclasses import dataclass
 from mimetic import InvalidInput, _core
 from mimetic.fit.face_fit import FaceFit
 from mimetic.performance.document import Performance
+from mimetic.shared.pinhole import FULL_FRAME_MM
 
 DEFAULT_FOCAL = 1.2  # picture widths: a webcam's 45 degrees, where nobody knows it
-FULL_FRAME_MM = 36.0  # width of the sensor that focal lengths are usually told for
 LEAST_FOCAL, MOST_FOCAL = 0.2, 60.0  # picture widths: 136 degrees to 1
 SAME = 1e-3  # of focal lengths: one that was rounded
 

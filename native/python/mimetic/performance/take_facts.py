@@ -11,8 +11,7 @@ import numpy as np
 from mimetic.performance.corrections import corrected_frames
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.shared.note_beginnings import CALIBRATED, HEAD_ALONE
-
-SENSOR_MM = 36.0
+from mimetic.shared.pinhole import FULL_FRAME_MM
 
 
 @dataclass(frozen=True)
@@ -43,7 +42,7 @@ def facts_of(performance: Performance) -> TakeFacts:
         float(np.median(performance.quality)),
         int(is_held.sum()),
         [(int(first), int(after) - 1) for first, after in ends.reshape(-1, 2)],
-        float(SENSOR_MM * performance.intrinsics[0, 0] / performance.image_size[0]),
+        float(FULL_FRAME_MM * performance.intrinsics[0, 0] / performance.image_size[0]),
         _has_note(performance, CALIBRATED),
         _has_note(performance, HEAD_ALONE),
         len(performance.corrections or ()),

@@ -13,10 +13,11 @@ from mimetic import InvalidInput, _core
 from mimetic.fit import fitting
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.face_shape import face_shape
-from mimetic.fit.known_lens import FULL_FRAME_MM, KnownLens, camera_with
+from mimetic.fit.known_lens import KnownLens, camera_with
 from mimetic.fit.person import with_person, with_shape_of
 from mimetic.muscles.anatomy import Anatomy
 from mimetic.puppet.live_face import LiveFace, live_face, own_anatomy
+from mimetic.shared.pinhole import FULL_FRAME_MM
 from mimetic.template.face_template import load_template
 
 # Root mean square difference of two fits' coefficients of shape, in their own standard deviations,

@@ -32,10 +32,8 @@ def vmc_messages(
     w, x, y, z = quaternion(head_turn(head_pose)).tolist()
     # Unity's axes are left-handed, and avatars look along z: x is mirrored
     messages = [message("/VMC/Ext/Bone/Pos", "Head", 0.0, 0.0, 0.0, x, -y, -z, w)]
-    blends = [
-        (name[0].upper() + name[1:], float(weight))
-        for name, weight in zip(unit_order(), () if weights is None else weights, strict=False)
-    ]
+    units = () if weights is None else zip(unit_order(), weights, strict=True)
+    blends = [(name[0].upper() + name[1:], float(weight)) for name, weight in units]
     blends += [(n, float(v)) for n, v in zip(names, values, strict=True) if n not in GAZE]
     messages += [message("/VMC/Ext/Blend/Val", name, value) for name, value in blends]
     messages.append(message("/VMC/Ext/Blend/Apply"))

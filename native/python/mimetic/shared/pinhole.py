@@ -8,6 +8,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from mimetic import _core
 
+FULL_FRAME_MM = 36.0  # width of the sensor that focal lengths are usually told for
+
 
 def is_pinhole(intrinsics: NDArray[np.float64]) -> bool:
     """Whether a 3 x 3 matrix is a camera's: focal lengths above 0, the last row 0 0 1."""
