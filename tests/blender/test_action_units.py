@@ -49,6 +49,7 @@ def test_sliders_move_their_side_by_intensity_and_add_up(extension, scene, perfo
     assert (keys.key_blocks["AU12.L"].slider_min, keys.key_blocks["AU12.L"].slider_max) == (0, 2)
 
 
+@pytest.mark.oldest_and_newest
 def test_an_action_of_a_unit_is_a_linear_ramp_on_any_face(extension, scene):
     scene.render.fps = 30
     assert bpy.ops.mimetic.add_face(use_units=True, subdivision=0) == {"FINISHED"}

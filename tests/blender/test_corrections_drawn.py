@@ -7,8 +7,9 @@ from types import SimpleNamespace
 import bpy
 import numpy as np
 import pytest
-from test_capture import clip_path  # noqa: F401
-from test_corrections import FRAME, captured, captured_file, performance  # noqa: F401
+from test_corrections import FRAME, captured, performance  # noqa: F401
+
+pytestmark = pytest.mark.oldest_and_newest
 
 WIDTH, HEIGHT = 800, 600  # of the region, which the picture fills
 LIMIT_MS = 3.0  # of the processor that draws

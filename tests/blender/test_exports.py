@@ -164,6 +164,7 @@ def run_bake(*arguments) -> subprocess.CompletedProcess:
 
 @pytest.mark.parametrize("has_target", [False, True])
 @pytest.mark.parametrize("suffix", (".fbx", ".usdc"))
+@pytest.mark.oldest_and_newest
 def test_the_command_writes_arkits_names(scene, hero, tmp_path, suffix, has_target):
     from mimetic.retarget.unit_fit import unit_order, unit_values
 
@@ -186,6 +187,7 @@ def test_the_command_writes_arkits_names(scene, hero, tmp_path, suffix, has_targ
         np.testing.assert_allclose(actual, unit_values(performance)[frame - 1], atol=1e-5)
 
 
+@pytest.mark.oldest_and_newest
 def test_a_target_is_exported_by_its_own_keys(extension, scene, hero, tmp_path):
     from mimetic.character import gltf
 

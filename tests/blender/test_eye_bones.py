@@ -96,7 +96,7 @@ def check(face) -> None:
     assert apart(right, wanted(YAW + OTHER, PITCH)).max() < ACROSS
 
 
-@pytest.mark.oldest_and_newest
+@pytest.mark.newest
 def test_the_eyes_of_rigifys_faces_look_as_the_actors_do(extension, rigify_file, looking):
     bpy.ops.wm.open_mainfile(filepath=str(rigify_file))
     bones, scene = extension("scene_out.face_bones"), bpy.context.scene

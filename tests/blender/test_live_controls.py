@@ -31,6 +31,7 @@ def test_known_names_move_live_and_are_put_back(character, live_settings, extens
     assert keys["mouthSmileLeft"].value == pytest.approx(0.25)
 
 
+@pytest.mark.oldest_and_newest
 def test_a_take_lies_on_the_characters_own_keys(scene, character, live_settings, extension):  # noqa: F811
     scene.frame_set(50)
     assert bpy.ops.mimetic.live() == {"FINISHED"}
@@ -51,6 +52,7 @@ def test_a_take_lies_on_the_characters_own_keys(scene, character, live_settings,
     )
 
 
+@pytest.mark.oldest_and_newest
 def test_bones_of_a_rig_move_live_and_are_keyed(scene, rig, live_settings, extension):  # noqa: F811
     bpy.context.view_layer.objects.active = rig
     before = {bone.name: bone.matrix_basis.copy() for bone in rig.pose.bones}

@@ -47,6 +47,7 @@ def keep_two(settings, tmp_path):
     return path
 
 
+@pytest.mark.newest
 def test_looks_of_a_clips_frames_are_kept_and_saved(settings, tmp_path, extension):
     path = keep_two(settings, tmp_path)
     from mimetic.puppet.templates import TaughtSet
@@ -64,6 +65,7 @@ def test_looks_of_a_clips_frames_are_kept_and_saved(settings, tmp_path, extensio
     assert bpy.ops.mimetic.live(use_teaching=False, set_use="DRIVE") == {"FINISHED"}
 
 
+@pytest.mark.newest
 def test_a_set_is_one_undo_step(settings, tmp_path):
     bpy.ops.ed.undo_push(message="before")
     path = keep_two(settings, tmp_path)
@@ -78,6 +80,7 @@ def test_a_set_is_one_undo_step(settings, tmp_path):
     assert bpy.context.scene.mimetic.live.taught_set == "" and path.exists()
 
 
+@pytest.mark.newest
 def test_a_look_is_kept_on_a_press_while_the_session_runs(
     settings, extension, tmp_path, monkeypatch
 ):

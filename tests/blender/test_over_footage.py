@@ -78,6 +78,7 @@ def test_footage_keeps_its_shape_in_a_wider_picture(loaded, scene, tmp_path):
 
 
 @pytest.mark.parametrize("size", [(800, 300), (400, 300), (1000, 750)])
+@pytest.mark.oldest_and_newest
 def test_footage_keeps_its_shape_where_the_picture_gets_another_after_the_bake(
     loaded, scene, extension, tmp_path, size
 ):

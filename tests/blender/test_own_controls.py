@@ -128,6 +128,7 @@ def test_a_preset_is_heeded_by_the_command(extension, scene, character, played, 
     assert "not a preset of controls" in ran.stderr
 
 
+@pytest.mark.oldest_and_newest
 def test_changed_names_play_the_same_through_muscles(
     extension,
     scene,

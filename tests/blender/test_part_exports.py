@@ -47,6 +47,7 @@ def parted(objects) -> dict[str, bpy.types.Object]:
 
 
 @pytest.mark.parametrize("suffix", (".glb", ".fbx", ".usdc", ".abc"))
+@pytest.mark.oldest_and_newest
 def test_parts_that_are_read_back_move_the_same(extension, scene, played, tmp_path, suffix):
     objects = {"Bust": played, **{name: bpy.data.objects[name] for name in MOVED}}
     expected = {

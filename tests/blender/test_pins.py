@@ -6,20 +6,15 @@ import time
 import bpy
 import numpy as np
 import pytest
-from test_capture import clip_path  # noqa: F401
+
+pytestmark = pytest.mark.oldest_and_newest
 
 FRAME, OTHER = 3, 20
 NAME = "mouth_corner.L"
 
 
-@pytest.fixture(scope="module")
-def found_file(tmp_path_factory):
-    """Where the first test keeps the face that it found, for the others."""
-    return tmp_path_factory.mktemp("found") / "found.blend"
-
-
 @pytest.fixture
-def found(clip_path, found_file):  # noqa: F811
+def found(clip_path, found_file):
     if found_file.exists():
         bpy.ops.wm.open_mainfile(filepath=str(found_file))
     else:

@@ -10,13 +10,12 @@ import pytest
 from mathutils import Euler, Matrix
 from scene_state import assert_same, curves_of, in_window, state
 from test_attach_muscles import new_head, put_landmarks
-from test_capture import clip_path  # noqa: F401
-from test_corrections import captured, captured_file  # noqa: F401
+from test_corrections import captured  # noqa: F401
 from test_expressions import BROWS, bump, face, smile  # noqa: F401
 from test_head import rig  # noqa: F401
 from test_head_parts import _piece
 from test_own_controls import character, played  # noqa: F401
-from test_pins import drag, found, found_file, select  # noqa: F401
+from test_pins import drag, found, select  # noqa: F401
 
 STANDS = Matrix.Translation((1, 2, 3)) @ Euler((0.3, 0.2, 1.0)).to_matrix().to_4x4()
 
@@ -296,6 +295,7 @@ CASES = [
 ]
 
 
+@pytest.mark.oldest_and_newest
 @pytest.mark.parametrize("case", CASES, ids=[f"{c.name}-{c.prepare.__name__}" for c in CASES])
 def test_the_redo_panel_gives_what_a_call_does(extension, request, case):
     """Left as it is what came at first; with every setting changed what a call with these gives;

@@ -135,6 +135,7 @@ def check_looks(performance, eyes, character_in_parent=None) -> None:
             np.testing.assert_allclose(actual, ahead, atol=3e-3)
 
 
+@pytest.mark.oldest_and_newest
 def test_eyeballs_of_a_head_become_nodes(scene, gazing, tmp_path):
     """The head without eyes moves as with them; the eyes turn about their middles."""
     from mimetic.template.face_template import load_template
@@ -167,6 +168,7 @@ def test_eyeballs_of_a_head_become_nodes(scene, gazing, tmp_path):
     check_looks(performance, eyes)
 
 
+@pytest.mark.oldest_and_newest
 def test_eyeballs_that_are_objects_become_nodes_and_arkits_names_stay(
     extension,
     scene,
@@ -207,6 +209,7 @@ def on_rig(obj, frame: int) -> np.ndarray:
     return np.array([evaluated.matrix_world @ vertex.co for vertex in evaluated.data.vertices])
 
 
+@pytest.mark.oldest_and_newest
 def test_eyes_of_a_head_on_a_rig_go_with_its_bone(scene, gazing, tmp_path):
     """A skinned mesh carries no nodes: its eyes are below the bone."""
     _, file = gazing

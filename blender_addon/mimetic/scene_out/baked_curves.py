@@ -49,7 +49,9 @@ def _put_to_rest(id_block: bpy.types.ID, path: str, index: int) -> None:
     except ValueError:  # a bone or key that is gone
         return
     of = thing.bl_rna.properties[name]
-    if of.is_array:
+    if isinstance(thing, bpy.types.ShapeKey):
+        thing.value = 0.0  # Blender 5.0 gives 1 as the property's default
+    elif of.is_array:
         getattr(thing, name)[index] = of.default_array[index]
     else:
         setattr(thing, name, of.default)
