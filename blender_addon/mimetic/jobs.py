@@ -2,19 +2,15 @@
 """Long work: read the scene, work in a thread that knows no Blender, write once.
 
 One job is at work at a time; those that may wait do so in the order in which they were pressed.
-The window stays free meanwhile: a job knows what it writes to by name, and looks when it does.
+One that waits behind another on its clip reads what that one made when its turn comes. The window
+stays free meanwhile: a job knows what it writes to by name, and looks when it does.
 """
 
 from __future__ import annotations
 
 import contextlib
-import os
-import queue
-import sys
 import threading
-import time
-from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
+from collections.abc import Iterator
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
@@ -22,93 +18,10 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from . import editors, native, outcome
 from .greyed import Greyed
+from .job_run import Run
 from .pace import Pace
 
-TELLING = 0.02  # of the work, from which on the time left is told
-GIVES_WAY = 3  # nice value that the thread of a job adds: docs/measured/addon.md
-
-
-@dataclass
-class Run:
-    """One job at work, or waiting for its turn. The worker posts, the main thread reads."""
-
-    label: str
-    subject: str = ""  # the clip that it works on
-    begin: Callable[[], None] | None = None  # starts it when its turn comes
-    keeps_part: bool = False  # when it is stopped
-    is_endless: bool = False  # it runs until it is stopped
-    so_far: object = None  # a mimetic.solve.frames_so_far.FramesSoFar, drawn while it grows
-    posts: queue.SimpleQueue = field(default_factory=queue.SimpleQueue)
-    stop: threading.Event = field(default_factory=threading.Event)
-    thread: threading.Thread | None = None
-    fraction: float = 0.0
-    what: str = ""
-    result: object = None
-    error: BaseException | None = None
-    begun: float = 0.0
-
-    def start(self, work, inputs) -> None:
-        def target() -> None:
-            _give_way()
-            try:
-                self.posts.put(("result", work(inputs, self.progress)))
-            except BaseException as error:
-                self.posts.put(("error", error))
-
-        # A daemon: Blender must be able to quit while the work goes on
-        self.begun = time.monotonic()
-        self.thread = threading.Thread(target=target, name=self.label, daemon=True)
-        self.thread.start()
-
-    def progress(self, fraction: float, what: str = "") -> bool:
-        """Called by the worker; says whether to go on."""
-        self.posts.put(("progress", (fraction, what)))
-        return not self.stop.is_set()
-
-    def is_done(self) -> bool:
-        """Reads what the worker posted; true once it ended."""
-        while self.thread.is_alive() or not self.posts.empty():
-            try:
-                kind, value = self.posts.get_nowait()
-            except queue.Empty:
-                return False
-            if kind == "progress":
-                self.fraction, self.what = value
-            else:
-                setattr(self, kind, value)
-                self.thread.join()
-        return True
-
-    def name(self) -> str:
-        return f"{self.label}, {self.subject}" if self.subject else self.label
-
-    def text(self) -> str:
-        if self.is_endless:
-            return f"{self.label}: {iface_(self.what)}"
-        text = f"{self.label}: {self.fraction:.0%} {iface_(self.what)}".rstrip()
-        return f"{text}{self._time_left()}"
-
-    def short_text(self) -> str:
-        """Without the step that it is at: as long as a sidebar is wide."""
-        return f"{self.label}: {self.fraction:.0%}{self._time_left()}"
-
-    def _time_left(self) -> str:
-        if not TELLING <= self.fraction < 1:
-            return ""
-        left = int((time.monotonic() - self.begun) * (1 - self.fraction) / self.fraction)
-        return iface_(", {minutes}:{seconds:02d} left").format(
-            minutes=left // 60, seconds=left % 60
-        )
-
-
-def _give_way() -> None:
-    """Lets the window be drawn first where there are fewer processors than work.
-
-    A nice value is a thread's own on Linux alone, where the threads that it starts have it, too.
-    """
-    if sys.platform == "linux":
-        os.nice(GIVES_WAY)
-
+NOTHING_CHANGED = "Stopped; nothing was changed"
 
 running: Run | None = None
 waiting: list[Run] = []
@@ -132,7 +45,8 @@ def stop_running() -> None:
     _ending.clear()
     if running:
         running.stop.set()
-        running.thread.join()
+        if running.thread:
+            running.thread.join()
         running = None
 
 
@@ -154,8 +68,15 @@ def _take_turns(run: Run) -> None:
         waiting.remove(run)
     elif run is running:
         running = waiting.pop(0) if waiting else None
-        if running:
+        if running and running.begin:
             running.begin()
+
+
+def _drop_followers(subject: str) -> None:
+    """Jobs that wait for what one on their clip was to make, and did not."""
+    for run in (running, *waiting):
+        if run and run.begin is None and run.subject == subject:
+            _take_turns(run)
 
 
 def _have_blender_ask() -> None:
@@ -240,7 +161,7 @@ class Job(Modal):
 
     @classmethod
     def subject(cls, context) -> str:
-        """The clip it works on, if it may wait while another job is at work on another clip."""
+        """The clip it works on, if it may wait while another job is at work."""
         return ""
 
     @classmethod
@@ -255,9 +176,16 @@ class Job(Modal):
         """Why it cannot be pressed while another job is at work."""
         if running is None:
             return ""
-        subject = cls.subject(context)
-        is_apart = subject and subject not in {run.subject for run in (running, *waiting)}
-        return "" if is_apart and not running.is_endless else busy()
+        subject, label = cls.subject(context), cls._label()
+        if not subject or running.is_endless:
+            return busy()
+        if any((run.subject, run.label) == (subject, label) for run in (running, *waiting)):
+            return iface_("{job} is running or waits already").format(job=f"{label}, {subject}")
+        return ""
+
+    @classmethod
+    def _label(cls) -> str:
+        return iface_(cls.bl_label, "Operator")
 
     def execute(self, context):
         """Blocks until done: scripts, batch and tests."""
@@ -274,13 +202,14 @@ class Job(Modal):
             return self.execute(context)
         if reason := self._cannot_wait(context):
             return outcome.cancelled(self, context, reason)
-        try:
-            inputs = self.read(context)
-        except native.known_errors() as error:
-            return outcome.cancelled(self, context, str(error))
-        run = Run(iface_(self.bl_label, "Operator"), self.subject(context))
-        run.keeps_part, run.so_far = self.keeps_part, self.so_far
-        run.begin = lambda: run.start(self.work, inputs)
+        run = Run(self._label(), self.subject(context), keeps_part=self.keeps_part)
+        if not any(other and other.subject == run.subject for other in (running, *waiting)):
+            try:
+                inputs = self.read(context)
+            except native.known_errors() as error:
+                return outcome.cancelled(self, context, str(error))
+            run.so_far = self.so_far
+            run.begin = lambda: run.start(self.work, inputs)
         self._scene_name = context.scene.name
         self._pace = Pace(self.tick_seconds)
         if running:
@@ -289,8 +218,35 @@ class Job(Modal):
             run.begin()
         return self.enter(context, run)
 
+    def _begin(self, context):
+        """Its turn has come, behind another job on its clip, which has made what it reads."""
+        run, reason = self._run, self._elsewhere(context)
+        if reason and not run.stop.is_set():
+            self._show(context, reason)
+            return {"PASS_THROUGH"}
+        try:
+            if run.stop.is_set():
+                raise native.invalid_input(rpt_(NOTHING_CHANGED))
+            if self.subject(context) != run.subject:
+                raise native.invalid_input(
+                    rpt_("{clip} is the clip no longer: {job} was not begun").format(
+                        clip=run.subject, job=run.label
+                    )
+                )
+            inputs = self.read(context)
+        except native.known_errors() as error:
+            self.leave(context)
+            _drop_followers(run.subject)
+            level = "WARNING" if run.stop.is_set() else "ERROR"
+            return outcome.cancelled(self, context, str(error), level)
+        run.so_far = self.so_far
+        run.start(self.work, inputs)
+        return {"PASS_THROUGH"}
+
     def handle(self, context, event):
         if event.type == "TIMER" and self._run is running:
+            if running.thread is None:
+                return self._begin(context)
             _have_blender_ask()
             is_done = running.is_done()
             reason = self._hindrance(context) if is_done else ""
@@ -319,13 +275,18 @@ class Job(Modal):
         """Why the result cannot be put into the scene as the window stands."""
         if running.stop.is_set() or running.error or not self.needs_object_mode:
             return ""
-        if context.scene.name != self._scene_name and self._scene_name in bpy.data.scenes:
-            return iface_("is done: go back to the scene {scene}, where it belongs").format(
-                scene=self._scene_name
-            )
+        if reason := self._elsewhere(context):
+            return reason
         if context.mode == "OBJECT":
             return ""
         return iface_("is done: go to Object Mode, where it is written")
+
+    def _elsewhere(self, context) -> str:
+        if context.scene.name == self._scene_name or self._scene_name not in bpy.data.scenes:
+            return ""
+        return iface_("waits: go back to the scene {scene}, where it belongs").format(
+            scene=self._scene_name
+        )
 
     def _end(self, context):
         run = running
@@ -333,15 +294,19 @@ class Job(Modal):
         try:
             if run.error:
                 raise run.error
-            return self._write(context, run.result, run.stop.is_set())
+            answer = self._write(context, run.result, run.stop.is_set())
         except native.known_errors() as error:
             if run.error and run.stop.is_set():  # it had nothing yet to keep
-                return self._write(context, None, True)
-            return outcome.cancelled(self, context, str(error))
+                answer = self._write(context, None, True)
+            else:
+                answer = outcome.cancelled(self, context, str(error))
+        if answer == {"CANCELLED"}:
+            _drop_followers(run.subject)
+        return answer
 
     def _write(self, context, result, is_stopped: bool):
         if result is None:
-            return outcome.cancelled(self, context, "Stopped; nothing was changed", "WARNING")
+            return outcome.cancelled(self, context, NOTHING_CHANGED, "WARNING")
         self.facts = {}
         message = self.write(context, result)
         facts = {**self.facts, "is_stopped": is_stopped}

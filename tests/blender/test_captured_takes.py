@@ -133,8 +133,10 @@ def test_a_take_of_an_earlier_version_is_listed_when_another_comes(
     assert rows(extension, captured) == ["anna.002", "anna"]
 
 
-def test_bake_and_refine_wait_behind_a_job_of_another_clip(extension, captured, monkeypatch):
+def test_bake_and_refine_wait_behind_a_capture(extension, captured, monkeypatch):
     jobs = extension("jobs")
-    for subject, may_wait in (("other.mp4", True), (captured.name, False)):
+    for subject in ("other.mp4", captured.name):
         monkeypatch.setattr(jobs, "running", jobs.Run("Capture", subject))
-        assert bpy.ops.mimetic.bake.poll() == bpy.ops.mimetic.refine.poll() == may_wait
+        assert bpy.ops.mimetic.bake.poll() and bpy.ops.mimetic.refine.poll()
+    monkeypatch.setattr(jobs, "waiting", [jobs.Run("Bake", captured.name)])
+    assert not bpy.ops.mimetic.bake.poll() and bpy.ops.mimetic.refine.poll()

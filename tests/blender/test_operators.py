@@ -192,65 +192,109 @@ def test_a_run_hands_over_what_went_wrong(extension):
     assert isinstance(run.error, ValueError)
 
 
-def test_a_job_waits_its_turn_behind_one_on_another_clip(extension, scene, footage, monkeypatch):
-    """As two buttons pressed one after the other; Blender's window is a stand-in."""
-    jobs, face = extension("jobs"), extension("operators.face").MIMETIC_OT_find_face
-    order, gates = [], {"first": threading.Event(), "second": threading.Event()}
+@pytest.fixture
+def pressed(extension, scene):
+    """Makes buttons as the window presses them, which is a stand-in, and their context."""
+    jobs = extension("jobs")
     manager = SimpleNamespace(
         event_timer_add=lambda *_args, **_kwargs: object(),
         event_timer_remove=lambda _timer: None,
         modal_handler_add=lambda _operator: None,
         mimetic_result="",
     )
+    context = SimpleNamespace(
+        window=object(), scene=scene, mode="OBJECT", window_manager=manager, workspace=None
+    )
+    context.workspace = SimpleNamespace(status_text_set=lambda _text: None)
 
     class Pressed(jobs.Job):
+        """Writes down what it read and which job it is; `gates` hold its work up."""
+
         bl_label, bl_idname, needs_object_mode = "Job", "MIMETIC_OT_job", False
+        written, gates = [], {}
 
         @classmethod
         def subject(cls, _context):
             return cls.clip
 
         def read(self, _context):
-            return self.clip
+            return list(self.written)
 
-        def work(self, clip, progress):
-            gates[clip].wait(10)
-            progress(0.5, "")
-            return clip
+        def work(self, inputs, progress):
+            self.gates[self.clip].wait(10)
+            return (inputs, self.clip) if progress(0.5, "") else None
 
-        def write(self, _context, clip):
-            order.append(clip)
-            return clip
+        def write(self, _context, result):
+            self.written.append(result[1])
+            self.seen = result[0]
+            return ""
 
         def report(self, *_message):
             pass
 
-    context = SimpleNamespace(
-        window=object(), scene=scene, mode="OBJECT", window_manager=manager, workspace=scene.mimetic
-    )
-    context.workspace = SimpleNamespace(status_text_set=lambda _text: None)
-    tick = SimpleNamespace(type="TIMER", value="NOTHING")
+    def press(clip, label="Job"):
+        Pressed.gates.setdefault(clip, threading.Event())
+        return type(clip, (Pressed,), {"clip": clip, "bl_label": label})()
+
+    yield press, context, Pressed
+    jobs.running = None
+    jobs.waiting.clear()
+
+
+TICK = SimpleNamespace(type="TIMER", value="NOTHING")
+
+
+def end_of(button, context) -> set[str]:
+    while (answer := button.modal(context, TICK)) == {"PASS_THROUGH"}:
+        pass
+    return answer
+
+
+def test_a_job_waits_its_turn_behind_one_on_another_clip(extension, pressed, footage):
+    jobs, face = extension("jobs"), extension("operators.face").MIMETIC_OT_find_face
+    press, context, kind = pressed
     click = SimpleNamespace(type="RIGHTMOUSE", value="PRESS")
-    first, second, again = (
-        type(clip, (Pressed,), {"clip": clip})() for clip in ("first", "second", "first")
-    )
+    first, second, again = press("first"), press("second"), press("first")
     assert first.invoke(context, None) == {"RUNNING_MODAL"}
-    assert again.invoke(context, None) == {"CANCELLED"}  # what it reads would be old
+    assert again.invoke(context, None) == {"CANCELLED"}  # pressed twice
     assert second.invoke(context, None) == {"RUNNING_MODAL"}
     assert [run.subject for run in jobs.waiting] == ["second"]
     shown = drawn("MIMETIC_PT_capture_view")
     assert "Then: Job, second" in shown and shown.count("mimetic.stop") == 2
     bpy.ops.mimetic.load_clip(filepath=str(footage))
     assert face.poll(bpy.context)  # another clip's
-    gates["second"].set()
-    assert second.modal(context, tick) == {"PASS_THROUGH"}  # it has not begun
+    kind.gates["second"].set()
+    assert second.modal(context, TICK) == {"PASS_THROUGH"}  # it has not begun
     assert first.modal(context, click) == {"PASS_THROUGH"}
-    gates["first"].set()
-    for pressed in (first, second):
-        while pressed.modal(context, tick) == {"PASS_THROUGH"}:
-            pass
-    assert order == ["first", "second"]
+    kind.gates["first"].set()
+    for button in (first, second):
+        assert end_of(button, context) == {"FINISHED"}
+    assert kind.written == ["first", "second"]
+    assert second.seen == []  # read when it was pressed
     assert jobs.running is None and not jobs.waiting
+
+
+def test_a_job_behind_one_on_its_clip_reads_what_that_one_made(extension, pressed):
+    press, context, kind = pressed
+    finding, following = press("clip"), press("clip", "Follow")
+    assert finding.invoke(context, None) == following.invoke(context, None) == {"RUNNING_MODAL"}
+    kind.gates["clip"].set()
+    assert end_of(finding, context) == end_of(following, context) == {"FINISHED"}
+    assert following.seen == ["clip"]
+    assert extension("jobs").running is None
+
+
+def test_a_job_that_made_nothing_takes_those_behind_it_along(extension, pressed):
+    jobs = extension("jobs")
+    press, context, kind = pressed
+    finding, following, other = press("clip"), press("clip", "Follow"), press("other")
+    for button in (finding, following, other):
+        assert button.invoke(context, None) == {"RUNNING_MODAL"}
+    jobs.running.stop.set()
+    for gate in kind.gates.values():
+        gate.set()
+    assert end_of(finding, context) == end_of(following, context) == {"CANCELLED"}
+    assert end_of(other, context) == {"FINISHED"} and kind.written == ["other"]
 
 
 def test_a_result_waits_until_the_scene_can_take_it(extension, scene, performance_file):
@@ -260,14 +304,15 @@ def test_a_result_waits_until_the_scene_can_take_it(extension, scene, performanc
     context = SimpleNamespace(scene=scene, mode="EDIT_MESH")
     run = jobs.running = jobs.Run("Bake")
     try:
-        job = SimpleNamespace(needs_object_mode=True, _scene_name=scene.name)
-        assert "Object Mode" in jobs.Job._hindrance(job, context)
+        job = jobs.Job()
+        job._scene_name = scene.name
+        assert "Object Mode" in job._hindrance(context)
         context.mode = "OBJECT"
-        assert jobs.Job._hindrance(job, context) == ""
+        assert job._hindrance(context) == ""
         context.scene = bpy.data.scenes.new("Other")
-        assert scene.name in jobs.Job._hindrance(job, context)
+        assert scene.name in job._hindrance(context)
         run.stop.set()
-        assert jobs.Job._hindrance(job, context) == ""
+        assert job._hindrance(context) == ""
     finally:
         jobs.running = None
 

@@ -76,10 +76,10 @@ def test_a_job_lets_the_window_go_first(extension):
         return os.getpriority(os.PRIO_PROCESS, 0)  # of the thread that asks
 
     before = own()
-    jobs = extension("jobs")
-    run = jobs.Run("Capture")
+    job_run = extension("job_run")
+    run = job_run.Run("Capture")
     run.start(lambda _inputs, _progress: own(), None)
     run.thread.join()
     assert run.is_done() and run.error is None
-    assert run.result == min(before + jobs.GIVES_WAY, 19)
+    assert run.result == min(before + job_run.GIVES_WAY, 19)
     assert own() == before
