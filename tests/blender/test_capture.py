@@ -11,7 +11,7 @@ from fetched_footage import fetched_frames
 from imageio_ffmpeg import write_frames
 from mimetic.solve.capture_summary import CaptureSummary
 
-pytestmark = pytest.mark.oldest_and_newest
+pytestmark = pytest.mark.newest
 
 FRAMES = (1, 8)
 FIT_FRAME = 3
