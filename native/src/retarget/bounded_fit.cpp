@@ -10,6 +10,7 @@ namespace mimetic {
 namespace {
 
 constexpr int kMostRounds = 200;
+constexpr int kStops = 8;             // of unknowns at 0 or a bound, in one attempt to end exactly
 constexpr int kSweeps = 10;           // of coordinate descent, between attempts to end exactly
 constexpr double kTolerance = 1e-10;  // of a condition, over the largest of the problem's slopes
 constexpr double kLeast = 1e-12;      // of a diagonal, over the largest
@@ -58,8 +59,16 @@ private:
         }
     }
 
-    /// The minimum over the unknowns that are neither 0 nor at a bound, taken if it lies between them.
+    /// Towards the minimum over the unknowns that are neither 0 nor at a bound; those that come to 0 or to a
+    /// bound on the way stay there.
     void end_exactly() {
+        for (int stop = 0; stop < kStops && !step_freely(); ++stop) {
+        }
+        rest_ = problem_.linear - problem_.hessian * at_;
+    }
+
+    /// Whether that minimum was reached, or nothing can be done; else one unknown more is at 0 or a bound.
+    bool step_freely() {
         std::vector<Eigen::Index> free;
         for (const Eigen::Index k : moving_) {
             if (at_[k] != 0 && at_[k] > problem_.lowest[k] && at_[k] < problem_.highest[k]) {
@@ -67,7 +76,7 @@ private:
             }
         }
         if (free.empty()) {
-            return;
+            return true;
         }
         Eigen::VectorXd slopes = rest_(free);
         for (std::size_t i = 0; i < free.size(); ++i) {
@@ -76,22 +85,31 @@ private:
         const Eigen::MatrixXd block = problem_.hessian(free, free);
         const Eigen::LLT<Eigen::MatrixXd> factor(block);
         if (factor.info() != Eigen::Success) {
-            return;
+            return true;
         }
         const Eigen::VectorXd step = factor.solve(slopes);
         if (!step.allFinite()) {
-            return;
+            return true;
         }
-        Eigen::VectorXd next = at_;
+        double share = 1, end = 0;
+        Eigen::Index first = -1;
         for (std::size_t i = 0; i < free.size(); ++i) {
             const Eigen::Index k = free[i];
-            next[k] += step[static_cast<Eigen::Index>(i)];
-            if (next[k] * at_[k] <= 0 || next[k] < problem_.lowest[k] || next[k] > problem_.highest[k]) {
-                return;
+            const double way = step[static_cast<Eigen::Index>(i)];
+            const double limit =
+                way > 0 ? (at_[k] < 0 ? 0 : problem_.highest[k]) : (at_[k] > 0 ? 0 : problem_.lowest[k]);
+            if (way != 0 && (limit - at_[k]) / way < share) {
+                share = (limit - at_[k]) / way;
+                first = k;
+                end = limit;
             }
         }
-        at_ = next;
+        at_(free) += share * step;
+        if (first >= 0) {
+            at_[first] = end;
+        }
         rest_ = problem_.linear - problem_.hessian * at_;
+        return first < 0;
     }
 
     bool is_minimum(const Eigen::VectorXd& at) const {
