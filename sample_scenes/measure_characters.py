@@ -3,9 +3,10 @@
 
 What muscles make of each unit, alone and full, is what a character should do; what its own controls
 make of that is read from the evaluated mesh. Prints a line a character, over the skin that can be
-seen: medians over the units of cosine and gain, the widest gap of lids that blink, and how far off
-lips are in the worst of the units that move them, in mm. Of rigs whose bones turn the eyes, how far
-off those look at most, to 25 degrees aside and 15 up and down.
+seen: medians over the units of cosine and gain, the widest gap of lids that blink, and of lips that
+muscles keep shut in the worst of those units, in mm; lips that are pressed into each other are
+shut, however far muscles press. Of rigs whose bones turn the eyes, how far off those look at most,
+to 25 degrees aside and 15 up and down.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import blender_module
 from make_characters import CHARACTERS, at_hand
 
-ACTOR = 11  # seed of the actor's identity
+ACTOR = 11  # on which options were chosen
 PARTED = ("lid_upper.L", "lid_upper.R", "jaw_open")  # sources that shut rims, or part them
 ASIDE, UP = (-25.0, -10.0, 0.0, 10.0, 25.0), (-15.0, 0.0, 15.0)  # degrees, of gaze
 SHUT = 0.5  # mm; lips that are no further apart are shut
@@ -34,12 +35,14 @@ HEADER = "character     cosine  below .8  gain  lids, mm  lips, mm  52: lids, mm
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", choices=CHARACTERS, nargs="+", default=at_hand())
+    parser.add_argument("--actor", type=int, default=ACTOR, help="seed of the actor's identity")
     arguments = parser.parse_args()
     if len(arguments.only) == 1:
-        return blender_module.run("measure_characters", lambda _: measure(arguments.only[0]))
+        name, actor = arguments.only[0], arguments.actor
+        return blender_module.run("measure_characters", lambda _: measure(name, actor))
     print(HEADER, flush=True)
     for name in arguments.only:  # a process each: Blender does not forget a Rigify that was in it
-        command = [sys.executable, __file__, "--only", name]
+        command = [sys.executable, __file__, "--actor", str(arguments.actor), "--only", name]
         ran = subprocess.run(command, check=False, stdout=subprocess.PIPE, text=True)
         if ran.returncode:
             return ran.returncode
@@ -47,7 +50,7 @@ def main() -> int:
     return 0
 
 
-def measure(name: str) -> None:
+def measure(name: str, actor: int) -> None:
     import bpy
     from mimetic import _core
     from mimetic.template.face_template import load_template
@@ -56,8 +59,9 @@ def measure(name: str) -> None:
     mesh.mimetic.use_contact = False  # else it would be solved for every pose
     surface, made = _made(scene, mesh)
     units = load_template().unit_names
-    wanted = np.tensordot(_values(surface), surface.sources, axes=1)
-    got = wanted if made is None else made(_values(surface))
+    values = _values(surface, actor)
+    wanted = np.tensordot(values, surface.sources, axes=1)
+    got = wanted if made is None else made(values)
     polygons = np.asarray(surface.starts).tolist(), np.asarray(surface.corners).tolist()
     areas = _core.seen_areas(surface.points, *polygons)[None, :, None]
     along, whole, own = (
@@ -131,14 +135,14 @@ def _made(scene, mesh):
     return surface, made
 
 
-def _values(surface) -> np.ndarray:
-    """52 x S: what an actor's muscles do for each unit."""
+def _values(surface, actor: int) -> np.ndarray:
+    """52 x S: what muscles of the actor do for each unit."""
     from mimetic.template.face_template import load_template
 
     from evaluation.runs.retarget import Course, activations
 
     course = Course(np.eye(52), np.arange(52))
-    names, acted, _ = activations(load_template(), course, ACTOR)
+    names, acted, _ = activations(load_template(), course, actor)
     rows = np.zeros((52, len(surface.source_names)))
     for name, column in zip(names, acted.T, strict=True):
         if name in surface.source_names:
@@ -196,6 +200,8 @@ def _opened(surface, source: str, got, wanted) -> tuple[np.ndarray, np.ndarray]:
     way = (1 if source == "jaw_open" else -1) * parted
     way /= np.linalg.norm(way, axis=1, keepdims=True)
     have, want = ((apart(offsets) * way).sum(axis=2) for offsets in (got, wanted))
+    if source == "jaw_open":  # lips touch at rest, and go no further than that
+        want = np.maximum(want, 0)
     return np.maximum(have - want, 0).max(axis=1), want.max(axis=1)
 
 

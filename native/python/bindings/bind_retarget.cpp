@@ -85,7 +85,9 @@ void bind_retarget(py::module_& m) {
         .def_readwrite("unmatched_motion", &ControlFitOptions::unmatched_motion)
         .def_readwrite("least_explained", &ControlFitOptions::least_explained)
         .def_readwrite("value_match", &ControlFitOptions::value_match)
-        .def_readwrite("tied_reading", &ControlFitOptions::tied_reading);
+        .def_readwrite("tied_reading", &ControlFitOptions::tied_reading)
+        .def_readwrite("hold_shut", &ControlFitOptions::hold_shut)
+        .def_readwrite("hold_slack", &ControlFitOptions::hold_slack);
     py::class_<ControlFit>(m, "ControlFit",
                            "Values of sources as values of a character's own controls; see "
                            "control_fit.hpp.")

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kReadingRidge = 1e-3;  // of a source's own response: sources that do nearly the same share
 constexpr double kMostNumbers = 2e8;    // of displacements, 1.6 GB
+constexpr int kMostHolds = 12;          // rounds in which pairs come to be held, or are let go
 constexpr Eigen::Index kBlock = 1024;   // vertices weighted at once
 
 void check_range_rows(MatrixIn range, Eigen::Index count, const char* what) {
@@ -43,11 +44,13 @@ void ControlFitOptions::check() const {
     check_range("ControlFitOptions.least_explained", least_explained, 0, 1);
     check_range("ControlFitOptions.value_match", value_match, 0, 10);
     check_range("ControlFitOptions.tied_reading", tied_reading, 0, 10);
+    check_range("ControlFitOptions.hold_shut", hold_shut, 0, 1000);
+    check_range("ControlFitOptions.hold_slack", hold_slack, 0, 1000);
 }
 
 ControlFit::ControlFit(MatrixIn controls, MatrixIn sources, VectorIn weights, MatrixIn control_range,
                        MatrixIn source_range, const ControlFitOptions& options, const TiedVertices& tied)
-    : options_(options), control_range_(control_range), source_range_(source_range) {
+    : options_(options), tied_(tied), control_range_(control_range), source_range_(source_range) {
     options.check();
     require(controls.cols() == 3 * weights.size() && sources.cols() == controls.cols(),
             "controls and sources must displace the same vertices, each of which has a weight");
@@ -73,20 +76,21 @@ ControlFit::ControlFit(MatrixIn controls, MatrixIn sources, VectorIn weights, Ma
         of_both_ += own * weighted.transpose();
     }
     tied.check(weights.size());
-    const Eigen::MatrixXd parted = apart(controls, tied), left_apart = apart(sources, tied);
-    read(parted, left_apart, tied.weights);
-    tie(parted, left_apart, tied.weights);
+    parted_ = apart(controls, tied);
+    left_apart_ = apart(sources, tied);
+    read();
+    tie();
     weigh_sources();
 }
 
-void ControlFit::read(const Eigen::MatrixXd& parted, const Eigen::MatrixXd& left_apart, VectorIn weights) {
+void ControlFit::read() {
     const Eigen::Index num_controls = of_controls_.rows(), num_sources = of_sources_.rows();
     readings_ = MatrixRows::Zero(num_controls, num_sources);
     readable_ = Eigen::VectorXd::Zero(num_controls);
-    const Eigen::MatrixXd seen = left_apart * (options_.tied_reading * weights).asDiagonal();
-    const Eigen::MatrixXd both = of_both_ + parted * seen.transpose();
+    const Eigen::MatrixXd seen = left_apart_ * (options_.tied_reading * tied_.weights).asDiagonal();
+    const Eigen::MatrixXd both = of_both_ + parted_ * seen.transpose();
     BoundedProblem problem;
-    problem.hessian = of_sources_ + seen * left_apart.transpose();
+    problem.hessian = of_sources_ + seen * left_apart_.transpose();
     problem.hessian.diagonal() *= 1 + kReadingRidge;
     problem.sparsity = options_.sparsity * problem.hessian.diagonal();
     for (Eigen::Index k = 0; k < num_controls; ++k) {
@@ -118,14 +122,14 @@ void ControlFit::read(const Eigen::MatrixXd& parted, const Eigen::MatrixXd& left
     scale_ = hessian_.diagonal();
 }
 
-void ControlFit::tie(const Eigen::MatrixXd& parted, const Eigen::MatrixXd& left_apart, VectorIn weights) {
+void ControlFit::tie() {
     // As in the fit itself, a control stands for its reading: lids that a key takes further than shut are
     // shut
     const Eigen::MatrixXd played =
-        whole_.asDiagonal() * parted + (1 - whole_.array()).matrix().asDiagonal() * readings_ * left_apart;
-    const Eigen::MatrixXd weighted = played * weights.asDiagonal();
+        whole_.asDiagonal() * parted_ + (1 - whole_.array()).matrix().asDiagonal() * readings_ * left_apart_;
+    const Eigen::MatrixXd weighted = played * tied_.weights.asDiagonal();
     hessian_ += weighted * played.transpose();
-    slopes_ += weighted * left_apart.transpose();
+    slopes_ += weighted * left_apart_.transpose();
 }
 
 BoundedProblem ControlFit::problem() const {
@@ -155,9 +159,42 @@ MatrixRows ControlFit::frames(MatrixIn values, MatrixIn expected) const {
         now.linear = slopes * values.row(i).transpose() +
                      options_.ridge * scale_.cwiseProduct(expected.row(i).transpose());
         start = fit_bounded(now, start);
-        fitted.row(i) = start.transpose();
+        fitted.row(i) = held_shut(now, start, most_apart(values.row(i).transpose())).transpose();
     }
     return fitted;
+}
+
+/// How far the controls may move each tied pair apart where sources have these values (S): P.
+Eigen::VectorXd ControlFit::most_apart(VectorIn values) const {
+    const Eigen::VectorXd open = tied_.open + left_apart_.transpose() * values;
+    Eigen::VectorXd widest = Eigen::VectorXd::Zero(open.size() > 0 ? tied_.rims.maxCoeff() + 1 : 0);
+    for (Eigen::Index p = 0; p < open.size(); ++p) {
+        widest[tied_.rims[p]] = std::max(widest[tied_.rims[p]], open[p]);
+    }
+    return open.cwiseMax(-tied_.pressed) + options_.hold_slack * widest(tied_.rims) - tied_.open;
+}
+
+/// The minimum that counts tied pairs too, as far as the controls move them further apart than most (P).
+/// fitted: K, the minimum of the problem itself. A problem of one-sided squares, by Newton's method.
+Eigen::VectorXd ControlFit::held_shut(const BoundedProblem& problem, const Eigen::VectorXd& fitted,
+                                      VectorIn most) const {
+    const Eigen::VectorXd weights = options_.hold_shut * tied_.weights;
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(most.size());
+    Eigen::VectorXd at = fitted, held = none;
+    for (int round = 0; round < kMostHolds; ++round) {
+        const Eigen::VectorXd over = parted_.transpose() * at - most;
+        const Eigen::VectorXd parted = (over.array() > 0).select(weights, none);
+        if (parted == held) {
+            break;
+        }
+        held = parted;
+        BoundedProblem holding = problem;
+        const Eigen::MatrixXd rows = parted_ * held.asDiagonal();
+        holding.hessian += rows * parted_.transpose();
+        holding.linear += rows * most;
+        at = fit_bounded(holding, at);
+    }
+    return at;
 }
 
 MatrixRows ControlFit::mapping() const {

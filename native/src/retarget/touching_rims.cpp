@@ -16,7 +16,9 @@ constexpr double kPartedReach = .125;  // the same of the jaw, which goes three 
 constexpr double kWithIt = .5;         // of the longest offset: skin that a source moves goes further
 constexpr double kShutWeight = 10;     // of lids, times the skin that goes with them
 constexpr double kPartedWeight = 1;    // of lips, which shut one another in few frames; more costs smiles
-constexpr double kUnit = 1e-6;         // of a unit vector's length
+constexpr double kPressed =
+    .025;  // of the longest offset: lips that press are held a millimetre into each other
+constexpr double kUnit = 1e-6;  // of a unit vector's length
 
 /// A number for each vertex, the same for those that hang together.
 std::vector<int> pieces(Eigen::Index count, const std::vector<int>& starts, const std::vector<int>& corners) {
@@ -52,12 +54,16 @@ std::vector<int> pieces(Eigen::Index count, const std::vector<int>& starts, cons
 
 void TiedVertices::check(Eigen::Index num_vertices) const {
     const Eigen::Index num_pairs = pairs.rows();
-    require(ways.rows() == num_pairs && weights.size() == num_pairs,
-            "each pair of tied vertices needs a way and a weight");
+    require(ways.rows() == num_pairs && weights.size() == num_pairs && open.size() == num_pairs &&
+                pressed.size() == num_pairs && rims.size() == num_pairs,
+            "each pair of tied vertices needs a way, a weight, two lengths and the rims that it is of");
     require(num_pairs == 0 || (pairs.minCoeff() >= 0 && pairs.maxCoeff() < num_vertices),
             "a pair of tied vertices names one that the surface does not have");
     require(weights.allFinite() && (num_pairs == 0 || weights.minCoeff() >= 0),
             "weights of tied vertices must be finite and at least 0");
+    require(open.allFinite() && pressed.allFinite() &&
+                (num_pairs == 0 || (pressed.minCoeff() >= 0 && rims.minCoeff() >= 0)),
+            "lengths of tied vertices must be finite, and rims be numbered from 0");
     require(ways.allFinite() && ((ways.rowwise().norm().array() - 1).abs() < kUnit).all(),
             "ways of tied vertices must be unit vectors");
 }
@@ -97,11 +103,19 @@ TiedVertices touching_rims(PointsIn points, const std::vector<int>& starts, cons
             found.emplace_back(mover, other);
         }
     }
-    TiedVertices tied{VertexPairs(found.size(), 2), Points(found.size(), 3), {}};
+    const auto count = static_cast<Eigen::Index>(found.size());
+    TiedVertices tied;
+    tied.pairs.resize(count, 2);
+    tied.ways.resize(count, 3);
+    tied.open.resize(count);
+    tied.pressed = Eigen::VectorXd::Constant(count, kPressed * longest);
+    tied.rims = Eigen::VectorXi::Zero(count);
     for (std::size_t i = 0; i < found.size(); ++i) {
         const auto row = static_cast<Eigen::Index>(i);
         tied.pairs.row(row) << found[i].first, found[i].second;
-        tied.ways.row(row) = (offsets.row(found[i].first) - offsets.row(found[i].second)).normalized();
+        const Eigen::RowVector3d moved = offsets.row(found[i].first) - offsets.row(found[i].second);
+        tied.ways.row(row) = (shuts ? -1 : 1) * moved.normalized();
+        tied.open[row] = shuts ? moved.norm() : 0;
     }
     const double skin = (lengths.array() > kWithIt * longest).select(areas, 0.).sum();
     const double whole = (shuts ? kShutWeight : kPartedWeight) * skin;
@@ -115,13 +129,28 @@ TiedVertices joined(const std::vector<TiedVertices>& parts) {
     for (const TiedVertices& part : parts) {
         count += part.pairs.rows();
     }
-    TiedVertices all{VertexPairs(count, 2), Points(count, 3), Eigen::VectorXd(count)};
+    TiedVertices all;
+    all.pairs.resize(count, 2);
+    all.ways.resize(count, 3);
+    all.weights.resize(count);
+    all.open.resize(count);
+    all.pressed.resize(count);
+    all.rims.resize(count);
     Eigen::Index row = 0;
+    int num_rims = 0;
     for (const TiedVertices& part : parts) {
-        all.pairs.middleRows(row, part.pairs.rows()) = part.pairs;
-        all.ways.middleRows(row, part.pairs.rows()) = part.ways;
-        all.weights.segment(row, part.pairs.rows()) = part.weights;
-        row += part.pairs.rows();
+        const Eigen::Index own = part.pairs.rows();
+        if (own == 0) {
+            continue;
+        }
+        all.pairs.middleRows(row, own) = part.pairs;
+        all.ways.middleRows(row, own) = part.ways;
+        all.weights.segment(row, own) = part.weights;
+        all.open.segment(row, own) = part.open;
+        all.pressed.segment(row, own) = part.pressed;
+        all.rims.segment(row, own) = part.rims.array() + num_rims;
+        num_rims += part.rims.maxCoeff() + 1;
+        row += own;
     }
     return all;
 }

@@ -209,6 +209,8 @@ TEST(ControlFit, AKeyThatPartsTheLipsIsReadAsWhatPartsThem) {
     tied.pairs = VertexPairs{{1, 2}};
     tied.ways = Points{{0, 1, 0}};
     tied.weights = Eigen::VectorXd::Constant(1, 10);
+    tied.open = tied.pressed = Eigen::VectorXd::Zero(1);
+    tied.rims = Eigen::VectorXi::Zero(1);
     ControlFitOptions options;
     const auto opened = [&](double tied_reading) {
         options.tied_reading = tied_reading;
@@ -216,6 +218,41 @@ TEST(ControlFit, AKeyThatPartsTheLipsIsReadAsWhatPartsThem) {
     };
     EXPECT_LT(opened(0), .6);
     EXPECT_GT(opened(.1), .9);
+}
+
+TEST(ControlFit, LipsThatMusclesHoldShutStayShut) {
+    // A ring that moves much skin and presses the lips, and what parts them; keys: a funnel that does nearly
+    // what the ring does but parts the lips, and one that does little but shut them
+    MatrixRows sources = MatrixRows::Zero(2, 9), controls = MatrixRows::Zero(2, 9);
+    sources(0, 0) = 1;
+    sources(0, 4) = -.1;
+    sources(1, 4) = 1;
+    controls(0, 0) = 1;
+    controls(0, 4) = .8;
+    controls(1, 1) = .1;
+    controls(1, 4) = -1;
+    const Eigen::Vector3d weights(1, .001, .001);
+    TiedVertices tied;
+    tied.pairs = VertexPairs{{1, 2}};
+    tied.ways = Points{{0, 1, 0}};
+    tied.weights = Eigen::VectorXd::Constant(1, .001);
+    tied.open = Eigen::VectorXd::Zero(1);
+    tied.pressed = Eigen::VectorXd::Constant(1, .05);
+    tied.rims = Eigen::VectorXi::Zero(1);
+    ControlFitOptions options = exact();
+    const auto apart = [&](double ring, double parting, double hold_shut, double slack) {
+        options.hold_shut = hold_shut;
+        options.hold_slack = slack;
+        const ControlFit fit(controls, sources, weights, ranges(2), ranges(2), options, tied);
+        const MatrixRows values = fit.frames(MatrixRows{{ring, parting}}, MatrixRows::Zero(1, 2));
+        EXPECT_NEAR(values(0, 0), ring, .05);
+        return .8 * values(0, 0) - values(0, 1);
+    };
+    EXPECT_GT(apart(1, 0, 0, 20), .3);
+    EXPECT_NEAR(apart(1, 0, 1000, 20), -.05, .02);  // pressed no further than rims are
+    // Parted a little by muscles: with slack, lips may go as far as the keys take them
+    EXPECT_NEAR(apart(1, .15, 1000, 20), apart(1, .15, 0, 20), 1e-9);
+    EXPECT_NEAR(apart(1, .15, 1000, 0), .05, .02);
 }
 
 TEST(ControlFit, WrongInputIsRefused) {

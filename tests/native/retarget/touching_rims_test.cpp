@@ -53,7 +53,8 @@ TEST(TouchingRims, AreWhereASourceShutsThem) {
     for (int i = 1; i < kAlong; ++i) {
         EXPECT_EQ(tied.pairs(i - 1, 0), i);
         EXPECT_EQ(tied.pairs(i - 1, 1), 2 * kAlong + i);
-        EXPECT_TRUE(tied.ways.row(i - 1).isApprox(Eigen::RowVector3d(0, -1, 0)));
+        EXPECT_TRUE(tied.ways.row(i - 1).isApprox(Eigen::RowVector3d(0, 1, 0)));
+        EXPECT_NEAR(tied.open[i - 1], .01, 1e-12);
     }
     EXPECT_NEAR(tied.weights.sum(), 10 * (2 * kAlong - 2) * 1e-4, 1e-12);
 }
@@ -64,6 +65,10 @@ TEST(TouchingRims, AreWhereASourcePartsThem) {
     const TiedVertices tied =
         touching_rims(slit.points, slit.starts, slit.corners, slit.areas(), -slit.offsets, RimMotion::parts);
     EXPECT_EQ(tied.pairs.rows(), kAlong - 1);
+    EXPECT_EQ(tied.open.cwiseAbs().maxCoeff(), 0);
+    const TiedVertices twice = joined({tied, {}, tied});
+    EXPECT_EQ(twice.rims[0], 0);
+    EXPECT_EQ(twice.rims[twice.rims.size() - 1], 1);
 }
 
 TEST(TouchingRims, ASourceThatMovesNothingHasNone) {
@@ -91,6 +96,7 @@ TEST(TouchingRims, TiedRimsMeetThoughMostOfTheSkinWouldRatherNot) {
     const MatrixRows control_range{{-3, 3}}, source_range{{0, 1}};
     ControlFitOptions options;
     options.unmatched_motion = 1;
+    options.hold_shut = 0;
     const auto gap = [&](const TiedVertices& how) {
         const ControlFit fit(controls, sources, slit.areas(), control_range, source_range, options, how);
         const double value = fit.frames(MatrixRows{{1}}, MatrixRows::Zero(1, 1))(0, 0);
@@ -99,11 +105,17 @@ TEST(TouchingRims, TiedRimsMeetThoughMostOfTheSkinWouldRatherNot) {
     EXPECT_GT(gap({}), .004);
     EXPECT_LT(gap(tied), .7 * gap({}));
     EXPECT_EQ(joined({tied, {}, tied}).pairs.rows(), 2 * (kAlong - 1));
+    const double tied_alone = gap(tied);
+    options.hold_shut = 10;
+    EXPECT_LT(gap(tied), .3 * tied_alone);
     TiedVertices wrong = tied;
     wrong.pairs(0, 1) = 999;
     EXPECT_THROW(gap(wrong), InvalidInput);
     wrong = tied;
     wrong.ways.row(0) *= 2;
+    EXPECT_THROW(gap(wrong), InvalidInput);
+    wrong = tied;
+    wrong.rims.resize(0);
     EXPECT_THROW(gap(wrong), InvalidInput);
 }
 

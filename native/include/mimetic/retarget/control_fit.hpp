@@ -23,6 +23,12 @@ struct ControlFitOptions {
     /// What tied rims weigh as controls are read, times their weights, 0 to 10: a capture sees lips part,
     /// though the skin that does is small.
     double tied_reading = .03;
+    /// What tied rims that sources hold shut weigh in the fit of frames, times their weights, 0 to 1000,
+    /// where the controls part them. What controls themselves do counts here, no reading of it.
+    double hold_shut = 10;
+    /// Rims count as parted where the controls part them by so many times what sources do at their widest
+    /// place, 0 to 1000: keys may part lips by what no muscle does. 0: no place further than sources have it.
+    double hold_slack = 20;
     void check() const;  ///< throws InvalidInput: field, value, limit
 };
 
@@ -64,11 +70,15 @@ public:
 
 private:
     BoundedProblem problem() const;  ///< but for `linear`, which each row of values has its own of
-    void read(const Eigen::MatrixXd& parted, const Eigen::MatrixXd& left_apart, VectorIn weights);
-    void tie(const Eigen::MatrixXd& parted, const Eigen::MatrixXd& left_apart, VectorIn weights);
+    void read();
+    void tie();
     void weigh_sources();
+    Eigen::VectorXd most_apart(VectorIn values) const;
+    Eigen::VectorXd held_shut(const BoundedProblem& problem, const Eigen::VectorXd& fitted,
+                              VectorIn most) const;
 
     ControlFitOptions options_;
+    TiedVertices tied_;
     Eigen::MatrixXd of_sources_;   // S x S, dot products of displacements
     Eigen::MatrixXd of_controls_;  // K x K
     Eigen::MatrixXd of_both_;      // K x S
@@ -77,6 +87,8 @@ private:
     Eigen::VectorXd scale_;        // K, the diagonal
     Eigen::VectorXd whole_;        // K, how much a control stands for all of its motion, not for its reading
     MatrixRows control_range_, source_range_;
+    Eigen::MatrixXd parted_;      // K x P, how far the controls move tied vertices apart, along their ways
+    Eigen::MatrixXd left_apart_;  // S x P, the sources
     MatrixRows readings_;
     Eigen::VectorXd readable_;
     Eigen::VectorXd source_explained_;

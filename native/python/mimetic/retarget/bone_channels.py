@@ -113,9 +113,10 @@ def eye_channels_of(
 
 
 def nearest_surface() -> _core.ControlFitOptions:
-    """Options of a fit to bones: a centimetre means no more than where it takes the skin."""
+    """Options of a fit to bones: a centimetre means no more than where it takes the skin, and lips
+    that they part by more than muscles do are no expression that muscles cannot make."""
     options = _core.ControlFitOptions()
-    options.unmatched_motion = 1.0
+    options.unmatched_motion, options.hold_slack = 1.0, 0.0
     return options
 
 
