@@ -94,14 +94,15 @@ void bind_model(py::module_& m) {
     py::class_<FeatureOpening>(m, "FeatureOpening",
                                "An eye or the mouth: lines on the skin from corner to corner.")
         .def(py::init([](std::vector<std::vector<int>> lines, const Eigen::Vector3d& facing,
-                         std::vector<int> shutting, int lid_upper, int lid_lower) {
-                 return FeatureOpening{std::move(lines), lid_upper, lid_lower, std::move(shutting), facing};
+                         std::vector<int> shutting, int lid_upper, int lid_lower, int jaw) {
+                 return FeatureOpening{std::move(lines),    lid_upper, lid_lower,
+                                       std::move(shutting), jaw,       facing};
              }),
-             "lines"_a, "facing"_a, "shutting"_a, "lid_upper"_a = -1, "lid_lower"_a = -1,
+             "lines"_a, "facing"_a, "shutting"_a, "lid_upper"_a = -1, "lid_lower"_a = -1, "jaw"_a = -1,
              "lines: vertices, of an eye the upper and the lower margin; facing: (3,) head frame; shutting: "
              "indices\n"
              "among the values by which it shuts, free in the reference frame; lid_upper,\n"
-             "lid_lower: indices among the values, -1: no eye.");
+             "lid_lower: indices among the values, -1: no eye; jaw: that of what parts lips by bone.");
     py::class_<FeatureInputs>(m, "FeatureInputs", "Where eyes and mouth are on the head, and their source.")
         .def(py::init<>())
         .def(py::init([](std::vector<EyeSlit> eyes, std::vector<FeatureOpening> openings,

@@ -10,13 +10,14 @@ namespace {
 // In interpupillary distances. Measured on real frames marked by hand (docs/measured/real-faces.md): once a
 // person's constant offset is known, lids are .5 % off and lips about 1 %; neighbouring frames err alike, so
 // that each counts for less than one.
-constexpr OpeningNoise kLidNoise{.010, .007, .006, .006, .3, 0, 0};
+constexpr OpeningNoise kLidNoise{.010, .007, .006, .006, .3, 0, 0, 0};
 // A slit's two edges err alike: shut lips are seen to touch within half a per cent, and open ones a tenth too
-// far apart.
-constexpr OpeningNoise kLipNoise{.015, .012, .009, .003, .3, .99, .12};
+// far apart. The head's lower lip comes down as a V under the jaw, those of people as a U: beside the midline
+// the skin of lip and chin follows the jaw by a tenth to a fifth more than the head's.
+constexpr OpeningNoise kLipNoise{.015, .012, .009, .003, .3, .99, .12, .2};
 // How far a person's lines lie from the fitted head's, and the networks' from the person's
-constexpr OpeningNoise kLidBias{.04, .012, .012, .004, 0, 0, 0};
-constexpr OpeningNoise kLipBias{.05, .020, .015, .002, 0, .995, 0};
+constexpr OpeningNoise kLidBias{.04, .012, .012, .004, 0, 0, 0, 0};
+constexpr OpeningNoise kLipBias{.05, .020, .015, .002, 0, .995, 0, 0};
 
 constexpr double kShutAtRest = .3;     // s.d. in the reference frame of what shuts: a person may be sleepy
 constexpr double kOtherAtRest = .02;   // of all other values
@@ -45,6 +46,10 @@ std::optional<OpeningEvidence::Rows> OpeningEvidence::rows_at(const FaceState& s
     Rows rows{found->offsets, found->by_values, found->by_detail,
               covariance_of(noise, lines_.places(), found->pixel, factor)};
     rows.covariance += std::pow(noise.width * factor, 2) * found->from_slit * found->from_slit.transpose();
+    if (const int jaw = lines_.opening().jaw; jaw >= 0) {
+        const Eigen::VectorXd moved = rows.by_values.col(jaw) * state.values[jaw];
+        rows.covariance += jaw_covariance(noise.by_jaw, lines_.places(), moved);
+    }
     const Eigen::Index count = rows.offsets.size();
     Eigen::MatrixXd share = Eigen::MatrixXd::Identity(count, count);  // of each offset at this state
     if (is_eye()) {

@@ -42,9 +42,9 @@ void check_opening(const FeatureOpening& opening, Eigen::Index num_vertices, Eig
         }
     }
     if (opening.lines.empty() || (is_eye && opening.lines.size() != 2) ||
-        std::max(opening.lid_upper, opening.lid_lower) >= num_values) {
+        std::max({opening.lid_upper, opening.lid_lower, opening.jaw}) >= num_values) {
         fail("an eye needs two lines and lids among the " + std::to_string(num_values) +
-             " values, a mouth at least a line");
+             " values, a mouth at least a line, and a jaw among the values");
     }
 }
 

@@ -191,8 +191,9 @@ TEST(FeatureEvidence, ShutsLipsThatTouchInTheReferenceFrame) {
 }
 
 /// Standard deviation of the slit's width by the lines alone, when lips are at `values`, in pupil distances.
-double slit_std(const Eigen::Vector2d& values) {
+double slit_std(const Eigen::Vector2d& values, int jaw = -1) {
     Mouth mouth;
+    mouth.scene.inputs.openings[0].jaw = jaw;
     std::vector<SeenOpening> seen = mouth.scene.see(Eigen::Vector2d(.25, 0));
     mouth.scene.inputs.source = [&](const ColorView&, const Eigen::Isometry3d&) { return seen; };
     const TrackedFace face(mouth.scene.camera, mouth.scene.surface, mouth.scene.motion, TrackerOptions{});
@@ -208,6 +209,11 @@ double slit_std(const Eigen::Vector2d& values) {
 TEST(FeatureEvidence, KnowsASlitThatIsShutFarBetterThanAnOpenOne) {
     EXPECT_LT(slit_std({.25, 0}), .006);  // else flow lets lips pass through each other
     EXPECT_GT(slit_std({.25, .5}), .015);
+}
+
+TEST(FeatureEvidence, ReadsLipsLessSurelyByAsMuchAsAJawPartsThem) {
+    EXPECT_EQ(slit_std({.25, 0}, 1), slit_std({.25, 0}));  // shut lips are seen to touch on any person
+    EXPECT_GT(slit_std({.25, .5}, 1), 1.15 * slit_std({.25, .5}));
 }
 
 TEST(FeatureEvidence, ShutsByDetailLipsThatTouchAndTheValuesLeaveApart) {

@@ -28,6 +28,9 @@ struct FeatureOpening {
     int lid_lower = -1;
     /// Values by which it shuts: they need not be 0 in the reference frame.
     std::vector<int> shutting;
+    /// Index among the values of what parts lips by bone, -1: nothing. How the skin follows it along the
+    /// lines is not well known.
+    int jaw = -1;
     /// Head frame, of any length: which way it faces. An opening seen from the side constrains little.
     Eigen::Vector3d facing = Eigen::Vector3d::UnitZ();
 };

@@ -29,8 +29,8 @@ def feature_inputs(fit: FaceFit, template: FaceTemplate, anatomy: Anatomy) -> _c
         upper, lower = (first + names.index(f"lid_{lid}.{side}") for lid in ("upper", "lower"))
         openings.append(_core.FeatureOpening(lines, facing, [upper], upper, lower))
     closing = [first + names.index(name) for name in LIP_CLOSING if name in names]
-    ahead = np.array([0.0, 0.0, 1.0])
-    openings.append(_core.FeatureOpening(lip_lines(template), ahead, closing))
+    ahead, jaw = np.array([0.0, 0.0, 1.0]), first + names.index("jaw_open")
+    openings.append(_core.FeatureOpening(lip_lines(template), ahead, closing, jaw=jaw))
     anchors = feature_anchors(fit.neutral_vertices(template), template)
     return _core.FeatureInputs(
         eye_slits(template, anatomy),
