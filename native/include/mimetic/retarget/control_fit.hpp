@@ -19,7 +19,7 @@ struct ControlFitOptions {
     double least_explained = .1;
     /// How much values of the sources count by themselves, of their own responses, 0 to 10: muscles that move
     /// nearly the same skin, or that hold each other, are told apart by it.
-    double value_match = .1;
+    double value_match = .2;
     /// What tied rims weigh as controls are read, times their weights, 0 to 10: a capture sees lips part,
     /// though the skin that does is small.
     double tied_reading = .03;
