@@ -60,7 +60,7 @@ def keep(walk: Walk) -> Steps:
         chosen = settings.looks[settings.active_look].name
         walk.check(f"{name} is chosen", chosen == name, chosen)
         press("VIEW_3D", "K")
-        yield from walk.until(lambda name=name: name in keeper.kept, 20, f"{name} is kept")
+        yield from walk.until(lambda name=name: name in keeper.kept, 60, f"{name} is kept")
     yield from walk.picture("looks-kept")
     path = walk.folder / "looks.npz"
     told += [invoke("VIEW_3D", bpy.ops.mimetic.save_set, filepath=str(path))]
@@ -69,7 +69,7 @@ def keep(walk: Walk) -> Steps:
     walk.check("and named", settings.taught_set == str(path), settings.taught_set)
     yield from walk.picture("looks-saved")
     press("VIEW_3D", "ESC")
-    yield from walk.until(is_idle, 20, "Esc ends the session")
+    yield from walk.until(is_idle, 60, "Esc ends the session")
 
 
 def steps(walk: Walk) -> Steps:
