@@ -50,7 +50,7 @@ def main() -> int:
     return 0
 
 
-def measure(name: str, actor: int) -> None:
+def measure(name: str, actor: int = ACTOR) -> None:
     import bpy
     from mimetic import _core
     from mimetic.template.face_template import load_template
