@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 from last_result import result
-from live_clip import ffmpeg
+from live_clip import ffmpeg, play_without_end
 
 SMILE, RATE = "zygomaticus_major.L", 30
 CHANNELS = {"HEAD_POSITION", "HEAD_ROTATION", "EYES", "MOUTH", "BROWS"}
@@ -226,10 +226,7 @@ def test_digits_freeze_channels_and_let_them_go(scene, extension, monkeypatch):
 
 
 def test_a_take_can_be_punched_in(scene, face, extension, monkeypatch):
-    clips = extension("native").live_source(False)
-    # However slow the machine is, and without an end
-    endless = clips.ClipSource(scene.mimetic.live.clip_path, is_paced=False, is_looped=True)
-    monkeypatch.setattr(extension("live"), "source_of", lambda context, is_paced: endless)
+    play_without_end(extension, monkeypatch, scene.mimetic.live.clip_path)
     driven = Session(extension)
     thread = driven.session.thread
 

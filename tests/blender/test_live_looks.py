@@ -8,7 +8,7 @@ from pathlib import Path
 import bpy
 import pytest
 from last_result import result
-from live_clip import ffmpeg
+from live_clip import ffmpeg, play_without_end
 
 SMILE = "zygomaticus_major.L"
 NUM_FRAMES = 72  # of the clip, which is played there, back and there again
@@ -86,10 +86,7 @@ def test_a_look_is_kept_on_a_press_while_the_session_runs(
 ):
     live, operators = extension("live"), extension("operators.live")
     settings.use_teaching = True
-    clips = extension("native").live_source(False)
-    # However slow the machine is, and without an end
-    endless = clips.ClipSource(settings.clip_path, is_paced=False, is_looped=True)
-    monkeypatch.setattr(live, "source_of", lambda context, is_paced: endless)
+    play_without_end(extension, monkeypatch, settings.clip_path)
     for name in ("neutral", "smile"):
         bpy.ops.mimetic.add_look(look=name)
     settings.active_look = 0
