@@ -20,7 +20,7 @@ import numpy as np
 from mimetic import InvalidInput
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
-from mimetic.report.html import head_angles
+from mimetic.report.plots import head_angles
 from mimetic.score.json_text import json_text
 from mimetic.score.text_table import text_table
 from mimetic.solve import clip_capture

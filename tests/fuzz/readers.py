@@ -37,7 +37,7 @@ from mimetic.puppet.mapping import Mapping
 from mimetic.puppet.matching import still_matcher
 from mimetic.puppet.separability import separability
 from mimetic.puppet.templates import TaughtSet
-from mimetic.report.html import head_angles
+from mimetic.report.plots import head_angles
 from mimetic.retarget.controls import load_preset, save_preset
 from mimetic.retarget.face_csv import read_face_csv
 from mimetic.score.score import score

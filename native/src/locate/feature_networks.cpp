@@ -146,9 +146,11 @@ FeatureCrops feature_crops(const Camera& camera, const Eigen::Isometry3d& camera
 }
 
 struct FeatureNetworks::Nets {
-    std::mutex busy;
-    cv::dnn::Net mesh, iris, lips;
+    std::mutex mesh_busy;  // with its heads
+    cv::dnn::Net mesh, lips;
     std::array<cv::dnn::Net, 2> eyes;
+    std::mutex iris_busy;
+    cv::dnn::Net iris;
 
     /// The output of a part's head on the feature maps: refined places of the part's points.
     std::vector<cv::Mat> refine(cv::dnn::Net& head, const locate::AttentionPart& part, const cv::Mat& maps,
@@ -186,7 +188,7 @@ MeshPoints FeatureNetworks::mesh(ColorView image, const FeatureCrop& crop, bool 
     check_image_size(image.rows, image.cols, "image");
     crop.check();
     const cv::Mat blob = blob_of(image, crop, kMeshSide, false);
-    const std::lock_guard lock(nets_->busy);
+    const std::lock_guard lock(nets_->mesh_busy);
     const std::vector<cv::Mat> outputs = outputs_of(nets_->mesh, blob);
     MeshPoints points;
     points.presence = 1 / (1 + std::exp(-static_cast<double>(outputs[0].ptr<float>()[0])));
@@ -215,7 +217,7 @@ EyePoints FeatureNetworks::eye(ColorView image, const FeatureCrop& crop, bool le
     check_image_size(image.rows, image.cols, "image");
     crop.check();
     const cv::Mat blob = blob_of(image, crop, kEyeSide, left);
-    const std::lock_guard lock(nets_->busy);
+    const std::lock_guard lock(nets_->iris_busy);
     const std::vector<cv::Mat> outputs = outputs_of(nets_->iris, blob);
     const auto seen = [&](const cv::Mat& output) {
         return in_picture(shares_of(output, kEyeSide), crop, left);

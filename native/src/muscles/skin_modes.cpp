@@ -10,9 +10,24 @@ namespace {
 
 constexpr int kSweeps = 3;
 
+/// The same space; by Cholesky, a fifth of the time of a QR, unless columns are nearly dependent.
 Eigen::MatrixXd orthonormal(const Eigen::MatrixXd& columns) {
+    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+    products.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+    const Eigen::LLT<Eigen::MatrixXd> root(products);
+    constexpr double kLeastCondition = 1e-12;
+    if (root.info() == Eigen::Success && root.rcond() > kLeastCondition) {
+        return root.matrixU().solve<Eigen::OnTheRight>(columns);
+    }
     const Eigen::HouseholderQR<Eigen::MatrixXd> qr(columns);
     return qr.householderQ() * Eigen::MatrixXd::Identity(columns.rows(), columns.cols());
+}
+
+/// The weights of the unknowns: B^T W B.
+Eigen::SparseMatrix<double> weights_of_unknowns(const SkinModel& model, PointsIn weight) {
+    const Eigen::Map<const Eigen::VectorXd> weights(weight.data(), weight.size());
+    const Eigen::SparseMatrix<double> weighted = weights.cwiseSqrt().asDiagonal() * model.basis();
+    return weighted.transpose() * weighted;
 }
 
 }  // namespace
@@ -27,18 +42,18 @@ SkinModes low_energy_modes(const AttachedSkin& skin, PointsIn weight,
                            ", which do not fit " + std::to_string(count) + " modes of a skin of " +
                            std::to_string(model.num_vertices()) + " vertices");
     }
-    const Eigen::Map<const Eigen::VectorXd> weights(weight.data(), weight.size());
+    const Eigen::SparseMatrix<double> weights = weights_of_unknowns(model, weight);
     Eigen::MatrixXd basis = start;
     Eigen::MatrixXd loads;
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
         basis = orthonormal(basis);
-        loads = model.loads(weights.asDiagonal() * (model.basis() * basis));
+        loads = weights * basis;
         basis = model.solve_loads(loads);
     }
-    const Eigen::MatrixXd seen = weights.cwiseSqrt().asDiagonal() * (model.basis() * basis);
+    const Eigen::MatrixXd seen = basis.transpose() * (weights * basis);
     const Eigen::MatrixXd energy = basis.transpose() * loads;
     const Eigen::LLT<Eigen::MatrixXd> root((energy + energy.transpose()) / 2);
-    const Eigen::MatrixXd half = root.matrixL().solve(seen.transpose() * seen);
+    const Eigen::MatrixXd half = root.matrixL().solve((seen + seen.transpose()) / 2);
     const Eigen::MatrixXd inner = root.matrixL().solve(half.transpose());
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen((inner + inner.transpose()) / 2);
     const Eigen::VectorXd compliance = eigen.eigenvalues().reverse().head(count);

@@ -2,6 +2,7 @@
 #include <array>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/solve/features.hpp>
+#include <opencv2/core/utility.hpp>
 
 namespace mimetic {
 
@@ -27,22 +28,35 @@ SeenIris iris_of(const EyePoints& points, const FeatureCrop& crop) {
     return {points.iris.row(0).transpose(), crop.side, opening / diameter, 0};
 }
 
+void see_eyes(const FeatureNetworks& networks, const ColorView& image, const FeatureCrops& crops,
+              std::vector<SeenOpening>& seen) {
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+        const EyePoints points = networks.eye(image, crops.eyes[eye], eye == 0);
+        seen[eye].lines = {line_of(points.contour, LidMargins::kUpper),
+                           line_of(points.contour, LidMargins::kLower)};
+        seen[eye].iris = iris_of(points, crops.eyes[eye]);
+    }
+}
+
 }  // namespace
 
 FeatureSource see_by_networks(const FeatureNetworks& networks, const Camera& camera, PointsIn anchors) {
     return [&networks, camera, places = Points(anchors)](const ColorView& image,
                                                          const Eigen::Isometry3d& camera_from_head) {
         std::vector<SeenOpening> seen(3);
-        FeatureCrops crops;
         try {
-            crops = feature_crops(camera, camera_from_head, places);
-            for (std::size_t eye = 0; eye < 2; ++eye) {
-                const EyePoints points = networks.eye(image, crops.eyes[eye], eye == 0);
-                seen[eye].lines = {line_of(points.contour, LidMargins::kUpper),
-                                   line_of(points.contour, LidMargins::kLower)};
-                seen[eye].iris = iris_of(points, crops.eyes[eye]);
-            }
-            const MeshPoints mesh = networks.mesh(image, crops.face);
+            const FeatureCrops crops = feature_crops(camera, camera_from_head, places);
+            MeshPoints mesh;
+            // Eyes and face are networks of their own, each of them fastest in one thread
+            cv::parallel_for_({0, 2}, [&](const cv::Range& range) {
+                for (int part = range.start; part < range.end; ++part) {
+                    if (part == 0) {
+                        see_eyes(networks, image, crops, seen);
+                    } else {
+                        mesh = networks.mesh(image, crops.face);
+                    }
+                }
+            });
             for (const auto& line : {LipEdges::kOuterUpper, LipEdges::kInnerUpper, LipEdges::kInnerLower,
                                      LipEdges::kOuterLower}) {
                 seen[2].lines.push_back(line_of(mesh.places, line));

@@ -13,7 +13,7 @@ from mimetic.solve import clip_capture, find_face, relief_sightings
 
 FRAMES = 20
 # Seconds, as on two laptop cores
-COSTS = {"judge": 0.06, "fit": 0.25, "attach": 3.0, "follow": 0.03, "draw": 0.015}
+COSTS = {"judge": 0.06, "fit": 0.25, "attach": 0.65, "follow": 0.03, "draw": 0.015}
 
 
 @pytest.fixture
@@ -35,7 +35,7 @@ def clock(monkeypatch):
     takes(COSTS["fit"], fitting, "find_face")
     takes(COSTS["attach"], find_face, "factored_skin")
     takes(COSTS["attach"], relief_sightings, "factored_skin")
-    takes(COSTS["attach"], clip_capture, "factored_skin")
+    takes(2 * COSTS["attach"], clip_capture, "refined_skin")  # with detail
     sighting = SimpleNamespace(of=_core.Sighting.of)
     core = SimpleNamespace(**{**vars(_core), "Sighting": sighting})
     monkeypatch.setattr(relief_sightings, "_core", core)
@@ -45,7 +45,7 @@ def clock(monkeypatch):
     from mimetic.report.overlay import FaceDrawing
 
     takes(COSTS["draw"], FaceDrawing, "paint")
-    takes(2.0, capture, "write_report")
+    takes(0.8, capture, "write_report")
     monkeypatch.setattr(console, "monotonic", lambda: time[0])
     monkeypatch.setattr(console, "PLAIN_EVERY", 0.0)
     return time

@@ -10,8 +10,9 @@ from clips import make_clip
 from mimetic.commands import cli
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
-from mimetic.report.html import GROUPS, head_angles, write_report
+from mimetic.report.html import write_report
 from mimetic.report.overlay import FaceDrawing, write_overlay
+from mimetic.report.plots import GROUPS, head_angles
 from mimetic.solve.capture_summary import CaptureSummary
 from sample_fit import make_fit
 from sample_performance import make_performance
@@ -50,7 +51,7 @@ def test_the_report_needs_no_other_file_and_says_what_was_found(tmp_path, footag
 
 
 def test_every_group_has_its_panel(footage):
-    from mimetic.report.html import _muscle_figure
+    from mimetic.report.plots import _muscle_figure
 
     figure = _muscle_figure(make_performance())
     titles = [axes.get_title() for axes in figure.axes]

@@ -78,7 +78,7 @@ struct HeadFiles {
 
 /// Google's networks for face mesh and iris (Apache-2.0), as `scripts/make_networks` turns them into ONNX.
 /// They were trained on real faces; they are evidence with an error of their own, never the head's pose.
-/// A call at a time: calls from several threads wait for each other.
+/// A call of each at a time: calls of one network from several threads wait for each other.
 class FeatureNetworks {
 public:
     /// Files of the networks. Throws UnreadableMedia: missing, too large, or not such a network.

@@ -9,7 +9,8 @@ from collections.abc import Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from mimetic.report.html import STYLE, picture_uri
+from mimetic.report.html import STYLE
+from mimetic.report.plots import picture_uri
 from mimetic.shared.shown_text import shown
 from mimetic.shared.whole_file import whole_file
 

@@ -16,12 +16,14 @@ from mimetic.performance.corrections import load_corrections
 from mimetic.performance.document import Performance
 from mimetic.report.html import write_report
 from mimetic.report.overlay import write_overlay
+from mimetic.report.plots import plots_of
+from mimetic.shared.parallel import both
 from mimetic.shared.progress import ATTACHED, Costs, Progress
 from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_capture import capture, check_range
 from mimetic.solve.refining import check_of_capture
 
-COSTS = Costs(followed_once=ATTACHED, followed_each=1.0, drawn_each=0.5, written=60.0)
+COSTS = Costs(followed_once=ATTACHED, followed_each=1.0, drawn_each=0.5, written=25.0)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -55,8 +57,12 @@ def write_pictures(
     is_interrupted: Callable[[], bool] = lambda: False,
 ) -> None:
     """overlay.mp4 and report.html, after an interrupt the report alone."""
-    start = time.perf_counter()
-    if not is_interrupted():
-        write_overlay(performance, footage, folder / "overlay.mp4", progress)
-    summary.add("draw and encode the overlay", time.perf_counter() - start)
-    write_report(performance, footage, folder / "report.html", summary)
+
+    def draw_overlay() -> None:
+        start = time.perf_counter()
+        if not is_interrupted():
+            write_overlay(performance, footage, folder / "overlay.mp4", progress)
+        summary.add("draw and encode the overlay", time.perf_counter() - start)
+
+    _, plots = both(draw_overlay, lambda: plots_of(performance))
+    write_report(performance, footage, folder / "report.html", summary, plots)

@@ -20,6 +20,7 @@ from mimetic.fit.rest_choice import RestChoice
 from mimetic.muscles.calibration import Calibration
 from mimetic.shared.documents import checked_places, checked_pose, named, numbers
 from mimetic.shared.json_file import read_json
+from mimetic.shared.parallel import both
 from mimetic.shared.pinhole import camera_of
 from mimetic.shared.shown_text import shortened, shown
 from mimetic.shared.whole_file import whole_file
@@ -86,6 +87,8 @@ class FaceFit:
     def neutral_vertices(self, template: FaceTemplate) -> NDArray[np.float64]:
         """V x 3 control vertices of the person at rest, metres, head frame."""
         vertices = template.neutral(self.identity)
+        if self.residual and self.lines:  # the first time, each solves for a skin of its own
+            both(lambda: residual_modes(template), lambda: line_modes(template))
         if self.residual:
             vertices += _moved("residual", self.residual, residual_modes(template))
         if self.relief:

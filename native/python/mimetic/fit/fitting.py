@@ -18,12 +18,14 @@ from mimetic.fit.face_model import face_model
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitted_view import FittedView
 from mimetic.fit.known_lens import camera_with
+from mimetic.fit.line_modes import line_modes
 from mimetic.fit.network_evidence import with_networks
 from mimetic.fit.relief_shift import picture_shifts
 from mimetic.fit.views import follow_points
 from mimetic.locate.eigenspaces import installed_spaces
 from mimetic.locate.landmarks import BETWEEN_PREFIX, installed_cascade, measured_landmarks
 from mimetic.shared.installed_data import data_folder
+from mimetic.shared.parallel import both
 from mimetic.template.face_template import FaceTemplate, load_template
 
 __all__ = [
@@ -32,6 +34,7 @@ __all__ = [
     "find_face",
     "judge_frame",
     "landmark_places",
+    "prepare_models",
     "refit",
 ]
 
@@ -45,6 +48,12 @@ LINE_SEARCH = 0.07  # half width, pupil distances
 
 class NoFace(InvalidInput):
     """No face in the image that a head could be fitted to; the text says why."""
+
+
+def prepare_models(template: FaceTemplate | None = None) -> None:
+    """Computes at once what every fit needs and the first would wait for."""
+    template = template or load_template()
+    both(lambda: face_model(template), lambda: line_modes(template))
 
 
 def face_likelihood(image: NDArray[np.uint8]) -> float:

@@ -174,14 +174,25 @@ def factored_skin(
 
     progress: of attaching; None is returned where it says to stop.
     """
-    tell = progress or (lambda _fraction, _text: True)
-    if not tell(0.0, "refining the skin"):
-        return None
-    skin = attach_skin(neutral_vertices, template, calibration=calibration)
-    if not tell(REFINED, "factoring the skin's stiffness"):
+    skin = refined_skin(neutral_vertices, template, calibration, progress)
+    if skin is None:
         return None
     skin.factor()
-    return skin if tell(FACTORED, "attaching the muscles") else None
+    return skin if progress is None or progress(FACTORED, "attaching the muscles") else None
+
+
+def refined_skin(
+    neutral_vertices: ArrayLike,
+    template: FaceTemplate,
+    calibration: Calibration | None = None,
+    progress: Progress | None = None,
+) -> AttachedSkin | None:
+    """`factored_skin` without the factor, which is made where it is needed first."""
+    if progress is not None and not progress(0.0, "refining the skin"):
+        return None
+    skin = attach_skin(neutral_vertices, template, calibration=calibration)
+    goes_on = progress is None or progress(REFINED, "factoring the skin's stiffness")
+    return skin if goes_on else None
 
 
 def modes_of(skin: AttachedSkin, perturbation: AnatomyPerturbation | None = None) -> Anatomy:

@@ -13,7 +13,7 @@ from mimetic.performance.document import Performance
 from mimetic.puppet.parts import FACE, PARTS
 from mimetic.puppet.running import Trace
 from mimetic.puppet.templates import TaughtSet
-from mimetic.report.html import COLOURS, GROUPS
+from mimetic.report.plots import COLOURS, GROUPS
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

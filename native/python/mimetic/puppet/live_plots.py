@@ -16,7 +16,7 @@ from mimetic.analyse.drawing import GROUP_COLOURS
 from mimetic.muscles.anatomy import muscle_groups, muscle_names
 from mimetic.puppet.figures import shown_templates
 from mimetic.puppet.taught_follower import TaughtFollower
-from mimetic.report.html import COLOURS, GROUPS
+from mimetic.report.plots import COLOURS, GROUPS
 
 HISTORY = 8.0  # seconds
 MOST_MOMENTS = 1000  # in them

@@ -47,7 +47,7 @@ def write_motion_plot(performance: Performance, path: str | os.PathLike[str]) ->
     """
     from matplotlib.figure import Figure
 
-    from mimetic.report.html import head_angles
+    from mimetic.report.plots import head_angles
 
     path = Path(path)
     std = np.sqrt(np.clip(np.diagonal(performance.head_pose_cov, axis1=1, axis2=2), 0, None))

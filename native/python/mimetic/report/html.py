@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import base64
 import html
 import importlib.util
 import io
@@ -11,7 +10,6 @@ import os
 import platform
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,25 +20,12 @@ from mimetic.performance.corrections import corrected_frames
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.performance.gaze import expression_of, gaze_range, has_gaze
 from mimetic.report.overlay import FaceDrawing
+from mimetic.report.plots import Plots, picture_uri, plots_of
 from mimetic.shared.shown_text import shown
 from mimetic.shared.whole_file import whole_file
 from mimetic.solve.capture_summary import CaptureSummary
 
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
 NUM_PICTURES = 6
-GROUPS = {
-    1: "Lip corner pullers",
-    2: "Upper lip and nose",
-    3: "Lip depressors",
-    4: "Chin and orbicularis oris",
-    5: "Brow raisers",
-    6: "Brow lowerers",
-    7: "Orbicularis oculi",
-}
-COLOURS = ("#1b7f79", "#d1495b", "#edae49", "#5b5f97", "#66a182", "#8d5524")
 STYLE = """
 :root { color-scheme: light dark;
   --ink: #1d2429; --paper: #fbfaf8; --soft: #6b757c; --line: #dfe3e4; }
@@ -82,15 +67,18 @@ def write_report(
     footage: Footage,
     path: str | os.PathLike[str],
     summary: CaptureSummary | None = None,
+    plots: Plots | None = None,
 ) -> None:
-    """Writes report.html, whole or not at all; raises OSError."""
-    path = Path(path)
-    text = "".join(_parts(performance, footage, summary or CaptureSummary()))
+    """Writes report.html, whole or not at all; raises OSError. plots: where they are drawn."""
+    path, summary = Path(path), summary or CaptureSummary()
+    text = "".join(_parts(performance, footage, summary, plots or plots_of(performance)))
     with whole_file(path) as stream:
         stream.write(text.encode())
 
 
-def _parts(performance: Performance, footage: Footage, summary: CaptureSummary) -> Iterator[str]:
+def _parts(
+    performance: Performance, footage: Footage, summary: CaptureSummary, plots: Plots
+) -> Iterator[str]:
     name = _html(footage.path.name)
     yield "<!doctype html><html lang='en'><head><meta charset='utf-8'>"
     yield "<meta name='viewport' content='width=device-width, initial-scale=1'>"
@@ -103,19 +91,15 @@ def _parts(performance: Performance, footage: Footage, summary: CaptureSummary) 
     for frame, picture in _pictures(performance, footage):
         yield f"<img src='{_jpeg_uri(picture)}' alt='frame {frame}'>"
     yield "</div><p class='caption'>The captured mesh and its landmarks. Bar: quality.</p>"
-    yield "<h2>Quality and head motion</h2>" + _plot(_head_figure(performance), "head motion")
+    yield "<h2>Quality and head motion</h2>" + plots.head
     yield "<p class='caption'>Rotation about the head's own axes relative to facing the camera: "
     yield "pitch down, yaw to the image's right, roll clockwise. Bands: one standard deviation.</p>"
-    yield "<h2>Muscles</h2>" + _plot(
-        _muscle_figure(performance), f"activations of the {len(performance.muscles)} muscles"
-    )
+    yield "<h2>Muscles</h2>" + plots.muscles
     yield "<p class='caption'>Activation from 0 to 1 by the seven groups; solid: the subject's "
     yield "left, dashed: right. Bands: one standard deviation. Grey: held frames, in which "
     yield "nothing was measured; blue lines: frames that a person corrected.</p>"
-    if performance.articulators:
-        yield "<h2>Jaw, lids and gaze</h2>" + _plot(
-            _articulator_figure(performance), "articulators"
-        )
+    if plots.articulators:
+        yield "<h2>Jaw, lids and gaze</h2>" + plots.articulators
     yield _times(performance, summary) + _settings(performance, footage, summary)
     yield "</body></html>\n"
 
@@ -181,166 +165,12 @@ def _distinct(performance: Performance) -> NDArray[np.int64]:
     return np.array(_core.distinct_rows(state, usable.tolist(), best, count), dtype=np.int64)
 
 
-def _figure(rows: int, cols: int, height: float) -> tuple[Figure, np.ndarray]:
-    from matplotlib import rc_context
-    from matplotlib.figure import Figure
-
-    with rc_context({"font.size": 9, "axes.spines.top": False, "axes.spines.right": False}):
-        figure = Figure(figsize=(11, height), layout="constrained")
-        return figure, figure.subplots(rows, cols, sharex=True, squeeze=False)
-
-
-def _draw(
-    axes: Axes,
-    frame: NDArray[np.int64],
-    values: NDArray,
-    std: NDArray | None,
-    colour: str,
-    label: str | None,
-    style: str = "-",
-) -> None:
-    axes.plot(frame, values, style, color=colour, linewidth=1.2, label=label)
-    if std is not None:
-        axes.fill_between(frame, values - std, values + std, color=colour, alpha=0.13, linewidth=0)
-
-
-def _shade_held(axes: Axes, performance: Performance) -> None:
-    is_held = performance.quality < HELD_QUALITY
-    if is_held.any():
-        axes.fill_between(
-            performance.frame,
-            *(0, 1),
-            where=is_held,
-            step="mid",
-            transform=axes.get_xaxis_transform(),
-            color="#8a8f93",
-            alpha=0.25,
-            linewidth=0,
-        )
-
-
-def _mark_corrected(axes: Axes, performance: Performance) -> None:
-    for frame in corrected_frames(performance):
-        axes.axvline(frame, color="#2f6fde", linewidth=0.8, alpha=0.7)
-
-
-def _muscle_figure(performance: Performance) -> Figure:
-    figure, axes = _figure(4, 2, 10.5)
-    for group, panel in zip(GROUPS, axes.flat, strict=False):
-        members = np.flatnonzero(performance.groups == group)
-        stems = list(dict.fromkeys(performance.muscles[i].rpartition(".")[0] for i in members))
-        for i in members:
-            stem, _, side = performance.muscles[i].rpartition(".")
-            colour = COLOURS[stems.index(stem) % len(COLOURS)]
-            label = stem.replace("_", " ") if side == "L" else None
-            std = performance.activations_std[:, i]
-            curve = performance.activations[:, i]
-            _draw(panel, performance.frame, curve, std, colour, label, "-" if side == "L" else "--")
-        _set_activation_axes(panel, f"{group}  {GROUPS[group]}")
-        _shade_held(panel, performance)
-        _mark_corrected(panel, performance)
-    mean = [
-        performance.activations[:, performance.groups == group].mean(axis=1) for group in GROUPS
-    ]
-    last = axes.flat[7]
-    for group, curve in zip(GROUPS, mean, strict=True):
-        colour = (*COLOURS, "#222222")[group - 1]
-        _draw(last, performance.frame, curve, None, colour, GROUPS[group])
-    _set_activation_axes(last, "Mean of each group", room=0.55)
-    for panel in axes[-1]:
-        panel.set_xlabel("frame")
-    return figure
-
-
-def _set_activation_axes(axes: Axes, title: str, room: float = 0.3) -> None:
-    """From 0 to 1, with room above for the names of the curves."""
-    axes.set_title(title, fontweight="bold")
-    axes.set(ylim=(-0.03, 1 + room), yticks=np.linspace(0, 1, 6), xmargin=0.01)
-    axes.axhline(1, color="#8a8f93", linewidth=0.5)
-    axes.legend(loc="upper right", fontsize=7.5, frameon=False, ncols=2)
-
-
-def _articulator_figure(performance: Performance) -> Figure:
-    pairs: dict[str, list[int]] = {}
-    for i, name in enumerate(performance.articulators):
-        pairs.setdefault(name.partition(".")[0], []).append(i)
-    rows = (len(pairs) + 1) // 2
-    figure, axes = _figure(rows, 2, 2.1 * rows + 0.4)
-    for (stem, members), panel in zip(pairs.items(), axes.flat, strict=False):
-        for i in members:
-            std = performance.articulator_values_std
-            side = performance.articulators[i].partition(".")[2]
-            values = performance.articulator_values[:, i]
-            _draw(
-                *(panel, performance.frame, values, None if std is None else std[:, i]),
-                *(COLOURS[0], {"L": "left", "R": "right"}.get(side), "--" if side == "R" else "-"),
-            )
-        unit = ", degrees" if stem.startswith("gaze") else ""
-        panel.set_title(stem.replace("_", " ") + unit, fontweight="bold")
-        panel.set(xmargin=0.01)
-        if len(members) > 1:
-            panel.legend(loc="upper right", fontsize=7.5, frameon=False)
-        _shade_held(panel, performance)
-        _mark_corrected(panel, performance)
-    for panel in list(axes.flat)[len(pairs) :]:
-        panel.remove()
-    for panel in axes[-1]:
-        panel.set_xlabel("frame")
-    return figure
-
-
-def head_angles(performance: Performance) -> NDArray[np.float64]:
-    """N x 3: pitch, yaw, roll of the head in degrees, 0 when it faces the camera."""
-    facing = np.diag([1.0, -1.0, -1.0])  # head axes (y up, z to the camera) -> camera axes
-    r = performance.head_pose[:, :3, :3] @ facing
-    yaw = np.arcsin(np.clip(r[:, 2, 0], -1, 1))
-    pitch = np.arctan2(r[:, 2, 1], r[:, 2, 2])
-    roll = np.arctan2(r[:, 1, 0], r[:, 0, 0])
-    return np.degrees(np.stack([pitch, yaw, roll], axis=1))
-
-
-def _head_figure(performance: Performance) -> Figure:
-    figure, axes = _figure(3, 1, 6.5)
-    frame = performance.frame
-    std = np.sqrt(np.clip(np.diagonal(performance.head_pose_cov, axis1=1, axis2=2), 0, None))
-    quality, turn, place = axes[:, 0]
-    quality.fill_between(frame, performance.quality, color="#1b7f79", alpha=0.35, linewidth=0)
-    quality.axhline(HELD_QUALITY, color="#d1495b", linewidth=0.8, linestyle=":")
-    quality.set(ylabel="quality", ylim=(0, 1.03))
-    angles = head_angles(performance)
-    for k, name in enumerate(("pitch", "yaw", "roll")):
-        _draw(turn, frame, angles[:, k], np.degrees(std[:, k]), COLOURS[k], name)
-    turn.set_ylabel("rotation, degrees")
-    where = 1000 * (performance.head_pose[:, :3, 3] - performance.head_pose[:1, :3, 3])
-    for k, name in enumerate(("x, right", "y, down", "z, away")):
-        _draw(place, frame, where[:, k], 1000 * std[:, 3 + k], COLOURS[k], name)
-    place.set(ylabel="translation, mm", xlabel="frame")
-    for panel in (turn, place):
-        panel.set(xmargin=0.01)
-        bottom, top = panel.get_ylim()
-        panel.set_ylim(bottom, top + 0.15 * (top - bottom))  # room for the names
-        panel.legend(loc="upper right", fontsize=7.5, frameon=False, ncols=3)
-        _shade_held(panel, performance)
-        _mark_corrected(panel, performance)
-    return figure
-
-
-def _plot(figure: Figure, label: str) -> str:
-    stream = io.BytesIO()
-    figure.savefig(stream, format="png", dpi=150)
-    return f"<img class='plot' alt='{label}' src='{picture_uri('png', stream.getvalue())}'>"
-
-
 def _jpeg_uri(picture: NDArray[np.uint8]) -> str:
     from PIL import Image  # comes with matplotlib
 
     stream = io.BytesIO()
     Image.fromarray(picture).save(stream, "jpeg", quality=85)
     return picture_uri("jpeg", stream.getvalue())
-
-
-def picture_uri(kind: str, content: bytes) -> str:
-    return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
 
 
 def _times(performance: Performance, summary: CaptureSummary) -> str:

@@ -24,6 +24,7 @@ from mimetic.media.ffmpeg import ffmpeg_program
 from mimetic.media.footage import Footage
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.performance.gaze import has_gaze, iris_circles
+from mimetic.shared.parallel import in_turn
 from mimetic.shared.pinhole import camera_of
 from mimetic.shared.progress import Progress, frame_text
 from mimetic.shared.whole_file import file_beside
@@ -141,14 +142,19 @@ def _pictures(drawing: Drawing, footage: Footage, progress: Progress | None) -> 
     """Pictures in order; None instead of the next one when the user stops."""
     numbers = drawing.performance.frame
     index = {int(frame): i for i, frame in enumerate(numbers)}
-    for frame, image in footage.frames(int(numbers[0]), int(numbers[-1])):
-        if frame in index:
-            i = index[frame]
-            text = f"drawing {frame_text(frame, int(numbers[0]), int(numbers[-1]))}"
+    images = (
+        (index[frame], image)
+        for frame, image in footage.frames(int(numbers[0]), int(numbers[-1]))
+        if frame in index
+    )
+    painted = in_turn(lambda numbered: drawing.paint(numbered[1], numbered[0]), images)
+    with contextlib.closing(painted):
+        for (i, _), picture in painted:
+            text = f"drawing {frame_text(int(numbers[i]), int(numbers[0]), int(numbers[-1]))}"
             if progress and not progress(i / len(numbers), text):
                 yield None
                 return
-            yield drawing.paint(image, i)
+            yield picture
 
 
 def _encode(pictures: Pictures, path: Path, fps: Fraction, name: str) -> bool:

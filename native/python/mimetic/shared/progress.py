@@ -14,7 +14,7 @@ Progress = Callable[[float, str], bool]  # fraction, what is done -> go on?
 
 JUDGED = 2.0  # a face found in a frame, and how much it is at rest
 FITTED = 8.0  # a head fitted to a frame
-ATTACHED = 120.0  # muscles attached to a head
+ATTACHED = 40.0  # muscles attached to a head
 MOST_FOLLOWED = 30  # frames, for a head's relief; with more of them, every second, third ...
 # Frames judged and followed, and those of them fitted, in search of the face at rest
 NUM_CANDIDATES, NUM_TRIED = 24, 5

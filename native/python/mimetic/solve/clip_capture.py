@@ -23,13 +23,14 @@ from mimetic.fit.same_footage import check_same_footage
 from mimetic.fit.upright import check_upright
 from mimetic.locate.feature_networks import installed_networks
 from mimetic.media.footage import Footage
-from mimetic.muscles.anatomy import Anatomy, AttachedSkin, factored_skin, modes_of
+from mimetic.muscles.anatomy import FACTORED, Anatomy, AttachedSkin, modes_of, refined_skin
 from mimetic.muscles.detail import detail_of
 from mimetic.muscles.extras import with_lip_shapes
 from mimetic.performance.corrections import Corrections
 from mimetic.performance.document import Performance
 from mimetic.performance.projection import rescaled
 from mimetic.performance.rows import Rows, State
+from mimetic.shared.parallel import both
 from mimetic.shared.progress import (
     ATTACHED,
     FOUND,
@@ -255,11 +256,14 @@ class ClipCapture:
         self.template = load_template()
         self.neutral = fit.neutral_vertices(self.template)
         attaching = _telling(attaching, before_range(fit, frames))
-        skin = factored_skin(self.neutral, self.template, fit.calibration, attaching)
-        if skin is None:
+        skin = refined_skin(self.neutral, self.template, fit.calibration, attaching)
+        if skin is not None:
+            mesh = skin.mesh
+            self.anatomy, self.detail = both(
+                lambda: self.attach(skin), lambda: detail_of(mesh, tracking.UNMEASURED)
+            )
+        if skin is None or (attaching and not attaching(FACTORED, "attaching the muscles")):
             raise UnreadableMedia(f"{footage.path.name}: stopped too early, no frame is done")
-        self.anatomy = self.attach(skin)
-        self.detail = detail_of(skin.mesh, tracking.UNMEASURED)
         self.motion = tracking.face_motion(self.neutral, self.template, self.anatomy, self.detail)
         summary.add("attach the muscles", time.perf_counter() - start)
 

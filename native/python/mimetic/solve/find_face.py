@@ -5,7 +5,8 @@ from __future__ import annotations
 
 import contextlib
 import math
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -25,6 +26,7 @@ from mimetic.fit.views import Candidate, choose_views
 from mimetic.locate.feature_networks import installed_networks
 from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import AttachedSkin, factored_skin
+from mimetic.shared.parallel import both, in_turn
 from mimetic.shared.progress import (
     ATTACHED,
     FITTED,
@@ -72,21 +74,20 @@ def find_rest(
     judging, fitting_heads, following = stages(
         *(progress, num_frames * JUDGED, NUM_TRIED * FITTED, ATTACHED + num_frames + FITTED)
     )
-    judgements = _judged(footage, frame_numbers, judging, near)
+    judgements, _ = both(
+        lambda: _judged(footage, frame_numbers, judging, near), fitting.prepare_models
+    )
     if not judgements:
         return None
     frames = list(judgements)
     scores, expressions, details = _compared(judgements)
     chances = _core.chances_of_rest(scores, details, expressions)
-    fits: list[FaceFit] = []
     camera = camera_with(lens, footage.size)
-    for number, i in enumerate(np.argsort(-chances)):
-        if len(fits) == NUM_TRIED or (fits and chances[i] < LEAST_CHANCE * chances.max()):
-            break
-        _go_on(fitting_heads, number / NUM_TRIED, f"fitting the head: frame {frames[i]}")
-        with contextlib.suppress(NoFace):
-            image = footage.read(frames[i])
-            fits.append(fitting.find_face(image, frames[i], camera=camera, near=near))
+    fits = _fitted_heads(
+        [(frames[i], chances[i] / chances.max()) for i in np.argsort(-chances)],
+        lambda frame: fitting.find_face(footage.read(frame), frame, camera=camera, near=near),
+        fitting_heads,
+    )
     if not fits:
         return None
     # A pose or expression mistaken for shape shows as unusual proportions.
@@ -98,6 +99,34 @@ def find_rest(
     rest = None if best.rest.why == "usual" else frames.index(best.frame)
     candidates = _candidates(judgements, _core.usual_expression(expressions, scores, rest))
     return Rest(best, candidates, skin)
+
+
+def _fitted_heads(
+    candidates: Sequence[tuple[int, float]],
+    find: Callable[[int], FaceFit],
+    progress: Progress,
+) -> list[FaceFit]:
+    """Heads fitted to the most likely frames, `NUM_TRIED` at most, those that are likely alone.
+
+    candidates: frame and chance as a share of the best one's, the most likely first
+    """
+
+    def found(frame: int) -> FaceFit | None:
+        with contextlib.suppress(NoFace):
+            return find(frame)
+        return None
+
+    left = deque(candidates)
+    fits: list[FaceFit] = []
+    while left and len(fits) < NUM_TRIED and (not fits or left[0][1] >= LEAST_CHANCE):
+        batch = [left.popleft()]
+        while left and len(fits) + len(batch) < NUM_TRIED and left[0][1] >= LEAST_CHANCE:
+            batch.append(left.popleft())
+        for number, (frame, fit) in enumerate(in_turn(found, [frame for frame, _ in batch])):
+            fraction = (len(fits) + number) / (len(fits) + len(batch))
+            _go_on(progress, fraction, f"fitting the head: frame {frame}")
+            fits += [fit] if fit is not None else []
+    return fits
 
 
 def _relaxed(
@@ -231,17 +260,15 @@ def _judged(
     footage: Footage, frame_numbers: set[int], progress: Progress, near: tuple[float, float] | None
 ) -> dict[int, fitting.Judged]:
     """What the finder measures in those of `frame_numbers` that show a face."""
-    judgements = {}
-    num_seen = 0
     first, last = min(frame_numbers), max(frame_numbers)
-    for frame, image in footage.frames(first, last):
-        if frame in frame_numbers:
-            text = f"looking for the face: {frame_text(frame, first, last)}"
-            _go_on(progress, num_seen / len(frame_numbers), text)
-            num_seen += 1
-            judgement = fitting.judge_frame(image, near)
-            if judgement is not None:
-                judgements[frame] = judgement
+    images = ((f, image) for f, image in footage.frames(first, last) if f in frame_numbers)
+    judgements = {}
+    judged = in_turn(lambda numbered: fitting.judge_frame(numbered[1], near), images)
+    for num_seen, ((frame, _), judgement) in enumerate(judged):
+        text = f"looking for the face: {frame_text(frame, first, last)}"
+        _go_on(progress, num_seen / len(frame_numbers), text)
+        if judgement is not None:
+            judgements[frame] = judgement
     return judgements
 
 

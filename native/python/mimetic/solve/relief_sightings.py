@@ -20,8 +20,9 @@ from mimetic.solve import tracking
 from mimetic.solve.relief import LEAST_SIGHTINGS, find_relief
 from mimetic.template.face_template import FaceTemplate, load_template
 
-# Texture that is stretched over the wrong depth is measured wrongly where the head is turned far
-ROUNDS = 3
+# Texture that is stretched over the wrong depth is measured wrongly where the head is turned far:
+# the first rounds are for a rough depth. Frames that are followed, and times that each is solved.
+ROUNDS = ((15, 2), (15, 2), (MOST_FOLLOWED, 4))
 GIVEN_UP = 6  # frames in a row in which the face is lost
 
 
@@ -45,15 +46,15 @@ def with_relief(
     if len(turned_frames) < LEAST_SIGHTINGS:
         return fit
     first, last = min(*turned_frames, fit.frame), max(*turned_frames, fit.frame)
-    attaching, *rounds = stages(progress, 0.0 if skin else ATTACHED, *[MOST_FOLLOWED] * ROUNDS)
+    attaching, *rounds = stages(progress, 0.0 if skin else ATTACHED, *[most for most, _ in ROUNDS])
     template = load_template()
     if skin is None:
         skin = factored_skin(fit.neutral_vertices(template), template, fit.calibration, attaching)
     if skin is None:
         return fit
     anatomy = modes_of(skin)  # some millimetres of depth hardly change what muscles do
-    for in_round in rounds:
-        found = _with_depth(footage, fit, template, anatomy, (first, last), in_round)
+    for effort, in_round in zip(ROUNDS, rounds, strict=True):
+        found = _with_depth(footage, fit, template, anatomy, (first, last), effort, in_round)
         if found is None:
             return fit
         fit = found
@@ -66,18 +67,23 @@ def _with_depth(
     template: FaceTemplate,
     anatomy: Anatomy,
     frames: tuple[int, int],
+    effort: tuple[int, int],
     progress: Progress,
 ) -> FaceFit | None:
-    """The fit with the relief that its head, followed through the frames, shows; None: stopped."""
+    """The fit with the relief that its head, followed through the frames, shows; None: stopped.
+
+    effort: frames followed, with more of them every second, third ...; times that each is solved
+    """
     motion = tracking.face_motion(fit.neutral_vertices(template), template, anatomy)
     reference = footage.read(fit.frame)
     # Relief moves points along the rays of one frame: so no other frame's texture may be used.
     options = _core.TrackerOptions()
     options.max_key_views = 0
+    most, options.max_iterations = effort
     tracker = tracking.make_tracker(reference, fit, template, anatomy, motion, options)
     at_reference = tracker.advance(reference)
     first, last = frames
-    stride = 1 + (last - first) // MOST_FOLLOWED
+    stride = 1 + (last - first) // most
     sightings: list[_core.Sighting] = []
     for images in (
         frames_away(footage, fit.frame, last),

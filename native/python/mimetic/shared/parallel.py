@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pieces of work at the same time, each of which spends its time in the core.
+
+One after the other where OPENCV_FOR_THREADS_NUM allows a single thread, as a batch of processes on
+one machine says. Results do not depend on it.
+"""
+
+from __future__ import annotations
+
+import os
+from collections import deque
+from collections.abc import Callable, Generator, Iterable
+from concurrent.futures import Future, ThreadPoolExecutor
+from typing import TypeVar
+
+A = TypeVar("A")
+B = TypeVar("B")
+
+THREADS = 2  # what is computed inside of each has threads of its own
+
+
+def both(first: Callable[[], A], second: Callable[[], B]) -> tuple[A, B]:
+    """What two functions return. The first works in the caller's thread; both end in any case."""
+    if _is_alone():
+        return first(), second()
+    with ThreadPoolExecutor(1) as pool:
+        other = pool.submit(second)
+        return first(), other.result()
+
+
+def in_turn(work: Callable[[A], B], items: Iterable[A]) -> Generator[tuple[A, B], None, None]:
+    """Each item with what `work` makes of it, in their order; at most two are held at a time."""
+    if _is_alone():
+        for item in items:
+            yield item, work(item)
+        return
+    with ThreadPoolExecutor(THREADS) as pool:
+        begun: deque[tuple[A, Future[B]]] = deque()
+        for item in items:
+            begun.append((item, pool.submit(work, item)))
+            if len(begun) == THREADS:
+                done, result = begun.popleft()
+                yield done, result.result()
+        for done, result in begun:
+            yield done, result.result()
+
+
+def _is_alone() -> bool:
+    return os.environ.get("OPENCV_FOR_THREADS_NUM") == "1"
