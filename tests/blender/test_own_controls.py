@@ -263,6 +263,26 @@ def test_the_table_is_heeded_and_survives_a_refit(extension, loaded):
     assert len([a for a in bpy.data.actions if a.name.startswith("hero controls")]) == 2
 
 
+def test_an_edited_row_waits_for_a_key_that_is_renamed(extension, loaded):
+    assert bpy.ops.mimetic.fit_controls() == {"FINISHED"}
+    row(loaded, "jawOpen").gain = 0.5
+    keys = loaded.data.shape_keys.key_blocks
+    keys["jawOpen"].name = "Gape"
+    assert bpy.ops.mimetic.fit_controls() == {"FINISHED"}
+    assert "whose edited rows wait: jawOpen" in result()["message"]
+    assert loaded.mimetic.controls[-1].name == "jawOpen"
+    assert row(loaded, "jawOpen").remark == "no control of this name now"
+    bpy.ops.mimetic.bake_controls(use_head_motion=False)
+    assert "whose edited rows wait: jawOpen" in result()["message"]
+    keys["Gape"].name = "jawOpen"
+    assert bpy.ops.mimetic.fit_controls() == {"FINISHED"}
+    assert "wait" not in result()["message"]
+    assert row(loaded, "jawOpen").gain == 0.5
+    keys["jawOpen"].name = "Gape"
+    bpy.ops.mimetic.fit_controls(reset_edits=True)
+    assert "jawOpen" not in loaded.mimetic.controls
+
+
 def test_a_key_that_is_switched_off_keeps_nothing_of_the_bake_before(extension, loaded, scene):
     bpy.ops.mimetic.bake_controls(use_head_motion=False)
     scene.frame_set(20)

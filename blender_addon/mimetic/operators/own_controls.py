@@ -65,14 +65,27 @@ class Fitting(OnControls, Job):
         character = context.active_object
         if character.type == "ARMATURE":
             control_preview.end()  # the rig is measured as it was
-        rows = [] if self.is_reset() else control_rows.rows_of(character)
-        rows = native.controls().refitted(rows, ranges_of(character))
+        before = [] if self.is_reset() else control_rows.rows_of(character)
+        rows = native.controls().refitted(before, ranges_of(character))
         has_take = not scene_in.no_take(context, "Capture")
         take = scene_in.take(context) if has_take else None
         surface = surface_of(context, character) if has_take else None
         is_rig = character.type == "ARMATURE"
         options = native.bone_channels().nearest_surface() if is_rig else None
         return character.name, surface, rows, take, options, self.curve_settings()
+
+    def write_rows(self, character, rows, played) -> str:
+        """Makes these rows the table; edited ones of controls that are gone stay after them, and
+        what to say of these is returned."""
+        before = [] if self.is_reset() else control_rows.rows_of(character)
+        waiting = native.controls().waiting(before, {row.control: row for row in rows})
+        remarks = native.playing().remarks(rows, played)
+        remarks |= {row.control: rpt_("no control of this name now") for row in waiting}
+        _write_rows(character, [*rows, *waiting], remarks)
+        if not waiting:
+            return ""
+        names = ", ".join(row.control for row in waiting)
+        return rpt_("; no controls now, whose edited rows wait: {names}").format(names=names)
 
     def curve_settings(self):
         """Of a fit: curves as captured."""
@@ -116,13 +129,11 @@ class MIMETIC_OT_fit_controls(Fitting, Operator):
     def write(self, context, result):
         name, rows, played, _, _ = result
         character = writable.own_object(context.scene, name)
-        remarks = native.playing().remarks(rows, played)
-        _write_rows(character, rows, remarks)
+        gone = self.write_rows(character, rows, played)
         self.facts = {"object": name, "num_controls": len(rows)}
         message = rpt_("{name}: {count} controls").format(name=name, count=len(rows))
-        return (
-            f"{message}; {played.summary()}" if played else message + rpt_("; no performance yet")
-        )
+        said = f"; {played.summary()}" if played else rpt_("; no performance yet")
+        return message + said + gone
 
 
 class MIMETIC_OT_bake_controls(
@@ -158,7 +169,7 @@ class MIMETIC_OT_bake_controls(
         is_rig = character.type == "ARMATURE"
         bake = face_bones.bake if is_rig else own_controls.bake
         summary = bake(*place, self.use_head_motion, *self.few_keys())
-        _write_rows(character, rows, native.playing().remarks(rows, played))
+        gone = self.write_rows(character, rows, played)
         self.facts = {
             "object": name,
             "num_curves": summary.num_curves,
@@ -172,7 +183,7 @@ class MIMETIC_OT_bake_controls(
         message = rpt_("{num_curves} curves from frame {first:.6g} to {last:.6g} on {name}").format(
             num_curves=summary.num_curves, first=summary.first, last=summary.last, name=name
         )
-        return f"{message}; {summary.text}{self.note_take(context, character, *like)}"
+        return f"{message}; {summary.text}{gone}{self.note_take(context, character, *like)}"
 
 
 class MIMETIC_OT_preview_controls(Fitting, Operator):
@@ -324,14 +335,14 @@ class MIMETIC_OT_load_controls(Preset, Operator):
             preset = package.load_preset(bpy.path.abspath(self.filepath))
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        own = package.refitted(control_rows.rows_of(character), ranges_of(character))
-        rows, strangers = package.with_preset(own, preset)
+        before, ranges = control_rows.rows_of(character), ranges_of(character)
+        rows, strangers = package.with_preset(package.refitted(before, ranges), preset)
         if len(strangers) == len(preset):
             message = rpt_("{character} has none of the preset's controls").format(
                 character=character.name
             )
             return outcome.cancelled(self, context, message)
-        _write_rows(character, rows)
+        _write_rows(character, [*rows, *package.waiting(before, ranges)])
         message = rpt_("{count} rows from {file}").format(
             count=len(preset) - len(strangers), file=Path(self.filepath).name
         )

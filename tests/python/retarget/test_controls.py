@@ -7,7 +7,14 @@ import json
 import numpy as np
 import pytest
 from mimetic import InvalidInput
-from mimetic.retarget.controls import ControlRow, load_preset, mirrored, refitted, save_preset
+from mimetic.retarget.controls import (
+    ControlRow,
+    load_preset,
+    mirrored,
+    refitted,
+    save_preset,
+    waiting,
+)
 
 EDITED = ControlRow("eyeBlinkLeft", True, 1.3, -0.1, 0.0, 0.9, is_edited=True)
 ROWS = [EDITED, ControlRow("eyeBlinkRight"), ControlRow("jawOpen")]
@@ -40,6 +47,14 @@ def test_edited_rows_survive_a_refit_and_others_follow_the_character():
         EDITED,
         ControlRow("new", lowest=-1.0),
     ]
+
+
+def test_edited_rows_of_controls_that_are_gone_wait():
+    ranges = {"jawOpen": (0, 1.5)}
+    gone = dataclasses.replace(ROWS[2], gain=5)
+    assert not gone.is_edited
+    assert waiting([gone, EDITED], ranges) == [EDITED]
+    assert waiting([EDITED], {EDITED.control: (0, 1)}) == []
 
 
 def test_edits_of_one_side_are_given_to_the_other():

@@ -99,13 +99,18 @@ class ControlSurface:
 def refitted(rows: Sequence[ControlRow], ranges: Mapping[str, Sequence[float]]) -> list[ControlRow]:
     """The table for controls with these ranges: edited rows stay, others are as at first.
 
-    Rows of controls that the character no longer has go, and new ones follow the order of `ranges`.
+    Rows of controls that the character no longer has are not among them (`waiting`).
     """
     before = {row.control: row for row in rows if row.is_edited}
     return [
         before.get(name) or ControlRow(name, lowest=float(low), highest=float(high))
         for name, (low, high) in ranges.items()
     ]
+
+
+def waiting(rows: Sequence[ControlRow], ranges: Mapping[str, object]) -> list[ControlRow]:
+    """Edited rows of controls that the character does not have now: renamed, or deleted."""
+    return [row for row in rows if row.is_edited and row.control not in ranges]
 
 
 def with_preset(
