@@ -289,3 +289,22 @@ def test_a_bone_that_is_gone_meanwhile_is_named(extension, rig, scene, acting_fi
     with pytest.raises(ValueError, match=r"Rig has no bone to move for brow\.L along x any more"):
         bones.bake(scene, performance, "hero", rig, played)
     assert rig.animation_data is None or rig.animation_data.action is None
+
+
+def test_a_take_that_plays_again_keeps_nothing_of_the_other(extension, rig, scene, acting_file):
+    """Whose bones it leaves at rest without a curve."""
+    loaded_take(scene, acting_file, rig)
+    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
+    for axis in "xyz":
+        rig.mimetic.controls[f"brow.L along {axis}"].is_on = False
+    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
+    first, second = (row.name for row in rig.mimetic.takes)
+    brow, other = rig.pose.bones["brow.L"], rig.pose.bones["brow.R"]
+    other.rotation_quaternion = posed = (0.8, 0.6, 0.0, 0.0)  # by hand, without a key
+    scene.frame_set(6)
+    assert bpy.ops.mimetic.play_take(take=first) == {"FINISHED"}
+    assert brow.location.length > 1e-3
+    assert bpy.ops.mimetic.play_take(take=second) == {"FINISHED"}
+    assert brow.location.length == 0
+    assert other.location.length > 1e-3
+    assert tuple(other.rotation_quaternion) == pytest.approx(posed)

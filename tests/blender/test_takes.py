@@ -94,6 +94,33 @@ def test_each_take_plays_again_as_it_was_baked(extension, scene, bake, performan
         np.testing.assert_allclose(after, expected[name], atol=1e-5)
 
 
+@pytest.mark.parametrize("to", KINDS)
+def test_what_one_take_alone_moves_is_at_rest_in_others(scene, bake, performance, other, to):
+    """A group's strength, keyed by hand in the first one."""
+    face = bake(performance, to=to)
+    group = face.mimetic.groups[0].name
+    if to == "KEYS":
+        key = face.data.shape_keys.key_blocks[group]
+        key.value = 0.5
+        key.keyframe_insert("value", frame=1)
+    else:
+        bone = face.mimetic.control_object.pose.bones[group]
+        bone["strength"] = 0.5
+        bone.keyframe_insert('["strength"]', frame=1)
+    assert value(scene, face, 9, group) == pytest.approx(0.5)
+    bake(other, "again", to=to)
+    assert value(scene, face, 9, group) == 0
+    bpy.ops.mimetic.play_take(take="hero")
+    assert value(scene, face, 9, group) == pytest.approx(0.5)
+    bpy.ops.mimetic.play_take(take="again")
+    assert value(scene, face, 9, group) == 0
+    bpy.ops.mimetic.play_take(take="hero")
+    bpy.ops.mimetic.blend_takes(take="again", over="hero", influence=0.5)
+    assert value(scene, face, 9, group) == pytest.approx(0.5)
+    bpy.ops.mimetic.play_take(take="again")
+    assert value(scene, face, 9, group) == 0
+
+
 def test_contact_made_for_another_bake_rests_and_is_told(
     extension, scene, bake, performance, other
 ):

@@ -14,7 +14,7 @@ from collections.abc import Collection
 import bpy
 
 from .. import compat
-from . import key_table
+from . import key_table, rest_pose
 
 NOTED = "mimetic_baked_curves"  # of an action: by path and index, the sum of a curve's keys
 
@@ -30,7 +30,7 @@ def replace(id_block: bpy.types.ID, keyed: Collection[tuple[str, int]]) -> None:
             sums[_name(curve)] = _sum_of(curve)
         elif noted.get(_name(curve)) == _sum_of(curve):
             holder.fcurves.remove(curve)
-            _put_to_rest(id_block, path, index)
+            rest_pose.put_to_rest(id_block, path, index)
     action[NOTED] = json.dumps(sums)
 
 
@@ -40,18 +40,3 @@ def _name(curve: bpy.types.FCurve) -> str:
 
 def _sum_of(curve: bpy.types.FCurve) -> int:
     return zlib.crc32(key_table.mark(curve))
-
-
-def _put_to_rest(id_block: bpy.types.ID, path: str, index: int) -> None:
-    owner, _, name = path.rpartition(".")
-    try:
-        thing = id_block.path_resolve(owner)
-    except ValueError:  # a bone or key that is gone
-        return
-    of = thing.bl_rna.properties[name]
-    if isinstance(thing, bpy.types.ShapeKey):
-        thing.value = 0.0  # Blender 5.0 gives 1 as the property's default
-    elif of.is_array:
-        getattr(thing, name)[index] = of.default_array[index]
-    else:
-        setattr(thing, name, of.default)

@@ -1,8 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A rig at rest for as long as it is measured: whatever the frame shows, and put back after."""
+"""Rest: of a rig for as long as it is measured, whatever the frame shows, and put back after; and
+of what a curve has moved."""
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -18,6 +20,7 @@ REST = {
     "rotation_axis_angle": (0.0, 0.0, 1.0, 0.0),
     "scale": (1.0, 1.0, 1.0),
 }
+MOVED = re.compile(r'(?:pose\.bones|key_blocks)\["(?:[^"\\]|\\.)*"\]')
 
 
 @contextmanager
@@ -60,3 +63,36 @@ def evaluated(mesh: bpy.types.Object) -> np.ndarray:
     points = np.empty(3 * len(vertices), dtype=np.float32)
     vertices.foreach_get("co", points)
     return points.reshape(-1, 3).astype(np.float64)
+
+
+def moved_by(path: str) -> str:
+    """Path of the bone or shape key that a curve with a path moves; nothing for an object."""
+    found = MOVED.match(path)
+    return found.group() if found else ""
+
+
+def put_to_rest(id_block: bpy.types.ID, path: str, index: int) -> None:
+    """What a curve has moved; an object stays where it is, and what is gone is passed over."""
+    owner = moved_by(path)
+    try:
+        thing = id_block.path_resolve(owner) if owner else None
+    except ValueError:  # a bone or key that is gone
+        return
+    name = path[len(owner) :]
+    if thing is None:
+        return
+    if name.startswith("["):
+        _put_own_property(thing, bpy.utils.unescape_identifier(name[2:-2]))
+        return
+    of = thing.bl_rna.properties[name[1:]]
+    if isinstance(thing, bpy.types.ShapeKey):
+        thing.value = 0.0  # Blender 5.0 gives 1 as the property's default
+    elif of.is_array:
+        getattr(thing, of.identifier)[index] = of.default_array[index]
+    else:
+        setattr(thing, of.identifier, of.default)
+
+
+def _put_own_property(bone: bpy.types.PoseBone, name: str) -> None:
+    if isinstance(value := bone.get(name), int | float):
+        bone[name] = type(value)(bone.id_properties_ui(name).as_dict().get("default", 0))

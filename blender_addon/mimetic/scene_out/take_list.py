@@ -12,7 +12,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import compat, native
-from . import companions, control_object, key_table, take_strips
+from . import companions, control_object, key_table, rest_pose, take_strips
 
 KEYS, OBJECT, CONTROL = "KEYS", "OBJECT", "CONTROL"
 
@@ -63,6 +63,7 @@ def note(obj, performance, name: str, path: str, frames, settings: str, before: 
         if (action, slot) != before.get(owner):
             part = row.parts.add()
             part.name, part.action, part.slot = owner, action, slot
+    _rest_of_what_left(obj, [(owner, *played) for owner, played in before.items()], [row])
     row.mark, row.surface = mark_of(row), _surface_of(obj)
     obj.mimetic.active_take = len(obj.mimetic.takes) - 1
     return row
@@ -179,17 +180,53 @@ def play(obj: bpy.types.Object, row) -> bool:
     InvalidInput, and changes nothing then."""
     if reason := no_play(obj, row):
         raise native.invalid_input(reason)
+    leaving, of_takes = _all_now(obj), actions_of_takes(obj)
     for block in owners(obj).values():
         take_strips.clear(block)
     parts = {part.name: part for part in row.parts}
-    of_takes = {part.action for other in obj.mimetic.takes for part in other.parts}
     for owner, block in owners(obj).items():
         if owner in parts:
             compat.assign(block, parts[owner].action, parts[owner].slot)
         elif block.animation_data is not None and block.animation_data.action in of_takes:
             block.animation_data.action = None
+    _rest_of_what_left(obj, leaving, [row])
     obj.mimetic.active_take = obj.mimetic.takes.find(row.name)
     return _suit(obj, row)
+
+
+def actions_of_takes(obj: bpy.types.Object) -> set[bpy.types.Action]:
+    return {part.action for row in obj.mimetic.takes for part in row.parts}
+
+
+def _all_now(obj: bpy.types.Object) -> list[tuple]:
+    """As `now`, with all of our strips: owner, action and slot of each."""
+    strips = [
+        (owner, strip.action, compat.slot_of(strip))
+        for owner, block in owners(obj).items()
+        for strip in take_strips.strips_of(block)
+    ]
+    return [(owner, *playing) for owner, playing in now(obj).items()] + strips
+
+
+def _rest_of_what_left(obj: bpy.types.Object, leaving: list[tuple], rows: list) -> None:
+    """Puts to rest what actions that play no longer (of `_all_now`) have moved, and the takes that
+    play do not: it would stay as the frame at hand had it.
+
+    Of an action of the user's own, such as of Bake Action, only what these takes move too.
+    """
+    blocks, current, of_takes = owners(obj), now(obj), actions_of_takes(obj)
+    for owner, action, slot in leaving:
+        if owner not in blocks or current.get(owner) == (action, slot):
+            continue
+        parts = [row.parts[owner] for row in rows if owner in row.parts]
+        own = [curve for part in parts for curve in compat.curves_of(part.action, part.slot)]
+        played = {(curve.data_path, curve.array_index) for curve in own}
+        moved = {rest_pose.moved_by(path) for path, _ in played}
+        for curve in compat.curves_of(action, slot):
+            path, index = curve.data_path, curve.array_index
+            is_ours = action in of_takes or rest_pose.moved_by(path) in moved
+            if is_ours and (path, index) not in played:
+                rest_pose.put_to_rest(blocks[owner], path, index)
 
 
 def blend(obj: bpy.types.Object, under, over, influence: float) -> None:
@@ -201,7 +238,9 @@ def blend(obj: bpy.types.Object, under, over, influence: float) -> None:
         raise native.invalid_input(
             rpt_("{take} plays already: choose another take to blend in").format(take=over.name)
         )
+    leaving = _all_now(obj)
     take_strips.play(owners(obj), [(under, 1.0), (over, influence)])
+    _rest_of_what_left(obj, leaving, [under, over])
     for row in (under, over):
         _suit(obj, row)
 

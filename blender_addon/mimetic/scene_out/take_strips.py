@@ -42,8 +42,13 @@ def add(block: bpy.types.ID, take: str, part, influence: float) -> bpy.types.Nla
 
 def top(block: bpy.types.ID) -> bpy.types.NlaStrip | None:
     """The uppermost strip of ours, which plays where its influence is full."""
-    strips = [strip for track in _ours(block) for strip in track.strips]
+    strips = strips_of(block)
     return strips[-1] if strips else None
+
+
+def strips_of(block: bpy.types.ID) -> list[bpy.types.NlaStrip]:
+    """Ours, from below."""
+    return [strip for track in _ours(block) for strip in track.strips]
 
 
 def play(blocks: dict[str, bpy.types.ID], layers: list[tuple]) -> None:
