@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <array>
 #include <filesystem>
 #include <mimetic/locate/locate.hpp>
 #include <mimetic/shared/error.hpp>
+#include <mutex>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 #include <opencv2/objdetect.hpp>
@@ -165,6 +167,40 @@ struct FaceLocator::Cascades {
                                      const FaceFinder& finder);
 };
 
+/// OpenCV's classifiers keep what they work on: each search has some of its own, two of each, as two roll
+/// angles are searched in parallel.
+struct FaceLocator::CascadePairs {
+    using Pair = std::array<Cascades, 2>;
+
+    explicit CascadePairs(const std::string& from) : directory(from) { give_back(take()); }
+
+    std::unique_ptr<Pair> take() {
+        {
+            const std::lock_guard lock(busy);
+            if (!idle.empty()) {
+                std::unique_ptr<Pair> pair = std::move(idle.back());
+                idle.pop_back();
+                return pair;
+            }
+        }
+        auto pair = std::make_unique<Pair>();
+        for (Cascades& cascades : *pair) {
+            cascades.face = load(directory, "frontalface_alt2");
+            cascades.eye = load(directory, "eye");
+        }
+        return pair;
+    }
+
+    void give_back(std::unique_ptr<Pair> pair) {
+        const std::lock_guard lock(busy);
+        idle.push_back(std::move(pair));
+    }
+
+    std::string directory;
+    std::mutex busy;
+    std::vector<std::unique_ptr<Pair>> idle;
+};
+
 std::vector<Candidate> FaceLocator::Cascades::boxes(const cv::Mat& gray, double smallest, int neighbours) {
     const double scale = std::min(1.0, kDetectorSide / std::max(gray.rows, gray.cols));
     cv::Mat small = gray;
@@ -215,12 +251,8 @@ locate::EyePair FaceLocator::Cascades::eyes(const cv::Mat& gray, const cv::Rect2
 }
 
 FaceLocator::FaceLocator(const std::string& cascade_directory, const LocateOptions& options)
-    : cascades_(std::make_unique<std::array<Cascades, 2>>()), options_(options) {
+    : cascades_(std::make_unique<CascadePairs>(cascade_directory)), options_(options) {
     options_.check();
-    for (auto& cascades : *cascades_) {
-        cascades.face = load(cascade_directory, "frontalface_alt2");
-        cascades.eye = load(cascade_directory, "eye");
-    }
 }
 
 FaceLocator::FaceLocator(const std::string& cascade_directory, FaceSpaces spaces,
@@ -253,13 +285,14 @@ std::vector<FaceFeatures> FaceLocator::locate(ColorView image) const {
         if (finder_) here = together(cascades.locate(image, gray, seen, options_, boxes, *finder_), here);
         return here;
     };
-    std::vector<FaceFeatures> found = leant_by(0, cascades_->at(0));
+    std::unique_ptr<CascadePairs::Pair> pair = cascades_->take();
+    std::vector<FaceFeatures> found = leant_by(0, pair->at(0));
     if (!is_sure(found)) {
         std::array<std::vector<FaceFeatures>, 2> leant;
         cv::parallel_for_({0, 2}, [&](const cv::Range& range) {
             for (int i = range.start; i < range.end; ++i) {
                 const auto at = static_cast<std::size_t>(i);
-                leant[at] = leant_by(i == 0 ? kLean : -kLean, cascades_->at(at));
+                leant[at] = leant_by(i == 0 ? kLean : -kLean, pair->at(at));
             }
         });
         for (auto& here : leant) {
@@ -267,6 +300,7 @@ std::vector<FaceFeatures> FaceLocator::locate(ColorView image) const {
             if (!is_sure(found) && surest(here) > surest(found)) found = std::move(here);
         }
     }
+    cascades_->give_back(std::move(pair));
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.box(2) > b.box(2); });
     return found;
 }

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "detail_solver.hpp"
 
+#include <array>
+
 #include "block_banded.hpp"
+#include "in_parts.hpp"
 
 namespace mimetic {
 
@@ -13,18 +16,31 @@ DetailEstimate DetailSolver::solve(const JointSolver& solver,
                                    const Eigen::VectorXd& step, const DetailTerms& other) {
     const Eigen::Index size = prior_.rows();
     rows_.resize(size, static_cast<Eigen::Index>(2 * measurements.size()));
-    for (std::size_t k = 0; k < measurements.size(); ++k) {
-        const Eigen::Matrix<float, 2, 3> whitened = solver.whitener(k) * solver.projection(k);
-        rows_.middleCols<2>(static_cast<Eigen::Index>(2 * k)).noalias() =
-            measurements[k].sample->seen_detail_modes.transpose() * whitened.transpose();
+    std::array<Sums, kParts> parts;
+    in_parts(measurements.size(), [&](std::size_t part, std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const Eigen::Matrix<float, 2, 3> whitened = solver.whitener(k) * solver.projection(k);
+            rows_.middleCols<2>(static_cast<Eigen::Index>(2 * k)).noalias() =
+                measurements[k].sample->seen_detail_modes.transpose() * whitened.transpose();
+        }
+        const auto first = static_cast<Eigen::Index>(2 * begin);
+        const auto rows = rows_.middleCols(first, static_cast<Eigen::Index>(2 * end) - first);
+        parts[part].information.setZero(size, size);
+        parts[part].information.selfadjointView<Eigen::Lower>().rankUpdate(rows);
+        parts[part].coupling = rows * solver.rows().middleCols(first, rows.cols()).transpose();
+        parts[part].pull = rows * solver.targets().segment(first, rows.cols());
+    });
+    Sums& sums = parts.front();
+    for (std::size_t part = 1; part < parts.size(); ++part) {
+        sums.information += parts[part].information;
+        sums.coupling += parts[part].coupling;
+        sums.pull += parts[part].pull;
     }
-    sum_.setZero(size, size);
-    sum_.selfadjointView<Eigen::Lower>().rankUpdate(rows_);
     const Eigen::MatrixXd information =
-        sum_.selfadjointView<Eigen::Lower>().toDenseMatrix().cast<double>() + other.information;
-    const Eigen::MatrixXd of_samples = (rows_ * solver.rows().transpose()).cast<double>();
+        sums.information.selfadjointView<Eigen::Lower>().toDenseMatrix().cast<double>() + other.information;
+    const Eigen::MatrixXd of_samples = sums.coupling.cast<double>();
     const Eigen::MatrixXd coupling = of_samples + other.coupling;
-    const Eigen::VectorXd pull = (rows_ * solver.targets()).cast<double>() - of_samples * step + other.pull;
+    const Eigen::VectorXd pull = sums.pull.cast<double>() - of_samples * step + other.pull;
     const Eigen::MatrixXd covariance =
         (information + prior_).llt().solve(Eigen::MatrixXd::Identity(size, size));
     return {covariance * pull, covariance.diagonal().cwiseSqrt(), information, coupling, pull};

@@ -28,9 +28,13 @@ public:
                          const Eigen::VectorXd& step, const DetailTerms& other);
 
 private:
+    struct Sums {
+        Eigen::MatrixXf information, coupling;
+        Eigen::VectorXf pull;
+    };
+
     Eigen::MatrixXd prior_;  // D squared, diagonal
     Eigen::MatrixXf rows_;   // D x 2K, whitened and weighted
-    Eigen::MatrixXf sum_;
 };
 
 /// Coefficients over a clip from each frame's normal equations, once pose and values have moved by `steps`.

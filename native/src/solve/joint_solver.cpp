@@ -3,17 +3,15 @@
 
 #include <Eigen/LU>
 #include <limits>
-#include <opencv2/core/utility.hpp>
 
 #include "bounded_step.hpp"
+#include "in_parts.hpp"
 
 #include "shared/robust.hpp"
 
 namespace mimetic {
 
 namespace {
-
-constexpr int kParts = 4;
 
 /// W with W^T W = inverse of the covariance.
 Eigen::Matrix2f whitener_of(const Eigen::Matrix2d& covariance) {
@@ -24,17 +22,6 @@ float gate(float correlation) {
     constexpr float kLost = .35f, kSure = .7f;
     const float share = std::clamp((correlation - kLost) / (kSure - kLost), 0.f, 1.f);
     return share * share * (3 - 2 * share);
-}
-
-/// Runs body(begin, end) over fixed parts of 0 .. count: sums must not depend on the scheduling of threads.
-template <typename Body>
-void in_parts(std::size_t count, const Body& body) {
-    cv::parallel_for_({0, kParts}, [&](const cv::Range& range) {
-        for (int part = range.start; part < range.end; ++part) {
-            const auto at = static_cast<std::size_t>(part);
-            body(at, at * count / kParts, (at + 1) * count / kParts);
-        }
-    });
 }
 
 }  // namespace

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <array>
 #include <memory>
 #include <mimetic/locate/face_spaces.hpp>
 #include <mimetic/shared/image.hpp>
@@ -60,13 +59,15 @@ public:
     FaceLocator(FaceLocator&&) noexcept;
     FaceLocator& operator=(FaceLocator&&) noexcept;
 
-    /// Every face, the largest first. A grey image comes as three equal channels.
+    /// Every face, the largest first; from several threads at once if need be. A grey image comes as three
+    /// equal channels.
     std::vector<FaceFeatures> locate(ColorView image) const;
 
 private:
     struct Cascades;
-    std::unique_ptr<std::array<Cascades, 2>> cascades_;  // two roll angles are searched in parallel
-    std::unique_ptr<FaceFinder> finder_;                 // empty: cascades alone
+    struct CascadePairs;
+    std::unique_ptr<CascadePairs> cascades_;
+    std::unique_ptr<FaceFinder> finder_;  // empty: cascades alone
     LocateOptions options_;
 };
 
