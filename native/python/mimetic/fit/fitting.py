@@ -69,6 +69,7 @@ class Judged:
     detail: float
     expression: NDArray[np.float64]  # 6
     features: _core.FaceFeatures
+    faces: list[_core.FaceFeatures]  # all that are in the frame, the largest first
 
 
 def judge_frame(image: NDArray[np.uint8], near: tuple[float, float] | None = None) -> Judged | None:
@@ -82,7 +83,7 @@ def judge_frame(image: NDArray[np.uint8], near: tuple[float, float] | None = Non
         return None
     face = faces[0 if near is None else _nearest(faces, near)]
     score, detail = _core.rest_score(image, face), _core.face_detail(image, face)
-    return Judged(score, detail, _core.expression_of(face), face)
+    return Judged(score, detail, _core.expression_of(face), face, faces)
 
 
 def find_face(
@@ -93,6 +94,7 @@ def find_face(
     camera: _core.Camera | None = None,
     choice: int = 0,
     near: tuple[float, float] | None = None,
+    faces: Sequence[_core.FaceFeatures] | None = None,
 ) -> FaceFit:
     """Finds a face and fits pose and proportions of the head to it.
 
@@ -100,12 +102,14 @@ def find_face(
     camera: its focal length is kept; without one, that of no known lens
     choice: which face, the largest first
     near: a place (x, y) in pixels; the face nearest to it is taken, whatever `choice` is
+    faces: all that are in the image, where they were found before
     Raises NoFace with the reason, InvalidInput for an image that cannot be worked with.
     """
     image = as_rgb(image)
     height, width = image.shape[:2]
     template = template or load_template()
-    faces = _locator().locate(image)
+    if faces is None:
+        faces = _locator().locate(image)
     if not faces:
         raise NoFace(
             f"no frontal face in frame {frame} ({width} x {height}): choose a frame in which the "
@@ -381,7 +385,7 @@ def _expected(
     )
 
 
-def _nearest(faces: list[_core.FaceFeatures], near: tuple[float, float]) -> int:
+def _nearest(faces: Sequence[_core.FaceFeatures], near: tuple[float, float]) -> int:
     """Index of the face whose middle is nearest to a place, pixels."""
     away = [math.dist(face.box[:2] + face.box[2:] / 2, near) for face in faces]
     return int(np.argmin(away))

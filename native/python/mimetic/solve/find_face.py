@@ -84,8 +84,11 @@ def find_rest(
     chances = _core.chances_of_rest(scores, details, expressions)
     camera = camera_with(lens, footage.size)
     fits = _fitted_heads(
+        footage,
         [(frames[i], chances[i] / chances.max()) for i in np.argsort(-chances)],
-        lambda frame: fitting.find_face(footage.read(frame), frame, camera=camera, near=near),
+        lambda image, frame: fitting.find_face(
+            image, frame, camera=camera, near=near, faces=judgements[frame].faces
+        ),
         fitting_heads,
     )
     if not fits:
@@ -102,8 +105,9 @@ def find_rest(
 
 
 def _fitted_heads(
+    footage: Footage,
     candidates: Sequence[tuple[int, float]],
-    find: Callable[[int], FaceFit],
+    find: Callable[[NDArray[np.uint8], int], FaceFit],
     progress: Progress,
 ) -> list[FaceFit]:
     """Heads fitted to the most likely frames, `NUM_TRIED` at most, those that are likely alone.
@@ -113,7 +117,7 @@ def _fitted_heads(
 
     def found(frame: int) -> FaceFit | None:
         with contextlib.suppress(NoFace):
-            return find(frame)
+            return find(images[frame], frame)
         return None
 
     left = deque(candidates)
@@ -122,6 +126,7 @@ def _fitted_heads(
         batch = [left.popleft()]
         while left and len(fits) + len(batch) < NUM_TRIED and left[0][1] >= LEAST_CHANCE:
             batch.append(left.popleft())
+        images = _images(footage, {frame for frame, _ in batch})
         for number, (frame, fit) in enumerate(in_turn(found, [frame for frame, _ in batch])):
             fraction = (len(fits) + number) / (len(fits) + len(batch))
             _go_on(progress, fraction, f"fitting the head: frame {frame}")
@@ -163,7 +168,10 @@ def _relaxed(
             return _explained(supposed, "relaxed", judgements), skin
         with contextlib.suppress(NoFace):
             image = footage.read(frames[i])
-            fit = fitting.find_face(image, frames[i], camera=supposed.camera, near=near)
+            faces = judgements[frames[i]].faces
+            fit = fitting.find_face(
+                image, frames[i], camera=supposed.camera, near=near, faces=faces
+            )
             if _turn(fit) <= max(FAR_TURNED, _turn(supposed)):
                 return _explained(fit, "relaxed", judgements), skin
     return supposed, skin
@@ -282,14 +290,15 @@ def _joined(footage: Footage, best: FaceFit, candidates: list[Candidate]) -> Fac
     views = {view.frame: view.features for view in choose_views(reference, candidates)}
     if not views:
         return best
-    view_frames = {best.frame, *views}
-    images: dict[int, NDArray[np.uint8]] = {
-        frame: image
-        for frame, image in footage.frames(min(view_frames), max(view_frames))
-        if frame in view_frames
-    }
+    images = _images(footage, {best.frame, *views})
     others = [(frame, features, images[frame]) for frame, features in views.items()]
     return fitting.join_views(best, images[best.frame], others)
+
+
+def _images(footage: Footage, frames: set[int]) -> dict[int, NDArray[np.uint8]]:
+    """By frame, in one pass: each by itself would be decoded from the clip's start."""
+    images = {f: image for f, image in footage.frames(min(frames), max(frames)) if f in frames}
+    return images | {f: footage.read(f) for f in frames - images.keys()}  # which says what is wrong
 
 
 def _others_at_rest(
@@ -300,12 +309,14 @@ def _others_at_rest(
         return []
     usual = sorted(candidates, key=lambda c: -c.usual)
     chosen = [c for c in usual if c.usual >= AT_REST and c.frame != fit.frame][:NUM_AT_REST]
-    template = load_template()
-    views = [
-        fitting.lone_view(c.frame, footage.read(c.frame), c.features, fit.camera, template)
-        for c in sorted(chosen, key=lambda c: c.frame)
-    ]
-    return [view for view in views if view is not None]
+    if not chosen:
+        return []
+    template, images = load_template(), _images(footage, {c.frame for c in chosen})
+    views = in_turn(
+        lambda c: fitting.lone_view(c.frame, images[c.frame], c.features, fit.camera, template),
+        sorted(chosen, key=lambda c: c.frame),
+    )
+    return [view for _, view in views if view is not None]
 
 
 def _unusualness(fit: FaceFit) -> float:
