@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cholesky.hpp"
 
+#include <mutex>
 #include <utility>
 #include <vector>
 
@@ -34,6 +35,10 @@ std::vector<int> order_points(const Columns& matrix, cholmod_common& common) {
     graph.dtype = CHOLMOD_DOUBLE;
     graph.sorted = graph.packed = 1;
     std::vector<int> order(count), parents(count), components(count);
+    // METIS draws from random numbers of the C library, which it seeds anew at each call: two at once would
+    // take each other's, and the factors, with all that is computed by them, would differ from run to run.
+    static std::mutex one_at_a_time;
+    const std::lock_guard lock(one_at_a_time);
     const auto num_components = cholmod_nested_dissection(&graph, nullptr, 0, order.data(), parents.data(),
                                                           components.data(), &common);
     return num_components < 0 ? std::vector<int>{} : order;

@@ -127,7 +127,9 @@ struct BoundedSteps {
     Blocks within, dual;
 };
 
-/// ADMM: a smooth solve, then the bounds, until both agree.
+/// ADMM: a smooth solve, then the bounds, until both agree [Boyd et al. 2011, over-relaxed as in 3.4.3]. Slow
+/// movements are nearly free of the measurements, at a clip's ends above all: what is left of those after too
+/// few rounds is not small, whatever the measured frames look like.
 void solve_bounded(SequenceProblem problem, int max_iterations, const Progress& progress,
                    BoundedSteps& bounded) {
     const std::size_t count = problem.pull.size();
@@ -137,7 +139,8 @@ void solve_bounded(SequenceProblem problem, int max_iterations, const Progress& 
     for (const Eigen::MatrixXd& block : problem.matrix.diagonal) {
         penalty.tail(num_values) += block.diagonal().tail(num_values) / static_cast<double>(count);
     }
-    penalty *= .3;
+    constexpr double kPenalty = .1;
+    penalty *= kPenalty;
     for (Eigen::MatrixXd& block : problem.matrix.diagonal) {
         block.diagonal() += penalty;
     }
@@ -152,7 +155,9 @@ void solve_bounded(SequenceProblem problem, int max_iterations, const Progress& 
         factor.solve(steps);
         double apart = 0, moved = 0;
         for (std::size_t t = 0; t < count; ++t) {
+            constexpr double kRelaxation = 1.8;
             Eigen::VectorXd wanted = steps[t] + dual[t];
+            wanted.tail(num_values) += (kRelaxation - 1) * (steps[t] - within[t]).tail(num_values);
             Eigen::VectorXd inside = wanted;
             inside.tail(num_values) =
                 wanted.tail(num_values).cwiseMax(problem.lower[t]).cwiseMin(problem.upper[t]);

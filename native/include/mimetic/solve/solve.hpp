@@ -140,7 +140,7 @@ struct SmootherOptions {
     double value_acceleration = 0.08;        ///< s.d. of a value's second difference, 1 a frame squared
     double rotation_acceleration = 0.01;     ///< rad a frame squared
     double translation_acceleration = 2e-3;  ///< metres a frame squared
-    int max_iterations = 200;                ///< of the bounds
+    int max_iterations = 2000;               ///< of the bounds: some 200 are usual
     /// Times their upper bounds that muscles may reach which stand at them, 1 to 10: then all is solved again
     double muscle_headroom = 1;
     int fixed_first = 0;  ///< frames at the start whose states stay as they are
