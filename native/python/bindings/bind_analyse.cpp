@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <mimetic/analyse/confounding.hpp>
 #include <mimetic/analyse/distinct_frames.hpp>
 #include <mimetic/analyse/motion_scores.hpp>
 
@@ -30,6 +31,12 @@ Eigen::Map<const Rows<std::uint8_t, Eigen::Dynamic>> seen_of(const FlagArray& ar
 }  // namespace
 
 void bind_analyse(py::module_& m) {
+    m.def(
+        "confounded_values", &confounded_values, "activations"_a, "activations_std"_a, "evidence"_a,
+        py::call_guard<py::gil_scoped_release>(),
+        "Muscles that the pictures cannot tell from another value: (N, P), its index, muscles first, or -1;\n"
+        "see confounding.hpp. activations, activations_std: (N, P); evidence: (N, E) float32, as "
+        "`pack_evidence` has it.\nRaises InvalidInput.");
     m.attr("MOVING_PX") = kMovingPx;
     m.attr("MOVING_M") = kMovingMetres;
     py::class_<ImageScores>(m, "ImageScores", "What predicted tracks are worth; see motion_scores.hpp.")

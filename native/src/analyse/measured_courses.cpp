@@ -15,18 +15,11 @@ constexpr double kOtherStd = .06;  // of other values about what was captured
 constexpr double kWidePose = 30;   // rad, metres: the pictures alone say where the head is
 constexpr double kLeastSum = 1e-9;
 
-/// Of pose and values, from the length of their evidence; -1 where none has that length.
-int size_of(Eigen::Index length) {
-    const auto size =
-        static_cast<int>(std::lround((std::sqrt(9 + 8. * static_cast<double>(length)) - 3) / 2));
-    return size * (size + 3) / 2 == length ? size : -1;
-}
-
 }  // namespace
 
 MeasuredCourses::MeasuredCourses(MatrixIn activations,
                                  const Eigen::Ref<const Rows<float, Eigen::Dynamic>>& evidence)
-    : activations_(activations), evidence_(evidence), size_(size_of(evidence.cols())) {
+    : activations_(activations), evidence_(evidence), size_(evidence_state_size(evidence.cols())) {
     require(evidence.rows() == activations.rows() && size_ >= kPose + activations.cols(),
             "MeasuredCourses: the evidence is not of these frames and muscles");
     require(activations.allFinite() && evidence.allFinite(),

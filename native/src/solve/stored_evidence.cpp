@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <cmath>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/solve/stored_evidence.hpp>
 
@@ -14,6 +15,23 @@ Eigen::VectorXf pack_evidence(const FrameEstimate& estimate) {
     }
     packed.tail(size) = estimate.gradient.cast<float>();
     return packed;
+}
+
+int evidence_state_size(Eigen::Index length) {
+    const auto size =
+        static_cast<int>(std::lround((std::sqrt(9 + 8. * static_cast<double>(length)) - 3) / 2));
+    return size * (size + 3) / 2 == length ? size : -1;
+}
+
+Eigen::MatrixXd stored_information(const Eigen::VectorXf& evidence, Eigen::Index size) {
+    Eigen::MatrixXd information(size, size);
+    Eigen::Index at = 0;
+    for (Eigen::Index row = 0; row < size; ++row) {
+        information.row(row).head(row + 1) = evidence.segment(at, row + 1).transpose().cast<double>();
+        at += row + 1;
+    }
+    information.triangularView<Eigen::StrictlyUpper>() = information.transpose();
+    return information;
 }
 
 FrameEstimate stored_estimate(const Eigen::Isometry3d& camera_from_head, const Matrix6& pose_covariance,
@@ -33,14 +51,7 @@ FrameEstimate stored_estimate(const Eigen::Isometry3d& camera_from_head, const M
     estimate.covariance.setZero(size, size);
     estimate.covariance.topLeftCorner<6, 6>() = pose_covariance + 1e-12 * Matrix6::Identity();
     estimate.covariance.diagonal().tail(values.size()) = values_std.cwiseMax(kSurest).cwiseAbs2();
-    estimate.information.resize(size, size);
-    Eigen::Index at = 0;
-    for (Eigen::Index row = 0; row < size; ++row) {
-        estimate.information.row(row).head(row + 1) =
-            evidence.segment(at, row + 1).transpose().cast<double>();
-        at += row + 1;
-    }
-    estimate.information.triangularView<Eigen::StrictlyUpper>() = estimate.information.transpose();
+    estimate.information = stored_information(evidence, size);
     estimate.gradient = evidence.tail(size).cast<double>();
     return estimate;
 }

@@ -125,3 +125,23 @@ def test_a_name_that_is_no_text_breaks_no_report(tmp_path):
     write_report(again, Footage(path), tmp_path / "report.html", CaptureSummary())
     text = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert "udce9" in text and "ud800" in text
+
+
+def test_muscles_that_are_not_told_apart_are_hatched_and_named(tmp_path, footage):
+    from mimetic.report.plots import _muscle_figure
+
+    of = np.full((12, 36), -1)
+    of[3:9, 4], of[3:9, 7] = 7, 4
+    activations = np.zeros((12, 36))
+    activations[3:9, 4] = 0.5
+    performance = make_performance(confounded_with=of, activations=activations)
+    hatched = [
+        part
+        for axes in _muscle_figure(performance).axes
+        for part in axes.collections
+        if part.get_hatch() and len(part.get_paths())
+    ]
+    assert len(hatched) == 2
+    write_report(performance, footage, tmp_path / "report.html")
+    text = (tmp_path / "report.html").read_text()
+    assert "Not told apart: muscle_02.L and muscle_03.R (6 frames)." in text

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from mimetic.performance.confounding import confounding_text
 from mimetic.performance.corrections import corrected_frames
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.performance.gaze import gaze_range, has_gaze
@@ -55,5 +56,7 @@ def describe(performance: Performance) -> str:
         lines.append(f"detail       {len(performance.detail_modes)} modes")
     if corrected := corrected_frames(performance):
         lines.append(f"corrected    {', '.join(map(str, corrected))}")
+    if text := confounding_text(performance):
+        lines.append(f"confounded   {text}")
     lines += [f"note         {note}" for note in performance.notes or ()]
     return "\n".join(lines)

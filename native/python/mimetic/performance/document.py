@@ -62,6 +62,7 @@ OPTIONAL: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "corrections": ("U", ("C",)),
     "uncorrected": ("f", ("N", "R")),
     "muscle_extent": ("f", ("P",)),
+    "confounded_with": ("i", ("N", "P")),
 }
 # Modes are kept in single precision: 1e-7 of a displacement of centimetres, at half the memory.
 DTYPES = {"f": np.float64, "m": np.float32, "i": np.int64}
@@ -127,6 +128,8 @@ class Performance:
     uncorrected: NDArray[np.float64] | None = None
     # P, of muscles that this person contracts further than is assumed; modes go that far
     muscle_extent: NDArray[np.float64] | None = None
+    # N x P: what pictures cannot tell a muscle from, by its index among muscles, then articulators
+    confounded_with: NDArray[np.int64] | None = None
 
     def __post_init__(self) -> None:
         for key, (kind, shape) in (REQUIRED | OPTIONAL).items():
@@ -249,6 +252,9 @@ class Performance:
                 raise InvalidInput(f"performance {key} must lie in 0 to 1")
         if self.muscle_extent is not None and not (self.muscle_extent >= 1).all():
             raise InvalidInput("performance muscle_extent must not be under 1")
+        num_values = len(self.muscles) + len(self.articulators)
+        if (of := self.confounded_with) is not None and not ((of >= -1) & (of < num_values)).all():
+            raise InvalidInput("performance confounded_with names values that do not exist")
         if self.activations_std.min() < 0:
             raise InvalidInput("performance activations_std must not be negative")
         if self.articulator_values_std is not None and (self.articulator_values_std < 0).any():

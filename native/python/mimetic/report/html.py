@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, __version__, _core
 from mimetic.media.footage import Footage
+from mimetic.performance.confounding import confounding_text
 from mimetic.performance.corrections import corrected_frames
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.performance.gaze import expression_of, gaze_range, has_gaze
@@ -97,7 +98,10 @@ def _parts(
     yield "<h2>Muscles</h2>" + plots.muscles
     yield "<p class='caption'>Activation from 0 to 1 by the seven groups; solid: the subject's "
     yield "left, dashed: right. Bands: one standard deviation. Grey: held frames, in which "
-    yield "nothing was measured; blue lines: frames that a person corrected.</p>"
+    yield "nothing was measured; blue lines: frames that a person corrected. "
+    yield "Hatched: muscles that the pictures cannot tell from another one.</p>"
+    if text := confounding_text(performance):
+        yield f"<p class='caption'>Not told apart: {_html(text)}.</p>"
     if plots.articulators:
         yield "<h2>Jaw, lids and gaze</h2>" + plots.articulators
     yield _times(performance, summary) + _settings(performance, footage, summary)

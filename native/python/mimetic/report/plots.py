@@ -62,6 +62,7 @@ def _muscle_figure(performance: Performance) -> Figure:
             std = performance.activations_std[:, i]
             curve = performance.activations[:, i]
             _draw(panel, performance.frame, curve, std, colour, label, "-" if side == "L" else "--")
+            _hatch_confounded(panel, performance, i, colour)
         _set_activation_axes(panel, f"{group}  {GROUPS[group]}")
         _shade_held(panel, performance)
         _mark_corrected(panel, performance)
@@ -76,6 +77,23 @@ def _muscle_figure(performance: Performance) -> Figure:
     for panel in axes[-1]:
         panel.set_xlabel("frame")
     return figure
+
+
+def _hatch_confounded(axes: Axes, performance: Performance, i: int, colour: str) -> None:
+    """Frames in which the pictures cannot tell the muscle of a column from another at work."""
+    if performance.confounded_with is None:
+        return
+    from matplotlib.colors import to_rgb
+
+    values, std = performance.activations[:, i], performance.activations_std[:, i]
+    axes.fill_between(
+        *(performance.frame, values - std, values + std),
+        where=performance.confounded_with[:, i] >= 0,
+        facecolor="none",
+        edgecolor=(*to_rgb(colour), 0.45),
+        hatch="////",
+        linewidth=0,
+    )
 
 
 def _set_activation_axes(axes: Axes, title: str, room: float = 0.3) -> None:

@@ -26,6 +26,7 @@ from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import FACTORED, Anatomy, AttachedSkin, modes_of, refined_skin
 from mimetic.muscles.detail import detail_of
 from mimetic.muscles.extras import with_lip_shapes
+from mimetic.performance.confounding import with_confounding
 from mimetic.performance.corrections import Corrections
 from mimetic.performance.document import Performance
 from mimetic.performance.projection import rescaled
@@ -348,7 +349,7 @@ class ClipCapture:
             std[:, num_muscles:],
             self.anatomy.articulator_modes,
         ) | full_range.stated(*(fit, self.anatomy, *of_muscles), np.array(rows.evidence))
-        return clip_performance(
+        performance = clip_performance(
             *(rows, self.walk.footage, fit, self.template, self.anatomy),
             head_pose=poses,
             head_pose_cov=pose_cov,
@@ -358,6 +359,7 @@ class ClipCapture:
             detail_coefficients_std=np.array(rows.detail_std),
             notes=self.walk.notes(rows, fit.calibration.notes()) or None,
         )
+        return with_confounding(performance)
 
 
 def _telling(progress: Progress | None, way: str) -> Progress | None:

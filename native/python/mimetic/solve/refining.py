@@ -18,6 +18,7 @@ from mimetic import InvalidInput, _core
 from mimetic.muscles.anatomy import Anatomy, muscle_names
 from mimetic.muscles.articulators import ARTICULATORS
 from mimetic.muscles.extras import LIP_SHAPES, articulator_limits
+from mimetic.performance.confounding import with_confounding
 from mimetic.performance.corrections import (
     Corrections,
     FrameCorrection,
@@ -355,7 +356,7 @@ class Refinement:
         poses = self.poses.copy()
         poses[rows, :3, :3] = _core.nearest_rotations(np.ascontiguousarray(poses[rows, :3, :3]))
         poses[:, 3] = [0, 0, 0, 1]
-        return replace(
+        refined = replace(
             performance,
             head_pose=poses,
             head_pose_cov=_core.nearest_covariances(self.pose_covariances),
@@ -369,6 +370,7 @@ class Refinement:
             if self._are_uncorrected(slice(None), slice(None))
             else self.uncorrected,
         )
+        return with_confounding(refined)
 
 
 def _is_of_skin(entry: FrameCorrection) -> bool:
