@@ -14,6 +14,10 @@ def _redraw_takes(self, context) -> None:
     editors.redraw(*editors.OF_TAKES)
 
 
+def _redraw_graphs(self, context) -> None:
+    editors.redraw("GRAPH_EDITOR")
+
+
 class ClipOverlaySettings:
     """Mixin of the scene's settings."""
 
@@ -54,4 +58,11 @@ class ClipOverlaySettings:
         "Graph Editor: red where the face was lost and is held, by yellow to green where the "
         "picture is well explained, blue above where you corrected it",
         update=_redraw_takes,
+    )
+    show_error_bars: BoolProperty(
+        name="Error Bars",
+        default=True,
+        description="Bands in the Graph Editor that hold nine in ten of the true values of the "
+        "selected curves, as captured. Orange where pictures cannot tell a muscle from another",
+        update=_redraw_graphs,
     )

@@ -94,12 +94,6 @@ def correcting() -> ModuleType:
     return correcting
 
 
-def composing() -> ModuleType:
-    from mimetic.library import composing
-
-    return composing
-
-
 def contact_shapes() -> ModuleType:
     from mimetic.character import contact_shapes
 
@@ -136,30 +130,6 @@ def curve_settings() -> ModuleType:
     return curve_settings
 
 
-def expression_cutting() -> ModuleType:
-    from mimetic.library import cutting as expression_cutting
-
-    return expression_cutting
-
-
-def expression_folder() -> ModuleType:
-    from mimetic.library import folder as expression_folder
-
-    return expression_folder
-
-
-def expression_preview() -> ModuleType:
-    from mimetic.library import preview as expression_preview
-
-    return expression_preview
-
-
-def expressions() -> ModuleType:
-    from mimetic.library import expression as expressions
-
-    return expressions
-
-
 def face_template() -> ModuleType:
     from mimetic.template import face_template
 
@@ -188,12 +158,6 @@ def fitting() -> ModuleType:
     from mimetic.fit import fitting
 
     return fitting
-
-
-def expression_units() -> ModuleType:
-    from mimetic.library import units as expression_units
-
-    return expression_units
 
 
 def footage() -> ModuleType:
@@ -265,6 +229,27 @@ def puppet(part: str) -> ModuleType:
     )
 
     return getattr(puppet, part)
+
+
+def library(part: str) -> ModuleType:
+    """One of these modules, by its name."""
+    from mimetic import library
+    from mimetic.library import (  # noqa: F401
+        composing,
+        cutting,
+        expression,
+        folder,
+        preview,
+        units,
+    )
+
+    return getattr(library, part)
+
+
+def error_bars() -> ModuleType:
+    from mimetic.report import error_bars
+
+    return error_bars
 
 
 def live_source(is_camera: bool) -> ModuleType:

@@ -18,7 +18,11 @@ def performance(context):
 
     To be asked where `scene_in.no_take` has nothing to say. Raises what `takes.load` raises.
     """
-    take = scene_in.take(context)
+    return of(scene_in.take(context))
+
+
+def of(take: takes.Take):
+    """The same of any captured take."""
     facts = os.stat(take.path)
     stamp = (facts.st_mtime_ns, facts.st_size)
     if take not in _read or _read[take][0] != stamp:

@@ -140,6 +140,22 @@ def find(holder) -> str:
     return next((place for place in (path, beside) if place and os.path.isfile(place)), "")
 
 
+def named(name: str) -> Take | None:
+    """The captured take in a file of this name: one that the .blend uses or lists, else one
+    beside it or beside those; None if there is none."""
+    holders = [holder for holder in _holders() if holder.performance_path]
+    found = next((h for h in holders if name_of(h) == name and find(h)), None)
+    if found is not None and isinstance(found.id_data, bpy.types.MovieClip):
+        return Take(find(found), found.id_data.name, _footage_of(found))
+    folders = dict.fromkeys(os.path.dirname(path_of(holder)) for holder in holders)
+    beside = [os.path.join(folder, name) for folder in folders]
+    if bpy.data.filepath:
+        beside.insert(0, bpy.path.abspath(f"//{name}"))
+    places = [find(found), *beside] if found is not None else beside
+    path = next((place for place in places if os.path.isfile(place)), "")
+    return Take(path) if path else None
+
+
 def missing() -> list:
     """Everything in the .blend that names a take whose file is missing."""
     return [h for h in _holders() if h.performance_path and not find(h)]

@@ -204,6 +204,27 @@ def of_the_face(walk: Walk) -> Steps:
     yield from picture(walk, "VIEW_3D", "expressions")
 
 
+def of_the_curves(walk: Walk) -> Steps:
+    face = bpy.context.scene.mimetic.face
+    bpy.context.view_layer.objects.active = face
+    rows = sys.modules[f"{PACKAGE}.scene_out"].face_curves.of(face)
+    keys = {row.shape: max(key.co.y for key in row.curve.keyframe_points) for row in rows}
+    strongest = max(rows[:36], key=lambda row: keys[row.shape])  # of the muscles
+    members = [row.shape for row in rows[:36] if row.group == strongest.group]
+    selected = sorted(members, key=lambda name: -keys[name])[:2]
+    for row in rows:
+        row.curve.select = row.shape in selected
+        row.curve.hide = row.shape not in members
+    for curve in sys.modules[f"{PACKAGE}.scene_out"].face_curves.head_curves(face):
+        curve.hide = True
+    yield from become(walk, "VIEW_3D", "GRAPH_EDITOR")
+    with bpy.context.temp_override(**override("GRAPH_EDITOR")):
+        bpy.ops.graph.view_selected()
+    yield from picture(walk, "GRAPH_EDITOR", "error_bars")
+    yield from walk.picture("window-error-bars")
+    yield from become(walk, "GRAPH_EDITOR", "VIEW_3D")
+
+
 def open_first_group() -> Steps:
     """By a click on its arrow; what is open is no setting that a script reaches."""
     region = sidebar(area_of("VIEW_3D")[1])
@@ -253,6 +274,7 @@ def steps(walk: Walk) -> Steps:
     yield from of_the_footage(walk)
     yield from become(walk, "CLIP_EDITOR", "VIEW_3D")
     yield from of_the_face(walk)
+    yield from of_the_curves(walk)
     yield from of_characters(walk)
     yield from of_a_camera(walk)
     names = {panel.__name__ for panel in panel_classes() if issubclass(panel, bpy.types.Panel)}

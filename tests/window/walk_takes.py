@@ -159,12 +159,48 @@ def show_the_strip(walk: Walk) -> Steps:
     yield from walk.picture("strip-off")
     bpy.context.scene.mimetic.show_quality = True
     area.ui_type = "TIMELINE"
+    yield from show_error_bars(walk)
+
+
+def show_error_bars(walk: Walk) -> Steps:
+    """About one selected curve; the test outside looks at their pixels."""
+    rows = sys.modules[f"{PACKAGE}.scene_out"].face_curves.of(face())
+    for row in rows:
+        row.curve.select = row.shape == LEFT
+    bpy.context.scene.frame_set(64)
+    area = area_of("VIEW_3D")[1]
+    area.ui_type = "FCURVES"
+    yield 0.5
+    with bpy.context.temp_override(**override("GRAPH_EDITOR")):
+        bpy.ops.graph.view_selected()
+    yield from open_sidebar(walk, "GRAPH_EDITOR", "Mimetic")
+    yield from walk.picture("error-bars")
+    region = override("GRAPH_EDITOR")["region"]
+    curve = next(row.curve for row in rows if row.shape == LEFT)
+    walk.arrays["error-bars"] = [
+        [
+            region.x + region.view2d.view_to_region(frame, 0, clip=False)[0],
+            region.y
+            + region.view2d.view_to_region(0, curve.evaluate(frame) + beside, clip=False)[1],
+        ]
+        for frame in walk.settings["with_bars"]
+        for beside in (-0.3, -0.1, 0.1, 0.3)
+    ]
+    bpy.context.scene.mimetic.show_error_bars = False
+    yield from walk.picture("error-bars-off")
+    bpy.context.scene.mimetic.show_error_bars = True
+    yield from time_drawing(walk, "error_bars", "draw_bands", 5)
+    area.ui_type = "VIEW_3D"
     yield 0.5
 
 
 def time_the_strip(walk: Walk) -> Steps:
+    yield from time_drawing(walk, "timeline", "draw_strip", 3)
+
+
+def time_drawing(walk: Walk, module: str, function: str, limit: float) -> Steps:
     """In the Graph Editor, of the processor: others may work on the machine."""
-    draw, taken = sys.modules[f"{PACKAGE}.overlay.timeline"].draw_strip, []
+    draw, taken = getattr(sys.modules[f"{PACKAGE}.overlay.{module}"], function), []
 
     def measure() -> None:
         begin = time.thread_time()
@@ -177,7 +213,8 @@ def time_the_strip(walk: Walk) -> Steps:
     area_of("GRAPH_EDITOR")[1].tag_redraw()
     yield 1.0
     space.draw_handler_remove(handle, "WINDOW")
-    walk.check("the strip is drawn in 3 ms", bool(taken) and min(taken) < 3, taken)
+    in_time = bool(taken) and min(taken) < limit
+    walk.check(f"{function} takes {limit} ms at most", in_time, taken)
 
 
 def preview_a_table(walk: Walk) -> Steps:

@@ -246,7 +246,7 @@ class MIMETIC_OT_load_expressions(Job, Operator):
         return bpy.path.abspath(self.directory)
 
     def work(self, inputs, progress):
-        library = native.expression_folder().Library(Path(inputs))
+        library = native.library("folder").Library(Path(inputs))
         names, entries = library.names(), []
         for i, name in enumerate(names):
             if not progress(i / len(names), name):
@@ -286,7 +286,7 @@ class MIMETIC_OT_save_expression(OfExpression, Operator):
         try:
             action = chosen(context, self.action)
             document = scene_out.expressions.document_of(action)
-            library = native.expression_folder().Library(Path(bpy.path.abspath(self.directory)))
+            library = native.library("folder").Library(Path(bpy.path.abspath(self.directory)))
             library.check_new(action.name, self.use_replace)
             path = library.keep(action.name, document, scene_out.expressions.picture_of(document))
         except native.known_errors() as error:

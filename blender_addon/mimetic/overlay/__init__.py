@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is drawn over faces: muscles and strain in the 3D view, fit and take in the clip editor, and
-how good the take is along the time.
+"""What is drawn over faces: muscles and strain in the 3D view, fit and take in the clip editor, how
+good the take is along the time, and how far its curves may be off.
 
 The drawing is never part of the face: switched off, nothing of it is left.
 """
@@ -8,8 +8,8 @@ The drawing is never part of the face: switched off, nothing of it is left.
 import bpy
 from bpy.app.handlers import persistent
 
-from .. import corrections, handlers, shown_take
-from . import captured, drawing, fitted, live, picture, seen, timeline
+from .. import baked_errors, corrections, handlers, shown_take
+from . import captured, drawing, error_bars, fitted, live, picture, seen, timeline
 
 _handles = []  # handles of Blender's draw callbacks
 
@@ -23,6 +23,8 @@ def forget_all(*_) -> None:
 
 def forget_takes() -> None:
     seen.forget()
+    baked_errors.forget()
+    error_bars.forget()
     corrections.forget()
     shown_take.forget()
 
@@ -57,6 +59,7 @@ def register() -> None:
         (bpy.types.SpaceClipEditor, draw_clip, "POST_PIXEL"),
         (bpy.types.SpaceDopeSheetEditor, timeline.draw_strip, "POST_PIXEL"),
         (bpy.types.SpaceGraphEditor, timeline.draw_strip, "POST_PIXEL"),
+        (bpy.types.SpaceGraphEditor, error_bars.draw_bands, "POST_PIXEL"),
     ):
         _handles.append((space, space.draw_handler_add(draw, (), "WINDOW", kind)))
     handlers.add(HANDLERS)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The tab Mimetic in the sidebars of the clip editor and the 3D view."""
+"""The tab Mimetic in the sidebars of the clip editor, the 3D view and the Graph Editor."""
 
 import bpy
 
@@ -10,6 +10,7 @@ from . import (
     controls,
     corrections,
     curves,
+    error_bars,
     expressions,
     head,
     live,
@@ -30,6 +31,7 @@ CLASSES = (
     *takes.CLASSES,
     *curves.CLASSES,
     *controls.CLASSES,
+    *error_bars.CLASSES,
     *expressions.CLASSES,
 )
 

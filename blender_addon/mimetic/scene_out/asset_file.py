@@ -18,7 +18,7 @@ def write(folder: str, out: str) -> str:
 
     Returns what was written; raises what the package raises for bad input, and OSError.
     """
-    library = native.expression_folder().Library(Path(folder))
+    library = native.library("folder").Library(Path(folder))
     names = library.names()
     if not names:
         raise native.invalid_input(f"{folder} has no expression: `mimetic library keep` makes one")

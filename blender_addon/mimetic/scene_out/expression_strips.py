@@ -73,7 +73,7 @@ def compose(obj: bpy.types.Object, name: str, rate: float) -> Sequenced:
     """
     strips = strips_of(obj)
     first = strips[0].frame_start
-    composing, pairs = native.composing(), []
+    composing, pairs = native.library("composing"), []
     for strip in strips:
         document = _own_names(obj, expressions.document_of(strip.action))
         onset = (strip.frame_start - first) / rate + document.onset_seconds * strip.scale * (
@@ -84,7 +84,7 @@ def compose(obj: bpy.types.Object, name: str, rate: float) -> Sequenced:
         pairs.append((placing, document))
     names = list(dict.fromkeys(name for _, one in pairs for name in one.channels))
     values, stds = composing.play(pairs, names, rate)
-    document = native.expressions().Expression(names, values, stds, rate)
+    document = native.library("expression").Expression(names, values, stds, rate)
     action = expressions.new_asset(name, document, rate, expressions.picture_of(document))
     for track in obj.data.shape_keys.animation_data.nla_tracks:
         if any(strip in strips for strip in track.strips):
@@ -117,7 +117,7 @@ def _action_for(
     if not (is_mirrored or is_renamed or document.is_still):
         return action
     if document.is_still:
-        document = native.composing().motion_of_still(document, rate)
+        document = native.library("composing").motion_of_still(document, rate)
     return expressions.new_action(f"{action.name} on {obj.name}", document, rate, names)
 
 

@@ -41,7 +41,7 @@ def new_asset(name: str, expression, rate: float, picture=None) -> bpy.types.Act
 
 def ensure_units(rate: float) -> None:
     """An asset of each of FACS's action units that the file has none of."""
-    units = native.expression_units()
+    units = native.library("units")
     for name in units.unit_meanings():
         action = bpy.data.actions.get(name)
         if action is None or not is_expression(action):
@@ -65,8 +65,8 @@ def new_action(name: str, expression, rate: float, key_names: dict[str, str]) ->
 
 def picture_of(document):
     """The document's picture, on our own head."""
-    person = native.composing().canonical_person()
-    return native.expression_preview().expression_picture(document, person)
+    person = native.library("composing").canonical_person()
+    return native.library("preview").expression_picture(document, person)
 
 
 def description(expression) -> str:
@@ -85,7 +85,7 @@ def document_of(action: bpy.types.Action):
     values = np.array([[curve.evaluate(row) for curve in curves] for row in range(num_rows)])
     onset, peak = float(action[ONSET]), float(action[PEAK])
     events = np.array([[onset, peak, peak, float(np.abs(values).max(initial=0.0))]])
-    document = native.expressions().Expression
+    document = native.library("expression").Expression
     if num_rows == 1:
         return document(channels, values, np.zeros_like(values), rate)
     return document(channels, values, np.zeros_like(values), rate, [action.name], events)
@@ -95,7 +95,7 @@ def peak_values(action: bpy.types.Action, is_mirrored: bool = False) -> dict[str
     """Values by muscle or articulator at the expression's peak."""
     curves = compat.curves_in(action)
     values = {_name_in(curve.data_path): curve.evaluate(action[PEAK]) for curve in curves}
-    return native.expressions().mirrored_values(values) if is_mirrored else values
+    return native.library("expression").mirrored_values(values) if is_mirrored else values
 
 
 def blended(start: dict[str, float], target: dict[str, float], share: float) -> dict[str, float]:
@@ -132,7 +132,7 @@ def keep_still(obj: bpy.types.Object, rate: float):
     """The document of what the face's sliders are now; raises InvalidInput if all are at rest."""
     values = shape_values(obj)
     rows = np.array([list(values.values())])
-    return native.expression_cutting().from_curves(list(values), rows, rate, _muscles(obj))
+    return native.library("cutting").from_curves(list(values), rows, rate, _muscles(obj))
 
 
 def keep_motion(obj: bpy.types.Object, first: int, last: int, rate: float):
@@ -152,7 +152,7 @@ def keep_motion(obj: bpy.types.Object, first: int, last: int, rate: float):
     }
     frames = range(first, last + 1)
     rows = np.array([[curve.evaluate(frame) for curve in curves.values()] for frame in frames])
-    return native.expression_cutting().from_curves(list(curves), rows, rate, _muscles(obj))
+    return native.library("cutting").from_curves(list(curves), rows, rate, _muscles(obj))
 
 
 def _muscles(obj: bpy.types.Object) -> list[str]:

@@ -18,13 +18,14 @@ COLOURS = 48  # of a panel, which is grey but for its icons
 WINDOW_QUALITY = 85  # of a window, which shows a picture too
 WINDOW_WIDTH = 900
 MARGIN = 4  # pixels kept below the last line
+CORNER = 24  # rows at an editor's lower edge, where a Graph Editor has an arrow for its lower bar
 
 
 def cut_out(screen: Image.Image, place: list[int]) -> Image.Image:
     """The panel: the sidebar down to where nothing is drawn any more."""
     left, top, width, height = place
     region = screen.crop((left, top, left + width, top + height))
-    rows = np.asarray(region.convert("RGB")).astype(int)
+    rows = np.asarray(region.convert("RGB")).astype(int)[:-CORNER]
     is_drawn = np.abs(rows - rows[-1]).max(axis=(1, 2)) > 3
     last = int(np.flatnonzero(is_drawn)[-1]) + 1 + MARGIN
     return region.crop((0, 0, width, min(last, height)))

@@ -5,7 +5,11 @@ from __future__ import annotations
 
 from addon_sources import OperatorSource, PanelSource, Setting, operators, panels, settings
 
-EDITORS = {"CLIP_EDITOR": "the clip editor", "VIEW_3D": "the 3D view"}
+EDITORS = {
+    "CLIP_EDITOR": "the clip editor",
+    "VIEW_3D": "the 3D view",
+    "GRAPH_EDITOR": "the Graph Editor",
+}
 # What a panel is for, and the page that says more of it; in the order of use
 ABOUT = {
     "Mimetic": "From footage to file, top to bottom: "
