@@ -10,6 +10,7 @@ import numpy as np
 from mimetic.score.json_text import json_text
 from mimetic.score.text_table import text_table
 
+from evaluation.runs.bootstrap import r2_interval
 from evaluation.runs.deviation import Explained
 from evaluation.runs.drift import Drift
 from evaluation.runs.expressions import ShownExpression
@@ -44,6 +45,7 @@ def as_text(expressions: list[ShownExpression]) -> str:
         _true_motion(rows),
         _table("image motion, R2 beyond the true head's", rows, IMAGE, _image_r2, ".3f"),
         _table("the same of the median person", rows, IMAGE, _median_person, ".3f"),
+        _people_table(rows),
         _table("moving points, median px", rows, IMAGE, _image_median, ".2f"),
         _table("surface motion in space, R2", rows, SPACE, _space_r2, ".3f"),
         _table("moving points, median mm", rows, SPACE, _space_median, ".2f"),
@@ -52,6 +54,35 @@ def as_text(expressions: list[ShownExpression]) -> str:
         own = {name: _own(ones, method) for name, ones in rows.items()}
         tables.append(text_table(f"{method}: muscles, head, time", OWN_COLUMNS, own, CELL))
     return "\n\n".join(tables)
+
+
+def _people_table(rows: Rows) -> str:
+    """What the sums above owe to the people who happen to be in them."""
+    figures = {
+        f"{method} {where}": (method, kind)
+        for method, where, kind in (
+            (OURS, "image", "image"),
+            (MUSCLES, "image", "image"),
+            (OURS, "space", "space"),
+        )
+    }
+    columns, values = {}, {name: {} for name in rows}
+    for title, (method, kind) in figures.items():
+        for end in ("from", "to"):
+            columns[f"{title} {end}"] = (title if end == "from" else end, ".3f")
+        for name, ones in rows.items():
+            low, high = _interval(ones, method, kind)
+            values[name] |= {f"{title} from": low, f"{title} to": high}
+    title = "R2 for nine in ten samples of as many people"
+    return text_table(title, columns, values, CELL)
+
+
+def _interval(ones: list[ShownExpression], method: str, where: str) -> tuple[float, float]:
+    by_person: dict[str, list[Explained]] = {}
+    for one in ones:
+        if method in getattr(one, where):
+            by_person.setdefault(one.take, []).append(getattr(one, where)[method])
+    return r2_interval(by_person)
 
 
 def _true_motion(rows: Rows) -> str:
@@ -99,6 +130,8 @@ def as_json(expressions: list[ShownExpression], drifts: dict[str, Drift]) -> str
         for method in dict.fromkeys((*IMAGE, *SPACE)):
             tables[name][method] = {
                 "image_r2": _image_r2(ones, method),
+                "image_r2_interval": list(_interval(ones, method, "image")),
+                "surface_r2_interval": list(_interval(ones, method, "space")),
                 "image_r2_median_person": _median_person(ones, method),
                 "image_median_px": _image_median(ones, method),
                 "surface_r2": _space_r2(ones, method),
