@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.character.curve_keys import CurveKeys, cubic_keys
+from mimetic.character.shapes import shapes_of
 from mimetic.performance.document import Performance
 
 USUAL_TOLERANCE = 0.02  # of an activation
@@ -98,7 +99,7 @@ def check_tolerance(tolerance: float) -> None:
 
 @dataclass(frozen=True)
 class KeyCount:
-    """What few keys make of all muscles and articulators of a performance."""
+    """What few keys make of the curves that a performance is keyed with."""
 
     few: int
     dense: int
@@ -107,9 +108,10 @@ class KeyCount:
 
 
 def count_keys(performance: Performance, tolerance: float, by_phases: bool = False) -> KeyCount:
-    """Few keys of all muscles and articulators within the tolerance; raises InvalidInput."""
+    """Few keys of muscles, articulators and eyes within the tolerance; raises InvalidInput."""
     frames = performance.frame.astype(np.float64)
-    columns = np.hstack([performance.activations, performance.articulator_values]).T
+    shapes = shapes_of(performance.without_detail())
+    columns = np.array([shape.values for shape in shapes])
     keys = [sparse_keys(frames, values, tolerance, by_phases) for values in columns]
     counts = [count for one in keys for count in one.keys_of_event]
     few = sum(len(one.points) for one in keys)
