@@ -4,6 +4,7 @@
 from . import (
     contact,
     control_preview,
+    dragged_landmarks,
     drops,
     jobs,
     keys,
@@ -36,6 +37,7 @@ PARTS = (
     contact,
     control_preview,
     pins,
+    dragged_landmarks,
     takes,
     live_looks,
     workspace,

@@ -9,6 +9,8 @@ import bpy
 
 TIME = ("DOPESHEET_EDITOR", "GRAPH_EDITOR")  # whose width is the scene's time
 OF_TAKES = ("CLIP_EDITOR", *TIME)  # that draw how captured frames are
+# Blender's operators that go with the mouse, gizmos, and macros that end in one
+DRAGS = ("TRANSFORM_OT_", "GIZMOGROUP_OT_", "OBJECT_OT_")
 
 
 def open_editors(*kinds: str) -> Iterator[bpy.types.Area]:
@@ -17,6 +19,15 @@ def open_editors(*kinds: str) -> Iterator[bpy.types.Area]:
         for area in window.screen.areas:
             if not kinds or area.type in kinds:
                 yield area
+
+
+def is_dragging() -> bool:
+    """Whether something goes with the mouse in any window: is moved, turned, scaled."""
+    return any(
+        operator.bl_idname.startswith(DRAGS)
+        for window in bpy.context.window_manager.windows
+        for operator in window.modal_operators
+    )
 
 
 def toggle_local_view(window: bpy.types.Window, area: bpy.types.Area) -> None:

@@ -133,10 +133,12 @@ def bound_head(scene: bpy.types.Scene, head: bpy.types.Object, others: str = "FA
 
 def landmark_empties(scene: bpy.types.Scene, head: bpy.types.Object) -> dict:
     """Empties with landmarks' names: the head's children, or any if it has none."""
-    marks = [obj for obj in scene.objects if obj.type == "EMPTY" and _landmark_of(obj)]
-    own = [mark for mark in marks if mark.parent == head]
-    free = [mark for mark in marks if mark.parent is None]
-    return {_landmark_of(mark): mark for mark in own or free}
+    names = frozenset(native.face_template().load_template().landmark_names)
+    empties = ((obj, obj.mimetic.landmark) for obj in scene.objects if obj.type == "EMPTY")
+    known = ((name or obj.name, obj) for obj, name in empties)
+    marks = [(name, obj) for name, obj in known if name in names]
+    own = {name: obj for name, obj in marks if obj.parent == head}
+    return own or {name: obj for name, obj in marks if obj.parent is None}
 
 
 def moved_landmarks(scene: bpy.types.Scene, head: bpy.types.Object | None) -> list[str]:
@@ -160,11 +162,6 @@ def moved_landmarks(scene: bpy.types.Scene, head: bpy.types.Object | None) -> li
                 continue
         moved.append(name)
     return moved
-
-
-def _landmark_of(empty: bpy.types.Object) -> str:
-    name = empty.mimetic.landmark or empty.name
-    return name if name in native.face_template().load_template().landmark_names else ""
 
 
 def _landmark_groups(head: bpy.types.Object) -> dict[str, int]:

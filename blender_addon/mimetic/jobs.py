@@ -277,9 +277,11 @@ class Job(Modal):
             return ""
         if reason := self._elsewhere(context):
             return reason
-        if context.mode == "OBJECT":
-            return ""
-        return iface_("is done: go to Object Mode, where it is written")
+        if context.mode != "OBJECT":
+            return iface_("is done: go to Object Mode, where it is written")
+        if editors.is_dragging():  # which is a step for undo of its own
+            return iface_("is done: it is written when nothing is dragged")
+        return ""
 
     def _elsewhere(self, context) -> str:
         if context.scene.name == self._scene_name or self._scene_name not in bpy.data.scenes:
@@ -294,7 +296,9 @@ class Job(Modal):
         try:
             if run.error:
                 raise run.error
-            answer = self._write(context, run.result, run.stop.is_set())
+            is_stopped = run.stop.is_set()  # it may be done all the same
+            result = run.result if run.keeps_part or not is_stopped else None
+            answer = self._write(context, result, is_stopped)
         except native.known_errors() as error:
             if run.error and run.stop.is_set():  # it had nothing yet to keep
                 answer = self._write(context, None, True)

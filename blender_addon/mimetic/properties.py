@@ -21,6 +21,7 @@ from . import (
     compat,
     control_rows,
     correction_settings,
+    head_parts,
     take_rows,
     writable,
 )
@@ -214,6 +215,18 @@ class MimeticFace(take_rows.HasTakes, control_rows.HasControls, bpy.types.Proper
     )
     landmarks: CollectionProperty(
         type=MimeticLandmark, description="What muscles of another head were attached by"
+    )
+    use_live_landmarks: BoolProperty(
+        name="Follow Landmarks",
+        default=True,
+        description="Attach the muscles again when a landmark was dragged and kept still for half "
+        "a second. On, as a drag is meant to be seen; off at first on heads of more than 100,000 "
+        "vertices, where that takes longer than 5 seconds",
+    )
+    others: EnumProperty(
+        name="Other Objects",
+        items=head_parts.CHOICES,
+        description="Which other objects the muscles were attached with",
     )
     metres_from_object: FloatVectorProperty(
         size=16, description="The object's matrix when its muscles were attached, row by row"

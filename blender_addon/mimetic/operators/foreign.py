@@ -102,6 +102,7 @@ class MIMETIC_OT_attach_muscles(WithParts, Job, Operator):
         head, landmarks, face = result
         object_ = heads.unchanged(head)
         attached = scene_out.foreign.attach(object_, head, landmarks, face)
+        object_.mimetic.others = self.others
         notes = [*face.notes, *attached.notes]
         for note in notes:
             self.report({"WARNING"}, f"{head.name}: {note}")

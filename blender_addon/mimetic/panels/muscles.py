@@ -49,6 +49,8 @@ class MIMETIC_PT_muscles(Muscles, Panel):
         if moved:
             layout.operator(next_step.ATTACH, icon="SHAPEKEY_DATA", depress=True)
             paragraph(layout, moved)
+        if has_landmarks:
+            layout.prop(face.mimetic, "use_live_landmarks")
         row = layout.row()
         row.enabled = not (reason := writable.no_shapes(face))
         row.prop(face.mimetic, "use_contact")

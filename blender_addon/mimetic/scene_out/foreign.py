@@ -13,6 +13,7 @@ from .. import head_parts, native, world, writable
 from . import by_hand, face, part_keys
 
 SIZE = 0.006  # m, of an empty
+MOST_FOLLOWED = 100_000  # vertices; more take longer than 5 s (docs/measured/characters.md)
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,8 @@ def attach(obj: bpy.types.Object, head, landmarks: Mapping, muscles) -> Attached
     moved, notes = part_keys.add(obj, head, of_parts, by_hand.keys_now(obj))
     obj.mimetic.metres_from_object = np.asarray(head.matrix, dtype=np.float64).ravel().tolist()
     stored_landmarks = obj.mimetic.landmarks
+    if not len(stored_landmarks):  # later it is as the user has it
+        obj.mimetic.use_live_landmarks = len(head.points) <= MOST_FOLLOWED
     stored_landmarks.clear()
     for name, place in landmarks.items():
         mark = stored_landmarks.add()
