@@ -99,6 +99,17 @@ def press(kind: str, key: str) -> None:
         window.event_simulate(type=key, value=value, x=x, y=y)
 
 
+def split_view(kind: str, factor: float = 0.5) -> Steps:
+    """Make the right part of the 3D view an editor of a kind; factor: the left part's share."""
+    window, view = area_of("VIEW_3D")
+    with bpy.context.temp_override(window=window, area=view):
+        bpy.ops.screen.area_split(direction="VERTICAL", factor=factor)
+    yield 0.3
+    views = [area for area in window.screen.areas if area.type == "VIEW_3D"]
+    max(views, key=lambda area: area.x).type = kind
+    yield 0.5
+
+
 def install(walk: Walk, package: str) -> Steps:
     """Install the extension's zip as a user does, from disk."""
     bpy.ops.extensions.package_install_files(

@@ -13,7 +13,7 @@ from pathlib import Path
 import bpy
 
 sys.path.insert(0, str(Path(__file__).parent))
-from walk import Steps, Walk, area_of, install, invoke, open_sidebar, override, start
+from walk import Steps, Walk, area_of, install, invoke, open_sidebar, override, split_view, start
 
 PACKAGE = "bl_ext.user_default.mimetic"
 FRAMES = (1, 150)
@@ -161,13 +161,7 @@ def capture(walk: Walk, clock: Clock, name: str, is_asked: bool | None) -> Steps
 
 def steps(walk: Walk) -> Steps:
     yield from install(walk, PACKAGE)
-    window, view = area_of("VIEW_3D")
-    with bpy.context.temp_override(window=window, area=view):
-        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.5)
-    yield 0.3
-    views = [area for area in window.screen.areas if area.type == "VIEW_3D"]
-    max(views, key=lambda area: area.x).type = "CLIP_EDITOR"
-    yield 0.5
+    yield from split_view("CLIP_EDITOR")
     bpy.ops.mimetic.load_clip(filepath=str(walk.folder / walk.settings["clip"]))
     yield from open_sidebar(walk, "CLIP_EDITOR", "Mimetic")
     invoke("CLIP_EDITOR", bpy.ops.mimetic.find_face, frame=1)

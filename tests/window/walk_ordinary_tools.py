@@ -12,7 +12,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parent))
 import redo_panels
 from undoing import PACKAGE, module, on_screen, press
-from walk import Steps, Walk, area_of, install, invoke, override, start
+from walk import Steps, Walk, area_of, install, invoke, override, split_view, start
 
 MUSCLE = "zygomaticus_major.L"
 PATHS = {
@@ -89,13 +89,7 @@ def undo(walk: Walk, name: str, kind: str, is_back: Callable[[], bool], before) 
 
 def lay_out() -> Steps:
     """The Graph Editor beside the 3D view."""
-    window, view = area_of("VIEW_3D")
-    with bpy.context.temp_override(window=window, area=view):
-        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.45)
-    yield 0.3
-    views = [area for area in window.screen.areas if area.type == "VIEW_3D"]
-    max(views, key=lambda area: area.x).type = "GRAPH_EDITOR"
-    yield 0.3
+    yield from split_view("GRAPH_EDITOR", 0.45)
     for kind in ("VIEW_3D", "GRAPH_EDITOR"):
         area_of(kind)[1].spaces.active.show_region_ui = False
 

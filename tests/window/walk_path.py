@@ -8,7 +8,18 @@ from pathlib import Path
 import bpy
 
 sys.path.insert(0, str(Path(__file__).parent))
-from walk import Steps, Walk, area_of, install, invoke, open_sidebar, override, press, start
+from walk import (
+    Steps,
+    Walk,
+    area_of,
+    install,
+    invoke,
+    open_sidebar,
+    override,
+    press,
+    split_view,
+    start,
+)
 
 PACKAGE = "bl_ext.user_default.mimetic"
 STOPPED = (1, 720)  # frames of a capture that takes longer than the walk until Esc
@@ -31,15 +42,8 @@ def captured_frames() -> list[int]:
 
 def lay_out(walk: Walk) -> Steps:
     """The clip editor beside the 3D view, the Graph Editor below: what an animator looks at."""
-    window, view = area_of("VIEW_3D")
-    with bpy.context.temp_override(window=window, area=view):
-        bpy.ops.screen.area_split(direction="VERTICAL", factor=0.5)
-    yield 0.2
-    views = [area for area in window.screen.areas if area.type == "VIEW_3D"]
-    editor = max(views, key=lambda area: area.x)
-    editor.type = "CLIP_EDITOR"
-    yield 0.5
-    editor.spaces.active.show_region_toolbar = False
+    yield from split_view("CLIP_EDITOR")
+    area_of("CLIP_EDITOR")[1].spaces.active.show_region_toolbar = False
     yield from open_sidebar(walk, "VIEW_3D", "Mimetic")
     yield from open_sidebar(walk, "CLIP_EDITOR", "Mimetic")
 
