@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender as a module, an empty file around each test, and the extension as Blender loads it."""
+"""Blender as a module, an empty file before each test, and the extension as Blender loads it."""
 
 import dataclasses
 import importlib
@@ -22,6 +22,7 @@ from fetched_footage import fetched_frames  # noqa: E402
 
 ADDONS = ROOT / "blender_addon"
 RIGIFY = ROOT / "sample_scenes/rigify_rig.py"
+RIGIFY_FACE = ROOT / "sample_scenes/make_rigify_face.py"
 REPOSITORY = "mimetic_tests"
 MODULE = f"bl_ext.{REPOSITORY}.mimetic"
 STATUS = pytest.StashKey[int]()
@@ -65,7 +66,6 @@ def empty_file():
     yield
     if MODULE in bpy.context.preferences.addons:
         bpy.ops.preferences.addon_disable(module=MODULE)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
 
 
 @pytest.fixture
@@ -118,20 +118,21 @@ def clip_path(tmp_path_factory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def captured_file(clip_path, tmp_path_factory) -> Path:
+def found_fit(clip_path):
+    """The fit of that clip's face at rest in frame 3, as Find Face has it."""
+    from mimetic.solve import clip_capture
+
+    return clip_capture.find_face(clip_path, 3)
+
+
+@pytest.fixture(scope="session")
+def captured_file(clip_path, found_fit, tmp_path_factory) -> Path:
     """A capture of the whole of that clip."""
     from mimetic.solve import clip_capture
 
     path = tmp_path_factory.mktemp("captured") / "take.npz"
-    fit = clip_capture.find_face(clip_path, 3)
-    clip_capture.capture(clip_path, (1, 30), fit).save(path)
+    clip_capture.capture(clip_path, (1, 30), found_fit).save(path)
     return path
-
-
-@pytest.fixture(scope="session")
-def found_file(tmp_path_factory) -> Path:
-    """Where the first test that finds the clip's face keeps it, for the others."""
-    return tmp_path_factory.mktemp("found") / "found.blend"
 
 
 @pytest.fixture(scope="session")
@@ -142,6 +143,29 @@ def rig_file(tmp_path_factory) -> Path:
     )
     assert path.exists(), ran.stdout + ran.stderr
     return path
+
+
+@pytest.fixture(scope="session")
+def rigify(tmp_path_factory):
+    """Makes a Rigify character with these options of make_rigify_face, each once; its file."""
+    made: dict[tuple[str, ...], Path] = {}
+
+    def rigify(*options: str) -> Path:
+        if options not in made:
+            path = tmp_path_factory.mktemp("rigify") / "character.blend"
+            command = [sys.executable, str(RIGIFY_FACE), *options, "--out", str(path)]
+            ran = subprocess.run(command, capture_output=True, text=True, timeout=500, check=False)
+            assert path.exists(), ran.stdout + ran.stderr
+            made[options] = path
+        return made[options]
+
+    return rigify
+
+
+@pytest.fixture(params=[(), ("--new-face",)], ids=["legacy", "new"])
+def rigify_file(request, rigify) -> Path:
+    """A head on Rigify's face of either kind."""
+    return rigify(*request.param)
 
 
 @pytest.fixture(scope="session")

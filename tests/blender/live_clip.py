@@ -10,9 +10,9 @@ def ffmpeg(*words):
     subprocess.run([get_ffmpeg_exe(), "-v", "error", *words], check=True)
 
 
-def play_without_end(extension, monkeypatch, path):
-    """Sessions get this clip over and over, each picture as soon as there is time for it, however
-    slow the machine is."""
+def play_unpaced(extension, monkeypatch, path, is_looped):
+    """The next session gets each picture of this clip as soon as there is time for it, and none is
+    left out, however slow the machine is; is_looped: over and over."""
     source = extension("native").live_source(False).ClipSource
-    endless = source(path, is_paced=False, is_looped=True)
-    monkeypatch.setattr(extension("live"), "source_of", lambda context, is_paced: endless)
+    unpaced = source(path, is_paced=False, is_looped=is_looped)
+    monkeypatch.setattr(extension("live"), "source_of", lambda context, is_paced: unpaced)

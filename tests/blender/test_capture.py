@@ -23,12 +23,18 @@ def with_clip(scene, clip_path):
     return scene.mimetic.clip
 
 
-def test_a_found_face_is_kept_and_its_landmarks_marked(extension, scene, with_clip):
+@pytest.fixture
+def with_face(extension, with_clip, found_fit):
+    """The clip with its face found in FIT_FRAME."""
+    extension("scene_out").face_fit.store(with_clip, found_fit)
+    return with_clip
+
+
+def test_a_found_face_is_kept_and_its_landmarks_marked(extension, scene, with_clip, found_fit):
     assert bpy.ops.mimetic.find_face(frame=FIT_FRAME) == {"FINISHED"}
     from mimetic.fit import fitting
-    from mimetic.solve import clip_capture
 
-    expected = clip_capture.find_face(bpy.path.abspath(with_clip.filepath), FIT_FRAME)
+    expected = found_fit
     stored = extension("scene_out").face_fit.of_clip(with_clip)
     assert (stored.frame, stored.features) == (FIT_FRAME, expected.features)
     np.testing.assert_array_equal(stored.head_pose, expected.head_pose)
@@ -41,13 +47,12 @@ def test_a_found_face_is_kept_and_its_landmarks_marked(extension, scene, with_cl
         np.testing.assert_allclose(pixel, (x, y), atol=1e-3)
 
 
-def test_finding_again_replaces_the_marks(extension, scene, with_clip):
-    for frame in (FIT_FRAME, FIT_FRAME + 2):
-        bpy.ops.mimetic.find_face(frame=frame)
-    assert [o.name for o in with_clip.tracking.objects].count("Face") == 1
-    marks = with_clip.tracking.objects["Face"].tracks["pupil.L"].markers
+def test_finding_again_replaces_the_marks(extension, scene, with_face):
+    bpy.ops.mimetic.find_face(frame=FIT_FRAME + 2)
+    assert [o.name for o in with_face.tracking.objects].count("Face") == 1
+    marks = with_face.tracking.objects["Face"].tracks["pupil.L"].markers
     frames = {marker.frame for marker in marks if not marker.mute and marker.frame > 0}
-    fit = extension("scene_out").face_fit.of_clip(with_clip)
+    fit = extension("scene_out").face_fit.of_clip(with_face)
     assert fit.frame == FIT_FRAME + 2
     assert frames == {view.frame for view in fit.views}
 
@@ -84,19 +89,18 @@ def test_a_fit_edited_into_nonsense_is_refused(extension, with_clip):
     assert kept.performance_path == ""
 
 
-def test_capture_by_operator_is_capture_by_function(extension, scene, with_clip, tmp_path):
+def test_capture_by_operator_is_capture_by_function(extension, scene, with_face, tmp_path):
     path = tmp_path / "take.npz"
-    bpy.ops.mimetic.find_face(frame=FIT_FRAME)
     scene.mimetic.use_frame_range = True
     scene.mimetic.frame_first, scene.mimetic.frame_last = FRAMES
     assert bpy.ops.mimetic.capture(filepath=str(path)) == {"FINISHED"}
-    assert extension("clips").find(with_clip).performance_path == str(path)
+    assert extension("clips").find(with_face).performance_path == str(path)
     from mimetic.performance.document import Performance
     from mimetic.solve import clip_capture
 
     by_operator = Performance.load(path)
-    fit = extension("scene_out").face_fit.of_clip(with_clip)
-    by_function = clip_capture.capture(bpy.path.abspath(with_clip.filepath), FRAMES, fit)
+    fit = extension("scene_out").face_fit.of_clip(with_face)
+    by_function = clip_capture.capture(bpy.path.abspath(with_face.filepath), FRAMES, fit)
     np.testing.assert_array_equal(by_operator.frame, np.arange(FRAMES[0], FRAMES[1] + 1))
     for key in ("head_pose", "activations", "articulator_values", "neutral_vertices", "quality"):
         np.testing.assert_allclose(getattr(by_operator, key), getattr(by_function, key), atol=1e-9)
@@ -109,18 +113,18 @@ def test_capture_by_operator_is_capture_by_function(extension, scene, with_clip,
 
 
 def test_a_person_is_calibrated_in_the_fit_in_one_undo_step(
-    extension, scene, with_clip, monkeypatch
+    extension, scene, with_clip, found_fit, monkeypatch
 ):
     from mimetic.muscles.calibration import Calibration
     from mimetic.solve import calibration_run
 
+    face_fit = extension("scene_out").face_fit
     assert not bpy.ops.mimetic.calibrate.poll()
-    bpy.ops.mimetic.find_face(frame=FIT_FRAME)
+    face_fit.store(with_clip, found_fit)
     scene.mimetic.use_frame_range = True
     scene.mimetic.frame_first, scene.mimetic.frame_last = FRAMES
     with pytest.raises(RuntimeError, match="15 to 600 frames, 1:8 are 8"):
         bpy.ops.mimetic.calibrate()
-    face_fit = extension("scene_out").face_fit
     assert not face_fit.is_calibrated(with_clip)
 
     result = Calibration(stiffness={"cheeks": 1.5}, strength={"mentalis.L": 1.2}, frames=[2, 5])
@@ -191,25 +195,26 @@ def test_a_capture_that_finds_the_face_itself_keeps_it(extension, scene, with_cl
     assert "Face" in with_clip.tracking.objects
 
 
-def test_a_fit_that_was_kept_since_a_capture_began_stays(extension, with_clip):
+def test_a_fit_that_was_kept_since_a_capture_began_stays(extension, with_face):
     from mimetic.muscles.calibration import Calibration
 
     face_fit = extension("scene_out").face_fit
-    bpy.ops.mimetic.find_face(frame=FIT_FRAME)
-    before, followed = face_fit.content(with_clip), face_fit.of_clip(with_clip)
-    learned = dataclasses.replace(followed, calibration=Calibration(extent={"mentalis.L": 1.2}))
-    bpy.ops.mimetic.find_face(frame=FIT_FRAME + 2)
-    face_fit.learn(with_clip, before, learned)
-    assert face_fit.of_clip(with_clip).frame == FIT_FRAME + 2
-    bpy.ops.mimetic.find_face(frame=FIT_FRAME)
-    face_fit.learn(with_clip, face_fit.content(with_clip), learned)
-    assert face_fit.of_clip(with_clip).calibration.extent == {"mentalis.L": 1.2}
+    before, followed = face_fit.content(with_face), face_fit.of_clip(with_face)
+    learned, kept = (
+        dataclasses.replace(followed, calibration=Calibration(extent={"mentalis.L": extent}))
+        for extent in (1.2, 1.1)
+    )
+    face_fit.store(with_face, kept)
+    face_fit.learn(with_face, before, learned)
+    assert face_fit.of_clip(with_face).calibration == kept.calibration
+    face_fit.store(with_face, followed)
+    face_fit.learn(with_face, face_fit.content(with_face), learned)
+    assert face_fit.of_clip(with_face).calibration.extent == {"mentalis.L": 1.2}
 
 
-def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, tmp_path):
+def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_face, tmp_path):
     """The operator's own work, stopped as Esc stops it."""
-    bpy.ops.mimetic.find_face(frame=1)
-    fit = extension("scene_out").face_fit.of_clip(with_clip)
+    fit = extension("scene_out").face_fit.of_clip(with_face)
     message = []
 
     def progress(fraction, what):
@@ -235,10 +240,9 @@ def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_clip, t
 
 
 @pytest.mark.parametrize("name", ["capture.MIMETIC_OT_capture", "head.MIMETIC_OT_track_head"])
-def test_esc_before_the_first_result_changes_nothing(extension, scene, with_clip, tmp_path, name):
-    bpy.ops.mimetic.find_face(frame=FIT_FRAME)
-    fit = extension("scene_out").face_fit.of_clip(with_clip)
-    kept = extension("clips").ensure(with_clip)
+def test_esc_before_the_first_result_changes_nothing(extension, scene, with_face, tmp_path, name):
+    fit = extension("scene_out").face_fit.of_clip(with_face)
+    kept = extension("clips").ensure(with_face)
     kept.performance_path = "before.npz"
     jobs = extension("jobs")
     module, operator = name.split(".")
@@ -275,18 +279,17 @@ def test_esc_before_the_first_result_changes_nothing(extension, scene, with_clip
 
 
 def test_a_capture_is_not_lost_for_a_folder_that_cannot_be_written(
-    extension, scene, with_clip, tmp_path
+    extension, scene, with_face, tmp_path
 ):
     (tmp_path / "file").touch()
     scene.mimetic.use_frame_range = True
     scene.mimetic.frame_first, scene.mimetic.frame_last = 1, 2
-    bpy.ops.mimetic.find_face(frame=1)
     refused = (
         tmp_path / "file" / "take.npz"
     )  # its folder is a file: root may not write there either
     assert bpy.ops.mimetic.capture(filepath=str(refused)) == {"FINISHED"}
     from mimetic.performance.document import Performance
 
-    kept = Path(extension("clips").find(with_clip).performance_path)
+    kept = Path(extension("clips").find(with_face).performance_path)
     assert kept != refused
     assert Performance.load(kept).num_frames == 2

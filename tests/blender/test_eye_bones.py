@@ -2,9 +2,6 @@
 """Eyes of rigs look where the performance's do: bones that eyes look at, and eyes that turn."""
 
 import dataclasses
-import subprocess
-import sys
-from pathlib import Path
 
 import bpy
 import numpy as np
@@ -12,7 +9,6 @@ import pytest
 from mathutils import Vector
 from test_face_bones import rig  # noqa: F401
 
-SCRIPT = Path(__file__).resolve().parents[2] / "sample_scenes/make_rigify_face.py"
 YAW = np.array([0, 20, -20, 0, 0, 15, -25, 30.0])  # degrees, to the subject's left
 PITCH = np.array([0, 0, 0, 12, -18, 10, -10, 0.0])  # up
 OTHER = np.array([0, 2, -1, 0, 0, 5, 3, -6.0])  # by which the right eye's yaw differs
@@ -44,19 +40,6 @@ def looking():
         eye_of_vertex=eye_of,
         lid_following=np.tile([0.02, 0.0], (2, 1)),
     )
-
-
-def rigify(folder: Path, *options: str) -> Path:
-    path = folder / "face.blend"
-    command = [sys.executable, str(SCRIPT), *options, "--out", str(path)]
-    ran = subprocess.run(command, capture_output=True, text=True, timeout=500, check=False)
-    assert path.exists(), ran.stdout + ran.stderr
-    return path
-
-
-@pytest.fixture(scope="session", params=[(), ("--new-face",)], ids=["legacy", "new"])
-def rigify_file(request, tmp_path_factory) -> Path:
-    return rigify(tmp_path_factory.mktemp("rigify"), *request.param)
 
 
 def directions(face) -> list[np.ndarray]:

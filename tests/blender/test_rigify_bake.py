@@ -2,14 +2,10 @@
 """Blender's Bake Action on the face of a Rigify character that plays a performance: the face moves
 as before, and the take stays."""
 
-import subprocess
-import sys
-from pathlib import Path
-
 import bpy
 import numpy as np
 import pytest
-from test_rigify_character import SCRIPT, face, points
+from test_rigify_character import face, points
 
 pytestmark = pytest.mark.oldest_and_newest
 
@@ -18,19 +14,8 @@ ROUNDED = 1e-5  # metres, where matrices went through single precision; a perfor
 DOUBLED = 1e-3  # metres, and more: what a constraint does is keyed, and done once more
 
 
-@pytest.fixture(scope="module", params=["legacy", "new"])
-def character(request, tmp_path_factory) -> Path:
-    """Rigify's face of either kind."""
-    path = tmp_path_factory.mktemp("rigify") / f"{request.param}.blend"
-    kind = ["--new-face"] if request.param == "new" else []
-    command = [sys.executable, str(SCRIPT), *kind, "--out", str(path)]
-    ran = subprocess.run(command, capture_output=True, text=True, timeout=500, check=False)
-    assert path.exists(), ran.stdout + ran.stderr
-    return path
-
-
-def test_the_face_moves_as_before_and_the_take_stays(extension, character, acted):
-    bpy.ops.wm.open_mainfile(filepath=str(character))
+def test_the_face_moves_as_before_and_the_take_stays(extension, rigify_file, acted):
+    bpy.ops.wm.open_mainfile(filepath=str(rigify_file))
     rig = bpy.data.objects["rig"]
     bpy.context.scene.render.fps = 25
     bpy.ops.mimetic.load_performance(filepath=acted[1])

@@ -3,8 +3,6 @@
 moves the body alone."""
 
 import re
-import subprocess
-import sys
 from pathlib import Path
 
 import bpy
@@ -15,7 +13,6 @@ from test_bake_command import run_bake
 
 pytestmark = pytest.mark.oldest_and_newest
 
-SCRIPT = Path(__file__).resolve().parents[2] / "sample_scenes/make_rigify_face.py"
 FRAMES = (1, 14, 30)
 HEAD, NECK = "DEF-spine.006", "DEF-spine.005"
 BODY = re.compile(
@@ -24,12 +21,8 @@ BODY = re.compile(
 
 
 @pytest.fixture(scope="module")
-def character(tmp_path_factory) -> Path:
-    path = tmp_path_factory.mktemp("rigify") / "human.blend"
-    command = [sys.executable, str(SCRIPT), "--body", "--out", str(path)]
-    ran = subprocess.run(command, capture_output=True, text=True, timeout=500, check=False)
-    assert path.exists(), ran.stdout + ran.stderr
-    return path
+def character(rigify) -> Path:
+    return rigify("--body")
 
 
 @pytest.fixture(scope="module")
