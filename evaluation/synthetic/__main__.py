@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 import shutil
 import sys
 from functools import partial
@@ -142,7 +143,7 @@ def _to_stderr(line: str) -> None:
 def _copied(made: Clip, folder: Path) -> Clip:
     folder.mkdir(parents=True, exist_ok=True)
     for path in (made.footage, made.truth):
-        aside = folder / f".{path.name}.part"
+        aside = folder / f".{path.name}.{os.getpid()}.part"  # another may copy the same
         shutil.copyfile(path, aside)
         aside.replace(folder / path.name)
     return Clip(made.name, folder / made.footage.name, folder / made.truth.name)
