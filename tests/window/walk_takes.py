@@ -171,27 +171,33 @@ def show_error_bars(walk: Walk) -> Steps:
     area = area_of("VIEW_3D")[1]
     area.ui_type = "FCURVES"
     yield 0.5
-    with bpy.context.temp_override(**override("GRAPH_EDITOR")):
-        bpy.ops.graph.view_selected()
     yield from open_sidebar(walk, "GRAPH_EDITOR", "Mimetic")
-    yield from walk.picture("error-bars")
-    region = override("GRAPH_EDITOR")["region"]
     curve = next(row.curve for row in rows if row.shape == LEFT)
-    walk.arrays["error-bars"] = [
-        [
-            region.x + region.view2d.view_to_region(frame, 0, clip=False)[0],
-            region.y
-            + region.view2d.view_to_region(0, curve.evaluate(frame) + beside, clip=False)[1],
+    low, high = min(values(LEFT)), max(values(LEFT))
+    for name, middle, half in (("", 0, 1), ("-normalized", (low + high) / 2, (high - low) / 2)):
+        area.spaces.active.use_normalization = bool(name)
+        with bpy.context.temp_override(**override("GRAPH_EDITOR")):
+            bpy.ops.graph.view_selected()
+        yield from walk.picture(f"error-bars{name}")
+        region = override("GRAPH_EDITOR")["region"]
+        walk.arrays[f"error-bars{name}"] = [
+            pixel_of(region, frame, (curve.evaluate(frame) + beside - middle) / half)
+            for frame in walk.settings["with_bars"]
+            for beside in (-0.3, -0.1, 0.1, 0.3)
         ]
-        for frame in walk.settings["with_bars"]
-        for beside in (-0.3, -0.1, 0.1, 0.3)
-    ]
-    bpy.context.scene.mimetic.show_error_bars = False
-    yield from walk.picture("error-bars-off")
-    bpy.context.scene.mimetic.show_error_bars = True
+        bpy.context.scene.mimetic.show_error_bars = False
+        yield from walk.picture(f"error-bars{name}-off")
+        bpy.context.scene.mimetic.show_error_bars = True
+    area.spaces.active.use_normalization = False
     yield from time_drawing(walk, "error_bars", "draw_bands", 5)
     area.ui_type = "VIEW_3D"
     yield 0.5
+
+
+def pixel_of(region: bpy.types.Region, frame: float, value: float) -> list[float]:
+    """Of the window, where an editor has a place, also beyond what it shows."""
+    x, y = region.view2d.view_to_region(frame, value, clip=False)
+    return [region.x + x, region.y + y]
 
 
 def time_the_strip(walk: Walk) -> Steps:

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import bpy
 import gpu
+import numpy as np
 from gpu_extras.batch import batch_for_shader
 
 from .. import baked_errors, native
@@ -41,9 +42,30 @@ def no_values(context) -> str:
         return ""
     if space.mode == "DRIVERS":
         return "Drivers have no error bars"
-    if space.use_normalization:
-        return "Switch Normalize off: error bars are drawn to the curves' own values"
+    if space.use_normalization and not space.use_auto_normalization:
+        return "Switch Auto-Normalize on, beside Normalize: how curves are stretched is not known"
     return ""
+
+
+def _stretch(context, curve: bpy.types.FCurve) -> tuple[float, float]:
+    """What Blender adds to a curve's values, and then multiplies them by, as it draws them."""
+    if not context.space_data.use_normalization:
+        return 0.0, 1.0
+    points = np.empty(2 * len(curve.keyframe_points), dtype=np.float32)
+    curve.keyframe_points.foreach_get("co", points)
+    frames, values = points[::2], points[1::2]
+    scene = context.scene
+    if scene.use_preview_range:
+        is_shown = (frames >= scene.frame_preview_start) & (frames <= scene.frame_preview_end)
+        frames, values = frames[is_shown], values[is_shown]
+    if len(values) and any(key.interpolation == "BEZIER" for key in curve.keyframe_points):
+        # Between keys it may go further than they do
+        between = np.arange(np.ceil(frames[0]), frames[-1])
+        values = np.append(values, [curve.evaluate(frame) for frame in between])
+    if not len(values) or values.min() == values.max():
+        return (-float(values[0]), 1.0) if len(values) else (0.0, 1.0)
+    low, high = float(values.min()), float(values.max())
+    return -0.5 * (low + high), 2 / (high - low)
 
 
 def _draw_band(context, found, curve) -> None:
@@ -56,9 +78,10 @@ def _draw_band(context, found, curve) -> None:
     told_apart, confounded = _batches_of(found.bars, curve.shape)
     shader = gpu.shader.from_builtin("UNIFORM_COLOR")
     begin = found.row.scene_first - found.step * found.row.first
+    offset, factor = _stretch(context, curve.curve)
     with gpu.matrix.push_pop():
-        gpu.matrix.translate(((begin - left) * across, -bottom * up))
-        gpu.matrix.scale((found.step * across, curve.unit * up))
+        gpu.matrix.translate(((begin - left) * across, (offset * factor - bottom) * up))
+        gpu.matrix.scale((found.step * across, curve.unit * factor * up))
         for batch, colour in (
             (told_apart, (*curve.curve.color, OPACITY)),
             (confounded, CONFOUNDED),
