@@ -173,7 +173,7 @@ def our_handlers() -> list:
 def test_handlers_come_and_go_with_the_extension(extension):
     overlay = extension("overlay")
     assert len(our_handlers()) == 4
-    assert len(overlay._handles) == 5
+    assert len(overlay._handles) == 6
     bpy.ops.preferences.addon_disable(module=MODULE)
     assert our_handlers() == []
     assert overlay._handles == []
@@ -185,4 +185,4 @@ def test_handlers_stay_when_a_file_is_opened(extension, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "a.blend"))
     assert len(our_handlers()) == 4
-    assert len(extension("overlay")._handles) == 5
+    assert len(extension("overlay")._handles) == 6
