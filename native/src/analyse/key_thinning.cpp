@@ -133,7 +133,7 @@ void thin_out(VectorIn frames, VectorIn values, double tolerance, std::set<int>&
         }
         begin = end;
     }
-    rows = kept;
+    rows = std::move(kept);
 }
 
 }  // namespace mimetic
