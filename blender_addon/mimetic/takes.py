@@ -145,15 +145,15 @@ def named(name: str) -> Take | None:
     beside it or beside those; None if there is none."""
     holders = [holder for holder in _holders() if holder.performance_path]
     found = next((h for h in holders if name_of(h) == name and find(h)), None)
-    if found is not None and isinstance(found.id_data, bpy.types.MovieClip):
-        return Take(find(found), found.id_data.name, _footage_of(found))
-    folders = dict.fromkeys(os.path.dirname(path_of(holder)) for holder in holders)
-    beside = [os.path.join(folder, name) for folder in folders]
-    if bpy.data.filepath:
-        beside.insert(0, bpy.path.abspath(f"//{name}"))
-    places = [find(found), *beside] if found is not None else beside
-    path = next((place for place in places if os.path.isfile(place)), "")
-    return Take(path) if path else None
+    if found is None:
+        own = [bpy.path.abspath("//")] if bpy.data.filepath else []
+        folders = [*own, *(os.path.dirname(path_of(holder)) for holder in holders)]
+        beside = (os.path.join(folder, name) for folder in folders)
+        path = next(filter(os.path.isfile, beside), "")
+        return Take(path) if path else None
+    if isinstance(found.id_data, bpy.types.Scene):
+        return Take(find(found))
+    return Take(find(found), found.id_data.name, _footage_of(found))
 
 
 def missing() -> list:

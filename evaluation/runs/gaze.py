@@ -13,6 +13,7 @@ from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
 from mimetic.performance.gaze import gaze_of, has_gaze, iris_circles
 from mimetic.score.json_text import json_text
+from mimetic.score.scores import INTERVAL_90
 from mimetic.score.text_table import text_table
 from mimetic.shared.array_file import read_archive
 from mimetic.solve.clip_capture import capture
@@ -86,7 +87,7 @@ def score_capture(
     rows = performance.frame - 1
     angles = gaze_of(performance)
     irises = np.stack([_irises(performance, i) for i in range(performance.num_frames)])
-    bars = 1.645 * performance.articulator_values_std[:, -4:]
+    bars = INTERVAL_90 * performance.articulator_values_std[:, -4:]
     inside = np.abs(angles - truth["gaze"][rows]) <= bars
     figures = {
         **_iris_figures(irises, truth, rows),

@@ -15,6 +15,7 @@ from mimetic.puppet.mapping import BASES, MODES, Mapping
 from mimetic.puppet.seeing import PersonView
 from mimetic.puppet.teaching import teach
 from mimetic.score.json_text import json_text
+from mimetic.score.scores import INTERVAL_90
 from mimetic.score.text_table import text_table
 from mimetic.shared.pinhole import camera_of
 from numpy.typing import NDArray
@@ -125,7 +126,7 @@ def _compare(
         yield HeldOut(
             *(name, mode, basis, what, float(truth[tried].std()), float(correlation)),
             float(np.sqrt(((truth - own)[tried] ** 2).mean())),
-            float((off <= 1.645 * std[tried][:, members]).mean()),
+            float((off <= INTERVAL_90 * std[tried][:, members]).mean()),
         )
     lids = [names.index(f"lid_upper.{side}") for side in "LR"]
     events = [_blinks(np.where(tried, one[:, lids].mean(axis=1), 0)) for one in (captured, values)]

@@ -95,6 +95,22 @@ def performance_file(performance, tmp_path_factory) -> Path:
     return path
 
 
+@pytest.fixture
+def bake(scene, tmp_path):
+    """Bakes a performance by the button, by default without texture, contact; returns the face."""
+
+    def run(performance, name="hero", **options):
+        path = tmp_path / f"{name}.performance.npz"
+        performance.save(path)
+        scene.mimetic.performance_path = str(path)
+        options = {"use_texture": False, "use_contact": False, **options}
+        assert bpy.ops.mimetic.bake(**options) == {"FINISHED"}
+        return scene.mimetic.face
+
+    scene.render.fps, scene.render.fps_base = 25, 1.0
+    return run
+
+
 @pytest.fixture(scope="session")
 def footage(tmp_path_factory) -> Path:
     """Forty frames of moving stripes as large as the performance's, 25 a second."""

@@ -26,20 +26,6 @@ def captured(performance):
 
 
 @pytest.fixture
-def bake(scene, tmp_path):
-    def run(performance, name="hero", **options):
-        path = tmp_path / f"{name}.performance.npz"
-        performance.save(path)
-        scene.mimetic.performance_path = str(path)
-        assert bpy.ops.mimetic.bake(use_texture=False, use_contact=False, **options) == {"FINISHED"}
-        bpy.context.view_layer.objects.active = scene.mimetic.face
-        return scene.mimetic.face
-
-    scene.render.fps, scene.render.fps_base = 25, 1.0
-    return run
-
-
-@pytest.fixture
 def select(extension):
     def run(face, *names):
         for row in extension("scene_out").face_curves.of(face):

@@ -23,22 +23,6 @@ def other(performance):
     return dataclasses.replace(performance, activations=activations, quality=quality)
 
 
-@pytest.fixture
-def bake(scene, tmp_path):
-    """Bakes a performance by the button; returns the face."""
-
-    def run(performance, name="hero", **options):
-        path = tmp_path / f"{name}.performance.npz"
-        performance.save(path)
-        scene.mimetic.performance_path = str(path)
-        options = {"use_texture": False, "use_contact": False, **options}
-        assert bpy.ops.mimetic.bake(**options) == {"FINISHED"}
-        return scene.mimetic.face
-
-    scene.render.fps, scene.render.fps_base = 25, 1.0
-    return run
-
-
 def value(scene, face, frame: int, name=LEFT) -> float:
     scene.frame_set(frame)
     keys = face.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.shape_keys

@@ -51,7 +51,7 @@ Rows<int, Eigen::Dynamic> confounded_values(MatrixIn activations, MatrixIn activ
     Rows<int, Eigen::Dynamic> confounded =
         Rows<int, Eigen::Dynamic>::Constant(activations.rows(), num_muscles, -1);
     for (Eigen::Index row = 0; row < activations.rows(); ++row) {
-        const auto is_unsure =
+        const Eigen::Array<bool, 1, Eigen::Dynamic> is_unsure =
             (activations.row(row).array() >= kAtWork) && (activations_std.row(row).array() >= kUnsure);
         if (!is_unsure.any() || (evidence.row(row).array() == 0).all()) {
             continue;

@@ -5,7 +5,8 @@ import numpy as np
 import pytest
 from looking_performance import make_looking
 from mimetic.character.shapes import shapes_of, slider_shapes_of
-from mimetic.report.error_bars import DEVIATIONS, ErrorBars
+from mimetic.report.error_bars import ErrorBars
+from mimetic.score.scores import INTERVAL_90
 from sample_performance import make_performance
 
 MUSCLE, OTHER = "muscle_02.L", "muscle_03.R"  # columns 4 and 7
@@ -20,7 +21,7 @@ def performance(**changes):
 
 def test_an_interval_holds_nine_in_ten_of_a_gaussians_values():
     drawn = np.random.default_rng(3).normal(size=200_000)
-    assert (np.abs(drawn) < DEVIATIONS).mean() == pytest.approx(0.9, abs=0.003)
+    assert (np.abs(drawn) < INTERVAL_90).mean() == pytest.approx(0.9, abs=0.003)
 
 
 def test_the_band_lies_about_what_was_captured():
@@ -29,7 +30,7 @@ def test_the_band_lies_about_what_was_captured():
     assert band.told_apart.shape == (11 * 6, 2) and not len(band.confounded)
     for k, frame in enumerate(one.frame):
         there = band.told_apart[band.told_apart[:, 0] == frame, 1]
-        expected = one.activations[k, 1] + DEVIATIONS * 0.05 * np.array([-1, 1])
+        expected = one.activations[k, 1] + INTERVAL_90 * 0.05 * np.array([-1, 1])
         expected = np.clip(expected, 0, 1)  # what an activation can be
         np.testing.assert_allclose([there.min(), there.max()], expected, atol=1e-6)
 
@@ -39,7 +40,7 @@ def test_triangles_cover_the_band_once():
     pieces = ErrorBars(half).band("muscle_00.R").told_apart.reshape(-1, 3, 2)
     one, two = pieces[:, 1] - pieces[:, 0], pieces[:, 2] - pieces[:, 0]
     areas = 0.5 * np.abs(one[:, 0] * two[:, 1] - one[:, 1] * two[:, 0])
-    assert areas.sum() == pytest.approx(11 * 2 * DEVIATIONS * 0.05, rel=1e-5)
+    assert areas.sum() == pytest.approx(11 * 2 * INTERVAL_90 * 0.05, rel=1e-5)
 
 
 def test_frames_that_are_not_told_apart_have_a_band_of_their_own():
@@ -63,7 +64,7 @@ def test_where_the_face_was_lost_or_not_captured_there_is_none():
     assert (
         bars.at(MUSCLE, 7) is None and bars.at(MUSCLE, 12) is None and bars.at(MUSCLE, 99) is None
     )
-    assert bars.at(MUSCLE, 21).half == pytest.approx(DEVIATIONS * 0.05)
+    assert bars.at(MUSCLE, 21).half == pytest.approx(INTERVAL_90 * 0.05)
 
 
 def test_what_no_slider_is_keyed_with_has_none():

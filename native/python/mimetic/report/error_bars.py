@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a take's curves may be off by: intervals as bands over the time, and in numbers."""
+"""What a take's curves may be off by: 90 % intervals as bands over the time, and in numbers."""
 
 from __future__ import annotations
 
@@ -13,9 +13,7 @@ from mimetic.character.shape import shape_of_values
 from mimetic.performance.confounding import confounded_name
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.performance.gaze import GAZE, seen_articulators
-
-INTERVAL = 0.90
-DEVIATIONS = 1.645  # on either side of a value: as many hold that share of a Gaussian's values
+from mimetic.score.scores import INTERVAL_90
 
 Floats = NDArray[np.float64]
 
@@ -68,14 +66,14 @@ class ErrorBars:
             return None
         if not self.has(name) or not self._is_measured[i]:
             return None
-        half = DEVIATIONS * float(self._stds[name][i])
+        half = INTERVAL_90 * float(self._stds[name][i])
         other = confounded_name(self._performance, i, name)
         return ErrorBar(float(self._values[name][i]), half, other)
 
     def band(self, name: str) -> Band:
         """Between frames that follow each other; nothing where the face was lost."""
         frame = self._performance.frame
-        values, half = self._values[name], DEVIATIONS * self._stds[name]
+        values, half = self._values[name], INTERVAL_90 * self._stds[name]
         edges = np.stack([values - half, values + half])
         if name in self._performance.muscles:
             edges = np.clip(edges, 0, 1)  # what an activation can be
