@@ -5,7 +5,6 @@ import bpy
 import numpy as np
 import pytest
 from test_exports import read, world_vertices
-from test_takes import bake  # noqa: F401
 
 FRAMES = (1, 13, 20, 33)
 # Metres; USD's importer cuts weights that are below 0 at 0

@@ -10,6 +10,7 @@ from mimetic.fit.fitting import find_face
 from mimetic.fit.known_lens import KnownLens
 from mimetic.media.footage import Footage
 from mimetic.muscles.calibration import Calibration
+from mimetic.puppet import live_filter
 from mimetic.puppet.live_filter import LiveFilter
 from mimetic.puppet.live_heads import STRANGER, lens_of_fit
 from mimetic.template.face_template import load_template
@@ -35,6 +36,26 @@ def test_the_persons_own_head_takes_over(images):
     states = [live.advance(image, 0.45 * n) for n, image in enumerate(images[:16])]
     assert live.face.is_own
     assert min(state.quality for state in states) > 0.4
+
+
+def test_a_head_that_may_be_replaced_is_never_settled_for_who_asks_meanwhile(images, monkeypatch):
+    """The search's thread lets others run: a look kept then would be of a stranger's head."""
+    live, seen = LiveFilter(in_background=False), []
+    search = live_filter.PersonSearch
+
+    class Watched(search):
+        def __init__(self, *arguments):
+            super().__init__(*arguments)
+            seen.append(live.is_settled)
+
+        def stop(self):
+            seen.append(live.is_settled)
+            super().stop()
+
+    monkeypatch.setattr(live_filter, "PersonSearch", Watched)
+    for n, image in enumerate(images[:16]):
+        live.advance(image, 0.45 * n)
+    assert seen == [False, False] and live.is_settled
 
 
 def test_a_known_lens_is_that_of_both_heads(images):

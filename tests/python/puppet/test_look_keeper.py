@@ -22,11 +22,11 @@ class Sitting:
         self.number = 0
         keeper.begin(self.live, self.lines.append)
 
-    def show(self, num_pictures):
+    def show(self, num_pictures, is_seen=True):
         for _ in range(num_pictures):
             image, time = self.images[ORDER[self.number % len(ORDER)]], self.number / FPS
             state = self.live.advance(image, time)
-            self.keeper.see(Picture(image, time, 0.0), state, FPS)
+            self.keeper.see(Picture(image, time, 0.0), state if is_seen else None, FPS)
             self.number += 1
 
 
@@ -78,6 +78,21 @@ def test_a_set_needs_the_face_at_rest(rendered_clip):
     assert keeper.kept == ["one", "two"]
     with pytest.raises(InvalidInput, match="neutral, the face at rest, was not kept"):
         keeper.taught()
+
+
+def test_a_look_is_waited_for_while_the_face_is_not_seen(rendered_clip):
+    keeper = LookKeeper()
+    sitting = Sitting(rendered_clip.footage, keeper)
+    sitting.show(SETTLED)
+    keeper.ask(Look("neutral", 0))
+    sitting.show(FPS, is_seen=False)
+    assert keeper.keeping == "neutral"
+    sitting.show(4)
+    assert keeper.kept == ["neutral"]
+    keeper.ask(Look("hidden", 0))
+    sitting.show(2 * FPS + 2, is_seen=False)
+    assert keeper.keeping == "" and keeper.kept == ["neutral"]
+    assert "not seen well" in sitting.lines[-1]
 
 
 def test_a_set_of_a_clip_is_not_taught_again_by_a_camera():

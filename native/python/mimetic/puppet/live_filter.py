@@ -161,10 +161,12 @@ class LiveFilter:
 
     def _find(self, image: Image) -> bool:
         try:
-            self.face = self._heads.first(image)
+            face = self._heads.first(image)
         except InvalidInput:  # no face among others
             return False
+        # Before the face: another thread that asks must not take a stranger's head for settled
         self._search = PersonSearch(self._heads, self._in_background)
+        self.face = face
         return True
 
     def _improve(self, image: Image, time: float) -> None:
@@ -180,7 +182,10 @@ class LiveFilter:
             search.offer(image, time)
         if not search.is_over:
             return
+        self._take_over(search, image)
         self._search = None
+
+    def _take_over(self, search: PersonSearch, image: Image) -> None:
         own, old = search.result, self.face
         search.stop()
         if self._heads.is_stranger and STRANGER not in self.remarks:

@@ -14,7 +14,7 @@ from mimetic.puppet.live_session import Tell
 from mimetic.puppet.pictures import Picture
 from mimetic.puppet.seeing import MODEL
 from mimetic.puppet.set_making import REST
-from mimetic.puppet.shown_looks import HELD_FOR, MOST_HELD, ShownLooks
+from mimetic.puppet.shown_looks import MOST_HELD, ShownLooks, is_over
 from mimetic.puppet.taught_look import Look
 from mimetic.puppet.teaching import MOST_EXAMPLES
 from mimetic.puppet.templates import TaughtSet
@@ -110,7 +110,7 @@ class LiveTeaching:
             return
         if sample is not None and len(self._held) < MOST_HELD:
             self._held.append(sample)
-        if passed >= HELD_FOR:
+        if is_over(passed, len(self._held)):
             self._keep(look)
 
     def _keep(self, look: Look) -> None:

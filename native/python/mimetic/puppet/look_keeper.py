@@ -11,7 +11,7 @@ from mimetic.puppet.lesson import Pair, check_teachable
 from mimetic.puppet.live_filter import LiveFilter, LiveState
 from mimetic.puppet.live_session import Tell
 from mimetic.puppet.pictures import Picture
-from mimetic.puppet.shown_looks import HELD_FOR, MOST_HELD, ShownLooks
+from mimetic.puppet.shown_looks import HELD_FOR, MOST_HELD, ShownLooks, is_over
 from mimetic.puppet.taught_look import Look
 from mimetic.puppet.templates import TaughtSet
 
@@ -29,7 +29,7 @@ class LookKeeper:
         self._due: list[Look] = []  # of a clip's frames, by them
         self._look: Look | None = None  # that is being kept
         self._held: list[Pair] = []
-        self._until = 0.0
+        self._since = 0.0
         self._shown: ShownLooks | None = None
         self._num_heads = 0
 
@@ -78,7 +78,7 @@ class LookKeeper:
                 return
             if sample is not None and len(self._held) < MOST_HELD:
                 self._held.append(sample)
-            if picture.time >= self._until:
+            if is_over(picture.time - self._since, len(self._held)):
                 look, self._look = self._look, None
                 shown.keep(look, self._held)
 
@@ -102,7 +102,7 @@ class LookKeeper:
         if not shown.is_ready:
             self._tell(f"{look.name}: not kept, as the person's head is not known yet: wait for it")
             return
-        self._look, self._held, self._until = look, [], time + HELD_FOR
+        self._look, self._held, self._since = look, [], time
 
 
 def _begins(look: Look, fps: float) -> float:

@@ -21,7 +21,14 @@ from mimetic.puppet.templates import TaughtSet
 
 HELD_FOR = 0.5  # seconds that a look is kept of: the picture nearest to their median is it
 LEAST_HELD, MOST_HELD = 3, 15  # pictures of a look
+HELD_AT_MOST = 2.0  # seconds that pictures are waited for where few come, or show the face badly
 SEEN = 0.3  # quality from which on a picture teaches
+
+
+def is_over(passed: float, num_held: int) -> bool:
+    """Whether a look that was held for some seconds, and is seen in some pictures, need be no
+    longer."""
+    return passed >= HELD_FOR and (num_held >= LEAST_HELD or passed >= HELD_AT_MOST)
 
 
 class ShownLooks:
