@@ -12,7 +12,7 @@ NEAR = {".fbx": 2e-6, ".usdc": 2e-6, ".abc": 2e-7}
 
 
 @pytest.fixture
-def face(bake, performance):  # noqa: F811
+def face(bake, performance):
     return bake(performance, use_strips=True)
 
 

@@ -24,6 +24,7 @@ struct Normal {
 /// Where the distinct points of all sightings are, and how they move: three rows a point, metres.
 struct Seen {
     Eigen::VectorXd rest;  ///< 3P
+    Points normals;        ///< P x 3, unit, outwards
     MatrixRows by_mode;    ///< 3P x M
     MatrixRows by_shape;   ///< 3P x (C + K + E): deeper by a component or bump, or by a shift common to all
                            ///< frames
@@ -67,7 +68,7 @@ Seen see(const FittedSkin& skin, const ReliefModel& model, const DistinctPoints&
     const Eigen::Index num_components = model.components.rows(), num_bumps = model.bumps.rows();
     const Eigen::Index num_shape = num_components + num_bumps;
     Seen seen{at(Eigen::Map<const MatrixRows>(skin.neutral.data(), 1, skin.neutral.size())).col(0),
-              at(model.modes), at(model.components)};
+              normals_at(skin, points), at(model.modes), at(model.components)};
     const MatrixRows heights = heights_at(skin, points, model.bumps);
     std::vector<Eigen::Vector3d> places(static_cast<std::size_t>(count));
     for (Eigen::Index k = 0; k < count; ++k) {
@@ -75,7 +76,6 @@ Seen see(const FittedSkin& skin, const ReliefModel& model, const DistinctPoints&
     }
     const ErrorField<double> field(places);
     const auto num_nodes = static_cast<Eigen::Index>(field.num_nodes());
-    const Points normals = normals_at(skin, points);
     const Eigen::Matrix3d rotation = skin.reference_pose.linear();
     const Eigen::Vector3d camera_in_head = skin.camera_place();
     seen.by_shape.conservativeResize(Eigen::NoChange, num_shape + 2 * num_nodes);
@@ -85,8 +85,8 @@ Seen see(const FittedSkin& skin, const ReliefModel& model, const DistinctPoints&
         auto rows = seen.by_shape.middleRows<3>(3 * k);
         // Along the reference frame's ray, by as much as the component moves the surface across itself
         const Eigen::Vector3d ray = (place - camera_in_head).normalized();
-        const double facing = std::min(normals.row(k).dot(ray), -options.least_cosine);
-        const Eigen::RowVectorXd outwards = normals.row(k) * rows.leftCols(num_components);
+        const double facing = std::min(seen.normals.row(k).dot(ray), -options.least_cosine);
+        const Eigen::RowVectorXd outwards = seen.normals.row(k) * rows.leftCols(num_components);
         rows.leftCols(num_components) = ray * (outwards / facing);
         rows.middleCols(num_components, num_bumps) = ray * heights.row(k);
         for (const auto& [node, height] : field.near(place)) {
@@ -156,6 +156,23 @@ Eigen::MatrixXd held(const FittedSkin& skin, const ReliefModel& model, const Rel
     return information + deeper * deeper.transpose();
 }
 
+/// 2K, for the rows of a frame's points: roots of the shares of their information that count.
+Eigen::VectorXd heeded(const FittedSkin& skin, const Sighting& sighting, const std::vector<int>& index,
+                       const Seen& seen, double grazing) {
+    const Eigen::Vector3d then = skin.camera_place();
+    const Eigen::Vector3d now = sighting.camera_from_head.inverse().translation();
+    Eigen::VectorXd roots(2 * static_cast<Eigen::Index>(index.size()));
+    for (std::size_t k = 0; k < index.size(); ++k) {
+        const Eigen::Vector3d place = seen.rest.segment<3>(3 * static_cast<Eigen::Index>(index[k]));
+        const Eigen::RowVector3d normal = seen.normals.row(index[k]);
+        const double cosine =
+            std::min(normal.dot((then - place).normalized()), normal.dot((now - place).normalized()));
+        const double share = std::clamp(cosine / grazing, 0., 1.);
+        roots.segment<2>(static_cast<Eigen::Index>(2 * k)).setConstant(share * share);
+    }
+    return roots;
+}
+
 /// What one frame contributes, its own pose, values and model error eliminated.
 Normal seen_in(const FittedSkin& skin, const ReliefModel& model, const ReliefOptions& options,
                const Sighting& sighting, const std::vector<int>& index, const Seen& seen) {
@@ -166,16 +183,19 @@ Normal seen_in(const FittedSkin& skin, const ReliefModel& model, const ReliefOpt
     const MatrixRows by_mode = seen.by_mode(rows, Eigen::all);
     const ModelError error{options.model_error, 0, kSightingError.motion};
     const WeighedSighting weighed = weigh(sighting, seen.rest(rows), by_mode, skin, error);
-    const Eigen::MatrixXd shape = weighed.in_picture(seen.by_shape(rows, Eigen::all));
+    const Eigen::VectorXd roots = heeded(skin, sighting, index, seen, options.grazing);
+    const auto counted = roots.asDiagonal();
+    const Eigen::VectorXd displacement = counted * weighed.displacement;
+    const Eigen::MatrixXd shape = counted * weighed.in_picture(seen.by_shape(rows, Eigen::all));
     Eigen::MatrixXd own(shape.rows(), weighed.errors.cols() + by_mode.cols());
-    own << weighed.errors, weighed.in_picture(by_mode) * model.std.asDiagonal();
+    own << counted * weighed.errors, counted * weighed.in_picture(by_mode) * model.std.asDiagonal();
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(own.cols(), own.cols());
     matrix.selfadjointView<Eigen::Lower>().rankUpdate(own.transpose());
     const Eigen::LLT<Eigen::MatrixXd> root(matrix);
     const Eigen::MatrixXd half = root.matrixL().solve(own.transpose() * shape);
-    const Eigen::VectorXd half_pull = root.matrixL().solve(own.transpose() * weighed.displacement);
+    const Eigen::VectorXd half_pull = root.matrixL().solve(own.transpose() * displacement);
     Normal normal{Eigen::MatrixXd::Zero(shape.cols(), shape.cols()),
-                  shape.transpose() * weighed.displacement - half.transpose() * half_pull};
+                  shape.transpose() * displacement - half.transpose() * half_pull};
     normal.information.selfadjointView<Eigen::Lower>().rankUpdate(shape.transpose());
     normal.information.selfadjointView<Eigen::Lower>().rankUpdate(half.transpose(), -1);
     return normal;

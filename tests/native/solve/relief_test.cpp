@@ -59,6 +59,29 @@ TEST_F(FindRelief, WhatErrsAlikeInAllFramesIsHardlyDepth) {
     EXPECT_LT(taken_for_depth({}), .75 * taken_for_depth(unaware));
 }
 
+TEST_F(FindRelief, WhatIsSeenAslantTellsLess) {
+    const Eigen::VectorXd truth = Eigen::Vector4d(1.2, -.8, -1, .6);
+    std::vector<Sighting> seen = sightings(truth);
+    // Flow near an outline follows the outline, which stays where it is
+    for (Sighting& one : seen) {
+        for (Eigen::Index k = 0; k < one.pixels.rows(); ++k) {
+            const Eigen::RowVector3d normal = skin.normals.row(one.vertices(k, 0));
+            const Eigen::Vector3d place = skin.stencils.row(one.vertices(k, 0)) * skin.neutral;
+            const Eigen::Vector3d to_camera = one.camera_from_head.inverse().translation() - place;
+            if (normal.dot(to_camera.normalized()) < .4) {
+                one.pixels(k, 0) += normal.x() > 0 ? 2 : -2;
+            }
+        }
+    }
+    const auto error = [&](const ReliefOptions& options) {
+        return (find_relief(skin, model, seen, options).coefficients - truth).norm();
+    };
+    ReliefOptions unaware;
+    unaware.grazing = 1e-9;
+    EXPECT_LT(error({}), .6 * truth.norm());
+    EXPECT_LT(error({}), .7 * error(unaware));
+}
+
 /// The same shapes as heights along the rays, and no usual proportions that could stand for them.
 ReliefModel only_bumps(const ReliefModel& model) {
     ReliefModel bumps = model;

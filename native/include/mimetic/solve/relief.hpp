@@ -27,6 +27,8 @@ struct ReliefOptions {
     double alike = .02617993877991494;  ///< rad, 1.5 degrees: heads turned no more than about that show the
                                         ///< same errors again
     double least_cosine = .5;           ///< of ray and normal: at less, a change counts as at this cosine
+    double grazing = .6;  ///< cosine of ray and normal, in either frame: a point seen at less tells less, by
+                          ///< the fourth power, as its texture is of few pixels and an outline is near
 };
 
 struct Relief {
