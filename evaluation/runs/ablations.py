@@ -45,6 +45,12 @@ class Variant:
     lines: bool = True
     stiffness: float = 1.0
 
+    def tracker_options(self) -> _core.TrackerOptions:
+        options = _core.TrackerOptions()
+        for name, value in self.tracker.items():
+            setattr(options, name, value)
+        return options
+
 
 VARIANTS = {
     "as it is": Variant(),
@@ -94,11 +100,8 @@ class VariedCapture(clip_capture.ClipCapture):
             )
 
     def make_tracker(self, reference):
-        options = _core.TrackerOptions()
-        for name, value in self.variant.tracker.items():
-            setattr(options, name, value)
         inputs = (self.walk.fit, self.template, self.anatomy, self.motion)
-        return tracking.make_tracker(reference, *inputs, options)
+        return tracking.make_tracker(reference, *inputs, self.variant.tracker_options())
 
     def smooth(self, estimates, before):
         if self.variant.smoothed:
