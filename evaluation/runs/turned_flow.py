@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections import defaultdict
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -27,6 +26,7 @@ from mimetic.fit.face_fit import FaceFit
 from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import Anatomy, factored_skin, modes_of
 from mimetic.score.json_text import json_text
+from mimetic.score.scores import project
 from mimetic.score.text_table import text_table
 from mimetic.score.truth import Truth
 from mimetic.skin.mesh import SkinMesh
@@ -122,17 +122,13 @@ def _in_fitted_frame(
     person: Person, sighting: _core.Sighting
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Pixels (K, 2) of a sighting's points there, and cosines of their normals with the view."""
-    corners, weights = np.asarray(sighting.vertices), np.asarray(sighting.barycentric)
-    rotation, shift = person.fit.head_pose[:3, :3], person.fit.head_pose[:3, 3]
-
-    def at(of_vertices: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.einsum("kc,kcx->kx", weights, np.asarray(of_vertices)[corners]) @ rotation.T
-
-    places, normals = at(person.mesh.vertices) + shift, at(person.mesh.normals)
-    cosine = -(places * normals).sum(1)
-    cosine /= np.linalg.norm(places, axis=1) * np.linalg.norm(normals, axis=1)
-    pixels = places @ person.fit.intrinsics.T
-    return pixels[:, :2] / pixels[:, 2:], cosine
+    under = _core.SkinPlaces(sighting.vertices, sighting.barycentric)
+    fit, places = person.fit, under.positions(person.mesh.vertices)
+    normals = under.values(person.mesh.normals)
+    views = -fit.head_pose[:3, 3] @ fit.head_pose[:3, :3] - places
+    cosine = (views * normals).sum(1)
+    cosine /= np.linalg.norm(views, axis=1) * np.linalg.norm(normals, axis=1)
+    return project(places, fit.head_pose, fit.intrinsics), cosine
 
 
 def figures(frames: Sequence[Measured]) -> dict[str, float]:
@@ -149,16 +145,11 @@ def figures(frames: Sequence[Measured]) -> dict[str, float]:
 
 def by_turn(frames: Sequence[Measured]) -> dict[str, dict[str, float]]:
     """Figures of the frames between two turns each, if there are any."""
-    rows: dict[str, list[Measured]] = defaultdict(list)
-    for frame in frames:
-        for low, high in pairwise(TURNS):
-            if low <= frame.turn < high:
-                rows[f"{low:.0f} to {high:.0f} degrees"].append(frame)
-    return {name: figures(some) for name, some in sorted(rows.items(), key=_least_turn)}
-
-
-def _least_turn(row: tuple[str, list[Measured]]) -> float:
-    return row[1][0].turn
+    rows = {}
+    for low, high in pairwise(TURNS):
+        if some := [frame for frame in frames if low <= frame.turn < high]:
+            rows[f"{low:.0f} to {high:.0f} degrees"] = figures(some)
+    return rows
 
 
 def main(arguments: list[str] | None = None) -> int:
