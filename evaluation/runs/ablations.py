@@ -45,8 +45,11 @@ class Variant:
     lines: bool = True
     stiffness: float = 1.0
 
-    def tracker_options(self) -> _core.TrackerOptions:
-        options = _core.TrackerOptions()
+    def tracker_options(
+        self, otherwise: _core.TrackerOptions | None = None
+    ) -> _core.TrackerOptions:
+        """These settings, and else those of `otherwise`, which is changed."""
+        options = otherwise or _core.TrackerOptions()
         for name, value in self.tracker.items():
             setattr(options, name, value)
         return options
@@ -99,9 +102,8 @@ class VariedCapture(clip_capture.ClipCapture):
                 self.neutral, self.template, self.anatomy, self.detail
             )
 
-    def make_tracker(self, reference):
-        inputs = (self.walk.fit, self.template, self.anatomy, self.motion)
-        return tracking.make_tracker(reference, *inputs, self.variant.tracker_options())
+    def tracker_options(self, reference):
+        return self.variant.tracker_options(super().tracker_options(reference))
 
     def smooth(self, estimates, before):
         if self.variant.smoothed:

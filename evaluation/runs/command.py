@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import argparse
-import sys
 from collections.abc import Callable, Collection
 from pathlib import Path
 from typing import Any
@@ -16,6 +15,7 @@ from mimetic.shared.results import prepare_folder
 from mimetic.shared.whole_file import whole_file
 from mimetic.template.face_template import load_template
 
+from evaluation.progress import to_stderr
 from evaluation.runs import (
     ablations,
     abuse,
@@ -173,7 +173,7 @@ def run_tables(options: argparse.Namespace) -> int:
     if options.out:
         raise InvalidInput(WITH_OUT)
     tables = []
-    for one in scored(options.set, _to_stderr):
+    for one in scored(options.set, to_stderr):
         tables.append(one)
         if not options.json:
             print(as_text(one), end="\n\n", flush=True)
@@ -184,9 +184,9 @@ def _run_expressions(options: argparse.Namespace) -> int:
     if options.jobs < 1 or (options.people is not None and options.people < 1):
         raise InvalidInput("--jobs and --people must be 1 or more")
     _prepare_out(options)
-    clips, long = expressions.takes(options.set, options.people, _to_stderr)
-    python = face_mesh_python(_to_stderr)
-    scores, drifts = expressions.score_set(clips, long, python, _to_stderr, options.jobs)
+    clips, long = expressions.takes(options.set, options.people, to_stderr)
+    python = face_mesh_python(to_stderr)
+    scores, drifts = expressions.score_set(clips, long, python, to_stderr, options.jobs)
     if options.out is not None:
         with whole_file(options.out / "expressions.json") as stream:
             stream.write(f"{expression_tables.as_json(scores, drifts)}\n".encode())
@@ -200,7 +200,7 @@ def _run_expressions(options: argparse.Namespace) -> int:
 def _run_head(options: argparse.Namespace) -> int:
     _prepare_out(options)
     all_scores = []
-    for scores in head.score_heads(options.set, _to_stderr):
+    for scores in head.score_heads(options.set, to_stderr):
         all_scores += scores
         if not options.json:
             print(head.clip_text(scores), end="\n\n", flush=True)
@@ -212,27 +212,27 @@ def _run_head(options: argparse.Namespace) -> int:
 def _run_abuse(options: argparse.Namespace) -> int:
     _refuse(options, "out")
     all_scores = []
-    for scores in abuse.score_set(options.set, _to_stderr):
+    for scores in abuse.score_set(options.set, to_stderr):
         all_scores += scores
     return _show(options, all_scores, abuse.as_json, abuse.as_text)
 
 
 def _run_flow(options: argparse.Namespace) -> int:
     _refuse(options, "out")
-    errors = flow.score_flow(options.set, _to_stderr)
+    errors = flow.score_flow(options.set, to_stderr)
     return _show(options, errors, flow.as_json, flow.as_text)
 
 
 def _run_rest(options: argparse.Namespace) -> int:
     _refuse(options, "out")
-    return _show(options, rest.score_rest(options.set, _to_stderr), rest.as_json, rest.as_text)
+    return _show(options, rest.score_rest(options.set, to_stderr), rest.as_json, rest.as_text)
 
 
 def _run_gaze(options: argparse.Namespace) -> int:
     _refuse(options, "out")
     _check_set_of(options, gaze.SETS)
     all_scores = []
-    for scores in gaze.score_gaze(options.set, _to_stderr):
+    for scores in gaze.score_gaze(options.set, to_stderr):
         all_scores += scores
         if not options.json:
             print(gaze.clip_text(scores), end="\n\n", flush=True)
@@ -242,7 +242,7 @@ def _run_gaze(options: argparse.Namespace) -> int:
 def _run_characters(options: argparse.Namespace) -> int:
     _refuse(options, "out")
     _check_set_of(options, characters.SETS)
-    scores = list(characters.score_characters(options.set, _to_stderr))
+    scores = list(characters.score_characters(options.set, to_stderr))
     return _show(options, scores, characters.as_json, characters.as_text)
 
 
@@ -250,7 +250,7 @@ def _run_consistency(options: argparse.Namespace) -> int:
     _check_set_of(options, consistency.SETS)
     _prepare_out(options)
     scores = consistency.score_consistency(
-        options.set, options.people, options.out, options.performances, _to_stderr
+        options.set, options.people, options.out, options.performances, to_stderr
     )
     return _show(options, scores, consistency.as_json, consistency.as_text)
 
@@ -258,37 +258,37 @@ def _run_consistency(options: argparse.Namespace) -> int:
 def _run_timing(options: argparse.Namespace) -> int:
     _check_set_of(options, timing.SETS)
     _prepare_out(options)
-    scores = timing.score_timing(options.set, _to_stderr, options.out, options.performances)
+    scores = timing.score_timing(options.set, to_stderr, options.out, options.performances)
     return _show(options, scores, timing.as_json, timing.as_text)
 
 
 def _run_keys(options: argparse.Namespace) -> int:
     _refuse(options, "out")
-    scores = list(keys.score_keys(_to_stderr, options.performances))
+    scores = list(keys.score_keys(to_stderr, options.performances))
     return _show(options, scores, keys.as_json, keys.as_text)
 
 
 def _run_retarget(options: argparse.Namespace) -> int:
     _refuse(options, "out")
     _check_set_of(options, retarget.SETS)
-    scores = list(retarget.score_retargeting(options.set, _to_stderr))
+    scores = list(retarget.score_retargeting(options.set, to_stderr))
     return _show(options, scores, retarget.as_json, retarget.as_text)
 
 
 def _run_live(options: argparse.Namespace) -> int:
     _refuse(options, "out")
     scores = []
-    for of_clip in live.score_live(_to_stderr, options.performances):
+    for of_clip in live.score_live(to_stderr, options.performances):
         scores += of_clip
         if not options.json:
             print(live.as_text(of_clip), end="\n\n", flush=True)
-    of_clips = live_taught.score_taught(_to_stderr, options.performances)
+    of_clips = live_taught.score_taught(to_stderr, options.performances)
     taught = [score for of_clip in of_clips for score in of_clip]
-    still = live_still.score_still(_to_stderr)
+    still = live_still.score_still(to_stderr)
     if not options.json:
         print(live_taught.as_text(taught), end="\n\n", flush=True)
         print(live_still.as_text(still), end="\n\n", flush=True)
-        print(live.speed_text(live.speed(_to_stderr)))
+        print(live.speed_text(live.speed(to_stderr)))
     else:
         print(live.as_json([*scores, *taught, *still]))
     return 0
@@ -296,7 +296,7 @@ def _run_live(options: argparse.Namespace) -> int:
 
 def _run_puppet(options: argparse.Namespace) -> int:
     _refuse(options, "out")
-    scores = puppet.score_puppet(_to_stderr, options.performances)
+    scores = puppet.score_puppet(to_stderr, options.performances)
     return _show(options, scores, puppet.as_json, puppet.as_text)
 
 
@@ -304,9 +304,9 @@ def _run_real(options: argparse.Namespace) -> int:
     _prepare_out(options)
     all_scores, all_sightings = [], []
     for scores, sightings in (
-        real.score_fits(_to_stderr)
+        real.score_fits(to_stderr)
         if options.first_fit
-        else real.score_real(_to_stderr, options.out, options.performances)
+        else real.score_real(to_stderr, options.out, options.performances)
     ):
         all_scores += scores
         all_sightings += sightings
@@ -324,13 +324,13 @@ def _run_real(options: argparse.Namespace) -> int:
 
 def _run_ablations(options: argparse.Namespace) -> int:
     _refuse(options, "out")
-    scores = ablations.score_ablations(options.set, options.people, _to_stderr)
+    scores = ablations.score_ablations(options.set, options.people, to_stderr)
     return _show(options, scores, ablations.as_json, ablations.as_text)
 
 
 def _run_calibration(options: argparse.Namespace) -> int:
     _refuse(options, "out")
-    scores = calibration.score_calibration(options.set, options.people, _to_stderr)
+    scores = calibration.score_calibration(options.set, options.people, to_stderr)
     return _show(options, scores, calibration.as_json, calibration.as_text)
 
 
@@ -377,7 +377,7 @@ def _run_locate(options: argparse.Namespace) -> int:
     if options.images is not None:
         images = Stills.load(options.images)
     else:
-        images = rendered_stills(options.set, _to_stderr)
+        images = rendered_stills(options.set, to_stderr)
     spaces = load(options.eigenspaces) if options.eigenspaces else installed_spaces()
     scores = locate.score_finders(images, spaces)
     if options.out is not None:
@@ -388,11 +388,7 @@ def _run_locate(options: argparse.Namespace) -> int:
 def _run_fit(options: argparse.Namespace) -> int:
     _prepare_out(options)
     template = load_template()
-    scores = fit.score_fits(rendered_portraits(options.set, template, _to_stderr), template)
+    scores = fit.score_fits(rendered_portraits(options.set, template, to_stderr), template)
     if options.out is not None:
         fit.write(scores, options.out)
     return _show(options, scores, fit.as_json, fit.as_text)
-
-
-def _to_stderr(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)

@@ -28,6 +28,7 @@ from mimetic.score.truth import Truth
 from mimetic.solve import clip_capture
 from numpy.typing import NDArray
 
+from evaluation.progress import to_stderr
 from evaluation.runs import deviation
 from evaluation.runs.ablations import Variant, VariedCapture, variant_of
 from evaluation.runs.deviation import Explained
@@ -177,17 +178,13 @@ def main(arguments: list[str] | None = None) -> int:
     parser.add_argument("--json", action="store_true", help="figures as JSON")
     options = parser.parse_args(arguments)
     try:
-        scores = list(score_set(options.set, variant_of(options.tracker), _to_stderr))
+        scores = list(score_set(options.set, variant_of(options.tracker), to_stderr))
     except (CannotRender, InvalidInput, OSError) as error:
         print(f"foreign: {error}", file=sys.stderr)
         return 2
     rows = tables(scores)
     print(json_text(rows) if options.json else text_table("heads of another make", FIGURES, rows))
     return 0
-
-
-def _to_stderr(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

@@ -34,6 +34,7 @@ from mimetic.solve import clip_capture, tracking
 from mimetic.template.face_template import load_template
 from numpy.typing import NDArray
 
+from evaluation.progress import to_stderr
 from evaluation.runs.ablations import Variant, variant_of
 from evaluation.runs.expressions import Take, seen_at_start, takes
 from evaluation.runs.settings import AS_IT_IS
@@ -165,10 +166,10 @@ def main(arguments: list[str] | None = None) -> int:
     try:
         variants = {AS_IT_IS: Variant()}
         variants |= {" ".join(words): variant_of(words) for words in options.tracker}
-        swung = [take for take in takes(options.set, None, _to_stderr)[0] if take.head == SWUNG]
+        swung = [take for take in takes(options.set, None, to_stderr)[0] if take.head == SWUNG]
         people = [Person.of(take) for take in swung]
         for name, variant in variants.items():
-            _to_stderr(name)
+            to_stderr(name)
             tables[name] = by_turn([one for person in people for one in measured(person, variant)])
     except (InvalidInput, OSError) as error:
         print(f"turned_flow: {error}", file=sys.stderr)
@@ -178,10 +179,6 @@ def main(arguments: list[str] | None = None) -> int:
     else:
         print("\n\n".join(text_table(name, COLUMNS, rows) for name, rows in tables.items()))
     return 0
-
-
-def _to_stderr(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,8 @@ from pathlib import Path
 
 from mimetic.template.face_template import load_template
 
+from evaluation.progress import to_stderr
+
 from .abuse.films import abused_clip
 from .abuse.recipes import SETS as ABUSE
 from .clips import CannotRender, Clip, clip
@@ -63,7 +65,7 @@ def main(arguments: list[str] | None = None) -> int:
             made = (
                 real_stills if options.stills == REAL else partial(stills, options.stills, template)
             )
-            print(made(_to_stderr))
+            print(made(to_stderr))
             return 0
         if options.heads:
             _print_heads(HEADS[options.heads], template)
@@ -78,13 +80,13 @@ def main(arguments: list[str] | None = None) -> int:
             _print_gazes(GAZES[options.gaze], template)
             return 0
         if options.portraits:
-            print(portraits(options.portraits, template, _to_stderr))
+            print(portraits(options.portraits, template, to_stderr))
             return 0
         if options.expressions:
             _print_takes(some_of(EXPRESSIONS[options.expressions], options.people), template)
             return 0
         for recipe in recipes:
-            made = clip(recipe, template, _to_stderr)
+            made = clip(recipe, template, to_stderr)
             if options.out:
                 made = _copied(made, options.out)
             print(made.name, made.footage, made.truth, sep="\t", flush=True)
@@ -98,46 +100,42 @@ def main(arguments: list[str] | None = None) -> int:
 
 def _print_heads(clips, template) -> None:
     for wanted in clips:
-        head = head_clip(wanted, template, _to_stderr)
+        head = head_clip(wanted, template, to_stderr)
         print(wanted.kind, wanted.name, head.footage, head.truth, sep="\t", flush=True)
 
 
 def _print_gazes(clips, template) -> None:
     """Width of the eyes, what the head and the eyes do, name and paths of each clip."""
     for looking in clips:
-        made = gaze_clip(looking, template, _to_stderr)
+        made = gaze_clip(looking, template, to_stderr)
         row = (looking.eye_px, looking.head, looking.gaze)
         print(*row, made.name, made.footage, made.truth, sep="\t", flush=True)
 
 
 def _print_rests(people, template) -> None:
     for person in people:
-        for shown in shown_clips(person, template, _to_stderr):
+        for shown in shown_clips(person, template, to_stderr):
             print(shown.kind, shown.name, shown.footage, shown.truth, sep="\t", flush=True)
 
 
 def _print_takes(takes, template) -> None:
     """Kind, the head's motion and the paths of each take; at last the long clip of the first."""
     for number, take in enumerate(takes):
-        made = take_clip(take, template, _to_stderr)
+        made = take_clip(take, template, to_stderr)
         row = (take.recipe.kind, take.head, made.name, made.footage, made.truth)
         print(*row, sep="\t", flush=True)
         if number == 0:
-            long = long_clip(take, template, _to_stderr)
+            long = long_clip(take, template, to_stderr)
     print("long", takes[0].head, long.name, long.footage, long.truth, sep="\t", flush=True)
 
 
 def _print_abused(clips, template) -> None:
     """Kind, source, which side the reference frame is on, and the paths of each clip."""
     for wanted in clips:
-        made = abused_clip(wanted, template, _to_stderr)
+        made = abused_clip(wanted, template, to_stderr)
         side = "later" if wanted.later else "earlier"
         row = (wanted.kind, wanted.source.name, side, made.footage, made.clean, made.truth)
         print(*row, sep="\t", flush=True)
-
-
-def _to_stderr(line: str) -> None:
-    print(line, file=sys.stderr, flush=True)
 
 
 def _copied(made: Clip, folder: Path) -> Clip:

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/flow/dissolve.hpp>
+#include <mimetic/flow/fine_contrast.hpp>
 #include <mimetic/flow/flow.hpp>
 #include <optional>
 
@@ -75,6 +76,19 @@ void bind_flow(py::module_& m) {
           "Flow of every pixel of one image to another, with its 2x2 covariance.\n\n"
           "from_image, to_image: (H, W) uint8 of one size; initial: (H, W, 2) float32, pixels, or None\n"
           "returns: FlowField; raises InvalidInput on images that do not match");
+    m.def(
+        "fine_contrast",
+        [](const ImageArray& image, const Camera& camera, const Points& points, int most_height) {
+            const ColorView view = view_image<3>(image, "the frame");
+            const py::gil_scoped_release unlocked;
+            return fine_contrast(view, camera, points, most_height);
+        },
+        py::arg("image").noconvert(), "camera"_a, "points_in_camera"_a, "most_height"_a,
+        "How much of a face's contrast is of the shortest waves, 2 pixels long along both axes.\n\n"
+        "image: (H, W, 3) uint8; points_in_camera: K x 3, metres, of the face; most_height: pixels, to\n"
+        "which a larger face is scaled down first. Returns the median of its blocks of 8 x 8 pixels, a "
+        "share\n"
+        "of their standard deviation. Raises InvalidInput.");
     py::class_<DissolveWatch>(m, "DissolveWatch",
                               "Detects where one scene dissolves into another; see dissolve.hpp.")
         .def(py::init<>())

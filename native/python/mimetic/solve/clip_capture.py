@@ -49,6 +49,7 @@ from mimetic.solve.find_face import Rest, find_rest, joined_with_others, rest_as
 from mimetic.solve.frames_so_far import FramesSoFar
 from mimetic.solve.gaze import ClipGaze
 from mimetic.solve.refining import check_of_capture, refined, within
+from mimetic.solve.texture_size import tracker_options
 from mimetic.solve.walk import ClipWalk, Image, Pose, before_range, proved
 from mimetic.template.face_template import load_template
 
@@ -318,7 +319,11 @@ class ClipCapture:
 
     def make_tracker(self, reference: NDArray[np.uint8]) -> _core.FaceTracker:
         inputs = (self.walk.fit, self.template, self.anatomy, self.motion)
-        return tracking.make_tracker(reference, *inputs)
+        return tracking.make_tracker(reference, *inputs, self.tracker_options(reference))
+
+    def tracker_options(self, reference: NDArray[np.uint8]) -> _core.TrackerOptions:
+        of_fit = (self.walk.footage, self.walk.fit, self.neutral, self.template)
+        return tracker_options(reference, *of_fit)
 
     def advance(
         self, tracker: _core.FaceTracker, frame: int, image: Image, guess: Pose | None = None

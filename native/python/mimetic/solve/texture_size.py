@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How finely footage is measured: as its face holds what is fine.
+
+Where a codec or a lens has left nothing of what is fine, a finer texture follows the codec: blocks
+that stay where they were, and ghosts.
+"""
+
+from __future__ import annotations
+
+import itertools
+from statistics import fmean
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic import _core
+from mimetic.fit.fitting import FaceFit
+from mimetic.media.cuts import of_one_scene
+from mimetic.media.footage import Footage
+from mimetic.solve.tracking import UNMEASURED
+from mimetic.template.face_template import FaceTemplate
+
+# Pixels of the face in the reference texture, between samples; `docs/measured/evaluation.md`
+COARSE, FINE = (200, 4), (300, 6)
+Image = NDArray[np.uint8]
+
+LEAST_FINE = 0.165  # contrast of the face at which the finer texture is taken
+LOOKED_AT = 24  # frames: what is coded anew, and what is made of frames before
+
+
+def tracker_options(
+    reference: Image,
+    footage: Footage,
+    fit: FaceFit,
+    neutral: NDArray[np.float64],
+    template: FaceTemplate,
+) -> _core.TrackerOptions:
+    """Options for following the fit's face through the footage.
+
+    reference: H x W x 3, the footage's frame `fit.frame`; neutral: V x 3, metres, head frame, the
+    fit's. Raises InvalidInput.
+    """
+    is_fine = fine_contrast(reference, footage, fit, neutral, template) >= LEAST_FINE
+    options = _core.TrackerOptions()
+    options.crop_height, options.sample_spacing = FINE if is_fine else COARSE
+    return options
+
+
+def fine_contrast(
+    reference: Image,
+    footage: Footage,
+    fit: FaceFit,
+    neutral: NDArray[np.float64],
+    template: FaceTemplate,
+) -> float:
+    """The mean of `_core.fine_contrast` over the fit's frame and those after it, of its scene."""
+    measured = neutral[: template.num_skin_vertices][~template.in_region(*UNMEASURED)]
+    pose = np.asarray(fit.head_pose)
+    face = measured @ pose[:3, :3].T + pose[:3, 3]
+    last = min(fit.frame + LOOKED_AT, footage.num_frames)
+    after = footage.frames(fit.frame + 1, last) if fit.frame < last else iter(())
+    images = itertools.chain([(fit.frame, reference)], of_one_scene(reference, after))
+    return fmean(_core.fine_contrast(image, fit.camera, face, FINE[0]) for _, image in images)
