@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "likeness.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
@@ -14,11 +15,17 @@ constexpr double kPatch = 21 / 200.;
 constexpr double kBlur = 1.5 / 200;  // tolerates errors of the model, a pixel or two
 constexpr float kBare = 100;         // normalised grey squared that noise alone reaches
 
-// Detail: what lies between two blurs, in pixels, as it is the textures' resolution that limits it
+// Detail: what lies between two blurs, in pixels, as it is the textures' resolution that limits it; in a
+// texture in which the face has more than so many pixels it is the footage's, and they are shares of the
+// face.
+constexpr double kDetailHeight = 200;
 constexpr int kDetailPatch = 15;
 constexpr double kFinest = .7;
 constexpr double kBroadest = 2.5;
 constexpr float kBareDetail = 30;
+
+/// The odd number of pixels next to a length.
+int odd(double pixels) { return 2 * static_cast<int>(std::lround((pixels - 1) / 2)) + 1; }
 
 /// Mean products to correlations, given the mean squares of both. bare: mean square that noise alone reaches.
 void normalise(cv::Mat1f& products, const cv::Mat1f& squares, const cv::Mat1f& other_squares, float bare) {
@@ -33,8 +40,9 @@ void normalise(cv::Mat1f& products, const cv::Mat1f& squares, const cv::Mat1f& o
 
 Likeness::Likeness(double face_height)
     : face_height_(face_height),
-      patch_(2 * static_cast<int>(std::lround(kPatch * face_height / 2 - .5)) + 1),
-      blur_(kBlur * face_height) {}
+      patch_(odd(kPatch * face_height)),
+      blur_(kBlur * face_height),
+      detail_scale_(std::max(1., face_height / kDetailHeight)) {}
 
 void Likeness::mean_products(const cv::Mat1f& a, const cv::Mat1f& b, int patch, cv::Mat1f& means) {
     cv::multiply(a, b, product_);
@@ -45,10 +53,11 @@ void Likeness::filter(const cv::Mat1f& texture, FilteredTexture& filtered) {
     filtered.face_height = face_height_;
     cv::GaussianBlur(texture, filtered.coarse, {0, 0}, blur_);
     mean_products(filtered.coarse, filtered.coarse, patch_, filtered.coarse_squares);
-    cv::GaussianBlur(texture, filtered.detail, {0, 0}, kFinest);
-    cv::GaussianBlur(filtered.detail, broad_, {0, 0}, kBroadest);
+    cv::GaussianBlur(texture, filtered.detail, {0, 0}, kFinest * detail_scale_);
+    cv::GaussianBlur(filtered.detail, broad_, {0, 0}, kBroadest * detail_scale_);
     cv::subtract(filtered.detail, broad_, filtered.detail);
-    mean_products(filtered.detail, filtered.detail, kDetailPatch, filtered.detail_squares);
+    mean_products(filtered.detail, filtered.detail, odd(kDetailPatch * detail_scale_),
+                  filtered.detail_squares);
 }
 
 Look Likeness::compare(const ReferenceTexture& reference, const cv::Mat1f& present,
@@ -60,7 +69,7 @@ Look Likeness::compare(const ReferenceTexture& reference, const cv::Mat1f& prese
     filter(present, present_);
     mean_products(own.coarse, present_.coarse, patch_, correlations_);
     normalise(correlations_, own.coarse_squares, present_.coarse_squares, kBare);
-    mean_products(own.detail, present_.detail, kDetailPatch, detail_correlations_);
+    mean_products(own.detail, present_.detail, odd(kDetailPatch * detail_scale_), detail_correlations_);
     normalise(detail_correlations_, own.detail_squares, present_.detail_squares, kBareDetail);
     double in_sight = 0, alike = 0, detailed = 0, same = 0;
     for (int y = 0; y < weights.rows; ++y) {

@@ -58,8 +58,9 @@ private:
     void mean_products(const cv::Mat1f& a, const cv::Mat1f& b, int patch, cv::Mat1f& means);
 
     double face_height_;
-    int patch_;    // pixels on a side
-    double blur_;  // pixels
+    int patch_;            // pixels on a side
+    double blur_;          // pixels
+    double detail_scale_;  // of the lengths by which detail is defined
     cv::Mat1f correlations_, detail_correlations_;
     FilteredTexture present_;
     cv::Mat1f broad_, product_;

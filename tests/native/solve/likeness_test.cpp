@@ -44,6 +44,21 @@ protected:
         return by.compare(view.texture(), texture, view.sample_weights(visible)).alike;
     }
 
+    /// Share of the detail that a picture has kept, by textures in which the face has so many pixels.
+    double detail_kept(const cv::Mat1b& grey, int face_height) {
+        const cv::Mat1b own = grey_of(scene, scene.render(at.camera_from_head, at.values));
+        ReferenceView texture_of_its_size(surface, scene.camera, at, own, face_height, 4, 2);
+        PreparedFrame frame;
+        frame.update(grey, texture_of_its_size.scale());
+        cv::Mat2f map;
+        cv::Mat1f texture;
+        texture_of_its_size.stabilise(surface.triangles(), projected, frame, map, texture);
+        const std::vector<float> all(texture_of_its_size.samples().size(), 1);
+        return Likeness(face_height)
+            .compare(texture_of_its_size.texture(), texture, texture_of_its_size.sample_weights(all))
+            .detail;
+    }
+
     FaceScene scene;
     FaceSurface surface;
     FaceState at;
@@ -78,6 +93,17 @@ TEST_F(LikenessTest, KeepsOfTheReferenceWhatOneOfItsSizeMade) {
     EXPECT_EQ(share_alike(grey, likeness), share);
     EXPECT_NE(as_larger, share);
     EXPECT_EQ(share_alike(grey, larger), as_larger);
+}
+
+TEST_F(LikenessTest, DetailIsOfTheFootageHoweverMuchATextureMagnifiesIt) {
+    cv::Mat1b grey = grey_of(scene, scene.render(at.camera_from_head, at.values));
+    cv::Mat1f noise(grey.size());
+    cv::RNG(3).fill(noise, cv::RNG::NORMAL, 0, 12);
+    cv::add(grey, noise, grey, cv::noArray(), CV_8U);
+    const double kept = detail_kept(grey, 200);
+    EXPECT_LT(kept, .9);
+    EXPECT_NEAR(detail_kept(grey, 300), kept, .05);
+    EXPECT_NEAR(detail_kept(grey, 400), kept, .05);
 }
 
 TEST_F(LikenessTest, IsNoneWhereNothingIsInSight) {
