@@ -20,11 +20,12 @@ from mimetic.media.footage import Footage
 from mimetic.solve.tracking import UNMEASURED
 from mimetic.template.face_template import FaceTemplate
 
-# Pixels of the face in the reference texture, between samples; `docs/measured/evaluation.md`
-COARSE, FINE = (200, 4), (300, 6)
 Image = NDArray[np.uint8]
 
-LEAST_FINE = 0.165  # contrast of the face at which the finer texture is taken
+# Pixels of the face in the reference texture, and between samples; docs/measured/evaluation.md,
+# "How finely a capture measures"
+COARSE, FINE = (200, 4), (300, 6)
+LEAST_FINE = 0.165  # contrast of the face from which on the finer texture is taken
 LOOKED_AT = 24  # frames: what is coded anew, and what is made of frames before
 
 
