@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "shared/as_matrix.hpp"
 #include "shared/robust.hpp"
 
 namespace mimetic {
@@ -72,9 +73,7 @@ double fine_contrast(const ColorView& image, const Camera& camera, PointsIn poin
     if (std::min(middle.width, middle.height) * scale < kBlock) {
         return 0;
     }
-    // OpenCV has no read-only matrix; nothing here writes to it.
-    const cv::Mat color(image.rows, image.cols, CV_8UC3, const_cast<std::uint8_t*>(image.data),
-                        static_cast<std::size_t>(image.stride));
+    const cv::Mat color = as_matrix(image);
     cv::Mat part;
     color(middle).convertTo(part, CV_32F);
     cv::Mat1f gray;

@@ -6,15 +6,10 @@
 #include <string>
 
 #include "flow/methods.hpp"
+#include "shared/as_matrix.hpp"
 
 namespace mimetic {
 namespace {
-
-cv::Mat wrap(const GrayView& view) {
-    // OpenCV has no read-only matrix; nothing here writes to it.
-    return cv::Mat(view.rows, view.cols, CV_8U, const_cast<std::uint8_t*>(view.data),
-                   static_cast<std::size_t>(view.stride));
-}
 
 void check_initial(const FlowField& initial, const GrayView& from) {
     const auto num_pixels = static_cast<std::size_t>(from.rows) * static_cast<std::size_t>(from.cols);
@@ -60,11 +55,11 @@ FlowField compute_flow(const GrayView& from, const GrayView& to, const FlowOptio
         start = cv::Mat(from.rows, from.cols, CV_32FC2, const_cast<float*>(initial->flow.data()));
     }
     const bool is_dis = options.method == FlowMethod::dis;
-    FlowField field = is_dis ? flow::compute_dis(wrap(from), wrap(to), options, start)
-                             : flow::compute_probabilistic(wrap(from), wrap(to), options, start);
+    FlowField field = is_dis ? flow::compute_dis(as_matrix(from), as_matrix(to), options, start)
+                             : flow::compute_probabilistic(as_matrix(from), as_matrix(to), options, start);
     if (options.judges_noise) {
-        flow::own_up_to_noise(wrap(from), wrap(to), is_dis ? flow::kDisNoise : flow::kProbabilisticNoise,
-                              field);
+        flow::own_up_to_noise(as_matrix(from), as_matrix(to),
+                              is_dis ? flow::kDisNoise : flow::kProbabilisticNoise, field);
     }
     return field;
 }

@@ -11,6 +11,7 @@
 
 #include "attention.hpp"
 #include "network_file.hpp"
+#include "shared/as_matrix.hpp"
 
 namespace mimetic {
 namespace {
@@ -41,8 +42,7 @@ Eigen::Matrix<double, 2, 3> image_from_crop(const FeatureCrop& crop) {
 /// The crop as a network takes it: 1 x 3 x side x side, red green blue in 0 to 1. What lies beside the
 /// picture repeats its border.
 cv::Mat blob_of(ColorView image, const FeatureCrop& crop, int side, bool mirrored) {
-    cv::Mat picture(image.rows, image.cols, CV_8UC3, const_cast<std::uint8_t*>(image.data),
-                    static_cast<std::size_t>(image.stride));
+    cv::Mat picture = as_matrix(image);
     Eigen::Matrix<double, 2, 3> map = image_from_crop(crop);
     // Halves of the part that is seen, so that no detail is skipped over
     const double reach = 0.75 * crop.side;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <opencv2/imgproc.hpp>
 
+#include "shared/as_matrix.hpp"
+
 namespace mimetic::locate {
 namespace {
 
@@ -17,8 +19,7 @@ int box_of(double reach, double ipd_px) { return 2 * static_cast<int>(std::lroun
 }  // namespace
 
 cv::Mat1f float_image(GrayView image) {
-    const cv::Mat bytes(image.rows, image.cols, CV_8UC1, const_cast<std::uint8_t*>(image.data),
-                        static_cast<std::size_t>(image.stride));
+    const cv::Mat bytes = as_matrix(image);
     cv::Mat1f values;
     bytes.convertTo(values, CV_32F);
     return values;

@@ -6,6 +6,8 @@
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
+#include "shared/as_matrix.hpp"
+
 namespace mimetic {
 namespace {
 
@@ -52,8 +54,7 @@ LevelPicture level(ColorView image, const Eigen::Matrix<double, 2, 3>& image_fro
     const cv::Point first(clamped(low.x() - 4, image.cols - 1), clamped(low.y() - 4, image.rows - 1));
     const cv::Point last(std::max(first.x + 1, clamped(high.x() + 5, image.cols)),
                          std::max(first.y + 1, clamped(high.y() + 5, image.rows)));
-    const cv::Mat whole(image.rows, image.cols, CV_8UC3, const_cast<std::uint8_t*>(image.data),
-                        static_cast<std::size_t>(image.stride));
+    const cv::Mat whole = as_matrix(image);
     cv::Mat gray;
     cv::cvtColor(whole(cv::Rect(first, last)), gray, cv::COLOR_RGB2GRAY);
     double factor = 1;

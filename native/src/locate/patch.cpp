@@ -3,6 +3,8 @@
 
 #include <opencv2/imgproc.hpp>
 
+#include "shared/as_matrix.hpp"
+
 namespace mimetic::locate {
 namespace {
 
@@ -46,8 +48,7 @@ FacePatch make_patch(ColorView image, const Eigen::Vector2d& pupil_right, const 
     patch.turn << across.x(), -across.y(), across.y(), across.x();
     patch.mid_eyes = (pupil_left + pupil_right) / 2;
 
-    const cv::Mat source(image.rows, image.cols, CV_8UC3, const_cast<std::uint8_t*>(image.data),
-                         static_cast<std::size_t>(image.stride));
+    const cv::Mat source = as_matrix(image);
     double factor = 1;
     const cv::Mat small = shrink(source, 1 / across.norm(), factor);
     // Pixel centres: a pixel x of the whole image is (x + 0.5) / factor - 0.5 of the shrunken one.

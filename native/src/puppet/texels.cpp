@@ -4,14 +4,14 @@
 #include <mimetic/shared/checks.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "shared/as_matrix.hpp"
+
 namespace mimetic {
 
 Texels texels_of(const ColorView& image, int most_cols) {
     check_image_size(image.rows, image.cols, "the picture");
     check_range("most_cols", most_cols, 16, 4096);
-    // OpenCV takes no const data and does not write to it
-    const cv::Mat whole(image.rows, image.cols, CV_8UC3, const_cast<std::uint8_t*>(image.data),
-                        static_cast<std::size_t>(image.stride));
+    const cv::Mat whole = as_matrix(image);
     cv::Mat shown = whole;
     if (image.cols > most_cols) {
         const int rows = std::max(1, cvRound(double(image.rows) * most_cols / image.cols));

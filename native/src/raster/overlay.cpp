@@ -8,6 +8,8 @@
 #include <mimetic/shared/error.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "shared/as_matrix.hpp"
+
 namespace mimetic {
 namespace {
 
@@ -102,8 +104,7 @@ ColorImage OverlayPainter::paint(const ColorView& image, PointsIn vertices_in_ca
     painted.pixels.resize(3 * static_cast<std::size_t>(painted.rows) *
                           static_cast<std::size_t>(painted.cols));
     cv::Mat canvas(painted.rows, painted.cols, CV_8UC3, painted.pixels.data());
-    const cv::Mat source(image.rows, image.cols, CV_8UC3, const_cast<std::uint8_t*>(image.data),
-                         static_cast<std::size_t>(image.stride));
+    const cv::Mat source = as_matrix(image);
     cv::resize(source, canvas, canvas.size(), 0, 0, cv::INTER_CUBIC);
 
     const DepthMap depth = render_depth(camera_, vertices_in_camera, mesh_.faces());

@@ -5,6 +5,8 @@
 #include <mimetic/shared/checks.hpp>
 #include <opencv2/imgproc.hpp>
 
+#include "shared/as_matrix.hpp"
+
 namespace mimetic {
 namespace {
 
@@ -30,8 +32,7 @@ ColorImage reframed(const ColorView& image, const Camera& camera, const Camera& 
     other.check();
     require(image.cols == camera.width && image.rows == camera.height,
             "the picture and the camera differ in size");
-    cv::Mat source(image.rows, image.cols, CV_8UC3, const_cast<std::uint8_t*>(image.data),
-                   static_cast<std::size_t>(image.stride));
+    cv::Mat source = as_matrix(image);
     const double scale_x = other.fx / camera.fx, scale_y = other.fy / camera.fy;
     // The filter of an affine warp looks at two pixels to a side: what is to be much smaller, is first halved
     const double shrink_x = std::min(1., 2 * scale_x), shrink_y = std::min(1., 2 * scale_y);
