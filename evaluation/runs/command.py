@@ -5,7 +5,9 @@ from __future__ import annotations
 
 import argparse
 from collections.abc import Callable, Collection
+from functools import partial
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from mimetic import InvalidInput
@@ -37,6 +39,7 @@ from evaluation.runs import (
     real,
     rest,
     retarget,
+    speech,
     timing,
 )
 from evaluation.runs.head_clips import face_mesh_python
@@ -60,7 +63,8 @@ WHAT_IS_SCORED = (
     "marked by hand on real faces (docs/measured/real-faces.md), `timing` how well the "
     "times at which muscles fire are recovered and `keys` how few keys stand for the curves of "
     "real clips (docs/measured/timing.md), `gaze` how well the eyes of rendered people are "
-    "followed (docs/measured/gaze.md), `retarget` how well a performance plays on a "
+    "followed (docs/measured/gaze.md), `speech` whether their lips meet and their lids wink when "
+    "they do (docs/measured/speech.md), `retarget` how well a performance plays on a "
     "character's own shape keys (docs/measured/retargeting.md), `characters` how near "
     "landmarks that place themselves on heads of other makes come to the true ones "
     "(docs/measured/characters.md), `consistency` whether the same expression is read as the same "
@@ -79,7 +83,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=(
             *("ablations", "abuse", "calibration", "capture", "characters", "consistency", "fit"),
             *("flow", "gaze", "head", "keys", "live", "locate", "puppet", "real", "rest"),
-            *("retarget", "timing"),
+            *("retarget", "speech", "timing"),
         ),
         default="capture",
         help="what to score (default: capture)",
@@ -156,7 +160,8 @@ def run_tables(options: argparse.Namespace) -> int:
         "abuse": _run_abuse,
         "real": _run_real,
         "rest": _run_rest,
-        "gaze": _run_gaze,
+        "gaze": partial(_run_by_clip, gaze, gaze.score_gaze),
+        "speech": partial(_run_by_clip, speech, speech.score_speech),
         "head": _run_head,
         "fit": _run_fit,
         "flow": _run_flow,
@@ -228,15 +233,16 @@ def _run_rest(options: argparse.Namespace) -> int:
     return _show(options, rest.score_rest(options.set, to_stderr), rest.as_json, rest.as_text)
 
 
-def _run_gaze(options: argparse.Namespace) -> int:
+def _run_by_clip(which: ModuleType, score: Callable, options: argparse.Namespace) -> int:
+    """A table a clip as soon as it is known, then one of them all."""
     _refuse(options, "out")
-    _check_set_of(options, gaze.SETS)
+    _check_set_of(options, which.SETS)
     all_scores = []
-    for scores in gaze.score_gaze(options.set, to_stderr):
+    for scores in score(options.set, to_stderr):
         all_scores += scores
         if not options.json:
-            print(gaze.clip_text(scores), end="\n\n", flush=True)
-    return _show(options, all_scores, gaze.as_json, gaze.as_text)
+            print(which.clip_text(scores), end="\n\n", flush=True)
+    return _show(options, all_scores, which.as_json, which.as_text)
 
 
 def _run_characters(options: argparse.Namespace) -> int:

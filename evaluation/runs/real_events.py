@@ -56,7 +56,7 @@ def score_events(clip: str, performance: Performance) -> list[Events]:
         # A blink in which the capture ends or begins is neither to be found nor wrong if it is
         cut = _shut(_rows(f"{clip}.blinks.csv", performance, cut=True) or [])
         candidates = [run for run in candidates if not any(_meet(run, one) for one in cut)]
-        events.append(_matched(clip, "blinks", _shut(rows), candidates, minutes))
+        events.append(matched(clip, "blinks", _shut(rows), candidates, minutes))
     if (rows := _rows(f"{clip}.lips.csv", performance)) is not None:
         events.append(_lips_told(clip, rows, performance, minutes))
     return events
@@ -110,7 +110,7 @@ def _meet(a: Range, b: Range) -> bool:
     return a[0] <= b[1] + NEAR and b[0] <= a[1] + NEAR
 
 
-def _matched(
+def matched(
     clip: str, kind: str, marks: list[Range], candidates: list[Range], minutes: float
 ) -> Events:
     """Counts the marked events that overlap a candidate, and candidates that overlap none.

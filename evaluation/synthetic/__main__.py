@@ -30,6 +30,8 @@ from .portraits.portrait_set import portraits
 from .recipes import ALL, SETS
 from .rest.films import shown_clips
 from .rest.recipes import SETS as RESTS
+from .speech.films import speech_clip
+from .speech.recipes import SETS as SPEECHES
 from .stills.image_set import SETS as STILLS
 from .stills.image_set import stills
 
@@ -52,6 +54,7 @@ def main(arguments: list[str] | None = None) -> int:
     which.add_argument("--expressions", choices=EXPRESSIONS, help="nine expressions by many people")
     which.add_argument("--portraits", choices=PORTRAITS, help="portraits; prints the .npz")
     which.add_argument("--gaze", choices=GAZES, help="people who look about; prints paths")
+    which.add_argument("--speech", choices=SPEECHES, help="people who speak and wink; prints paths")
     which.add_argument("--rest", choices=RESTS, help="short clips, at rest first or last")
     parser.add_argument("--people", type=int, help="with --expressions: so many, evenly chosen")
     parser.add_argument("--out", type=Path, help="copy the clips into this folder")
@@ -67,18 +70,10 @@ def main(arguments: list[str] | None = None) -> int:
             )
             print(made(to_stderr))
             return 0
-        if options.heads:
-            _print_heads(HEADS[options.heads], template)
-            return 0
-        if options.abuse:
-            _print_abused(ABUSE[options.abuse], template)
-            return 0
-        if options.rest:
-            _print_rests(RESTS[options.rest], template)
-            return 0
-        if options.gaze:
-            _print_gazes(GAZES[options.gaze], template)
-            return 0
+        for name, (sets, print_clips) in PRINTED.items():
+            if chosen := getattr(options, name):
+                print_clips(sets[chosen], template)
+                return 0
         if options.portraits:
             print(portraits(options.portraits, template, to_stderr))
             return 0
@@ -110,6 +105,13 @@ def _print_gazes(clips, template) -> None:
         made = gaze_clip(looking, template, to_stderr)
         row = (looking.eye_px, looking.head, looking.gaze)
         print(*row, made.name, made.footage, made.truth, sep="\t", flush=True)
+
+
+def _print_speeches(clips, template) -> None:
+    """What the head does, name and paths of each clip."""
+    for spoken in clips:
+        made = speech_clip(spoken, template, to_stderr)
+        print(spoken.head, made.name, made.footage, made.truth, sep="\t", flush=True)
 
 
 def _print_rests(people, template) -> None:
@@ -145,6 +147,16 @@ def _copied(made: Clip, folder: Path) -> Clip:
         shutil.copyfile(path, aside)
         aside.replace(folder / path.name)
     return Clip(made.name, folder / made.footage.name, folder / made.truth.name)
+
+
+# By the option that names one of its sets
+PRINTED = {
+    "heads": (HEADS, _print_heads),
+    "abuse": (ABUSE, _print_abused),
+    "rest": (RESTS, _print_rests),
+    "gaze": (GAZES, _print_gazes),
+    "speech": (SPEECHES, _print_speeches),
+}
 
 
 if __name__ == "__main__":

@@ -126,6 +126,8 @@ void bind_locate_networks(py::module_& m) {
           "and lips "
           "move by\nthemselves. Without lines where the networks saw nothing. frames: fitted together, which "
           "count as one.");
+    m.def("eye_openings", &eye_openings, "seen"_a,
+          "(2,) how far each eye is open, the left first, of its width; nan where the networks saw none.");
 }
 
 }  // namespace mimetic::bindings

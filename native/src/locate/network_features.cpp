@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <mimetic/locate/network_features.hpp>
 #include <mimetic/shared/error.hpp>
 #include <span>
@@ -173,6 +174,21 @@ FaceFeatures local_features(const FaceFeatures& joined, int frames) {
         local.curves.push_back(std::move(curve));
     }
     return local;
+}
+
+Eigen::Vector2d eye_openings(const FaceFeatures& seen) {
+    Eigen::Vector2d openings = Eigen::Vector2d::Constant(std::numeric_limits<double>::quiet_NaN());
+    for (const Eigen::Index eye : {0, 1}) {
+        const std::string side = eye == 0 ? ".L" : ".R";
+        const FeatureCurve *upper = seen.find_curve("lid_upper" + side),
+                           *lower = seen.find_curve("lid_lower" + side);
+        if (upper != nullptr && lower != nullptr && upper->points.rows() > 1 && lower->points.rows() > 0) {
+            const double apart = (upper->points.colwise().mean() - lower->points.colwise().mean()).norm();
+            const double width = (upper->points.bottomRows<1>() - upper->points.topRows<1>()).norm();
+            openings[eye] = width > 0 ? apart / width : openings[eye];
+        }
+    }
+    return openings;
 }
 
 FaceFeatures with_network_features(const FaceFeatures& landmarks, const FaceFeatures& seen) {

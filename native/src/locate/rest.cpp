@@ -37,6 +37,8 @@ constexpr double kLeastRest = .1;      // of the best frame's score: below, a fa
 constexpr double kSameState = .1;     // activation by which a state that recurs differs
 constexpr double kRelaxed = .2;       // of a clip's frames have less of a value than its relaxed ones
 constexpr double kPerExcess = .5;     // cost of an activation above that
+constexpr double kPerLid = 3;         // cost of a lid's way to shut, beyond what a look aside takes
+constexpr double kLidAtRest = .25;    // of it, beside its usual place
 constexpr double kPerScore = .75;     // of the logarithm of rest_score
 constexpr double kPerDetail = .75;    // of the logarithm of what there is of the detail
 constexpr double kLeastShare = 1e-9;  // whose logarithm is taken
@@ -276,22 +278,26 @@ Eigen::VectorXd chances_of_rest(VectorIn scores, VectorIn details, const Express
            shared_expression(expressions, weights.matrix()).array();
 }
 
-Eigen::VectorXd costs_of_rest(MatrixIn values, VectorIn scores, VectorIn details) {
-    if (values.rows() == 0 || scores.size() != values.rows() || details.size() != values.rows()) {
-        throw InvalidInput("there must be values, a score and a detail for each of some frames");
+Eigen::VectorXd costs_of_rest(MatrixIn values, MatrixIn lids, VectorIn scores, VectorIn details) {
+    if (values.rows() == 0 || lids.rows() != values.rows() || scores.size() != values.rows() ||
+        details.size() != values.rows()) {
+        throw InvalidInput("there must be values, lids, a score and a detail for each of some frames");
     }
     Eigen::VectorXd excess = Eigen::VectorXd::Zero(values.rows());
     for (const auto value : values.colwise()) {
         const double relaxed = quantile({value.begin(), value.end()}, kRelaxed);
-        excess += (value.array() - relaxed).max(0).matrix();
+        excess += kPerExcess * (value.array() - relaxed).max(0).matrix();
+    }
+    for (const auto lid : lids.colwise()) {
+        const double usual = median({lid.begin(), lid.end()});
+        excess += kPerLid * (lid.array() - usual - kLidAtRest).max(0).matrix();
     }
     Eigen::VectorXd density(values.rows());
     for (Eigen::Index frame = 0; frame < values.rows(); ++frame) {
         const Eigen::ArrayXd away = (values.rowwise() - values.row(frame)).rowwise().squaredNorm();
         density[frame] = (-away / (2 * kSameState * kSameState)).exp().sum();
     }
-    return kPerExcess * excess.array() - density.array().log() -
-           kPerScore * scores.array().max(kLeastShare).log() -
+    return excess.array() - density.array().log() - kPerScore * scores.array().max(kLeastShare).log() -
            kPerDetail * shares_of_detail(details).max(kLeastShare).log();
 }
 

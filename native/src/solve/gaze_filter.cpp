@@ -8,10 +8,11 @@
 namespace mimetic {
 namespace {
 
-constexpr int kRounds = 4;         // of reweighting; a saccade is found in two
-constexpr double kMemory = 1800;   // frames over which what is usual is learnt: a minute
-constexpr double kReach = 4;       // degrees: how far one frame may pull what is usual
-constexpr double kLongestGap = 1;  // seconds
+constexpr int kRounds = 4;              // of reweighting; a saccade is found in two
+constexpr double kMemory = 1800;        // frames over which what is usual is learnt: a minute
+constexpr double kReach = 4;            // degrees: how far one frame may pull what is usual
+constexpr double kReachOfOpening = .2;  // of what is usual: the same of the lids
+constexpr double kLongestGap = 1;       // seconds
 
 }  // namespace
 
@@ -23,10 +24,22 @@ GazeFilter::GazeFilter(const Eyeballs& eyes)
     eyes_.check();
 }
 
+void GazeFilter::learn_opening(const GazeFrame& frame) {
+    for (std::size_t eye = 0; eye < usual_opening_.size(); ++eye) {
+        const SeenIris& iris = frame.irises[eye];
+        double& usual = usual_opening_[eye];
+        if (iris.side > 0 && std::isfinite(iris.opening)) {
+            const double reach = usual > 0 ? kReachOfOpening * usual : std::max(0., iris.opening);
+            usual += std::clamp(iris.opening - usual, -reach, reach) / std::min(num_seen_ + 1, kMemory);
+        }
+    }
+}
+
 Eigen::Vector4d GazeFilter::advance(const Camera& camera, const GazeFrame& frame, double seconds) {
     const double pace = 30 * std::clamp(std::isfinite(seconds) ? seconds : 0, 1e-3, kLongestGap);
-    const std::array<IrisTurn, 2> turns{iris_turn(camera, eyes_, frame, 0),
-                                        iris_turn(camera, eyes_, frame, 1)};
+    learn_opening(frame);
+    const std::array<IrisTurn, 2> turns{iris_turn(camera, eyes_, frame, 0, usual_opening_),
+                                        iris_turn(camera, eyes_, frame, 1, usual_opening_)};
     if (turns[0].is_seen || turns[1].is_seen) {
         const double drift = kDrift * kDrift * pace, apart = kVergenceDrift * kVergenceDrift * pace;
         GazeState next = state_;

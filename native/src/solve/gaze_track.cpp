@@ -121,6 +121,20 @@ std::vector<Eigen::Vector4d> variances_of(const Turns& turns, double fps) {
     return variances;
 }
 
+UsualOpening usual_opening(const std::vector<GazeFrame>& frames) {
+    UsualOpening usual = {};
+    for (std::size_t eye = 0; eye < usual.size(); ++eye) {
+        std::vector<double> openings;
+        for (const GazeFrame& frame : frames) {
+            if (frame.irises[eye].side > 0) {
+                openings.push_back(frame.irises[eye].opening);
+            }
+        }
+        usual[eye] = upper_median(openings);
+    }
+    return usual;
+}
+
 UsualGaze usual_of(const Sequence& states, const Turns& turns) {
     UsualGaze usual;
     std::array<std::vector<double>, 4> columns;
@@ -154,8 +168,10 @@ GazeTrack follow_gaze(const Camera& camera, const Eyeballs& eyes, const std::vec
         return track;
     }
     Turns turns;
+    const UsualOpening openings = usual_opening(frames);
     for (const GazeFrame& frame : frames) {
-        turns.push_back({iris_turn(camera, eyes, frame, 0), iris_turn(camera, eyes, frame, 1)});
+        turns.push_back(
+            {iris_turn(camera, eyes, frame, 0, openings), iris_turn(camera, eyes, frame, 1, openings)});
     }
     const Sequence states = smoothed(turns, fps);
     const std::vector<Eigen::Vector4d> variances = variances_of(turns, fps);

@@ -8,13 +8,17 @@
 namespace mimetic {
 namespace {
 
-constexpr double kHidden = .25;        // cosine: below, an eye is too oblique to be measured
-constexpr double kFrontal = .7;        // cosine: above, as from the front
-constexpr double kShut = .22;          // diameters of the iris between the lids: nothing is seen of it
-constexpr double kOpen = .6;           // from here it is seen as well as in an open eye
-constexpr double kLargestFactor = 10;  // of the noise of nearly hidden irises
-constexpr double kAtLimb = .97;        // sine: beyond, an iris is at the eyeball's own outline
-constexpr double kLargestStd = 20;     // degrees
+constexpr double kHidden = .25;  // cosine: below, an eye is too oblique to be measured
+constexpr double kFrontal = .7;  // cosine: above, as from the front
+constexpr double kShut = .22;    // diameters of the iris between the lids: nothing is seen of it
+constexpr double kOpen = .6;     // from here it is seen as well as in an open eye
+// A lid that comes down takes the iris that networks see along, by 17 degrees to shut lids on drawn people
+// who blink (docs/measured/speech.md), and sideways anywhere once little is seen.
+constexpr double kPitchByLid = 10, kYawByLid = 10;  // degrees a share of the usual opening
+constexpr double kLidAside = .3;                    // share of it that leaves yaw as it is
+constexpr double kLargestFactor = 10;               // of the noise of nearly hidden irises
+constexpr double kAtLimb = .97;                     // sine: beyond, an iris is at the eyeball's own outline
+constexpr double kLargestStd = 20;                  // degrees
 constexpr double kLeastPresence = .05;
 
 /// Where the ray through a pixel meets the eyeball first, from its centre, head frame; its outline where the
@@ -38,6 +42,12 @@ BallPoint point_on_ball(const Camera& camera, const Eigen::Isometry3d& camera_fr
     return {across / radius - std::sqrt(1 - sine * sine) * ray, sine};
 }
 
+/// Variances of yaw and pitch, by how far the lids are more shut than usual.
+Eigen::Vector2d lid_variances(double opening, double usual) {
+    const double shut = usual > 0 ? std::clamp(1 - opening / usual, 0., 1.) : 0;
+    return Eigen::Vector2d(kYawByLid * std::max(0., shut - kLidAside), kPitchByLid * shut).cwiseAbs2();
+}
+
 Eigen::Vector2d vector_of(const EyeAngles& angles) { return {angles.yaw, angles.pitch}; }
 
 }  // namespace
@@ -51,7 +61,8 @@ void Eyeballs::check() const {
     }
 }
 
-IrisTurn iris_turn(const Camera& camera, const Eyeballs& eyes, const GazeFrame& frame, int eye) {
+IrisTurn iris_turn(const Camera& camera, const Eyeballs& eyes, const GazeFrame& frame, int eye,
+                   const UsualOpening& usual) {
     const auto at = static_cast<std::size_t>(eye);
     const SeenIris& iris = frame.irises[at];
     const Eigen::Vector3d centre = eyes.centres[at], in_camera = frame.camera_from_head * centre;
@@ -87,6 +98,7 @@ IrisTurn iris_turn(const Camera& camera, const Eyeballs& eyes, const GazeFrame& 
         return scaled * scaled.transpose();
     };
     turn.jitter = covariance_of(noise.jitter);
+    turn.jitter.diagonal() += lid_variances(iris.opening, usual[at]);
     turn.lasting = covariance_of(noise.error);
     Eigen::Matrix<double, 2, 6> by_pose;
     constexpr double kStep = 1e-4;  // radians, metres

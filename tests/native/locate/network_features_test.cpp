@@ -163,6 +163,16 @@ TEST(NetworkFeatures, OfAHeadThatMovesLocallyAreEyesAndMouthAloneWithTheOuterCor
     EXPECT_TRUE(local_features(landmarks(), 1).curves.empty());  // the networks saw nothing
 }
 
+TEST(NetworkFeatures, TellHowFarAnEyeIsOpen) {
+    Seen seen;
+    seen.eyes[1].contour.col(1) =
+        (100 + .5 * (seen.eyes[1].contour.col(1).array() - 100)).matrix();  // half shut
+    const Eigen::Vector2d openings = eye_openings(network_features(seen.mesh, seen.eyes));
+    EXPECT_NEAR(openings[0], 7.5 / 18, 1e-9);  // means of the arches over what is left of their length
+    EXPECT_NEAR(openings[1], 3.75 / 18, 1e-9);
+    EXPECT_TRUE(eye_openings(landmarks()).array().isNaN().all());
+}
+
 TEST(NetworkFeatures, RefusePointsOfSomethingElse) {
     Seen seen;
     seen.mesh.places.conservativeResize(400, 2);

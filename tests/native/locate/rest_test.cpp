@@ -91,10 +91,25 @@ TEST(Rest, CostsCountWhatIsAboveTheRelaxedFramesAndWhatDoesNotRecur) {
     MatrixRows values = MatrixRows::Zero(10, 2);
     values.col(0) << 0, 0, 0, 0, .5, .5, .5, .5, .2, .8;
     const Eigen::VectorXd all = Eigen::VectorXd::Ones(10);
-    const Eigen::VectorXd costs = costs_of_rest(values, all, all);
+    const MatrixRows open = MatrixRows::Zero(10, 2);
+    const Eigen::VectorXd costs = costs_of_rest(values, open, all, all);
     EXPECT_NEAR(costs[4] - costs[0], .25, .05);  // .5 of a value at .5 each; both recur alike
     EXPECT_GT(costs[8] - costs[0], std::log(2.));
-    EXPECT_THROW(costs_of_rest(values, all.head(9), all), InvalidInput);
+    EXPECT_THROW(costs_of_rest(values, open, all.head(9), all), InvalidInput);
+}
+
+TEST(Rest, ALidThatIsMoreShutThanUsualCostsALookAsideDoesNot) {
+    const MatrixRows values = MatrixRows::Zero(10, 2);
+    const Eigen::VectorXd all = Eigen::VectorXd::Ones(10);
+    MatrixRows lids = MatrixRows::Constant(10, 2, -.4);  // as seen from a frame with half-shut eyes
+    lids(3, 0) = .6;                                     // a wink
+    lids.row(5).setConstant(-.2);
+    lids.row(7).setConstant(-.9);  // wide open
+    const Eigen::VectorXd costs = costs_of_rest(values, lids, all, all);
+    EXPECT_GT(costs[3], costs[0] + 2);
+    EXPECT_DOUBLE_EQ(costs[5], costs[0]);
+    EXPECT_DOUBLE_EQ(costs[7], costs[0]);
+    EXPECT_THROW(costs_of_rest(values, lids.topRows(9), all, all), InvalidInput);
 }
 
 TEST(Rest, ChancesNeedAnExpressionAFrame) {

@@ -110,7 +110,7 @@ def test_lids_go_to_where_they_are_seen_and_nothing_else_does(template, modes):
 
 def test_frames_are_averaged_and_count_as_one(template, modes):
     neutral = template.neutral({})
-    high, low = (seen_of(template, neutral, modes, raised) for raised in (2.0, -2.0))
+    high, low = (seen_of(template, neutral, modes, raised) for raised in (1.2, -1.2))
     alone = with_lines(fit_of(high), (), template)
     twice = with_lines(fit_of(high), [FittedView(2, POSE, high)], template)
     between = with_lines(fit_of(high), [FittedView(2, POSE, low)], template)
@@ -120,6 +120,26 @@ def test_frames_are_averaged_and_count_as_one(template, modes):
     ]
     assert abs(heights[2] - heights[1]) < 0.25 * abs(heights[1] - heights[0])  # some is pose
     assert abs(heights[3] - heights[0]) < 0.35 * abs(heights[1] - heights[0])
+
+
+def test_a_frame_in_which_an_eye_is_shut_says_nothing_of_the_lids(template, modes):
+    neutral = template.neutral({})
+    open_eyes, shut = (seen_of(template, neutral, modes, raised) for raised in (0.0, -8.0))
+    others = [FittedView(2, POSE, open_eyes), FittedView(3, POSE, open_eyes)]
+    without = with_lines(fit_of(open_eyes), others, template)
+    blinking = with_lines(fit_of(open_eyes), [*others, FittedView(4, POSE, shut)], template)
+    assert blinking.lines == without.lines
+
+
+def test_a_reference_with_shut_eyes_stays_the_reference(template, modes):
+    neutral = template.neutral({})
+    open_eyes, shut = (seen_of(template, neutral, modes, raised) for raised in (0.0, -8.0))
+    others = [FittedView(2, POSE, open_eyes), FittedView(3, POSE, open_eyes)]
+    moved = with_lines(fit_of(shut), others, template)
+    lowered = [
+        line_places(template, f, "lid_upper.L")[4:-4, 1].mean() for f in (fit_of(shut), moved)
+    ]
+    assert lowered[1] > lowered[0] + 0.5  # pixels: what it shows counts still
 
 
 def test_a_fit_that_networks_did_not_see_stays(template):

@@ -50,20 +50,23 @@ def test_a_smile_that_lasts_most_of_the_clip_is_not_its_rest():
     assert chances[5:].max() < 0.01
 
 
+OPEN = np.zeros((24, 2))  # lids
+
+
 def test_what_relaxes_below_a_supposed_rest_is_the_rest():
     rng = np.random.default_rng(6)
     values = rng.normal(0, 0.01, (24, 8))  # seen from a smile that is held for half of the clip
     values[:7, :3] -= 0.4
     values[7:12, :3] -= np.linspace(0.35, 0.05, 5)[:, None]
     values[20:, 4] += np.linspace(0.3, 0.9, 4)
-    costs = costs_of_rest(values, np.ones(24), np.ones(24))
+    costs = costs_of_rest(values, OPEN, np.ones(24), np.ones(24))
     assert np.argmin(costs) < 7 and costs[7:].min() > costs[:7].max()
     blurred = np.r_[np.full(4, 0.2), np.ones(20)]
-    assert 4 <= np.argmin(costs_of_rest(values, np.ones(24), blurred)) < 7
+    assert 4 <= np.argmin(costs_of_rest(values, OPEN, np.ones(24), blurred)) < 7
     shut_eyes = np.r_[np.ones(4), np.full(20, 1e-3)]
-    assert np.argmin(costs_of_rest(values, shut_eyes, np.ones(24))) < 4
+    assert np.argmin(costs_of_rest(values, OPEN, shut_eyes, np.ones(24))) < 4
     with pytest.raises(InvalidInput):
-        costs_of_rest(values, np.ones(23), np.ones(24))
+        costs_of_rest(values, OPEN, np.ones(23), np.ones(24))
 
 
 def test_a_frame_in_mid_expression_gives_way_to_one_at_rest(rendered_clip):

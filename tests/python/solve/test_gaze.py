@@ -91,6 +91,30 @@ def test_a_blink_is_no_look_downwards():
     assert track.std[20, 1] > track.std[5, 1] + 0.02
 
 
+def blinking(irises, first=20, count=9, downwards=11.0):
+    """Lids that come down and take what is seen of the irises along, as networks see it."""
+    closure = np.sin(np.pi * np.arange(1, count + 1) / (count + 1)) ** 2
+    pixels = CAMERA.fy * RADIUS / 0.63 * np.radians(downwards)
+    irises = irises.copy()
+    irises[first : first + count, :, 3] *= 1 - 0.7 * closure[:, None]
+    irises[first : first + count, :, 1] += pixels * closure[:, None]
+    return irises
+
+
+def test_lids_that_come_down_for_some_frames_take_no_gaze_along():
+    poses = np.tile(pose_of(), (60, 1, 1))
+    track = follow(blinking(irises_of(eyes_looking(np.zeros(60), 0.0), poses)), poses)
+    assert np.abs(track.angles[:, 1] - track.angles[5, 1]).max() < 1.5
+
+
+def test_a_look_downwards_with_lids_that_go_along_is_followed():
+    pitch = np.where((np.arange(90) >= 40) & (np.arange(90) < 55), -20.0, 0.0)
+    angles, poses = eyes_looking(np.zeros(90), pitch), np.tile(pose_of(), (90, 1, 1))
+    irises = irises_of(angles, poses)
+    irises[40:55, :, 3] *= 0.6
+    np.testing.assert_allclose(seen(follow(irises, poses))[:, 1], pitch, atol=1.5)
+
+
 def test_a_head_that_turns_does_not_turn_the_eyes():
     yaw = 30 * np.sin(np.linspace(0, 2 * np.pi, 80))
     poses = np.stack([pose_of(y) for y in yaw])
@@ -181,6 +205,12 @@ def test_a_live_gaze_stays_while_the_lids_are_shut():
     irises[40:50] = 0
     live = filtered(irises, poses)
     assert np.abs(live[40:50] - live[39]).max() < 1e-9
+
+
+def test_a_live_gaze_stays_while_the_lids_come_down():
+    poses = [pose_of()] * 60
+    live = filtered(blinking(irises_of(eyes_looking(np.zeros(60), 0.0), poses)), poses)
+    assert np.abs(live[20:29, 1] - live[19, 1]).max() < 3
 
 
 def test_both_eyes_follow_a_correction_of_one_and_saccades_stay():

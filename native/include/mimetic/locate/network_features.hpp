@@ -23,4 +23,8 @@ FaceFeatures with_network_features(const FaceFeatures& landmarks, const FaceFeat
 /// together. The networks err alike in them: all together count as one. Throws InvalidInput without pupils.
 FaceFeatures local_features(const FaceFeatures& joined, int frames);
 
+/// How far each eye is open, the left first: between the middles of its lids' margins, of the upper one's
+/// length. NaN of an eye that the networks did not see.
+Eigen::Vector2d eye_openings(const FaceFeatures& seen);
+
 }  // namespace mimetic

@@ -30,9 +30,14 @@ struct IrisTurn {
     Eigen::Matrix2d lasting = Eigen::Matrix2d::Zero();  ///< of errors that stay while pose and lids do
 };
 
+/// How far each eye usually is open, in diameters of its iris, the left first; 0: not known.
+using UsualOpening = std::array<double, 2>;
+
 /// The turn that puts the eye's iris where it was seen. Not seen: lids shut, the eye beyond the nose or the
-/// face's outline. Lids that cover much of an iris, and a face that turns away, add to the covariance.
-IrisTurn iris_turn(const Camera& camera, const Eyeballs& eyes, const GazeFrame& frame, int eye);
+/// face's outline. Lids that cover much of an iris, or more than they usually do, and a face that turns away
+/// add to the covariance.
+IrisTurn iris_turn(const Camera& camera, const Eyeballs& eyes, const GazeFrame& frame, int eye,
+                   const UsualOpening& usual);
 
 /// A clip's gaze; N x 4 degrees: yaw and pitch of the left, then of the right eye.
 struct GazeTrack {
@@ -79,9 +84,12 @@ public:
     Eigen::Vector4d advance(const Camera& camera, const GazeFrame& frame, double seconds);
 
 private:
+    void learn_opening(const GazeFrame& frame);
+
     Eyeballs eyes_;
     Eigen::Vector4d state_, usual_;
     Eigen::Matrix4d covariance_;
+    UsualOpening usual_opening_ = {};
     double num_seen_ = 0;
 };
 

@@ -20,17 +20,20 @@ from mimetic.fit.fitted_view import FittedView
 from mimetic.fit.line_modes import line_modes
 from mimetic.template.face_template import FaceTemplate
 
-SEEN_BY_NETWORKS = "lid_upper.L"  # a line that nothing else sees
+# Lines that nothing else sees
+SEEN_BY_NETWORKS = {f"lid_{lid}.{side}" for lid in ("upper", "lower") for side in "LR"}
+OPEN = 0.8  # of how far the eye is open in most of the frames: with less it blinks or looks down
 
 
 def with_lines(fit: FaceFit, others: Sequence[FittedView], template: FaceTemplate) -> FaceFit:
     """The fit with lids and lips as seen in its reference frame, and in others at rest.
 
-    The fit as it is where the networks saw nothing in the reference frame.
+    Others in which an eye is less open than in most are left out. The fit as it is where the
+    networks saw nothing in the reference frame.
     """
     if not fit.views or not _is_seen(fit.views[0]):
         return fit
-    views = [fit.views[0], *filter(_is_seen, others)]
+    views = _with_open_eyes([fit.views[0], *filter(_is_seen, others)])
     modes = line_modes(template)
     model = moved_model(template, replace(fit, lines=[]).neutral_vertices(template), modes)
     focal, unmoved = float(fit.intrinsics[0, 0]), np.zeros(len(modes))
@@ -47,5 +50,13 @@ def with_lines(fit: FaceFit, others: Sequence[FittedView], template: FaceTemplat
     return replace(fit, lines=np.round(estimate.identity, 6).tolist())
 
 
+def _with_open_eyes(views: list[FittedView]) -> list[FittedView]:
+    """The first, and those of the others in which no eye is shut beyond the usual."""
+    openings = np.array([_core.eye_openings(view.measured) for view in views])
+    usual = np.asarray(np.median(openings, axis=0), np.float64)
+    is_open = np.all(openings >= OPEN * usual, axis=1)
+    return [view for view, kept in zip(views, is_open, strict=True) if kept or view is views[0]]
+
+
 def _is_seen(view: FittedView) -> bool:
-    return any(curve.name == SEEN_BY_NETWORKS for curve in view.measured.curves)
+    return {curve.name for curve in view.measured.curves} >= SEEN_BY_NETWORKS

@@ -37,7 +37,7 @@ from mimetic.shared.progress import (
     stages,
 )
 from mimetic.solve.relief_sightings import with_relief
-from mimetic.solve.rest_motion import values_from
+from mimetic.solve.rest_motion import Moved, moved_from
 from mimetic.template.face_template import load_template
 
 LEAST_CHANCE = 0.4  # of the best frame's chance; below it a frame is not tried
@@ -153,15 +153,18 @@ def _relaxed(
     )
     if skin is None:
         raise NoFace("stopped while looking for the face")
-    followed: dict[int, NDArray[np.float64]] = {}
-    for frame, values in values_from(footage, supposed, set(judgements), skin):
+    followed: dict[int, Moved] = {}
+    for frame, moved in moved_from(footage, supposed, set(judgements), skin):
         _go_on(trying, len(followed) / len(judgements), f"looking for rest: frame {frame}")
-        followed[frame] = values
+        followed[frame] = moved
     if len(followed) < LEAST_FOLLOWED:
         return supposed, skin
     frames = list(followed)
     scores, _, details = _compared({frame: judgements[frame] for frame in frames})
-    costs = _core.costs_of_rest(np.array(list(followed.values())), scores, details)
+    values, lids = (
+        np.array([getattr(m, n) for m in followed.values()]) for n in ("values", "lids")
+    )
+    costs = _core.costs_of_rest(values, lids, scores, details)
     is_good = costs[frames.index(supposed.frame)] <= costs.min() + CLEARLY_BETTER
     for i in np.argsort(costs)[:MOST_REFITTED]:
         if is_good or frames[i] == supposed.frame:

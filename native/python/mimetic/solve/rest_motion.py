@@ -9,10 +9,12 @@ do not.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from mimetic import _core
 from mimetic.fit.face_fit import FaceFit
 from mimetic.media.backward import frames_away
 from mimetic.media.cuts import of_one_scene
@@ -23,15 +25,23 @@ from mimetic.solve import tracking
 from mimetic.template.face_template import load_template
 
 LOWEST = -1.0  # activation: as far below the supposed rest as muscles go above it
-JAW = "jaw_open"
+JAW, LIDS = "jaw_open", ("lid_upper.L", "lid_upper.R")
 
 
-def values_from(
+@dataclass(frozen=True)
+class Moved:
+    """What a frame shows beside the one that was supposed to be at rest."""
+
+    values: NDArray[np.float64]  # activations of the muscles, and the jaw
+    lids: NDArray[np.float64]  # 2: of the upper lids, left first, the way from open (0) to shut (1)
+
+
+def moved_from(
     footage: Footage, fit: FaceFit, frames: set[int], skin: AttachedSkin
-) -> Iterator[tuple[int, NDArray[np.float64]]]:
-    """Muscles and jaw in those of `frames` to which the face can be followed from the fit's frame.
+) -> Iterator[tuple[int, Moved]]:
+    """What moves in those of `frames` to which the face can be followed.
 
-    The fit's own is the first. skin: of the fit's head.
+    The fit's own frame is the first. skin: of the fit's head.
     """
     template = load_template()
     anatomy = modes_of(skin)
@@ -40,9 +50,14 @@ def values_from(
     reference = footage.read(fit.frame)
     tracker = tracking.make_tracker(reference, fit, template, anatomy, motion)
     num_muscles = len(anatomy.muscle_names)
-    told = [*range(num_muscles), num_muscles + list(anatomy.articulator_names).index(JAW)]
+    articulators = list(anatomy.articulator_names)
+    jaw, *lids = (num_muscles + articulators.index(name) for name in (JAW, *LIDS))
+
+    def told(estimate: _core.FrameEstimate) -> Moved:
+        return Moved(estimate.values[[*range(num_muscles), jaw]], estimate.values[lids])
+
     at_reference = tracker.advance(reference)
-    yield fit.frame, at_reference.values[told]
+    yield fit.frame, told(at_reference)
     for end in {min(frames), max(frames)} - {fit.frame}:
         tracker.restart(reference, at_reference)
         images = frames_away(footage, fit.frame, end)
@@ -51,4 +66,4 @@ def values_from(
                 continue
             estimate = tracker.advance(np.ascontiguousarray(image))
             if not estimate.held and estimate.quality >= HELD_QUALITY:
-                yield frame, estimate.values[told]
+                yield frame, told(estimate)
