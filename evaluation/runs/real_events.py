@@ -4,22 +4,20 @@
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from mimetic import InvalidInput
 from mimetic.performance.document import Performance
-from mimetic.performance.places import RefinedSurface
-from mimetic.template.face_template import load_template
 from numpy.typing import NDArray
 
-from evaluation.runs.real_labels import FOLDER
-from evaluation.runs.real_score import APART, distance_across
+from evaluation.runs.real_labels import FOLDER, POINTS, Labels
+from evaluation.runs.real_methods import by_capture
+from evaluation.runs.real_score import APART, lips_gap
 
 SHUT = 0.6  # of both upper lids' way, on the mean: more than half closed lids of a squint
 ACTIVE, SATURATED = 0.1, 0.98  # of an activation
 NEAR = 1  # frames by which an event may miss its mark
-EYES = ("eye_outer", "eye_inner")
 
 
 @dataclass(frozen=True)
@@ -77,20 +75,11 @@ def eyes_shut(performance: Performance) -> NDArray[np.bool_]:
 
 
 def lips_touch(performance: Performance) -> NDArray[np.bool_]:
-    """By the gap between the lips' inner landmarks on the surface, as frames marked by hand are:
-    across the line of the mouth's corners."""
-    template, surface = load_template(), RefinedSurface(performance)
-    lips = [template.landmark(f"lip_{lip}_inner") for lip in ("upper", "lower")]
-    eyes = [template.landmark(f"{end}.{side}") for side in "RL" for end in EYES]
-    corners = [template.landmark(f"mouth_corner.{side}") for side in "RL"]
-    vertices = np.searchsorted(surface.used, [*lips, *eyes, *corners])
-    touch = []
-    for i in range(performance.num_frames):
-        pixels = performance.project(surface.in_camera(i)[vertices])
-        ipd = np.linalg.norm(pixels[4:6].mean(axis=0) - pixels[2:4].mean(axis=0))
-        apart = distance_across(pixels[1] - pixels[0], pixels[7] - pixels[6])
-        touch.append(bool(100 * apart / ipd < APART))
-    return np.array(touch)
+    """N: whether the inner lips meet on the midline, as it is marked in real frames."""
+    unmarked = np.full((performance.num_frames, len(POINTS), 2), np.nan)
+    frames = Labels("", performance.frame, unmarked, unmarked[:, 0, 0])
+    places = by_capture(frames, performance)
+    return lips_gap(replace(frames, places=places), places) < APART
 
 
 def saturation(performance: Performance) -> float:

@@ -116,20 +116,22 @@ def without_bias(off: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _lips_told(labels: Labels, places: NDArray[np.float64]) -> float:
-    """Lips that touch and are shifted along each other are not parted: only what lies across."""
-    upper, lower = (POINTS.index(f"lip_inner_{part}") for part in ("upper", "lower"))
-    corners = labels.of("mouth_corner.R", "mouth_corner.L")
-    apart = places[:, lower] - places[:, upper]
-    gap = 100 * distance_across(apart, corners[:, 1] - corners[:, 0]) / labels.ipd
+    gap = lips_gap(labels, places)
     is_known = np.isfinite(labels.touch) & np.isfinite(gap)
     if not is_known.any():
         return math.nan
     return float(((gap[is_known] < APART) == (labels.touch[is_known] > 0.5)).mean())
 
 
-def distance_across(
-    differences: NDArray[np.float64], lines: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """... of differences (... x 2) across lines of these directions (... x 2), in their unit."""
-    turned = np.stack([-lines[..., 1], lines[..., 0]], axis=-1)
-    return np.abs((differences * turned).sum(axis=-1)) / np.linalg.norm(turned, axis=-1)
+def lips_gap(labels: Labels, places: NDArray[np.float64]) -> NDArray[np.float64]:
+    """N: how far the inner lips (of places, N x POINTS x 2) are apart on the midline, in % of the
+    interpupillary distance; below 0 where one covers the other.
+
+    Lips that touch and are shifted along each other are not parted: only what lies across the
+    marked line of the mouth's corners.
+    """
+    upper, lower = (POINTS.index(f"lip_inner_{part}") for part in ("upper", "lower"))
+    right, left = labels.of("mouth_corner.R", "mouth_corner.L").transpose(1, 0, 2)
+    downwards = np.stack([right[:, 1] - left[:, 1], left[:, 0] - right[:, 0]], axis=1)
+    downwards /= np.linalg.norm(downwards, axis=1, keepdims=True)
+    return 100 * ((places[:, lower] - places[:, upper]) * downwards).sum(axis=1) / labels.ipd

@@ -30,7 +30,7 @@ from evaluation.runs.real_methods import (
     iris_fronts,
     run_face_mesh,
 )
-from evaluation.runs.real_score import APART, score_places
+from evaluation.runs.real_score import APART, lips_gap, score_places
 from evaluation.runs.rendered import render
 
 SETS = ("held-out", "tuning", "small")
@@ -107,18 +107,7 @@ def labels_of(name: str, truth: dict[str, NDArray], template: FaceTemplate) -> L
         seen = (points @ pose[:3, :3].T + pose[:3, 3]) @ truth["intrinsics"].T
         places[row] = seen[:, :2] / seen[:, 2:]
     labels = Labels(name, np.arange(1, len(places) + 1), places, np.full(len(places), np.nan))
-    return Labels(name, labels.frame, places, touching(labels, places).astype(np.float64))
-
-
-def touching(labels: Labels, places: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """N: whether the inner lips meet on the midline, or one covers the other, by places (N x
-    POINTS x 2)."""
-    upper, lower = (POINTS.index(f"lip_inner_{part}") for part in ("upper", "lower"))
-    right, left = labels.of("mouth_corner.R", "mouth_corner.L").transpose(1, 0, 2)
-    downwards = np.stack([right[:, 1] - left[:, 1], left[:, 0] - right[:, 0]], axis=1)
-    downwards /= np.linalg.norm(downwards, axis=1, keepdims=True)
-    apart = ((places[:, lower] - places[:, upper]) * downwards).sum(axis=1)
-    return 100 * apart / labels.ipd < APART
+    return Labels(name, labels.frame, places, (lips_gap(labels, places) < APART) * 1.0)
 
 
 def score_capture(
@@ -164,7 +153,7 @@ def lip_figures(
 ) -> tuple[dict[str, float], tuple[int, int, int]]:
     score = score_places(labels, method, places)
     figures = {name: one["median"] for name, one in score.figures.items() if one}
-    shown, seen = labels.touch > 0.5, touching(labels, places)
+    shown, seen = labels.touch > 0.5, lips_gap(labels, places) < APART
     figures["told"] = float((shown == seen).mean())
     true, own = _runs(shown), _runs(seen)
     met = (len(true), len(own), _alike(true, own))

@@ -13,7 +13,7 @@ from evaluation.runs import real_events, real_labels
 from evaluation.runs.real import AGAIN, clip_text
 from evaluation.runs.real_events import saturation, score_events
 from evaluation.runs.real_labels import CLIPS, POINTS, Labels, read_labels
-from evaluation.runs.real_score import FEATURES, RealScore, score_places
+from evaluation.runs.real_score import FEATURES, RealScore, lips_gap, score_places
 
 
 @pytest.fixture
@@ -165,6 +165,15 @@ def test_lips_that_are_shifted_along_each_other_are_not_parted(labels):
         places = touching.places.copy()
         places[:, lower] += 0.2 * way
         assert score_places(touching, "shifted", places).lips_told == told
+
+
+def test_a_lip_that_covers_the_other_touches_it(labels):
+    upper, lower = (POINTS.index(f"lip_inner_{part}") for part in ("upper", "lower"))
+    shut = labels.rows(labels.touch == 1)
+    covered = shut.places.copy()
+    covered[:, lower] = covered[:, upper] - 0.05 * shut.ipd[:, None] * [0, 1]
+    assert lips_gap(shut, covered).max() < -3
+    assert score_places(shut, "capture", covered).lips_told == 1
 
 
 def test_saturation_is_the_share_of_active_muscle_frames_at_the_bound():
