@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from evaluation.runs.rendered import CHECKOUT
 
 FOLDER = CHECKOUT / "evaluation" / "real"
-CLIPS = ("cap12_edit", "cap13_edit2", "single_face", "franck")
+CLIPS = ("cap12_edit", "cap13_edit2", "single_face", "franck", "WolfgangLanger_Pexels")
 EYE_POINTS = ("eye_outer", "eye_inner", "lid_upper", "lid_lower", "iris")
 LIP_POINTS = ("lip_outer_upper", "lip_inner_upper", "lip_inner_lower", "lip_outer_lower")
 POINTS = (

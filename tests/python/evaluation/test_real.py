@@ -26,7 +26,7 @@ def test_marked_faces_are_faces(clip):
     """A slip of the hand, as eyes exchanged or a digit, shows in the order of the points."""
     labels = read_labels(clip)
     assert len(labels.frame) >= 12
-    assert ((labels.ipd > 25) & (labels.ipd < 90)).all()
+    assert ((labels.ipd > 25) & (labels.ipd < 120)).all()
     for side in "RL":
         upper, lower, outer, inner = np.moveaxis(
             labels.of(
@@ -35,12 +35,13 @@ def test_marked_faces_are_faces(clip):
             1,
             0,
         )
-        assert (lower[:, 1] >= upper[:, 1]).all()
+        seen = np.isfinite(upper[:, 1])
+        assert (lower[seen, 1] >= upper[seen, 1]).all() and seen.mean() > 0.9
         toward = 1 if side == "L" else -1
         assert (toward * (outer - inner)[:, 0] > 0.15 * labels.ipd).all()
         middle = 0.5 * (outer + inner)
         for lid in (upper, lower):
-            assert (np.linalg.norm(lid - middle, axis=1) < 0.2 * labels.ipd).all()
+            assert (np.linalg.norm(lid - middle, axis=1)[seen] < 0.2 * labels.ipd[seen]).all()
     lips = labels.of(*real_labels.LIP_POINTS)[..., 1]
     steps = np.diff(lips, axis=1)
     assert (steps[np.isfinite(steps)] >= 0).all()
