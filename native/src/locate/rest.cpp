@@ -38,7 +38,8 @@ constexpr double kSameState = .1;     // activation by which a state that recurs
 constexpr double kRelaxed = .2;       // of a clip's frames have less of a value than its relaxed ones
 constexpr double kPerExcess = .5;     // cost of an activation above that
 constexpr double kPerLid = 3;         // cost of a lid's way to shut, beyond what a look aside takes
-constexpr double kLidAtRest = .25;    // of it, beside its usual place
+constexpr double kLidAtRest = .25;    // of it, beside its place in the more open frames
+constexpr double kOpenLid = .25;      // of a clip's frames are these: somebody may weep for half of it
 constexpr double kPerScore = .75;     // of the logarithm of rest_score
 constexpr double kPerDetail = .75;    // of the logarithm of what there is of the detail
 constexpr double kLeastShare = 1e-9;  // whose logarithm is taken
@@ -289,8 +290,8 @@ Eigen::VectorXd costs_of_rest(MatrixIn values, MatrixIn lids, VectorIn scores, V
         excess += kPerExcess * (value.array() - relaxed).max(0).matrix();
     }
     for (const auto lid : lids.colwise()) {
-        const double usual = median({lid.begin(), lid.end()});
-        excess += kPerLid * (lid.array() - usual - kLidAtRest).max(0).matrix();
+        const double open = quantile({lid.begin(), lid.end()}, kOpenLid);
+        excess += kPerLid * (lid.array() - open - kLidAtRest).max(0).matrix();
     }
     Eigen::VectorXd density(values.rows());
     for (Eigen::Index frame = 0; frame < values.rows(); ++frame) {

@@ -110,6 +110,10 @@ TEST(Rest, ALidThatIsMoreShutThanUsualCostsALookAsideDoesNot) {
     EXPECT_DOUBLE_EQ(costs[5], costs[0]);
     EXPECT_DOUBLE_EQ(costs[7], costs[0]);
     EXPECT_THROW(costs_of_rest(values, lids.topRows(9), all, all), InvalidInput);
+    lids.setZero();  // shut in most frames, as of somebody who weeps
+    lids.bottomRows(4).setConstant(-.9);
+    const Eigen::VectorXd weeping = costs_of_rest(values, lids, all, all);
+    EXPECT_GT(weeping[0], weeping[9] + 2);
 }
 
 TEST(Rest, ChancesNeedAnExpressionAFrame) {

@@ -46,8 +46,8 @@ Eigen::VectorXd chances_of_rest(VectorIn scores, VectorIn details, const Express
 /// M, of what moves the skin, relative to any one of the frames: what relaxes below that is negative. A face
 /// returns to its rest, and moves by what contracts: counted are the density of frames about a frame's
 /// values, and by how much they are above what they are in the clip's lowest frames, so that a smile that
-/// lasts is none. lids: F x L, of each lid its way from open (0) to shut (1): one that is more shut than it
-/// usually is winks, blinks or looks down. scores, details: F, as for chances_of_rest.
+/// lasts is none. lids: F x L, of each lid its way from open (0) to shut (1): one that is more shut than in
+/// the clip's open frames winks, blinks or looks down. scores, details: F, as for chances_of_rest.
 Eigen::VectorXd costs_of_rest(MatrixIn values, MatrixIn lids, VectorIn scores, VectorIn details);
 
 }  // namespace mimetic
