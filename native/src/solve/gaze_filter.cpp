@@ -29,7 +29,9 @@ void GazeFilter::learn_opening(const GazeFrame& frame) {
         const SeenIris& iris = frame.irises[eye];
         double& usual = usual_opening_[eye];
         if (iris.side > 0 && std::isfinite(iris.opening)) {
-            const double reach = usual > 0 ? kReachOfOpening * usual : std::max(0., iris.opening);
+            // An eye may be seen for the first time long after the other
+            usual = usual > 0 ? usual : std::max(0., iris.opening);
+            const double reach = kReachOfOpening * usual;
             usual += std::clamp(iris.opening - usual, -reach, reach) / std::min(num_seen_ + 1, kMemory);
         }
     }

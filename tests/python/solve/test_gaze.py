@@ -213,6 +213,14 @@ def test_a_live_gaze_stays_while_the_lids_come_down():
     assert np.abs(live[20:29, 1] - live[19, 1]).max() < 3
 
 
+def test_an_eye_that_is_seen_later_has_its_lids_known_from_its_first_frame():
+    poses = [pose_of()] * 90
+    irises = blinking(irises_of(eyes_looking(np.zeros(90), 0.0), poses), first=60)
+    irises[:50, 0] = 0
+    live = filtered(irises, poses)
+    assert np.abs(live[60:69, 1] - live[59, 1]).max() < 3
+
+
 def test_both_eyes_follow_a_correction_of_one_and_saccades_stay():
     angles = eyes_looking(np.where(np.arange(60) < 30, 0.0, 8.0), 0.0)
     # Frame, angle, degrees, standard deviation, reach
