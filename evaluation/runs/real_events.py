@@ -50,11 +50,11 @@ def score_events(clip: str, performance: Performance) -> list[Events]:
     events = []
     minutes = len(performance.frame) / float(performance.fps) / 60
     if (rows := _rows(f"{clip}.blinks.csv", performance)) is not None:
-        candidates = runs(performance, eyes_shut(performance))
+        candidates = runs(performance.frame, eyes_shut(performance))
         # A blink in which the capture ends or begins is neither to be found nor wrong if it is
         cut = _shut(_rows(f"{clip}.blinks.csv", performance, cut=True) or [])
         candidates = [run for run in candidates if not any(_meet(run, one) for one in cut)]
-        events.append(matched(clip, "blinks", _shut(rows), candidates, minutes))
+        events.append(_matched(clip, "blinks", _shut(rows), candidates, minutes))
     if (rows := _rows(f"{clip}.lips.csv", performance)) is not None:
         events.append(_lips_told(clip, rows, performance, minutes))
     return events
@@ -88,10 +88,9 @@ def saturation(performance: Performance) -> float:
     return float((performance.activations > SATURATED).sum() / max(1, is_active.sum()))
 
 
-def runs(performance: Performance, holds: NDArray[np.bool_]) -> list[Range]:
+def runs(frames: NDArray[np.int64], holds: NDArray[np.bool_]) -> list[Range]:
     """First and last frames of the runs in which something holds."""
     edges = np.flatnonzero(np.diff(np.r_[False, holds, False]))
-    frames = performance.frame
     return [(int(frames[a]), int(frames[b - 1])) for a, b in edges.reshape(-1, 2)]
 
 
@@ -99,7 +98,7 @@ def _meet(a: Range, b: Range) -> bool:
     return a[0] <= b[1] + NEAR and b[0] <= a[1] + NEAR
 
 
-def matched(
+def _matched(
     clip: str, kind: str, marks: list[Range], candidates: list[Range], minutes: float
 ) -> Events:
     """Counts the marked events that overlap a candidate, and candidates that overlap none.

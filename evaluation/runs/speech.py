@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -20,6 +20,7 @@ from mimetic.template.face_template import FaceTemplate, load_template
 from numpy.typing import NDArray
 
 from evaluation.runs.head_clips import face_mesh_python
+from evaluation.runs.real_events import NEAR, Range, runs
 from evaluation.runs.real_labels import POINTS, Labels
 from evaluation.runs.real_methods import (
     IRISES,
@@ -36,7 +37,6 @@ from evaluation.runs.rendered import render
 SETS = ("held-out", "tuning", "small")
 OURS, FACE_MESH = "capture", "MediaPipe, refined"
 CELL = 15
-NEAR = 1  # frames by which lips may meet or part too early or too late
 WINKING, WIDE_OPEN = 0.3, 0.05  # share of the lids' way: an eye that winks, and the other one
 SHAPES = {
     "vertices": ("N", "V", 3),
@@ -60,7 +60,6 @@ COLUMNS = {
     "half": ("half a blink", ".2f"),
     "muscle": ("muscle", ".2f"),
 }
-Runs = list[tuple[int, int]]
 
 
 @dataclass(frozen=True)
@@ -107,7 +106,7 @@ def labels_of(name: str, truth: dict[str, NDArray], template: FaceTemplate) -> L
         seen = (points @ pose[:3, :3].T + pose[:3, 3]) @ truth["intrinsics"].T
         places[row] = seen[:, :2] / seen[:, 2:]
     labels = Labels(name, np.arange(1, len(places) + 1), places, np.full(len(places), np.nan))
-    return Labels(name, labels.frame, places, (lips_gap(labels, places) < APART) * 1.0)
+    return replace(labels, touch=(lips_gap(labels, places) < APART).astype(np.float64))
 
 
 def score_capture(
@@ -155,18 +154,12 @@ def lip_figures(
     figures = {name: one["median"] for name, one in score.figures.items() if one}
     shown, seen = labels.touch > 0.5, lips_gap(labels, places) < APART
     figures["told"] = float((shown == seen).mean())
-    true, own = _runs(shown), _runs(seen)
+    true, own = runs(labels.frame, shown), runs(labels.frame, seen)
     met = (len(true), len(own), _alike(true, own))
     return figures | {"met": f1(met)}, met
 
 
-def _runs(holds: NDArray[np.bool_]) -> Runs:
-    """First and last rows of the runs in which something holds."""
-    edges = np.flatnonzero(np.diff(np.r_[False, holds, False]))
-    return [(int(a), int(b) - 1) for a, b in edges.reshape(-1, 2)]
-
-
-def _alike(true: Runs, own: Runs) -> int:
+def _alike(true: list[Range], own: list[Range]) -> int:
     """How many begin and end where one of the others does, NEAR allowed."""
     return sum(any(abs(a - c) <= NEAR and abs(b - d) <= NEAR for c, d in own) for a, b in true)
 

@@ -7,7 +7,7 @@ import hashlib
 import os
 import subprocess
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from importlib import resources
 from pathlib import Path
@@ -20,10 +20,12 @@ from .. import footage, scene
 from ..clips import BPY_VERSION, CannotRender, Clip, _truth, blender_python, cache_folder
 from ..heads.films import _aside, _to_and_fro
 from ..person import neutral_vertices
+from ..recipes import Recipe
 from .recipes import Take
 from .simulation import simulated_motion
 
 SOURCES = ("motion", "noise", "person", "render_frames", "scene", "texture", "footage")
+DRAWING = "expressions/draw_frames"
 SIMULATED_BY = ("muscles.toml", "materials.toml")
 TEXEL_STEP = 2  # half the texture's size is finer than the picture still
 LONG_FRAMES = 1080
@@ -109,18 +111,38 @@ def _draw(drawn: scene.Scene, textures: dict[str, np.ndarray], folder: Path, nam
         raise CannotRender(f"Blender could not draw {name}:\n{done.stderr[-1000:]}")
 
 
-def _key(take: Take, template: FaceTemplate) -> str:
-    """Hash of all that a take is made of: people, recipe, and the code that moves and draws."""
-    digest = hashlib.sha256(f"{take!r} {BPY_VERSION} {TEXEL_STEP}".encode())
-    for array in (template.vertices, template.identity_modes, template.unit_modes):
+def film(
+    drawn: scene.Scene, recipe: Recipe, template: FaceTemplate, made: Path, path: Path
+) -> None:
+    """Draws a scene, with what the renderer writes in the folder `made`, and films it as `path`."""
+    _draw(drawn, scene.paint(recipe, template, drawn.neutral, TEXEL_STEP), made, recipe.name)
+    footage.encode(footage.filmed(np.load(made / "frames.npy"), recipe), path, recipe)
+
+
+def film_key(
+    what: str, arrays: Iterable[np.ndarray], sources: Iterable[str], data: Iterable[str] = ()
+) -> str:
+    """Hash of all that a film is made of: who does what, and the code that moves and draws.
+
+    arrays: numbers beside; sources: modules of `evaluation.synthetic`; data: files of the package's
+    """
+    digest = hashlib.sha256(f"{what} {BPY_VERSION} {TEXEL_STEP}".encode())
+    for array in arrays:
         rounded = np.round(np.asarray(array, np.float64), 6) + 0.0
         digest.update(np.ascontiguousarray(rounded).tobytes())
-    here = Path(__file__).resolve().parent
-    digest.update((here / "draw_frames.py").read_bytes())
-    for name in SOURCES:
-        digest.update((here.parent / f"{name}.py").read_bytes())
-    if take.recipe.kind == "muscles":
-        digest.update((here / "simulation.py").read_bytes())
-        for name in SIMULATED_BY:
-            digest.update((resources.files("mimetic") / "data" / name).read_bytes())
+    folder = Path(__file__).resolve().parent.parent
+    for name in sources:
+        digest.update((folder / f"{name}.py").read_bytes())
+    for name in data:
+        digest.update((resources.files("mimetic") / "data" / name).read_bytes())
     return digest.hexdigest()[:16]
+
+
+def _key(take: Take, template: FaceTemplate) -> str:
+    simulated = take.recipe.kind == "muscles"
+    return film_key(
+        repr(take),
+        (template.vertices, template.identity_modes, template.unit_modes),
+        (DRAWING, *SOURCES, *(("expressions/simulation",) if simulated else ())),
+        SIMULATED_BY if simulated else (),
+    )

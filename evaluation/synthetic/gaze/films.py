@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -15,34 +14,33 @@ from mimetic.muscles.eyeballs import eye_geometry
 from mimetic.skin.mesh import SkinMesh
 from mimetic.template.face_template import FaceTemplate
 
-from .. import footage, scene
-from ..clips import BPY_VERSION, Clip, cache_folder
-from ..expressions.films import SOURCES, TEXEL_STEP, _draw
+from .. import scene
+from ..clips import Clip, cache_folder
+from ..expressions.films import DRAWING, SOURCES, film, film_key
 from ..heads.films import _aside
 from ..person import neutral_vertices
 from .recipes import GazeClip
 
-DRAWN_WITH = (*SOURCES, "expressions/draw_frames", "gaze/films")
+DRAWN_WITH = (*SOURCES, DRAWING, "gaze/films")
 
 
 def gaze_clip(wanted: GazeClip, template: FaceTemplate, report: Callable[[str], None]) -> Clip:
     """The clip, rendered unless the cache has it. Its truth: gaze (N x 4, degrees), iris_pixels
     (N x 2 x 2, left first), corner_pixels (N x 2 x 2 x 2, each eye's outer and inner corner)."""
     recipe = wanted.recipe
-    folder = cache_folder() / f"{recipe.name}-{_key(wanted, template)}"
+    gaze = wanted.angles()
+    numbers = (template.vertices, template.identity_modes, gaze)
+    folder = cache_folder() / f"{recipe.name}-{film_key(repr(wanted), numbers, DRAWN_WITH)}"
     made = Clip(recipe.name, folder / f"{recipe.name}.mp4", folder / f"{recipe.name}.gaze.npz")
     if made.footage.exists() and made.truth.exists():
         return made
     report(f"{recipe.name}: rendering {recipe.num_frames} frames")
     neutral = neutral_vertices(template, scene.identity_of(recipe, template), recipe.seed)
-    gaze = wanted.angles()
     moved = _moved(neutral, template, gaze)
     motion = scene.Motion([], np.zeros((len(gaze), 0)), np.zeros(0, int), moved - neutral)
     drawn = scene.build(recipe, template, neutral, motion)
     with _aside(folder) as whole, tempfile.TemporaryDirectory() as aside:
-        _draw(drawn, scene.paint(recipe, template, neutral, TEXEL_STEP), Path(aside), recipe.name)
-        frames = footage.filmed(np.load(Path(aside) / "frames.npy"), recipe)
-        footage.encode(frames, whole / made.footage.name, recipe)
+        film(drawn, recipe, template, Path(aside), whole / made.footage.name)
         np.savez(
             whole / made.truth.name, gaze=gaze, **_pixels(drawn, template, neutral, gaze, moved)
         )
@@ -85,15 +83,3 @@ def _pixels(
 def _projected(points: np.ndarray, pose: np.ndarray, intrinsics: np.ndarray) -> np.ndarray:
     seen = (points @ pose[:3, :3].T + pose[:3, 3]) @ intrinsics.T
     return seen[..., :2] / seen[..., 2:]
-
-
-def _key(wanted: GazeClip, template: FaceTemplate) -> str:
-    """Hash of all that a clip is made of."""
-    digest = hashlib.sha256(f"{wanted!r} {BPY_VERSION} {TEXEL_STEP}".encode())
-    for array in (template.vertices, template.identity_modes, wanted.angles()):
-        rounded = np.round(np.asarray(array, np.float64), 6) + 0.0
-        digest.update(np.ascontiguousarray(rounded).tobytes())
-    sources = Path(__file__).resolve().parent.parent
-    for name in DRAWN_WITH:
-        digest.update((sources / f"{name}.py").read_bytes())
-    return digest.hexdigest()[:16]

@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import hashlib
 import subprocess
 import tempfile
 from collections.abc import Callable, Iterator
@@ -15,14 +14,14 @@ from imageio_ffmpeg import get_ffmpeg_exe
 from mimetic.template.face_template import FaceTemplate
 
 from .. import footage, scene
-from ..clips import BPY_VERSION, cache_folder
-from ..expressions.films import SOURCES, TEXEL_STEP, _draw
+from ..clips import cache_folder
+from ..expressions.films import DRAWING, SOURCES, TEXEL_STEP, _draw, film_key
 from ..heads.films import _aside
 from ..person import neutral_vertices
 from ..recipes import Recipe
 from .recipes import SHOWINGS, Showing
 
-DRAWN_WITH = (*SOURCES, "expressions/draw_frames", "rest/films")
+DRAWN_WITH = (*SOURCES, DRAWING, "rest/films")
 
 
 @dataclass(frozen=True)
@@ -39,7 +38,9 @@ def shown_clips(
     """A person's film in every showing, made if the cache lacks it."""
     neutral = neutral_vertices(template, scene.identity_of(recipe, template), recipe.seed)
     motion = scene.face_motion(recipe, template, neutral)
-    folder = cache_folder() / f"{recipe.name}-{_key(recipe, template)}"
+    numbers = (template.vertices, template.identity_modes, template.unit_modes)
+    key = film_key(f"{recipe!r} {SHOWINGS!r}", numbers, DRAWN_WITH)
+    folder = cache_folder() / f"{recipe.name}-{key}"
     if not folder.exists():
         report(f"{recipe.name}: rendering {recipe.num_frames} frames")
         drawn = scene.build(recipe, template, neutral, motion)
@@ -74,15 +75,3 @@ def _starve(path: Path, bit_rate: int) -> None:
     command += ["-maxrate", str(bit_rate), "-bufsize", str(bit_rate // 4), str(path)]
     subprocess.run(command, check=True)
     before.unlink()
-
-
-def _key(recipe: Recipe, template: FaceTemplate) -> str:
-    """Hash of all that a film and its showings are made of."""
-    digest = hashlib.sha256(f"{recipe!r} {SHOWINGS!r} {BPY_VERSION} {TEXEL_STEP}".encode())
-    for array in (template.vertices, template.identity_modes, template.unit_modes):
-        rounded = np.round(np.asarray(array, np.float64), 6) + 0.0
-        digest.update(np.ascontiguousarray(rounded).tobytes())
-    sources = Path(__file__).resolve().parent.parent
-    for name in DRAWN_WITH:
-        digest.update((sources / f"{name}.py").read_bytes())
-    return digest.hexdigest()[:16]

@@ -3,18 +3,16 @@
 
 from __future__ import annotations
 
-import hashlib
 import tempfile
 from collections.abc import Callable
-from importlib import resources
 from pathlib import Path
 
 import numpy as np
 from mimetic.template.face_template import FaceTemplate
 
-from .. import footage, scene
-from ..clips import BPY_VERSION, Clip, _truth, cache_folder
-from ..expressions.films import SIMULATED_BY, SOURCES, TEXEL_STEP, _draw
+from .. import scene
+from ..clips import Clip, _truth, cache_folder
+from ..expressions.films import DRAWING, SIMULATED_BY, SOURCES, film, film_key
 from ..heads.films import _aside
 from ..person import neutral_vertices
 from ..recipes import Recipe
@@ -40,22 +38,11 @@ def timing_clip(
     drawn = scene.build(recipe, template, neutral, motion)
     with _aside(folder) as whole, tempfile.TemporaryDirectory() as aside:
         made = Path(aside)
-        _draw(drawn, scene.paint(recipe, template, neutral, TEXEL_STEP), made, recipe.name)
-        frames = footage.filmed(np.load(made / "frames.npy"), recipe)
-        footage.encode(frames, whole / clip.footage.name, recipe)
+        film(drawn, recipe, template, made, whole / clip.footage.name)
         _truth(recipe, template, drawn, motion, made).save(whole / clip.truth.name)
     return clip
 
 
 def _key(recipe: Recipe, template: FaceTemplate, data: tuple[str, ...]) -> str:
-    digest = hashlib.sha256(f"{recipe!r} {BPY_VERSION} {TEXEL_STEP}".encode())
-    for array in (template.vertices, template.identity_modes):
-        rounded = np.round(np.asarray(array, np.float64), 6) + 0.0
-        digest.update(np.ascontiguousarray(rounded).tobytes())
-    here = Path(__file__).resolve().parent
-    sources = [here.parent / f"{name}.py" for name in SOURCES]
-    for source in (*sources, here.parent / "expressions" / "draw_frames.py", here / "firing.py"):
-        digest.update(source.read_bytes())
-    for name in data:
-        digest.update((resources.files("mimetic") / "data" / name).read_bytes())
-    return digest.hexdigest()[:16]
+    numbers = (template.vertices, template.identity_modes)
+    return film_key(repr(recipe), numbers, (*SOURCES, DRAWING, "timing/firing"), data)

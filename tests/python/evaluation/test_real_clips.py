@@ -72,6 +72,6 @@ def test_a_real_person_is_read_the_same_with_the_extents_that_a_clip_of_theirs_s
 
 def test_a_real_blink_is_found(fetched_clip):
     performance = capture(fetched_clip("franck.mp4"), frames=(140, 200))
-    (blink,) = runs(performance, eyes_shut(performance))
+    (blink,) = runs(performance.frame, eyes_shut(performance))
     assert blink[0] <= 167 and blink[1] >= 166
     assert blink[1] - blink[0] <= 4
