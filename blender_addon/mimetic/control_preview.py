@@ -56,6 +56,14 @@ def is_of(character: bpy.types.Object | None) -> bool:
     return active is not None and character is not None and character.name == active.name
 
 
+def is_moving(head: bpy.types.Object) -> bool:
+    """Whether the character on show is a head, or the rig that moves it."""
+    if active is None:
+        return False
+    carriers = {head.parent, *(m.object for m in head.modifiers if m.type == "ARMATURE")}
+    return active.name in {obj.name for obj in (head, *carriers) if obj is not None}
+
+
 @contextlib.contextmanager
 def quiet() -> Iterator[None]:
     """While many rows change: what they come to is shown once."""

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Landmarks that are dragged on a head with muscles: once they keep still, *Attach Muscles* runs.
+A *Preview* of the head, which that ends, begins again.
 
 Places are compared only after Blender has evaluated an empty. What an undo or a redo puts somewhere
 else is taken as it is: it brings the muscles that belong there, and no step of its own may follow.
@@ -15,7 +16,7 @@ import bpy
 from bpy.app.handlers import persistent
 from bpy.app.translations import pgettext_iface as iface_
 
-from . import editors, handlers, heads, jobs, native
+from . import control_preview, editors, handlers, heads, jobs, native
 from .job_run import Run
 
 WATCH_SECONDS, STILL_SECONDS = 0.1, 0.5
@@ -38,6 +39,7 @@ class Following:
     head: str
     places: Places  # that it has read
     run: Run
+    previewed: str = ""  # the character whose preview it ends
 
 
 _watched: dict[str, Watched] = {}
@@ -48,6 +50,7 @@ _is_stale = True  # landmarks may be elsewhere than they were last seen
 def watch() -> float:
     """The timer's callback: returns the seconds until its next call."""
     if not native.problem():
+        _show_again()
         now = time.monotonic()
         if _is_stale and (_following or not editors.is_dragging()):
             look(now)
@@ -132,7 +135,29 @@ def _attach(window: bpy.types.Window, head: bpy.types.Object) -> None:
         if reason:
             _tell(iface_(reason))
         elif jobs.running:
-            _following = Following(head.name, _watched[head.name].places, jobs.running)
+            shown = control_preview.active.name if control_preview.is_moving(head) else ""
+            _following = Following(head.name, _watched[head.name].places, jobs.running, shown)
+
+
+def _show_again() -> None:
+    """Begins the preview again that following has ended."""
+    global _following
+    done = _following
+    if done is None or done.run is jobs.running:
+        return
+    _following = None
+    character = bpy.data.objects.get(done.previewed)
+    if character is None or done.run.stop.is_set() or control_preview.active or jobs.running:
+        return
+    windows = bpy.context.window_manager.windows
+    window = next((w for w in windows if character.name in w.view_layer.objects), None)
+    if window is None:
+        return
+    with bpy.context.temp_override(window=window, active_object=character, object=character):
+        try:
+            bpy.ops.mimetic.preview_controls("INVOKE_DEFAULT")
+        except RuntimeError as error:  # reported, and by nobody shown
+            _tell(str(error).strip().removeprefix("Error: "))
 
 
 def _tell(reason: str) -> None:

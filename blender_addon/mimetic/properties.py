@@ -246,6 +246,9 @@ class MimeticFace(take_rows.HasTakes, control_rows.HasControls, bpy.types.Proper
     )
     shapes: CollectionProperty(type=MimeticShape, description="Shape keys that the face was given")
     groups: CollectionProperty(type=MimeticShape, description="Shape keys that move whole groups")
+    units: CollectionProperty(
+        type=MimeticShape, description="ARKit's shapes that the face was given"
+    )
     rest: PointerProperty(type=MimeticShape, description="What the basis was given last")
     num_keys: IntProperty(description="Shape keys after they were given last")
     subdivision: IntVectorProperty(

@@ -4,6 +4,7 @@
 import bpy
 import numpy as np
 import pytest
+from last_result import result
 from test_face_bones import acting_file, rig  # noqa: F401
 from test_own_controls import character, played  # noqa: F401
 
@@ -120,3 +121,19 @@ def test_bones_of_a_rig_are_shown_and_put_back(rig, scene, acting_file):  # noqa
     assert bpy.ops.mimetic.preview_controls() == {"FINISHED"}
     for bone in rig.pose.bones:
         np.testing.assert_allclose(np.array(bone.matrix_basis), before[bone.name], atol=1e-6)
+
+
+def test_muscles_attached_meanwhile_end_it_and_a_followed_drag_shows_it_again(extension, shown):
+    preview, dragged = extension("control_preview"), extension("dragged_landmarks")
+    assert preview.is_moving(shown)
+    following = dragged.Following(shown.name, {}, extension("job_run").Run("Attach"), shown.name)
+    dragged._following = following
+    dragged._show_again()  # Esc: the job ended and has attached nothing
+    assert preview.active is not None and dragged._following is None
+    assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+    assert "the preview has ended" in result()["message"]
+    assert preview.active is None and not shown.mimetic.before_preview
+    assert values(shown)["jawOpen"] == pytest.approx(0.125)
+    dragged._following = following
+    dragged._show_again()
+    assert preview.is_of(shown)

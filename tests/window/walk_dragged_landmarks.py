@@ -17,6 +17,7 @@ from walk import Steps, Walk, area_of, install, open_sidebar, override, start
 
 STILL = 0.8  # seconds without a job after which none begins
 NAMES = ("update undone", "drag undone", "drag redone", "update redone")
+NUM_UNITS = 52
 SMILE, SHARE = "zygomaticus_major.L", 0.5
 
 
@@ -29,9 +30,9 @@ def mark() -> bpy.types.Object:
 
 
 def offsets() -> np.ndarray:
-    """Of all muscles' keys, one after another."""
+    """Of all muscles' keys and ARKit's shapes, one after another."""
     keys, rows = head().data.shape_keys, []
-    for shape in head().mimetic.shapes:
+    for shape in (*head().mimetic.shapes, *head().mimetic.units):
         points = np.empty(3 * len(head().data.vertices), dtype=np.float32)
         keys.key_blocks[shape.name].points.foreach_get("co", points)
         rows.append(points)
@@ -81,6 +82,7 @@ def prepared(walk: Walk) -> Steps:
     bpy.context.view_layer.update()
     scenes.landmarks(walk)
     scenes.run(walk, "attach_muscles")
+    scenes.run(walk, "add_arkit_shapes")
     head().data.shape_keys.key_blocks[SMILE].value = SHARE
     head().hide_select = True  # the press means the landmark on it
     yield from open_sidebar(walk, "VIEW_3D", "Mimetic")
@@ -111,6 +113,8 @@ def follow(walk: Walk) -> Steps:
     followed = state()
     change = np.abs(followed[2] - attached[2]).max()
     walk.check("the muscles' keys have changed", change > 1e-4, f"{change:.5f} m")
+    change = np.abs(followed[2] - attached[2])[-NUM_UNITS:].max()
+    walk.check("ARKit's shapes have changed", change > 1e-4, f"{change:.5f} m")
     walk.check("nothing is lit", not followed[1])
     value = head().data.shape_keys.key_blocks[SMILE].value
     walk.check("sliders stay where they are", abs(value - SHARE) < 1e-6, value)

@@ -4,7 +4,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 from bpy.types import Operator
 
-from .. import head_parts, heads, native, scene_out
+from .. import control_preview, head_parts, heads, native, scene_out
 from ..jobs import Job
 
 
@@ -68,8 +68,8 @@ class MIMETIC_OT_add_landmarks(Job, Operator):
 
 
 class MIMETIC_OT_attach_muscles(WithParts, Job, Operator):
-    """Give the active head sliders for muscles, jaw, lids and gaze. Its landmarks are empties or
-    vertex groups with their names, or a file"""
+    """Give the active head sliders for muscles, jaw, lids and gaze; ARKit's shapes that it has from
+    here go along. Its landmarks are empties or vertex groups with their names, or a file"""
 
     bl_idname = "mimetic.attach_muscles"
     bl_label = "Attach Muscles"
@@ -86,24 +86,32 @@ class MIMETIC_OT_attach_muscles(WithParts, Job, Operator):
 
     def read(self, context):
         path = bpy.path.abspath(self.filepath) if self.filepath else ""
-        return heads.foreign_head(context.scene, heads.active_head(context), self.others), path
+        obj = heads.active_head(context)
+        has_units = scene_out.arkit.has_shapes(obj)
+        return heads.foreign_head(context.scene, obj, self.others), path, has_units
 
     def work(self, inputs, progress):
-        head, path = inputs
+        head, path, has_units = inputs
         landmarks = head.landmarks
         if path:
             from pathlib import Path
 
             landmarks = native.landmarks_file().read_landmarks(Path(path))
         face = _attached(head, landmarks, progress)
-        return None if face is None else (head, landmarks, face)
+        if face is None:
+            return None
+        units, notes = face.unit_shapes() if has_units else ((), ())
+        return head, landmarks, face, units, notes
 
     def write(self, context, result):
-        head, landmarks, face = result
+        head, landmarks, face, units, notes_of_units = result
         object_ = heads.unchanged(head)
-        attached = scene_out.foreign.attach(object_, head, landmarks, face)
+        was_shown = control_preview.is_moving(object_)
+        if was_shown:  # it was fitted to the muscles of before
+            control_preview.end()
+        attached = scene_out.foreign.attach(object_, head, landmarks, face, units)
         object_.mimetic.others = self.others
-        notes = [*face.notes, *attached.notes]
+        notes = [*face.notes, *notes_of_units, *attached.notes]
         for note in notes:
             self.report({"WARNING"}, f"{head.name}: {note}")
         num_sliders = len(face.shapes) + len(face.groups)
@@ -117,12 +125,15 @@ class MIMETIC_OT_attach_muscles(WithParts, Job, Operator):
         message = rpt_("{name} has {num_sliders} sliders: sidebar, Mimetic, Muscles").format(
             name=head.name, num_sliders=num_sliders
         )
-        remarks = (_along(attached.parts), scene_out.part_keys.of_worn(head), attached.hand_changes)
+        ended = rpt_("the preview has ended: Preview shows it anew") if was_shown else ""
+        worn = scene_out.part_keys.of_worn(head)
+        remarks = (_along(attached.parts), worn, attached.hand_changes, ended)
         return "; ".join(filter(None, (message, *remarks)))
 
 
 class MIMETIC_OT_add_arkit_shapes(WithParts, Job, Operator):
-    """Give the active head ARKit's 52 blend shapes as shape keys. Its own keys stay"""
+    """Give the active head ARKit's 52 blend shapes as shape keys. Its own keys stay; those that it
+    was given here before are made again, but for changes by hand"""
 
     bl_idname = "mimetic.add_arkit_shapes"
     bl_label = "Add ARKit Shapes"
@@ -141,32 +152,31 @@ class MIMETIC_OT_add_arkit_shapes(WithParts, Job, Operator):
         head, (shapes, notes) = result
         object_ = heads.unchanged(head)
         own_shapes, of_parts = scene_out.part_keys.split(head, shapes)
-        added, kept = scene_out.arkit.add(object_, own_shapes)
-        parts, part_notes = scene_out.part_keys.add(
-            object_, head, of_parts, dict(zip(added, added, strict=True))
-        )
+        written = scene_out.arkit.write(object_, own_shapes)
+        parts, part_notes = scene_out.part_keys.add(object_, head, of_parts, written.names)
         notes = [*notes, *part_notes]
         for note in notes:
             self.report({"WARNING"}, f"{object_.name}: {note}")
         self.facts = {
             "object": object_.name,
-            "num_sliders": len(added),
+            "num_sliders": len(written.names),
             "notes": notes,
             "parts": parts,
             "worn": list(head.worn),
         }
         message = rpt_("{name} has {count} of ARKit's shapes").format(
-            name=object_.name, count=len(added)
+            name=object_.name, count=len(written.names)
         )
         if parts:
             message += f"; {_along(parts)}"
         if worn := scene_out.part_keys.of_worn(head):
             message += f"; {worn}"
-        if kept:
+        if kept := written.kept:
             message += rpt_("; {count} keys of such names stay as they were: {names}").format(
                 count=len(kept), names=", ".join(kept[:4])
             )
-        return message
+        changes = written.hand_changes.text()
+        return f"{message}; {changes}" if changes else message
 
 
 def _along(parts: list[str]) -> str:

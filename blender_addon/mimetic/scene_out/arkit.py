@@ -3,36 +3,64 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
 import bpy
 
-from .. import native, writable
-from . import by_hand, contact
-from .face import BASIS, add_key, move_to_end, place_key
+from .. import writable
+from . import by_hand, contact, face
+from .by_hand import HandChanges, KeyState
 
 
-def add(obj: bpy.types.Object, shapes) -> tuple[list[str], list[str]]:
-    """Adds a shape key for each `mimetic.shapes.Shape` that has none of its name.
+@dataclass(frozen=True)
+class Written:
+    names: dict[str, str]  # of the keys, by shape
+    added: list[str]  # shapes of these that were not there before
+    kept: list[str]  # keys of such names that are the user's own, and stay
+    hand_changes: HandChanges = field(default_factory=HandChanges)  # that stay
 
-    Returns the names of the new ones and of those that were there before, which stay.
+
+def has_shapes(obj: bpy.types.Object) -> bool:
+    """Whether a head was given some here, and has them still."""
+    return obj.data.shape_keys is not None and bool(by_hand.look_units(obj))
+
+
+def write(obj: bpy.types.Object, shapes: Sequence) -> Written:
+    """Gives a head a shape key for each `mimetic.shapes.Shape`.
+
+    One that it was given before is written again, but for what was changed by hand.
     """
     writable.check(writable.no_shapes(obj))
     if obj.data.shape_keys is None:
-        obj.shape_key_add(name=BASIS, from_mix=False)
-    keys = obj.data.shape_keys
-    rest = contact.points_of(keys.reference_key)
+        obj.shape_key_add(name=face.BASIS, from_mix=False)
+    blocks = obj.data.shape_keys.key_blocks
     active = obj.active_shape_key_index
-    added, kept = [], []
+    states, kept, added = by_hand.look_units(obj), [], []
     for shape in shapes:
-        if shape.name in keys.key_blocks:
+        if shape.name in states:
+            continue
+        if shape.name in blocks:
             kept.append(shape.name)
             continue
-        key = add_key(obj, shape.name)
-        key.slider_min, key.slider_max = shape.lowest, shape.highest
-        place_key(key, rest + native.placement().to_object(shape.offsets))
+        face.add_key(obj, shape.name)
+        states[shape.name] = KeyState(shape.name)
         added.append(shape.name)
-    last = [entry.name for entry in obj.mimetic.groups] + [contact.KEY]
-    move_to_end(obj, [name for name in last if name in keys.key_blocks])
-    obj.active_shape_key_index = active
+    own = [shape for shape in shapes if shape.name in states]
+    written = Written({shape.name: states[shape.name].key for shape in own}, added, kept)
+    entries = face.list_shapes(obj.mimetic.units, own)
+    for entry, shape in zip(entries, own, strict=True):
+        face.write_key(obj, entry, shape, states[shape.name], written.hand_changes)
+    if added:
+        last = [entry.name for entry in obj.mimetic.groups] + [contact.KEY]
+        face.move_to_end(obj, [name for name in last if name in blocks])
+        obj.active_shape_key_index = active
     by_hand.remember_places(obj)
     obj.data.update()
-    return added, kept
+    return written
+
+
+def rewrite(obj: bpy.types.Object, shapes: Sequence) -> Written:
+    """Writes those again that the head still has of what it was given."""
+    states = by_hand.look_units(obj)
+    return write(obj, [shape for shape in shapes if shape.name in states])

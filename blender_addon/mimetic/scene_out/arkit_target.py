@@ -130,10 +130,10 @@ def _make(scene: bpy.types.Scene, head: bpy.types.Object) -> list[str]:
     face = native.foreign_face().attach_face(*own.whole, own.landmarks, own.matrix)
     shapes, notes = face.unit_shapes()
     shapes, of_parts = part_keys.split(own, shapes)
-    added, _ = arkit.add(head, shapes)
-    _, part_notes = part_keys.add(head, own, of_parts, dict(zip(added, added, strict=True)))
+    written = arkit.write(head, shapes)
+    _, part_notes = part_keys.add(head, own, of_parts, written.names)
     return [
-        rpt_("{count} shapes made of its muscles").format(count=len(added)),
+        rpt_("{count} shapes made of its muscles").format(count=len(written.added)),
         *notes,
         *part_notes,
     ]

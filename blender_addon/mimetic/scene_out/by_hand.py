@@ -58,10 +58,13 @@ class HandChanges:
 
 
 def look(face) -> dict[str, KeyState]:
-    """Shapes that the face has from before, by the name they were given."""
-    entries = entries_of(face)
-    keys = _keys_of(face, entries)
-    return {shape: _compare(face, entries[shape], key) for shape, key in keys.items()}
+    """Shapes that the face has from before, by the name they were given; none of ARKit's."""
+    return _states(face, entries_of(face))
+
+
+def look_units(face) -> dict[str, KeyState]:
+    """ARKit's shapes that the face was given before, by their names."""
+    return _states(face, units_of(face))
 
 
 def keys_now(face) -> dict[str, str]:
@@ -75,6 +78,11 @@ def entries_of(face) -> dict:
     return {entry.shape or entry.name: entry for entry in own}
 
 
+def units_of(face) -> dict:
+    """What is remembered of each of ARKit's shapes that the face was given, by its name."""
+    return {entry.shape: entry for entry in face.mimetic.units}
+
+
 def remember(entry, key, basis, offsets: np.ndarray, lowest: float, highest: float) -> None:
     """Stores with an entry what we wrote to its key, even where the key keeps a change by hand."""
     fingerprint = native.fingerprint().fingerprint
@@ -86,9 +94,11 @@ def remember(entry, key, basis, offsets: np.ndarray, lowest: float, highest: flo
 
 def remember_places(face) -> None:
     """Stores each key's position among the others."""
-    blocks = face.data.shape_keys.key_blocks
+    blocks, units = face.data.shape_keys.key_blocks, units_of(face)
+    for shape, key in _keys_of(face, units).items():
+        units[shape].name = key  # one that was renamed is not looked for by its old place any more
     places = {key.name: i for i, key in enumerate(blocks)}
-    for entry in entries_of(face).values():
+    for entry in (*entries_of(face).values(), *units.values()):
         entry.place = places.get(entry.name, -1)
     face.mimetic.num_keys = _count(blocks)
 
@@ -99,6 +109,13 @@ def is_rest_sculpted(face) -> bool:
     parts = native.fingerprint()
     is_noted = entry.place >= 0
     return is_noted and not parts.is_same(parts.fingerprint(basis), entry.points, _largest(basis))
+
+
+def _states(face, entries: dict) -> dict[str, KeyState]:
+    if not entries:
+        return {}
+    keys = _keys_of(face, entries)
+    return {shape: _compare(face, entries[shape], key) for shape, key in keys.items()}
 
 
 def _compare(face, entry, name: str) -> KeyState:
@@ -133,7 +150,8 @@ def _keys_of(face, entries: dict) -> dict[str, str]:
     if not missing:
         return keys
     basis = points_of(face.data.shape_keys.reference_key)
-    used_names = {face.data.shape_keys.reference_key.name, KEY, *keys.values()}
+    known = (*entries_of(face).values(), *units_of(face).values())
+    used_names = {face.data.shape_keys.reference_key.name, KEY, *(entry.name for entry in known)}
     places = {blocks.find(keys[s]): entries[s].place for s in keys if entries[s].place >= 0}
     for shape, entry in missing.items():
         if entry.place < 0:

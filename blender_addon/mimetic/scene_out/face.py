@@ -98,11 +98,11 @@ def set_shapes(face, neutral_vertices, shapes, groups, is_reset: bool = False) -
     _add_missing(face, states, shapes, groups)
     for name in left:  # only now: to add keys evaluates curves of before
         keys.key_blocks[name].value = 0.0
-    entries = _list(face.mimetic.shapes, shapes), _list(face.mimetic.groups, groups)
+    entries = list_shapes(face.mimetic.shapes, shapes), list_shapes(face.mimetic.groups, groups)
     new_keys = set()
     for of_kind, new_shapes in zip(entries, (shapes, groups), strict=True):
         for entry, shape in zip(of_kind, new_shapes, strict=True):
-            new_keys |= _write(face, entry, shape, states[shape.name], hand_changes)
+            new_keys |= write_key(face, entry, shape, states[shape.name], hand_changes)
     if shift.any():  # other keys go along with the rest, as when it is sculpted
         for key in keys.key_blocks:
             if key != keys.reference_key and key.name not in new_keys:
@@ -201,7 +201,7 @@ def move_to_end(face, names: list[str]) -> None:
     face.active_shape_key_index = max(blocks.find(active), 0)
 
 
-def _write(face, entry, shape, state: KeyState, hand_changes: HandChanges) -> set[str]:
+def write_key(face, entry, shape, state: KeyState, hand_changes: HandChanges) -> set[str]:
     """Gives a shape's key points and limits; returns the key's name if it has new points."""
     keys = face.data.shape_keys
     key, basis = keys.key_blocks[state.key], contact.points_of(keys.reference_key)
@@ -227,7 +227,8 @@ def _write(face, entry, shape, state: KeyState, hand_changes: HandChanges) -> se
     return {key.name}
 
 
-def _list(entries, shapes):
+def list_shapes(entries, shapes):
+    """Makes a face's list that of these shapes, and returns it."""
     entries.clear()
     for shape in shapes:
         entry = entries.add()

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from .. import head_parts, native, world, writable
-from . import by_hand, face, part_keys
+from . import arkit, by_hand, face, part_keys
 
 SIZE = 0.006  # m, of an empty
 MOST_FOLLOWED = 100_000  # vertices; more take longer than 5 s (docs/measured/characters.md)
@@ -39,20 +39,26 @@ def add(context, head: bpy.types.Object, places: Mapping, doubtful: Sequence) ->
         context.collection.objects.link(mark)
 
 
-def attach(obj: bpy.types.Object, head, landmarks: Mapping, muscles) -> Attached:
+def attach(
+    obj: bpy.types.Object, head, landmarks: Mapping, muscles, units: Sequence = ()
+) -> Attached:
     """Shape keys of a `mimetic.foreign_face.ForeignFace`; remembers what it was made from.
 
-    head: heads.ForeignHead; its parts get the keys that move them.
+    head: heads.ForeignHead; its parts get the keys that move them. units: ARKit's shapes by the
+    same landmarks, for those that the head was given before.
     """
     writable.check(writable.no_shapes(obj))
     to_head = native.placement().to_head
     obj.mimetic.use_contact = True
-    shapes, of_parts = part_keys.split(head, [*muscles.shapes, *muscles.groups])
-    count = len(muscles.shapes)
-    hand_changes = face.set_shapes(obj, to_head(head.points), shapes[:count], shapes[count:]).text()
+    own = [*muscles.shapes, *muscles.groups]
+    shapes, of_parts = part_keys.split(head, [*own, *units])
+    sliders, groups = shapes[: len(muscles.shapes)], shapes[len(muscles.shapes) : len(own)]
+    hand_changes = face.set_shapes(obj, to_head(head.points), sliders, groups)
+    written = arkit.rewrite(obj, shapes[len(own) :])
+    hand_changes.things += written.hand_changes.things
     part_keys.remove(obj, head_parts.forgotten(obj, head.parts))
     head_parts.remember(obj, head.parts)
-    moved, notes = part_keys.add(obj, head, of_parts, by_hand.keys_now(obj))
+    moved, notes = part_keys.add(obj, head, of_parts, by_hand.keys_now(obj) | written.names)
     obj.mimetic.metres_from_object = np.asarray(head.matrix, dtype=np.float64).ravel().tolist()
     stored_landmarks = obj.mimetic.landmarks
     if not len(stored_landmarks):  # later it is as the user has it
@@ -64,7 +70,7 @@ def attach(obj: bpy.types.Object, head, landmarks: Mapping, muscles) -> Attached
         mark.vertex = int(place) if np.ndim(place) == 0 else -1
         if mark.vertex < 0:
             mark.place = [float(x) for x in place]
-    return Attached(hand_changes, moved, notes)
+    return Attached(hand_changes.text(), moved, notes)
 
 
 def _vector(place):

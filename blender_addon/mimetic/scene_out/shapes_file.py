@@ -28,19 +28,21 @@ def write(out: str, file: str, name: str, landmarks_path: str | None) -> str:
     face = parts.attach_face(*own.whole, own.landmarks, own.matrix)
     shapes, notes = face.unit_shapes()
     shapes, of_parts = part_keys.split(own, shapes)
-    added, kept = arkit.add(head, shapes)
-    moved, part_notes = part_keys.add(head, own, of_parts, dict(zip(added, added, strict=True)))
+    written = arkit.write(head, shapes)
+    moved, part_notes = part_keys.add(head, own, of_parts, written.names)
     if Path(out).suffix == ".glb":
         gltf.export(scene, out, head, is_animated=False)
     else:
         rig_file.save(Path(out).absolute())
-    text = f"{len(added)} of ARKit's shapes on {name}"
+    text = f"{len(written.names)} of ARKit's shapes on {name}"
     if moved:
         text += f"; {', '.join(moved)} moved along"
     if worn := part_keys.of_worn(own):
         text += f"; {worn}"
-    if kept:
-        text += f"; {len(kept)} keys of such names stay as they were"
+    if written.kept:
+        text += f"; {len(written.kept)} keys of such names stay as they were"
+    if changes := written.hand_changes.text():
+        text += f"; {changes}"
     return "; ".join(filter(None, (text, remark, *face.notes, *notes, *part_notes)))
 
 
