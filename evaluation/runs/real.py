@@ -21,11 +21,18 @@ from evaluation.runs.real_events import saturation, score_events
 from evaluation.runs.real_labels import CLIPS, Labels, footage_of, read_labels
 from evaluation.runs.real_methods import by_capture, by_face_mesh, by_fit, by_networks
 from evaluation.runs.real_noise import SHRUNK, Sightings, sightings
-from evaluation.runs.real_score import FEATURES, RealScore, score_places
+from evaluation.runs.real_photographs import faces_texts, read_images, score_photographs
+from evaluation.runs.real_score import (
+    AGAIN,
+    FACE_MESH,
+    FEATURES,
+    FIRST_FIT,
+    RealScore,
+    score_places,
+)
 from evaluation.runs.real_still import crops_of, in_crops, jitter, still_runs, with_frames
 
-OURS, FACE_MESH, NETWORKS = "capture", "MediaPipe, refined", "its networks, our crops"
-FIRST_FIT, AGAIN = "first fit", "marked again"
+OURS, NETWORKS = "capture", "its networks, our crops"
 CELL = 14
 Report = Callable[[str], None]
 
@@ -52,12 +59,15 @@ def score_real(
 
 
 def score_fits(report: Report) -> Iterator[tuple[list[RealScore], list[Sightings]]]:
-    """Clip by clip, the head fitted to each marked frame by itself. Raises InvalidInput."""
+    """Clip by clip, the head fitted to each marked frame by itself; then the same on photographs,
+    beside MediaPipe. Raises InvalidInput."""
     films = [Footage(footage_of(clip)) for clip in CLIPS]
+    images = read_images()
     for clip, footage in zip(CLIPS, films, strict=True):
         labels = read_labels(clip)
         report(f"{clip}: fit, {len(labels.frame)} frames")
         yield [score_places(labels, FIRST_FIT, by_fit(labels, footage)), *_repeated(labels)], []
+    yield score_photographs(images, face_mesh_python(report), report), []
 
 
 def score_clip(
@@ -124,7 +134,10 @@ def _with_gaps(places: NDArray[np.float64], like: NDArray[np.float64]) -> NDArra
 
 
 def clip_text(scores: list[RealScore]) -> str:
-    """Three tables of one clip: errors, how much of them is this person's own bias, and jitter."""
+    """Three tables of one clip: errors, how much of them is this person's own bias, and jitter.
+
+    Of photographs two more: face by face, and point by point.
+    """
     errors = {score.method: _row(score, "median", "p90") for score in scores}
     for score in scores:
         errors[score.method] |= {"told": score.lips_told, "seen": score.seen}
@@ -141,6 +154,7 @@ def clip_text(scores: list[RealScore]) -> str:
             ),
             text_table(f"{clip}: jitter where still", features, jitters, CELL),
             *scores[0].events.values(),
+            *faces_texts(scores),
         )
     )
 

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import contextlib
 import csv
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -53,19 +55,31 @@ def read_labels(clip: str, second: bool = False) -> Labels | None:
     path = FOLDER / f"{clip}{'.second' if second else ''}.csv"
     if second and not path.exists():
         return None
+    with marking(path) as rows:
+        frame = np.array([int(row["frame"]) for row in rows])
+        labels = Labels(clip, frame, *marks(rows))
+    if len(rows) == 0 or (np.diff(frame) <= 0).any():
+        raise InvalidInput(f"{path}: frames must rise from row to row")
+    return labels
+
+
+@contextlib.contextmanager
+def marking(path: Path) -> Iterator[list[dict[str, str]]]:
+    """The rows of a table; what is wrong in them is raised as InvalidInput."""
     with open(path, newline="", encoding="utf-8") as stream:
         rows = list(csv.DictReader(stream))
     try:
-        frame = np.array([int(row["frame"]) for row in rows])
-        places = [
-            [[_number(row[f"{name}.{axis}"]) for axis in "xy"] for name in POINTS] for row in rows
-        ]
-        touch = [_number(row["lips_touch"]) for row in rows]
+        yield rows
     except (KeyError, TypeError, ValueError) as error:
         raise InvalidInput(f"{path}: {error}; evaluation/real/README.md has the columns") from None
-    if len(rows) == 0 or (np.diff(frame) <= 0).any():
-        raise InvalidInput(f"{path}: frames must rise from row to row")
-    return Labels(clip, frame, np.array(places), np.array(touch))
+
+
+def marks(rows: list[dict[str, str]]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """N x POINTS x 2, pixels; N, 1 where lips touch. Raises KeyError, TypeError, ValueError."""
+    places = [
+        [[_number(row[f"{name}.{axis}"]) for axis in "xy"] for name in POINTS] for row in rows
+    ]
+    return np.array(places), np.array([_number(row["lips_touch"]) for row in rows])
 
 
 def footage_of(clip: str) -> Path:

@@ -6,7 +6,7 @@ from __future__ import annotations
 import contextlib
 import subprocess
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -66,18 +66,21 @@ def by_capture(labels: Labels, performance: Performance) -> NDArray[np.float64]:
 
 def by_fit(labels: Labels, footage: Footage) -> NDArray[np.float64]:
     """N x POINTS x 2 of the head fitted to each frame by itself; nan where none fits."""
+    return np.stack([fitted_points(footage.read(int(n)), int(n)) for n in labels.frame])
+
+
+def fitted_points(image: NDArray[np.uint8], frame: int = 1) -> NDArray[np.float64]:
+    """POINTS x 2 of the head fitted to one picture (H x W x 3); nan where none fits."""
     template = load_template()
     on_limit, skin = limit_positions(template), template.num_skin_vertices
-    places = np.full((len(labels.frame), len(POINTS), 2), np.nan)
-    for row, frame in enumerate(labels.frame):
-        with contextlib.suppress(NoFace):
-            alone = find_face(np.ascontiguousarray(footage.read(int(frame))), int(frame))
-            fit = with_lines(alone, (), template)
-            head = fit.neutral_vertices(template)
-            irises = iris_fronts(head, template)
-            head[:skin] = on_limit(head[:skin])
-            places[row, ON_SKIN] = fit.camera.pixels(head[head_points(template)], fit.head_pose)
-            places[row, IRISES] = fit.camera.pixels(irises, fit.head_pose)
+    places = np.full((len(POINTS), 2), np.nan)
+    with contextlib.suppress(NoFace):
+        fit = with_lines(find_face(np.ascontiguousarray(image), frame), (), template)
+        head = fit.neutral_vertices(template)
+        irises = iris_fronts(head, template)
+        head[:skin] = on_limit(head[:skin])
+        places[ON_SKIN] = fit.camera.pixels(head[head_points(template)], fit.head_pose)
+        places[IRISES] = fit.camera.pixels(irises, fit.head_pose)
     return places
 
 
@@ -119,15 +122,29 @@ def run_face_mesh(footage: Footage, python: Path, last: int | None = None) -> ND
 
     python: of scripts/face_mesh_env. Raises InvalidInput.
     """
+    frames = footage.frames(1, last or footage.num_frames)
+    return _meshes(python, *footage.size, images=(image for _, image in frames))
+
+
+def face_meshes_of_stills(images: Sequence[NDArray[np.uint8]], python: Path) -> NDArray[np.float64]:
+    """N x 478 x 2 pixels of the same mesh in its mode for stills: each picture by itself."""
+    sizes = [side for image in images for side in image.shape[1::-1]]
+    return _meshes(python, "--stills", *sizes, images=images)
+
+
+def _meshes(
+    python: Path, *arguments: str | int, images: Iterable[NDArray[np.uint8]]
+) -> NDArray[np.float64]:
+    """What face_mesh_landmarks.py says of the images that it is fed."""
     script = CHECKOUT / "evaluation" / "real" / "face_mesh_landmarks.py"
     with tempfile.TemporaryDirectory() as folder:
         out = Path(folder) / "out.npy"
-        command = [str(word) for word in (python, script, *footage.size, out)]
+        command = [str(word) for word in (python, script, out, *arguments)]
         run = subprocess.Popen(
             command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE
         )
-        with run, tempfile.TemporaryFile():
-            for _, image in footage.frames(1, last or footage.num_frames):
+        with run:
+            for image in images:
                 run.stdin.write(np.ascontiguousarray(image).tobytes())
             run.stdin.close()
             errors = run.stderr.read().decode(errors="replace")

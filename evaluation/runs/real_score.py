@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,8 @@ FEATURES = {
     "outer lips": ("lip_outer_upper", "lip_outer_lower"),
     "inner lips": ("lip_inner_upper", "lip_inner_lower"),
 }
+# Methods, as the tables call them
+FACE_MESH, FIRST_FIT, AGAIN = "MediaPipe, refined", "first fit", "marked again"
 APART = 2.0  # % of the interpupillary distance between inner lips from which they count as parted
 
 
@@ -35,6 +37,10 @@ class RealScore:
     lips_told: float = math.nan  # share of the frames in which lips are rightly apart or touching
     seen: float = math.nan  # share of the marked points that the method has a place for
     events: dict[str, str] = field(default_factory=dict)  # of a capture: by kind, how many it finds
+    # Of photographs, each of another person: mean error by face and feature, and by point how far
+    # it lies off on the mean: toward the subject's left, and down
+    faces: dict[str, dict[str, float]] = field(default_factory=dict)
+    points: dict[str, tuple[float, float]] = field(default_factory=dict)
 
 
 def score_places(
@@ -48,9 +54,7 @@ def score_places(
     off = in_face_frame(labels, places - labels.places)
     figures = {}
     for feature, names in FEATURES.items():
-        errors = off[:, [POINTS.index(name) for name in names]]
-        if feature in ACROSS_EYE + ACROSS_MOUTH:
-            errors = errors[..., 1:]
+        errors = _errors(off, feature)
         figures[feature] = _figures(errors)
         if jitter is not None:
             spread = jitter[[POINTS.index(name) for name in names], 2 - errors.shape[2] :]
@@ -64,6 +68,29 @@ def score_places(
         _lips_told(labels, places),
         float(has[is_marked].mean()),
     )
+
+
+def with_faces(
+    score: RealScore, names: list[str], labels: Labels, places: NDArray[np.float64]
+) -> RealScore:
+    """The score with what photographs (N names) tell beside it: face by face, point by point."""
+    off = in_face_frame(labels, places - labels.places)
+    faces: dict[str, dict[str, float]] = {name: {} for name in names}
+    for feature in FEATURES:
+        sizes = np.linalg.norm(_errors(off, feature), axis=2)
+        for name, of_face in zip(names, sizes, strict=True):
+            known = of_face[np.isfinite(of_face)]
+            faces[name][feature] = float(known.mean()) if len(known) else math.nan
+    known = np.isfinite(off)
+    means = np.where(known, off, 0).sum(axis=0) / np.maximum(1, known.sum(axis=0))
+    points = {name: (float(x), float(y)) for name, (x, y) in zip(POINTS, means, strict=True)}
+    return replace(score, faces=faces, points=points)
+
+
+def _errors(off: NDArray[np.float64], feature: str) -> NDArray[np.float64]:
+    """N x a feature's points x what is counted of them."""
+    errors = off[:, [POINTS.index(name) for name in FEATURES[feature]]]
+    return errors[..., 1:] if feature in ACROSS_EYE + ACROSS_MOUTH else errors
 
 
 def in_face_frame(labels: Labels, off: NDArray[np.float64]) -> NDArray[np.float64]:
