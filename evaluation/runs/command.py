@@ -125,7 +125,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--first-fit",
         action="store_true",
-        help="real: fit the head to each marked frame by itself, instead of capturing",
+        help="real: fit the head to each marked frame and photograph alone, instead of capturing",
     )
 
 
