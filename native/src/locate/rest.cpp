@@ -34,10 +34,10 @@ constexpr double kLeastRest = .1;      // of the best frame's score: below, a fa
 
 // By what moves, chosen on `mimetic evaluate rest --set tuning`; scores and detail weigh more than is best
 // there (.89 at rest, .94 with less than half), as real clips have blurred and covered faces.
-constexpr double kSameState = .1;     // activation by which a state that recurs differs
+constexpr double kSameState = .13;    // activation by which a state that recurs differs
 constexpr double kRelaxed = .2;       // of a clip's frames have less of a value than its relaxed ones
 constexpr double kPerExcess = .5;     // cost of an activation above that
-constexpr double kPerLid = 3;         // cost of a lid's way to shut, beyond what a look aside takes
+constexpr double kPerLid = 5;         // cost of a lid's way to shut, beyond what a look aside takes
 constexpr double kLidAtRest = .25;    // of it, beside its place in the more open frames
 constexpr double kOpenLid = .25;      // of a clip's frames are these: somebody may weep for half of it
 constexpr double kPerScore = .75;     // of the logarithm of rest_score

@@ -6,7 +6,8 @@
 
 namespace mimetic {
 
-/// Where an opening's lines are compared: K places, on every line the same shares of its way.
+/// Where an opening's lines are compared: K places, on every line the same shares of its way, and a mouth's
+/// two corners on its first.
 struct LinePlace {
     int line;
     double along;  ///< -.5 at the first corner to .5 at the second

@@ -89,11 +89,11 @@ TEST(Rest, FramesAlikeAreCountedWithTheFrameItself) {
 
 TEST(Rest, CostsCountWhatIsAboveTheRelaxedFramesAndWhatDoesNotRecur) {
     MatrixRows values = MatrixRows::Zero(10, 2);
-    values.col(0) << 0, 0, 0, 0, .5, .5, .5, .5, .2, .8;
+    values.col(0) << 0, 0, 0, 0, .9, .9, .9, .9, .45, 1.4;
     const Eigen::VectorXd all = Eigen::VectorXd::Ones(10);
     const MatrixRows open = MatrixRows::Zero(10, 2);
     const Eigen::VectorXd costs = costs_of_rest(values, open, all, all);
-    EXPECT_NEAR(costs[4] - costs[0], .25, .05);  // .5 of a value at .5 each; both recur alike
+    EXPECT_NEAR(costs[4] - costs[0], .45, .05);  // .9 of a value at .5 each; both recur alike
     EXPECT_GT(costs[8] - costs[0], std::log(2.));
     EXPECT_THROW(costs_of_rest(values, open, all.head(9), all), InvalidInput);
 }

@@ -190,6 +190,26 @@ TEST(FeatureEvidence, ShutsLipsThatTouchInTheReferenceFrame) {
     EXPECT_EQ(evidence.reference().values[1], 0);           // the jaw is at rest
 }
 
+TEST(FeatureEvidence, SeesACornerOfTheMouthThatRisesAlone) {
+    Mouth mouth;
+    FaceMotion& motion = mouth.scene.motion;
+    motion.modes.row(0).setZero();  // a smile on one side
+    for (int line = 0; line < 4; ++line) {
+        motion.modes(0, 3 * line * Mouth::kPoints + 1) = .008;
+    }
+    std::vector<SeenOpening> seen = mouth.scene.see(Eigen::Vector2d::Zero());
+    mouth.scene.inputs.source = [&](const ColorView&, const Eigen::Isometry3d&) { return seen; };
+    const TrackedFace face(mouth.scene.camera, mouth.scene.surface, motion, TrackerOptions{});
+    const FaceState rest{mouth.scene.camera_from_head, Eigen::VectorXd::Zero(2)};
+    FeatureEvidence evidence(face, mouth.scene.inputs, ColorView{}, cv::Mat1b(), rest);
+    seen = mouth.scene.see(Eigen::Vector2d(.5, 0));
+    evidence.look(ColorView{}, cv::Mat1b(), rest);
+    const StepPrior terms = evidence.terms(rest);
+    EXPECT_NEAR(terms.gradient[6] / terms.information(6, 6), .5, .05);
+    constexpr double kByValue = .008 / .063;
+    EXPECT_LT(kByValue / std::sqrt(terms.information(6, 6)), .03);
+}
+
 /// Standard deviation of the slit's width by the lines alone, when lips are at `values`, in pupil distances.
 double slit_std(const Eigen::Vector2d& values, int jaw = -1) {
     Mouth mouth;
