@@ -37,10 +37,7 @@ CELL = 14
 
 @dataclass(frozen=True)
 class Photograph:
-    """One face: a picture, and which part of it the methods are shown where it has several.
-
-    A part may go over the picture's edges, which go on outside of it.
-    """
+    """One face: a picture, and which part of it the methods are shown where it has several."""
 
     picture: str
     box: tuple[int, int, int, int] | None = None  # SIDES, the last two excluded
@@ -48,8 +45,7 @@ class Photograph:
     @property
     def name(self) -> str:
         """What the tables call it."""
-        is_part = self.box is not None and self.box[0] > 0
-        return f"{self.picture} from x = {self.box[0]}" if is_part else self.picture
+        return f"{self.picture} from x = {self.box[0]}" if self.box else self.picture
 
     @property
     def corner(self) -> NDArray[np.float64]:
@@ -65,14 +61,10 @@ class Photograph:
             raise InvalidInput(f"{self.picture} is not there; run scripts/fetch_footage --stills")
         with Image.open(path) as opened:
             picture = np.asarray(opened.convert("RGB"))
-        return picture if self.box is None else part_of(picture, self.box)
-
-
-def part_of(picture: NDArray[np.uint8], box: tuple[int, int, int, int]) -> NDArray[np.uint8]:
-    """What lies in the box (SIDES); outside of the picture its edges go on."""
-    left, top, right, bottom = box
-    rows = np.arange(top, bottom).clip(0, picture.shape[0] - 1)
-    return picture[rows[:, None], np.arange(left, right).clip(0, picture.shape[1] - 1)]
+        if self.box is None:
+            return picture
+        left, top, right, bottom = self.box
+        return picture[top:bottom, left:right]
 
 
 def read_photographs(second: bool = False) -> tuple[list[Photograph], Labels]:
@@ -90,7 +82,7 @@ def _box(row: dict[str, str]) -> tuple[int, int, int, int] | None:
     if not row["left"]:
         return None
     left, top, right, bottom = (int(row[side]) for side in SIDES)
-    if left >= right or top >= bottom:
+    if not (0 <= left < right and 0 <= top < bottom):
         raise ValueError(f"{row['picture']} has an empty box")
     return left, top, right, bottom
 

@@ -11,6 +11,7 @@
 
 #include "locate/eyes.hpp"
 #include "locate/measure.hpp"
+#include "locate/widened.hpp"
 #include "shared/gray.hpp"
 
 namespace mimetic {
@@ -31,6 +32,7 @@ constexpr double kPlain = 0.75;              // likelihood of a cascade's face, 
 constexpr double kEyesAgree = 0.2;           // pupil distances
 constexpr double kSure = 0.8;                // likelihood above which no other lean is tried
 constexpr double kLean = 0.436;              // radians: what upright searches miss
+constexpr double kFilling = 0.4;             // of a widened picture's shorter side: a face that fills it
 
 std::unique_ptr<cv::CascadeClassifier> load(const std::string& directory, const char* name) {
     const std::string path = directory + "/haarcascade_" + name + ".xml";
@@ -268,6 +270,19 @@ FaceLocator& FaceLocator::operator=(FaceLocator&&) noexcept = default;
 
 std::vector<FaceFeatures> FaceLocator::locate(ColorView image) const {
     check_image_size(image.rows, image.cols, "image");
+    std::vector<FaceFeatures> found = search(image, options_);
+    if (found.empty()) {
+        const locate::Widened wide(image);
+        LocateOptions filling = options_;
+        filling.smallest_face = std::max(filling.smallest_face, kFilling);
+        for (FaceFeatures& face : search(wide.view(), filling)) {
+            found.push_back(wide.in_picture(std::move(face)));
+        }
+    }
+    return found;
+}
+
+std::vector<FaceFeatures> FaceLocator::search(ColorView image, const LocateOptions& options) const {
     const cv::Mat gray = to_gray(image);
     const auto surest = [](const std::vector<FaceFeatures>& faces) {
         double likelihood = 0;
@@ -275,14 +290,14 @@ std::vector<FaceFeatures> FaceLocator::locate(ColorView image) const {
         return likelihood;
     };
     const auto is_sure = [&](const std::vector<FaceFeatures>& faces) {
-        return !faces.empty() && surest(faces) >= (finder_ ? kSure : options_.least_likelihood);
+        return !faces.empty() && surest(faces) >= (finder_ ? kSure : options.least_likelihood);
     };
     const auto leant_by = [&](double roll, Cascades& cascades) {
         const Upright seen(gray, roll);
         const std::vector<Candidate> boxes =
-            cascades.boxes(seen.gray, options_.smallest_face, finder_ ? 1 : kNeighbours);
-        std::vector<FaceFeatures> here = cascades.locate(image, seen, options_, boxes);
-        if (finder_) here = together(cascades.locate(image, gray, seen, options_, boxes, *finder_), here);
+            cascades.boxes(seen.gray, options.smallest_face, finder_ ? 1 : kNeighbours);
+        std::vector<FaceFeatures> here = cascades.locate(image, seen, options, boxes);
+        if (finder_) here = together(cascades.locate(image, gray, seen, options, boxes, *finder_), here);
         return here;
     };
     std::unique_ptr<CascadePairs::Pair> pair = cascades_->take();

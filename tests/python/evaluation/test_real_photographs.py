@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 from mimetic import InvalidInput
+from PIL import Image
 
 from evaluation.runs import real_photographs
 from evaluation.runs.real import clip_text
@@ -12,7 +13,6 @@ from evaluation.runs.real_photographs import (
     Photograph,
     faces_texts,
     marked_again,
-    part_of,
     read_photographs,
     score_photographs,
 )
@@ -58,12 +58,14 @@ def test_a_second_marking_agrees_with_the_first():
         assert figures["median"] < 2, feature
 
 
-def test_a_part_goes_on_as_the_pictures_edge_does():
-    picture = np.arange(12, dtype=np.uint8).reshape(2, 2, 3)
-    part = part_of(picture, (-1, 1, 2, 3))
-    assert part.shape == (2, 3, 3)
-    np.testing.assert_array_equal(part[0], picture[1, [0, 0, 1]])
-    np.testing.assert_array_equal(part[1], part[0])
+def test_of_a_picture_with_several_faces_a_part_is_shown(tmp_path, monkeypatch):
+    monkeypatch.setattr(real_photographs, "PICTURES", tmp_path)
+    picture = np.arange(36, dtype=np.uint8).reshape(3, 4, 3)
+    Image.fromarray(picture).save(tmp_path / "two.png")
+    np.testing.assert_array_equal(Photograph("two.png").read(), picture)
+    part = Photograph("two.png", (1, 0, 3, 2))
+    np.testing.assert_array_equal(part.read(), picture[:2, 1:3])
+    assert (part.name, part.corner.tolist()) == ("two.png from x = 1", [1, 0])
 
 
 def test_a_photograph_that_was_not_fetched_is_named_with_what_fetches_it(tmp_path, monkeypatch):
@@ -73,7 +75,13 @@ def test_a_photograph_that_was_not_fetched_is_named_with_what_fetches_it(tmp_pat
 
 
 @pytest.mark.parametrize(
-    ("box", "says"), [("5,0,5,9", "empty box"), ("5,,9,9", "invalid literal"), (",,,", "one row")]
+    ("box", "says"),
+    [
+        ("5,0,5,9", "empty box"),
+        ("-5,0,5,9", "empty box"),
+        ("5,,9,9", "invalid literal"),
+        (",,,", "one row"),
+    ],
 )
 def test_a_table_with_a_wrong_row_is_refused(box, says, tmp_path, monkeypatch):
     head, first = (real_photographs.FOLDER / "stills.csv").read_text().splitlines()[:2]

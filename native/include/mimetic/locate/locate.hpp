@@ -60,12 +60,15 @@ public:
     FaceLocator& operator=(FaceLocator&&) noexcept;
 
     /// Every face, the largest first; from several threads at once if need be. A grey image comes as three
-    /// equal channels.
+    /// equal channels. Where there is none, one that fills the image is looked for, whose box may go beyond.
     std::vector<FaceFeatures> locate(ColorView image) const;
 
 private:
     struct Cascades;
     struct CascadePairs;
+
+    std::vector<FaceFeatures> search(ColorView image, const LocateOptions& options) const;
+
     std::unique_ptr<CascadePairs> cascades_;
     std::unique_ptr<FaceFinder> finder_;  // empty: cascades alone
     LocateOptions options_;
