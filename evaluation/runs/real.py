@@ -28,6 +28,7 @@ from evaluation.runs.real_score import (
     FEATURES,
     FIRST_FIT,
     RealScore,
+    score_again,
     score_places,
 )
 from evaluation.runs.real_still import crops_of, in_crops, jitter, still_runs, with_frames
@@ -126,11 +127,7 @@ def _marked_again(labels: Labels, again: Labels) -> RealScore:
     """How far a second marking is from the first, where there are both."""
     both = np.isin(labels.frame, again.frame)
     first, second = labels.rows(both), again.rows(np.isin(again.frame, labels.frame))
-    return score_places(first, AGAIN, _with_gaps(second.places, first.places))
-
-
-def _with_gaps(places: NDArray[np.float64], like: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.where(np.isfinite(like), places, np.nan)
+    return score_again(first, second.places)
 
 
 def clip_text(scores: list[RealScore]) -> str:

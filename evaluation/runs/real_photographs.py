@@ -19,11 +19,11 @@ from evaluation.runs.real_methods import (
     fitted_points,
 )
 from evaluation.runs.real_score import (
-    AGAIN,
     FACE_MESH,
     FEATURES,
     FIRST_FIT,
     RealScore,
+    score_again,
     score_places,
     with_faces,
 )
@@ -120,8 +120,7 @@ def marked_again(faces: list[Photograph], labels: Labels) -> RealScore:
     again, second = read_photographs(second=True)
     first = labels.rows(np.array([face in again for face in faces]))
     order = [again.index(face) for face in faces if face in again]
-    places = np.where(np.isfinite(first.places), second.places[order], np.nan)
-    return score_places(first, AGAIN, places)
+    return score_again(first, second.places[order])
 
 
 def faces_texts(scores: list[RealScore]) -> list[str]:

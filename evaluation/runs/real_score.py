@@ -70,6 +70,11 @@ def score_places(
     )
 
 
+def score_again(labels: Labels, second: NDArray[np.float64]) -> RealScore:
+    """How far a second marking (N x POINTS x 2) is from the first, where there are both."""
+    return score_places(labels, AGAIN, np.where(np.isfinite(labels.places), second, np.nan))
+
+
 def with_faces(
     score: RealScore, names: list[str], labels: Labels, places: NDArray[np.float64]
 ) -> RealScore:

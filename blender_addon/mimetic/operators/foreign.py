@@ -87,7 +87,7 @@ class MIMETIC_OT_attach_muscles(WithParts, Job, Operator):
     def read(self, context):
         path = bpy.path.abspath(self.filepath) if self.filepath else ""
         obj = heads.active_head(context)
-        has_units = scene_out.arkit.has_shapes(obj)
+        has_units = len(obj.mimetic.units) > 0
         return heads.foreign_head(context.scene, obj, self.others), path, has_units
 
     def work(self, inputs, progress):

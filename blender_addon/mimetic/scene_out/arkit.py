@@ -21,15 +21,11 @@ class Written:
     hand_changes: HandChanges = field(default_factory=HandChanges)  # that stay
 
 
-def has_shapes(obj: bpy.types.Object) -> bool:
-    """Whether a head was given some here, and has them still."""
-    return obj.data.shape_keys is not None and bool(by_hand.look_units(obj))
-
-
-def write(obj: bpy.types.Object, shapes: Sequence) -> Written:
+def write(obj: bpy.types.Object, shapes: Sequence, adds: bool = True) -> Written:
     """Gives a head a shape key for each `mimetic.shapes.Shape`.
 
-    One that it was given before is written again, but for what was changed by hand.
+    One that it was given before is written again, but for what was changed by hand. adds: others
+    are made, too.
     """
     writable.check(writable.no_shapes(obj))
     if obj.data.shape_keys is None:
@@ -38,7 +34,7 @@ def write(obj: bpy.types.Object, shapes: Sequence) -> Written:
     active = obj.active_shape_key_index
     states, kept, added = by_hand.look_units(obj), [], []
     for shape in shapes:
-        if shape.name in states:
+        if shape.name in states or not adds:
             continue
         if shape.name in blocks:
             kept.append(shape.name)
@@ -58,9 +54,3 @@ def write(obj: bpy.types.Object, shapes: Sequence) -> Written:
     by_hand.remember_places(obj)
     obj.data.update()
     return written
-
-
-def rewrite(obj: bpy.types.Object, shapes: Sequence) -> Written:
-    """Writes those again that the head still has of what it was given."""
-    states = by_hand.look_units(obj)
-    return write(obj, [shape for shape in shapes if shape.name in states])

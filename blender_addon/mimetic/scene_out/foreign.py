@@ -54,7 +54,7 @@ def attach(
     shapes, of_parts = part_keys.split(head, [*own, *units])
     sliders, groups = shapes[: len(muscles.shapes)], shapes[len(muscles.shapes) : len(own)]
     hand_changes = face.set_shapes(obj, to_head(head.points), sliders, groups)
-    written = arkit.rewrite(obj, shapes[len(own) :])
+    written = arkit.write(obj, shapes[len(own) :], adds=False)
     hand_changes.things += written.hand_changes.things
     part_keys.remove(obj, head_parts.forgotten(obj, head.parts))
     head_parts.remember(obj, head.parts)
