@@ -53,6 +53,16 @@ def test_a_range_gives_the_same_frames_as_the_whole(tmp_path, first, last):
     np.testing.assert_array_equal(footage.read(first), whole[first])
 
 
+def test_a_frame_read_again_is_not_decoded_again_and_may_be_written_on(tmp_path, monkeypatch):
+    footage = Footage(make_numbered_clip(tmp_path / "a.mp4"))
+    first, second = footage.read(7), footage.read(8)
+    second_again = second.copy()
+    monkeypatch.setattr(Footage, "frames", lambda *_: pytest.fail("decoded"))
+    footage.read(8)[:] = 0
+    np.testing.assert_array_equal(footage.read(8), second_again)
+    assert (first != second).any()
+
+
 def test_rotation_flags_are_applied(tmp_path):
     make_clip(tmp_path / "a.mp4", size="96x48")
     ffmpeg("-display_rotation", "90", "-i", tmp_path / "a.mp4", "-c", "copy", tmp_path / "b.mp4")

@@ -4,7 +4,7 @@
 import threading
 
 import pytest
-from mimetic.shared.parallel import THREADS, both, in_turn
+from mimetic.shared.parallel import THREADS, both, in_turn, side_by_side
 
 
 def test_two_works_meet_while_both_run():
@@ -53,6 +53,38 @@ def test_no_more_items_are_held_than_there_are_threads():
     assert most <= THREADS
 
 
+def test_two_go_on_at_the_same_time_and_come_in_turn():
+    meeting = threading.Barrier(2, timeout=20)
+
+    def items(letter, count):
+        for i in range(count):
+            if i < 2:
+                meeting.wait()
+            yield f"{letter}{i}"
+
+    both_ways = side_by_side([items("a", 2), items("b", 4)])
+    assert list(both_ways) == ["a0", "b0", "a1", "b1", "b2", "b3"]
+    assert list(side_by_side([])) == []
+
+
+def test_of_two_side_by_side_one_that_fails_ends_both():
+    ended = []
+
+    def items(is_sound):
+        try:
+            yield 1
+            if not is_sound:
+                raise ValueError("no face")
+            yield 2
+            yield 3
+        finally:
+            ended.append(is_sound)
+
+    with pytest.raises(ValueError, match="no face"):
+        list(side_by_side([items(True), items(False)]))
+    assert sorted(ended) == [False, True]
+
+
 def test_an_item_that_fails_ends_the_rest():
     begun = []
 
@@ -71,3 +103,5 @@ def test_a_single_thread_is_kept_to(monkeypatch):
     here = threading.get_ident()
     assert both(threading.get_ident, threading.get_ident) == (here, here)
     assert {ident for _, ident in in_turn(lambda _: threading.get_ident(), range(3))} == {here}
+    alone = [(threading.get_ident() for _ in range(count)) for count in (2, 3)]
+    assert list(side_by_side(alone)) == 5 * [here]

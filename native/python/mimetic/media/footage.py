@@ -67,6 +67,7 @@ class Footage:
         self.path = opened(path)
         self.warnings: list[str] = []
         self.failure: OSError | None = None
+        self._last_read = 0, np.empty((0, 0, 3), np.uint8)
         if isinstance(self.path, Path):
             self._check_file(self.path)
         else:
@@ -121,8 +122,15 @@ class Footage:
             self._warn_of_damage(errors)
 
     def read(self, frame: int) -> NDArray[np.uint8]:
-        """One frame by its number, H x W x 3 uint8."""
+        """One frame by its number, H x W x 3 uint8.
+
+        The last one is kept: a fitted frame is asked for by one stage after the other.
+        """
+        number, kept = self._last_read
+        if number == frame:
+            return kept.copy()
         for _, image in self.frames(frame, frame):
+            self._last_read = frame, image.copy()
             return image
         raise UnreadableMedia(f"{self.path} has no frame {frame} that can be read")
 

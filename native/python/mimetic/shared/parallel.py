@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import os
 from collections import deque
-from collections.abc import Callable, Generator, Iterable
+from collections.abc import Callable, Generator, Iterable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
+from itertools import islice
 from typing import TypeVar
 
 A = TypeVar("A")
@@ -43,6 +44,31 @@ def in_turn(work: Callable[[A], B], items: Iterable[A]) -> Generator[tuple[A, B]
                 yield done, result.result()
         for done, result in begun:
             yield done, result.result()
+
+
+def side_by_side(sources: Sequence[Generator[A, None, None]]) -> Generator[A, None, None]:
+    """One of each in turn, made at the same time, until the longest ends; all are closed then.
+
+    Each is gone on with by one thread at a time, but not always the same one.
+    """
+    try:
+        left = list(sources)
+        with ThreadPoolExecutor(max(1, len(left) - 1)) as pool:
+            while left:
+                others = [] if _is_alone() else [pool.submit(_next_of, one) for one in left[1:]]
+                made = [_next_of(left[0]), *(other.result() for other in others)]
+                made += [_next_of(one) for one in left[len(made) :]]
+                left = [one for one, item in zip(left, made, strict=True) if item]
+                for item in made:
+                    yield from item
+    finally:
+        for one in sources:
+            one.close()
+
+
+def _next_of(items: Iterator[A]) -> tuple[A, ...]:
+    """The next alone, nothing after the last."""
+    return tuple(islice(items, 1))
 
 
 def _is_alone() -> bool:

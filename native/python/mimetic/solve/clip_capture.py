@@ -80,7 +80,18 @@ def find_face(
     (`FaceFit.views`); `FaceFit.rest` says why it was taken. lens: that it was filmed with, if
     known. Raises NoFace, UnreadableMedia, InvalidInput.
     """
-    footage = Footage(path)
+    return face_in(Footage(path), frame, frames, progress, near, lens)
+
+
+def face_in(
+    footage: Footage,
+    frame: int | None = None,
+    frames: FrameRange | None = None,
+    progress: Progress | None = None,
+    near: Place | None = None,
+    lens: KnownLens | None = None,
+) -> FaceFit:
+    """`find_face` in footage that is open."""
     if near is not None:
         x, y = rescaled(near, footage.stored_size, footage.size)[0]
         near = float(x), float(y)
@@ -179,7 +190,7 @@ def fit_for(
     """
     start = time.perf_counter()
     if fit is None:
-        fit = find_face(footage.path, frames=frames, progress=progress, lens=lens)
+        fit = face_in(footage, frames=frames, progress=progress, lens=lens)
     elif tuple(fit.image_size) != footage.size:
         raise InvalidInput(
             f"the face fit is for pictures of {fit.image_size[0]} x {fit.image_size[1]}, "

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Generator, Iterator, Sequence
 
 from mimetic import _core
 from mimetic.fit.face_fit import FaceFit
@@ -15,6 +15,7 @@ from mimetic.media.cuts import Images, of_one_scene
 from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import Anatomy, AttachedSkin, factored_skin, modes_of
 from mimetic.performance.document import HELD_QUALITY
+from mimetic.shared.parallel import side_by_side
 from mimetic.shared.progress import ATTACHED, MOST_FOLLOWED, Progress, frame_text, stages
 from mimetic.solve import tracking
 from mimetic.solve.relief import LEAST_SIGHTINGS, find_relief
@@ -84,23 +85,23 @@ def _with_depth(
     options.max_key_views = 0
     options.crop_height, options.sample_spacing = CROP_HEIGHT, SAMPLE_SPACING
     most, options.max_iterations = effort
-    tracker = tracking.make_tracker(reference, fit, template, anatomy, motion, options)
-    at_reference = tracker.advance(reference)
     first, last = frames
     stride = 1 + (last - first) // most
+
+    def seen_to(end: int) -> Generator[_core.Sighting, None, None]:
+        images = itertools.islice(frames_away(footage, fit.frame, end), stride - 1, None, stride)
+        tracker = tracking.make_tracker(reference, fit, template, anatomy, motion, options)
+        tracker.advance(reference)
+        yield from _follow(tracker, of_one_scene(reference, images))
+
     sightings: list[_core.Sighting] = []
-    for images in (
-        frames_away(footage, fit.frame, last),
-        frames_away(footage, fit.frame, first),
-    ):
-        tracker.restart(reference, at_reference)
-        sparse_images = itertools.islice(images, stride - 1, None, stride)
-        for sighting in _follow(tracker, of_one_scene(reference, sparse_images)):
-            where = frame_text(sighting.frame, first, last)
-            text = f"looking for the face's relief: {where}"
-            if not progress(len(sightings) * stride / (1 + last - first), text):
-                return None
-            sightings.append(sighting)
+    for sighting in side_by_side([seen_to(end) for end in frames if end != fit.frame]):
+        where = frame_text(sighting.frame, first, last)
+        text = f"looking for the face's relief: {where}"
+        if not progress(len(sightings) * stride / (1 + last - first), text):
+            return None
+        sightings.append(sighting)
+    sightings.sort(key=lambda sighting: sighting.frame)
     modes, std = tracking.moving_modes(anatomy, template.num_skin_vertices)
     return find_relief(
         *(fit, template, sightings, modes, std),

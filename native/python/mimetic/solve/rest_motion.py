@@ -8,7 +8,7 @@ do not.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -21,6 +21,7 @@ from mimetic.media.cuts import of_one_scene
 from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import AttachedSkin, modes_of
 from mimetic.performance.document import HELD_QUALITY
+from mimetic.shared.parallel import side_by_side
 from mimetic.solve import tracking
 from mimetic.template.face_template import load_template
 
@@ -48,7 +49,6 @@ def moved_from(
     neutral = fit.neutral_vertices(template)
     motion = tracking.face_motion(neutral, template, anatomy, lowest=LOWEST)
     reference = footage.read(fit.frame)
-    tracker = tracking.make_tracker(reference, fit, template, anatomy, motion)
     num_muscles = len(anatomy.muscle_names)
     articulators = list(anatomy.articulator_names)
     jaw, *lids = (num_muscles + articulators.index(name) for name in (JAW, *LIDS))
@@ -56,14 +56,17 @@ def moved_from(
     def told(estimate: _core.FrameEstimate) -> Moved:
         return Moved(estimate.values[[*range(num_muscles), jaw]], estimate.values[lids])
 
-    at_reference = tracker.advance(reference)
-    yield fit.frame, told(at_reference)
-    for end in {min(frames), max(frames)} - {fit.frame}:
-        tracker.restart(reference, at_reference)
-        images = frames_away(footage, fit.frame, end)
-        for frame, image in of_one_scene(reference, images):
+    def followed_to(end: int, tells_own: bool) -> Generator[tuple[int, Moved], None, None]:
+        tracker = tracking.make_tracker(reference, fit, template, anatomy, motion)
+        own = tracker.advance(reference)
+        if tells_own:
+            yield fit.frame, told(own)
+        for frame, image in of_one_scene(reference, frames_away(footage, fit.frame, end)):
             if frame not in frames:
                 continue
             estimate = tracker.advance(np.ascontiguousarray(image))
             if not estimate.held and estimate.quality >= HELD_QUALITY:
                 yield frame, told(estimate)
+
+    ends = sorted({min(frames), max(frames)} - {fit.frame}) or [fit.frame]
+    yield from side_by_side([followed_to(end, tells_own=end == ends[0]) for end in ends])
