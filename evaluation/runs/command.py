@@ -37,6 +37,7 @@ from evaluation.runs import (
     locate,
     puppet,
     real,
+    real_rest,
     rest,
     retarget,
     speech,
@@ -92,8 +93,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         "--set",
         choices=("held-out", "tuning", "small", "real", *expressions.SETS),
         default="held-out",
-        help="which rendered clips or images (default: held-out); locate: real ones too; capture: "
-        "full, nine expressions by 30 people, beside all peers (docs/measured/evaluation.md)",
+        help="which rendered clips or images (default: held-out); locate, rest: real ones too; "
+        "capture: full, nine expressions by 30 people, beside peers (docs/measured/evaluation.md)",
     )
     parser.add_argument(
         "--images", type=Path, help="locate: these images (docs/measured/finding-faces.md)"
@@ -164,7 +165,7 @@ def run_tables(options: argparse.Namespace) -> int:
         "speech": partial(_run_by_clip, speech, speech.score_speech),
         "head": _run_head,
         "fit": _run_fit,
-        "flow": _run_flow,
+        "flow": partial(_run_at_once, flow, flow.score_flow),
         "timing": _run_timing,
         "keys": _run_keys,
         "retarget": _run_retarget,
@@ -222,15 +223,14 @@ def _run_abuse(options: argparse.Namespace) -> int:
     return _show(options, all_scores, abuse.as_json, abuse.as_text)
 
 
-def _run_flow(options: argparse.Namespace) -> int:
+def _run_at_once(which: ModuleType, score: Callable, options: argparse.Namespace) -> int:
     _refuse(options, "out")
-    errors = flow.score_flow(options.set, to_stderr)
-    return _show(options, errors, flow.as_json, flow.as_text)
+    return _show(options, score(options.set, to_stderr), which.as_json, which.as_text)
 
 
 def _run_rest(options: argparse.Namespace) -> int:
-    _refuse(options, "out")
-    return _show(options, rest.score_rest(options.set, to_stderr), rest.as_json, rest.as_text)
+    which = real_rest if options.set == "real" else rest
+    return _run_at_once(which, which.score_rest, options)
 
 
 def _run_by_clip(which: ModuleType, score: Callable, options: argparse.Namespace) -> int:
@@ -374,8 +374,8 @@ def _check_set(options: argparse.Namespace) -> None:
     is_of_many = options.set in expressions.SETS or options.what == "consistency"
     if options.people is not None and not is_of_many:
         raise InvalidInput("--people goes with --set full and `consistency`")
-    if options.set == "real":
-        raise InvalidInput("--set real goes with `mimetic evaluate locate`")
+    if options.set == "real" and options.what != "rest":
+        raise InvalidInput("--set real goes with `mimetic evaluate locate` and `rest`")
 
 
 def _run_locate(options: argparse.Namespace) -> int:

@@ -98,6 +98,9 @@ void bind_locate_landmarks(py::module_& m) {
           "face_detail.");
     m.def("num_alike", &num_alike, "expressions"_a, "frame"_a,
           "How many frames have the expression (F, 6) of the one at index `frame`, it among them.");
+    m.def(
+        "distinct_first", &distinct_first, "chances"_a, "expressions"_a,
+        "Indices of frames by falling chance (F,), those whose expression (F, 6) one before them has last.");
     m.def("shared_expression", &shared_expression, "expressions"_a, "weights"_a,
           "(F,) how many frames share each frame's expression (F, 6), as a part of the most. weights: (F,).");
     m.def("chances_of_rest", &chances_of_rest, "scores"_a, "details"_a, "expressions"_a,

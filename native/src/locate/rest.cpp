@@ -32,16 +32,16 @@ constexpr double kLeastSpread = .015;  // pupil distances by which a still face'
 constexpr double kUsual = 1.5;         // spreads
 constexpr double kLeastRest = .1;      // of the best frame's score: below, a face is clearly not at rest
 
-// By what moves, chosen on `mimetic evaluate rest --set tuning`; scores and detail weigh more than is best
-// there (.89 at rest, .94 with less than half), as real clips have blurred and covered faces.
+// By what moves, chosen on `mimetic evaluate rest --set tuning` and `--set real` together. Scores and detail
+// count for little there, but in WolfgangLanger_Pexels.mp4 they tell a hand before the mouth.
 constexpr double kSameState = .13;    // activation by which a state that recurs differs
 constexpr double kRelaxed = .2;       // of a clip's frames have less of a value than its relaxed ones
-constexpr double kPerExcess = .5;     // cost of an activation above that
-constexpr double kPerLid = 5;         // cost of a lid's way to shut, beyond what a look aside takes
+constexpr double kPerExcess = 2;      // cost of an activation above that
+constexpr double kPerLid = 20;        // cost of a lid's way to shut, beyond what a look aside takes
 constexpr double kLidAtRest = .25;    // of it, beside its place in the more open frames
 constexpr double kOpenLid = .25;      // of a clip's frames are these: somebody may weep for half of it
-constexpr double kPerScore = .75;     // of the logarithm of rest_score
-constexpr double kPerDetail = .75;    // of the logarithm of what there is of the detail
+constexpr double kPerScore = .5;      // of the logarithm of rest_score
+constexpr double kPerDetail = .4;     // of the logarithm of what there is of the detail
 constexpr double kLeastShare = 1e-9;  // whose logarithm is taken
 
 using Window = Eigen::Array<double, 41, 41, Eigen::RowMajor>;
@@ -260,6 +260,23 @@ Eigen::VectorXd usual_expression(const Expressions& expressions, VectorIn scores
 Eigen::Index num_alike(const Expressions& expressions, Eigen::Index frame) {
     check_frame(expressions, frame);
     return (away_from(expressions, frame) <= 1).count();
+}
+
+std::vector<int> distinct_first(VectorIn chances, const Expressions& expressions) {
+    check_sizes(expressions, chances);
+    std::vector<int> order(static_cast<std::size_t>(chances.size()));
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return chances[a] > chances[b]; });
+    Eigen::ArrayX<bool> is_shown = Eigen::ArrayX<bool>::Constant(chances.size(), false);
+    std::vector<int> distinct, alike;
+    for (const int frame : order) {
+        (is_shown[frame] ? alike : distinct).push_back(frame);
+        if (!is_shown[frame]) {
+            is_shown = is_shown || away_from(expressions, frame) <= 1;
+        }
+    }
+    distinct.insert(distinct.end(), alike.begin(), alike.end());
+    return distinct;
 }
 
 Eigen::VectorXd shared_expression(const Expressions& expressions, VectorIn weights) {

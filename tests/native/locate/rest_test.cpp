@@ -87,13 +87,24 @@ TEST(Rest, FramesAlikeAreCountedWithTheFrameItself) {
     EXPECT_THROW(num_alike(expressions, 4), InvalidInput);
 }
 
+TEST(Rest, OfFramesAlikeTheLikeliestComesFirstAndTheOthersLast) {
+    Expressions expressions = Expressions::Zero(6, 6);
+    expressions.row(1).setConstant(.2);
+    expressions.row(3).setConstant(.2);
+    expressions.row(4).setConstant(.201);
+    expressions(5, 0) = std::nan("");  // otherwise as the first
+    const Eigen::VectorXd chances = (Eigen::VectorXd(6) << .3, .5, .2, .9, .8, .1).finished();
+    EXPECT_EQ(distinct_first(chances, expressions), (std::vector<int>{3, 0, 4, 1, 2, 5}));
+    EXPECT_THROW(distinct_first(chances.head(5), expressions), InvalidInput);
+}
+
 TEST(Rest, CostsCountWhatIsAboveTheRelaxedFramesAndWhatDoesNotRecur) {
     MatrixRows values = MatrixRows::Zero(10, 2);
     values.col(0) << 0, 0, 0, 0, .9, .9, .9, .9, .45, 1.4;
     const Eigen::VectorXd all = Eigen::VectorXd::Ones(10);
     const MatrixRows open = MatrixRows::Zero(10, 2);
     const Eigen::VectorXd costs = costs_of_rest(values, open, all, all);
-    EXPECT_NEAR(costs[4] - costs[0], .45, .05);  // .9 of a value at .5 each; both recur alike
+    EXPECT_NEAR(costs[4] - costs[0], 1.8, .05);  // .9 of a value at 2 each; both recur alike
     EXPECT_GT(costs[8] - costs[0], std::log(2.));
     EXPECT_THROW(costs_of_rest(values, open, all.head(9), all), InvalidInput);
 }

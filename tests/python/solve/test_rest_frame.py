@@ -7,8 +7,11 @@ from mimetic import InvalidInput
 from mimetic.commands.cli import main
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.fitting import NoFace
+from mimetic.media.footage import Footage
 from mimetic.shared.progress import NUM_CANDIDATES
+from mimetic.solve import find_face as find_face_module
 from mimetic.solve.clip_capture import find_face
+from mimetic.solve.find_face import find_rest
 
 FRAME = 3  # at rest
 
@@ -39,6 +42,22 @@ def test_the_fit_says_which_frame_was_taken_and_why(asked, chosen, tmp_path):
     assert again.rest_text().startswith(
         f"Frame {chosen.frame} is taken as rest: the face is relaxed there and returns to it"
     )
+
+
+def test_rest_is_not_judged_from_a_single_frame_alone(rendered_clip, monkeypatch):
+    """From the smile that looks are mistaken in, another frame's view must be believed."""
+    seen_from = []
+
+    def costs(reference, _footage, judgements, _skin, _progress):
+        seen_from.append(reference.frame)
+        if len(seen_from) == 1:  # a frame that is far from its own view's rest
+            return {f: 5.0 if f == reference.frame else 4.0 for f in judgements}
+        return {f: 0.0 if f == reference.frame else 1.0 for f in judgements}
+
+    monkeypatch.setattr(find_face_module, "_costs_seen_from", costs)
+    rest = find_rest(Footage(rendered_clip.footage), {1, 5, 12, 20, 26, 30}, lambda *_: True)
+    assert len(set(seen_from)) == 2
+    assert rest.fit.frame == seen_from[1]
 
 
 @pytest.mark.parametrize("frame", [0, 9999])

@@ -2,6 +2,7 @@
 #pragma once
 #include <mimetic/locate/locate.hpp>
 #include <optional>
+#include <vector>
 
 namespace mimetic {
 
@@ -32,6 +33,9 @@ Eigen::VectorXd usual_expression(const Expressions& expressions, VectorIn scores
 /// How many frames, this one among them, have its expression but for what a still face's features seem to
 /// move.
 Eigen::Index num_alike(const Expressions& expressions, Eigen::Index frame);
+
+/// Frames by falling chance, but those last whose expression a frame before them has (as num_alike counts).
+std::vector<int> distinct_first(VectorIn chances, const Expressions& expressions);
 
 /// F: density of frames about each frame's expression, relative to the largest, 0 to 1. A face returns to the
 /// same rest as a whole; moving, it differs in every frame. weights: F, of the frames.

@@ -16,9 +16,10 @@ JUDGED = 2.0  # a face found in a frame, and how much it is at rest
 FITTED = 8.0  # a head fitted to a frame
 ATTACHED = 40.0  # muscles attached to a head
 MOST_FOLLOWED = 30  # frames, for a head's relief; with more of them, every second, third ...
-# Frames judged and followed, and those of them fitted, in search of the face at rest
-NUM_CANDIDATES, NUM_TRIED = 24, 5
-FOUND = NUM_CANDIDATES * (JUDGED + 1) + (NUM_TRIED + 1) * FITTED + ATTACHED
+# Frames judged in search of the face at rest, those of them fitted, and how many of these it is
+# followed from through all of them
+NUM_CANDIDATES, NUM_TRIED, NUM_VIEWS = 24, 5, 2
+FOUND = NUM_CANDIDATES * (JUDGED + NUM_VIEWS) + (NUM_TRIED + 1) * FITTED + ATTACHED
 SEARCHED = FOUND + MOST_FOLLOWED
 
 

@@ -32,6 +32,7 @@ from mimetic.shared.progress import (
     FITTED,
     JUDGED,
     NUM_TRIED,
+    NUM_VIEWS,
     Progress,
     frame_text,
     stages,
@@ -48,6 +49,8 @@ NUM_AT_REST = 4  # frames beside the reference, whose lids and lips are looked a
 LEAST_FOLLOWED = 5  # frames, to say which of them is at rest
 CLEARLY_BETTER = 0.2  # of `costs_of_rest`: by less, the supposed rest stays, which looks better
 MOST_REFITTED = 3
+
+FitHead = Callable[[NDArray[np.uint8], int], FaceFit | None]  # image, frame -> head, if any
 
 
 @dataclass(frozen=True)
@@ -72,7 +75,8 @@ def find_rest(
     """
     num_frames = len(frame_numbers)
     judging, fitting_heads, following = stages(
-        *(progress, num_frames * JUDGED, NUM_TRIED * FITTED, ATTACHED + num_frames + FITTED)
+        *(progress, num_frames * JUDGED, NUM_TRIED * FITTED),
+        ATTACHED + NUM_VIEWS * num_frames + FITTED,
     )
     judgements, _ = both(
         lambda: _judged(footage, frame_numbers, judging, near), fitting.prepare_models
@@ -83,14 +87,16 @@ def find_rest(
     scores, expressions, details = _compared(judgements)
     chances = _core.chances_of_rest(scores, details, expressions)
     camera = camera_with(lens, footage.size)
-    fits = _fitted_heads(
-        footage,
-        [(frames[i], chances[i] / chances.max()) for i in np.argsort(-chances)],
-        lambda image, frame: fitting.find_face(
-            image, frame, camera=camera, near=near, faces=judgements[frame].faces
-        ),
-        fitting_heads,
-    )
+
+    def fit_head(image: NDArray[np.uint8], frame: int) -> FaceFit | None:
+        with contextlib.suppress(NoFace):
+            faces = judgements[frame].faces
+            return fitting.find_face(image, frame, camera=camera, near=near, faces=faces)
+        return None
+
+    order = _core.distinct_first(chances, expressions)
+    likely = [(frames[i], chances[i] / chances.max()) for i in order]
+    fits = _fitted_heads(footage, likely, fit_head, fitting_heads)
     if not fits:
         return None
     # A pose or expression mistaken for shape shows as unusual proportions.
@@ -98,7 +104,7 @@ def find_rest(
     if _turn(best) > FAR_TURNED:
         best = _more_frontal(footage, best, frames, camera, near, fitting_heads)
     best = _explained(best, "usual" if best is usual else "frontal", judgements)
-    best, skin = _relaxed(footage, best, judgements, near, following)
+    best, skin = _relaxed(footage, best, fits, judgements, fit_head, following)
     rest = None if best.rest.why == "usual" else frames.index(best.frame)
     candidates = _candidates(judgements, _core.usual_expression(expressions, scores, rest))
     return Rest(best, candidates, skin)
@@ -107,18 +113,16 @@ def find_rest(
 def _fitted_heads(
     footage: Footage,
     candidates: Sequence[tuple[int, float]],
-    find: Callable[[NDArray[np.uint8], int], FaceFit],
+    fit_head: FitHead,
     progress: Progress,
 ) -> list[FaceFit]:
-    """Heads fitted to the most likely frames, `NUM_TRIED` at most, those that are likely alone.
+    """Heads fitted to the first frames, `NUM_TRIED` at most, those that are likely alone.
 
-    candidates: frame and chance as a share of the best one's, the most likely first
+    candidates: frame and chance as a share of the best one's
     """
 
-    def found(frame: int) -> FaceFit | None:
-        with contextlib.suppress(NoFace):
-            return find(images[frame], frame)
-        return None
+    def fitted(frame: int) -> FaceFit | None:
+        return fit_head(images[frame], frame)
 
     left = deque(candidates)
     fits: list[FaceFit] = []
@@ -127,7 +131,7 @@ def _fitted_heads(
         while left and len(fits) + len(batch) < NUM_TRIED and left[0][1] >= LEAST_CHANCE:
             batch.append(left.popleft())
         images = _images(footage, {frame for frame, _ in batch})
-        for number, (frame, fit) in enumerate(in_turn(found, [frame for frame, _ in batch])):
+        for number, (frame, fit) in enumerate(in_turn(fitted, [frame for frame, _ in batch])):
             fraction = (len(fits) + number) / (len(fits) + len(batch))
             _go_on(progress, fraction, f"fitting the head: frame {frame}")
             fits += [fit] if fit is not None else []
@@ -137,47 +141,60 @@ def _fitted_heads(
 def _relaxed(
     footage: Footage,
     supposed: FaceFit,
-    judgements: dict[int, fitting.Judged],
-    near: tuple[float, float] | None,
+    others: Sequence[FaceFit],
+    judgements: Mapping[int, fitting.Judged],
+    fit_head: FitHead,
     progress: Progress,
 ) -> tuple[FaceFit, AttachedSkin]:
     """The head in the frame that is best at rest by what moves, seen from a supposed rest.
 
-    The supposed one where the face cannot be followed, or no head be fitted to what is better.
-    With the skin of its head.
+    Seen from the most usual of `others` too, and the view is believed from which its own frame is
+    more at rest: from a smile even a face at rest seems to contract. The supposed one where the
+    face cannot be followed, or no head be fitted to what is better. With the skin of its head.
     """
     template = load_template()
-    attaching, trying = stages(progress, ATTACHED, len(judgements) + FITTED)
+    attaching, *viewing = stages(progress, ATTACHED, *NUM_VIEWS * [len(judgements)])
     skin = factored_skin(
         supposed.neutral_vertices(template), template, supposed.calibration, attaching
     )
     if skin is None:
         raise NoFace("stopped while looking for the face")
+    widest = max(FAR_TURNED, _turn(supposed))
+    usable = [fit for fit in others if fit.frame != supposed.frame and _turn(fit) <= widest]
+    known = {fit.frame: fit for fit in (supposed, *sorted(usable, key=_unusualness))}
+    least, costs = math.inf, {}
+    for reference, view in zip(known.values(), viewing, strict=False):
+        seen = _costs_seen_from(reference, footage, judgements, skin, view)
+        if len(seen) < LEAST_FOLLOWED:
+            continue
+        seen[reference.frame] -= CLEARLY_BETTER
+        if seen[reference.frame] < least:
+            least, costs = seen[reference.frame], seen
+    for frame in sorted(costs, key=costs.__getitem__)[:MOST_REFITTED]:
+        fit = known[frame] if frame in known else fit_head(footage.read(frame), frame)
+        if fit is not None and _turn(fit) <= widest:
+            return _explained(fit, "relaxed", judgements), skin
+    return supposed, skin
+
+
+def _costs_seen_from(
+    reference: FaceFit,
+    footage: Footage,
+    judgements: Mapping[int, fitting.Judged],
+    skin: AttachedSkin,
+    progress: Progress,
+) -> dict[int, float]:
+    """By frame to which the face can be followed: the less, the more likely it is at rest."""
     followed: dict[int, Moved] = {}
-    for frame, moved in moved_from(footage, supposed, set(judgements), skin):
-        _go_on(trying, len(followed) / len(judgements), f"looking for rest: frame {frame}")
+    for frame, moved in moved_from(footage, reference, set(judgements), skin):
+        _go_on(progress, len(followed) / len(judgements), f"looking for rest: frame {frame}")
         followed[frame] = moved
-    if len(followed) < LEAST_FOLLOWED:
-        return supposed, skin
-    frames = list(followed)
-    scores, _, details = _compared({frame: judgements[frame] for frame in frames})
+    scores, _, details = _compared({frame: judgements[frame] for frame in followed})
     values, lids = (
         np.array([getattr(m, n) for m in followed.values()]) for n in ("values", "lids")
     )
     costs = _core.costs_of_rest(values, lids, scores, details)
-    is_good = costs[frames.index(supposed.frame)] <= costs.min() + CLEARLY_BETTER
-    for i in np.argsort(costs)[:MOST_REFITTED]:
-        if is_good or frames[i] == supposed.frame:
-            return _explained(supposed, "relaxed", judgements), skin
-        with contextlib.suppress(NoFace):
-            image = footage.read(frames[i])
-            faces = judgements[frames[i]].faces
-            fit = fitting.find_face(
-                image, frames[i], camera=supposed.camera, near=near, faces=faces
-            )
-            if _turn(fit) <= max(FAR_TURNED, _turn(supposed)):
-                return _explained(fit, "relaxed", judgements), skin
-    return supposed, skin
+    return dict(zip(followed, costs.tolist(), strict=True))
 
 
 def rest_asked_for(
