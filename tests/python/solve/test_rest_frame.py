@@ -7,6 +7,7 @@ from mimetic import InvalidInput
 from mimetic.commands.cli import main
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.fitting import NoFace
+from mimetic.fit.rest_choice import RestChoice
 from mimetic.media.footage import Footage
 from mimetic.shared.progress import NUM_CANDIDATES
 from mimetic.solve import find_face as find_face_module
@@ -44,13 +45,19 @@ def test_the_fit_says_which_frame_was_taken_and_why(asked, chosen, tmp_path):
     )
 
 
+def test_a_rest_that_does_not_come_back_is_not_said_to():
+    lone, shared = (RestChoice("relaxed", 24, alike).text(7) for alike in (1, 2))
+    assert "returns" not in lone and "24 in all" in lone and "name another frame" in lone
+    assert "returns to it; 2 of the 24 frames" in shared
+
+
 def test_rest_is_not_judged_from_a_single_frame_alone(rendered_clip, monkeypatch):
-    """From the smile that looks are mistaken in, another frame's view must be believed."""
+    """A frame that is far from rest in its own view must give way to one that is not."""
     seen_from = []
 
     def costs(reference, _footage, judgements, _skin, _progress):
         seen_from.append(reference.frame)
-        if len(seen_from) == 1:  # a frame that is far from its own view's rest
+        if len(seen_from) == 1:
             return {f: 5.0 if f == reference.frame else 4.0 for f in judgements}
         return {f: 0.0 if f == reference.frame else 1.0 for f in judgements}
 

@@ -20,6 +20,10 @@ TEXTS = {
     "frontal": "Frame {frame} is taken as rest: where the face looks more at rest, the head is "
     "turned away; {alike} of the {seen} frames looked at show this expression",
 }
+RELAXED_ONCE = (
+    "Frame {frame} is taken as rest: the face is most relaxed there, but none of the other frames "
+    "looked at ({seen} in all) shows this expression; name another frame if it is not at rest"
+)
 MOST_SEEN = 100_000
 
 
@@ -33,7 +37,7 @@ class RestChoice:
 
     @property
     def template(self) -> str:
-        return TEXTS[self.why]
+        return RELAXED_ONCE if self.why == "relaxed" and self.alike == 1 else TEXTS[self.why]
 
     def text(self, frame: int) -> str:
         return self.template.format(frame=frame, seen=self.seen, alike=self.alike)
