@@ -77,7 +77,7 @@ def test_a_frame_in_mid_expression_gives_way_to_one_at_rest(rendered_clip):
     frames = set(range(1, footage.num_frames + 1, 2)) | {supposed}
     judgements = choosing._judged(footage, frames, lambda *_: True, None)
     fit = fitting.find_face(footage.read(supposed), supposed)
-    relaxed, _ = choosing._relaxed(footage, fit, judgements, None, lambda *_: True)
+    relaxed, _ = choosing._relaxed(footage, fit, [], judgements, fitting.find_face, lambda *_: True)
     assert moved[relaxed.frame - 1] < 0.1 and relaxed.rest.why == "relaxed"
 
 
