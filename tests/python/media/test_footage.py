@@ -63,6 +63,13 @@ def test_a_frame_read_again_is_not_decoded_again_and_may_be_written_on(tmp_path,
     assert (first != second).any()
 
 
+@pytest.mark.parametrize("frame", [0, 41])
+def test_a_frame_that_is_not_there_is_named(frame, tmp_path):
+    footage = Footage(make_numbered_clip(tmp_path / "a.mp4"))
+    with pytest.raises(UnreadableMedia, match=f"has no frame {frame} that can be read"):
+        footage.read(frame)
+
+
 def test_rotation_flags_are_applied(tmp_path):
     make_clip(tmp_path / "a.mp4", size="96x48")
     ffmpeg("-display_rotation", "90", "-i", tmp_path / "a.mp4", "-c", "copy", tmp_path / "b.mp4")

@@ -67,7 +67,7 @@ class Footage:
         self.path = opened(path)
         self.warnings: list[str] = []
         self.failure: OSError | None = None
-        self._last_read = 0, np.empty((0, 0, 3), np.uint8)
+        self._last_read: tuple[int, NDArray[np.uint8]] | None = None
         if isinstance(self.path, Path):
             self._check_file(self.path)
         else:
@@ -126,9 +126,8 @@ class Footage:
 
         The last one is kept: a fitted frame is asked for by one stage after the other.
         """
-        number, kept = self._last_read
-        if number == frame:
-            return kept.copy()
+        if self._last_read is not None and self._last_read[0] == frame:
+            return self._last_read[1].copy()
         for _, image in self.frames(frame, frame):
             self._last_read = frame, image.copy()
             return image
