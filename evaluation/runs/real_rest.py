@@ -27,6 +27,7 @@ COLUMNS = {
     "missed": ("missed", ".2f"),
     "chance": ("by chance", ".2f"),
 }
+RATED = ("rating", "best", "mean")
 
 
 @dataclass(frozen=True)
@@ -100,9 +101,6 @@ def figures(scores: list[RealRest]) -> dict[str, float]:
         "missed": float((best - ratings).mean()),
         "chance": float((best - means).mean()),
     }
-
-
-RATED = ("rating", "best", "mean")
 
 
 def as_text(scores: list[RealRest]) -> str:

@@ -136,6 +136,11 @@ Eigen::ArrayXd away_from(const Expressions& expressions, Eigen::Index frame) {
     return away;
 }
 
+/// Which frames have a frame's expression, but for what a still face's features seem to move.
+Eigen::ArrayX<bool> alike(const Expressions& expressions, Eigen::Index frame) {
+    return away_from(expressions, frame) <= 1;
+}
+
 void check_frame(const Expressions& expressions, Eigen::Index frame) {
     if (frame < 0 || frame >= expressions.rows()) {
         throw InvalidInput("the frame must be one of those with an expression");
@@ -259,7 +264,7 @@ Eigen::VectorXd usual_expression(const Expressions& expressions, VectorIn scores
 
 Eigen::Index num_alike(const Expressions& expressions, Eigen::Index frame) {
     check_frame(expressions, frame);
-    return (away_from(expressions, frame) <= 1).count();
+    return alike(expressions, frame).count();
 }
 
 std::vector<int> distinct_first(VectorIn chances, const Expressions& expressions) {
@@ -268,14 +273,14 @@ std::vector<int> distinct_first(VectorIn chances, const Expressions& expressions
     std::iota(order.begin(), order.end(), 0);
     std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return chances[a] > chances[b]; });
     Eigen::ArrayX<bool> is_shown = Eigen::ArrayX<bool>::Constant(chances.size(), false);
-    std::vector<int> distinct, alike;
+    std::vector<int> distinct, others;
     for (const int frame : order) {
-        (is_shown[frame] ? alike : distinct).push_back(frame);
+        (is_shown[frame] ? others : distinct).push_back(frame);
         if (!is_shown[frame]) {
-            is_shown = is_shown || away_from(expressions, frame) <= 1;
+            is_shown = is_shown || alike(expressions, frame);
         }
     }
-    distinct.insert(distinct.end(), alike.begin(), alike.end());
+    distinct.insert(distinct.end(), others.begin(), others.end());
     return distinct;
 }
 

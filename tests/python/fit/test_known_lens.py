@@ -70,11 +70,11 @@ def test_the_command_line_says_the_lens(rendered_clip, tmp_path, capsys):
 def test_a_calibration_finds_its_face_with_the_lens(rendered_clip, tmp_path, capsys, monkeypatch):
     lenses = []
 
-    def face_in(*_, lens, **__):
+    def find_face(*_, lens, **__):
         lenses.append(lens)
         raise NoFace("it is looked for elsewhere")
 
-    monkeypatch.setattr("mimetic.solve.clip_capture.face_in", face_in)
+    monkeypatch.setattr("mimetic.solve.clip_capture.find_face", find_face)
     words = ["calibrate", str(rendered_clip.footage), "--out", str(tmp_path / "fit.json")]
     assert main([*words, "--focal", "50", "--sensor", "24"]) == 2
     assert lenses == [KnownLens(50.0, 24.0)]

@@ -53,11 +53,10 @@ def side_by_side(sources: Sequence[Generator[A, None, None]]) -> Generator[A, No
     """
     try:
         left = list(sources)
-        with ThreadPoolExecutor(max(1, len(left) - 1)) as pool:
+        with ThreadPoolExecutor(THREADS) as pool:
+            at_once = map if _is_alone() else pool.map
             while left:
-                others = [] if _is_alone() else [pool.submit(_next_of, one) for one in left[1:]]
-                made = [_next_of(left[0]), *(other.result() for other in others)]
-                made += [_next_of(one) for one in left[len(made) :]]
+                made = list(at_once(_next_of, left))
                 left = [one for one, item in zip(left, made, strict=True) if item]
                 for item in made:
                     yield from item

@@ -66,7 +66,7 @@ NUM_TURNED = 3  # frames in which a face that lies on its side is looked for, if
 
 
 def find_face(
-    path: str | os.PathLike[str],
+    path: str | os.PathLike[str] | Footage,
     frame: int | None = None,
     frames: FrameRange | None = None,
     progress: Progress | None = None,
@@ -78,20 +78,9 @@ def find_face(
     The face must be at rest there. Of several the largest is taken, or the one nearest to `near`.
     The frame is joined by others near it (within `frames`) in which the head is turned otherwise
     (`FaceFit.views`); `FaceFit.rest` says why it was taken. lens: that it was filmed with, if
-    known. Raises NoFace, UnreadableMedia, InvalidInput.
+    known. path: of footage, or footage that is open. Raises NoFace, UnreadableMedia, InvalidInput.
     """
-    return face_in(Footage(path), frame, frames, progress, near, lens)
-
-
-def face_in(
-    footage: Footage,
-    frame: int | None = None,
-    frames: FrameRange | None = None,
-    progress: Progress | None = None,
-    near: Place | None = None,
-    lens: KnownLens | None = None,
-) -> FaceFit:
-    """`find_face` in footage that is open."""
+    footage = path if isinstance(path, Footage) else Footage(path)
     if near is not None:
         x, y = rescaled(near, footage.stored_size, footage.size)[0]
         near = float(x), float(y)
@@ -190,7 +179,7 @@ def fit_for(
     """
     start = time.perf_counter()
     if fit is None:
-        fit = face_in(footage, frames=frames, progress=progress, lens=lens)
+        fit = find_face(footage, frames=frames, progress=progress, lens=lens)
     elif tuple(fit.image_size) != footage.size:
         raise InvalidInput(
             f"the face fit is for pictures of {fit.image_size[0]} x {fit.image_size[1]}, "

@@ -47,7 +47,7 @@ NUM_TRIED_FRONTAL = 8
 AT_REST = 0.5  # of `rest.usual_expression`, for lids and lips to be looked at
 NUM_AT_REST = 4  # frames beside the reference, whose lids and lips are looked at
 LEAST_FOLLOWED = 5  # frames, to say which of them is at rest
-CLEARLY_BETTER = 0.2  # of `costs_of_rest`: by less, the supposed rest stays, which looks better
+CLEARLY_BETTER = 0.2  # of `costs_of_rest`: by less, the frame that it is seen from stays
 MOST_REFITTED = 3
 
 FitHead = Callable[[NDArray[np.uint8], int], FaceFit | None]  # image, frame -> head, if any
