@@ -82,14 +82,15 @@ void bind_locate_networks(py::module_& m) {
     py::class_<FeatureNetworks>(m, "FeatureNetworks", "Google's networks for face mesh and iris.")
         .def(py::init([](const std::string& mesh_file, const std::string& iris_file,
                          const std::string& lips_file, const std::string& left_eye_file,
-                         const std::string& right_eye_file) {
-                 return FeatureNetworks(mesh_file, iris_file, {lips_file, {left_eye_file, right_eye_file}});
+                         const std::string& right_eye_file, const std::string& eye_points_file) {
+                 return FeatureNetworks(mesh_file, iris_file,
+                                        {lips_file, {left_eye_file, right_eye_file}, eye_points_file});
              }),
              "mesh_file"_a, "iris_file"_a, "lips_file"_a = "", "left_eye_file"_a = "",
-             "right_eye_file"_a = "",
-             "ONNX files of scripts/make_networks; without one of the last three the mesh's own points "
-             "stand.\n"
-             "Raises UnreadableMedia.")
+             "right_eye_file"_a = "", "eye_points_file"_a = "",
+             "ONNX files of scripts/make_networks; without lips' and eyes' the mesh's own points stand. "
+             "eye_points_file:\nof scripts/train_eyes_and_lips; without it the iris network alone measures "
+             "eyes.\nRaises UnreadableMedia.")
         .def(
             "mesh",
             [](const FeatureNetworks& networks, const ImageArray& image, const FeatureCrop& crop,

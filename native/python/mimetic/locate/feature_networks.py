@@ -17,6 +17,8 @@ FILES = tuple(
     f"{name}.onnx"
     for name in ("face_mesh", "iris_landmark", "face_lips", "face_eye_left", "face_eye_right")
 )
+# Regressor of lids and irises, fitted to drawn people (scripts/train_eyes_and_lips)
+EYE_POINTS = "eye_points.onnx"
 ANCHORS = ("hairline", "menton", "eye_outer.L", "eye_inner.L", "eye_outer.R", "eye_inner.R")
 # Points of the mesh and of the eye's contour, by name: each of the network that errs least there
 MESH_POINTS = {
@@ -32,7 +34,7 @@ def installed_networks() -> _core.FeatureNetworks | None:
     files = [data_folder() / name for name in FILES]
     if not all(file.is_file() for file in files):
         return None
-    return _load(*(str(file) for file in files))
+    return _load(*(str(file) for file in (*files, data_folder() / EYE_POINTS)))
 
 
 @lru_cache(maxsize=1)

@@ -1,0 +1,20 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#pragma once
+#include <mimetic/locate/feature_networks.hpp>
+
+#include "point_regressor.hpp"
+
+namespace mimetic::locate {
+
+/// The points of an eye's regressor: both margins from the outer to the inner corner, then the iris.
+struct RegressedEye {
+    static constexpr int kMargin = static_cast<int>(LidMargins::kUpper.size());
+    static constexpr int kPoints = 2 * kMargin + EyePoints::kIris;
+    static constexpr int kGroups = 3;  ///< upper lid, lower lid, iris
+};
+
+/// The iris network's points, between the corners the lids' margins joined with a regressor's, by the errors
+/// of both; all in sides of the crop. side: of the crop, pixels.
+EyePoints joined_eye(const EyePoints& by_network, const RegressedPoints& regressed, double side);
+
+}  // namespace mimetic::locate

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "point_regressor.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "network_file.hpp"
+
+namespace mimetic::locate {
+namespace {
+
+constexpr int kSide = 64;
+// As `scripts/build/eyes_and_lips/training.py` has them
+constexpr double kLeastContrast = 0.02, kLeastSpread = 0.003;
+constexpr double kSmallestLog = -7, kLargestLog = 2;
+
+/// Light and contrast of a picture say nothing about where its points are.
+cv::Mat standardised(const cv::Mat& blob) {
+    const cv::Mat values = blob.reshape(1, 1);
+    cv::Scalar mean, deviation;
+    cv::meanStdDev(values, mean, deviation);
+    cv::Mat even;
+    values.convertTo(even, CV_32F, 1 / (deviation[0] + kLeastContrast),
+                     -mean[0] / (deviation[0] + kLeastContrast));
+    const int shape[] = {1, 3, kSide, kSide};
+    return even.reshape(1, 4, shape);
+}
+
+}  // namespace
+
+PointRegressor::PointRegressor(const std::string& file, int points, int groups)
+    : net_(load_network(file, {3, kSide, kSide}, {static_cast<std::size_t>(2 * points + groups)})),
+      points_(points) {}
+
+RegressedPoints PointRegressor::see(const cv::Mat& blob) {
+    const cv::Mat output = outputs_of(net_, standardised(blob))[0];
+    const Eigen::Map<const Eigen::VectorXf> values(output.ptr<float>(),
+                                                   static_cast<Eigen::Index>(output.total()));
+    RegressedPoints seen;
+    seen.shares = Eigen::Map<const Rows<float, 2>>(values.data(), points_, 2).cast<double>();
+    seen.spread = values.tail(values.size() - 2 * points_).cast<double>();
+    for (double& spread : seen.spread) {
+        spread = kLeastSpread + std::exp(std::clamp(spread, kSmallestLog, kLargestLog));
+    }
+    return seen;
+}
+
+}  // namespace mimetic::locate
