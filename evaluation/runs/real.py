@@ -19,7 +19,13 @@ from evaluation.runs.head_clips import face_mesh_python
 from evaluation.runs.real_captures import captured, kept_clips
 from evaluation.runs.real_events import saturation, score_events
 from evaluation.runs.real_labels import CLIPS, Labels, footage_of, read_labels
-from evaluation.runs.real_methods import by_capture, by_face_mesh, by_fit, by_networks
+from evaluation.runs.real_methods import (
+    by_capture,
+    by_face_mesh,
+    by_fit,
+    by_networks,
+    networks_alone,
+)
 from evaluation.runs.real_noise import SHRUNK, Sightings, sightings
 from evaluation.runs.real_photographs import faces_texts, read_images, score_photographs
 from evaluation.runs.real_score import (
@@ -33,7 +39,7 @@ from evaluation.runs.real_score import (
 )
 from evaluation.runs.real_still import crops_of, in_crops, jitter, still_runs, with_frames
 
-OURS, NETWORKS = "capture", "its networks, our crops"
+OURS, NETWORKS, JOINED = "capture", "its networks, our crops", "with our regressor"
 CELL = 14
 Report = Callable[[str], None]
 
@@ -83,8 +89,9 @@ def score_clip(
         report(f"{labels.clip}: {FACE_MESH}")
         places_by_method[FACE_MESH] = by_face_mesh(every, python)
     if (networks := installed_networks()) is not None:
-        smaller = by_networks(every, performance, networks, SHRUNK)
+        smaller = by_networks(every, performance, networks_alone(), SHRUNK)
         places_by_method[NETWORKS] = smaller[SHRUNK.index(1)]
+        places_by_method[JOINED] = by_networks(every, performance, networks)[0]
         all_sightings = [
             sightings(every, performance, runs, places, times)
             for places, times in zip(smaller, SHRUNK, strict=True)

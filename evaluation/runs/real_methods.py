@@ -14,13 +14,14 @@ from mimetic import InvalidInput, _core
 from mimetic.fit.face_model import limit_positions
 from mimetic.fit.fitting import NoFace, find_face
 from mimetic.fit.line_fit import with_lines
-from mimetic.locate.feature_networks import MESH_POINTS, feature_places
+from mimetic.locate.feature_networks import FILES, MESH_POINTS, feature_places
 from mimetic.media.footage import Footage
 from mimetic.muscles.eyeballs import eye_geometry
 from mimetic.muscles.feature_lines import feature_lines
 from mimetic.performance.document import HELD_QUALITY, Performance
 from mimetic.performance.gaze import has_gaze, iris_circles
 from mimetic.performance.places import RefinedSurface
+from mimetic.shared.installed_data import data_folder
 from mimetic.template.face_template import FaceTemplate, load_template
 from numpy.typing import NDArray
 
@@ -151,6 +152,11 @@ def _meshes(
         if run.returncode != 0:
             raise InvalidInput(f"the face mesh failed: {' '.join(errors.split()[-40:])}")
         return np.load(out, allow_pickle=False)
+
+
+def networks_alone() -> _core.FeatureNetworks:
+    """The installed networks without the regressor of lids that they are joined with."""
+    return _core.FeatureNetworks(*(str(data_folder() / name) for name in FILES))
 
 
 def by_networks(

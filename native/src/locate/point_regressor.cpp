@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mimetic/shared/error.hpp>
 
 #include "network_file.hpp"
 
@@ -28,9 +29,13 @@ cv::Mat standardised(const cv::Mat& blob) {
 
 }  // namespace
 
-PointRegressor::PointRegressor(const std::string& file, int points, int groups)
-    : net_(load_network(file, {3, kSide, kSide}, {static_cast<std::size_t>(2 * points + groups)})),
-      points_(points) {}
+PointRegressor::PointRegressor(const std::string& file, int points, int groups) : points_(points) {
+    try {
+        net_ = load_network(file, {3, kSide, kSide}, {static_cast<std::size_t>(2 * points + groups)});
+    } catch (const UnreadableMedia&) {  // it is part of the package, not of what set-up fetches
+        throw UnreadableMedia(file + ": missing or damaged; install Mimetic again");
+    }
+}
 
 RegressedPoints PointRegressor::see(const cv::Mat& blob) {
     const cv::Mat output = outputs_of(net_, standardised(blob))[0];

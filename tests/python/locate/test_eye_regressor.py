@@ -9,6 +9,7 @@ from mimetic import UnreadableMedia, _core
 from mimetic.locate.feature_networks import EYE_POINTS, FILES, installed_networks
 from mimetic.shared.installed_data import data_folder
 
+from evaluation.runs.real_methods import networks_alone
 from evaluation.runs.rendered import CHECKOUT
 from scripts.build.eyes_and_lips.crops import SIDE, Shots, sample, square_of
 from scripts.build.eyes_and_lips.shots import FIRST_SEED, draw
@@ -27,7 +28,7 @@ def joined():
 
 @pytest.fixture(scope="module")
 def alone(joined):
-    return _core.FeatureNetworks(*(str(data_folder() / name) for name in FILES))
+    return networks_alone()
 
 
 @pytest.fixture(scope="module")
@@ -116,5 +117,6 @@ def test_a_damaged_file_is_refused_by_its_name(tmp_path):
     files = [str(data_folder() / name) for name in FILES]
     damaged = tmp_path / EYE_POINTS
     damaged.write_bytes(b"\x08\x03" * 500)
-    with pytest.raises(UnreadableMedia, match=EYE_POINTS):
-        _core.FeatureNetworks(*files, str(damaged))
+    for file in (damaged, tmp_path / "nowhere.onnx"):
+        with pytest.raises(UnreadableMedia, match=f"{file.name}.*install Mimetic again"):
+            _core.FeatureNetworks(*files, str(file))
