@@ -19,10 +19,11 @@ from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitted_view import FittedView
 from mimetic.fit.known_lens import camera_with
 from mimetic.fit.line_modes import line_modes
-from mimetic.fit.network_evidence import with_networks
+from mimetic.fit.network_evidence import is_seen, with_networks
 from mimetic.fit.relief_shift import picture_shifts
 from mimetic.fit.views import follow_points
 from mimetic.locate.eigenspaces import installed_spaces
+from mimetic.locate.feature_networks import feature_anchors
 from mimetic.locate.landmarks import BETWEEN_PREFIX, installed_cascade, measured_landmarks
 from mimetic.shared.installed_data import data_folder
 from mimetic.shared.parallel import both
@@ -168,7 +169,10 @@ def _fitted(
         if fit is None:
             continue
         canonical_view = canonical_image(fit, image, size=SYMMETRY_SIZE, template=template)
-        if _core.mirror_correlation(*canonical_view) >= LEAST_SYMMETRY:
+        if _core.mirror_correlation(*canonical_view) < LEAST_SYMMETRY:
+            continue
+        anchors = feature_anchors(fit.neutral_vertices(template), template)
+        if is_seen(image, fit.camera, fit.head_pose, anchors):
             return fit
     return None
 
