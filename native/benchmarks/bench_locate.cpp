@@ -23,13 +23,16 @@ mimetic::ColorView view(const cv::Mat3b& image) {
     return {image.data, image.rows, image.cols, static_cast<std::ptrdiff_t>(image.step)};
 }
 
-/// The networks in MIMETIC_DATA, where `scripts/make_networks` leaves them otherwise.
-mimetic::FeatureNetworks networks() {
+/// The networks in MIMETIC_DATA, where `scripts/make_networks` leaves them otherwise. eye_points: file of the
+/// regressor of lids, empty for none.
+mimetic::FeatureNetworks networks(const std::string& eye_points = {}) {
     const char* chosen = std::getenv("MIMETIC_DATA");
     const std::string folder = chosen ? chosen : "build/data";
     return {folder + "/face_mesh.onnx",
             folder + "/iris_landmark.onnx",
-            {folder + "/face_lips.onnx", {folder + "/face_eye_left.onnx", folder + "/face_eye_right.onnx"}}};
+            {folder + "/face_lips.onnx",
+             {folder + "/face_eye_left.onnx", folder + "/face_eye_right.onnx"},
+             eye_points}};
 }
 
 void face(benchmark::State& state, bool refine_eyes) {
@@ -39,9 +42,9 @@ void face(benchmark::State& state, bool refine_eyes) {
         benchmark::DoNotOptimize(nets.mesh(view(image), {{320, 240}, 280, 0.1}, refine_eyes));
 }
 
-void both_eyes(benchmark::State& state) {
+void both_eyes(benchmark::State& state, const char* eye_points) {
     const cv::Mat3b image = noise_image();
-    const mimetic::FeatureNetworks nets = networks();
+    const mimetic::FeatureNetworks nets = networks(eye_points);
     for (auto _ : state) {
         benchmark::DoNotOptimize(nets.eye(view(image), {{360, 240}, 90, 0.1}, true));
         benchmark::DoNotOptimize(nets.eye(view(image), {{280, 240}, 90, 0.1}, false));
@@ -61,7 +64,8 @@ void floor_crop(benchmark::State& state) {
 
 BENCHMARK_CAPTURE(face, mesh_and_lips, false)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(face, mesh_lips_and_eyes, true)->Unit(benchmark::kMillisecond);
-BENCHMARK(both_eyes)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(both_eyes, network_alone, "")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(both_eyes, with_regressor, "native/data/eye_points.onnx")->Unit(benchmark::kMillisecond);
 BENCHMARK(floor_crop)->Unit(benchmark::kMillisecond);
 
 }  // namespace

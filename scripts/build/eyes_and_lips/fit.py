@@ -60,8 +60,7 @@ def fit(part: str, folder: Path, out: Path, report: Callable[[str], None]) -> No
     which = training.EYE if part == "eye" else training.MOUTH
     weights = training.trained(which, pictures, points, PARTS[part][2], SEED, report)
     tried, true = samples(held_out, part)
-    seen, _ = training.predicted(weights, which, tried)
-    off = 100 * np.abs(seen - true)
+    off = 100 * np.abs(training.predicted(weights, which, tried) - true)
     for group in range(which.num_groups):
         of_group = off[:, np.array(which.groups) == group]
         report(

@@ -13,7 +13,7 @@ from .crops import SIDE
 from .training import LAYERS, Weights
 
 OPSET = 11
-LEVELS = 31  # of a channel's largest weight, or up to 44: steps are powers of two
+LEVELS = 31  # of an output's largest weight; 22 to 44, as steps are powers of two
 
 
 def _coarse(values: np.ndarray) -> np.ndarray:

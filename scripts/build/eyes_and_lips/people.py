@@ -248,7 +248,7 @@ def _pose(rng: np.random.Generator, distance: float) -> np.ndarray:
 
 
 def _lamps(rng: np.random.Generator) -> np.ndarray:
-    """Two or three lamps: towards the lamp, strength, degrees."""
+    """One to three lamps that shine: towards the lamp, strength, degrees."""
     lamps = []
     for share in (
         1.0,

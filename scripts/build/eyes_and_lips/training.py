@@ -15,7 +15,8 @@ import optax
 LAYERS = ((16, 2), (32, 2), (32, 1), (64, 2), (64, 1), (96, 2), (96, 1))
 NARROW, HIDDEN = 32, 128
 BATCH, PEAK_RATE, DECAY = 128, 2e-3, 1e-4
-LEAST_SPREAD = 0.003  # sides of the square
+LEAST_SPREAD, LOG_SPREADS = 0.003, (-7, 2)  # sides of the square, and what is added to them
+LEAST_CONTRAST = 0.02
 
 
 @dataclass(frozen=True)
@@ -78,7 +79,7 @@ def standardised(pictures: jax.Array) -> jax.Array:
     """B x H x W x 3 in 0 to 255 -> B x 3 x H x W of mean 0 and deviation 1 each."""
     x = pictures.astype(jnp.float32).transpose(0, 3, 1, 2) / 255
     mean = x.mean((1, 2, 3), keepdims=True)
-    return (x - mean) / (x.std((1, 2, 3), keepdims=True) + 0.02)
+    return (x - mean) / (x.std((1, 2, 3), keepdims=True) + LEAST_CONTRAST)
 
 
 def loss_of(weights: Weights, pictures: jax.Array, points: jax.Array, part: Part) -> jax.Array:
@@ -86,7 +87,9 @@ def loss_of(weights: Weights, pictures: jax.Array, points: jax.Array, part: Part
     seen = outputs_of(weights, standardised(pictures))
     count = 2 * len(part.groups)
     off = jnp.abs(seen[:, :count].reshape(-1, len(part.groups), 2) - points).sum(2)
-    spread = LEAST_SPREAD + jnp.exp(jnp.clip(seen[:, count:], -7, 2))[:, np.array(part.groups)]
+    spread = (
+        LEAST_SPREAD + jnp.exp(jnp.clip(seen[:, count:], *LOG_SPREADS))[:, np.array(part.groups)]
+    )
     return (off / spread + 2 * jnp.log(spread)).mean()
 
 
@@ -97,10 +100,9 @@ def trained(
     epochs: int,
     seed: int,
     report: Callable[[str], None],
-    weights: Weights | None = None,
 ) -> Weights:
     """pictures: K x 64 x 64 x 3 uint8; points: K x P x 2, sides of the square."""
-    weights = weights or initial(part, points.mean(0), seed)
+    weights = initial(part, points.mean(0), seed)
     steps = epochs * (len(pictures) // BATCH)
     rate = optax.cosine_onecycle_schedule(steps, PEAK_RATE, 0.1)
     optimiser = optax.chain(optax.clip_by_global_norm(1.0), optax.adamw(rate, weight_decay=DECAY))
@@ -126,10 +128,8 @@ def trained(
     return weights
 
 
-def predicted(weights: Weights, part: Part, pictures: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Points (K x P x 2, sides of the square) and spreads (K x groups) of pictures."""
+def predicted(weights: Weights, part: Part, pictures: np.ndarray) -> np.ndarray:
+    """Points (K x P x 2, sides of the square) of pictures."""
     see = jax.jit(lambda batch: outputs_of(weights, standardised(batch)))
     rows = [np.asarray(see(pictures[i : i + 256])) for i in range(0, len(pictures), 256)]
-    seen, count = np.concatenate(rows), 2 * len(part.groups)
-    spread = LEAST_SPREAD + np.exp(np.clip(seen[:, count:], -7, 2))
-    return seen[:, :count].reshape(len(seen), -1, 2), spread
+    return np.concatenate(rows)[:, : 2 * len(part.groups)].reshape(len(pictures), -1, 2)

@@ -6,7 +6,7 @@ import hashlib
 import numpy as np
 import pytest
 from mimetic import UnreadableMedia, _core
-from mimetic.locate.feature_networks import EYE_POINTS, FILES, installed_networks
+from mimetic.locate.feature_networks import EYE_POINTS, FILES
 from mimetic.shared.installed_data import data_folder
 
 from evaluation.runs.real_methods import networks_alone
@@ -19,15 +19,7 @@ MIDDLE = 4  # of a margin's nine stations
 
 
 @pytest.fixture(scope="module")
-def joined():
-    networks = installed_networks()
-    if networks is None:
-        pytest.skip("scripts/make_networks was not run")
-    return networks
-
-
-@pytest.fixture(scope="module")
-def alone(joined):
+def alone(networks):
     return networks_alone()
 
 
@@ -98,16 +90,18 @@ def opening_errors(networks, shots: Shots) -> np.ndarray:
     return errors
 
 
-def test_openings_of_a_drawn_stranger_are_nearer_than_by_the_network_alone(joined, alone, stranger):
-    with_both, by_network = (np.abs(opening_errors(n, stranger)) for n in (joined, alone))
+def test_openings_of_a_drawn_stranger_are_nearer_than_by_the_network_alone(
+    networks, alone, stranger
+):
+    with_both, by_network = (np.abs(opening_errors(n, stranger)) for n in (networks, alone))
     assert with_both.mean() < 0.75 * by_network.mean()
 
 
-def test_irises_and_corners_are_the_networks(joined, alone, stranger):
+def test_irises_and_corners_are_the_networks(networks, alone, stranger):
     image = np.ascontiguousarray(stranger.frames[0][..., :3])
     square = square_of(stranger, 0, 1)
     crop = _core.FeatureCrop(square.center, square.side, square.roll)
-    both, network = joined.eye(image, crop, False), alone.eye(image, crop, False)
+    both, network = networks.eye(image, crop, False), alone.eye(image, crop, False)
     np.testing.assert_array_equal(both.iris, network.iris)
     np.testing.assert_array_equal(both.contour[[0, 8]], network.contour[[0, 8]])
     assert (both.contour[MIDDLE_UPPER] != network.contour[MIDDLE_UPPER]).all()

@@ -26,14 +26,6 @@ FRAME = 13  # of single_face.mp4, marked by hand
 
 
 @pytest.fixture(scope="module")
-def networks():
-    networks = installed_networks()
-    if networks is None:
-        pytest.skip("scripts/make_networks was not run")
-    return networks
-
-
-@pytest.fixture(scope="module")
 def shot(fetched_clip):
     """A frame of a real person, the crops that its fit lays, and the marked points."""
     image = np.ascontiguousarray(Footage(fetched_clip("single_face.mp4")).read(FRAME))
