@@ -8,7 +8,14 @@ from sample_performance import make_performance
 
 from evaluation.runs import puppet
 from evaluation.runs.puppet import Blinks, HeldOut, _blinks, as_json, as_text, score_held_out
-from evaluation.runs.puppet_tolerance import CONDITIONS, Tolerance, _moved, disturbed
+from evaluation.runs.puppet_tolerance import (
+    CONDITIONS,
+    UNTOLD_ZOOM,
+    Tolerance,
+    _moved,
+    disturbed,
+    seen_by,
+)
 
 CAMERA = _core.Camera(400.0, 400.0, 159.5, 119.5, 320, 240)
 
@@ -24,23 +31,30 @@ def middle(image):
     return np.array([x.mean(), y.mean()])
 
 
-@pytest.mark.parametrize(("kind", "amount"), [("scale", 25), ("scale", -25), ("rotation", 20)])
+@pytest.mark.parametrize(
+    ("kind", "amount"), [("scale", 25), ("scale", -25), (UNTOLD_ZOOM, 25), ("rotation", 20)]
+)
 def test_a_picture_moves_as_the_pose_that_is_said_of_it(kind, amount):
     pose = np.eye(4)
     pose[:3, 3] = [0.05, 0.03, 0.5]
     x, y = CAMERA.fx * 0.1 + CAMERA.cx, CAMERA.fy * 0.06 + CAMERA.cy
     moved = _moved(pose, kind, amount)[:3, 3]
-    expected = 400 * moved[:2] / moved[2] + [CAMERA.cx, CAMERA.cy]
+    camera = seen_by(CAMERA, kind, amount)
+    expected = camera.fx * moved[:2] / moved[2] + [camera.cx, camera.cy]
     picture = disturbed(spot(round(x), round(y)), kind, amount, CAMERA, np.random.default_rng(1))
     np.testing.assert_allclose(middle(picture), expected, atol=1.0)
+    assert picture.shape == (camera.height, camera.width, 3)
 
 
-def test_every_condition_changes_the_picture_and_keeps_its_size():
+def test_every_condition_changes_the_picture_and_a_scale_its_size():
     image = np.random.default_rng(2).integers(60, 180, (240, 320, 3)).astype(np.uint8)
     for kind, amount, _ in CONDITIONS:
         changed = disturbed(image, kind, amount, CAMERA, np.random.default_rng(1))
-        assert changed.shape == image.shape and changed.dtype == np.uint8
+        assert (changed.shape == image.shape) == (kind not in ("scale", UNTOLD_ZOOM))
+        assert changed.dtype == np.uint8
         assert np.array_equal(changed, image) == (kind == "none")
+    larger = disturbed(image, "scale", 15, CAMERA, np.random.default_rng(1))
+    assert larger.shape == (276, 368, 3)  # so that nothing leaves the picture
     brighter = disturbed(image, "offset", 30, CAMERA, np.random.default_rng(1))
     np.testing.assert_array_equal(brighter, image + 30)
 
