@@ -13,7 +13,7 @@ from mimetic.performance.document import Performance
 from mimetic.puppet.driver import Puppet
 from mimetic.puppet.mapping import BASES, MODES, Mapping
 from mimetic.puppet.seeing import PersonView
-from mimetic.puppet.teaching import teach
+from mimetic.puppet.teaching import best_seen, known_poses, teach
 from mimetic.score.json_text import json_text
 from mimetic.score.scores import INTERVAL_90
 from mimetic.score.text_table import text_table
@@ -82,16 +82,19 @@ def _score_clip(
     camera = camera_of(performance.intrinsics, performance.image_size)
     view = PersonView(camera, performance.neutral_vertices, taught.sides, taught.pixel)
     mappings = {(mode, basis): Mapping(taught, mode, basis) for mode in MODES for basis in BASES}
-    puppet: Puppet | None = None
+    best, known = best_seen(performance), known_poses(performance)
+    image = np.ascontiguousarray(footage.read(int(performance.frame[best])))
+    puppet = Puppet(taught, view, image, performance.head_pose[best])
+    is_lost = True
     frames: list[int] = []
     scores: list[NDArray[np.float64]] = []
     first, last = int(performance.frame[0]), int(performance.frame[-1])
     for frame, image in footage.frames(first, last):
-        image = np.ascontiguousarray(image)
-        if puppet is None:
-            puppet = Puppet(taught, view, image, performance.head_pose[0])
-        seen = puppet.advance(image, 1 / performance.fps)
-        if not seen.held:
+        # A detector sees a lost head about where it was captured
+        guess = known.get(frame) if is_lost else None
+        seen = puppet.advance(np.ascontiguousarray(image), 1 / performance.fps, guess)
+        is_lost = seen.held
+        if not is_lost:
             frames.append(performance.index_of(frame))
             scores.append(seen.scores)
     rows = np.array(frames)

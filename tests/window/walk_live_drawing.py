@@ -76,6 +76,7 @@ def steps(walk: Walk) -> Steps:
     shading.light = before
     face.hide_set(True)
     measure("nor the face")
+    measure("nor anything that moves", is_moving=False)
     face.hide_set(False)
     shading.show_object_outline = space.overlay.show_overlays = True
     modifier.show_viewport, system.viewport_aa = True, aa

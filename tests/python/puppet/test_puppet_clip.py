@@ -11,10 +11,14 @@ import pytest
 from mimetic import InvalidInput, UnreadableMedia
 from mimetic.commands.cli import main
 from mimetic.fit.face_fit import FaceFit
+from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
 from mimetic.puppet.running import RunOptions, drive
+from mimetic.puppet.teaching import teach
 from mimetic.puppet.templates import TaughtSet
 from mimetic.retarget.unit_fit import unit_order
+
+NUM_HIDDEN = 5  # frames
 
 
 @pytest.fixture(scope="module")
@@ -46,6 +50,33 @@ def test_teaching_leaves_a_set_and_its_page(folder):
     assert {"face", "mouth", "brow.L"} <= set(taught.template_parts)
     page = (folder / "set.html").read_text(encoding="utf-8")
     assert "What to teach next" in page and "data:image/png" in page
+
+
+class HiddenAtFirst(Footage):
+    """A clip in whose first frames something is held before the face."""
+
+    def frames(self, first, last):
+        for frame, image in super().frames(first, last):
+            yield frame, self._hidden(image) if frame <= NUM_HIDDEN else image
+
+    def read(self, frame):
+        image = super().read(frame)
+        return self._hidden(image) if frame <= NUM_HIDDEN else image
+
+    @staticmethod
+    def _hidden(image):
+        board = np.random.default_rng(4).integers(0, 255, (12, 16, 3)).astype(np.uint8)
+        tall, wide = image.shape[0] // 12 + 1, image.shape[1] // 16 + 1
+        return board.repeat(tall, axis=0).repeat(wide, axis=1)[: image.shape[0], : image.shape[1]]
+
+
+def test_a_face_that_is_hidden_at_first_is_taught_from_where_it_is_seen(rendered_clip, folder):
+    performance = Performance.load(folder / "capture" / "performance.npz")
+    performance.quality[:NUM_HIDDEN] = 0.4
+    performance.quality[NUM_HIDDEN:] = np.maximum(performance.quality[NUM_HIDDEN:], 0.5)
+    taught = teach(HiddenAtFirst(rendered_clip.footage), performance, [], 2, num_examples=10)
+    taught_from = taught.example_frames[taught.example_frames > NUM_HIDDEN]
+    assert len(np.unique(taught_from)) >= 8
 
 
 def test_the_driven_face_does_what_the_captured_one_does(run, folder):

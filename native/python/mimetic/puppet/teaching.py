@@ -52,6 +52,20 @@ def teach(
     return teaching.run(looks, num_chosen, num_examples)
 
 
+def best_seen(performance: Performance, usable: NDArray[np.bool_] | None = None) -> int:
+    """Index of the frame, of those usable, in which the head is seen best. From there it is
+    followed: the first frame may show it turned, or behind a hand."""
+    quality = performance.quality if usable is None else np.where(usable, performance.quality, -1.0)
+    return int(quality.argmax())
+
+
+def known_poses(performance: Performance) -> dict[int, Pose]:
+    """By frame, where a head that was lost may be found again: where it was captured."""
+    is_known = performance.quality >= HELD_QUALITY
+    frames = performance.frame[is_known].tolist()
+    return dict(zip(frames, performance.head_pose[is_known], strict=True))
+
+
 class _Teaching:
     """One clip at work."""
 
@@ -194,15 +208,17 @@ class _Teaching:
         which it is held are missing."""
         start, end = np.flatnonzero(self.usable)[[0, -1]]
         first, last = int(self.performance.frame[start]), int(self.performance.frame[end])
-        stiller, poses = None, dict[int, Pose]()
+        best = best_seen(self.performance, self.usable)
+        image = np.ascontiguousarray(self.footage.read(int(self.performance.frame[best])))
+        known = known_poses(self.performance)
+        stiller = HeadStiller(self.view, image, self.performance.head_pose[best], self.model)
+        poses, is_lost = dict[int, Pose](), True
         for frame, image in self.footage.frames(first, last):
             fraction = (frame - first) / max(1, last - first)
             check_goes_on(self.progress, fraction, f"looking at frame {frame}")
-            image = np.ascontiguousarray(image)
-            if stiller is None:
-                pose = self.performance.head_pose[start]
-                stiller = HeadStiller(self.view, image, pose, self.model)
-            head = stiller.tracker.advance(image)
-            if not head.held:
+            guess = known.get(frame) if is_lost else None
+            head = stiller.tracker.advance(np.ascontiguousarray(image), guess)
+            is_lost = head.held
+            if not is_lost:
                 poses[frame] = np.asarray(head.camera_from_head)
         return poses
