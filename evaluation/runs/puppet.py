@@ -82,9 +82,8 @@ def _score_clip(
     camera = camera_of(performance.intrinsics, performance.image_size)
     view = PersonView(camera, performance.neutral_vertices, taught.sides, taught.pixel)
     mappings = {(mode, basis): Mapping(taught, mode, basis) for mode in MODES for basis in BASES}
-    best, known = best_seen(performance), known_poses(performance)
-    image = np.ascontiguousarray(footage.read(int(performance.frame[best])))
-    puppet = Puppet(taught, view, image, performance.head_pose[best])
+    puppet = Puppet(taught, view, *best_seen(footage, performance))
+    known = known_poses(performance)
     is_lost = True
     frames: list[int] = []
     scores: list[NDArray[np.float64]] = []

@@ -52,11 +52,15 @@ def teach(
     return teaching.run(looks, num_chosen, num_examples)
 
 
-def best_seen(performance: Performance, usable: NDArray[np.bool_] | None = None) -> int:
-    """Index of the frame, of those usable, in which the head is seen best. From there it is
-    followed: the first frame may show it turned, or behind a hand."""
+def best_seen(
+    footage: Footage, performance: Performance, usable: NDArray[np.bool_] | None = None
+) -> tuple[Image, Pose]:
+    """The frame, of those usable, in which the head is seen best, and its pose there. From it the
+    head is followed: the first frame may show it turned, or behind a hand."""
     quality = performance.quality if usable is None else np.where(usable, performance.quality, -1.0)
-    return int(quality.argmax())
+    best = int(quality.argmax())
+    image = np.ascontiguousarray(footage.read(int(performance.frame[best])))
+    return image, performance.head_pose[best]
 
 
 def known_poses(performance: Performance) -> dict[int, Pose]:
@@ -208,10 +212,9 @@ class _Teaching:
         which it is held are missing."""
         start, end = np.flatnonzero(self.usable)[[0, -1]]
         first, last = int(self.performance.frame[start]), int(self.performance.frame[end])
-        best = best_seen(self.performance, self.usable)
-        image = np.ascontiguousarray(self.footage.read(int(self.performance.frame[best])))
+        best = best_seen(self.footage, self.performance, self.usable)
         known = known_poses(self.performance)
-        stiller = HeadStiller(self.view, image, self.performance.head_pose[best], self.model)
+        stiller = HeadStiller(self.view, *best, self.model)
         poses, is_lost = dict[int, Pose](), True
         for frame, image in self.footage.frames(first, last):
             fraction = (frame - first) / max(1, last - first)
