@@ -90,7 +90,7 @@ class VariedCapture(clip_capture.ClipCapture):
     """The capture of a whole clip in one variant."""
 
     def __init__(self, footage: Footage, fit: FaceFit, variant: Variant) -> None:
-        fit = fit if variant.relief else replace(fit, relief=[], depth=[])
+        fit = fit if variant.relief else replace(fit, relief=[], depth=[], depth_std=[])
         fit = fit if variant.lines else replace(fit, lines=[])
         summary = CaptureSummary(fit=fit)
         super().__init__(footage, fit, (1, footage.num_frames), None, summary)

@@ -25,7 +25,7 @@ from evaluation.runs.methods import LOOP, MUSCLES, OURS, Motion, of_performance,
 from evaluation.runs.own_process import process_pool
 from evaluation.runs.rendered import Clip, clips, render
 
-SETS = ("full", "full-tuning")
+SETS = ("full", "full-swung", "full-tuning")
 AXES = ("pitch_deg", "yaw_deg", "roll_deg")
 Report = Callable[[str], None]
 

@@ -82,9 +82,18 @@ def truths() -> list[Sample]:
 
 
 def fits() -> list[Sample]:
-    whole = _saved(make_fit(residual=[], relief=[], depth=[]), ".json", JSON)
+    whole = _saved(make_fit(residual=[], relief=[], depth=[], depth_std=[]), ".json", JSON)
     older = json.loads(whole.content)
-    for key in ("residual", "views", "calibration", "relief", "depth", "lines", "rest"):
+    for key in (
+        "residual",
+        "views",
+        "calibration",
+        "relief",
+        "depth",
+        "depth_std",
+        "lines",
+        "rest",
+    ):
         del older[key]
     older["schema"] = 1
     full = _saved(make_fit(), ".json", JSON)

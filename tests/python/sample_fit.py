@@ -39,6 +39,7 @@ def make_fit(**changes):
         ],
         "relief": [0.1, 0.0, -0.2],
         "depth": [[0.001, 0.0, -0.002], [0.0, 0.0, 0.003]],
+        "depth_std": [0.002, 0.0035],
         "lines": [0.2, -0.1],
         "calibration": Calibration(
             {"cheeks": 1.8},

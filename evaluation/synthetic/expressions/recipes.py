@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -21,7 +21,9 @@ HEADS = {
     "frontal": HeadMotion(yaw=3, pitch=1.5, roll=1.5, sideways=0.003, nearer=0.008),
     "moving": HeadMotion(),
     "turning": HeadMotion(yaw=18, pitch=8, roll=6, sideways=0.018, nearer=0.04),
+    "swung": HeadMotion(yaw=30, pitch=10, roll=8, sideways=0.018, nearer=0.04),
 }
+CHOSEN = ("frontal", "moving", "turning")  # every third take each; `swung` has a set of its own
 # Parts of an expression: control, amplitude, seconds after it begins.
 Part = tuple[str, float, float]
 UNITS: dict[str, tuple[Part, ...]] = {
@@ -139,7 +141,7 @@ def _take(seed: int, name: str, number: int, kind: str) -> Take:
         for slot, expression in enumerate(chosen)
         for phase in phases_of(kind, expression, REST + SLOT * slot, rng)
     ]
-    head = list(HEADS)[number // 3 % 3]
+    head = CHOSEN[number // 3 % 3]
     recipe = Recipe(
         name=name,
         kind=kind,
@@ -183,6 +185,19 @@ def phases_of(kind: str, expression: str, start: float, rng: np.random.Generator
     return phases
 
 
+def swung(chosen: tuple[Take, ...], prefix: str) -> tuple[Take, ...]:
+    """Those whose head turns, with all the same but a head that turns further."""
+    turning = [take for take in chosen if take.head == "turning"]
+    return tuple(
+        replace(
+            take,
+            head="swung",
+            recipe=replace(take.recipe, name=f"{prefix}-{i}", head_motion=HEADS["swung"]),
+        )
+        for i, take in enumerate(turning)
+    )
+
+
 def some_of(chosen: tuple[Take, ...], number: int | None) -> tuple[Take, ...]:
     """`number` of the takes, evenly, so that every kind of them is among few already."""
     if number is None or number >= len(chosen):
@@ -192,8 +207,10 @@ def some_of(chosen: tuple[Take, ...], number: int | None) -> tuple[Take, ...]:
 
 
 # People of no other set: stills and portraits have those between 200 and 399 and from 500 on.
+FULL = takes(400, 30, "full", num_units=20)
 SETS = {
-    "full": takes(400, 30, "full", num_units=20),
+    "full": FULL,
+    "full-swung": swung(FULL, "full-swung"),
     "full-tuning": takes(61, 9, "full-tuning", num_units=6),
     "consistency-tuning": takes(430, 18, "consistency-tuning", num_units=18),
 }

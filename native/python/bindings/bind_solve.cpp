@@ -211,6 +211,17 @@ void bind_tracker(py::module_& m) {
         .def("observations", &FaceTracker::observations,
              "SkinObservations behind the last frame's estimate; none where the face was lost.")
         .def(
+            "outline",
+            [](const FaceTracker& tracker, const ImageArray& image) {
+                const ColorView view = view_image<3>(image, "the frame");
+                const py::gil_scoped_release release;
+                return tracker.outline(view);
+            },
+            "image"_a,
+            "SkinObservations of the face's outline before what is behind the head, in the frame that was "
+            "just\nadvanced to; each tells of the direction across the outline alone. None where the face "
+            "was lost.\nRaises InvalidInput.")
+        .def(
             "restart",
             [](FaceTracker& tracker, const ImageArray& image, const FrameEstimate& estimate) {
                 tracker.restart(view_image<3>(image, "the frame"), estimate);

@@ -22,7 +22,7 @@ Sighting sighting_from_arrays(int frame, const Eigen::Matrix4d& pose, Eigen::Vec
         const Eigen::Matrix2d& square = squares[k];
         rows.row(static_cast<Eigen::Index>(k)) << square(0, 0), square(0, 1), square(1, 0), square(1, 1);
     }
-    Sighting sighting{frame, to_isometry(pose), std::move(values), vertices, barycentric, pixels, rows};
+    Sighting sighting{frame, to_isometry(pose), std::move(values), vertices, barycentric, pixels, rows, 0};
     sighting.check();
     return sighting;
 }
@@ -51,43 +51,48 @@ void bind_points(py::module_& m) {
             "vertices around each point; barycentric: (K, 3); pixels: (K, 2), by flow alone; information: "
             "(K, 2, 2),\npixels^-2. Raises InvalidInput.")
         .def_static(
-            "of", &make_sighting, "frame"_a, "estimate"_a, "seen"_a,
-            "Of a frame that a tracker has just advanced to: at most 350 of its points, spread evenly.")
+            "of", &make_sighting, "frame"_a, "estimate"_a, "seen"_a, "outline"_a = SkinObservations{},
+            "Of a frame that a tracker has just advanced to: at most 350 of its points, spread evenly, then "
+            "the\nface's outline in it.")
         .def_readonly("frame", &Sighting::frame)
         .def_property_readonly("camera_from_head",
                                [](const Sighting& one) { return MatrixRows(one.camera_from_head.matrix()); })
         .def_readonly("values", &Sighting::values)
         .def_readonly("vertices", &Sighting::vertices)
         .def_readonly("barycentric", &Sighting::barycentric)
-        .def_readonly("pixels", &Sighting::pixels);
+        .def_readonly("pixels", &Sighting::pixels)
+        .def_readonly("num_outline", &Sighting::num_outline, "how many of the points, the last, are of it");
 }
 
 void bind_relief(py::module_& m) {
     py::class_<Relief>(m, "Relief", "How the depth of a fitted head differs.")
         .def_readonly("coefficients", &Relief::coefficients, "(C + K,), of components, then bumps")
-        .def_readonly("depth_std", &Relief::depth_std, "one a point of `spread`, metres");
+        .def_readonly("depth_std", &Relief::depth_std,
+                      "one a point of `judged`, metres: of its depth beside the mean of `spread`");
     m.def(
         "find_relief",
         [](const FittedSkin& skin, const ModesArray& components, const MatrixRows& bumps,
            const ModesArray& modes, const Eigen::VectorXd& std, std::vector<int> landmarks,
-           std::vector<int> spread, const Eigen::VectorXd& start, const std::vector<Sighting>& sightings,
-           const std::optional<Progress>& progress) {
+           std::vector<int> spread, std::vector<int> judged, const Eigen::VectorXd& start,
+           const std::vector<Sighting>& sightings, const std::optional<Progress>& progress) {
             const Eigen::Index count = skin.neutral.rows();
             const auto components_in = view_modes("components", components, count);
             const auto modes_in = view_modes("modes", modes, count);
             const py::gil_scoped_release release;
-            const ReliefModel model{components_in,     bumps, modes_in, std, std::move(landmarks),
-                                    std::move(spread), start};
+            const ReliefModel model{
+                components_in,     bumps, modes_in, std, std::move(landmarks), std::move(spread),
+                std::move(judged), start};
             return find_relief(skin, model, sightings, {}, progress.value_or(Progress{}));
         },
         "skin"_a, py::arg("components").noconvert(), "bumps"_a, py::arg("modes").noconvert(), "std"_a,
-        "landmarks"_a, "spread"_a, "start"_a, "sightings"_a, "progress"_a = py::none(),
+        "landmarks"_a, "spread"_a, "judged"_a, "start"_a, "sightings"_a, "progress"_a = py::none(),
         "Relief: coefficients of the components, then the bumps, by which the depth of the head differs "
         "from the\nfitted one's, `start` included; none when progress says to stop.\n\n"
         "components: (C, S, 3) float64, metres at a standard deviation; bumps: (K, S), heights along the "
         "fitted\nframe's rays, metres at a standard deviation; modes: (M, S, 3) and std: (M,), prior, of "
         "the muscles and\narticulators with which the head was followed; landmarks, spread: control "
-        "vertices that the fitted frame\nheld, and others over the face; start: (C + K,), those that the "
+        "vertices that the fitted frame\nheld, and others over the face; judged: those whose depth's "
+        "standard deviation is told; start: (C + K,), those that the "
         "skin has already. Raises InvalidInput.");
 }
 

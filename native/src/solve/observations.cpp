@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include "seen_outline.hpp"
 #include "tracker_state.hpp"
 
 namespace mimetic {
@@ -29,6 +30,15 @@ SkinObservations FaceTracker::observations() const {
             information(1, 1);
     }
     return seen;
+}
+
+SkinObservations FaceTracker::outline(const ColorView& image) const {
+    const State& s = *state_;
+    s.check_frame(image);
+    if (s.memory.is_lost) {
+        return {Triangles(0, 3), Points(0, 3), Rows<double, 2>(0, 2), Rows<double, 4>(0, 4)};
+    }
+    return seen_outline(s.face.surface, s.face.camera, s.memory.state, image);
 }
 
 }  // namespace mimetic

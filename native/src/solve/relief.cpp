@@ -23,11 +23,12 @@ struct Normal {
 
 /// Where the distinct points of all sightings are, and how they move: three rows a point, metres.
 struct Seen {
-    Eigen::VectorXd rest;  ///< 3P
-    Points normals;        ///< P x 3, unit, outwards
-    MatrixRows by_mode;    ///< 3P x M
-    MatrixRows by_shape;   ///< 3P x (C + K + E): deeper by a component or bump, or by a shift common to all
-                           ///< frames
+    Eigen::VectorXd rest;          ///< 3P
+    Points normals;                ///< P x 3, unit, outwards
+    std::vector<bool> is_outline;  ///< P
+    MatrixRows by_mode;            ///< 3P x M
+    MatrixRows by_shape;  ///< 3P x (C + K + E): deeper by a component or bump, or by shifts common to all
+                          ///< frames, that of the outline last
 };
 
 Points normals_at(const FittedSkin& skin, const DistinctPoints& points) {
@@ -40,6 +41,19 @@ Points normals_at(const FittedSkin& skin, const DistinctPoints& points) {
         normals.row(k) = normal.normalized();
     }
     return normals;
+}
+
+/// Which of the distinct points are of an outline.
+std::vector<bool> of_outline(const std::vector<Sighting>& sightings, const DistinctPoints& points) {
+    std::vector<bool> are(static_cast<std::size_t>(points.vertices.rows()), false);
+    for (std::size_t i = 0; i < sightings.size(); ++i) {
+        const std::vector<int>& index = points.index[i];
+        for (std::size_t k = index.size() - static_cast<std::size_t>(sightings[i].num_outline);
+             k < index.size(); ++k) {
+            are[static_cast<std::size_t>(index[k])] = true;
+        }
+    }
+    return are;
 }
 
 /// P x K: heights of bumps (K x S) at points.
@@ -60,7 +74,7 @@ MatrixRows heights_at(const FittedSkin& skin, const DistinctPoints& points, cons
 }
 
 Seen see(const FittedSkin& skin, const ReliefModel& model, const DistinctPoints& points,
-         const ReliefOptions& options) {
+         std::vector<bool> outline_points, const ReliefOptions& options) {
     const auto at = [&](MatrixIn modes) {
         return modes_at(skin.stencils, points.vertices, points.barycentric, modes);
     };
@@ -68,7 +82,7 @@ Seen see(const FittedSkin& skin, const ReliefModel& model, const DistinctPoints&
     const Eigen::Index num_components = model.components.rows(), num_bumps = model.bumps.rows();
     const Eigen::Index num_shape = num_components + num_bumps;
     Seen seen{at(Eigen::Map<const MatrixRows>(skin.neutral.data(), 1, skin.neutral.size())).col(0),
-              normals_at(skin, points), at(model.modes), at(model.components)};
+              normals_at(skin, points), std::move(outline_points), at(model.modes), at(model.components)};
     const MatrixRows heights = heights_at(skin, points, model.bumps);
     std::vector<Eigen::Vector3d> places(static_cast<std::size_t>(count));
     for (Eigen::Index k = 0; k < count; ++k) {
@@ -78,8 +92,8 @@ Seen see(const FittedSkin& skin, const ReliefModel& model, const DistinctPoints&
     const auto num_nodes = static_cast<Eigen::Index>(field.num_nodes());
     const Eigen::Matrix3d rotation = skin.reference_pose.linear();
     const Eigen::Vector3d camera_in_head = skin.camera_place();
-    seen.by_shape.conservativeResize(Eigen::NoChange, num_shape + 2 * num_nodes);
-    seen.by_shape.rightCols(num_bumps + 2 * num_nodes).setZero();
+    seen.by_shape.conservativeResize(Eigen::NoChange, num_shape + 4 * num_nodes);
+    seen.by_shape.rightCols(num_bumps + 4 * num_nodes).setZero();
     for (Eigen::Index k = 0; k < count; ++k) {
         const Eigen::Vector3d& place = places[static_cast<std::size_t>(k)];
         auto rows = seen.by_shape.middleRows<3>(3 * k);
@@ -89,10 +103,12 @@ Seen see(const FittedSkin& skin, const ReliefModel& model, const DistinctPoints&
         const Eigen::RowVectorXd outwards = seen.normals.row(k) * rows.leftCols(num_components);
         rows.leftCols(num_components) = ray * (outwards / facing);
         rows.middleCols(num_components, num_bumps) = ray * heights.row(k);
+        const bool is_outline = seen.is_outline[static_cast<std::size_t>(k)];
+        const double error = is_outline ? options.outline_error : options.lasting_error;
+        const Eigen::Index first = num_shape + (is_outline ? 2 * num_nodes : 0);
         for (const auto& [node, height] : field.near(place)) {
-            const double shift = options.lasting_error * height;
-            rows.col(num_shape + node) = shift * rotation.row(0).transpose();
-            rows.col(num_shape + num_nodes + node) = shift * rotation.row(1).transpose();
+            rows.col(first + node) = error * height * rotation.row(0).transpose();
+            rows.col(first + num_nodes + node) = error * height * rotation.row(1).transpose();
         }
     }
     return seen;
@@ -167,7 +183,8 @@ Eigen::VectorXd heeded(const FittedSkin& skin, const Sighting& sighting, const s
         const Eigen::RowVector3d normal = seen.normals.row(index[k]);
         const double cosine =
             std::min(normal.dot((then - place).normalized()), normal.dot((now - place).normalized()));
-        const double share = std::clamp(cosine / grazing, 0., 1.);
+        const bool is_outline = seen.is_outline[static_cast<std::size_t>(index[k])];
+        const double share = is_outline ? 1 : std::clamp(cosine / grazing, 0., 1.);
         roots.segment<2>(static_cast<Eigen::Index>(2 * k)).setConstant(share * share);
     }
     return roots;
@@ -203,15 +220,14 @@ Normal seen_in(const FittedSkin& skin, const ReliefModel& model, const ReliefOpt
 
 void check(const FittedSkin& skin, const ReliefModel& model, const std::vector<Sighting>& sightings) {
     const Eigen::Index size = skin.neutral.size();
-    const auto names_vertices = [&](const std::vector<int>& vertices) {
-        return !vertices.empty() && std::all_of(vertices.begin(), vertices.end(), [&](int vertex) {
-            return vertex >= 0 && vertex < skin.neutral.rows();
-        });
+    const auto are_vertices = [&](const std::vector<int>& vertices) {
+        return std::all_of(vertices.begin(), vertices.end(),
+                           [&](int vertex) { return vertex >= 0 && vertex < skin.neutral.rows(); });
     };
     if (model.components.cols() != size || model.modes.cols() != size ||
         (model.bumps.rows() > 0 && model.bumps.cols() != skin.neutral.rows()) ||
-        model.std.size() != model.modes.rows() || !names_vertices(model.landmarks) ||
-        !names_vertices(model.spread)) {
+        model.std.size() != model.modes.rows() || model.landmarks.empty() || model.spread.empty() ||
+        !are_vertices(model.landmarks) || !are_vertices(model.spread) || !are_vertices(model.judged)) {
         throw InvalidInput("relief needs components, bumps, modes, landmarks and points of the skin's " +
                            std::to_string(skin.neutral.rows()) + " vertices, and one std a mode");
     }
@@ -224,9 +240,10 @@ void check(const FittedSkin& skin, const ReliefModel& model, const std::vector<S
     }
 }
 
-/// Standard deviations of depths beside their mean.
-Eigen::VectorXd depth_std(const Eigen::MatrixXd& depths, const Eigen::MatrixXd& covariance) {
-    const Eigen::MatrixXd beside = depths.rowwise() - depths.colwise().mean();
+/// Standard deviations of depths beside the mean of others.
+Eigen::VectorXd depth_std(const Eigen::MatrixXd& depths, const Eigen::MatrixXd& others,
+                          const Eigen::MatrixXd& covariance) {
+    const Eigen::MatrixXd beside = depths.rowwise() - others.colwise().mean();
     return (beside * covariance).cwiseProduct(beside).rowwise().sum().cwiseMax(0).cwiseSqrt();
 }
 
@@ -236,7 +253,7 @@ Relief find_relief(const FittedSkin& skin, const ReliefModel& model, const std::
                    const ReliefOptions& options, const Progress& progress) {
     check(skin, model, sightings);
     const DistinctPoints points = distinct_points(sightings);
-    const Seen seen = see(skin, model, points, options);
+    const Seen seen = see(skin, model, points, of_outline(sightings, points), options);
     const std::vector<double> share = shares(sightings, options.alike);
     const Eigen::Index size = seen.by_shape.cols();
     const Eigen::Index num_shape = model.components.rows() + model.bumps.rows();
@@ -267,7 +284,8 @@ Relief find_relief(const FittedSkin& skin, const ReliefModel& model, const std::
     const Eigen::VectorXd shape = start + root.solve(all.pull);
     const Eigen::MatrixXd covariance = root.solve(Eigen::MatrixXd::Identity(size, num_shape));
     return {shape.head(num_shape),
-            depth_std(depths_of(skin, model, model.spread), covariance.topRows(num_shape))};
+            depth_std(depths_of(skin, model, model.judged), depths_of(skin, model, model.spread),
+                      covariance.topRows(num_shape))};
 }
 
 }  // namespace mimetic

@@ -69,13 +69,18 @@ void Sighting::check() const {
     if (vertices.rows() != count || barycentric.rows() != count || information.rows() != count) {
         fail("a sighting must have vertices, barycentric, pixels and information of as many points");
     }
+    if (num_outline < 0 || num_outline > count) {
+        fail("of a sighting's " + std::to_string(count) + " points, " + std::to_string(num_outline) +
+             " cannot be of the outline");
+    }
     if (!camera_from_head.matrix().allFinite() || !values.allFinite() || !barycentric.allFinite() ||
         !pixels.allFinite() || !information.allFinite()) {
         fail("the sighting of frame " + std::to_string(frame) + " is not finite");
     }
 }
 
-Sighting make_sighting(int frame, const FrameEstimate& estimate, const SkinObservations& seen) {
+Sighting make_sighting(int frame, const FrameEstimate& estimate, const SkinObservations& seen,
+                       const SkinObservations& outline) {
     std::vector<int> kept;
     for (int k = 0; k < seen.information.rows(); ++k) {
         if (seen.information(k, 0) + seen.information(k, 3) > 0) {
@@ -88,13 +93,23 @@ Sighting make_sighting(int frame, const FrameEstimate& estimate, const SkinObser
     for (int k = 0; k < count; k += share) {
         chosen.push_back(kept[static_cast<std::size_t>(k)]);
     }
-    return {frame,
-            estimate.camera_from_head,
-            estimate.values,
-            seen.vertices(chosen, Eigen::all),
-            seen.barycentric(chosen, Eigen::all),
-            seen.pixels(chosen, Eigen::all),
-            share * seen.information(chosen, Eigen::all)};
+    const auto num_chosen = static_cast<Eigen::Index>(chosen.size()), num_outline = outline.pixels.rows();
+    const auto both = [&](const auto& of_seen, const auto& of_outline) {
+        auto rows = std::decay_t<decltype(of_outline)>(num_chosen + num_outline, of_outline.cols());
+        rows.topRows(num_chosen) = of_seen(chosen, Eigen::all);
+        rows.bottomRows(num_outline) = of_outline;
+        return rows;
+    };
+    Sighting sighting{frame,
+                      estimate.camera_from_head,
+                      estimate.values,
+                      both(seen.vertices, outline.vertices),
+                      both(seen.barycentric, outline.barycentric),
+                      both(seen.pixels, outline.pixels),
+                      both(seen.information, outline.information),
+                      static_cast<int>(num_outline)};
+    sighting.information.topRows(num_chosen) *= share;
+    return sighting;
 }
 
 MatrixRows modes_at(const SparseRows& stencils, TrianglesIn vertices, PointsIn barycentric, MatrixIn modes) {

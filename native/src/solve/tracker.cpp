@@ -58,6 +58,14 @@ FaceTracker::State::State(const Camera& camera, const TrackedSurface& surface, c
       search(gray, views.first()),
       detail_solver(face.motion) {}
 
+void FaceTracker::State::check_frame(const ColorView& image) const {
+    if (image.rows != face.camera.height || image.cols != face.camera.width) {
+        throw InvalidInput("a frame is " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
+                           " pixels, the reference image was " + std::to_string(face.camera.width) + " x " +
+                           std::to_string(face.camera.height));
+    }
+}
+
 /// Predict, follow the flow, register, judge, search if the face is lost, report, remember.
 FrameEstimate FaceTracker::State::follow(FrameAtHand& frame, const std::optional<Eigen::Isometry3d>& guess) {
     const double held_quality = face.options.held_quality;
@@ -244,12 +252,7 @@ FaceTracker::FaceTracker(FaceTracker&&) noexcept = default;
 FaceTracker& FaceTracker::operator=(FaceTracker&&) noexcept = default;
 
 FrameEstimate FaceTracker::advance(const ColorView& image, const std::optional<Eigen::Isometry3d>& guess) {
-    const Camera& camera = state_->face.camera;
-    if (image.rows != camera.height || image.cols != camera.width) {
-        throw InvalidInput("a frame is " + std::to_string(image.cols) + " x " + std::to_string(image.rows) +
-                           " pixels, the reference image was " + std::to_string(camera.width) + " x " +
-                           std::to_string(camera.height));
-    }
+    state_->check_frame(image);
     FrameAtHand frame;
     FrameEstimate estimate;
     {

@@ -14,6 +14,7 @@ struct FaceTracker::State {
           const FeatureInputs& inputs, const TrackerOptions& options, const ColorView& image,
           const cv::Mat1b& gray, const Eigen::Isometry3d& camera_from_head);
 
+    void check_frame(const ColorView& image) const;  ///< throws InvalidInput
     FrameEstimate follow(FrameAtHand& frame, const std::optional<Eigen::Isometry3d>& guess);
 
     FaceState start_of(const Expectation& expected, FrameAtHand& frame);

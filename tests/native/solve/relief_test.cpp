@@ -21,6 +21,7 @@ struct FindRelief : testing::Test {
                       Eigen::VectorXd::Ones(1),
                       {0, SightedFace::kSide},
                       {0, SightedFace::kSide, 6},
+                      {},
                       {}};
 
     std::vector<Sighting> sightings(const Eigen::VectorXd& truth, double slip = 0) const {
@@ -115,6 +116,7 @@ TEST_F(FindRelief, GoesOnFromWhatTheSkinHasAlready) {
 TEST_F(FindRelief, SaysHowWellDepthIsKnown) {
     const Eigen::VectorXd none = Eigen::VectorXd::Zero(4);
     model.spread = {4 * (SightedFace::kSide + 1) + 3, 9 * (SightedFace::kSide + 1) + 9};
+    model.judged = model.spread;
     std::vector<Sighting> still;
     for (int i = 0; i < 12; ++i) {
         still.push_back(face.sighting(i, face.reference, Points::Zero(face.neutral.rows(), 3)));
@@ -122,6 +124,41 @@ TEST_F(FindRelief, SaysHowWellDepthIsKnown) {
     const double turned = find_relief(skin, model, sightings(none)).depth_std.maxCoeff();
     EXPECT_GT(turned, 0);
     EXPECT_LT(turned, .8 * find_relief(skin, model, still).depth_std.maxCoeff());
+}
+
+/// The face's right half is seen by flow, of its left half only the outline.
+TEST_F(FindRelief, OutlinesTellOfDepthAcrossThem) {
+    const Eigen::VectorXd truth = Eigen::Vector4d(1.2, 0, -1, 0);  // bumps of the half with x < 0
+    std::vector<Sighting> seen = sightings(truth), flow_alone = seen, by_flow = seen;
+    for (std::size_t i = 0; i < seen.size(); ++i) {
+        std::vector<int> right, order;
+        for (int k = 0; k < seen[i].pixels.rows(); ++k) {
+            const double x = (skin.stencils * face.neutral)(seen[i].vertices(k, 0), 0);
+            (x > 0 ? right : order).push_back(k);
+        }
+        const std::vector<int> left = order;
+        order = right;
+        order.insert(order.end(), left.begin(), left.end());
+        const auto taken = [](const Sighting& from, const std::vector<int>& rows) {
+            Sighting one = from;
+            one.vertices = from.vertices(rows, Eigen::all);
+            one.barycentric = from.barycentric(rows, Eigen::all);
+            one.pixels = from.pixels(rows, Eigen::all);
+            one.information = from.information(rows, Eigen::all);
+            return one;
+        };
+        flow_alone[i] = taken(by_flow[i], right);
+        seen[i] = taken(by_flow[i], order);
+        seen[i].num_outline = int(left.size());
+        // Across an upright outline alone
+        seen[i].information.bottomRows(seen[i].num_outline).rowwise() = Eigen::RowVector4d(100, 0, 0, 0);
+    }
+    const auto left = [&](const std::vector<Sighting>& all) {
+        return (find_relief(skin, model, all).coefficients - truth).norm();
+    };
+    EXPECT_LT(left(seen), .7 * left(flow_alone));
+    seen.front().num_outline = int(seen.front().pixels.rows()) + 1;
+    EXPECT_THROW(find_relief(skin, model, seen), InvalidInput);
 }
 
 TEST_F(FindRelief, RaysMeetTheCamera) {

@@ -63,7 +63,7 @@ struct SightedFace {
         const Points moved = skin().stencils * (neutral + change);
         std::mt19937 random(static_cast<unsigned>(frame));
         std::normal_distribution<double> noise(0, .1);
-        Sighting one{frame, pose, values, {}, {}, {}, {}};
+        Sighting one{frame, pose, values, {}, {}, {}, {}, 0};
         const Quads refined = SubdividedMesh(quads, int(neutral.rows()), 1).faces();
         const Eigen::Index count = refined.rows() / 2;
         one.vertices.resize(count, 3);

@@ -177,7 +177,7 @@ def _changed(key, value):
 @pytest.mark.parametrize(
     ("change", "text"),
     [
-        (_changed("schema", 8), "schema 8"),
+        (_changed("schema", 9), "schema 9"),
         (lambda d: d.pop("head_pose"), "lacks head_pose"),
         (_changed("pose", 1), "unknown keys: pose"),
         (_changed("frame", 0), "frame"),
@@ -258,7 +258,16 @@ def test_pins_of_no_landmark_and_on_no_view_are_refused(fitted):
 def test_fit_of_an_older_file_is_read(tmp_path, template, fitted):
     fitted.save(tmp_path / "fit.json")
     document = json.loads((tmp_path / "fit.json").read_text()) | {"schema": 1}
-    for key in ("residual", "relief", "depth", "lines", "views", "calibration", "rest"):
+    for key in (
+        "residual",
+        "relief",
+        "depth",
+        "depth_std",
+        "lines",
+        "views",
+        "calibration",
+        "rest",
+    ):
         del document[key]
     (tmp_path / "fit.json").write_text(json.dumps(document))
     fit = FaceFit.load(tmp_path / "fit.json")

@@ -100,6 +100,18 @@ def _likeness(a, b, at_a, at_b, reach=4):
     return np.median((patches[0] * patches[1]).sum(1) / (norms[0] * norms[1]))
 
 
+def test_swung_heads_show_what_turning_ones_do():
+    from evaluation.synthetic.expressions.recipes import SETS
+
+    turning = [take for take in SETS["full"] if take.head == "turning"]
+    swung = SETS["full-swung"]
+    assert len(swung) == len(turning) == 9
+    for slow, fast in zip(turning, swung, strict=True):
+        assert fast.recipe.phases == slow.recipe.phases
+        assert fast.recipe.seed == slow.recipe.seed
+        assert (slow.recipe.head_motion.yaw, fast.recipe.head_motion.yaw) == (18, 30)
+
+
 def test_the_true_surface_scores_well_on_the_rendered_clip(rendered_clip):
     """The clip's own person and motion as a performance: what a perfect capture would score."""
     truth = Truth.load(rendered_clip.truth)

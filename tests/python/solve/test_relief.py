@@ -18,6 +18,7 @@ from mimetic.fit.fitting import landmark_places, refit
 from mimetic.media.cuts import of_one_scene
 from mimetic.skin.mesh import SkinMesh
 from mimetic.solve.relief import find_relief
+from mimetic.solve.tracking import depth_std
 from mimetic.template.face_template import load_template
 
 from evaluation.runs.projection import project_points
@@ -137,6 +138,23 @@ def test_the_same_view_again_tells_nothing_more(fit):
     np.testing.assert_allclose(often.depth, once.depth, atol=1e-5)
 
 
+def test_depth_is_known_where_turned_frames_show_it(fit):
+    """And what is known of it there is what a movement aside is doubted by."""
+    template = load_template()
+    once, twice = (
+        with_relief_from(fit, sightings_of(fit, fit, turns)) for turns in (0.3 * TURNS, TURNS)
+    )
+    assert len(twice.depth_std) == len(bump_places(template))
+    assert min(twice.depth_std) < 0.8 * min(once.depth_std)
+    best_known = bump_places(template)[int(np.argmin(twice.depth_std))]
+    names = ["jaw_open", "jaw_side"]
+    modes = np.zeros((2, template.num_skin_vertices, 3))
+    modes[1, best_known, 0] = 0.01
+    near, far = (depth_std(names, modes, one.neutral_depth_std(template)) for one in (twice, once))
+    assert 0 < near[1] < far[1] < depth_std(names, modes)[1]
+    assert near[0] == 0
+
+
 def test_too_few_frames_tell_nothing(fit):
     assert with_relief_from(fit, sightings_of(fit, fit, TURNS[:2])) is fit
 
@@ -173,9 +191,16 @@ def test_relief_of_another_head_is_refused(fit, tmp_path):
         replace(fit, relief=[0.1, 0.2]).neutral_vertices(load_template())
     kept = replace(fit, relief=[0.5] * len(face_shape(load_template()).components))
     kept.depth = [[0.001, 0.0, -0.002]] * len(bump_places(load_template()))
+    kept.depth_std = [0.002] * len(kept.depth)
     kept.save(tmp_path / "fit.json")
     loaded = FaceFit.load(tmp_path / "fit.json")
     assert loaded.relief == kept.relief
     assert loaded.depth == kept.depth
+    assert loaded.depth_std == kept.depth_std
+    np.testing.assert_allclose(loaded.neutral_depth_std(load_template()), 0.002)
     with pytest.raises(InvalidInput, match="depth coefficients"):
         replace(fit, depth=[[0.1, 0.2, 0.3]]).neutral_vertices(load_template())
+    with pytest.raises(InvalidInput, match="depth_std"):
+        replace(fit, depth_std=[0.001]).neutral_depth_std(load_template())
+    with pytest.raises(InvalidInput, match="depth_std must be 0 or more"):
+        replace(fit, depth_std=[-0.001])

@@ -14,6 +14,7 @@ struct ReliefModel {
     Eigen::VectorXd std;    ///< M, priors
     std::vector<int> landmarks;  ///< control vertices of the landmarks of the fitted frame
     std::vector<int> spread;     ///< control vertices well spread over the face
+    std::vector<int> judged;     ///< control vertices whose depth's s.d. is asked for
     Eigen::VectorXd start;       ///< C + K or empty: what the skin has of components and bumps already
 };
 
@@ -24,6 +25,8 @@ struct ReliefOptions {
     double point_held = .02;      ///< pupil distances, of points spread over the face
     double depth_held = 1e-3;     ///< metres, of the whole face: nearer and smaller looks the same
     double lasting_error = 1e-3;  ///< metres: noise of the reference texture shifts a place in all frames
+    double outline_error =
+        2e-3;  ///< metres: by which the fitted frame shows a place of the outline elsewhere
     double alike = .02617993877991494;  ///< rad, 1.5 degrees: heads turned no more than about that show the
                                         ///< same errors again
     double least_cosine = .5;           ///< of ray and normal: at less, a change counts as at this cosine
@@ -33,7 +36,8 @@ struct ReliefOptions {
 
 struct Relief {
     Eigen::VectorXd coefficients;  ///< C + K: of components, then bumps; `start` included
-    Eigen::VectorXd depth_std;     ///< one a `spread` vertex, metres: of its depth beside the mean of all
+    Eigen::VectorXd
+        depth_std;  ///< one a `judged` vertex, metres: of its depth beside the mean of all `spread`
 };
 
 /// Depth of a face from frames in which the head is turned differently; coefficients are those of the whole

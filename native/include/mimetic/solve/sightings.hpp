@@ -36,13 +36,16 @@ struct Sighting {
     Points barycentric;                  ///< K x 3
     Points2 pixels;                      ///< K x 2, by flow alone
     Rows<double, 4> information;         ///< K x (2 x 2), pixels^-2
+    int num_outline = 0;  ///< the last of the K are seen as the face's outline, and not by flow
 
     void check() const;  ///< throws InvalidInput where sizes do not agree or a number is not finite
 };
 
 /// Of the frame that a tracker has just advanced to: at most 350 of its points, a representative sample,
 /// spread evenly.
-Sighting make_sighting(int frame, const FrameEstimate& estimate, const SkinObservations& seen);
+/// outline: what `FaceTracker::outline` sees in the frame, all of it.
+Sighting make_sighting(int frame, const FrameEstimate& estimate, const SkinObservations& seen,
+                       const SkinObservations& outline = {});
 
 /// What modes (M x 3S, metres) move points of the skin by: 3K x M, x, y and z of each point in turn.
 /// vertices, barycentric: K x 3, as a sighting has them. Throws InvalidInput for a vertex that is not there.

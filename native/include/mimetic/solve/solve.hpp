@@ -128,6 +128,11 @@ public:
     /// The measurements behind the last frame's estimate; none where the face was lost.
     SkinObservations observations() const;
 
+    /// Where a frame that was just advanced to shows the outline of the face, jaw, cheeks and temples, before
+    /// what is behind the head: each point tells of the direction across the outline alone. None where the
+    /// face was lost.
+    SkinObservations outline(const ColorView& image) const;
+
     /// Goes back to a state, to track the clip in the other direction; reference textures are kept.
     void restart(const ColorView& image, const FrameEstimate& estimate);
 

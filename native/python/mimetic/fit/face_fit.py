@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.fit.depth_bumps import depth_bumps
+from mimetic.fit.depth_bumps import between_bumps, depth_bumps
 from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitted_view import FittedView, checked_frame
 from mimetic.fit.line_modes import line_modes
@@ -26,12 +26,12 @@ from mimetic.shared.shown_text import shortened, shown
 from mimetic.shared.whole_file import whole_file
 from mimetic.template.face_template import FaceTemplate
 
-SCHEMA = 7
+SCHEMA = 8
 REQUIRED = ("schema", "frame", "image_size", "intrinsics", "head_pose", "identity")
 # Key: the schema that it came with; files of older schemas still load.
 OPTIONAL = {"features": 1, "error": 1, "warnings": 1}
 OPTIONAL |= {"residual": 2, "views": 2, "calibration": 3, "relief": 4, "depth": 6}
-OPTIONAL |= {"lines": 7, "rest": 7}
+OPTIONAL |= {"lines": 7, "rest": 7, "depth_std": 8}
 LARGEST_FILE = 4 << 20  # bytes
 MOST_VIEWS = 100
 
@@ -58,6 +58,8 @@ class FaceFit:
     relief: list[float] = field(default_factory=list)
     # Metres, head frame, by which each of `depth_bumps` is moved; found with the relief
     depth: list[list[float]] = field(default_factory=list)
+    # Metres, one a bump: s.d. of the depth there beside the whole face's; found with the relief
+    depth_std: list[float] = field(default_factory=list)
     # Of `line_modes.line_modes`; `mimetic.fit.line_fit` finds it
     lines: list[float] = field(default_factory=list)
     calibration: Calibration = field(default_factory=Calibration)  # `mimetic calibrate` finds it
@@ -99,6 +101,12 @@ class FaceFit:
             vertices += _moved("lines", self.lines, line_modes(template))
         return vertices
 
+    def neutral_depth_std(self, template: FaceTemplate) -> NDArray[np.float64] | None:
+        """S: s.d. of the skin vertices' depth, metres; None where no relief was found."""
+        if not self.depth_std:
+            return None
+        return between_bumps(template, np.array(self.depth_std))
+
     def view(self, frame: int) -> FittedView | None:
         """The view of a frame, if the fit rests on it."""
         return next((view for view in self.views if view.frame == frame), None)
@@ -118,6 +126,7 @@ class FaceFit:
             "residual": self.residual,
             "relief": self.relief,
             "depth": self.depth,
+            "depth_std": self.depth_std,
             "lines": self.lines,
             "views": [view.as_json() for view in self.views],
             "calibration": self.calibration.as_json(),
@@ -200,7 +209,7 @@ def _check(fit: FaceFit) -> None:
     ):
         raise InvalidInput("face fit's warnings must be a list of texts")
     fit.warnings = [shown(text) for text in fit.warnings]
-    for name in ("residual", "relief", "lines"):
+    for name in ("residual", "relief", "lines", "depth_std"):
         coefficients = getattr(fit, name)
         if not isinstance(coefficients, list | tuple | np.ndarray):
             raise InvalidInput(f"face fit's {name} must be a list of numbers")
@@ -209,6 +218,8 @@ def _check(fit: FaceFit) -> None:
         raise InvalidInput("face fit's depth must be a list of places")
     if len(fit.depth) > 0:
         fit.depth = numbers("depth", fit.depth, (len(fit.depth), 3)).tolist()
+    if any(std < 0 for std in fit.depth_std):
+        raise InvalidInput("face fit's depth_std must be 0 or more")
     frames = [view.frame for view in fit.views]
     if frames and (frames[0] != fit.frame or len(set(frames)) != len(frames)):
         raise InvalidInput("face fit's views must start with its frame and show each frame once")

@@ -22,6 +22,7 @@ def with_shape_of(fit: FaceFit, person: FaceFit) -> FaceFit:
         residual=list(person.residual),
         relief=list(person.relief),
         depth=[list(place) for place in person.depth],
+        depth_std=list(person.depth_std),
         lines=list(person.lines),
         calibration=person.calibration,
     )

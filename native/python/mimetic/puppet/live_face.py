@@ -55,7 +55,9 @@ def live_face(
     neutral = fit.neutral_vertices(template)
     if anatomy is None:
         anatomy = canonical_anatomy().extended_by(fit.calibration)
-    motion = tracking.face_motion(neutral, template, anatomy)
+    motion = tracking.face_motion(
+        neutral, template, anatomy, neutral_depth_std=fit.neutral_depth_std(template)
+    )
     tracker = tracking.make_tracker(image, fit, template, anatomy, motion, live_options())
     eyes = eye_geometry(neutral, template)
     balls = _core.Eyeballs(eyes.centers, eyes.radii, FACING)

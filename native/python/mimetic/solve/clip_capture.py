@@ -266,7 +266,10 @@ class ClipCapture:
             )
         if skin is None or (attaching and not attaching(FACTORED, "attaching the muscles")):
             raise UnreadableMedia(f"{footage.path.name}: stopped too early, no frame is done")
-        self.motion = tracking.face_motion(self.neutral, self.template, self.anatomy, self.detail)
+        self.motion = tracking.face_motion(
+            *(self.neutral, self.template, self.anatomy, self.detail),
+            neutral_depth_std=fit.neutral_depth_std(self.template),
+        )
         summary.add("attach the muscles", time.perf_counter() - start)
 
     def attach(self, skin: AttachedSkin) -> Anatomy:

@@ -48,7 +48,8 @@ def find_relief(
     components = face_shape(template).components[:, : template.num_skin_vertices]
     bumps = DEPTH_SPREAD * depth_bumps(template)[:, : template.num_skin_vertices]
     skin = fitted_skin(mesh, fit.camera, fit.head_pose)
-    rays = skin.rays_to(bump_places(template))
+    places = bump_places(template)
+    rays = skin.rays_to(places)
     relief = _core.find_relief(
         skin,
         np.ascontiguousarray(components),
@@ -57,6 +58,7 @@ def find_relief(
         std,
         template.landmark_vertices.tolist(),
         spread_points(template),
+        places,
         _coefficients(fit, rays, len(components)),
         list(sightings),
         progress,
@@ -68,6 +70,7 @@ def find_relief(
         fit,
         relief=np.round(of_components, 6).tolist(),
         depth=np.round(DEPTH_SPREAD * of_bumps[:, None] * rays, 7).tolist(),
+        depth_std=np.round(relief.depth_std, 6).tolist(),
     )
 
 

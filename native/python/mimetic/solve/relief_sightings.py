@@ -114,7 +114,8 @@ def _follow(tracker: _core.FaceTracker, images: Images) -> Iterator[_core.Sighti
     for frame, image in images:
         estimate = tracker.advance(image)
         if not estimate.held and estimate.quality >= HELD_QUALITY:
-            yield _core.Sighting.of(frame, estimate, tracker.observations())
+            outline = tracker.outline(image)
+            yield _core.Sighting.of(frame, estimate, tracker.observations(), outline)
         num_lost = num_lost + 1 if estimate.held else 0
         if num_lost == GIVEN_UP:
             return

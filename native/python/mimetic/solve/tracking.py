@@ -44,11 +44,13 @@ def face_motion(
     detail: Detail | None = None,
     extent: NDArray[np.float64] | None = None,
     lowest: float = 0.0,
+    neutral_depth_std: NDArray[np.float64] | None = None,
 ) -> _core.FaceMotion:
     """The skin's motion: muscles, the articulators, then detail.
 
     neutral_vertices: V x 3, metres; detail: None for muscles and articulators alone; extent: M, the
-    muscles' upper bounds, 1 without; lowest: their lower bound, and half of it the opened jaw's.
+    muscles' upper bounds, 1 without; lowest: their lower bound, and half of it the opened jaw's;
+    neutral_depth_std: S, metres, what the depth of the neutral may be off by.
     """
     skin = template.num_skin_vertices
     modes, std = moving_modes(anatomy, skin)
@@ -70,18 +72,27 @@ def face_motion(
         None if detail is None else np.ascontiguousarray(detail.modes[:, :skin]),
         None if detail is None else detail.std,
         np.array([QUICKNESS.get(n.split(".")[0], 1.0) for n in names]),
-        depth_std(names, modes),
+        depth_std(names, modes, neutral_depth_std),
     )
 
 
-def depth_std(names: list[str], modes: NDArray[np.float64]) -> NDArray[np.float64]:
+def depth_std(
+    names: list[str],
+    modes: NDArray[np.float64],
+    neutral_depth_std: NDArray[np.float64] | None = None,
+) -> NDArray[np.float64]:
     """How far a turned head's depth may look like a value's movement: the chin's like the jaw's.
 
-    M, in units of the values at a turn of 45 degrees; modes: M x S x 3, metres.
+    M, in units of the values at a turn of 45 degrees; modes: M x S x 3, metres; neutral_depth_std:
+    S, metres, as the relief knows it, or None.
     """
     std = np.zeros(len(names))
     side = names.index("jaw_side")
-    std[side] = CHIN_DEPTH_STD / np.abs(modes[side, :, 0]).max()
+    aside = np.abs(modes[side, :, 0])
+    known = CHIN_DEPTH_STD
+    if neutral_depth_std is not None:
+        known = np.average(neutral_depth_std, weights=aside**2)
+    std[side] = known / aside.max()
     return std
 
 
