@@ -27,8 +27,8 @@ struct Seen {
     Points normals;                ///< P x 3, unit, outwards
     std::vector<bool> is_outline;  ///< P
     MatrixRows by_mode;            ///< 3P x M
-    MatrixRows by_shape;  ///< 3P x (C + K + E): deeper by a component or bump, or by shifts common to all
-                          ///< frames, that of the outline last
+    MatrixRows by_shape;  ///< 3P x (C + K + E): deeper by a component or bump, or by a shift common to
+                          ///< all frames, of the texture or of the outline
 };
 
 Points normals_at(const FittedSkin& skin, const DistinctPoints& points) {

@@ -3,7 +3,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mimetic/raster/shaded.hpp>
 #include <optional>
+
+#include "shared/colour_at.hpp"
 
 namespace mimetic {
 
@@ -34,21 +37,6 @@ struct Edge {
     double std;
 };
 
-FloatPoints vertex_normals(const Triangles& triangles, const FloatPoints& points) {
-    FloatPoints normals = FloatPoints::Zero(points.rows(), 3);
-    for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
-        const auto corners = triangles.row(t);
-        const Eigen::Vector3f first = points.row(corners[1]) - points.row(corners[0]);
-        const Eigen::Vector3f second = points.row(corners[2]) - points.row(corners[0]);
-        const Eigen::RowVector3f normal = first.cross(second).transpose();
-        for (int k = 0; k < 3; ++k) {
-            normals.row(corners[k]) += normal;
-        }
-    }
-    normals.rowwise().normalize();
-    return normals;
-}
-
 /// The middle of the line on which a triangle's interpolated normal is square to the line of sight.
 std::optional<Eigen::RowVector3d> crossing(const Eigen::Vector3d& facing) {
     Eigen::RowVector3d middle = Eigen::RowVector3d::Zero();
@@ -67,8 +55,8 @@ std::optional<Eigen::RowVector3d> crossing(const Eigen::Vector3d& facing) {
 
 std::vector<ContourPoint> contour(const FaceSurface& surface, const ProjectedSurface& projected,
                                   const Camera& camera, const Eigen::Isometry3d& camera_from_head) {
-    const FloatPoints& points = projected.points_in_head;
-    const FloatPoints normals = vertex_normals(surface.triangles(), points);
+    const Points points = projected.points_in_head.cast<double>();
+    const Points normals = vertex_normals(points, surface.triangles());
     const Eigen::RowVector3d eye = camera_from_head.inverse().translation().transpose();
     std::vector<ContourPoint> found;
     for (Eigen::Index t = 0; t < surface.triangles().rows(); ++t) {
@@ -77,9 +65,7 @@ std::vector<ContourPoint> contour(const FaceSurface& surface, const ProjectedSur
         bool is_measured = true;
         for (int k = 0; k < 3; ++k) {
             is_measured &= surface.weights()[corners[k]] >= kMeasured && projected.depths[corners[k]] > 0;
-            facing[k] = normals.row(corners[k])
-                            .cast<double>()
-                            .dot((eye - points.row(corners[k]).cast<double>()).normalized());
+            facing[k] = normals.row(corners[k]).dot((eye - points.row(corners[k])).normalized());
         }
         const auto middle = is_measured ? crossing(facing) : std::nullopt;
         if (!middle) {
@@ -88,8 +74,8 @@ std::vector<ContourPoint> contour(const FaceSurface& surface, const ProjectedSur
         ContourPoint point{corners, *middle, Eigen::Vector3d::Zero(), {}, {}, 0};
         Eigen::Vector3d normal = Eigen::Vector3d::Zero();
         for (int k = 0; k < 3; ++k) {
-            point.place += (*middle)[k] * points.row(corners[k]).transpose().cast<double>();
-            normal += (*middle)[k] * normals.row(corners[k]).transpose().cast<double>();
+            point.place += (*middle)[k] * points.row(corners[k]).transpose();
+            normal += (*middle)[k] * normals.row(corners[k]).transpose();
         }
         if (point.place.y() > kHighest) {
             continue;
@@ -144,49 +130,32 @@ private:
     Raster raster_;
 };
 
-/// Colour at a place between pixels, of three places across the normal together.
-Eigen::Vector3d color_at(const ColorView& image, const Eigen::Vector2d& pixel,
-                         const Eigen::Vector2d& across) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (int side = -1; side <= 1; ++side) {
-        const Eigen::Vector2d at = pixel + side * across;
-        const int x = std::clamp(static_cast<int>(at.x()), 0, image.cols - 2);
-        const int y = std::clamp(static_cast<int>(at.y()), 0, image.rows - 2);
-        const double right = at.x() - x, down = at.y() - y;
-        const auto in_row = [&](int row, int channel) {
-            const std::uint8_t* first = image.row(row) + 3 * x + channel;
-            return (1 - right) * first[0] + right * first[3];
-        };
-        for (int channel = 0; channel < 3; ++channel) {
-            sum[channel] += (1 - down) * in_row(y, channel) + down * in_row(y + 1, channel);
-        }
-    }
-    return sum / 3;
-}
-
 /// Where one edge parts the colours inside from those outside; nothing where there is none, or several.
 std::optional<Edge> find_edge(const ColorView& image, const ContourPoint& point, double reach) {
     const Eigen::Vector2d across(-point.normal.y(), point.normal.x());
     const int half = static_cast<int>(reach / kStep);
-    std::vector<Eigen::Vector3d> colors;
+    std::vector<Eigen::Vector3d> colours;
     for (int i = -half; i <= half; ++i) {
-        colors.push_back(color_at(image, point.pixel + i * kStep * point.normal, across));
+        const Eigen::Vector2d pixel = point.pixel + i * kStep * point.normal;
+        colours.push_back(
+            (colour_at(image, pixel - across) + colour_at(image, pixel) + colour_at(image, pixel + across)) /
+            3);
     }
     const int side = half / 2;  // samples at either end that are surely of one side
     Eigen::Vector3d inside = Eigen::Vector3d::Zero(), outside = Eigen::Vector3d::Zero();
     for (int i = 0; i < side; ++i) {
-        inside += colors[static_cast<std::size_t>(i)] / side;
-        outside += colors[colors.size() - 1 - static_cast<std::size_t>(i)] / side;
+        inside += colours[static_cast<std::size_t>(i)] / side;
+        outside += colours[colours.size() - 1 - static_cast<std::size_t>(i)] / side;
     }
     const Eigen::Vector3d change = outside - inside;
     if (change.norm() < kLeastContrast) {
         return {};
     }
     constexpr double kLow = .25, kHigh = .75;
-    int last_inside = -1, first_outside = static_cast<int>(colors.size());
+    int last_inside = -1, first_outside = static_cast<int>(colours.size());
     std::vector<double> shares;
-    for (std::size_t i = 0; i < colors.size(); ++i) {
-        shares.push_back((colors[i] - inside).dot(change) / change.squaredNorm());
+    for (std::size_t i = 0; i < colours.size(); ++i) {
+        shares.push_back((colours[i] - inside).dot(change) / change.squaredNorm());
         const int at = static_cast<int>(i);
         last_inside = shares[i] < kLow ? at : last_inside;
         first_outside = shares[i] > kHigh ? std::min(first_outside, at) : first_outside;

@@ -5,7 +5,7 @@
 
 namespace mimetic {
 
-/// Where a frame shows the outline of jaw, cheeks and temples before what is behind the head: K points of the
+/// Where a frame shows the outline of jaw and cheeks before what is behind the head: K points of the
 /// skin whose normal is square to the line of sight (the occluding contour), and the pixels in which their
 /// outline is seen. Their information is of one direction each, across the outline: along it nothing is
 /// measured [Cipolla and Blake 1992, the aperture problem of apparent contours].

@@ -66,6 +66,7 @@ TEST_F(SeenOutline, TellsHowMuchWiderAFaceIs) {
 
 TEST_F(SeenOutline, IsOfOneDirection) {
     const SkinObservations seen = look(scene.render(turned.camera_from_head, scene.rest()));
+    ASSERT_GE(seen.pixels.rows(), 8);
     for (Eigen::Index k = 0; k < seen.pixels.rows(); ++k) {
         const auto& row = seen.information.row(k);
         EXPECT_NEAR(row[0] * row[3] - row[1] * row[2], 0, 1e-9);
@@ -78,12 +79,31 @@ TEST_F(SeenOutline, IsNotSeenBeforeAWallOfItsColour) {
     EXPECT_EQ(look(wall).pixels.rows(), 0);
 }
 
-TEST_F(SeenOutline, IsNotSeenAgainstTheHeadItself) {
-    // Skin that is not measured, as a neck, goes on behind: here all but the middle of the face
+TEST_F(SeenOutline, IsOfWhatIsMeasured) {
     for (Eigen::Index v = 0; v < scene.surface.weights.size(); ++v) {
         scene.surface.weights[v] = std::abs(scene.motion.neutral(v, 0)) < .03 ? 1 : 0;
     }
     EXPECT_EQ(look(scene.render(turned.camera_from_head, scene.rest())).pixels.rows(), 0);
+}
+
+TEST_F(SeenOutline, IsNotSeenAgainstTheHeadItself) {
+    const auto image = scene.render(turned.camera_from_head, scene.rest());
+    const Eigen::Index count = scene.motion.neutral.rows();
+    // Skin that is not measured, as a neck, goes on behind the whole face
+    FaceMotion& motion = scene.motion;
+    motion.neutral.conservativeResize(count + 4, Eigen::NoChange);
+    motion.neutral.bottomRows<4>() << -.4, .4, -.1, -.4, -.4, -.1, .4, -.4, -.1, .4, .4, -.1;
+    motion.modes.conservativeResize(Eigen::NoChange, 3 * (count + 4));
+    motion.modes.rightCols<12>().setZero();
+    TrackedSurface& surface = scene.surface;
+    surface.stencils.resize(count + 4, count + 4);
+    surface.stencils.setIdentity();
+    surface.weights.conservativeResize(count + 4);
+    surface.weights.tail<4>().setZero();
+    surface.quads.conservativeResize(surface.quads.rows() + 1, Eigen::NoChange);
+    const int first = static_cast<int>(count);
+    surface.quads.bottomRows<1>() << first, first + 1, first + 2, first + 3;
+    EXPECT_EQ(look(image).pixels.rows(), 0);
 }
 
 TEST_F(SeenOutline, NeedsAFrameOfTheCamerasSize) {
