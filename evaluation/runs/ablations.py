@@ -43,6 +43,7 @@ class Variant:
     smoothed: bool = True
     relief: bool = True
     lines: bool = True
+    together: bool = True
     stiffness: float = 1.0
 
     def tracker_options(
@@ -59,6 +60,7 @@ VARIANTS = {
     "as it is": Variant(),
     "no relief": Variant(relief=False),
     "lids and lips as in the first fit": Variant(lines=False),
+    "no co-contraction": Variant(together=False),
     "no smoother": Variant(smoothed=False),
     "no flow between frames": Variant({"relative_flow": False}),
     "no further reference views": Variant({"max_key_views": 0}),
@@ -98,8 +100,14 @@ class VariedCapture(clip_capture.ClipCapture):
         if variant.stiffness != 1:
             other = AnatomyPerturbation(stiffness_factor=variant.stiffness)
             self.anatomy = modes_of(attach_skin(self.neutral, self.template, other))
+        if variant.stiffness != 1 or not variant.together:
             self.motion = tracking.face_motion(
-                self.neutral, self.template, self.anatomy, self.detail
+                self.neutral,
+                self.template,
+                self.anatomy,
+                self.detail,
+                neutral_depth_std=fit.neutral_depth_std(self.template),
+                together=variant.together,
             )
 
     def tracker_options(self, reference):

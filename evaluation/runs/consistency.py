@@ -22,6 +22,7 @@ from evaluation.runs.kept_captures import KeptCaptures
 # Those of people who are moved by face units
 SETS = {"held-out": "full", "tuning": "consistency-tuning"}
 NEAR_PEAK = 0.9  # of an expression's largest movement: frames that count as its height
+LEAST_SPREAD = 0.1  # of the features' root mean square
 RIDGES = (0.03, 0.3, 3.0, 30.0, 300.0)  # chosen by leaving out a fifth of those learned from
 FOLDS = 5
 MUSCLES, LANDMARKS = "muscles", "landmarks"
@@ -125,8 +126,13 @@ def _cosine(a: NDArray[np.float64], b: NDArray[np.float64]) -> float:
 def _decoder(
     people: list[tuple[NDArray[np.float64], NDArray[np.float64]]],
 ) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
-    """A ridge regression from readings to face units, features scaled by their spread."""
-    scale = np.maximum(np.concatenate([x for x, _ in people]).std(axis=0), 1e-9)
+    """A ridge regression from readings to face units, features scaled by their spread.
+
+    What hardly moved in these people (a muscle that none of them used) counts little: scaled by its
+    own spread it would be all that is decoded in somebody in whom it does move.
+    """
+    spread = np.concatenate([x for x, _ in people]).std(axis=0)
+    scale = np.maximum(spread, LEAST_SPREAD * np.sqrt(np.mean(spread**2)))
 
     def solved(chosen: list[int], ridge: float) -> NDArray[np.float64]:
         x = np.concatenate([_with_one(people[i][0] / scale) for i in chosen])

@@ -14,7 +14,7 @@ FaceMotion make_motion(Points neutral, const ModesArray& modes, int num_muscles,
                        Eigen::VectorXd upper, Eigen::VectorXd prior_std,
                        std::optional<Eigen::VectorXi> partner, const std::optional<ModesArray>& detail_modes,
                        std::optional<Eigen::VectorXd> detail_std, std::optional<Eigen::VectorXd> quickness,
-                       std::optional<Eigen::VectorXd> depth_std) {
+                       std::optional<Eigen::VectorXd> depth_std, std::optional<Eigen::MatrixXd> correlation) {
     const Eigen::Index num_vertices = neutral.rows();
     FaceMotion motion{std::move(neutral),
                       {},
@@ -26,7 +26,8 @@ FaceMotion make_motion(Points neutral, const ModesArray& modes, int num_muscles,
                       MatrixRows(0, 3 * num_vertices),
                       detail_std.value_or(Eigen::VectorXd()),
                       quickness.value_or(Eigen::VectorXd()),
-                      depth_std.value_or(Eigen::VectorXd())};
+                      depth_std.value_or(Eigen::VectorXd()),
+                      correlation.value_or(Eigen::MatrixXd())};
     motion.modes = view_modes("modes", modes, num_vertices);
     if (detail_modes) {
         motion.detail_modes = view_modes("detail_modes", *detail_modes, num_vertices);
@@ -69,7 +70,7 @@ void bind_model(py::module_& m) {
             py::init(&make_motion), "neutral"_a, py::arg("modes").noconvert(), "num_muscles"_a, "lower"_a,
             "upper"_a, "prior_std"_a, "partner"_a = py::none(),
             py::arg("detail_modes").noconvert() = py::none(), "detail_std"_a = py::none(),
-            "quickness"_a = py::none(), "depth_std"_a = py::none(),
+            "quickness"_a = py::none(), "depth_std"_a = py::none(), "correlation"_a = py::none(),
             "neutral: (V, 3); modes: (M, V, 3) float64, displacement at the value 1, muscles first; lower, "
             "upper,\n"
             "prior_std: (M,), s.d. of a value about 0; partner: (M,) int32, the value of the other "
@@ -79,7 +80,9 @@ void bind_model(py::module_& m) {
             "speed of a value relative to a skin muscle. depth_std: (M,), s.d. of the depth of the skin that "
             "a "
             "value\n"
-            "moves along x, in units of the value, 0 for others. Raises InvalidInput.")
+            "moves along x, in units of the value, 0 for others. correlation: (M, M) of the values about 0; "
+            "without\n"
+            "it the two sides alone go together. Raises InvalidInput.")
         .def_readonly("num_muscles", &FaceMotion::num_muscles)
         .def_readonly("lower", &FaceMotion::lower)
         .def_readonly("upper", &FaceMotion::upper);

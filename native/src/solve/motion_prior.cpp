@@ -1,11 +1,34 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "motion_prior.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <mimetic/shared/error.hpp>
+#include <string>
 
 namespace mimetic {
 
+void check_correlation(const FaceMotion& motion) {
+    constexpr double kRounding = 1e-9;
+    const Eigen::MatrixXd& correlation = motion.correlation;
+    const Eigen::Index count = motion.modes.rows();
+    if (correlation.size() == 0) {
+        return;
+    }
+    if (correlation.rows() != count || correlation.cols() != count || !correlation.allFinite() ||
+        (correlation - correlation.transpose()).cwiseAbs().maxCoeff() > kRounding ||
+        (correlation.diagonal().array() - 1).abs().maxCoeff() > kRounding ||
+        correlation.llt().info() != Eigen::Success) {
+        throw InvalidInput(
+            "correlation must be empty or a symmetric, positive definite matrix with ones on its diagonal, " +
+            std::to_string(count) + " x " + std::to_string(count));
+    }
+}
+
 Eigen::MatrixXd rest_covariance(const FaceMotion& motion) {
+    if (motion.correlation.size() > 0) {
+        return motion.prior_std.asDiagonal() * motion.correlation * motion.prior_std.asDiagonal();
+    }
     constexpr double kTogether = .8;  // correlation of the two sides
     Eigen::MatrixXd covariance = motion.prior_std.cwiseAbs2().asDiagonal();
     for (Eigen::Index i = 0; i < motion.partner.size(); ++i) {
@@ -29,6 +52,16 @@ RestPull::RestPull(const FaceMotion& motion) : motion_(&motion) {
             }
         }
     }
+    constexpr double kTogether = .4;  // correlation from which on a value is as active as the other
+    frees_.setIdentity(energy.size(), energy.size());
+    if (motion.correlation.size() > 0) {
+        frees_ = (motion.correlation / kTogether).cwiseMax(0).cwiseMin(1);
+    }
+    for (Eigen::Index i = 0; i < motion.partner.size(); ++i) {
+        if (motion.partner[i] >= 0) {
+            frees_(i, motion.partner[i]) = 1;
+        }
+    }
 }
 
 Eigen::VectorXd RestPull::shown(const Eigen::VectorXd& values) const {
@@ -50,9 +83,9 @@ RestPull::Terms RestPull::at(const Eigen::VectorXd& values, const Eigen::VectorX
         if (motion.prior_std[i] > kFree) {
             continue;
         }
-        // One side that moves frees the other: else the sparsest answer is half a face.
-        const Eigen::Index other = motion.partner.size() > 0 ? motion.partner[i] : -1;
-        const double active = std::max(seen[i], other >= 0 ? seen[other] : 0);
+        // One side that moves frees the other: else the sparsest answer is half a face. So do muscles that
+        // act together: else the sparsest answer is one of a group, as chance has it.
+        const double active = frees_.row(i).transpose().cwiseProduct(seen).maxCoeff();
         const double fade = 1 + std::pow(active / std::max(kActive, kDoubtful * std[i]), 4);
         const double strength = dead_zone / std::max(std[i], kSurest) / fade;
         if (motion.lower[i] >= 0) {

@@ -6,7 +6,11 @@
 
 namespace mimetic {
 
-/// Covariance of the values about rest, M squared: the two sides of a face mostly act together.
+/// Throws InvalidInput unless the motion's correlation is empty or one of its values.
+void check_correlation(const FaceMotion& motion);
+
+/// Covariance of the values about rest, M squared: by the motion's correlation, or without one by the two
+/// sides of a face, which mostly act together.
 Eigen::MatrixXd rest_covariance(const FaceMotion& motion);
 
 /// A prior for few active values that leaves the active ones alone.
@@ -29,6 +33,7 @@ public:
 private:
     const FaceMotion* motion_;
     Eigen::MatrixXd undone_;  // M squared: of value i by one of antagonist j
+    Eigen::MatrixXd frees_;   // M squared, 0 to 1: how much value i is known to be active by value j
 };
 
 }  // namespace mimetic

@@ -246,6 +246,7 @@ void check_estimates(const std::vector<FrameEstimate>& estimates, const FaceMoti
         throw InvalidInput("smooth: the motion has " + std::to_string(motion.modes.rows()) + " modes for " +
                            std::to_string(motion.lower.size()) + " values");
     }
+    check_correlation(motion);
     for (std::size_t t = 0; t < estimates.size(); ++t) {
         const FrameEstimate& estimate = estimates[t];
         if (estimate.values.size() + 6 != size || estimate.gradient.size() != size ||

@@ -2,6 +2,7 @@
 #include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 
+#include "motion_prior.hpp"
 #include "tracked_face.hpp"
 
 namespace mimetic {
@@ -96,6 +97,7 @@ void check_inputs(const Camera& camera, const TrackedSurface& surface, const Fac
          (motion.depth_std.array() < 0).any())) {
         fail("depth_std must be empty or have one finite number of 0 or more a mode");
     }
+    check_correlation(motion);
     for (Eigen::Index i = 0; i < motion.partner.size(); ++i) {
         const int other = motion.partner[i];
         if (motion.partner.size() != num_values || other < -1 || other >= num_values ||

@@ -44,6 +44,14 @@ def test_a_map_learned_on_others_decodes_what_is_read_alike(people):
     assert max(own_way.values()) < 0.9
 
 
+def test_a_reading_that_some_hardly_have_does_not_spoil_what_is_decoded(people):
+    for i, one in enumerate(people.people):
+        trace = np.full((NUM_FRAMES, 1), 1e-6 * i)
+        trace[::7] += 0.5 if i == 3 else 1e-6  # a muscle that one person alone used
+        one.readings[MUSCLES] = np.hstack([one.readings[MUSCLES], trace])
+    assert min(people.decoded(MUSCLES).values()) > 0.9
+
+
 def test_a_persons_pattern_is_that_of_an_expressions_height(performance, truth):
     truth.expressions = ["first", "second"]
     middle = len(truth.frame) // 2

@@ -42,6 +42,8 @@ struct FaceMotion {
     /// value (depth / that movement at the value 1), 0 for others: by the tangent of the head's turn from the
     /// reference frame that depth looks like a movement
     Eigen::VectorXd depth_std;
+    /// M squared or empty: correlation of the values about 0; without it the two sides alone go together
+    Eigen::MatrixXd correlation;
 };
 
 struct TrackerOptions {

@@ -47,7 +47,8 @@ def moved_from(
     template = load_template()
     anatomy = modes_of(skin)
     neutral = fit.neutral_vertices(template)
-    motion = tracking.face_motion(neutral, template, anatomy, lowest=LOWEST)
+    # What contracts together from rest need not relax together into it
+    motion = tracking.face_motion(neutral, template, anatomy, lowest=LOWEST, together=False)
     reference = footage.read(fit.frame)
     num_muscles = len(anatomy.muscle_names)
     articulators = list(anatomy.articulator_names)

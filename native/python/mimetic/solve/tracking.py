@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from mimetic import _core
 from mimetic.fit.fitting import FaceFit
+from mimetic.muscles import co_contraction
 from mimetic.muscles.anatomy import Anatomy
 from mimetic.muscles.detail import Detail
 from mimetic.solve.features import feature_inputs
@@ -45,12 +46,14 @@ def face_motion(
     extent: NDArray[np.float64] | None = None,
     lowest: float = 0.0,
     neutral_depth_std: NDArray[np.float64] | None = None,
+    together: bool = True,
 ) -> _core.FaceMotion:
     """The skin's motion: muscles, the articulators, then detail.
 
     neutral_vertices: V x 3, metres; detail: None for muscles and articulators alone; extent: M, the
     muscles' upper bounds, 1 without; lowest: their lower bound, and half of it the opened jaw's;
-    neutral_depth_std: S, metres, what the depth of the neutral may be off by.
+    neutral_depth_std: S, metres, what the depth of the neutral may be off by; together: whether
+    muscles that act together in most people share what either may have done.
     """
     skin = template.num_skin_vertices
     modes, std = moving_modes(anatomy, skin)
@@ -73,6 +76,7 @@ def face_motion(
         None if detail is None else detail.std,
         np.array([QUICKNESS.get(n.split(".")[0], 1.0) for n in names]),
         depth_std(names, modes, neutral_depth_std),
+        co_contraction.correlation(names) if together else None,
     )
 
 

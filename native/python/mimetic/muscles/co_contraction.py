@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How far the values of a face act together: data/co_contraction.toml, learned on many heads."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from mimetic.muscles.anatomy import SIDES, load_table
+
+SIDES_TOGETHER = 0.8  # of what is in no table: lids
+
+
+def correlation(names: Sequence[str]) -> NDArray[np.float64]:
+    """M x M of the values about 0; names: of muscles and articulators, both sides of each."""
+    index = {name: at for at, name in enumerate(names)}
+    together = np.eye(len(names))
+
+    def put(first: str, second: str, value: float) -> None:
+        if first != second and first in index and second in index:
+            together[index[first], index[second]] = together[index[second], index[first]] = value
+
+    left, right = SIDES
+    for name in names:
+        bare = name.rpartition(".")[0]
+        put(f"{bare}.{left}", f"{bare}.{right}", SIDES_TOGETHER)
+    for first, second, same, across in load_table("co_contraction.toml")["correlations"]:
+        for side, other in ((left, right), (right, left)):
+            put(f"{first}.{side}", f"{second}.{side}", same)
+            put(f"{first}.{side}", f"{second}.{other}", across)
+    return together
