@@ -29,8 +29,8 @@ INFORMATION = 3e8  # metres^-2: 300 independent points, a millimetre each, mostl
 FIRST_STD = 0.3
 NOT_EXPLAINED = ("cheekPuff",)  # air has no part in a capture
 # Muscles of one function that end at one place: the only ones whose correlations are kept. Beyond
-# them what goes together is what the drawn units pair. Where the lower lip's depressors went with
-# the mouth's corners, an open jaw of a real clip was read as depressors (measured/consistency.md).
+# them what goes together is what the drawn units pair; with those too more muscles at rest are read
+# as active, and intervals hold less (docs/measured/consistency.md).
 GROUPS = (
     ("frontalis_medial", "frontalis_middle", "frontalis_lateral"),
     ("corrugator_supercilii", "procerus", "depressor_supercilii"),
