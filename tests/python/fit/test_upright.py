@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 from clips import ffmpeg, make_clip
+from mimetic.fit import fitting, upright
 from mimetic.fit.fitting import NoFace
 from mimetic.fit.upright import turns_to_upright
 from mimetic.media.footage import Footage
@@ -24,9 +25,9 @@ def test_a_turned_clip_is_refused_and_the_advice_mends_it(rendered_clip, tmp_pat
         find_face(turned, frame=3)
     advice = str(refused.value).split("-vf ")[1].split()[0]
     mended = filtered(turned, tmp_path / "mended.mp4", advice)
-    upright = np.stack([Footage(rendered_clip.footage).read(3), Footage(mended).read(3)])
-    assert np.abs(np.diff(upright.astype(int), axis=0)).mean() < 4
-    assert turns_to_upright(upright[1]) == 0
+    pictures = np.stack([Footage(rendered_clip.footage).read(3), Footage(mended).read(3)])
+    assert np.abs(np.diff(pictures.astype(int), axis=0)).mean() < 4
+    assert turns_to_upright(pictures[1]) == 0
 
 
 def test_where_no_face_is_found_the_search_tells_of_a_turned_one(rendered_clip, tmp_path):
@@ -48,3 +49,16 @@ def test_rotation_that_the_file_tells_is_followed(rendered_clip, tmp_path):
 def test_a_picture_without_any_face_is_not_called_turned(tmp_path):
     image = Footage(make_clip(tmp_path / "a.mp4", size="320x240")).read(1)
     assert turns_to_upright(image) == 0
+
+
+def test_a_head_that_networks_are_sure_of_is_not_looked_for_turned(rendered_clip, monkeypatch):
+    footage = Footage(rendered_clip.footage)
+    image = footage.read(3)
+    fit = fitting.find_face(image, 3)
+    searched = []
+    monkeypatch.setattr(upright, "turns_to_upright", lambda image: searched.append(image) or 0)
+    upright.check_upright(footage, 3, image, fit)
+    assert not searched
+    on_its_head = np.ascontiguousarray(image[::-1, ::-1])
+    upright.check_upright(footage, 3, on_its_head, fit)
+    assert len(searched) == 1

@@ -9,8 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic.fit import fitting
+from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.fitting import NoFace
+from mimetic.fit.network_evidence import SURE_PRESENCE, presence
+from mimetic.locate.feature_networks import feature_anchors
 from mimetic.media.footage import Footage
+from mimetic.template.face_template import load_template
 
 SURE = 0.8  # likelihood of a face above which it can only be upright
 # Quarter turns to the left that set the picture upright: where the head points, ffmpeg's filter
@@ -21,13 +25,18 @@ TURNS = {
 }
 
 
-def check_upright(footage: Footage, frame: int, image: NDArray[np.uint8]) -> None:
+def check_upright(
+    footage: Footage, frame: int, image: NDArray[np.uint8], fit: FaceFit | None = None
+) -> None:
     """Raises NoFace, with how to mend it, if the face in `image` lies on its side or head.
+
+    fit: the head that was fitted to the image, if one was: where networks are sure of its face it
+    is upright, and the picture is not searched again, turned three times.
 
     What resembles a face in the picture as it is, is less likely one then than the face in the
     picture turned. Other people's pictures on a wall may lie as they like: they fit no head.
     """
-    turns = turns_to_upright(image)
+    turns = 0 if fit is not None and _is_sure_of(image, fit) else turns_to_upright(image)
     if not turns:
         return
     where, turning = TURNS[turns]
@@ -37,6 +46,12 @@ def check_upright(footage: Footage, frame: int, image: NDArray[np.uint8]) -> Non
         f"that it is turned: set it upright (ffmpeg -i {source} -vf {turning} upright.mp4) and "
         "take that clip"
     )
+
+
+def _is_sure_of(image: NDArray[np.uint8], fit: FaceFit) -> bool:
+    template = load_template()
+    anchors = feature_anchors(fit.neutral_vertices(template), template)
+    return (presence(image, fit.camera, fit.head_pose, anchors) or 0.0) >= SURE_PRESENCE
 
 
 def turns_to_upright(image: NDArray[np.uint8]) -> int:

@@ -93,7 +93,7 @@ def find_face(
         rest = rest_asked_for(footage, frame, others, finding, near, lens)
     else:
         rest = rest_in(footage, (first, last), finding, near, lens)
-        check_upright(footage, rest.fit.frame, footage.read(rest.fit.frame))
+        check_upright(footage, rest.fit.frame, footage.read(rest.fit.frame), rest.fit)
     return joined_with_others(footage, rest, joining)
 
 
