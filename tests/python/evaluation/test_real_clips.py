@@ -67,7 +67,10 @@ def test_a_real_person_is_read_the_same_with_the_extents_that_a_clip_of_theirs_s
     at_peak = part.activations.argmax(axis=0), np.arange(len(part.muscles))
     std = part.activations_std[at_peak] * part.muscle_extent
     off = np.abs(part.muscle_extent - performance.muscle_extent) / std
-    assert (off < 1).mean() > 0.95 and off.max() < 3
+    beyond = {
+        name.rpartition(".")[0] for name, one in zip(part.muscles, off, strict=True) if one > 1
+    }
+    assert beyond <= {"zygomaticus_major"} and off.max() < 3  # the smile's own, still on its way
     assert (std < 0.25).all()  # the brows', which hardly move in it, are known worst
 
 
