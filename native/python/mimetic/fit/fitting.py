@@ -19,7 +19,7 @@ from mimetic.fit.face_shape import face_shape
 from mimetic.fit.fitted_view import FittedView
 from mimetic.fit.known_lens import camera_with
 from mimetic.fit.line_modes import line_modes
-from mimetic.fit.network_evidence import LEAST_PRESENCE, presence, with_networks
+from mimetic.fit.network_evidence import is_seen, with_networks
 from mimetic.fit.relief_shift import picture_shifts
 from mimetic.fit.views import follow_points
 from mimetic.locate.eigenspaces import installed_spaces
@@ -172,8 +172,7 @@ def _fitted(
         if _core.mirror_correlation(*canonical_view) < LEAST_SYMMETRY:
             continue
         anchors = feature_anchors(fit.neutral_vertices(template), template)
-        seen = presence(image, fit.camera, fit.head_pose, anchors)
-        if seen is None or seen >= LEAST_PRESENCE:
+        if is_seen(image, fit.camera, fit.head_pose, anchors):
             return fit
     return None
 

@@ -36,6 +36,20 @@ def presence(
         return 0.0
 
 
+def is_seen(
+    image: NDArray[np.uint8],
+    camera: _core.Camera,
+    head_pose: NDArray[np.float64],
+    anchors: NDArray[np.float64],
+) -> bool:
+    """Whether the networks see a face where a head is; True where they are not installed.
+
+    Arguments as `presence` has them.
+    """
+    probability = presence(image, camera, head_pose, anchors)
+    return probability is None or probability >= LEAST_PRESENCE
+
+
 def with_networks(
     image: NDArray[np.uint8],
     features: _core.FaceFeatures,
