@@ -10,9 +10,9 @@ from mimetic import _core
 from mimetic.locate.feature_networks import ANCHORS, installed_networks, network_features
 
 # Probability of a face that the networks give where a head is. At least where there is one: on a
-# test card that the finder takes for a face it is 6e-7. And that which only an upright one has: on
-# 10 frames of five clips, 23 photographs and drawn people it is above .999999, where a head is
-# fitted to the same pictures on their side or head it is .9995 at most.
+# test card that the finder takes for a face it is 6e-7. And that which a head has alone that is
+# fitted with its lean: on 10 frames of five clips, 23 photographs and drawn people it is above
+# .999999, where a head is fitted wrongly to the same pictures on their side or head .9995 at most.
 LEAST_PRESENCE, SURE_PRESENCE = 0.02, 0.99999
 
 
