@@ -24,6 +24,7 @@ from evaluation.runs.real_methods import (
     by_face_mesh,
     by_fit,
     by_networks,
+    by_regressor,
     networks_alone,
 )
 from evaluation.runs.real_noise import SHRUNK, Sightings, sightings
@@ -40,6 +41,7 @@ from evaluation.runs.real_score import (
 from evaluation.runs.real_still import crops_of, in_crops, jitter, still_runs, with_frames
 
 OURS, NETWORKS, JOINED = "capture", "its networks, our crops", "with our regressor"
+REGRESSOR = "our regressor alone"
 CELL = 14
 Report = Callable[[str], None]
 
@@ -84,6 +86,7 @@ def score_clip(
     runs = still_runs(labels.clip, performance)
     every = with_frames(labels, runs.ravel())
     places_by_method = {OURS: by_capture(every, performance)}
+    places_by_method[REGRESSOR] = by_regressor(every, performance)
     all_sightings = []
     if python is not None:
         report(f"{labels.clip}: {FACE_MESH}")

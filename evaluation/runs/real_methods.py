@@ -6,7 +6,7 @@ from __future__ import annotations
 import contextlib
 import subprocess
 import tempfile
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +14,13 @@ from mimetic import InvalidInput, _core
 from mimetic.fit.face_model import limit_positions
 from mimetic.fit.fitting import NoFace, find_face
 from mimetic.fit.line_fit import with_lines
-from mimetic.locate.feature_networks import FILES, MESH_POINTS, feature_places
+from mimetic.locate.feature_networks import (
+    CONTOUR_POINTS,
+    FILES,
+    MESH_POINTS,
+    eye_regressor,
+    feature_places,
+)
 from mimetic.media.footage import Footage
 from mimetic.muscles.eyeballs import eye_geometry
 from mimetic.muscles.feature_lines import feature_lines
@@ -169,14 +175,32 @@ def by_networks(
     pose; nan in frames that are held. sizes: how many times smaller the picture is made first."""
     crops = [crops_of(performance, labels.frame, times) for times in sizes]
     places = np.full((len(sizes), len(labels.frame), len(POINTS), 2), np.nan)
-    shots = Footage(footage_of(labels.clip)).frames(int(labels.frame[0]), int(labels.frame[-1]))
-    rows = {int(frame): row for row, frame in enumerate(labels.frame)}
-    for frame, image in shots:
-        if frame not in rows or performance.quality[performance.index_of(frame)] < HELD_QUALITY:
-            continue
+    for row, image in _followed(labels, performance):
         for i, times in enumerate(sizes):
-            small = shrunk(np.ascontiguousarray(image), times)
-            points = feature_places(networks, small, crops[i][rows[frame]])
+            points = feature_places(networks, shrunk(image, times), crops[i][row])
             pixels = np.array([points[name] for name in POINTS])
-            places[i, rows[frame]] = (pixels + 0.5) * times - 0.5
+            places[i, row] = (pixels + 0.5) * times - 0.5
     return places
+
+
+def by_regressor(labels: Labels, performance: Performance) -> NDArray[np.float64]:
+    """N x POINTS x 2 of lids and irises by the regressor that was fitted to drawn people, without
+    networks, on the same crops; nan of all else and in frames that are held."""
+    regressor, crops = eye_regressor(), crops_of(performance, labels.frame)
+    places = np.full((len(labels.frame), len(POINTS), 2), np.nan)
+    for row, image in _followed(labels, performance):
+        for side, crop in zip("LR", crops[row].eyes, strict=True):
+            eye = regressor.eye(image, crop, side == "L")
+            places[row, POINTS.index(f"iris.{side}")] = eye.iris[0]
+            for name, point in CONTOUR_POINTS.items():
+                places[row, POINTS.index(f"{name}.{side}")] = eye.contour[point]
+    return places
+
+
+def _followed(labels: Labels, performance: Performance) -> Iterator[tuple[int, NDArray[np.uint8]]]:
+    """Row and picture of the labels' frames that are not held."""
+    rows = {int(frame): row for row, frame in enumerate(labels.frame)}
+    shots = Footage(footage_of(labels.clip)).frames(int(labels.frame[0]), int(labels.frame[-1]))
+    for frame, image in shots:
+        if frame in rows and performance.quality[performance.index_of(frame)] >= HELD_QUALITY:
+            yield rows[frame], np.ascontiguousarray(image)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <map>
+#include <mimetic/locate/eye_regressor.hpp>
 #include <mimetic/locate/feature_networks.hpp>
 #include <mimetic/locate/feature_noise.hpp>
 #include <mimetic/locate/network_features.hpp>
@@ -73,12 +74,15 @@ void bind_locate_networks(py::module_& m) {
         .def_property_readonly(
             "irises", [](const MeshPoints& p) { return std::make_pair(p.irises[0], p.irises[1]); },
             "(5, 2) pixels each, left first, as EyePoints'; (0, 2) without the eyes' heads");
-    py::class_<EyePoints>(m, "EyePoints", "What MediaPipe's iris network measures of one eye.")
+    py::class_<EyePoints>(m, "EyePoints", "What the iris network, or a regressor, measures of one eye.")
         .def_property_readonly(
-            "contour", [](const EyePoints& p) { return p.contour; }, "(71, 2) pixels, of lids and brow")
+            "contour", [](const EyePoints& p) { return p.contour; },
+            "(71, 2) pixels, of lids and brow, the first 16 round the eye")
         .def_property_readonly(
             "iris", [](const EyePoints& p) { return p.iris; },
-            "(5, 2) pixels: centre, four points of the rim");
+            "(5, 2) pixels: centre, four points of the rim")
+        .def_readonly("lid_doubt", &EyePoints::lid_doubt, "times the network's usual error, of the lids")
+        .def_readonly("iris_doubt", &EyePoints::iris_doubt, "the same of the iris");
     py::class_<FeatureNetworks>(m, "FeatureNetworks", "Google's networks for face mesh and iris.")
         .def(py::init([](const std::string& mesh_file, const std::string& iris_file,
                          const std::string& lips_file, const std::string& left_eye_file,
@@ -112,6 +116,26 @@ void bind_locate_networks(py::module_& m) {
             py::arg("image").noconvert(), "crop"_a, "left"_a,
             "One eye in a crop 2.3 times as wide as it.\n\nimage: (H, W, 3) uint8 RGB\n"
             "left: the subject's left eye\nreturns: EyePoints");
+    py::class_<EyeRegressor>(m, "EyeRegressor", "Lids and irises by what was fitted to drawn people.")
+        .def(py::init<const std::string&>(), "file"_a,
+             "ONNX file of scripts/train_eyes_and_lips. Raises UnreadableMedia.")
+        .def(
+            "eye",
+            [](const EyeRegressor& regressor, const ImageArray& image, const FeatureCrop& crop, bool left) {
+                const ColorView view = view_image<3>(image, "image");
+                py::gil_scoped_release release;
+                return regressor.eye(view, crop, left);
+            },
+            py::arg("image").noconvert(), "crop"_a, "left"_a,
+            "One eye in a crop 2.3 times as wide as it.\n\nimage: (H, W, 3) uint8 RGB\n"
+            "left: the subject's left eye\nreturns: EyePoints, of whose contour the 16 points round the eye");
+    m.def(
+        "eye_features",
+        [](const EyePoints& left, const EyePoints& right, double presence) {
+            return eye_features({left, right}, presence);
+        },
+        "left_eye"_a, "right_eye"_a, "presence"_a = 1.0,
+        "FaceFeatures of lids and irises alone. presence: 0 to 1, of a face.");
     m.def(
         "network_features",
         [](const MeshPoints& mesh, const EyePoints& left, const EyePoints& right) {

@@ -86,14 +86,6 @@ void bind_model(py::module_& m) {
         .def_readonly("num_muscles", &FaceMotion::num_muscles)
         .def_readonly("lower", &FaceMotion::lower)
         .def_readonly("upper", &FaceMotion::upper);
-    py::class_<EyeSlit>(m, "EyeSlit",
-                        "One eye's opening: vertices of its corners and lid margins, indices of its lids.")
-        .def(py::init([](int inner, int outer, int upper, int lower, int lid_upper, int lid_lower) {
-                 return EyeSlit{inner, outer, upper, lower, lid_upper, lid_lower};
-             }),
-             "inner"_a, "outer"_a, "upper"_a, "lower"_a, "lid_upper"_a = -1, "lid_lower"_a = -1,
-             "inner, outer, upper, lower: vertices; lid_upper, lid_lower: indices among the values, -1: "
-             "none.");
     py::class_<FeatureOpening>(m, "FeatureOpening",
                                "An eye or the mouth: lines on the skin from corner to corner.")
         .def(py::init([](std::vector<std::vector<int>> lines, const Eigen::Vector3d& facing,
@@ -108,19 +100,21 @@ void bind_model(py::module_& m) {
              "lid_lower: indices among the values, -1: no eye; jaw: that of what parts lips by bone.");
     py::class_<FeatureInputs>(m, "FeatureInputs", "Where eyes and mouth are on the head, and their source.")
         .def(py::init<>())
-        .def(py::init([](std::vector<EyeSlit> eyes, std::vector<FeatureOpening> openings,
-                         std::optional<const FeatureNetworks*> networks, const Camera& camera,
-                         const std::optional<Points>& anchors) {
-                 FeatureInputs inputs{std::move(eyes), std::move(openings), {}};
-                 if (networks && *networks != nullptr && anchors) {
-                     inputs.source = see_by_networks(**networks, camera, *anchors);
+        .def(py::init([](std::vector<FeatureOpening> openings,
+                         const std::variant<const FeatureNetworks*, const EyeRegressor*>& source,
+                         const Camera& camera, const Points& anchors) {
+                 FeatureInputs inputs{std::move(openings), {}};
+                 if (const auto* networks = std::get_if<const FeatureNetworks*>(&source)) {
+                     inputs.source = see_by_networks(**networks, camera, anchors);
+                 } else {
+                     inputs.source =
+                         see_by_regressor(*std::get<const EyeRegressor*>(source), camera, anchors);
                  }
                  return inputs;
              }),
-             "eyes"_a, "openings"_a, "networks"_a, "camera"_a, "anchors"_a = py::none(),
-             py::keep_alive<1, 4>(),
-             "eyes: for lids without networks; openings: left eye, right eye, mouth; networks: or None;\n"
-             "anchors: (6, 3), as feature_crops has them.");
+             "openings"_a, "source"_a, "camera"_a, "anchors"_a, py::keep_alive<1, 3>(),
+             "openings: left eye, right eye, mouth; source: FeatureNetworks, or EyeRegressor for the eyes\n"
+             "alone; anchors: (6, 3), as feature_crops has them.");
     py::class_<StageTimes>(m, "StageTimes", "Milliseconds of one frame's stages.")
         .def_readonly("predict_ms", &StageTimes::predict_ms)
         .def_readonly("features_ms", &StageTimes::features_ms)
@@ -148,14 +142,16 @@ void bind_estimate(py::module_& m) {
         .def_property_readonly(
             "irises",
             [](const FrameEstimate& e) {
-                Eigen::Matrix<double, 2, 5, Eigen::RowMajor> rows;
+                Eigen::Matrix<double, 2, 6, Eigen::RowMajor> rows;
                 for (int eye = 0; eye < 2; ++eye) {
                     const SeenIris& iris = e.irises[static_cast<std::size_t>(eye)];
-                    rows.row(eye) << iris.center.transpose(), iris.side, iris.opening, iris.presence;
+                    rows.row(eye) << iris.center.transpose(), iris.side, iris.opening, iris.presence,
+                        iris.doubt;
                 }
                 return rows;
             },
-            "(2, 5), left first: x, y, pixels; side of the crop, 0 if not seen; opening; presence")
+            "(2, 6), left first: x, y, pixels; side of the crop, 0 if not seen; opening; presence; times the "
+            "networks' error")
         .def_readonly("quality", &FrameEstimate::quality, "0 lost to 1 well explained")
         .def_readonly("held", &FrameEstimate::held, "nothing was measured: repeats the last good state")
         .def_readonly("found_again", &FrameEstimate::found_again,

@@ -25,10 +25,11 @@ Eyeballs make_eyeballs(PointsIn centres, const Eigen::Vector2d& radii, PointsIn 
     return eyes;
 }
 
-void set_irises(GazeFrame& frame, const Eigen::Matrix<double, 2, 5>& irises) {
+void set_irises(GazeFrame& frame, const Eigen::Matrix<double, 2, 6>& irises) {
     for (int eye = 0; eye < 2; ++eye) {
         const auto row = irises.row(eye);
-        frame.irises[static_cast<std::size_t>(eye)] = {row.head<2>().transpose(), row[2], row[3], row[4]};
+        frame.irises[static_cast<std::size_t>(eye)] = {row.head<2>().transpose(), row[2], row[3], row[4],
+                                                       row[5]};
     }
 }
 
@@ -36,7 +37,7 @@ std::vector<GazeFrame> frames_of(const DoubleArray& poses, const DoubleArray& co
                                  const DoubleArray& irises) {
     const auto matrices = matrices_of<4, 4>(poses, "poses");
     const auto spreads = matrices_of<6, 6>(covariances, "pose_covariances");
-    const auto rows = matrices_of<2, 5>(irises, "irises");
+    const auto rows = matrices_of<2, 6>(irises, "irises");
     if (spreads.size() != matrices.size() || rows.size() != matrices.size()) {
         throw InvalidInput("poses, pose_covariances and irises need the same number of frames");
     }
@@ -79,7 +80,7 @@ void bind_solve_gaze(py::module_& m) {
         },
         "camera"_a, "eyes"_a, "poses"_a, "pose_covariances"_a, "irises"_a, "fps"_a,
         "GazeTrack of a clip's frames in order.\n\n"
-        "poses: (N, 4, 4), camera from head; pose_covariances: (N, 6, 6); irises: (N, 2, 5), "
+        "poses: (N, 4, 4), camera from head; pose_covariances: (N, 6, 6); irises: (N, 2, 6), "
         "`FrameEstimate.irises`,\nof frames that are held 0. Raises InvalidInput.");
     m.def(
         "corrected_gaze",
@@ -99,14 +100,14 @@ void bind_solve_gaze(py::module_& m) {
         .def(
             "advance",
             [](GazeFilter& filter, const Camera& camera, const Eigen::Matrix4d& pose,
-               const Matrix6& pose_covariance, const Eigen::Matrix<double, 2, 5>& irises, double seconds) {
+               const Matrix6& pose_covariance, const Eigen::Matrix<double, 2, 6>& irises, double seconds) {
                 GazeFrame frame{to_isometry(pose), pose_covariance, {}};
                 set_irises(frame, irises);
                 return filter.advance(camera, frame, seconds);
             },
             "camera"_a, "pose"_a, "pose_covariance"_a, "irises"_a, "seconds"_a,
             "(4,) degrees: yaw and pitch of the left, then of the right eye, in the next frame.\n\n"
-            "pose: (4, 4), pose_covariance: (6, 6), irises: (2, 5), as `follow_gaze` has them of a frame; "
+            "pose: (4, 4), pose_covariance: (6, 6), irises: (2, 6), as `follow_gaze` has them of a frame; "
             "seconds: since\nthe frame before.");
 }
 

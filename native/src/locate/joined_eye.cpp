@@ -10,16 +10,17 @@ namespace mimetic::locate {
 namespace {
 
 /// Error of the regressor's lids on real faces marked by hand, once the person's bias is known, in sides of
-/// the crop, where it expects usual ones (docs/measured/real-faces.md); in blocky footage, where it expects
-/// larger ones, its bias is larger, too. Its irises and corners are not joined: in real faces irises stand up
-/// to 4 % of the interpupillary distance too high, outer corners 3 % too far out.
-constexpr double kLid = 0.0085, kUsual = 0.0065;
+/// the crop, where it expects usual ones (docs/measured/real-faces.md). Its irises and corners are not
+/// joined: in real faces irises stand up to 4 % of the interpupillary distance too high, outer corners 3 %
+/// too far out.
+constexpr double kLid = 0.0085, kUsual = 0.0065, kUsualIris = 0.012;
+
+double doubt_of(double worse) { return std::max(1., worse * worse); }
 
 /// The regressor's share in a margin.
 double share_of(NetworkFeature lid, double side, double spread) {
     const double network = feature_noise(lid, side).error.y();
-    const double worse = std::max(1., spread / kUsual);
-    const double own = kLid * worse * worse;
+    const double own = kLid * lid_doubt(spread);
     return network * network / (network * network + own * own);
 }
 
@@ -51,6 +52,10 @@ void join_margin(Points2& contour, std::span<const int> margin, const Points2& o
 }
 
 }  // namespace
+
+double lid_doubt(double spread) { return doubt_of(spread / kUsual); }
+
+double iris_doubt(double spread) { return doubt_of(spread / kUsualIris); }
 
 EyePoints joined_eye(const EyePoints& by_network, const RegressedPoints& regressed, double side) {
     constexpr int kMargin = RegressedEye::kMargin;

@@ -35,6 +35,7 @@ constexpr double kLeastPresence = 0.5;
 constexpr double kElsewhere = 0.3;  // interpupillary distances between an iris and the pupil of a landmark
 
 constexpr const char* kLocal[] = {"pupil.", "eye_", "mouth_corner."};  // beginnings of features' names
+constexpr const char* kOfTheMesh = "lip_upper_inner";                  // a curve that nothing else sees
 
 // Of the mesh
 constexpr int kMouthCorners[] = {291, 61}, kOuterCorners[] = {263, 33}, kInnerCorners[] = {362, 133};
@@ -113,27 +114,41 @@ bool are_elsewhere(const FaceFeatures& landmarks, const FaceFeatures& seen) {
 
 }  // namespace
 
-FaceFeatures network_features(const MeshPoints& mesh, const std::array<EyePoints, 2>& eyes) {
-    if (mesh.places.rows() != MeshPoints::kCount || eyes[0].contour.rows() != EyePoints::kContour ||
-        eyes[1].contour.rows() != EyePoints::kContour || eyes[0].iris.rows() != EyePoints::kIris ||
-        eyes[1].iris.rows() != EyePoints::kIris) {
-        throw InvalidInput("the points are not those of the networks for mesh and eyes");
+FaceFeatures eye_features(const std::array<EyePoints, 2>& eyes, double presence) {
+    for (const EyePoints& eye : eyes) {
+        if (eye.contour.rows() < EyePoints::kRoundEye || eye.iris.rows() != EyePoints::kIris) {
+            throw InvalidInput("the points are not those of an eye");
+        }
     }
     const double pupils = (eyes[0].iris.row(0) - eyes[1].iris.row(0)).norm();
-    const auto sigma = [&](double part) { return std::hypot(part * pupils, kLeastSigma); };
     FaceFeatures face;
-    face.likelihood = mesh.presence;
+    face.likelihood = presence;
+    for (std::size_t e = 0; e < 2; ++e) {
+        const std::string side = e == 0 ? ".L" : ".R";
+        face.features.push_back({"pupil" + side, eyes[e].iris.row(0).transpose(),
+                                 std::hypot(kGaze * pupils, kLeastSigma), presence});
+        const double lid = std::hypot(eyes[e].lid_doubt * kLid * pupils, kLeastSigma);
+        face.curves.push_back(curve_of("lid_upper" + side, eyes[e].contour, LidMargins::kUpper, lid));
+        face.curves.push_back(curve_of("lid_lower" + side, eyes[e].contour, LidMargins::kLower, lid));
+    }
+    return face;
+}
+
+FaceFeatures network_features(const MeshPoints& mesh, const std::array<EyePoints, 2>& eyes) {
+    if (mesh.places.rows() != MeshPoints::kCount) {
+        throw InvalidInput("the points are not those of the network for the face mesh");
+    }
+    FaceFeatures face = eye_features(eyes, mesh.presence);
+    const double pupils = (eyes[0].iris.row(0) - eyes[1].iris.row(0)).norm();
     const auto add = [&](const std::string& name, const Points2& places, int index, double part) {
-        face.features.push_back({name, places.row(index).transpose(), sigma(part), mesh.presence});
+        const double sigma_px = std::hypot(part * pupils, kLeastSigma);
+        face.features.push_back({name, places.row(index).transpose(), sigma_px, mesh.presence});
     };
     for (std::size_t e = 0; e < 2; ++e) {
         const std::string side = e == 0 ? ".L" : ".R";
-        add("pupil" + side, eyes[e].iris, 0, kGaze);
         add("eye_outer" + side, mesh.places, kOuterCorners[e], kEyeCorner);
         add("eye_inner" + side, mesh.places, kInnerCorners[e], kEyeCorner);
         add("mouth_corner" + side, mesh.places, kMouthCorners[e], kMouthCorner);
-        face.curves.push_back(curve_of("lid_upper" + side, eyes[e].contour, LidMargins::kUpper, sigma(kLid)));
-        face.curves.push_back(curve_of("lid_lower" + side, eyes[e].contour, LidMargins::kLower, sigma(kLid)));
     }
     const auto add_lip = [&](const std::string& name, std::span<const int> line, const LipNoise& noise,
                              double drop = 0) {
@@ -157,7 +172,9 @@ FaceFeatures local_features(const FaceFeatures& joined, int frames) {
     FaceFeatures local;
     local.box = joined.box;
     local.likelihood = joined.likelihood;
+    const bool are_corners_seen = joined.find_curve(kOfTheMesh) != nullptr;
     for (Feature feature : joined.features) {
+        if (!feature.name.starts_with("pupil.") && !are_corners_seen) continue;
         if (feature.name.starts_with("eye_outer.")) {
             feature.position = marked_corner(joined, feature, pupils);
         }
@@ -207,8 +224,9 @@ FaceFeatures with_network_features(const FaceFeatures& landmarks, const FaceFeat
     for (const auto& feature : seen.features) {
         if (!feature.name.starts_with("pupil.")) joined.features.push_back(feature);
     }
+    const bool is_mouth_seen = seen.find_curve(kOfTheMesh) != nullptr;
     for (const auto& curve : landmarks.curves) {
-        if (curve.name == "jaw") joined.curves.push_back(curve);
+        if (curve.name == "jaw" || !is_mouth_seen) joined.curves.push_back(curve);
     }
     return joined;
 }

@@ -21,11 +21,8 @@ double interpupillary_of(const std::vector<OpeningEvidence>& openings) {
 }  // namespace
 
 FeatureEvidence::FeatureEvidence(const TrackedFace& face, const FeatureInputs& inputs, const ColorView& image,
-                                 const cv::Mat1b& gray, const FaceState& at_rest)
-    : face_(face),
-      source_(inputs.source),
-      lids_(face, source_ ? std::vector<EyeSlit>() : inputs.eyes, gray, at_rest),
-      reference_(at_rest) {
+                                 const FaceState& at_rest)
+    : face_(face), source_(inputs.source), reference_(at_rest) {
     if (!source_) {
         return;
     }
@@ -33,28 +30,25 @@ FeatureEvidence::FeatureEvidence(const TrackedFace& face, const FeatureInputs& i
         openings_.emplace_back(face, opening);
     }
     interpupillary_ = interpupillary_of(openings_);
-    look(image, gray, at_rest);
+    look(image, at_rest);
     for (std::size_t i = 0; i < openings_.size(); ++i) {
         const FaceState learned = openings_[i].learn(at_rest, seen_[i], interpupillary_);
         reference_.values += learned.values - at_rest.values;
     }
 }
 
-void FeatureEvidence::look(const ColorView& image, const cv::Mat1b& gray, const FaceState& near) {
-    lids_.look(gray, near);
+void FeatureEvidence::look(const ColorView& image, const FaceState& near) {
     if (source_) {
         seen_ = source_(image, near.camera_from_head);
         seen_.resize(openings_.size());
     }
 }
 
-void FeatureEvidence::look_away() {
-    lids_.look_away();
-    seen_.assign(openings_.size(), {});
-}
+void FeatureEvidence::look_away() { seen_.assign(openings_.size(), {}); }
 
 StepPrior FeatureEvidence::terms(const FaceState& state) const {
-    StepPrior sum = lids_.terms(state);
+    const Eigen::Index size = face_.num_unknowns();
+    StepPrior sum{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)};
     for (std::size_t i = 0; i < openings_.size(); ++i) {
         const StepPrior own = openings_[i].terms(state, seen_[i], interpupillary_);
         sum.information += own.information;
@@ -86,7 +80,6 @@ std::array<SeenIris, 2> FeatureEvidence::irises() const {
 }
 
 FaceState FeatureEvidence::with_lids(FaceState state) const {
-    state = lids_.with_lids(std::move(state));
     for (std::size_t i = 0; i < openings_.size(); ++i) {
         state = openings_[i].with_lids(std::move(state), seen_[i], interpupillary_);
     }

@@ -2,24 +2,22 @@
 #pragma once
 #include <array>
 
-#include "lid_reader.hpp"
 #include "opening_evidence.hpp"
 
 namespace mimetic {
 
-/// Evidence at eyes and mouth, beside flow, which cannot track what opens and closes. By networks where there
-/// are any; otherwise of the upper lids alone, by their appearance.
+/// Evidence at eyes and mouth, beside flow, which cannot track what opens and closes.
 class FeatureEvidence {
 public:
-    /// image, gray: the reference frame, in which the face is at rest at this state.
+    /// image: the reference frame, in which the face is at rest at this state.
     FeatureEvidence(const TrackedFace& face, const FeatureInputs& inputs, const ColorView& image,
-                    const cv::Mat1b& gray, const FaceState& at_rest);
+                    const FaceState& at_rest);
 
     /// The reference frame's state: at rest, the lids as they are in it.
     const FaceState& reference() const { return reference_; }
 
     /// Looks at a frame in which the face is about at this state.
-    void look(const ColorView& image, const cv::Mat1b& gray, const FaceState& near);
+    void look(const ColorView& image, const FaceState& near);
     void look_away();  ///< nothing is known until the next look
 
     /// The evidence, linearised at a state.
@@ -39,8 +37,7 @@ private:
     const TrackedFace& face_;
     FeatureSource source_;
     std::vector<OpeningEvidence> openings_;
-    double interpupillary_;
-    LidReader lids_;
+    double interpupillary_ = 0;
     std::vector<SeenOpening> seen_;
     FaceState reference_;
 };

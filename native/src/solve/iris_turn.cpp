@@ -83,7 +83,7 @@ IrisTurn iris_turn(const Camera& camera, const Eyeballs& eyes, const GazeFrame& 
     turn.angles = angles_at(frame.camera_from_head, iris.center);
     const double sight = std::min(1., (frontality - kHidden) / (kFrontal - kHidden)) * iris.presence *
                          std::min(1., (iris.opening - kShut) / (kOpen - kShut));
-    const double factor = std::min(kLargestFactor, 1 / sight);
+    const double factor = std::min(kLargestFactor, iris.doubt / sight);
     const double step = .02 * eyes.radii[at] * camera.fx / in_camera.z();  // pixels
     Eigen::Matrix2d by_pixel;
     for (int axis = 0; axis < 2; ++axis) {

@@ -41,7 +41,7 @@ std::optional<OpeningEvidence::Rows> OpeningEvidence::rows_at(const FaceState& s
         return {};
     }
     const double sight = std::min(1., (found->frontality - kHidden) / (kFrontal - kHidden)) * seen.presence;
-    const double factor = std::min(kLargestFactor, 1 / sight);
+    const double factor = std::min(kLargestFactor, seen.doubt / sight);
     const OpeningNoise& noise = is_eye() ? kLidNoise : kLipNoise;
     Rows rows{found->offsets, found->by_values, found->by_detail,
               covariance_of(noise, lines_.places(), found->pixel, factor)};

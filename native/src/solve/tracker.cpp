@@ -50,7 +50,7 @@ FaceTracker::State::State(const Camera& camera, const TrackedSurface& surface, c
                           const FeatureInputs& inputs, const TrackerOptions& options, const ColorView& image,
                           const cv::Mat1b& gray, const Eigen::Isometry3d& camera_from_head)
     : face(camera, surface, motion, options),
-      features(face, inputs, image, gray, {camera_from_head, Eigen::VectorXd::Zero(face.num_values())}),
+      features(face, inputs, image, {camera_from_head, Eigen::VectorXd::Zero(face.num_values())}),
       memory(first_memory(face, gray, features.reference())),
       views(first_views(face, memory.state, gray)),
       follower(face, error_field(views.first())),
@@ -125,7 +125,7 @@ FaceState FaceTracker::State::start_of(const Expectation& expected, FrameAtHand&
     features.look_away();
     if (!memory.is_lost) {
         const StageClock clock(frame.times.features_ms);
-        features.look(frame.color, frame.gray, start);
+        features.look(frame.color, start);
         start = features.with_lids(start);
     }
     return start;
@@ -167,7 +167,7 @@ Registration FaceTracker::State::search_again(const Expectation& expected, const
     frame.prepared.update(frame.gray, 1 / scale_at(best));
     {
         const StageClock clock(frame.times.features_ms);
-        features.look(frame.color, frame.gray, best);
+        features.look(frame.color, best);
         best = features.with_lids(best);
     }
     return registrar.register_face(expected.about(best), best, frame, recognition);

@@ -115,17 +115,6 @@ void check_inputs(const Camera& camera, const TrackedSurface& surface, const Fac
              std::to_string(motion.detail_std.size()));
     }
     check_surface(surface, num_vertices);
-    for (const EyeSlit& eye : features.eyes) {
-        for (const int vertex : {eye.inner, eye.outer, eye.upper, eye.lower}) {
-            if (vertex < 0 || vertex >= num_vertices) {
-                fail("an eye names vertex " + std::to_string(vertex) + "; there are " +
-                     std::to_string(num_vertices));
-            }
-        }
-        if (std::max(eye.lid_upper, eye.lid_lower) >= num_values) {
-            fail("an eye names a lid value beyond the " + std::to_string(num_values) + " modes");
-        }
-    }
     for (const FeatureOpening& opening : features.openings) {
         check_opening(opening, num_vertices, num_values);
     }

@@ -125,6 +125,29 @@ TEST(NetworkFeatures, StandForTheLandmarksOfTheSameNamesAlone) {
     EXPECT_LT(pupil->sigma_px, 2);
 }
 
+TEST(EyeFeatures, LeaveTheMouthAndTheCornersToTheLandmarks) {
+    Seen seen;
+    seen.eyes[0].lid_doubt = 2;
+    for (EyePoints& eye : seen.eyes) {
+        eye.contour.conservativeResize(EyePoints::kRoundEye, Eigen::NoChange);
+    }
+    const FaceFeatures eyes = eye_features(seen.eyes, 1);
+    EXPECT_NEAR(eyes.find_curve("lid_upper.L")->sigma_px(0) / eyes.find_curve("lid_upper.R")->sigma_px(0), 2,
+                .1);
+    const FaceFeatures joined = with_network_features(landmarks(), eyes);
+    EXPECT_EQ(joined.find("lid_upper.L"), nullptr);
+    EXPECT_EQ(joined.find_curve("lid_upper.L")->points, eyes.find_curve("lid_upper.L")->points);
+    for (const char* name : {"lip_line", "jaw"}) {
+        EXPECT_NE(joined.find_curve(name), nullptr) << name;
+    }
+    EXPECT_EQ(joined.find("eye_outer.L")->position, landmarks().find("eye_outer.L")->position);
+    const FaceFeatures local = local_features(joined, 1);
+    EXPECT_EQ(local.features.size(), 2U);  // the pupils
+    EXPECT_EQ(local.find("eye_outer.L"), nullptr);
+    seen.eyes[1].iris.resize(0, 2);
+    EXPECT_THROW(eye_features(seen.eyes, 1), InvalidInput);
+}
+
 TEST(NetworkFeatures, AreLeftOutWhereNoFaceIsSeenOrAnother) {
     Seen seen;
     const FaceFeatures elsewhere = [&] {

@@ -22,7 +22,7 @@ struct Watched {
     explicit Watched(std::vector<SeenOpening> at_rest) : seen(std::move(at_rest)) {
         scene.inputs.source = [this](const ColorView&, const Eigen::Isometry3d&) { return seen; };
         face = std::make_unique<TrackedFace>(scene.camera, scene.surface, scene.motion, TrackerOptions{});
-        evidence = std::make_unique<FeatureEvidence>(*face, scene.inputs, ColorView{}, cv::Mat1b(), rest());
+        evidence = std::make_unique<FeatureEvidence>(*face, scene.inputs, ColorView{}, rest());
     }
     Watched(const Watched&) = delete;
     Watched& operator=(const Watched&) = delete;
@@ -32,7 +32,7 @@ struct Watched {
 
     /// The state and the covariance of its values that what is seen now makes most probable.
     std::pair<FaceState, Eigen::MatrixXd> estimate() {
-        evidence->look(ColorView{}, cv::Mat1b(), evidence->reference());
+        evidence->look(ColorView{}, evidence->reference());
         FaceState state = evidence->with_lids(evidence->reference());
         Eigen::MatrixXd covariance;
         for (int step = 0; step < 4; ++step) {
@@ -111,9 +111,19 @@ TEST(FeatureEvidence, HasWideBarsForAnEyeThatIsTurnedAwayOrNotSeen) {
         Eigen::AngleAxisd(1.2, Eigen::Vector3d::UnitY()).toRotationMatrix();
     const std::vector<SeenOpening> turned = watched.scene.see(Watched::none());
     watched.seen = turned;
-    watched.evidence->look(ColorView{}, cv::Mat1b(), watched.rest());
+    watched.evidence->look(ColorView{}, watched.rest());
     const StepPrior terms = watched.evidence->terms(watched.rest());
     EXPECT_LT(terms.information(FaceStep::kPose + left, FaceStep::kPose + left), .1 / open(left, left));
+}
+
+TEST(FeatureEvidence, IsLessSureOfWhatItsSourceDoubts) {
+    Watched watched(at_rest());
+    const double sure =
+        std::sqrt(watched.estimate().second(FeatureScene::upper_right, FeatureScene::upper_right));
+    watched.seen[1].doubt = 3;
+    const double doubted =
+        std::sqrt(watched.estimate().second(FeatureScene::upper_right, FeatureScene::upper_right));
+    EXPECT_GT(doubted, 1.4 * sure);
 }
 
 TEST(FeatureEvidence, DoesNotBelieveLinesThatNoEyeCanHave) {
@@ -122,7 +132,7 @@ TEST(FeatureEvidence, DoesNotBelieveLinesThatNoEyeCanHave) {
         opening.lines[0].col(1).array() += 40;  // half an eye's width below the lower margin: a hand
         opening.lines[1].col(1).array() -= 40;
     }
-    watched.evidence->look(ColorView{}, cv::Mat1b(), watched.rest());
+    watched.evidence->look(ColorView{}, watched.rest());
     EXPECT_EQ(watched.evidence->terms(watched.rest()).information.norm(), 0);
     EXPECT_EQ(watched.evidence->with_lids(watched.rest()).values, watched.rest().values);
 }
@@ -134,7 +144,7 @@ TEST(FeatureEvidence, SaysNothingOfThePose) {
             line.col(1).array() -= 6;  // both eyes are seen higher
         }
     }
-    watched.evidence->look(ColorView{}, cv::Mat1b(), watched.rest());
+    watched.evidence->look(ColorView{}, watched.rest());
     const StepPrior terms = watched.evidence->terms(watched.rest());
     EXPECT_EQ(terms.gradient.head<6>().norm(), 0);
     EXPECT_EQ(terms.information.topRows<6>().norm(), 0);
@@ -185,7 +195,7 @@ TEST(FeatureEvidence, ShutsLipsThatTouchInTheReferenceFrame) {
     mouth.scene.inputs.source = [&](const ColorView&, const Eigen::Isometry3d&) { return touching; };
     const TrackedFace face(mouth.scene.camera, mouth.scene.surface, mouth.scene.motion, TrackerOptions{});
     const FaceState rest{mouth.scene.camera_from_head, Eigen::VectorXd::Zero(2)};
-    const FeatureEvidence evidence(face, mouth.scene.inputs, ColorView{}, cv::Mat1b(), rest);
+    const FeatureEvidence evidence(face, mouth.scene.inputs, ColorView{}, rest);
     EXPECT_NEAR(evidence.reference().values[0], .25, .06);  // not the person's offset
     EXPECT_EQ(evidence.reference().values[1], 0);           // the jaw is at rest
 }
@@ -201,9 +211,9 @@ TEST(FeatureEvidence, SeesACornerOfTheMouthThatRisesAlone) {
     mouth.scene.inputs.source = [&](const ColorView&, const Eigen::Isometry3d&) { return seen; };
     const TrackedFace face(mouth.scene.camera, mouth.scene.surface, motion, TrackerOptions{});
     const FaceState rest{mouth.scene.camera_from_head, Eigen::VectorXd::Zero(2)};
-    FeatureEvidence evidence(face, mouth.scene.inputs, ColorView{}, cv::Mat1b(), rest);
+    FeatureEvidence evidence(face, mouth.scene.inputs, ColorView{}, rest);
     seen = mouth.scene.see(Eigen::Vector2d(.5, 0));
-    evidence.look(ColorView{}, cv::Mat1b(), rest);
+    evidence.look(ColorView{}, rest);
     const StepPrior terms = evidence.terms(rest);
     EXPECT_NEAR(terms.gradient[6] / terms.information(6, 6), .5, .05);
     constexpr double kByValue = .008 / .063;
@@ -218,10 +228,10 @@ double slit_std(const Eigen::Vector2d& values, int jaw = -1) {
     mouth.scene.inputs.source = [&](const ColorView&, const Eigen::Isometry3d&) { return seen; };
     const TrackedFace face(mouth.scene.camera, mouth.scene.surface, mouth.scene.motion, TrackerOptions{});
     const FaceState rest{mouth.scene.camera_from_head, Eigen::VectorXd::Zero(2)};
-    FeatureEvidence evidence(face, mouth.scene.inputs, ColorView{}, cv::Mat1b(), rest);
+    FeatureEvidence evidence(face, mouth.scene.inputs, ColorView{}, rest);
     seen = mouth.scene.see(values);
     const FaceState state{mouth.scene.camera_from_head, values};
-    evidence.look(ColorView{}, cv::Mat1b(), state);
+    evidence.look(ColorView{}, state);
     constexpr double kByShutting = .008 / .063;
     return kByShutting / std::sqrt(evidence.terms(state).information(6, 6));
 }
@@ -244,13 +254,13 @@ TEST(FeatureEvidence, ShutsByDetailLipsThatTouchAndTheValuesLeaveApart) {
     mouth.scene.inputs.source = [&](const ColorView&, const Eigen::Isometry3d&) { return touching; };
     const TrackedFace face(mouth.scene.camera, mouth.scene.surface, mouth.scene.motion, TrackerOptions{});
     FaceState state{mouth.scene.camera_from_head, Eigen::VectorXd::Zero(2)};
-    FeatureEvidence evidence(face, mouth.scene.inputs, ColorView{}, cv::Mat1b(), state);
+    FeatureEvidence evidence(face, mouth.scene.inputs, ColorView{}, state);
     const DetailTerms unseen = [&] {
         evidence.look_away();
         return evidence.detail_terms(state);
     }();
     EXPECT_EQ(unseen.information.norm(), 0);
-    evidence.look(ColorView{}, cv::Mat1b(), state);
+    evidence.look(ColorView{}, state);
     const DetailTerms apart = evidence.detail_terms(state);
     EXPECT_NEAR(apart.pull[0] / apart.information(0, 0), .25, .06);
     const Eigen::Vector2d step(.25, 0);  // once the values shut them nothing is left

@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from mimetic import _core
 from mimetic.fit import network_evidence
 from mimetic.fit.fitting import find_face
 from mimetic.locate.feature_networks import FILES
@@ -59,9 +60,24 @@ def test_lids_and_lips_of_the_first_fit_are_where_they_were_marked(marked):
     assert figures["lids"]["median"] < 1.5
 
 
-def test_without_networks_the_landmarks_alone_are_fitted(marked, monkeypatch):
+LIDS = {f"lid_{lid}.{side}" for lid in ("upper", "lower") for side in "LR"}
+
+
+def test_without_networks_lids_are_the_regressors_and_the_mouth_the_landmarks(marked, monkeypatch):
     footage, labels = marked
     monkeypatch.setattr(network_evidence, "installed_networks", lambda: None)
     image = np.ascontiguousarray(footage.read(int(labels.frame[0])))
     view = find_face(image, 1).views[0].measured
-    assert {curve.name for curve in view.curves} <= {"jaw", "lip_line"}
+    assert LIDS < {curve.name for curve in view.curves} <= {"jaw", "lip_line", *LIDS}
+    figures = score_places(labels, "first fit", by_fit(labels, footage)).figures
+    assert figures["lids"]["median"] < 1.2  # landmarks alone have 1.8
+
+
+def test_lids_that_move_by_themselves_leave_corners_that_no_network_saw(marked, monkeypatch):
+    footage, labels = marked
+    monkeypatch.setattr(network_evidence, "installed_networks", lambda: None)
+    image = np.ascontiguousarray(footage.read(int(labels.frame[0])))
+    joined = find_face(image, 1).views[0].measured
+    local = _core.local_features(joined, 1)
+    assert {feature.name for feature in local.features} == {"pupil.L", "pupil.R"}
+    assert {curve.name for curve in local.curves} == LIDS

@@ -6,7 +6,7 @@ import hashlib
 import numpy as np
 import pytest
 from mimetic import UnreadableMedia, _core
-from mimetic.locate.feature_networks import EYE_POINTS, FILES
+from mimetic.locate.feature_networks import EYE_POINTS, FILES, eye_regressor
 from mimetic.shared.installed_data import data_folder
 
 from evaluation.runs.real_methods import networks_alone
@@ -95,6 +95,25 @@ def test_openings_of_a_drawn_stranger_are_nearer_than_by_the_network_alone(
 ):
     with_both, by_network = (np.abs(opening_errors(n, stranger)) for n in (networks, alone))
     assert with_both.mean() < 0.75 * by_network.mean()
+
+
+def test_without_networks_it_sees_openings_as_well_by_itself(alone, stranger):
+    by_regressor, by_network = (
+        np.abs(opening_errors(n, stranger)) for n in (eye_regressor(), alone)
+    )
+    assert by_regressor.mean() < 0.75 * by_network.mean()
+
+
+def test_it_says_where_it_may_be_off(stranger):
+    """What shows no eye is doubted more than an eye; usual eyes are as their networks' error."""
+    square = square_of(stranger, 0, 1)
+    crop = _core.FeatureCrop(square.center, square.side, square.roll)
+    image = np.ascontiguousarray(stranger.frames[0][..., :3])
+    noise = np.random.default_rng(4).integers(0, 256, image.shape, dtype=np.uint8)
+    eye, nothing = (eye_regressor().eye(picture, crop, False) for picture in (image, noise))
+    assert eye.contour.shape == (16, 2) and eye.iris.shape == (5, 2)
+    assert 1 < eye.lid_doubt < nothing.lid_doubt
+    assert 1 < eye.iris_doubt < nothing.iris_doubt
 
 
 def test_irises_and_corners_are_the_networks(networks, alone, stranger):

@@ -22,16 +22,16 @@ def pose_of(yaw=0.0):
 
 
 def irises_of(angles, poses, opening=0.8):
-    """N x 2 x 5 as the tracker gives them, of gazes N x 4."""
+    """N x 2 x 6 as the tracker gives them, of gazes N x 4."""
     angles = shown(angles)
-    rows = np.zeros((len(angles), 2, 5))
+    rows = np.zeros((len(angles), 2, 6))
     for t, pose in enumerate(poses):
         for eye in (0, 1):
             front = _core.gaze_direction(*angles[t, 2 * eye : 2 * eye + 2])
             point = pose[:3, :3] @ (CENTERS[eye] + RADIUS * front) + pose[:3, 3]
             pixel = np.array(CAMERA.pixels((CENTERS[eye] + RADIUS * front)[None], pose))[0]
             assert point[2] > 0
-            rows[t, eye] = [*pixel, SIDE, opening, 1.0]
+            rows[t, eye] = [*pixel, SIDE, opening, 1.0, 1.0]
     return rows
 
 
@@ -154,9 +154,18 @@ def test_an_eye_beyond_the_nose_is_not_measured_and_goes_with_the_other():
     np.testing.assert_allclose(follow(far, poses).angles, follow(near, poses).angles, atol=1e-9)
 
 
+def test_what_doubts_its_irises_is_believed_less():
+    poses = np.tile(pose_of(), (60, 1, 1))
+    irises = irises_of(eyes_looking(np.full(60, 5.0), 0.0), poses)
+    doubted = irises.copy()
+    doubted[..., 5] = 4.0
+    sure, unsure = follow(irises, poses), follow(doubted, poses)
+    assert (unsure.std[:, 0] > 1.02 * sure.std[:, 0]).all()
+
+
 def test_without_an_iris_nothing_is_claimed():
     poses = np.tile(pose_of(), (20, 1, 1))
-    track = follow(np.zeros((20, 2, 5)), poses)
+    track = follow(np.zeros((20, 2, 6)), poses)
     np.testing.assert_allclose(track.angles, eyes_looking(np.zeros(20), 0.0), atol=1e-6)
     assert (track.std > 5).all()
 
@@ -164,7 +173,7 @@ def test_without_an_iris_nothing_is_claimed():
 def test_gaze_needs_as_many_irises_as_poses():
     poses = np.tile(pose_of(), (20, 1, 1))
     with pytest.raises(InvalidInput, match="same number"):
-        follow(np.zeros((19, 2, 5)), np.ascontiguousarray(poses[:20]))
+        follow(np.zeros((19, 2, 6)), np.ascontiguousarray(poses[:20]))
 
 
 def test_lids_that_go_along_are_open_and_shut_lids_are_shut():

@@ -1,40 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
-#include <Eigen/Geometry>
 #include <array>
 #include <memory>
-#include <mimetic/shared/camera.hpp>
+#include <mimetic/locate/feature_crops.hpp>
 #include <mimetic/shared/image.hpp>
 #include <mimetic/shared/types.hpp>
 #include <string>
 
 namespace mimetic {
-
-/// A square of the picture, the input of a network, turned so that the head is upright in it.
-struct FeatureCrop {
-    Eigen::Vector2d center = Eigen::Vector2d::Zero();  ///< pixels
-    double side = 0;                                   ///< pixels
-    double roll = 0;                                   ///< radians, clockwise in the picture
-
-    void check() const;  ///< throws InvalidInput: field, value, limit
-};
-
-/// The square round a point of the head. It follows from the pose alone, so that jitter of a network's output
-/// does not feed back into its next input.
-/// point_in_head, side: metres. Throws InvalidInput for a point that is not in front of the camera.
-FeatureCrop crop_round(const Camera& camera, const Eigen::Isometry3d& camera_from_head,
-                       const Eigen::Vector3d& point_in_head, double side);
-
-/// The squares for the whole face and for both eyes, the left first.
-struct FeatureCrops {
-    FeatureCrop face;
-    std::array<FeatureCrop, 2> eyes;
-};
-
-/// The crops of one frame, as large as MediaPipe's own, which the networks were trained on.
-/// anchors: 6 x 3, metres, head frame: of one person's neutral surface the hairline, the menton, the outer
-/// and the inner corner of the left eye, and those of the right eye. Throws InvalidInput.
-FeatureCrops feature_crops(const Camera& camera, const Eigen::Isometry3d& camera_from_head, PointsIn anchors);
 
 /// The points of MediaPipe's face mesh; the subject's right first, as in the image.
 struct MeshPoints {
@@ -62,12 +35,14 @@ struct LidMargins {
     static constexpr Margin kLower{0, 1, 2, 3, 4, 5, 6, 7, 8};
 };
 
-/// What MediaPipe's iris network measures of one eye.
+/// What MediaPipe's iris network, or a regressor of ours, measures of one eye.
 struct EyePoints {
-    static constexpr int kContour = 71;
+    static constexpr int kContour = 71, kRoundEye = 16;
     static constexpr int kIris = 5;
-    Points2 contour;  ///< 71 x 2, pixels: of lids and brow, the first 16 round the eye
-    Points2 iris;     ///< 5 x 2, pixels: centre, then four points of its rim
+    Points2 contour;        ///< 71 x 2, pixels: of lids and brow, the first 16 round the eye
+    Points2 iris;           ///< 5 x 2, pixels: centre, then four points of its rim
+    double lid_doubt = 1;   ///< times the network's usual error, of the lids' margins
+    double iris_doubt = 1;  ///< the same of the iris
 };
 
 /// Files of what refines mesh and eyes; an empty name leaves one out.

@@ -11,10 +11,14 @@ namespace mimetic {
 /// eyes, which give the corners; eyes: the left first.
 FaceFeatures network_features(const MeshPoints& mesh, const std::array<EyePoints, 2>& eyes);
 
+/// Lids and irises alone, as a regressor measures them. eyes: the left first; presence: 0 to 1, of a face.
+/// Throws InvalidInput.
+FaceFeatures eye_features(const std::array<EyePoints, 2>& eyes, double presence);
+
 /// Landmarks and the networks' features merged for a fit: where both have one, the networks' is taken, except
-/// for the pupils, which stand for the eyeballs' centres and are combined with the irises. The landmarks'
-/// lines of the mouth are left out. Landmarks alone where the networks' eyes are elsewhere: they saw
-/// something else.
+/// for the pupils, which stand for the eyeballs' centres and are combined with the irises. Where
+/// they saw a mouth, the landmarks' lines of it are left out. Landmarks alone where the networks' eyes are
+/// elsewhere: they saw something else.
 FaceFeatures with_network_features(const FaceFeatures& landmarks, const FaceFeatures& seen);
 
 /// What the networks saw, of features merged so, with errors for a head whose lids and lips move by

@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Geometry>
 #include <functional>
+#include <mimetic/locate/eye_regressor.hpp>
 #include <mimetic/locate/feature_networks.hpp>
 #include <mimetic/shared/camera.hpp>
 #include <mimetic/shared/image.hpp>
@@ -9,16 +10,6 @@
 #include <vector>
 
 namespace mimetic {
-
-/// One eye's opening by its control vertices, and the values that move its lids. -1: no such value.
-struct EyeSlit {
-    int inner = -1;
-    int outer = -1;
-    int upper = -1;
-    int lower = -1;
-    int lid_upper = -1;  ///< index among the values
-    int lid_lower = -1;
-};
 
 /// An opening of the face, an eye or the mouth: the lines that run on the skin from one corner to the other.
 struct FeatureOpening {
@@ -41,12 +32,14 @@ struct SeenIris {
     double side = 0;                                   ///< of the network's crop, pixels; 0: no iris was seen
     double opening = 0;   ///< between the lids' middles, in diameters of the iris
     double presence = 0;  ///< 0 to 1: probability that the eye is there at all
+    double doubt = 1;     ///< times the networks' error
 };
 
 /// Where the same lines were seen in a frame.
 struct SeenOpening {
     std::vector<Points2> lines;  ///< pixels, from the first corner to the second; empty: not seen
     double presence = 1;         ///< 0 to 1: probability that the opening is there at all
+    double doubt = 1;            ///< times the networks' error
     SeenIris iris = {};          ///< of an eye
 };
 
@@ -56,7 +49,6 @@ using FeatureSource = std::function<std::vector<SeenOpening>(const ColorView& im
 
 /// Where eyes and mouth are on the head, and the source that measures them.
 struct FeatureInputs {
-    std::vector<EyeSlit> eyes;             ///< for the lids by their appearance, where there is no source
     std::vector<FeatureOpening> openings;  ///< in the source's order
     FeatureSource source;                  ///< may be empty
 };
@@ -65,5 +57,8 @@ struct FeatureInputs {
 /// the lower margin, from the outer to the inner corner), and of the mouth (outer upper, inner upper, inner
 /// lower, outer lower edge, from the subject's right to the left). anchors: as `feature_crops` has them.
 FeatureSource see_by_networks(const FeatureNetworks& networks, const Camera& camera, PointsIn anchors);
+
+/// The same eyes by the regressor, which must outlive it, and no mouth.
+FeatureSource see_by_regressor(const EyeRegressor& regressor, const Camera& camera, PointsIn anchors);
 
 }  // namespace mimetic

@@ -7,7 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
-from mimetic.locate.feature_networks import ANCHORS, installed_networks, network_features
+from mimetic.locate.feature_networks import (
+    ANCHORS,
+    eye_regressor,
+    installed_networks,
+    network_features,
+)
 
 # Probability of a face that the networks give where a head is. At least where there is one: on a
 # test card that the finder takes for a face it is 6e-7. And that which a head has alone that is
@@ -57,18 +62,26 @@ def with_networks(
     model: _core.FaceModel,
     estimate: _core.FaceEstimate,
 ) -> _core.FaceFeatures:
-    """The features, at eyes and mouth by the networks where they are installed.
+    """The features, at eyes and mouth by the networks; lids by our regressor where there are none.
 
     image: (H, W, 3) uint8 RGB; estimate: of the head in this picture alone; it places the crops.
     """
-    networks = installed_networks()
-    if networks is None:
-        return features
     names = list(model.landmark_names)
     anchors = model.landmarks(estimate.identity)[[names.index(name) for name in ANCHORS]]
     try:
         crops = _core.feature_crops(camera, estimate.camera_from_head[0], anchors)
-        evidence = network_features(networks, image, crops)
+        evidence = _seen(image, crops)
     except _core.InvalidInput:  # a head beside the picture, or behind the camera: not yet a face
         return features
     return _core.with_network_features(features, evidence)
+
+
+def _seen(image: NDArray[np.uint8], crops: _core.FeatureCrops) -> _core.FaceFeatures:
+    networks = installed_networks()
+    if networks is not None:
+        return network_features(networks, image, crops)
+    regressor = eye_regressor()
+    left, right = (
+        regressor.eye(image, crop, side == "L") for side, crop in zip("LR", crops.eyes, strict=True)
+    )
+    return _core.eye_features(left, right)

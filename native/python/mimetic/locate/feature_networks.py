@@ -4,12 +4,13 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
-from mimetic.shared.installed_data import data_folder
+from mimetic.shared.installed_data import data_folder, installed
 from mimetic.template.face_template import FaceTemplate
 
 # Mesh, iris, and the heads that see lips, left and right eye again
@@ -35,6 +36,18 @@ def installed_networks() -> _core.FeatureNetworks | None:
     if not all(file.is_file() for file in files):
         return None
     return _load(*(str(file) for file in (*files, data_folder() / EYE_POINTS)))
+
+
+def eye_regressor() -> _core.EyeRegressor:
+    """What was fitted to drawn people, alone: for lids and irises where there are no networks.
+
+    Raises UnreadableMedia.
+    """
+    return installed(EYE_POINTS, _load_regressor)
+
+
+def _load_regressor(file: Path) -> _core.EyeRegressor:
+    return _core.EyeRegressor(str(file))
 
 
 @lru_cache(maxsize=1)

@@ -32,7 +32,7 @@ class Rows:
     detail: list[NDArray[np.float64]] = field(default_factory=list)
     detail_std: list[NDArray[np.float64]] = field(default_factory=list)
     quality: list[float] = field(default_factory=list)
-    irises: list[NDArray[np.float64]] = field(default_factory=list)  # 2 x 5, as the estimate's
+    irises: list[NDArray[np.float64]] = field(default_factory=list)  # 2 x 6, as the estimate's
     evidence: list[NDArray[np.float32]] = field(default_factory=list)
 
     def append(self, state: State) -> None:

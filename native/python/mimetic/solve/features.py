@@ -7,7 +7,7 @@ import numpy as np
 
 from mimetic import _core
 from mimetic.fit.fitting import FaceFit
-from mimetic.locate.feature_networks import feature_anchors, installed_networks
+from mimetic.locate.feature_networks import eye_regressor, feature_anchors, installed_networks
 from mimetic.muscles.anatomy import Anatomy
 from mimetic.muscles.extras import LIP_CLOSING
 from mimetic.muscles.feature_lines import feature_lines
@@ -21,7 +21,7 @@ Lines = list[list[int]]
 
 
 def feature_inputs(fit: FaceFit, template: FaceTemplate, anatomy: Anatomy) -> _core.FeatureInputs:
-    """For a tracker of the fitted head: by the networks where they are installed."""
+    """For a tracker of the fitted head: by networks, or the eyes alone where there are none."""
     first, names = len(anatomy.muscle_names), list(anatomy.articulator_names)
     openings = []
     for side, lines in zip(SIDES, lid_lines(template), strict=True):
@@ -33,29 +33,11 @@ def feature_inputs(fit: FaceFit, template: FaceTemplate, anatomy: Anatomy) -> _c
     openings.append(_core.FeatureOpening(lip_lines(template), ahead, closing, jaw=jaw))
     anchors = feature_anchors(fit.neutral_vertices(template), template)
     return _core.FeatureInputs(
-        eye_slits(template, anatomy),
         openings,
-        installed_networks(),
+        installed_networks() or eye_regressor(),
         fit.camera,
         np.ascontiguousarray(anchors),
     )
-
-
-def eye_slits(template: FaceTemplate, anatomy: Anatomy) -> list[_core.EyeSlit]:
-    """The two eyes' openings, left first."""
-    names = list(anatomy.articulator_names)
-    first = len(anatomy.muscle_names)
-    return [
-        _core.EyeSlit(
-            inner=template.landmark(f"eye_inner.{side}"),
-            outer=template.landmark(f"eye_outer.{side}"),
-            upper=template.landmark(f"lid_upper.{side}"),
-            lower=template.landmark(f"lid_lower.{side}"),
-            lid_upper=first + names.index(f"lid_upper.{side}"),
-            lid_lower=first + names.index(f"lid_lower.{side}"),
-        )
-        for side in SIDES
-    ]
 
 
 def lid_lines(template: FaceTemplate) -> tuple[Lines, Lines]:

@@ -23,7 +23,6 @@ from mimetic.fit.line_fit import with_lines
 from mimetic.fit.rest_choice import RestChoice
 from mimetic.fit.upright import check_upright
 from mimetic.fit.views import Candidate, choose_views
-from mimetic.locate.feature_networks import installed_networks
 from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import AttachedSkin, factored_skin
 from mimetic.shared.parallel import both, in_turn
@@ -325,8 +324,6 @@ def _others_at_rest(
     footage: Footage, fit: FaceFit, candidates: list[Candidate]
 ) -> list[FittedView]:
     """The frames of the most usual expression beside the reference, as far as one is at rest."""
-    if installed_networks() is None:
-        return []
     usual = sorted(candidates, key=lambda c: -c.usual)
     chosen = [c for c in usual if c.usual >= AT_REST and c.frame != fit.frame][:NUM_AT_REST]
     if not chosen:

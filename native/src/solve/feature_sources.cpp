@@ -28,13 +28,17 @@ SeenIris iris_of(const EyePoints& points, const FeatureCrop& crop) {
     return {points.iris.row(0).transpose(), crop.side, opening / diameter, 0};
 }
 
-void see_eyes(const FeatureNetworks& networks, const ColorView& image, const FeatureCrops& crops,
+/// By networks or a regressor.
+template <typename Source>
+void see_eyes(const Source& source, const ColorView& image, const FeatureCrops& crops,
               std::vector<SeenOpening>& seen) {
     for (std::size_t eye = 0; eye < 2; ++eye) {
-        const EyePoints points = networks.eye(image, crops.eyes[eye], eye == 0);
+        const EyePoints points = source.eye(image, crops.eyes[eye], eye == 0);
         seen[eye].lines = {line_of(points.contour, LidMargins::kUpper),
                            line_of(points.contour, LidMargins::kLower)};
         seen[eye].iris = iris_of(points, crops.eyes[eye]);
+        seen[eye].doubt = points.lid_doubt;
+        seen[eye].iris.doubt = points.iris_doubt;
     }
 }
 
@@ -66,6 +70,22 @@ FeatureSource see_by_networks(const FeatureNetworks& networks, const Camera& cam
             }
         } catch (const InvalidInput&) {
             return std::vector<SeenOpening>(3);  // a crop beside the picture: nothing is seen
+        }
+        return seen;
+    };
+}
+
+FeatureSource see_by_regressor(const EyeRegressor& regressor, const Camera& camera, PointsIn anchors) {
+    return [&regressor, camera, places = Points(anchors)](const ColorView& image,
+                                                          const Eigen::Isometry3d& camera_from_head) {
+        std::vector<SeenOpening> seen(3);
+        try {
+            see_eyes(regressor, image, feature_crops(camera, camera_from_head, places), seen);
+        } catch (const InvalidInput&) {
+            return std::vector<SeenOpening>(3);  // a crop beside the picture: nothing is seen
+        }
+        for (SeenOpening& opening : seen) {
+            opening.iris.presence = 1;  // it does not say whether there is an eye: the followed face does
         }
         return seen;
     };

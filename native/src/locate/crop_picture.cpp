@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "crop_picture.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <mimetic/shared/error.hpp>
+#include <opencv2/dnn.hpp>
+#include <opencv2/imgproc.hpp>
+
+#include "shared/as_matrix.hpp"
+
+namespace mimetic::locate {
+namespace {
+
+/// Pixels of the picture from places in the crop, whose sides go from 0 to 1.
+Eigen::Matrix<double, 2, 3> image_from_crop(const FeatureCrop& crop) {
+    const double c = std::cos(crop.roll) * crop.side, s = std::sin(crop.roll) * crop.side;
+    Eigen::Matrix<double, 2, 3> map;
+    map << c, -s, crop.center.x() - 0.5 * (c - s),  //
+        s, c, crop.center.y() - 0.5 * (s + c);
+    return map;
+}
+
+}  // namespace
+
+cv::Mat blob_of(ColorView image, const FeatureCrop& crop, int side, bool mirrored) {
+    cv::Mat picture = as_matrix(image);
+    Eigen::Matrix<double, 2, 3> map = image_from_crop(crop);
+    // Halves of the part that is seen, so that no detail is skipped over
+    const double reach = 0.75 * crop.side;
+    const cv::Rect whole(0, 0, picture.cols, picture.rows);
+    const cv::Rect part =
+        whole & cv::Rect(cv::Point(static_cast<int>(std::floor(crop.center.x() - reach)) - 2,
+                                   static_cast<int>(std::floor(crop.center.y() - reach)) - 2),
+                         cv::Point(static_cast<int>(std::ceil(crop.center.x() + reach)) + 3,
+                                   static_cast<int>(std::ceil(crop.center.y() + reach)) + 3));
+    if (part.width < 2 || part.height < 2) {
+        throw InvalidInput("the crop lies beside the picture; follow the face before asking for its points");
+    }
+    picture = picture(part);
+    map.col(2) -= Eigen::Vector2d(part.x, part.y);
+    for (double size = crop.side; size >= 2 * side && std::min(picture.rows, picture.cols) >= 4; size /= 2) {
+        cv::Mat half;
+        cv::resize(picture, half, {}, 0.5, 0.5, cv::INTER_AREA);
+        const Eigen::Vector2d shrunk(static_cast<double>(half.cols) / picture.cols,
+                                     static_cast<double>(half.rows) / picture.rows);
+        map = shrunk.asDiagonal() * map;
+        map.col(2) += 0.5 * (shrunk - Eigen::Vector2d::Ones());
+        picture = half;
+    }
+    const double step = 1.0 / side;
+    cv::Matx23d warp(map(0, 0) * step, map(0, 1) * step, 0, map(1, 0) * step, map(1, 1) * step, 0);
+    if (mirrored) {
+        warp(0, 0) = -warp(0, 0);
+        warp(1, 0) = -warp(1, 0);
+    }
+    const Eigen::Vector2d first =
+        map * Eigen::Vector3d(mirrored ? 1 - 0.5 * step : 0.5 * step, 0.5 * step, 1);
+    warp(0, 2) = first.x();
+    warp(1, 2) = first.y();
+    cv::Mat square;
+    cv::warpAffine(picture, square, warp, {side, side}, cv::INTER_LINEAR | cv::WARP_INVERSE_MAP,
+                   cv::BORDER_REPLICATE);
+    return cv::dnn::blobFromImage(square, 1.0 / 255);
+}
+
+Points2 in_picture(const Points2& shares, const FeatureCrop& crop, bool mirrored) {
+    Eigen::Matrix<double, 2, 3> map = image_from_crop(crop);
+    if (mirrored) {
+        map.col(2) += map.col(0);
+        map.col(0) = -map.col(0);
+    }
+    return (shares * map.leftCols<2>().transpose()).rowwise() + map.col(2).transpose();
+}
+
+}  // namespace mimetic::locate
