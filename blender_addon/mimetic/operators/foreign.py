@@ -151,9 +151,7 @@ class MIMETIC_OT_add_arkit_shapes(WithParts, Job, Operator):
     def write(self, context, result):
         head, (shapes, notes) = result
         object_ = heads.unchanged(head)
-        own_shapes, of_parts = scene_out.part_keys.split(head, shapes)
-        written = scene_out.arkit.write(object_, own_shapes)
-        parts, part_notes = scene_out.part_keys.add(object_, head, of_parts, written.names)
+        written, parts, part_notes = scene_out.arkit.give(object_, head, shapes)
         notes = [*notes, *part_notes]
         for note in notes:
             self.report({"WARNING"}, f"{object_.name}: {note}")

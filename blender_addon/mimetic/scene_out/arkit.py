@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import bpy
 
 from .. import writable
-from . import by_hand, contact, face
+from . import by_hand, contact, face, part_keys
 from .by_hand import HandChanges, KeyState
 
 
@@ -19,6 +19,17 @@ class Written:
     added: list[str]  # shapes of these that were not there before
     kept: list[str]  # keys of such names that are the user's own, and stay
     hand_changes: HandChanges = field(default_factory=HandChanges)  # that stay
+
+
+def give(obj: bpy.types.Object, head, shapes: Sequence) -> tuple[Written, list[str], list[str]]:
+    """Gives a head and its parts a shape key for each of its `mimetic.shapes.Shape`.
+
+    head: heads.ForeignHead. With the parts that move along, and why others do not.
+    """
+    own, of_parts = part_keys.split(head, shapes)
+    written = write(obj, own)
+    moved, notes = part_keys.add(obj, head, of_parts, written.names)
+    return written, moved, notes
 
 
 def write(obj: bpy.types.Object, shapes: Sequence, adds: bool = True) -> Written:

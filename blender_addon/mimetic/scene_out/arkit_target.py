@@ -129,9 +129,7 @@ def _make(scene: bpy.types.Scene, head: bpy.types.Object) -> list[str]:
     own = heads.bound_head(scene, head)
     face = native.foreign_face().attach_face(*own.whole, own.landmarks, own.matrix)
     shapes, notes = face.unit_shapes()
-    shapes, of_parts = part_keys.split(own, shapes)
-    written = arkit.write(head, shapes)
-    _, part_notes = part_keys.add(head, own, of_parts, written.names)
+    written, _, part_notes = arkit.give(head, own, shapes)
     return [
         rpt_("{count} shapes made of its muscles").format(count=len(written.added)),
         *notes,
