@@ -151,22 +151,22 @@ class MIMETIC_OT_add_arkit_shapes(WithParts, Job, Operator):
     def write(self, context, result):
         head, (shapes, notes) = result
         object_ = heads.unchanged(head)
-        written, parts, part_notes = scene_out.arkit.give(object_, head, shapes)
-        notes = [*notes, *part_notes]
+        written = scene_out.arkit.give(object_, head, shapes)
+        notes = [*notes, *written.notes]
         for note in notes:
             self.report({"WARNING"}, f"{object_.name}: {note}")
         self.facts = {
             "object": object_.name,
             "num_sliders": len(written.names),
             "notes": notes,
-            "parts": parts,
+            "parts": written.parts,
             "worn": list(head.worn),
         }
         message = rpt_("{name} has {count} of ARKit's shapes").format(
             name=object_.name, count=len(written.names)
         )
-        if parts:
-            message += f"; {_along(parts)}"
+        if written.parts:
+            message += f"; {_along(written.parts)}"
         if worn := scene_out.part_keys.of_worn(head):
             message += f"; {worn}"
         if kept := written.kept:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import bpy
 
@@ -19,17 +19,19 @@ class Written:
     added: list[str]  # shapes of these that were not there before
     kept: list[str]  # keys of such names that are the user's own, and stay
     hand_changes: HandChanges = field(default_factory=HandChanges)  # that stay
+    parts: list[str] = field(default_factory=list)  # objects that move along
+    notes: list[str] = field(default_factory=list)  # why others do not
 
 
-def give(obj: bpy.types.Object, head, shapes: Sequence) -> tuple[Written, list[str], list[str]]:
+def give(obj: bpy.types.Object, head, shapes: Sequence) -> Written:
     """Gives a head and its parts a shape key for each of its `mimetic.shapes.Shape`.
 
-    head: heads.ForeignHead. With the parts that move along, and why others do not.
+    head: heads.ForeignHead.
     """
     own, of_parts = part_keys.split(head, shapes)
     written = write(obj, own)
-    moved, notes = part_keys.add(obj, head, of_parts, written.names)
-    return written, moved, notes
+    parts, notes = part_keys.add(obj, head, of_parts, written.names)
+    return replace(written, parts=parts, notes=notes)
 
 
 def write(obj: bpy.types.Object, shapes: Sequence, adds: bool = True) -> Written:

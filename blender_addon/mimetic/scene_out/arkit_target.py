@@ -129,11 +129,11 @@ def _make(scene: bpy.types.Scene, head: bpy.types.Object) -> list[str]:
     own = heads.bound_head(scene, head)
     face = native.foreign_face().attach_face(*own.whole, own.landmarks, own.matrix)
     shapes, notes = face.unit_shapes()
-    written, _, part_notes = arkit.give(head, own, shapes)
+    written = arkit.give(head, own, shapes)
     return [
         rpt_("{count} shapes made of its muscles").format(count=len(written.added)),
         *notes,
-        *part_notes,
+        *written.notes,
     ]
 
 
