@@ -5,6 +5,7 @@
 #include <mimetic/locate/feature_noise.hpp>
 #include <mimetic/locate/network_features.hpp>
 #include <mimetic/shared/error.hpp>
+#include <string>
 
 #include "arrays.hpp"
 
@@ -33,6 +34,23 @@ void bind_feature_noise(py::module_& m) {
         },
         "feature"_a, "side"_a,
         "Errors of the networks at a feature.\n\nside: of the crop, pixels\nreturns: FeatureNoise");
+}
+
+/// One eye, by networks or by the regressor. returned: what of its EyePoints there is.
+template <typename Source>
+void bind_eye(py::class_<Source>& source, const std::string& returned) {
+    source.def(
+        "eye",
+        [](const Source& self, const ImageArray& image, const FeatureCrop& crop, bool left) {
+            const ColorView view = view_image<3>(image, "image");
+            py::gil_scoped_release release;
+            return self.eye(view, crop, left);
+        },
+        py::arg("image").noconvert(), "crop"_a, "left"_a,
+        ("One eye in a crop 2.3 times as wide as it.\n\nimage: (H, W, 3) uint8 RGB\n"
+         "left: the subject's left eye\nreturns: " +
+         returned)
+            .c_str());
 }
 
 void bind_locate_networks(py::module_& m) {
@@ -83,7 +101,8 @@ void bind_locate_networks(py::module_& m) {
             "(5, 2) pixels: centre, four points of the rim")
         .def_readonly("lid_doubt", &EyePoints::lid_doubt, "times the network's usual error, of the lids")
         .def_readonly("iris_doubt", &EyePoints::iris_doubt, "the same of the iris");
-    py::class_<FeatureNetworks>(m, "FeatureNetworks", "Google's networks for face mesh and iris.")
+    py::class_<FeatureNetworks> networks(m, "FeatureNetworks", "Google's networks for face mesh and iris.");
+    networks
         .def(py::init([](const std::string& mesh_file, const std::string& iris_file,
                          const std::string& lips_file, const std::string& left_eye_file,
                          const std::string& right_eye_file, const std::string& eye_points_file) {
@@ -97,38 +116,21 @@ void bind_locate_networks(py::module_& m) {
              "eyes.\nRaises UnreadableMedia.")
         .def(
             "mesh",
-            [](const FeatureNetworks& networks, const ImageArray& image, const FeatureCrop& crop,
+            [](const FeatureNetworks& self, const ImageArray& image, const FeatureCrop& crop,
                bool refine_eyes) {
                 const ColorView view = view_image<3>(image, "image");
                 py::gil_scoped_release release;
-                return networks.mesh(view, crop, refine_eyes);
+                return self.mesh(view, crop, refine_eyes);
             },
             py::arg("image").noconvert(), "crop"_a, "refine_eyes"_a = false,
             "The face in a crop about 1.5 times its size.\n\nimage: (H, W, 3) uint8 RGB\n"
-            "refine_eyes: refine the eyes too, and measure the irises\nreturns: MeshPoints")
-        .def(
-            "eye",
-            [](const FeatureNetworks& networks, const ImageArray& image, const FeatureCrop& crop, bool left) {
-                const ColorView view = view_image<3>(image, "image");
-                py::gil_scoped_release release;
-                return networks.eye(view, crop, left);
-            },
-            py::arg("image").noconvert(), "crop"_a, "left"_a,
-            "One eye in a crop 2.3 times as wide as it.\n\nimage: (H, W, 3) uint8 RGB\n"
-            "left: the subject's left eye\nreturns: EyePoints");
-    py::class_<EyeRegressor>(m, "EyeRegressor", "Lids and irises by what was fitted to drawn people.")
-        .def(py::init<const std::string&>(), "file"_a,
-             "ONNX file of scripts/train_eyes_and_lips. Raises UnreadableMedia.")
-        .def(
-            "eye",
-            [](const EyeRegressor& regressor, const ImageArray& image, const FeatureCrop& crop, bool left) {
-                const ColorView view = view_image<3>(image, "image");
-                py::gil_scoped_release release;
-                return regressor.eye(view, crop, left);
-            },
-            py::arg("image").noconvert(), "crop"_a, "left"_a,
-            "One eye in a crop 2.3 times as wide as it.\n\nimage: (H, W, 3) uint8 RGB\n"
-            "left: the subject's left eye\nreturns: EyePoints, of whose contour the 16 points round the eye");
+            "refine_eyes: refine the eyes too, and measure the irises\nreturns: MeshPoints");
+    bind_eye(networks, "EyePoints");
+    py::class_<EyeRegressor> regressor(m, "EyeRegressor",
+                                       "Lids and irises by what was fitted to drawn people.");
+    regressor.def(py::init<const std::string&>(), "file"_a,
+                  "ONNX file of scripts/train_eyes_and_lips. Raises UnreadableMedia.");
+    bind_eye(regressor, "EyePoints, of whose contour the 16 points round the eye");
     m.def(
         "eye_features",
         [](const EyePoints& left, const EyePoints& right, double presence) {
