@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <mimetic/solve/solve.hpp>
+#include <variant>
 
 #include "arrays.hpp"
 
@@ -112,7 +113,7 @@ void bind_model(py::module_& m) {
                  }
                  return inputs;
              }),
-             "openings"_a, "source"_a, "camera"_a, "anchors"_a, py::keep_alive<1, 3>(),
+             "openings"_a, py::arg("source").none(false), "camera"_a, "anchors"_a, py::keep_alive<1, 3>(),
              "openings: left eye, right eye, mouth; source: FeatureNetworks, or EyeRegressor for the eyes\n"
              "alone; anchors: (6, 3), as feature_crops has them.");
     py::class_<StageTimes>(m, "StageTimes", "Milliseconds of one frame's stages.")

@@ -3,6 +3,7 @@
 
 import numpy as np
 import pytest
+from mimetic import _core
 from mimetic.fit.fitting import find_face
 from mimetic.fit.line_fit import with_lines
 from mimetic.locate.feature_networks import FILES, installed_networks
@@ -26,6 +27,12 @@ def without_networks(tmp_path, monkeypatch):
             (tmp_path / file.name).symlink_to(file)
     monkeypatch.setenv("MIMETIC_DATA", str(tmp_path))
     assert installed_networks() is None
+
+
+def test_a_tracker_is_not_made_of_no_source_at_all():
+    camera = _core.Camera(600.0, 600.0, 319.5, 239.5, 640, 480)
+    with pytest.raises(TypeError):
+        _core.FeatureInputs([], None, camera, np.zeros((6, 3)))
 
 
 def test_lids_are_where_they_were_marked_and_the_eyes_look_somewhere(
