@@ -42,14 +42,27 @@ void see_eyes(const Source& source, const ColorView& image, const FeatureCrops& 
     }
 }
 
+/// Sees on the crops of each frame; nothing where one lies beside the picture.
+template <typename See>
+FeatureSource on_crops(const Camera& camera, PointsIn anchors, const See& see) {
+    return [camera, places = Points(anchors), see](const ColorView& image,
+                                                   const Eigen::Isometry3d& camera_from_head) {
+        std::vector<SeenOpening> seen(3);
+        try {
+            see(image, feature_crops(camera, camera_from_head, places), seen);
+        } catch (const InvalidInput&) {
+            return std::vector<SeenOpening>(3);
+        }
+        return seen;
+    };
+}
+
 }  // namespace
 
 FeatureSource see_by_networks(const FeatureNetworks& networks, const Camera& camera, PointsIn anchors) {
-    return [&networks, camera, places = Points(anchors)](const ColorView& image,
-                                                         const Eigen::Isometry3d& camera_from_head) {
-        std::vector<SeenOpening> seen(3);
-        try {
-            const FeatureCrops crops = feature_crops(camera, camera_from_head, places);
+    return on_crops(
+        camera, anchors,
+        [&networks](const ColorView& image, const FeatureCrops& crops, std::vector<SeenOpening>& seen) {
             MeshPoints mesh;
             // Eyes and face are networks of their own, each of them fastest in one thread
             cv::parallel_for_({0, 2}, [&](const cv::Range& range) {
@@ -68,27 +81,18 @@ FeatureSource see_by_networks(const FeatureNetworks& networks, const Camera& cam
             for (SeenOpening& opening : seen) {
                 opening.presence = opening.iris.presence = mesh.presence;
             }
-        } catch (const InvalidInput&) {
-            return std::vector<SeenOpening>(3);  // a crop beside the picture: nothing is seen
-        }
-        return seen;
-    };
+        });
 }
 
 FeatureSource see_by_regressor(const EyeRegressor& regressor, const Camera& camera, PointsIn anchors) {
-    return [&regressor, camera, places = Points(anchors)](const ColorView& image,
-                                                          const Eigen::Isometry3d& camera_from_head) {
-        std::vector<SeenOpening> seen(3);
-        try {
-            see_eyes(regressor, image, feature_crops(camera, camera_from_head, places), seen);
-        } catch (const InvalidInput&) {
-            return std::vector<SeenOpening>(3);  // a crop beside the picture: nothing is seen
-        }
-        for (SeenOpening& opening : seen) {
-            opening.iris.presence = 1;  // it does not say whether there is an eye: the followed face does
-        }
-        return seen;
-    };
+    return on_crops(
+        camera, anchors,
+        [&regressor](const ColorView& image, const FeatureCrops& crops, std::vector<SeenOpening>& seen) {
+            see_eyes(regressor, image, crops, seen);
+            for (SeenOpening& opening : seen) {
+                opening.iris.presence = 1;  // it does not say whether there is an eye: the followed face does
+            }
+        });
 }
 
 }  // namespace mimetic

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from mimetic import _core
 from mimetic.locate.feature_networks import (
     ANCHORS,
+    both_eyes,
     eye_regressor,
     installed_networks,
     network_features,
@@ -80,8 +81,4 @@ def _seen(image: NDArray[np.uint8], crops: _core.FeatureCrops) -> _core.FaceFeat
     networks = installed_networks()
     if networks is not None:
         return network_features(networks, image, crops)
-    regressor = eye_regressor()
-    left, right = (
-        regressor.eye(image, crop, side == "L") for side, crop in zip("LR", crops.eyes, strict=True)
-    )
-    return _core.eye_features(left, right)
+    return _core.eye_features(*both_eyes(eye_regressor(), image, crops))

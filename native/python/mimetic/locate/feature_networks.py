@@ -85,7 +85,15 @@ def network_features(
 
     image: H x W x 3 uint8 RGB.
     """
-    left, right = (
-        networks.eye(image, crop, side == "L") for side, crop in zip("LR", crops.eyes, strict=True)
-    )
-    return _core.network_features(networks.mesh(image, crops.face, True), left, right)
+    mesh = networks.mesh(image, crops.face, True)
+    return _core.network_features(mesh, *both_eyes(networks, image, crops))
+
+
+def both_eyes(
+    source: _core.FeatureNetworks | _core.EyeRegressor,
+    image: NDArray[np.uint8],
+    crops: _core.FeatureCrops,
+) -> tuple[_core.EyePoints, _core.EyePoints]:
+    """The left and the right eye. image: H x W x 3 uint8 RGB."""
+    left, right = crops.eyes
+    return source.eye(image, left, True), source.eye(image, right, False)
