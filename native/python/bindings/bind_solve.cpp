@@ -13,7 +13,7 @@ namespace {
 
 FaceMotion make_motion(Points neutral, const ModesArray& modes, int num_muscles, Eigen::VectorXd lower,
                        Eigen::VectorXd upper, Eigen::VectorXd prior_std,
-                       std::optional<Eigen::VectorXi> partner, const std::optional<ModesArray>& detail_modes,
+                       const std::optional<ModesArray>& detail_modes,
                        std::optional<Eigen::VectorXd> detail_std, std::optional<Eigen::VectorXd> quickness,
                        std::optional<Eigen::VectorXd> depth_std, std::optional<Eigen::MatrixXd> correlation) {
     const Eigen::Index num_vertices = neutral.rows();
@@ -23,7 +23,6 @@ FaceMotion make_motion(Points neutral, const ModesArray& modes, int num_muscles,
                       std::move(lower),
                       std::move(upper),
                       std::move(prior_std),
-                      partner.value_or(Eigen::VectorXi()),
                       MatrixRows(0, 3 * num_vertices),
                       detail_std.value_or(Eigen::VectorXd()),
                       quickness.value_or(Eigen::VectorXd()),
@@ -69,21 +68,15 @@ void bind_model(py::module_& m) {
     py::class_<FaceMotion>(m, "FaceMotion", "How a face moves: neutral + sum of values_j modes_j, metres.")
         .def(
             py::init(&make_motion), "neutral"_a, py::arg("modes").noconvert(), "num_muscles"_a, "lower"_a,
-            "upper"_a, "prior_std"_a, "partner"_a = py::none(),
-            py::arg("detail_modes").noconvert() = py::none(), "detail_std"_a = py::none(),
-            "quickness"_a = py::none(), "depth_std"_a = py::none(), "correlation"_a = py::none(),
-            "neutral: (V, 3); modes: (M, V, 3) float64, displacement at the value 1, muscles first; lower, "
-            "upper,\n"
-            "prior_std: (M,), s.d. of a value about 0; partner: (M,) int32, the value of the other "
-            "side, -1:\n"
-            "none. detail_modes: (D, V, 3), for what the values cannot explain; detail_std: (D,). quickness: "
-            "(M,),\n"
-            "speed of a value relative to a skin muscle. depth_std: (M,), s.d. of the depth of the skin that "
-            "a "
-            "value\n"
-            "moves along x, in units of the value, 0 for others. correlation: (M, M) of the values about 0; "
-            "without\n"
-            "it the two sides alone go together. Raises InvalidInput.")
+            "upper"_a, "prior_std"_a, py::arg("detail_modes").noconvert() = py::none(),
+            "detail_std"_a = py::none(), "quickness"_a = py::none(), "depth_std"_a = py::none(),
+            "correlation"_a = py::none(),
+            "neutral: (V, 3); modes: (M, V, 3) float64, displacement at the value 1, muscles first; lower,\n"
+            "upper, prior_std: (M,), s.d. of a value about 0. detail_modes: (D, V, 3), for what the values\n"
+            "cannot explain; detail_std: (D,). quickness: (M,), speed of a value relative to a skin muscle.\n"
+            "depth_std: (M,), s.d. of the depth of the skin that a value moves along x, in units of the\n"
+            "value, 0 for others. correlation: (M, M) of the values about 0; without it every value goes\n"
+            "alone. Raises InvalidInput.")
         .def_readonly("num_muscles", &FaceMotion::num_muscles)
         .def_readonly("lower", &FaceMotion::lower)
         .def_readonly("upper", &FaceMotion::upper);

@@ -26,18 +26,10 @@ void check_correlation(const FaceMotion& motion) {
 }
 
 Eigen::MatrixXd rest_covariance(const FaceMotion& motion) {
-    if (motion.correlation.size() > 0) {
-        return motion.prior_std.asDiagonal() * motion.correlation * motion.prior_std.asDiagonal();
+    if (motion.correlation.size() == 0) {
+        return motion.prior_std.cwiseAbs2().asDiagonal();
     }
-    constexpr double kTogether = .8;  // correlation of the two sides
-    Eigen::MatrixXd covariance = motion.prior_std.cwiseAbs2().asDiagonal();
-    for (Eigen::Index i = 0; i < motion.partner.size(); ++i) {
-        const Eigen::Index other = motion.partner[i];
-        if (other >= 0 && other != i) {
-            covariance(i, other) = kTogether * motion.prior_std[i] * motion.prior_std[other];
-        }
-    }
-    return covariance;
+    return motion.prior_std.asDiagonal() * motion.correlation * motion.prior_std.asDiagonal();
 }
 
 RestPull::RestPull(const FaceMotion& motion) : motion_(&motion) {
@@ -56,11 +48,6 @@ RestPull::RestPull(const FaceMotion& motion) : motion_(&motion) {
     frees_.setIdentity(energy.size(), energy.size());
     if (motion.correlation.size() > 0) {
         frees_ = (motion.correlation / kTogether).cwiseMax(0).cwiseMin(1);
-    }
-    for (Eigen::Index i = 0; i < motion.partner.size(); ++i) {
-        if (motion.partner[i] >= 0) {
-            frees_(i, motion.partner[i]) = 1;
-        }
     }
 }
 
@@ -83,8 +70,8 @@ RestPull::Terms RestPull::at(const Eigen::VectorXd& values, const Eigen::VectorX
         if (motion.prior_std[i] > kFree) {
             continue;
         }
-        // One side that moves frees the other: else the sparsest answer is half a face. So do muscles that
-        // act together: else the sparsest answer is one of a group, as chance has it.
+        // What moves frees what goes with it: the other side, else the sparsest answer is half a face, and
+        // muscles that act together, else it is one of them, as chance has it.
         const double active = frees_.row(i).transpose().cwiseProduct(seen).maxCoeff();
         const double fade = 1 + std::pow(active / std::max(kActive, kDoubtful * std[i]), 4);
         const double strength = dead_zone / std::max(std[i], kSurest) / fade;

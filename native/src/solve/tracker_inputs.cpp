@@ -98,13 +98,6 @@ void check_inputs(const Camera& camera, const TrackedSurface& surface, const Fac
         fail("depth_std must be empty or have one finite number of 0 or more a mode");
     }
     check_correlation(motion);
-    for (Eigen::Index i = 0; i < motion.partner.size(); ++i) {
-        const int other = motion.partner[i];
-        if (motion.partner.size() != num_values || other < -1 || other >= num_values ||
-            (other >= 0 && motion.partner[other] != i)) {
-            fail("partner must be empty or name for every mode the one of the other side, mutually, or -1");
-        }
-    }
     if (motion.detail_modes.rows() != motion.detail_std.size() ||
         (motion.detail_std.size() > 0 && motion.detail_modes.cols() != 3 * num_vertices) ||
         !motion.detail_modes.allFinite() || !motion.detail_std.allFinite() ||

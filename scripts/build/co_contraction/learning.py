@@ -14,7 +14,6 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from mimetic.muscles.anatomy import SIDES
 from mimetic.muscles.co_contraction import SIDES_TOGETHER
-from mimetic.solve.tracking import partners
 from numpy.typing import NDArray
 
 from evaluation.anatomy.least_squares import bounded_fit
@@ -95,8 +94,9 @@ def _moment(head: Head, by_expression, covariance) -> NDArray[np.float64]:
 
 def _other_side(head: Head) -> NDArray[np.int32]:
     """Index of each value's other side, its own in the middle."""
-    other = partners(list(head.names))
-    return np.where(other < 0, np.arange(len(other)), other)
+    sides = {".L": ".R", ".R": ".L"}
+    other = [name[:-2] + sides.get(name[-2:], name[-2:]) for name in head.names]
+    return np.array([head.names.index(name) for name in other], dtype=np.int32)
 
 
 def _mirrored(matrix, head: Head, other) -> NDArray[np.float64]:

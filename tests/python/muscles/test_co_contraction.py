@@ -5,7 +5,6 @@ import numpy as np
 from mimetic.muscles.anatomy import muscle_names
 from mimetic.muscles.articulators import ARTICULATORS
 from mimetic.muscles.co_contraction import SIDES_TOGETHER, correlation
-from mimetic.solve.tracking import partners
 
 NAMES = [*muscle_names(), *ARTICULATORS]
 
@@ -19,7 +18,8 @@ def test_it_is_a_correlation_with_a_margin():
 
 def test_both_sides_are_alike():
     together = correlation(NAMES)
-    other = np.array([at if to < 0 else to for at, to in enumerate(partners(NAMES))])
+    sides = {".L": ".R", ".R": ".L"}
+    other = np.array([NAMES.index(n[:-2] + sides.get(n[-2:], n[-2:])) for n in NAMES])
     assert np.array_equal(together, together[np.ix_(other, other)])
 
 
@@ -33,3 +33,10 @@ def test_muscles_of_the_mouths_corner_go_together_and_lids_in_pairs():
     assert between("frontalis_medial.L", "procerus.L") < 0.1
     assert between("lid_upper.L", "lid_upper.R") == SIDES_TOGETHER
     assert between("lid_upper.L", "risorius.L") == 0
+
+
+def test_without_it_the_two_sides_alone_go_together():
+    alone = correlation(NAMES, together=False)
+    risorius = NAMES.index("risorius.L")
+    assert np.flatnonzero(alone[risorius]).tolist() == [risorius, NAMES.index("risorius.R")]
+    assert alone[risorius, NAMES.index("risorius.R")] == SIDES_TOGETHER

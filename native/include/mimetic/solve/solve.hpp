@@ -33,7 +33,6 @@ struct FaceMotion {
     Eigen::VectorXd lower;      ///< M
     Eigen::VectorXd upper;      ///< M
     Eigen::VectorXd prior_std;  ///< M: s.d. of a value about 0; up to 0.4 the value has a sparse prior
-    Eigen::VectorXi partner;    ///< M or empty: the same value of the other side, -1: none
     MatrixRows
         detail_modes;  ///< D x 3V, D may be 0: what the values cannot explain, metres at the coefficient 1
     Eigen::VectorXd detail_std;  ///< D: s.d. of a coefficient about 0
@@ -42,7 +41,7 @@ struct FaceMotion {
     /// value (depth / that movement at the value 1), 0 for others: by the tangent of the head's turn from the
     /// reference frame that depth looks like a movement
     Eigen::VectorXd depth_std;
-    /// M squared or empty: correlation of the values about 0; without it the two sides alone go together
+    /// M squared or empty: correlation of the values about 0; without it every value goes alone
     Eigen::MatrixXd correlation;
 };
 

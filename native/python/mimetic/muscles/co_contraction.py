@@ -10,24 +10,29 @@ from numpy.typing import NDArray
 
 from mimetic.muscles.anatomy import SIDES, load_table
 
-SIDES_TOGETHER = 0.8  # of what is in no table: lids
+SIDES_TOGETHER = 0.8  # of both sides of what is in no table: lids
 
 
-def correlation(names: Sequence[str]) -> NDArray[np.float64]:
-    """M x M of the values about 0; names: of muscles and articulators, both sides of each."""
+def correlation(names: Sequence[str], together: bool = True) -> NDArray[np.float64]:
+    """M x M of the values about 0; names: of muscles and articulators, both sides of each.
+
+    together: whether muscles that act together in most people do; else the two sides alone.
+    """
     index = {name: at for at, name in enumerate(names)}
-    together = np.eye(len(names))
+    matrix = np.eye(len(names))
 
     def put(first: str, second: str, value: float) -> None:
         if first != second and first in index and second in index:
-            together[index[first], index[second]] = together[index[second], index[first]] = value
+            matrix[index[first], index[second]] = matrix[index[second], index[first]] = value
 
     left, right = SIDES
     for name in names:
         bare = name.rpartition(".")[0]
         put(f"{bare}.{left}", f"{bare}.{right}", SIDES_TOGETHER)
+    if not together:
+        return matrix
     for first, second, same, across in load_table("co_contraction.toml")["correlations"]:
         for side, other in ((left, right), (right, left)):
             put(f"{first}.{side}", f"{second}.{side}", same)
             put(f"{first}.{side}", f"{second}.{other}", across)
-    return together
+    return matrix

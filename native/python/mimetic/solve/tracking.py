@@ -71,12 +71,11 @@ def face_motion(
         limits[:, 0],
         limits[:, 1],
         std,
-        partners(names),
         None if detail is None else np.ascontiguousarray(detail.modes[:, :skin]),
         None if detail is None else detail.std,
         np.array([QUICKNESS.get(n.split(".")[0], 1.0) for n in names]),
         depth_std(names, modes, neutral_depth_std),
-        co_contraction.correlation(names) if together else None,
+        co_contraction.correlation(names, together),
     )
 
 
@@ -108,16 +107,6 @@ def moving_modes(
     std = [*np.full(len(anatomy.muscle_names), ACTIVATION_STD) / anatomy.extent]
     std += [ARTICULATOR_STD[name.split(".")[0]] for name in anatomy.articulator_names]
     return modes[:, :num_skin_vertices], np.array(std)
-
-
-def partners(names: list[str]) -> NDArray[np.int32]:
-    """Index of each name's other side (.L, .R), -1 without one."""
-    other = {
-        name: name[:-1] + {"L": "R", "R": "L"}[name[-1]]
-        for name in names
-        if name[-2:] in (".L", ".R")
-    }
-    return np.array([names.index(other[n]) if n in other else -1 for n in names], dtype=np.int32)
 
 
 def make_tracker(
