@@ -4,6 +4,7 @@
 import numpy as np
 import pytest
 from mimetic.score import scores
+from mimetic.score.groups import GROUP_NAMES, units_by_group
 
 from evaluation.runs.curves import onset_and_peak, timing_errors
 
@@ -115,3 +116,14 @@ def test_onset_and_peak_are_read_between_frames():
     errors = timing_errors(late, slice(0, 30))
     assert errors["onset"] == pytest.approx([2.5, 0], abs=0.3)
     assert errors["delay"] == pytest.approx([2.5], abs=0.3)
+
+
+def test_pressed_lips_and_a_tightened_lid_count_for_their_sphincters():
+    groups = np.array(list(GROUP_NAMES))
+    activations = np.tile(np.linspace(0, 0.3, 4)[:, None], len(groups))
+    names = ["jaw_open", "oris_close_upper", "lid_lower.R"]
+    values = np.array([[0.9, 0, 0], [0.9, 0.2, 0.1], [0.9, 0.4, -0.3], [0.9, 0, 0]])
+    sums = units_by_group(activations, groups, names, values)
+    wanted = {4: [0, 0.3, 0.6, 0.3], 7: [0, 0.2, 0.2, 0.3]}  # a lid that falls tightens nothing
+    for group in GROUP_NAMES:
+        assert sums[group] == pytest.approx(wanted.get(group, activations[:, 0]))

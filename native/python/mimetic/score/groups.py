@@ -33,6 +33,12 @@ UNIT_GROUPS = {
     "eyeSquint": 7,
     "cheekSquint": 7,
 }
+# Parts of the two sphincters that the model moves by articulators: pressed lips (action unit 24)
+# and a tightened lower lid (7) are read as these.
+GROUP_ARTICULATORS = {
+    4: ("oris_close_upper", "oris_close_lower"),
+    7: ("lid_lower.L", "lid_lower.R"),
+}
 UNIT_ARTICULATORS = {
     "jawOpen": ("jaw_open",),
     "eyeBlinkLeft": ("lid_upper.L",),
@@ -43,6 +49,21 @@ UNIT_ARTICULATORS = {
 def by_group(values: NDArray, groups: NDArray) -> dict[int, NDArray[np.float64]]:
     """Summed values (N) of each group from values (N,M) and groups (M), 0 for none."""
     return {g: values[:, groups == g].sum(1) for g in GROUP_NAMES if (groups == g).any()}
+
+
+def units_by_group(
+    activations: NDArray, groups: NDArray, articulators: list[str], articulator_values: NDArray
+) -> dict[int, NDArray[np.float64]]:
+    """What is read of each group's face units (N): its muscles, and articulators of their part.
+
+    activations: N x M; groups: M; articulators, articulator_values: names of the A and N x A.
+    """
+    sums = by_group(activations, groups)
+    for group, names in GROUP_ARTICULATORS.items():
+        columns = [articulators.index(name) for name in names if name in articulators]
+        if group in sums:
+            sums[group] = sums[group] + articulator_values[:, columns].clip(min=0).sum(axis=1)
+    return sums
 
 
 def unit_groups(units: list[str]) -> NDArray[np.int64]:
