@@ -7,38 +7,11 @@ import math
 from itertools import combinations
 
 import numpy as np
-from mimetic.performance.document import Performance
 from mimetic.score import scores
-from mimetic.score.groups import GROUP_NAMES, by_group, unit_groups, units_by_group
-from mimetic.score.truth import Truth
 from numpy.typing import NDArray
 
 ONSET_SHARE, PEAK_SHARE = 0.2, 0.9
 LEAST_PEAK = 0.05
-
-
-def group_curves(
-    truth: Truth, performance: Performance
-) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
-    """True and estimated sums (N) over each muscle group that truth moves, by name.
-
-    The estimate of face units counts the sphincters' articulators too (`GROUP_ARTICULATORS`).
-    """
-    true: dict[int, NDArray[np.float64]] = {}
-    estimates = by_group(performance.activations, performance.groups)
-    if truth.units is not None:
-        true = by_group(truth.unit_values, unit_groups(truth.units))
-        estimates = units_by_group(
-            *(performance.activations, performance.groups),
-            *(performance.articulators, performance.articulator_values),
-        )
-    elif truth.muscles is not None and truth.groups is not None:
-        true = by_group(truth.activations, truth.groups)
-    return {
-        GROUP_NAMES[group]: (values, estimates[group])
-        for group, values in true.items()
-        if values.max() > scores.ACTIVE and group in estimates
-    }
 
 
 def onset_and_peak(curve: NDArray[np.float64]) -> tuple[float, float]:

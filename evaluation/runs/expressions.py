@@ -12,13 +12,14 @@ import numpy as np
 from mimetic.media.footage import Footage
 from mimetic.performance.document import Performance
 from mimetic.score import scores
+from mimetic.score.groups import group_curves
 from mimetic.score.truth import Truth
 from mimetic.solve import clip_capture
 from numpy.typing import NDArray
 
 from evaluation.baselines.paper_loop import capture_by_loop
 from evaluation.runs import deviation
-from evaluation.runs.curves import correlations, group_curves, timing_errors
+from evaluation.runs.curves import correlations, timing_errors
 from evaluation.runs.deviation import Explained
 from evaluation.runs.drift import Drift, drift_of
 from evaluation.runs.methods import LOOP, MUSCLES, OURS, Motion, of_performance, peers

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Scores of points, head and activations mean what they say."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from mimetic.score import scores
@@ -119,11 +121,13 @@ def test_onset_and_peak_are_read_between_frames():
 
 
 def test_pressed_lips_and_a_tightened_lid_count_for_their_sphincters():
-    groups = np.array(list(GROUP_NAMES))
-    activations = np.tile(np.linspace(0, 0.3, 4)[:, None], len(groups))
-    names = ["jaw_open", "oris_close_upper", "lid_lower.R"]
-    values = np.array([[0.9, 0, 0], [0.9, 0.2, 0.1], [0.9, 0.4, -0.3], [0.9, 0, 0]])
-    sums = units_by_group(activations, groups, names, values)
+    performance = SimpleNamespace(
+        activations=np.tile(np.linspace(0, 0.3, 4)[:, None], len(GROUP_NAMES)),
+        groups=np.array(list(GROUP_NAMES)),
+        articulators=["jaw_open", "oris_close_upper", "lid_lower.R"],
+        articulator_values=np.array([[0.9, 0, 0], [0.9, 0.2, 0.1], [0.9, 0.4, -0.3], [0.9, 0, 0]]),
+    )
+    sums = units_by_group(performance)
     wanted = {4: [0, 0.3, 0.6, 0.3], 7: [0, 0.2, 0.2, 0.3]}  # a lid that falls tightens nothing
     for group in GROUP_NAMES:
-        assert sums[group] == pytest.approx(wanted.get(group, activations[:, 0]))
+        assert sums[group] == pytest.approx(wanted.get(group, performance.activations[:, 0]))

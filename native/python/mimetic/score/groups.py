@@ -6,6 +6,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from mimetic.performance.document import Performance
+from mimetic.score import scores
+from mimetic.score.truth import Truth
+
 GROUP_NAMES = {
     1: "lip-corner pullers",
     2: "upper lip, nose",
@@ -51,19 +55,35 @@ def by_group(values: NDArray, groups: NDArray) -> dict[int, NDArray[np.float64]]
     return {g: values[:, groups == g].sum(1) for g in GROUP_NAMES if (groups == g).any()}
 
 
-def units_by_group(
-    activations: NDArray, groups: NDArray, articulators: list[str], articulator_values: NDArray
-) -> dict[int, NDArray[np.float64]]:
-    """What is read of each group's face units (N): its muscles, and articulators of their part.
-
-    activations: N x M; groups: M; articulators, articulator_values: names of the A and N x A.
-    """
-    sums = by_group(activations, groups)
+def units_by_group(performance: Performance) -> dict[int, NDArray[np.float64]]:
+    """What is read of each group's face units (N): its muscles, and articulators of their part."""
+    sums = by_group(performance.activations, performance.groups)
     for group, names in GROUP_ARTICULATORS.items():
-        columns = [articulators.index(name) for name in names if name in articulators]
+        columns = [i for i, name in enumerate(performance.articulators) if name in names]
         if group in sums:
-            sums[group] = sums[group] + articulator_values[:, columns].clip(min=0).sum(axis=1)
+            sums[group] = sums[group] + performance.articulator_values[:, columns].clip(0).sum(1)
     return sums
+
+
+def group_curves(
+    truth: Truth, performance: Performance
+) -> dict[str, tuple[NDArray[np.float64], NDArray[np.float64]]]:
+    """True and estimated sums (N) over each muscle group that truth moves, by name.
+
+    The estimate of face units counts the sphincters' articulators too (`GROUP_ARTICULATORS`).
+    """
+    true: dict[int, NDArray[np.float64]] = {}
+    estimates = by_group(performance.activations, performance.groups)
+    if truth.units is not None and truth.unit_values is not None:
+        true = by_group(truth.unit_values, unit_groups(truth.units))
+        estimates = units_by_group(performance)
+    elif truth.activations is not None and truth.groups is not None:
+        true = by_group(truth.activations, truth.groups)
+    return {
+        GROUP_NAMES[group]: (values, estimates[group])
+        for group, values in true.items()
+        if values.max() > scores.ACTIVE and group in estimates
+    }
 
 
 def unit_groups(units: list[str]) -> NDArray[np.int64]:

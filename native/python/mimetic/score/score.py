@@ -16,13 +16,7 @@ from mimetic.media.footage import Footage
 from mimetic.performance.document import OPTIONAL, REQUIRED, Performance
 from mimetic.score import scores
 from mimetic.score import truth as truth_file
-from mimetic.score.groups import (
-    GROUP_NAMES,
-    UNIT_ARTICULATORS,
-    by_group,
-    unit_groups,
-    units_by_group,
-)
+from mimetic.score.groups import UNIT_ARTICULATORS, group_curves
 from mimetic.score.peers import dis_tracks
 from mimetic.score.prediction import follow
 from mimetic.score.truth import Truth
@@ -130,8 +124,6 @@ def _cut(document: Document, frames: NDArray[np.int64]) -> Document:
 
 
 def _score_controls(result: Score, truth: Truth, performance: Performance) -> None:
-    true_groups: dict[int, NDArray[np.float64]] = {}
-    estimated_groups = by_group(performance.activations, performance.groups)
     if truth.muscles is not None and truth.activations is not None:
         names = [name for name in truth.muscles if name in performance.muscles]
         ours = [performance.muscles.index(name) for name in names]
@@ -142,14 +134,7 @@ def _score_controls(result: Score, truth: Truth, performance: Performance) -> No
         for m, name in enumerate(names):
             if true[:, m].max() > scores.ACTIVE:
                 result.controls[name] = _curve(true[:, m], estimates[:, m])
-        if truth.groups is not None:
-            true_groups = by_group(truth.activations, truth.groups)
     if truth.units is not None and truth.unit_values is not None:
-        true_groups = by_group(truth.unit_values, unit_groups(truth.units))
-        estimated_groups = units_by_group(
-            *(performance.activations, performance.groups),
-            *(performance.articulators, performance.articulator_values),
-        )
         for unit, articulators in UNIT_ARTICULATORS.items():
             if unit in truth.units:
                 true = truth.unit_values[:, truth.units.index(unit)]
@@ -158,9 +143,8 @@ def _score_controls(result: Score, truth: Truth, performance: Performance) -> No
         truth.articulators or [], _columns(truth.articulator_values), strict=True
     ):
         _score_articulators(result, performance, name, true, (name,))
-    for group, true in true_groups.items():
-        if true.max() > scores.ACTIVE and group in estimated_groups:
-            result.groups[GROUP_NAMES[group]] = _curve(true, estimated_groups[group])
+    for name, (true, estimates) in group_curves(truth, performance).items():
+        result.groups[name] = _curve(true, estimates)
 
 
 def _score_articulators(
