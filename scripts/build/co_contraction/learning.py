@@ -14,6 +14,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 from mimetic.muscles.anatomy import SIDES
 from mimetic.muscles.co_contraction import SIDES_TOGETHER
+from mimetic.muscles.sides import mirrored_name, mirrored_sign
 from numpy.typing import NDArray
 
 from evaluation.anatomy.least_squares import bounded_fit
@@ -94,13 +95,11 @@ def _moment(head: Head, by_expression, covariance) -> NDArray[np.float64]:
 
 def _other_side(head: Head) -> NDArray[np.int32]:
     """Index of each value's other side, its own in the middle."""
-    sides = {".L": ".R", ".R": ".L"}
-    other = [name[:-2] + sides.get(name[-2:], name[-2:]) for name in head.names]
-    return np.array([head.names.index(name) for name in other], dtype=np.int32)
+    return np.array([head.names.index(mirrored_name(name)) for name in head.names], dtype=np.int32)
 
 
 def _mirrored(matrix, head: Head, other) -> NDArray[np.float64]:
-    sign = np.array([-1.0 if name == "jaw_side" else 1.0 for name in head.names])
+    sign = np.array([mirrored_sign(name) for name in head.names])
     return (matrix + (sign[:, None] * matrix * sign)[np.ix_(other, other)]) / 2
 
 

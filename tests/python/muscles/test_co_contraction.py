@@ -5,6 +5,7 @@ import numpy as np
 from mimetic.muscles.anatomy import muscle_names
 from mimetic.muscles.articulators import ARTICULATORS
 from mimetic.muscles.co_contraction import SIDES_TOGETHER, correlation
+from mimetic.muscles.sides import mirrored_name
 
 NAMES = [*muscle_names(), *ARTICULATORS]
 
@@ -18,8 +19,7 @@ def test_it_is_a_correlation_with_a_margin():
 
 def test_both_sides_are_alike():
     together = correlation(NAMES)
-    sides = {".L": ".R", ".R": ".L"}
-    other = np.array([NAMES.index(n[:-2] + sides.get(n[-2:], n[-2:])) for n in NAMES])
+    other = np.array([NAMES.index(mirrored_name(name)) for name in NAMES])
     assert np.array_equal(together, together[np.ix_(other, other)])
 
 

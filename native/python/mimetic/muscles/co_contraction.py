@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic.muscles.anatomy import SIDES, load_table
+from mimetic.muscles.sides import mirrored_name
 
 SIDES_TOGETHER = 0.8  # of both sides of what is in no table: lids
 
@@ -25,12 +26,11 @@ def correlation(names: Sequence[str], together: bool = True) -> NDArray[np.float
         if first != second and first in index and second in index:
             matrix[index[first], index[second]] = matrix[index[second], index[first]] = value
 
-    left, right = SIDES
     for name in names:
-        bare = name.rpartition(".")[0]
-        put(f"{bare}.{left}", f"{bare}.{right}", SIDES_TOGETHER)
+        put(name, mirrored_name(name), SIDES_TOGETHER)
     if not together:
         return matrix
+    left, right = SIDES
     for first, second, same, across in load_table("co_contraction.toml")["correlations"]:
         for side, other in ((left, right), (right, left)):
             put(f"{first}.{side}", f"{second}.{side}", same)
