@@ -94,7 +94,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         choices=("held-out", "tuning", "small", "real", *expressions.SETS),
         default="held-out",
         help="which rendered clips or images (default: held-out); locate, rest: real ones too; "
-        "capture: full, nine expressions by 30 people, beside peers (docs/measured/evaluation.md)",
+        "capture: full, many people beside peers; lips-and-air (docs/measured/evaluation.md)",
     )
     parser.add_argument(
         "--images", type=Path, help="locate: these images (docs/measured/finding-faces.md)"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Many people, nine expressions: `mimetic evaluate --set full`, scored by expression."""
+"""Many people, some expressions each: `mimetic evaluate --set full`, scored by expression."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ from evaluation.runs.methods import LOOP, MUSCLES, OURS, Motion, of_performance,
 from evaluation.runs.own_process import process_pool
 from evaluation.runs.rendered import Clip, clips, render
 
-SETS = ("full", "full-swung", "full-tuning")
+SETS = ("full", "full-swung", "full-tuning", "lips-and-air", "lips-and-air-tuning")
 AXES = ("pitch_deg", "yaw_deg", "roll_deg")
 Report = Callable[[str], None]
 

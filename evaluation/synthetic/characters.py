@@ -43,14 +43,15 @@ class Character:
 
 @dataclass(frozen=True)
 class Style:
-    """How a person is drawn: eyes and nose by factors, forehead by a share of its height; sealed:
-    skin instead of eyes (of coarse meshes alone)."""
+    """How a person is drawn: eyes and nose by factors, forehead by a share of its height; of coarse
+    meshes alone, sealed: skin instead of eyes, mask: the face without the head behind it."""
 
     eyes: float = 1.0
     nose: float = 1.0
     forehead: float = 0.0
     jaw: float = 1.0  # width
     is_sealed: bool = False
+    is_mask: bool = False
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,7 @@ RECIPES = {
         Recipe(
             "stylised: eyes 1.5, forehead", 904, 0.3, 0.6, BLENDER, 1, Style(1.5, 0.8, 0.3, 0.85)
         ),
+        Recipe("mask of a person, with lashes", 905, 0.5, 0.0, GLTF, 1, Style(is_mask=True)),
     ),
     "tuning": (
         *(
@@ -98,6 +100,10 @@ RECIPES = {
         Recipe("long forehead", 113, 0.2, 0.0, BLENDER, 1, Style(1.0, 1.3, 0.8)),
         Recipe("sealed eyes", 114, 0.3, 0.0, BLENDER, 1, Style(is_sealed=True)),
         Recipe("sealed large eyes", 115, 0.3, 0.0, GLTF, 1, Style(1.4, 0.7, is_sealed=True)),
+        *(
+            Recipe(f"mask {seed}", seed, 0.4, 0.0, axes, 1, Style(is_mask=True))
+            for seed, axes in ((116, GLTF), (117, BLENDER), (118, ODD), (119, GLTF))
+        ),
     ),
     "small": (Recipe("person", 120, 0.3, 0.0, BLENDER),),
 }
@@ -163,6 +169,8 @@ def _skin(recipe: Recipe, template: FaceTemplate, neutral, random):
         quads = template.skin_faces
         if recipe.style.is_sealed:
             return _sealed(template, neutral)
+        if recipe.style.is_mask:
+            quads = quads[_is_of_mask(template)[quads].all(axis=1)]
         return neutral, np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]])
     mesh = SkinMesh(template, neutral)
     with warnings.catch_warnings():
@@ -172,6 +180,15 @@ def _skin(recipe: Recipe, template: FaceTemplate, neutral, random):
     if recipe.kept == 1:
         return fine, mesh.triangles
     return fine, collapse_edges(fine, mesh.triangles, recipe.kept, random, anchors)
+
+
+def _is_of_mask(template: FaceTemplate) -> NDArray[np.bool_]:
+    """V: skin before the ears, under the hair and above the neck."""
+    places = template.vertices
+    eyes, _ = template.eye_spheres(places)
+    is_front = (places[:, 2] > eyes[:, 2].mean() - 0.03) & (places[:, 1] < 0.055)
+    is_front[: int(template.num_skin_vertices)] &= ~template.in_region("scalp", "neck", "ear")
+    return is_front
 
 
 def _sealed(template: FaceTemplate, neutral: NDArray[np.float64]):

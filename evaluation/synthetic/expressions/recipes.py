@@ -15,7 +15,7 @@ REST, SLOT, TAIL = 0.8, 0.7, 0.1  # seconds: at rest, an expression, after the l
 NUM_FRAMES = round((REST + 3 * SLOT + TAIL) * FPS)
 LEFT_RIGHT = {"units": ("Left", "Right"), "muscles": (".L", ".R")}
 SHARED = ("browInnerUp", "jawOpen", "mouthRollUpper", "mouthRollLower", "mouthFunnel")
-SHARED += ("mouthShrugLower", "mouthPucker", "jaw_open")
+SHARED += ("mouthShrugLower", "mouthPucker", "cheekPuff", "jaw_open")
 # How the head moves, by name; degrees and metres.
 HEADS = {
     "frontal": HeadMotion(yaw=3, pitch=1.5, roll=1.5, sideways=0.003, nearer=0.008),
@@ -61,6 +61,9 @@ UNITS: dict[str, tuple[Part, ...]] = {
         ("jawOpen", 0.2, 0.2),
         ("mouthPress", 0.5, 0.34),
     ),
+    "cheeks filled": (("cheekPuff", 0.9, 0),),
+    "pucker": (("mouthPucker", 0.9, 0),),
+    "lips rolled in": (("mouthRollUpper", 0.9, 0), ("mouthRollLower", 0.9, 0)),
 }
 # The same by muscles, after the action units of `evaluation.anatomy.unit_muscles.EXPRESSIONS`.
 MUSCLES: dict[str, tuple[Part, ...]] = {
@@ -107,7 +110,8 @@ MUSCLES: dict[str, tuple[Part, ...]] = {
     ),
 }
 CONTROLS = {"units": UNITS, "muscles": MUSCLES}
-EXPRESSIONS = tuple(UNITS)
+EXPRESSIONS = tuple(MUSCLES)
+LIPS_AND_AIR = tuple(name for name in UNITS if name not in MUSCLES)  # what no muscle does
 
 
 @dataclass(frozen=True)
@@ -125,17 +129,24 @@ class Take:
         return [(start, start + round(SLOT * FPS) - 1) for start in starts]
 
 
-def takes(first_seed: int, count: int, prefix: str, num_units: int) -> tuple[Take, ...]:
+def takes(
+    first_seed: int,
+    count: int,
+    prefix: str,
+    num_units: int,
+    expressions: tuple[str, ...] = EXPRESSIONS,
+) -> tuple[Take, ...]:
     """Every expression is shown equally often; the last of the people are moved by muscles."""
     return tuple(
-        _take(first_seed + i, f"{prefix}-{i:02d}", i, "units" if i < num_units else "muscles")
-        for i in range(count)
+        _take(seed, f"{prefix}-{i:02d}", i, "units" if i < num_units else "muscles", expressions)
+        for i, seed in enumerate(range(first_seed, first_seed + count))
     )
 
 
-def _take(seed: int, name: str, number: int, kind: str) -> Take:
+def _take(seed: int, name: str, number: int, kind: str, expressions: tuple[str, ...]) -> Take:
     rng = np.random.default_rng([seed, 61])
-    chosen = tuple(EXPRESSIONS[(number + 3 * slot) % 9] for slot in range(3))
+    apart = len(expressions) // 3
+    chosen = tuple(expressions[(number + apart * slot) % len(expressions)] for slot in range(3))
     phases = [
         phase
         for slot, expression in enumerate(chosen)
@@ -213,4 +224,6 @@ SETS = {
     "full-swung": swung(FULL, "full-swung"),
     "full-tuning": takes(61, 9, "full-tuning", num_units=6),
     "consistency-tuning": takes(430, 18, "consistency-tuning", num_units=18),
+    "lips-and-air": takes(480, 9, "lips-and-air", 9, LIPS_AND_AIR),
+    "lips-and-air-tuning": takes(470, 9, "lips-and-air-tuning", 9, LIPS_AND_AIR),
 }

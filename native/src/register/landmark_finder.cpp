@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -25,6 +26,7 @@ constexpr double kSeenCorner = .012;   // the same, of a corner that the mesh's 
 constexpr double kDisagreement = .15;  // interpupillary distances, median over the landmarks
 constexpr double kNoseShare = .4;      // of the template's height, of what is a nose
 constexpr double kSearchShare = .3;    // of the time, for the direction
+constexpr double kCutShare = .1;       // of the template's faces: a shorter neck is no mask
 constexpr int kMeanRounds = 20;        // of the geometric median
 constexpr double kLeastGap = 1e-4;     // m, in its weights
 
@@ -94,6 +96,38 @@ std::pair<Eigen::RowVector3d, double> middle_of(const std::vector<Eigen::RowVect
     return {middle, median(gaps)};
 }
 
+/// The template as the networks are to be shown it beside a head, if that is a mask or has no eyeballs: what
+/// is round a face, and in its eyes, moves where they see it, and so it is missing in both.
+std::optional<ShownHead> like(const ShownHead& head, const ShownHead& whole) {
+    Eigen::AlignedBox3d box;
+    for (Eigen::Index i = 0; i < head.mesh.triangles.size(); ++i) {
+        box.extend(head.mesh.vertices.row(head.mesh.triangles.data()[i]).transpose());
+    }
+    const bool has_eyes = std::find(head.is_eye.begin(), head.is_eye.end(), true) != head.is_eye.end();
+    std::vector<Eigen::Index> kept;
+    Eigen::Index num_outside = 0;
+    for (Eigen::Index t = 0; t < whole.mesh.triangles.rows(); ++t) {
+        const Points corners = whole.mesh.vertices(whole.mesh.triangles.row(t), Eigen::all);
+        if (!box.contains(corners.colwise().mean().transpose())) {
+            ++num_outside;
+        } else if (has_eyes || !whole.is_eye[static_cast<std::size_t>(t)]) {
+            kept.push_back(t);
+        }
+    }
+    const auto share = static_cast<double>(num_outside) / static_cast<double>(whole.mesh.triangles.rows());
+    if (has_eyes && share < kCutShare) {
+        return {};
+    }
+    ShownHead cut;
+    cut.mesh = {whole.mesh.vertices, whole.mesh.normals, whole.mesh.triangles(kept, Eigen::all),
+                whole.mesh.colours(kept, Eigen::all)};
+    for (const Eigen::Index t : kept) {
+        cut.part.push_back(whole.part[static_cast<std::size_t>(t)]);
+        cut.is_eye.push_back(whole.is_eye[static_cast<std::size_t>(t)]);
+    }
+    return cut;
+}
+
 /// The landmarks' places, each of which must have a name and be a vertex.
 Points places_of(PointsIn vertices, const std::vector<std::string>& names, const std::vector<int>& rows) {
     require(names.size() == rows.size(), "there must be a name for each landmark");
@@ -134,9 +168,13 @@ std::optional<PlacedLandmarks> LandmarkFinder::place(PointsIn vertices, Triangle
         return std::nullopt;
     }
     const ShownHead head = mesh.aligned(facing->mesh_from_template.inverse());
+    const std::optional<ShownHead> cut = like(head, template_);
+    const double half = cut ? (kSearchShare + 1) / 2 : 1;
     const std::vector<FaceView> views =
-        face_views(head, networks_, directions_, crops_, part(kSearchShare, 1));
-    if (views.size() < directions_.size()) {
+        face_views(head, networks_, directions_, crops_, part(kSearchShare, half));
+    const std::vector<FaceView> usual =
+        cut ? face_views(*cut, networks_, directions_, crops_, part(half, 1)) : views_;
+    if (std::min(views.size(), usual.size()) < directions_.size()) {
         return std::nullopt;
     }
     PlacedLandmarks placed{landmarks_, Eigen::VectorXd(landmarks_.rows()), facing->mesh_from_template};
@@ -144,8 +182,8 @@ std::optional<PlacedLandmarks> LandmarkFinder::place(PointsIn vertices, Triangle
         std::vector<Eigen::RowVector3d> places;
         for (std::size_t v = 0; v < views.size(); ++v) {
             const Eigen::RowVector3d place =
-                views[v].presence > kPresent
-                    ? carried(landmarks_.row(i), views_[v].places, views[v].places)
+                std::min(views[v].presence, usual[v].presence) > kPresent
+                    ? carried(landmarks_.row(i), usual[v].places, views[v].places)
                     : Eigen::RowVector3d::Constant(std::numeric_limits<double>::quiet_NaN());
             if (place.allFinite()) {
                 places.push_back(place);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/Dense>
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <mimetic/register/shown_head.hpp>
@@ -17,6 +18,7 @@ constexpr double kDeep = .8,
                  kWhole = 4;      // radii: of a ball's extents the least, and their sum; half a ball has 5
 constexpr double kEyeShare = .4;  // of the mesh's extent, largest diameter of an eyeball
 constexpr double kSheetShare = .18, kSheetFaces = .2;  // of the extent, and the faces: a lash, a brow, a lock
+constexpr double kLashes = 1.6;  // eyeballs' diameters, beside a mask whose own extent is small
 
 /// What is known of a connected part.
 struct Part {
@@ -25,10 +27,10 @@ struct Part {
     bool has_boundary = false;
 };
 
-/// Whether points lie on a sphere, or a large piece of one, that is at most `widest` across.
-bool is_ball(const Points& vertices, const std::vector<int>& own, double widest) {
+/// Diameter of the sphere on which points lie, or a large piece of it; 0 if it is none, or over `widest`.
+double ball_diameter(const Points& vertices, const std::vector<int>& own, double widest) {
     if (own.size() < 12) {
-        return false;
+        return 0;
     }
     const Points points = vertices(own, Eigen::all);
     const Eigen::RowVector3d mean = points.colwise().mean();
@@ -44,14 +46,14 @@ bool is_ball(const Points& vertices, const std::vector<int>& own, double widest)
     // Lashes lie on a sphere, too, but are no large piece of one
     const Eigen::RowVector3d extent = points.colwise().maxCoeff() - points.colwise().minCoeff();
     const bool is_large = extent.minCoeff() > kDeep * radius && extent.sum() > kWhole * radius;
-    return is_large && 2 * radius < widest && deviation < kRound * radius;
+    return is_large && 2 * radius < widest && deviation < kRound * radius ? 2 * radius : 0;
 }
 
-/// Whether a part is a small open sheet, which covers skin.
-bool is_sheet(const Points& vertices, const Part& part, const Part& largest, double extent) {
+/// Whether a part is an open sheet, smaller than `widest`, which covers skin.
+bool is_sheet(const Points& vertices, const Part& part, const Part& largest, double widest) {
     const Points points = vertices(part.vertices, Eigen::all);
     const double own = (points.colwise().maxCoeff() - points.colwise().minCoeff()).maxCoeff();
-    return part.has_boundary && own < kSheetShare * extent &&
+    return part.has_boundary && own < widest &&
            static_cast<double>(part.num_triangles) < kSheetFaces * static_cast<double>(largest.num_triangles);
 }
 
@@ -92,16 +94,20 @@ ShownHead shown_head(PointsIn vertices, TrianglesIn triangles) {
     }
     int largest = -1;
     std::map<int, bool> is_eye, is_drawn;
-    const Eigen::RowVector3d extent =
-        head.mesh.vertices.colwise().maxCoeff() - head.mesh.vertices.colwise().minCoeff();
+    const double extent =
+        (head.mesh.vertices.colwise().maxCoeff() - head.mesh.vertices.colwise().minCoeff()).maxCoeff();
+    double widest_sheet = kSheetShare * extent;
     for (const auto& [label, one] : parts) {
         largest = largest < 0 || one.num_triangles > parts[largest].num_triangles ? label : largest;
     }
     for (const auto& [label, one] : parts) {
-        is_eye[label] =
-            label != largest && is_ball(head.mesh.vertices, one.vertices, kEyeShare * extent.maxCoeff());
-        is_drawn[label] =
-            is_eye[label] || !is_sheet(head.mesh.vertices, one, parts[largest], extent.maxCoeff());
+        const double diameter =
+            label == largest ? 0 : ball_diameter(head.mesh.vertices, one.vertices, kEyeShare * extent);
+        is_eye[label] = diameter > 0;
+        widest_sheet = std::max(widest_sheet, kLashes * diameter);
+    }
+    for (const auto& [label, one] : parts) {
+        is_drawn[label] = is_eye[label] || !is_sheet(head.mesh.vertices, one, parts[largest], widest_sheet);
     }
     std::vector<Eigen::Index> drawn;
     for (Eigen::Index t = 0; t < joined.rows(); ++t) {
@@ -114,7 +120,8 @@ ShownHead shown_head(PointsIn vertices, TrianglesIn triangles) {
     head.mesh.colours.resize(head.mesh.triangles.rows(), 3);
     for (Eigen::Index t = 0; t < head.mesh.triangles.rows(); ++t) {
         head.part.push_back(part[static_cast<std::size_t>(head.mesh.triangles(t, 0))]);
-        head.mesh.colours.row(t) = is_eye[head.part.back()] ? kEyeball : kSkin;
+        head.is_eye.push_back(is_eye[head.part.back()]);
+        head.mesh.colours.row(t) = head.is_eye.back() ? kEyeball : kSkin;
     }
     return head;
 }

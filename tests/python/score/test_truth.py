@@ -9,6 +9,8 @@ from mimetic.score.score import score
 from mimetic.score.truth import Truth
 from sample_performance import make_performance
 
+LIPS_AND_AIR = ("lips-and-air", "lips-and-air-tuning")
+
 
 def test_truth_comes_back_as_saved(tmp_path, truth):
     truth.save(tmp_path / "truth.npz")
@@ -60,6 +62,9 @@ def test_people_of_tuning_and_held_out_clips_do_not_meet():
 
     held_out = {recipe.seed for recipe in HELD_OUT}
     held_out |= {take.recipe.seed for take in EXPRESSIONS["full"]}
+    lips = [{take.recipe.seed for take in EXPRESSIONS[name]} for name in LIPS_AND_AIR]
+    assert not lips[0] & lips[1]
+    held_out |= lips[0]
     others = {r.seed for name, rs in SETS.items() if name != "held-out" for r in rs}
     others |= {take.recipe.seed for take in EXPRESSIONS["full-tuning"]}
     assert min(held_out) >= 100 > max(others)
@@ -71,6 +76,15 @@ def test_every_expression_is_shown_by_ten_people():
     shown = [name for take in SETS["full"] for name in take.expressions]
     assert {shown.count(name) for name in shown} == {10}
     assert len({take.recipe.seed for take in SETS["full"]}) == 30
+
+
+def test_what_no_muscle_does_has_sets_of_its_own():
+    from evaluation.synthetic.expressions.recipes import SETS
+
+    for name in LIPS_AND_AIR:
+        shown = [expression for take in SETS[name] for expression in take.expressions]
+        assert {shown.count(expression) for expression in shown} == {9}
+        assert not set(shown) & {e for take in SETS["full"] for e in take.expressions}
 
 
 def test_rendered_truth_agrees_with_its_picture(rendered_clip):

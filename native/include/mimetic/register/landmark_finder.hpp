@@ -14,7 +14,8 @@ struct PlacedLandmarks {
 
 /// Places a template's landmarks on heads of any other make: both are drawn from the front and from both
 /// sides, a network that knows faces finds 468 points in each picture, and each landmark is carried along
-/// with the points round it. What the network sees wrongly in plain shading it sees wrongly on both. Then
+/// with the points round it. What the network sees wrongly in plain shading it sees wrongly on both;
+/// beside a mask, or a head without eyeballs, the template is drawn without these too. Then
 /// corners of the eyes follow the openings' ends and the tip of the nose its highest point, where the mesh
 /// has such.
 class LandmarkFinder {

@@ -10,7 +10,8 @@ namespace mimetic {
 /// what is round as an eyeball is white, and loose sheets (lashes, brows, hair) are left out.
 struct ShownHead {
     ShadedMesh mesh;
-    std::vector<int> part;  ///< T, the connected part of each triangle, by a vertex of it
+    std::vector<int> part;     ///< T, the connected part of each triangle, by a vertex of it
+    std::vector<bool> is_eye;  ///< T, whether it is of an eyeball
 
     ShownHead aligned(const Similarity& target_from_mesh) const;
 };
