@@ -9,10 +9,11 @@ from mimetic import InvalidInput
 from mimetic.analyse.timing import analyse_timing
 from mimetic.commands.cli import main
 from mimetic.library.composing import Placing, compose, parse_placing
-from mimetic.library.cutting import cut_motion
-from mimetic.library.expression import Expression
+from mimetic.library.cutting import cut_motion, from_curves
+from mimetic.library.expression import Expression, limits_of
 from mimetic.muscles.sides import mirrored_name
 from mimetic.performance.document import Performance
+from mimetic.performance.gaze import GAZE
 from sample_performance import make_performance
 
 FRAMES = 90
@@ -83,6 +84,35 @@ def test_a_still_is_the_peak(smile):
     assert still.is_still and still.seconds == 0
     np.testing.assert_array_equal(still.values[0], smile.values[smile.peak])
     assert smile.values[smile.peak, 0] > 0.75
+
+
+def test_the_peak_is_the_faces_wherever_the_eyes_look():
+    def peak_of(**courses):
+        values = np.array(list(courses.values())).T
+        return Expression([*courses], values, np.zeros(values.shape), 30.0).peak
+
+    gaze, jaw, lips = [0, 5, 25.0], [0.9, 0.1, 0.2], [0, 0.8, 0.3]
+    channels = {"gaze_yaw.L": gaze, "jaw_open": jaw}
+    assert peak_of(**channels, **{"zygomaticus_major.L": lips}) == 1
+    assert peak_of(**channels) == 0
+    assert peak_of(**channels, oris_close_upper=lips) == 1
+    assert peak_of(**{"gaze_yaw.L": gaze}) == 2
+
+
+def test_the_gaze_is_kept_whole_or_not_at_all():
+    channels = ["zygomaticus_major.L", *GAZE]
+    values = np.zeros((9, 5))
+    values[4] = [0.8, 0.5, 1.0, 0.5, 1.0]  # degrees
+    assert from_curves(channels, values, 30.0, channels[:1]).channels == channels[:1]
+    values[4, 1] = 8
+    assert from_curves(channels, values, 30.0, channels[:1]).channels == channels
+
+
+def test_lips_and_air_have_the_ranges_of_their_sliders():
+    names = ["zygomaticus_major.L", "oris_close_upper", "air_cheek.L", "jaw_open", "gaze_yaw.L"]
+    lowest, highest = limits_of(names, names[:1])
+    assert lowest.tolist() == [0, -0.5, -0.5, 0, -90]
+    assert highest.tolist() == [1, 1, 1, 1, 90]
 
 
 def test_mirroring_changes_sides_and_the_signs_of_what_turns():

@@ -10,8 +10,10 @@ from mimetic import InvalidInput, _core
 from mimetic.analyse.timing import Event, Timing
 from mimetic.library.expression import Expression, limits_of
 from mimetic.performance.document import Performance
+from mimetic.performance.gaze import GAZE
 
-LEAST_VALUE = 0.03  # channels that stay nearer to rest are left out: they are the capture's noise
+# Channels that stay nearer to rest are left out: they are the capture's noise
+LEAST_VALUE, LEAST_TURN = 0.03, 3.0  # the gaze's in degrees
 SOONER = 3  # frames by which another group may begin before the event that is cut
 
 
@@ -78,7 +80,11 @@ def _moving(
     if is_from_rest:
         values = _core.from_rest(values)
     values = np.clip(values, *limits_of(channels, muscles))
-    moves = np.abs(values).max(axis=0) >= LEAST_VALUE
+    is_gaze = np.isin(channels, GAZE)
+    most = np.abs(values).max(axis=0)
+    moves = most >= LEAST_VALUE
+    # One eye that stayed would squint
+    moves[is_gaze] = (most[is_gaze] >= LEAST_TURN).any()
     return [name for name, one in zip(channels, moves, strict=True) if one], values[:, moves]
 
 

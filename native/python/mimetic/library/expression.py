@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput
 from mimetic.media.timing import check_rate
 from mimetic.muscles.articulators import ARTICULATORS
+from mimetic.muscles.extras import extra_limits
 from mimetic.muscles.sides import mirrored_name, mirrored_sign
 from mimetic.shared.array_document import ArrayDocument
 from mimetic.shared.array_file import check_names, is_bounded, open_arrays
@@ -45,7 +46,8 @@ DOCUMENT = ArrayDocument(
     advice="keep the expression again",
 )
 LARGEST_VALUE = 180.0  # degrees of a gaze; activations end at 1
-UNKNOWN = (-90.0, 90.0)  # range of an articulator that has none in the table: degrees of a gaze
+EYE_TURNS = ("gaze_", "eye_", "look_")  # how names of what turns an eye begin
+UNKNOWN = (-90.0, 90.0)  # range of what is in no table: degrees of a gaze
 
 
 @dataclass
@@ -89,9 +91,12 @@ class Expression:
 
     @property
     def peak(self) -> int:
-        """The row in which muscles are farthest from rest; jaw and lids if there are none."""
-        is_muscle = np.array([name not in ARTICULATORS for name in self.channels])
-        values = self.values[:, is_muscle] if is_muscle.any() else self.values
+        """The row in which muscles and lips are farthest from rest; jaw and lids if there are none,
+        the gaze, whose degrees are no share of anything, if there is nothing else."""
+        has_bone = np.array([name in ARTICULATORS for name in self.channels])
+        is_gaze = np.array([name.startswith(EYE_TURNS) for name in self.channels])
+        kinds = (~has_bone & ~is_gaze, has_bone, is_gaze)
+        values = self.values[:, next(kind for kind in kinds if kind.any())]
         return int((values**2).sum(axis=1).argmax())
 
     def still(self) -> Expression:
@@ -146,8 +151,8 @@ def mirrored_values(values: Mapping[str, float]) -> dict[str, float]:
 
 def limits_of(names: list[str], muscles: list[str]) -> NDArray[np.float64]:
     """Least and greatest values, 2 x len(names), of muscles and articulators."""
-    limits = [(0.0, 1.0) if name in muscles else ARTICULATORS.get(name, UNKNOWN) for name in names]
-    return np.array(limits).T
+    known = dict.fromkeys(muscles, (0.0, 1.0)) | ARTICULATORS | extra_limits()
+    return np.array([known.get(name, UNKNOWN) for name in names]).T
 
 
 def columns_in(expression: Expression, names: list[str]) -> tuple[np.ndarray, np.ndarray]:

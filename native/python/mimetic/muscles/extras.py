@@ -92,8 +92,17 @@ def lip_rows() -> list[dict]:
 
 def articulator_limits() -> dict[str, tuple[float, float]]:
     """Range of the values of all articulators that a capture estimates, by name."""
-    lips = {row["name"]: (float(row["limits"][0]), float(row["limits"][1])) for row in lip_rows()}
-    return ARTICULATORS | lips
+    limits = extra_limits()
+    return ARTICULATORS | {name: limits[name] for name in LIP_SHAPES}
+
+
+def extra_limits() -> dict[str, tuple[float, float]]:
+    """Range of every extra's value, by name."""
+    return {
+        name: (float(row["limits"][0]), float(row["limits"][1]))
+        for row in extras_table()
+        for name in entry_names(row)
+    }
 
 
 def collect(modes: dict[str, NDArray[np.float64]]) -> Extras:
