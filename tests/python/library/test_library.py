@@ -8,6 +8,7 @@ import pytest
 from mimetic import InvalidInput
 from mimetic.analyse.timing import analyse_timing
 from mimetic.commands.cli import main
+from mimetic.commands.library import describe
 from mimetic.library.composing import Placing, compose, parse_placing
 from mimetic.library.cutting import cut_motion, from_curves
 from mimetic.library.expression import Expression, limits_of
@@ -97,6 +98,13 @@ def test_the_peak_is_the_faces_wherever_the_eyes_look():
     assert peak_of(**channels) == 0
     assert peak_of(**channels, oris_close_upper=lips) == 1
     assert peak_of(**{"gaze_yaw.L": gaze}) == 2
+
+
+def test_what_moves_most_is_of_the_face():
+    values = np.array([[0.3, 20.0, 0.9]])
+    channels = ["zygomaticus_major.L", "gaze_yaw.L", "jaw_open"]
+    kept = Expression(channels, values, np.zeros(values.shape), 30.0)
+    assert "3 muscles and bones, most zygomaticus_major.L;" in describe(kept)
 
 
 def test_the_gaze_is_kept_whole_or_not_at_all():

@@ -201,8 +201,8 @@ def _compose(arguments: argparse.Namespace) -> int:
 def describe(expression: Expression) -> str:
     """A line: what it is, how long, what moves most, which groups."""
     kind = "still" if expression.is_still else f"motion, {expression.seconds:.2f} s"
-    highest = np.abs(expression.values).max(axis=0)
-    strongest = [expression.channels[i] for i in np.argsort(-highest)[:3]]
+    highest = np.abs(expression.values).max(axis=0) * expression.telling
+    strongest = [expression.channels[i] for i in np.argsort(-highest)[:3] if highest[i] > 0]
     groups = ", ".join(dict.fromkeys(expression.event_names or ())) or "no phases"
     source = " of frames ".join(expression.source) if expression.source else "made by hand"
     return (

@@ -91,13 +91,17 @@ class Expression:
 
     @property
     def peak(self) -> int:
-        """The row in which muscles and lips are farthest from rest; jaw and lids if there are none,
+        """The row in which the channels that are `telling` are farthest from rest."""
+        return int((self.values[:, self.telling] ** 2).sum(axis=1).argmax())
+
+    @property
+    def telling(self) -> NDArray[np.bool_]:
+        """C: channels that say how strong it is: muscles and lips; jaw and lids if there are none,
         the gaze, whose degrees are no share of anything, if there is nothing else."""
-        has_bone = np.array([name in ARTICULATORS for name in self.channels])
+        is_bone = np.array([name in ARTICULATORS for name in self.channels])
         is_gaze = np.array([name.startswith(EYE_TURNS) for name in self.channels])
-        kinds = (~has_bone & ~is_gaze, has_bone, is_gaze)
-        values = self.values[:, next(kind for kind in kinds if kind.any())]
-        return int((values**2).sum(axis=1).argmax())
+        kinds = (~is_bone & ~is_gaze, is_bone, is_gaze)
+        return next(kind for kind in kinds if kind.any())
 
     def still(self) -> Expression:
         """Its peak alone."""
