@@ -87,3 +87,33 @@ def test_a_set_without_templates_for_a_mode_says_so():
     )
     with pytest.raises(InvalidInput, match="--mode face"):
         Mapping(taught, "parts")
+
+
+def with_gaze(**changes):
+    """The same set with a gaze, in degrees, which wanders in every look."""
+    taught = make_taught(noise=0)
+    wander = np.tile([12.0, -12.0], len(taught.example_values) // 2)
+    return make_taught(
+        noise=0,
+        channels=[*taught.channels, "gaze_yaw.L"],
+        channel_groups=np.append(taught.channel_groups, 0),
+        look_values=np.column_stack([taught.look_values, [0.0, 0.0, 9.0]]),
+        limits=np.column_stack([taught.limits, [-90.0, 90.0]]),
+        example_values=np.column_stack([taught.example_values, wander]),
+        **changes,
+    )
+
+
+def test_the_gazes_degrees_do_not_outweigh_a_smile():
+    taught = with_gaze()
+    taught.example_values[8:16, 4] = 12  # which the look itself does not
+    smile = Mapping(taught, "face").state(taught.example_scores[8]).values
+    np.testing.assert_allclose(smile[:2], [0.8, 0.6], atol=0.15)
+
+
+def test_neutral_is_the_face_at_rest_wherever_it_looks():
+    taught = with_gaze()
+    taught.example_values[8:16, 4] = 0  # smiles that look straight ahead, as the neutral look does
+    mapping = Mapping(taught)
+    mapping.set_neutral(taught.example_scores[0])
+    assert np.abs(mapping.neutral_shift).max() < 1e-9

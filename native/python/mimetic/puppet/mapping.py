@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.puppet.parts import FACE, PARTS
+from mimetic.puppet.parts import FACE, PARTS, value_units
 from mimetic.puppet.templates import TaughtSet
 
 MODES = ("parts", "face")
@@ -39,6 +39,7 @@ class Mapping:
         if mode not in MODES or basis not in BASES:
             raise InvalidInput(f"mode {mode!r}, basis {basis!r}: there are {MODES} and {BASES}")
         self.taught, self.mode = taught, mode
+        self.units = value_units(taught.channels)
         options = _core.InterpolationOptions()
         options.basis = getattr(_core.Basis, basis)
         self.neutral_shift = np.zeros(len(taught.template_parts))
@@ -75,7 +76,8 @@ class Mapping:
     def set_neutral(self, scores: NDArray[np.float64]) -> None:
         """Takes scores (T) that are seen now as those of the face at rest: other light."""
         taught = self.taught
-        distance = np.abs(taught.example_values - taught.look_values[taught.neutral]).sum(axis=1)
+        off = (taught.example_values - taught.look_values[taught.neutral]) / self.units
+        distance = np.abs(off).sum(axis=1)
         self.neutral_shift = taught.example_scores[int(distance.argmin())] - scores
 
     def state(self, scores: NDArray[np.float64]) -> State:
@@ -89,7 +91,7 @@ class Mapping:
             values[region.channels] = region.interpolation.state(own)
             std[region.channels] = region.interpolation.std(own)
         if self.mode == "face":
-            weights = _core.hull_weights(taught.look_values, values)
+            weights = _core.hull_weights(taught.look_values / self.units, values / self.units)
             inside = weights @ taught.look_values
             std = np.hypot(std, inside - values)
             values = inside

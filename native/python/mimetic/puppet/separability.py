@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic.puppet.parts import KINDS
+from mimetic.puppet.parts import KINDS, value_units
 from mimetic.puppet.templates import TaughtSet
 
 SCORE_NOISE = 0.02  # least standard deviation of scores of one look: light, noise, the head
@@ -60,9 +60,9 @@ def advice(pairs: list[Pair]) -> list[str]:
 def _near(
     taught: TaughtSet, channels: list[int], first: int, second: int
 ) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    span = np.maximum(taught.limits[1] - taught.limits[0], 1e-3)[channels]
-    examples = taught.example_values[:, channels] / span
-    looks = taught.look_values[:, channels] / span
+    units = value_units(taught.channels)[channels]
+    examples = taught.example_values[:, channels] / units
+    looks = taught.look_values[:, channels] / units
     apart = max(float(np.sqrt(((looks[first] - looks[second]) ** 2).sum())), 1e-6)
     near = [np.sqrt(((examples - looks[look]) ** 2).sum(axis=1)) for look in (first, second)]
     near_first = (near[0] < NEAR * apart) | (near[0] == near[0].min())

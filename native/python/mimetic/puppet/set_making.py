@@ -13,13 +13,12 @@ from numpy.typing import NDArray
 
 from mimetic.library.expression import limits_of
 from mimetic.puppet.matching import still_matcher
-from mimetic.puppet.parts import KINDS, channels_of
+from mimetic.puppet.parts import KINDS, channels_of, value_units
 from mimetic.puppet.seeing import Image, PersonView
 from mimetic.puppet.taught_look import Look
 from mimetic.puppet.templates import TaughtSet
 
 DISTINCT = 0.15  # a part's largest difference in a value below which two looks show the same
-GAZE_UNIT = 30.0  # degrees that count as an activation of 1
 REST = "neutral"
 
 
@@ -37,8 +36,8 @@ class Channels:
 
     @cached_property
     def units(self) -> NDArray[np.float64]:
-        """C: what counts as an activation of 1."""
-        return np.array([GAZE_UNIT if name.startswith("gaze") else 1.0 for name in self.names])
+        """C, as `value_units`."""
+        return value_units(self.names)
 
     @cached_property
     def of_parts(self) -> dict[str, list[int]]:
