@@ -12,11 +12,12 @@ from mimetic import InvalidInput, _core
 from mimetic.head.tracking import UNSEEN_COV
 from mimetic.puppet.mapping import UNTAUGHT_STD, Mapping
 from mimetic.puppet.matching import free_matcher, still_matcher
+from mimetic.puppet.parts import value_units
 from mimetic.puppet.seeing import FACE_DEPTH, MODEL, HeadStiller, Image, PersonView, Pose, centres
 from mimetic.puppet.templates import TaughtSet
 
 HEADS = ("surface", "ellipsoid", "free")
-GAZE_UNIT = 10.0  # degrees that the filter takes as it takes an activation of 1
+FILTERED_DEGREES = 10.0  # degrees that the filter takes as it takes an activation of 1
 LEAST_SCORE, GOOD_SCORE = 0.3, 0.8  # best scores of a part that say nothing, and all
 
 
@@ -56,8 +57,8 @@ class Puppet:
         self.mapping = mapping or Mapping(taught)
         parts = sorted(set(taught.template_parts))
         self.templates_of_parts = [taught.of_part(part) for part in parts]
-        units = [GAZE_UNIT if name.startswith("gaze") else 1.0 for name in taught.channels]
-        self.filter = _core.LowLagFilter(np.array(units), filtering or _core.FilterOptions())
+        units = value_units(taught.channels, FILTERED_DEGREES)
+        self.filter = _core.LowLagFilter(units, filtering or _core.FilterOptions())
         self.stiller = None if head == "free" else HeadStiller(view, image, pose, head)
         self.scale = 1.0
         if head == "free":

@@ -49,9 +49,10 @@ def part_box(
     )
 
 
-def value_units(channels: Sequence[str]) -> NDArray[np.float64]:
-    """C: what of each muscle's or articulator's value counts as an activation of 1."""
-    return np.array([GAZE_UNIT if name.startswith("gaze") else 1.0 for name in channels])
+def value_units(channels: Sequence[str], degrees: float = GAZE_UNIT) -> NDArray[np.float64]:
+    """C: what of each muscle's or articulator's value counts as an activation of 1; degrees: of a
+    gaze."""
+    return np.array([degrees if name.startswith("gaze") else 1.0 for name in channels])
 
 
 def channels_of(
