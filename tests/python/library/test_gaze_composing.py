@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What is composed keeps the person's eyes, and turns them where an expression does."""
 
+from dataclasses import replace
+
 import numpy as np
 from looking_performance import make_looking
 from mimetic.library.composing import Placing, canonical_person, compose
 from mimetic.library.expression import Expression
+from mimetic.library.preview import expression_picture
 from mimetic.performance.gaze import gaze_of
 
 
@@ -28,6 +31,13 @@ def test_a_glance_turns_the_persons_eyes():
     ball = composed.eye_of_vertex == 1
     moved = composed.surface(peak)[ball] - composed.neutral_vertices[ball]
     assert np.abs(moved).max() > 0.002
+
+
+def test_the_picture_of_a_glance_shows_where_it_looks():
+    person = canonical_person()
+    ahead = replace(glance(), values=0 * glance().values)
+    eyes = [expression_picture(one, person)[..., :3].astype(float) for one in (ahead, glance())]
+    assert (np.abs(eyes[1] - eyes[0]).max(axis=2) > 60).sum() > 20
 
 
 def test_our_own_head_has_eyes_that_turn():

@@ -3,11 +3,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
-from mimetic.library.expression import Expression, columns_in
+from mimetic.library.expression import Expression, columns_in, limits_of
 from mimetic.performance.document import Performance
 from mimetic.template.face_template import load_template
 
@@ -24,12 +26,15 @@ MARGIN = 1.2  # of the picture's height over the face's
 
 def expression_picture(expression: Expression, person: Performance) -> NDArray[np.uint8]:
     """256 x 256 x 4: a person's head, on transparent ground, with the expression at its peak."""
-    values, _ = columns_in(expression, [*person.muscles, *person.articulators])
-    modes = [person.muscle_modes.astype(np.float64)]
-    if person.articulator_modes is not None:
-        modes.append(person.articulator_modes.astype(np.float64))
-    rows = np.concatenate(modes).reshape(-1, person.neutral_vertices.size)
-    displacements = (values[expression.peak, : len(rows)] @ rows).reshape(-1, 3)
+    names = [*person.muscles, *person.articulators]
+    values, _ = columns_in(expression, names)
+    row = np.clip(values[expression.peak], *limits_of(names, person.muscles))
+    activations, articulators = person.activations.copy(), person.articulator_values.copy()
+    activations[0], articulators[0] = np.split(row, [len(person.muscles)])
+    shown = replace(
+        person.without_detail(), activations=activations, articulator_values=articulators
+    )
+    displacements = shown.surface(0) - person.neutral_vertices
     return head_picture(person.neutral_vertices, displacements, person.faces)
 
 
