@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -79,12 +79,23 @@ def compose(
     InvalidInput.
     """
     pairs = [(placing, expression_of(placing.name)) for placing in placings]
-    head = _head_of(canonical_person() if person is None else person)
-    names = [*head["muscles"], *head["articulators"]]
+    person = canonical_person() if person is None else person
+    names = [*person.muscles, *person.articulators]
     values, stds = play(pairs, names, fps, seconds, options)
-    values = np.clip(values, *limits_of(names, head["muscles"]))
-    num_frames = len(values)
-    num_muscles = len(head["muscles"])
+    return played_by(person, values, stds, fps, _notes(pairs, names))
+
+
+def played_by(
+    person: Performance,
+    values: NDArray[np.float64],
+    stds: NDArray[np.float64],
+    fps: float,
+    notes: Iterable[str] = (),
+) -> Performance:
+    """What a person does of values and s.d. (N x C each, muscles, then articulators): those within
+    their ranges, facing the camera, without detail."""
+    values = np.clip(values, *limits_of([*person.muscles, *person.articulators], person.muscles))
+    num_frames, num_muscles = len(values), len(person.muscles)
     return Performance(
         frame=np.arange(1, num_frames + 1),
         fps=fps,
@@ -95,8 +106,8 @@ def compose(
         articulator_values=values[:, num_muscles:],
         articulator_values_std=stds[:, num_muscles:],
         quality=np.ones(num_frames),
-        notes=list(_notes(pairs, names)),
-        **head,
+        notes=list(notes),
+        **_head_of(person),
     )
 
 

@@ -3,13 +3,12 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
-from mimetic.library.expression import Expression, columns_in, limits_of
+from mimetic.library.composing import played_by
+from mimetic.library.expression import Expression, columns_in
 from mimetic.performance.document import Performance
 from mimetic.template.face_template import load_template
 
@@ -26,14 +25,9 @@ MARGIN = 1.2  # of the picture's height over the face's
 
 def expression_picture(expression: Expression, person: Performance) -> NDArray[np.uint8]:
     """256 x 256 x 4: a person's head, on transparent ground, with the expression at its peak."""
-    names = [*person.muscles, *person.articulators]
-    values, _ = columns_in(expression, names)
-    row = np.clip(values[expression.peak], *limits_of(names, person.muscles))
-    activations, articulators = person.activations.copy(), person.articulator_values.copy()
-    activations[0], articulators[0] = np.split(row, [len(person.muscles)])
-    shown = replace(
-        person.without_detail(), activations=activations, articulator_values=articulators
-    )
+    still = expression.still()
+    values, stds = columns_in(still, [*person.muscles, *person.articulators])
+    shown = played_by(person, values, stds, still.fps)
     displacements = shown.surface(0) - person.neutral_vertices
     return head_picture(person.neutral_vertices, displacements, person.faces)
 

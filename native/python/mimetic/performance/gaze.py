@@ -6,6 +6,7 @@ Degrees, positive to the subject's left and up.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Protocol
 
 import numpy as np
@@ -82,8 +83,13 @@ def own_articulators(performance: WithEyes, seen: NDArray[np.float64]) -> NDArra
 
 def expression_of(performance: WithEyes) -> NDArray[np.float64]:
     """N x A: how far each articulator is from rest, of which 1 is far; gaze is in degrees."""
-    scale = [1 / FAR_GAZE if name in GAZE else 1.0 for name in performance.articulators]
-    return performance.articulator_values * np.array(scale)
+    return performance.articulator_values / value_units(performance.articulators)
+
+
+def value_units(names: Sequence[str], degrees: float = FAR_GAZE) -> NDArray[np.float64]:
+    """What of each muscle's or articulator's value is far from rest, as an activation of 1 is;
+    degrees: of a gaze."""
+    return np.array([degrees if name in GAZE else 1.0 for name in names])
 
 
 def with_eyes_turned(

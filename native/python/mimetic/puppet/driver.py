@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.head.tracking import UNSEEN_COV
+from mimetic.performance.gaze import value_units
 from mimetic.puppet.mapping import UNTAUGHT_STD, Mapping
 from mimetic.puppet.matching import free_matcher, still_matcher
-from mimetic.puppet.parts import value_units
 from mimetic.puppet.seeing import FACE_DEPTH, MODEL, HeadStiller, Image, PersonView, Pose, centres
 from mimetic.puppet.templates import TaughtSet
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.puppet.parts import FACE, PARTS, value_units
+from mimetic.performance.gaze import value_units
+from mimetic.puppet.parts import FACE, PARTS
 from mimetic.puppet.templates import TaughtSet
 
 MODES = ("parts", "face")

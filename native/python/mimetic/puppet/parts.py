@@ -15,7 +15,6 @@ PARTS = ("brow.L", "brow.R", "eye.L", "eye.R", "mouth")
 KINDS = (FACE, *PARTS)
 BROW_GROUPS, EYE_GROUPS = (5, 6), (7,)  # of muscles, by their number
 EYE_STEMS = ("lid", "gaze")  # of articulators
-GAZE_UNIT = 30.0  # degrees that count as an activation of 1
 
 # From which landmarks to which a part reaches, and how far beyond them: metres to the left of the
 # picture, right, up, down. Of sided parts `.S` is the side, the outer end the second landmark.
@@ -47,12 +46,6 @@ def part_box(
         float(low[1] - down),
         float(high[1] + up),
     )
-
-
-def value_units(channels: Sequence[str], degrees: float = GAZE_UNIT) -> NDArray[np.float64]:
-    """C: what of each muscle's or articulator's value counts as an activation of 1; degrees: of a
-    gaze."""
-    return np.array([degrees if name.startswith("gaze") else 1.0 for name in channels])
 
 
 def channels_of(

@@ -8,7 +8,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic.puppet.parts import KINDS, value_units
+from mimetic.performance.gaze import value_units
+from mimetic.puppet.parts import KINDS
 from mimetic.puppet.templates import TaughtSet
 
 SCORE_NOISE = 0.02  # least standard deviation of scores of one look: light, noise, the head

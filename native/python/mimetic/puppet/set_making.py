@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic.library.expression import limits_of
+from mimetic.performance.gaze import value_units
 from mimetic.puppet.matching import still_matcher
-from mimetic.puppet.parts import KINDS, channels_of, value_units
+from mimetic.puppet.parts import KINDS, channels_of
 from mimetic.puppet.seeing import Image, PersonView
 from mimetic.puppet.taught_look import Look
 from mimetic.puppet.templates import TaughtSet
