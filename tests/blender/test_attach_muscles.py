@@ -100,6 +100,7 @@ def test_a_head_by_empties_gets_the_muscles_of_our_own(parts, head, extension, c
     np.testing.assert_allclose(evaluated(head), pressed, atol=1e-3)
 
 
+@pytest.mark.oldest_and_newest
 def test_other_shape_keys_of_the_head_stay(parts, head):
     put_landmarks(head, parts)
     head.shape_key_add(name="Basis", from_mix=False)
@@ -249,6 +250,7 @@ def test_arkit_shapes_join_the_keys_of_a_head(parts, head):
     assert "mouthSmileLeft" in keys and "zygomaticus_major.L" in keys
 
 
+@pytest.mark.oldest_and_newest
 def test_our_own_face_gets_arkit_shapes():
     assert bpy.ops.mimetic.add_face() == {"FINISHED"}
     face = bpy.context.active_object

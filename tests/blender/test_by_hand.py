@@ -7,6 +7,8 @@ import bpy
 import numpy as np
 import pytest
 
+pytestmark = pytest.mark.oldest_and_newest
+
 SCULPTED, RENAMED = "muscle_03.R", "jaw_open"
 
 

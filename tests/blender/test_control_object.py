@@ -228,6 +228,7 @@ def test_on_a_bound_head(extension, scene, hero, loaded):  # noqa: F811
     assert np.linalg.norm(points - np.array(bone), axis=1).min() < 0.05
 
 
+@pytest.mark.oldest_and_newest
 def test_a_head_that_was_cut_is_driven_on(hero, loaded, scene):  # noqa: F811
     assert bpy.ops.mimetic.bake(to="CONTROLS") == {"FINISHED"}
     control, count = control_of(hero), len(hero.data.vertices)

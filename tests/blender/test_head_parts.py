@@ -102,6 +102,7 @@ def test_parts_move_as_if_they_were_joined(parts, rows, joined, split):
             whole[name].value = own[name].value = 0.0
 
 
+@pytest.mark.oldest_and_newest
 def test_attaching_again_writes_the_same_keys_anew(split):
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
     eye = bpy.data.objects["eye.L"]
@@ -174,6 +175,7 @@ def test_only_what_is_shown_and_inside_is_a_part(extension, scene, split):
     assert [part.name for part in read(scene, split).parts] == ["teeth_lower", "teeth_upper"]
 
 
+@pytest.mark.oldest_and_newest
 def test_landmarks_and_muscles_with_parts_are_undone_in_one_step_each(parts, split):
     for group in list(split.vertex_groups):
         split.vertex_groups.remove(group)
@@ -209,6 +211,7 @@ def test_contact_of_lips_is_that_of_the_joined_head(joined, split, rows):
     assert np.abs(offsets_of(split, "contact")).max() > 0.1
 
 
+@pytest.mark.oldest_and_newest
 def test_a_copy_that_plays_another_take_has_parts_of_its_own(extension, scene, split, acted):
     assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
     path = acted[1]

@@ -37,6 +37,7 @@ def bust(parts, tmp_path):
     return path, landmarks
 
 
+@pytest.mark.oldest_and_newest
 def test_a_head_gets_the_shapes_in_a_copy_and_its_own_stay(bust, tmp_path):
     path, landmarks = bust
     before, out = path.read_bytes(), tmp_path / "out.blend"

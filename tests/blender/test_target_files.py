@@ -77,6 +77,7 @@ def read_glb(path) -> dict[str, bpy.types.Object]:
     return dict(bpy.context.scene.objects.items())
 
 
+@pytest.mark.oldest_and_newest
 def test_a_head_with_muscles_gets_arkits_names(scene, gazing, tmp_path):
     from mimetic.character import gltf
     from mimetic.retarget.unit_fit import unit_order, unit_values

@@ -8,6 +8,8 @@ from last_result import result
 from test_attach_muscles import evaluated
 from test_head_parts import NAMES, _piece, rows, split  # noqa: F401
 
+pytestmark = pytest.mark.oldest_and_newest
+
 RIM, TUBE, BEFORE = 2.4, 0.15, 2.4  # cm: of a lens, of its frame, before the eyeball's middle
 
 
