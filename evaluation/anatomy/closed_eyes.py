@@ -11,6 +11,9 @@ VIEWS = ((0.0, 0.0), (0.6, 0.0), (-0.6, 0.0), (0.0, 0.4), (0.0, -0.4))  # radian
 DISTANCE = 0.6  # m of the camera
 PIXEL = 1.5e-4  # m at the eye
 REACH = 0.025  # m about the eye's middle
+# An eyeball's top, 30 degrees and more above its middle: seen from above, over the edge
+# of a face that ends at the brows, it is no opening of lids
+TOP = 0.5
 
 
 def seen_area(
@@ -19,7 +22,7 @@ def seen_area(
     is_eyeball: NDArray[np.bool_],
     centre: NDArray[np.float64],
 ) -> float:
-    """mm^2 of an eyeball that the view shows of it in which most is seen.
+    """mm^2 of an eyeball, its top left out, in the view in which most of it is seen.
 
     vertices: V x 3, metres, head frame; triangles: those of skin and eyeballs; is_eyeball: V;
     centre: of the eye.
@@ -28,12 +31,15 @@ def seen_area(
     camera = _core.Camera(DISTANCE / PIXEL, DISTANCE / PIXEL, size / 2, size / 2, size, size)
     rows, columns = np.mgrid[:size, :size]
     pixels = np.stack([columns.ravel(), rows.ravel()], axis=1).astype(np.float64)
+    outwards = vertices[triangles].mean(axis=1) - centre
+    is_top = outwards[:, 1] > TOP * np.sqrt((outwards**2).sum(axis=1))
+    is_counted = is_eyeball[triangles[:, 0]] & ~is_top
     areas = []
     for yaw, pitch in VIEWS:
         turned = (vertices - centre) @ (_about(1, yaw) @ _about(0, pitch)).T
         placed = np.ascontiguousarray(turned * [1, -1, -1] + [0, 0, DISTANCE])
         hit, _ = _core.cast_rays(camera, placed, triangles, pixels)
-        is_seen = (hit >= 0) & is_eyeball[triangles[hit, 0]]
+        is_seen = (hit >= 0) & is_counted[hit]
         areas.append(1e6 * PIXEL**2 * int(is_seen.sum()))
     return max(areas)
 
