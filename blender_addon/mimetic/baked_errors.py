@@ -43,7 +43,7 @@ def of_selected(context) -> BakedErrors | str:
     row = scene_out.take_list.playing(face)
     if row is None:
         return iface_("{name} plays no baked take").format(name=face.name)
-    take = takes.named(row.performance)
+    take = takes.named(row.performance, row.footage)
     if take is None:
         return iface_("{file}, which {take} was baked from, is missing").format(
             file=row.performance, take=row.name

@@ -102,7 +102,7 @@ def use(scene: bpy.types.Scene, clip: bpy.types.MovieClip, row):
 
 def remove(clip: bpy.types.MovieClip, row) -> None:
     """Takes it off the list; its file stays. Raises InvalidInput for the one that is used."""
-    record = clips.find(clip)
+    record = clips.ensure(clip)
     if is_used(record, row):
         raise native.invalid_input(
             rpt_("{take} is the take that is used: use another one first").format(take=row.name)

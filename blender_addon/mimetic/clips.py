@@ -89,11 +89,29 @@ def ensure(clip: bpy.types.MovieClip):
     settle(clip)
     clip.mimetic.fingerprint = fingerprint(clip)
     record = find(clip)
-    if record is None:
-        record = clip.mimetic.footage.add()
+    # What is written to linked data Blender forgets on saving, too
+    if record is None or (record.id_data.library and not clip.library):
+        own = clip.mimetic.footage.add()
+        if record is not None:
+            _copy(record, own)
+        record = own
         record.name = clip.mimetic.fingerprint
         clip.use_fake_user = True  # Blender forgets on saving what nothing shows
     return record
+
+
+def _copy(record, own) -> None:
+    """Gives a record, or a row of one, what a linked one holds; files by their whole paths."""
+    for prop in record.bl_rna.properties:
+        name = prop.identifier
+        if prop.type == "COLLECTION":
+            for row in getattr(record, name):
+                _copy(row, getattr(own, name).add())
+        elif name == "performance_path":
+            path = bpy.path.abspath(record.performance_path, library=record.id_data.library)
+            own.performance_path = path
+        elif not prop.is_readonly:
+            setattr(own, name, getattr(record, name))
 
 
 def settle(clip: bpy.types.MovieClip) -> None:
@@ -108,8 +126,8 @@ def settle(clip: bpy.types.MovieClip) -> None:
 
 
 def with_content(mark: str) -> bpy.types.MovieClip | None:
-    """A clip of the .blend with a content; one whose file is there before one whose is not."""
-    clips = [c for c in bpy.data.movieclips if fingerprint(c) == mark]
+    """The .blend's own clip with a content; one whose file is there before one whose is not."""
+    clips = [c for c in bpy.data.movieclips if not c.library and fingerprint(c) == mark]
     return min(clips, key=is_missing, default=None)
 
 

@@ -142,7 +142,7 @@ def begin_take(context, session: Session) -> None:
     microphone = context.scene.mimetic.live.microphone
     session.sound = None
     if microphone and context.scene.mimetic.live.source == "CAMERA":
-        session.sound = Path(_paths(session)[0]).with_suffix(".wav")
+        session.sound = Path(_new_take(session).path()).with_suffix(".wav")
     session.thread.begin_take(microphone if session.sound else "", session.sound)
 
 
@@ -151,12 +151,12 @@ def end_take(context, session: Session) -> str:
     take, offset = session.thread.end_take()
     if take is None:
         return ""
-    paths = _paths(session)
+    new = _new_take(session)
     performance = take.performance()
-    name = takes.take_name(paths[0])
+    name = takes.take_name(new.path())
     channels = package_channels(context.scene.mimetic.live.channels)
     summary = session.puppet.record(context.scene, performance, name, session.start, channels)
-    path, notes = takes.save(performance, *paths)
+    path, notes = takes.save(performance, new)
     session.takes.append(path)
     session.notes += [*summary.remarks, *notes]
     _lay_sound(context.scene, session, take, path, offset)
@@ -185,6 +185,6 @@ def _lay_sound(scene, session: Session, take, path: str, offset: float | None) -
         )
 
 
-def _paths(session: Session) -> tuple[str, str]:
+def _new_take(session: Session) -> takes.NewTake:
     name = session.thread.source.name.replace(":", " ").replace(os.sep, " ")
-    return takes.new_paths(f"live {Path(name).stem}")
+    return takes.new_take(f"live {Path(name).stem}")

@@ -42,7 +42,7 @@ def of(context) -> Step:
         return FIND_FILES
     if clip is not None and not clips.is_missing(clip) and _waits_for_refine(context, clip):
         return REFINE
-    return DONE if _is_baked(context.scene, takes.name_of(holder)) else BAKE
+    return DONE if _is_baked(context.scene, clip, takes.name_of(holder)) else BAKE
 
 
 def landmarks_moved(context) -> str:
@@ -73,6 +73,8 @@ def _waits_for_refine(context, clip: bpy.types.MovieClip) -> bool:
     return is_read and not native.correcting().is_refined_by(performance, entries)
 
 
-def _is_baked(scene: bpy.types.Scene, file_name: str) -> bool:
+def _is_baked(scene: bpy.types.Scene, clip: bpy.types.MovieClip | None, file_name: str) -> bool:
     shown = native.shown_text().shown(file_name)
-    return any(row.performance == shown for obj in scene.objects for row in obj.mimetic.takes)
+    mark = clips.fingerprint(clip) if clip else ""  # other clips may have a file of that name
+    rows = (row for obj in scene.objects for row in obj.mimetic.takes)
+    return any(row.performance == shown and (not mark or row.footage in ("", mark)) for row in rows)

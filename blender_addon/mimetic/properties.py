@@ -280,6 +280,10 @@ class MimeticClip(clip_lens.HasLens, bpy.types.PropertyGroup):
     landmarks_of: StringProperty(
         name="Landmarks", description="Fingerprint of the content whose landmarks the tracks show"
     )
+    landmark_object: StringProperty(description="Name of the tracking object that has them")
+    held_by: StringProperty(
+        description="Names of the tracks that hold the head still, one in each line"
+    )
 
 
 class MimeticScene(

@@ -8,10 +8,8 @@ from dataclasses import dataclass
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
-from . import clips, jobs, native, takes, world, writable
+from . import clips, jobs, native, own_tracks, takes, world, writable
 
-# Tracks by which we stabilise a clip: the head's centre, and a point above it
-HELD_BY = ("Head Centre", "Head Above")
 UNDISTORTED = (
     "The clip editor shows undistorted proxies, over which nothing lies right: switch Undistorted "
     "off (Footage, Proxy/Timecode)"
@@ -128,7 +126,7 @@ def no_landmarks(context, needs_selection: bool, needs_frame: bool = True) -> st
     if not shows_landmarks(clip):
         message = "The landmarks of this face are not shown: press Landmarks Here"
         return message if needs_frame else ""
-    tracks = clip.tracking.objects["Face"].tracks
+    tracks = own_tracks.landmark_object(clip).tracks
     if needs_selection and not any(track.select for track in tracks):
         return "Select landmarks in the clip editor first"
     frame = context.scene.frame_current - clip.frame_start + 1
@@ -141,7 +139,7 @@ def shows_landmarks(clip: bpy.types.MovieClip) -> bool:
     """Whether the clip's tracks are landmarks of the face found in what it shows now."""
     record = clips.find(clip)
     is_theirs = record is not None and clip.mimetic.landmarks_of == record.name
-    return is_theirs and "Face" in clip.tracking.objects
+    return is_theirs and own_tracks.landmark_object(clip) is not None
 
 
 def _is_marked(track: bpy.types.MovieTrackingTrack, frame: int) -> bool:
@@ -152,9 +150,10 @@ def _is_marked(track: bpy.types.MovieTrackingTrack, frame: int) -> bool:
 def no_stabilising(context) -> str:
     if reason := no_clip(context) or no_take(context, "Capture, or Head Only"):
         return reason
-    stabilisation = clip_of(context).tracking.stabilization
+    clip = clip_of(context)
+    stabilisation = clip.tracking.stabilization
     track_names = {track.name for track in (*stabilisation.tracks, *stabilisation.rotation_tracks)}
-    if names := sorted(track_names.difference(HELD_BY)):
+    if names := sorted(track_names.difference(own_tracks.held_by(clip))):
         return iface_("The clip is stabilised by {names}; remove that first").format(
             names=", ".join(names[:3])
         )
@@ -163,7 +162,8 @@ def no_stabilising(context) -> str:
 
 def is_held(clip: bpy.types.MovieClip) -> bool:
     """Whether the clip is stabilised on the head."""
-    return any(track.name in HELD_BY for track in clip.tracking.stabilization.tracks)
+    ours = own_tracks.held_by(clip)
+    return any(track.name in ours for track in clip.tracking.stabilization.tracks)
 
 
 def face_of(context) -> bpy.types.Object | None:

@@ -40,6 +40,7 @@ class MimeticTake(bpy.types.PropertyGroup):
 
     clip: StringProperty(name="Clip", description="The footage that it was captured from")
     performance: StringProperty(name="Performance", description="Name of the file")
+    footage: StringProperty(description="Fingerprint of that footage, if it is known")
     first: IntProperty(name="First", description="Footage frame")
     last: IntProperty(name="Last", description="Footage frame")
     scene_first: FloatProperty(description="Scene frame of the first key")

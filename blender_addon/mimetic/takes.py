@@ -28,32 +28,48 @@ class Take:
     fingerprint: str = ""  # of that clip's content
 
 
-def save(performance, path: str, spare_path: str) -> tuple[str, list[str]]:
+@dataclass(frozen=True)
+class NewTake:
+    """Where a take that is being made will go, for a worker."""
+
+    stem: str  # of a file's name
+    folder: Path
+    spare: Path  # folder, where the other cannot be written to
+    given: str = ""  # file that the user named, which may be overwritten
+
+    def path(self) -> str:
+        """Of no file that is there now: others may have been written since this was made."""
+        return self.given or _new_file(self.folder, self.stem, "performance")
+
+    def spare_path(self) -> str:
+        return _new_file(self.spare, self.stem, "performance")
+
+
+def save(performance, new: NewTake) -> tuple[str, list[str]]:
     """Writes a performance; returns where it is, and what the user should know."""
-    notes = performance.notes or []
+    notes, path = performance.notes or [], new.path()
     try:
         performance.save(path)
     except OSError as error:  # minutes of work: not lost for a folder that is read-only
-        performance.save(spare_path)
+        spare = new.spare_path()
+        performance.save(spare)
         message = rpt_("{path} cannot be written ({reason}): saved as {spare}").format(
-            path=path, reason=error.strerror, spare=spare_path
+            path=path, reason=error.strerror, spare=spare
         )
-        return spare_path, [message, *notes]
+        return spare, [message, *notes]
     return path, [*notes]
 
 
-def new_paths(clip_name: str, path: str = "") -> tuple[str, str]:
-    """Where a new take of a clip goes, and where if it cannot be written there: for `save`.
+def new_take(clip_name: str, path: str = "") -> NewTake:
+    """Where a new take of a clip goes.
 
     path: as the user gave it; "" for one beside the .blend, or with the user's files if there is
     no .blend yet.
     """
-    spare = _spare_path(clip_name)
-    if path:
-        return bpy.path.abspath(path), spare
-    if not bpy.data.filepath:
-        return spare, spare
-    return _new_take(Path(bpy.path.abspath("//")), clip_name), spare
+    spare = _user_folder()
+    folder = Path(bpy.path.abspath("//")) if bpy.data.filepath else spare
+    stem = bpy.path.clean_name(Path(clip_name).stem)
+    return NewTake(stem, folder, spare, bpy.path.abspath(path) if path else "")
 
 
 def new_set_path() -> str:
@@ -66,16 +82,7 @@ def _user_folder() -> Path:
     return Path(bpy.utils.extension_path_user(__package__, path="captures", create=True))
 
 
-def _spare_path(clip_name: str) -> str:
-    return _new_take(_user_folder(), clip_name)
-
-
-def _new_take(folder: Path, clip_name: str) -> str:
-    return _new_file(folder, Path(clip_name).stem, "performance")
-
-
-def _new_file(folder: Path, name: str, kind: str) -> str:
-    stem = bpy.path.clean_name(name)
+def _new_file(folder: Path, stem: str, kind: str) -> str:
     path = folder / f"{stem}.{kind}.npz"
     number = 1
     while path.exists():  # none overwrites the one before
@@ -134,17 +141,43 @@ def name_of(holder) -> str:
 
 
 def find(holder) -> str:
-    """Where the file is that a holder names, there or beside the .blend; "" if it is missing."""
+    """Where the file is that a holder names, there or, if it is of the holder's footage, beside
+    the .blend; "" if it is missing."""
     path = path_of(holder)
-    beside = bpy.path.abspath(f"//{name_of(holder)}") if bpy.data.filepath else ""
-    return next((place for place in (path, beside) if place and os.path.isfile(place)), "")
+    if os.path.isfile(path) or not bpy.data.filepath:
+        return path if os.path.isfile(path) else ""
+    beside = bpy.path.abspath(f"//{name_of(holder)}")
+    return beside if os.path.isfile(beside) and _is_of(beside, _footage_of(holder)) else ""
 
 
-def named(name: str) -> Take | None:
+_seen: dict[str, tuple] = {}  # file: its state when read, and its footage's fingerprint, or None
+
+
+def _is_of(path: str, fingerprint: str) -> bool:
+    """Whether a file is a take of the footage with a fingerprint, as far as either is known."""
+    if not fingerprint:
+        return True
+    facts = os.stat(path)
+    state = facts.st_mtime_ns, facts.st_size
+    if path not in _seen or _seen[path][0] != state:  # panels ask at every drawing
+        try:
+            footage = native.performances().Performance.load(path).footage
+            _seen[path] = state, footage[1] if footage else ""
+        except native.known_errors():
+            _seen[path] = state, None
+    return _seen[path][1] in ("", fingerprint)
+
+
+def named(name: str, fingerprint: str = "") -> Take | None:
     """The captured take in a file of this name: one that the .blend uses or lists, else one
-    beside it or beside those; None if there is none."""
+    beside it or beside those; None if there is none.
+
+    fingerprint: of its footage, where that is known: each clip may have a file of this name.
+    """
     holders = [holder for holder in _holders() if holder.performance_path]
-    found = next((h for h in holders if name_of(h) == name and find(h)), None)
+    same = [h for h in holders if name_of(h) == name and find(h)]
+    same.sort(key=lambda h: bool(fingerprint) and _footage_of(h) != fingerprint)
+    found = next(iter(same), None)
     if found is None:
         own = [bpy.path.abspath("//")] if bpy.data.filepath else []
         folders = [*own, *(os.path.dirname(path_of(holder)) for holder in holders)]

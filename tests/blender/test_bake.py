@@ -6,6 +6,7 @@ import dataclasses
 import bpy
 import numpy as np
 import pytest
+from last_result import result
 
 METRES = 2e-6  # single precision at arm's length, over some forty shapes
 
@@ -153,3 +154,15 @@ def test_detail_is_baked_when_asked_for(extension, scene, performance):
     expected = world_from_camera_points(whole.surface_in_camera(20))
     actual = evaluated_vertices(face, performance.frame[20])
     assert np.abs(actual - expected).max() < METRES
+
+
+def test_a_face_that_the_view_layer_does_not_show_is_baked_and_that_is_said(bake, performance):
+    face = bake(performance)
+    hidden = bpy.data.collections.new("Hidden")
+    bpy.context.scene.collection.children.link(hidden)
+    for collection in face.users_collection:
+        collection.objects.unlink(face)
+    hidden.objects.link(face)
+    bpy.context.view_layer.layer_collection.children["Hidden"].exclude = True
+    assert bake(performance) == face
+    assert "in no collection that this view layer shows" in result()["message"]

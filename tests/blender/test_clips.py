@@ -293,3 +293,31 @@ def test_a_file_of_an_earlier_version_gives_its_fit_to_its_clip(
     assert extension("scene_out").face_fit.of_clip(settings.clip).frame == 1
     assert extension("scene_in").shows_landmarks(settings.clip)
     assert bpy.ops.mimetic.bake.poll()
+
+
+def test_what_a_linked_clip_has_is_copied_before_it_is_changed(
+    extension, scene, films, performance, tmp_path
+):
+    """Blender forgets on saving what is written to linked data."""
+    take = take_of(performance, films[0], tmp_path / "take.npz")
+    bpy.ops.mimetic.load_clip(filepath=str(films[0]))
+    bpy.ops.mimetic.load_performance(filepath=str(take))
+    library = tmp_path / "assets" / "library.blend"
+    library.parent.mkdir()
+    bpy.ops.wm.save_as_mainfile(filepath=str(library))
+    bpy.ops.wm.read_homefile(use_empty=True, use_factory_startup=True)
+    with bpy.data.libraries.load(str(library), link=True) as (there, here):
+        here.movieclips = there.movieclips
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    bpy.ops.mimetic.load_clip(filepath=str(films[0]))
+    clip = bpy.context.scene.mimetic.clip
+    assert clip.library is None
+    takes, captured = extension("takes"), extension("captured_takes")
+    assert takes.find(takes.of_clip(bpy.context.scene, clip)) == str(take)  # the linked one's
+    extension("corrections").keep(clip, ())
+    bpy.ops.wm.save_mainfile()
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
+    clip = bpy.context.scene.mimetic.clip
+    (record,) = clip.mimetic.footage
+    assert takes.find(record) == str(take)
+    assert [takes.find(row) for row in captured.of_clip(clip)] == [str(take)]

@@ -3,11 +3,13 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
 from last_result import result
+from test_clips import take_of
 
 pytestmark = pytest.mark.oldest_and_newest
 
@@ -192,3 +194,54 @@ def test_corrections_edited_into_nonsense_are_refused(extension, captured):
     with pytest.raises(RuntimeError, match="lacks frame"):
         bpy.ops.mimetic.correct_value(value_name="jaw_open", value=0.5)
     assert extension("corrections").frames_of(captured) == []
+
+
+def test_what_a_shorter_take_does_not_have_waits_for_one_that_does(
+    extension, captured, performance, clip_path, tmp_path
+):
+    bpy.ops.mimetic.correct_value(frame=25, value_name="jaw_open", value=0.4)
+    bpy.ops.mimetic.correct_value(frame=4, value_name="jaw_open", value=0.4)
+    short = take_of(performance, clip_path, tmp_path / "short.npz", 10)
+    bpy.ops.mimetic.load_performance(filepath=str(short))
+    refined = refine(tmp_path)
+    assert [json.loads(text)["frame"] for text in refined.corrections] == [4]
+    assert "1 more are of frames that this take does not have" in result()["message"]
+    assert [entry.frame for entry in kept(extension, captured)] == [4, 25]
+
+
+class Waiting:
+    """What a drag in the clip editor asks of Blender, without a window."""
+
+    def __init__(self, kind, scene):
+        self.drag = type("Drag", (kind,), {"report": lambda *_: None})()
+        self.drag.frame, self.drag.is_of_shown = 0, False
+        quiet = SimpleNamespace(
+            cursor_modal_set=lambda _: None,
+            cursor_modal_restore=lambda: None,
+            status_text_set=lambda _: None,
+            modal_handler_add=lambda _: None,
+        )
+        self.context = SimpleNamespace(
+            window=quiet, workspace=quiet, window_manager=quiet, scene=scene, edit_movieclip=None
+        )
+        assert self.drag.invoke(self.context, None) == {"RUNNING_MODAL"}
+
+    def press(self, kind: str):
+        event = SimpleNamespace(type=kind, value="PRESS", mouse_x=0, mouse_y=0)
+        return self.drag.modal(self.context, event)
+
+
+def test_a_drag_that_waits_leaves_what_is_corrected_meanwhile(
+    extension, captured, scene, monkeypatch
+):
+    part = extension("scene_in")
+    monkeypatch.setattr(part, "no_picture", lambda context: "")
+    monkeypatch.setattr(part, "footage_pixel", lambda *arguments: None)
+    kind = extension("operators.dragging").Dragging
+    first = Waiting(kind, scene)
+    bpy.ops.mimetic.correct_value(frame=20, value_name="jaw_open", value=0.5)
+    assert first.press("ESC") == {"CANCELLED"}
+    assert [entry.frame for entry in kept(extension, captured)] == [20]
+    first, second = Waiting(kind, scene), Waiting(kind, scene)
+    assert "CANCELLED" in first.press("LEFTMOUSE")  # the other was begun instead
+    assert second.press("LEFTMOUSE") == {"PASS_THROUGH"}

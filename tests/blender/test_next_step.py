@@ -5,6 +5,7 @@ import bpy
 import pytest
 from last_result import result
 from panel_texts import drawn, lit_buttons
+from test_clips import films, take_of  # noqa: F401 # films is a fixture
 
 PANELS = ("MIMETIC_PT_capture_clip", "MIMETIC_PT_capture_view")
 MOST_STEPS = 12
@@ -68,3 +69,18 @@ def test_a_take_without_footage_is_baked(scene, performance_file):
     assert lit_buttons(PANELS[0]) == [] and "Baked" in drawn(PANELS[0])
     bpy.ops.mimetic.remove_take()
     assert lit_buttons(PANELS[0]) == ["mimetic.bake"]
+
+
+def test_a_take_of_another_clip_in_a_file_of_that_name_is_not_baked(
+    films,  # noqa: F811
+    performance,
+    tmp_path,
+):
+    for film, folder in zip(films, "ab", strict=True):
+        (tmp_path / folder).mkdir()
+        bpy.ops.mimetic.load_clip(filepath=str(film))
+        take = take_of(performance, film, tmp_path / folder / "performance.npz")
+        bpy.ops.mimetic.load_performance(filepath=str(take))
+        assert lit_buttons(PANELS[0]) == ["mimetic.bake"]
+        bpy.ops.mimetic.bake(use_contact=False, use_texture=False)
+        assert lit_buttons(PANELS[0]) == []

@@ -320,12 +320,21 @@ def test_a_result_waits_until_the_scene_can_take_it(extension, scene, performanc
 def test_captures_do_not_overwrite_one_another(extension, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
     takes = extension("takes")
-    first = Path(takes.new_paths("clip.mp4")[0])
+    first = Path(takes.new_take("clip.mp4").path())
     assert first.parent == tmp_path
     first.touch()
-    second = Path(takes.new_paths("clip.mp4")[0])
+    second = Path(takes.new_take("clip.mp4").path())
     assert second != first
     assert not second.exists()
+
+
+def test_takes_that_were_begun_side_by_side_are_both_kept(extension, performance, tmp_path):
+    """Of clips whose names differ in their endings: neither file is there when they begin."""
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    takes = extension("takes")
+    begun = [takes.new_take(name) for name in ("shot.mp4", "shot.mov")]
+    paths = [takes.save(performance, new)[0] for new in begun]
+    assert len(set(paths)) == 2 and all(Path(path).is_file() for path in paths)
 
 
 def test_the_shown_frame_counts_start_and_offset(extension, scene, footage):

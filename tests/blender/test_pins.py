@@ -42,6 +42,20 @@ def select(clip, *names: str) -> None:
         track.select = track.name in names
 
 
+def test_a_tracking_object_of_the_users_that_is_called_so_stays(
+    extension, scene, clip_path, found_fit
+):
+    bpy.ops.mimetic.load_clip(filepath=str(clip_path))
+    clip = scene.mimetic.clip
+    clip.tracking.objects.new("Face").tracks.new(name="chin", frame=1)
+    for _ in range(2):
+        extension("scene_out").face_fit.store(clip, found_fit)
+        assert tracks(clip).keys() == ["chin"]
+        assert len(clip.tracking.objects) == 3
+    assert NAME in extension("scene_out").landmarks.tracks_of(clip)
+    assert extension("scene_in").shows_landmarks(clip)
+
+
 def test_a_dragged_landmark_is_pinned_and_the_face_follows(extension, found):
     from mimetic.fit import fitting
 

@@ -66,3 +66,15 @@ def test_the_users_own_stabilisation_is_left_alone(clip, extension):
     stabilised._call(clip, bpy.ops.clip.stabilize_2d_add, ("mine",))
     assert not bpy.ops.mimetic.hold_head_still.poll()
     assert "mine" in extension("scene_in").no_stabilising(bpy.context)
+
+
+def test_tracks_of_the_users_that_are_called_so_stay(clip):
+    mine = clip.tracking.objects[0].tracks.new(name=NAMES[0], frame=1)
+    mine.select = False
+    for _ in range(2):
+        assert bpy.ops.mimetic.hold_head_still() == {"FINISHED"}
+        assert len(clip.tracking.objects[0].tracks) == 3
+        assert len(clip.tracking.objects[0].tracks[NAMES[0]].markers) <= 2
+    assert not bpy.ops.mimetic.hold_head_still.poll() or bpy.ops.mimetic.release_head.poll()
+    assert bpy.ops.mimetic.release_head() == {"FINISHED"}
+    assert clip.tracking.objects[0].tracks.keys() == [NAMES[0]]

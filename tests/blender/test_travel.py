@@ -105,6 +105,21 @@ def test_a_take_beside_the_blend_is_found(project, take, tmp_path):
     assert take() == ("//takes/take.npz", str(flat / "take.npz"))
 
 
+def test_another_clips_take_beside_the_blend_is_not_it(project, take, tmp_path, films, performance):  # noqa: F811
+    """Each capture from the command line is called alike."""
+    away = tmp_path / "away"
+    away.mkdir()
+    shutil.move(project / "take.npz", away)
+    bpy.ops.mimetic.load_performance(filepath=str(away / "take.npz"))
+    bpy.ops.wm.save_mainfile()
+    take_of(performance, films[1], project / "take.npz")
+    os.rename(away, tmp_path / "not mounted")
+    assert take() == ("//../away/take.npz", "")
+    bpy.ops.wm.save_mainfile()
+    os.rename(tmp_path / "not mounted", away)
+    assert take() == ("//../away/take.npz", str(away / "take.npz"))
+
+
 def test_what_is_missing_is_asked_for(extension, project, take, tmp_path, films, performance):  # noqa: F811
     """By content: a take of that name of another clip is not taken, a renamed clip is."""
     assert not bpy.ops.mimetic.find_missing.poll()

@@ -188,7 +188,10 @@ class MIMETIC_OT_bake(KeyOptions, CurveOptions, TakeOptions, InSections, Job, Op
                 message += rpt_(
                     "; other objects are out of view, View > Local View shows them again"
                 )
-        scene_out.canonical.select_only(context.view_layer, face)
+        if not scene_out.canonical.select_only(context.view_layer, face):
+            message += rpt_("; {name} is in no collection that this view layer shows").format(
+                name=face.name
+            )
         return message
 
     def settings(self) -> str:

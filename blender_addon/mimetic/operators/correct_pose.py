@@ -91,6 +91,7 @@ class MIMETIC_OT_drag_pose(StatesPose, Dragging, Operator):
     bl_label = "Drag Pose"
     hint = "Drag the head   |   G moves, R turns, R again rolls   |   Esc cancels"
     heard = frozenset("GR")
+    _from = _to = None  # pixels of the footage, once it is dragged
 
     mode: EnumProperty(
         name="Drag",
@@ -110,7 +111,6 @@ class MIMETIC_OT_drag_pose(StatesPose, Dragging, Operator):
         self._drag = native.correcting().PoseDrag(
             performance, frame, list(self.turn), list(self.shift)
         )
-        self._from = self._to = None
 
     def press_key(self, kind):
         self.mode = "MOVE" if kind == "G" else "ROLL" if self.mode == "TURN" else "TURN"

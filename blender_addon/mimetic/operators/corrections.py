@@ -129,14 +129,15 @@ class MIMETIC_OT_refine(Job, Operator):
 
     def read(self, context):
         clip = scene_in.clip_of(context)
-        paths = takes.new_paths(clip.name, self.filepath)
+        new = takes.new_take(clip.name, self.filepath)
         frames = (self.frame_first or None, self.frame_last or None)
         arguments.check_order(*frames)
-        return scene_in.take(context), corrections.of_clip(clip), frames, self.direction, paths
+        return scene_in.take(context), corrections.of_clip(clip), frames, self.direction, new
 
     def work(self, inputs, progress):
-        take, entries, frames, direction, paths = inputs
+        take, entries, frames, direction, new = inputs
         performance = takes.load(take)
+        kept = native.correcting().within(entries, performance)
         is_stopped = False
 
         def show(fraction, text):
@@ -144,11 +145,18 @@ class MIMETIC_OT_refine(Job, Operator):
             is_stopped = not progress(fraction, text)
             return not is_stopped
 
-        refined = native.correcting().refined(performance, entries, frames, direction.lower(), show)
+        refined = native.correcting().refined(performance, kept, frames, direction.lower(), show)
         if is_stopped:
             return None
-        path, remarks = takes.save(refined, *paths)
-        frames = [entry.frame for entry in entries]
+        path, remarks = takes.save(refined, new)
+        frames = [entry.frame for entry in kept]
+        if num_left := len(entries) - len(kept):
+            remarks = [
+                rpt_("{count} more are of frames that this take does not have").format(
+                    count=num_left
+                ),
+                *remarks,
+            ]
         facts = {"clip": take.clip_name, "performance": path, "frames": frames}
         return (
             facts,

@@ -3,7 +3,7 @@
 
 from bpy.app.translations import pgettext_iface as iface_
 
-from .. import corrections, editors, native, outcome, scene_in
+from .. import corrections, editors, native, outcome, scene_in, writable
 from .correcting import Correcting
 
 
@@ -15,9 +15,10 @@ class Dragging(Correcting):
 
     hint = ""  # what the status bar says
     heard: frozenset[str] = frozenset()  # keys that `press_key` answers
+    num_begun = 0  # of all drags: one waits for its click at a time
 
     def prepare(self, context) -> None:
-        """Reads what the first click needs; raises what reading it raises."""
+        """Reads what a drag begins from, at its click; raises what reading it raises."""
 
     def press_key(self, kind: str) -> None:
         """One of `heard`, before the drag or in its middle."""
@@ -26,19 +27,21 @@ class Dragging(Correcting):
         if reason := scene_in.no_picture(context):
             return outcome.cancelled(self, context, reason)
         try:
-            # Read before the first click is to be answered
+            # The take is read before the first click is to be answered
             self._size = tuple(map(int, corrections.board(context).stored_size))
-            self._before = corrections.of_clip(scene_in.clip_of(context))
-            self.prepare(context)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        self._is_dragging = False
+        self._is_dragging, self._clip = False, None
+        Dragging.num_begun += 1
+        self._number = Dragging.num_begun
         context.window.cursor_modal_set("CROSSHAIR")
         context.workspace.status_text_set(iface_(self.hint))
         context.window_manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
+        if self._number != Dragging.num_begun and not self._is_dragging:
+            return {"CANCELLED", "PASS_THROUGH"}  # another was begun instead
         if event.type in {"ESC", "RIGHTMOUSE"}:
             return self._leave(context, False)
         if event.type in self.heard and event.value == "PRESS":
@@ -48,8 +51,7 @@ class Dragging(Correcting):
             return {"RUNNING_MODAL"}
         pixel = scene_in.footage_pixel(context, event.mouse_x, event.mouse_y, self._size)
         if event.type == "LEFTMOUSE" and event.value == "PRESS" and pixel is not None:
-            self.grab_at(pixel)
-            self._is_dragging = self._show(context)
+            self._is_dragging = self._grab(context, pixel)
             return {"RUNNING_MODAL"} if self._is_dragging else self._leave(context, False)
         if self._is_dragging and event.type == "MOUSEMOVE" and pixel is not None:
             self.drag_to(pixel)
@@ -58,12 +60,26 @@ class Dragging(Correcting):
             return self._leave(context, True)
         return {"RUNNING_MODAL"} if self._is_dragging else {"PASS_THROUGH"}
 
+    def _grab(self, context, pixel) -> bool:
+        """Begins the drag: clip, frame and corrections may be others than at the button."""
+        clip = scene_in.clip_of(context)
+        self._frame = self.frame or scene_in.shown_frame(context)
+        try:
+            writable.check(self.obstacle(context))
+            self._size = tuple(map(int, corrections.board(context).stored_size))
+            self._before = corrections.of_clip(clip)
+            self.prepare(context)
+        except native.known_errors() as error:
+            self.report({"WARNING"}, str(error))
+            return False
+        self._clip = clip
+        self.grab_at(pixel)
+        return self._show(context)
+
     def _show(self, context) -> bool:
         """What is stated as it would be now; says whether it can be."""
-        clip = scene_in.clip_of(context)
         try:
-            frame = self.frame or scene_in.shown_frame(context)
-            corrections.keep(clip, self.change(context, self._before, frame))
+            corrections.keep(self._clip, self.change(context, self._before, self._frame))
         except native.known_errors() as error:
             self.report({"WARNING"}, str(error))
             return False
@@ -73,7 +89,8 @@ class Dragging(Correcting):
     def _leave(self, context, is_kept: bool):
         context.window.cursor_modal_restore()
         context.workspace.status_text_set(None)
-        corrections.keep(scene_in.clip_of(context), self._before)
+        if self._clip is not None:
+            corrections.keep(self._clip, self._before)
         editors.redraw("CLIP_EDITOR")
         return self.execute(context) if is_kept else {"CANCELLED"}
 

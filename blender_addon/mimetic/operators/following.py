@@ -44,7 +44,7 @@ class Following(arguments.FrameRange, Job):
 
     def read(self, context):
         footage = scene_in.footage(context)
-        paths = takes.new_paths(footage.clip_name, self.filepath)
+        new = takes.new_take(footage.clip_name, self.filepath)
         clip = scene_in.clip_of(context)
         if arguments.is_given(self, "lens"):
             clip.mimetic.lens = self.lens
@@ -53,12 +53,12 @@ class Following(arguments.FrameRange, Job):
             "fit": scene_out.face_fit.of_clip(clip),
             "lens": clip_lens.known(clip),
         }
-        return footage, what, paths, self.option(context), scene_out.face_fit.content(clip)
+        return footage, what, new, self.option(context), scene_out.face_fit.content(clip)
 
     def work(self, inputs, progress):
-        footage, what, paths, option, fit_before = inputs
+        footage, what, new, option, fit_before = inputs
         performance = self.follow(option, footage.path, progress, **what)
-        path, remarks = takes.save(performance, *paths)
+        path, remarks = takes.save(performance, new)
         of_take = native.take_facts().facts_of(performance)
         message = rpt_(self.message).format(first=of_take.first, last=of_take.last)
         facts = {

@@ -25,9 +25,15 @@ def add(
     return obj
 
 
-def select_only(view_layer: bpy.types.ViewLayer, target: bpy.types.Object) -> None:
-    """Selects an object alone and makes it active, as Blender does with what was just added."""
+def select_only(view_layer: bpy.types.ViewLayer, target: bpy.types.Object) -> bool:
+    """Selects an object alone and makes it active, as Blender does with what was just added.
+
+    Not one in an excluded collection, where nothing is selected; returns whether it could.
+    """
     view_layer.update()  # what was linked just now is not among its objects yet
+    if target.name not in view_layer.objects:
+        return False
     for obj in view_layer.objects:
         obj.select_set(obj == target)
     view_layer.objects.active = target
+    return True

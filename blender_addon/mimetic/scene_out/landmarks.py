@@ -10,9 +10,8 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
-from .. import native
+from .. import native, own_tracks
 
-TRACKING_OBJECT = "Face"  # apart from the user's own tracks
 PIN_COLOUR = (1.0, 0.25, 0.1)
 PATTERN_PIXELS = 7, 15  # of markers, small enough to see the face between them
 OUT_OF_SIGHT = (-10.0, -10.0)  # in pictures
@@ -21,16 +20,13 @@ MOVED_PIXELS = 0.02  # markers are single precision
 
 def tracks_of(clip: bpy.types.MovieClip):
     """The landmarks' tracks, or nothing if the clip has none."""
-    tracking_object = clip.tracking.objects.get(TRACKING_OBJECT)
+    tracking_object = own_tracks.landmark_object(clip)
     return tracking_object.tracks if tracking_object else ()
 
 
 def show(clip: bpy.types.MovieClip, fit) -> None:
     """Marks a mimetic.fit.FaceFit's landmarks in the clip, instead of those of an earlier fit."""
-    objects = clip.tracking.objects
-    if TRACKING_OBJECT in objects:
-        objects.remove(objects[TRACKING_OBJECT])
-    tracking_object = objects.new(TRACKING_OBJECT)
+    tracking_object = own_tracks.new_landmark_object(clip)
     frames = [frame - clip.frame_offset for frame in _frames(fit)]
     around = {frame + step for frame in frames for step in (-1, 1)}.difference(frames)
     settings = clip.tracking.settings
@@ -43,7 +39,7 @@ def show(clip: bpy.types.MovieClip, fit) -> None:
         for silent in around:  # nothing is known of other frames
             track.markers.insert_frame(silent, co=OUT_OF_SIGHT).mute = True
     settings.default_pattern_size, settings.default_search_size = usual
-    objects.active = tracking_object
+    clip.tracking.objects.active = tracking_object
     place(clip, fit)
 
 

@@ -11,9 +11,7 @@ from contextlib import contextmanager
 
 import bpy
 
-from .. import editors, native, scene_in, writable
-
-CENTRE, ABOVE = scene_in.HELD_BY
+from .. import editors, native, own_tracks, writable
 
 
 def hold_still(clip: bpy.types.MovieClip, performance) -> int:
@@ -22,10 +20,12 @@ def hold_still(clip: bpy.types.MovieClip, performance) -> int:
     places = native.stabilisation().anchors(performance)
     parts = native.projection()
     release(clip)
-    for i, name in enumerate((CENTRE, ABOVE)):
+    names = []
+    for i, name in enumerate(own_tracks.HELD_BY):
         at = parts.picture_coordinates(places[:, i], performance.image_size)
-        _write_track(clip, name, performance.frame - clip.frame_offset, at)
-    _stabilise_by(clip)
+        names.append(_write_track(clip, name, performance.frame - clip.frame_offset, at))
+    clip.mimetic.held_by = "\n".join(names)
+    _stabilise_by(clip, *names)
     stabilisation = clip.tracking.stabilization
     best = native.projection().reference_index(performance)
     stabilisation.anchor_frame = int(performance.frame[best]) - clip.frame_offset
@@ -39,25 +39,26 @@ def hold_still(clip: bpy.types.MovieClip, performance) -> int:
 
 def release(clip: bpy.types.MovieClip) -> None:
     """Removes our tracks, and with them their stabilisation."""
-    for name in (CENTRE, ABOVE):
-        if name in clip.tracking.objects[0].tracks:
-            _call(clip, bpy.ops.clip.delete_track, (name,))
+    for name in own_tracks.held_by(clip):
+        _call(clip, bpy.ops.clip.delete_track, (name,))
+    clip.mimetic.held_by = ""
     if not len(clip.tracking.stabilization.tracks):
         clip.tracking.stabilization.use_2d_stabilization = False
 
 
-def _write_track(clip, name: str, frames, places) -> None:
+def _write_track(clip, name: str, frames, places) -> str:
     # Stabilisation reads the tracks of the camera, which is always the first object
     track = clip.tracking.objects[0].tracks.new(name=name, frame=int(frames[0]))
     for frame, place in zip(frames.tolist(), places.tolist(), strict=True):
         track.markers.insert_frame(frame, co=place)
     track.lock = True
     track.hide = True
+    return track.name
 
 
-def _stabilise_by(clip) -> None:
-    _call(clip, bpy.ops.clip.stabilize_2d_add, (CENTRE,))
-    _call(clip, bpy.ops.clip.stabilize_2d_rotation_add, (ABOVE,))
+def _stabilise_by(clip, centre: str, above: str) -> None:
+    _call(clip, bpy.ops.clip.stabilize_2d_add, (centre,))
+    _call(clip, bpy.ops.clip.stabilize_2d_rotation_add, (above,))
 
 
 def _show(clip) -> None:

@@ -49,7 +49,11 @@ def note(obj, performance, name: str, path: str, frames, settings: str, before: 
         take_strips.clear(block)  # of the takes before, which stay in the list
     row = obj.mimetic.takes.add()
     row.name = _free_name(obj, name)
-    row.clip = native.shown_text().shown(performance.footage[0]) if performance.footage else ""
+    if performance.footage:
+        row.clip, row.footage = (
+            native.shown_text().shown(performance.footage[0]),
+            performance.footage[1],
+        )
     row.performance = native.shown_text().shown(path)
     row.first, row.last, row.quality = facts.first, facts.last, facts.quality
     row.scene_first, row.scene_last = float(frames[0]), float(frames[-1])

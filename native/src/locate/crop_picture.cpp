@@ -12,6 +12,8 @@
 namespace mimetic::locate {
 namespace {
 
+constexpr int kMostHalves = 16;
+
 /// Pixels of the picture from places in the crop, whose sides go from 0 to 1.
 Eigen::Matrix<double, 2, 3> image_from_crop(const FeatureCrop& crop) {
     const double c = std::cos(crop.roll) * crop.side, s = std::sin(crop.roll) * crop.side;
@@ -21,31 +23,43 @@ Eigen::Matrix<double, 2, 3> image_from_crop(const FeatureCrop& crop) {
     return map;
 }
 
+/// The part of a picture that a crop shows, and what is about it; its corner at multiples of `grid`.
+cv::Rect part_of(const cv::Size& picture, const FeatureCrop& crop, int grid) {
+    const double reach = 0.75 * crop.side;
+    const auto first = [&](double center) {
+        return grid * static_cast<int>(std::floor((center - reach - 2) / grid));
+    };
+    const auto end = [&](double center) {
+        return grid * static_cast<int>(std::ceil((center + reach + 3) / grid));
+    };
+    return cv::Rect(cv::Point(), picture) &
+           cv::Rect(cv::Point(first(crop.center.x()), first(crop.center.y())),
+                    cv::Point(end(crop.center.x()), end(crop.center.y())));
+}
+
 }  // namespace
 
 cv::Mat blob_of(ColorView image, const FeatureCrop& crop, int side, bool mirrored) {
     cv::Mat picture = as_matrix(image);
     Eigen::Matrix<double, 2, 3> map = image_from_crop(crop);
-    // Halves of the part that is seen, so that no detail is skipped over
-    const double reach = 0.75 * crop.side;
-    const cv::Rect whole(0, 0, picture.cols, picture.rows);
-    const cv::Rect part =
-        whole & cv::Rect(cv::Point(static_cast<int>(std::floor(crop.center.x() - reach)) - 2,
-                                   static_cast<int>(std::floor(crop.center.y() - reach)) - 2),
-                         cv::Point(static_cast<int>(std::ceil(crop.center.x() + reach)) + 3,
-                                   static_cast<int>(std::ceil(crop.center.y() + reach)) + 3));
+    // Halves of the part that is seen, so that no detail is skipped over; from the same pixels of the picture
+    // each time, so that what is seen does not flicker as the crop moves
+    int num_halves = 0;
+    for (double size = crop.side; size >= 2 * side && num_halves < kMostHalves; size /= 2) {
+        ++num_halves;
+    }
+    const cv::Rect part = part_of(picture.size(), crop, 1 << num_halves);
     if (part.width < 2 || part.height < 2) {
         throw InvalidInput("the crop lies beside the picture; follow the face before asking for its points");
     }
     picture = picture(part);
     map.col(2) -= Eigen::Vector2d(part.x, part.y);
-    for (double size = crop.side; size >= 2 * side && std::min(picture.rows, picture.cols) >= 4; size /= 2) {
+    for (; num_halves > 0 && std::min(picture.rows, picture.cols) >= 4; --num_halves) {
         cv::Mat half;
         cv::resize(picture, half, {}, 0.5, 0.5, cv::INTER_AREA);
-        const Eigen::Vector2d shrunk(static_cast<double>(half.cols) / picture.cols,
-                                     static_cast<double>(half.rows) / picture.rows);
-        map = shrunk.asDiagonal() * map;
-        map.col(2) += 0.5 * (shrunk - Eigen::Vector2d::Ones());
+        // By exactly a half, also where a side is odd: pixel i takes 2i and 2i + 1
+        map *= 0.5;
+        map.col(2).array() -= 0.25;
         picture = half;
     }
     const double step = 1.0 / side;

@@ -1,8 +1,13 @@
 """Gaze from irises: saccades, fixations, blinks, eyes that are not seen, lids that go along."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from mimetic import InvalidInput, _core
+from mimetic.performance.rows import Rows
+from mimetic.solve.gaze import ClipGaze
+from mimetic.template.face_template import load_template
 
 CAMERA = _core.Camera(600.0, 600.0, 319.5, 239.5, 640, 480)
 CENTERS = np.array([[0.0315, 0.028, 0.071], [-0.0315, 0.028, 0.071]])
@@ -265,3 +270,25 @@ def test_corrected_eyes_stay_within_what_eyes_can_do():
 def test_corrections_of_no_gaze_are_refused(pin):
     with pytest.raises(InvalidInput, match="correction of the gaze"):
         _core.corrected_gaze(np.zeros((5, 4)), [pin])
+
+
+@pytest.mark.parametrize("first", [60, 1])
+def test_lids_are_told_by_the_gaze_of_the_fitted_frame_even_outside_of_the_range(first):
+    """Who looks down throughout a shot was fitted looking up, before it or behind it."""
+    count, fitted = 30, 40
+    rows = Rows(
+        frame=list(range(first, first + count)),
+        pose=[pose_of()] * count,
+        pose_cov=[1e-9 * np.eye(6)] * count,
+        irises=list(irises_of(eyes_looking(np.zeros(count), -15.0), [pose_of()] * count)),
+    )
+    (upwards,) = irises_of(eyes_looking(np.zeros(1), 0.0), [pose_of()])
+    at_fit = SimpleNamespace(camera_from_head=pose_of(), pose_cov=1e-9 * np.eye(6), irises=upwards)
+    template = load_template()
+    fit = SimpleNamespace(
+        frame=fitted, camera=CAMERA, neutral_vertices=lambda template: template.vertices
+    )
+    gaze = ClipGaze(fit, template, rows, at_fit, FPS)
+    assert gaze.angles.shape == gaze.std.shape == (count, 4)
+    apart = gaze.following[0].rest_pitch - gaze.angles[:, 1]
+    assert (np.abs(apart - 15) < 6).all()  # the template's eyeballs are smaller than these

@@ -176,21 +176,21 @@ class _HeadMotion:
         at_reference = tracker.advance(reference, fit.head_pose)
         backward, forward = Rows(), Rows()
         if fit.frame > first:
-            _append(backward, proved(self._follow(tracker, first)), at_reference)
+            _append(backward, proved(self._follow(tracker, first, reference)), at_reference)
             tracker.restart(reference, at_reference)
         ahead: Iterable[Seen] = ()
         if last > fit.frame:
-            ahead = proved(self._follow(tracker, last))
+            ahead = proved(self._follow(tracker, last, reference))
         _append(forward, itertools.chain([(fit.frame, at_reference)], ahead), at_reference)
         return (backward.reversed() + forward).within(first, last)
 
-    def _follow(self, tracker: _core.HeadTracker, end: int) -> Iterator[Seen]:
+    def _follow(self, tracker: _core.HeadTracker, end: int, reference: Image) -> Iterator[Seen]:
         """Frame by frame, until the images end or the user stops."""
 
         def advance(_frame: int, image: Image, guess: Pose | None) -> _core.HeadEstimate:
             return tracker.advance(image, guess)
 
-        return self.walk.follow(end, advance, across_scenes=True, forget=tracker.forget)
+        return self.walk.follow(end, advance, reference, across_scenes=True, forget=tracker.forget)
 
     def _performance(self, rows: Rows) -> Performance:
         self.walk.check_any_done(rows)

@@ -292,33 +292,38 @@ class ClipCapture:
 
         at_reference = step(reference_frame, reference)
         backward, forward = Rows(), Rows()
-        near_reference: list[_core.FrameEstimate] = []
+        near_reference: list[tuple[int, _core.FrameEstimate]] = []
         if reference_frame > first:
-            behind = proved(self.walk.follow(first, step))
-            for state in self.smooth(behind, [at_reference]):
+            behind = proved(self.walk.follow(first, step, reference))
+            for state in self.smooth(behind, [(reference_frame, at_reference)]):
                 if (
                     len(near_reference) == len(backward.frame) < smoothing.OVERLAP
                     and not state.held
+                    and not self.walk.is_cut_between(state.frame, state.frame + 1)
                 ):
-                    near_reference.append(state.estimate)
+                    near_reference.append((state.frame, state.estimate))
                 if state.frame <= last:
                     backward.append(state)
             tracker.restart(reference, at_reference)
         ahead: Estimates = iter(())
         if last > reference_frame:
-            ahead = proved(self.walk.follow(last, step))
+            ahead = proved(self.walk.follow(last, step, reference))
         estimates = itertools.chain([(reference_frame, at_reference)], ahead)
         for state in self.smooth(estimates, near_reference[::-1]):
             if first <= state.frame <= last:
                 forward.append(state)
-        return self._performance(backward.reversed() + forward)
+        return self._performance(backward.reversed() + forward, at_reference)
 
-    def smooth(self, estimates: Estimates, before: list[_core.FrameEstimate]) -> Iterator[State]:
+    def smooth(
+        self, estimates: Estimates, before: list[tuple[int, _core.FrameEstimate]]
+    ) -> Iterator[State]:
         def count(seconds: float) -> None:
             self.walk.summary.add("smooth", seconds)
 
         options = full_range.smoother_options()
-        return smoothing.smooth_in_windows(estimates, before, self.motion, count, options)
+        return smoothing.smooth_in_windows(
+            estimates, before, self.motion, count, options, self.walk.is_cut_between
+        )
 
     def make_tracker(self, reference: NDArray[np.uint8]) -> _core.FaceTracker:
         inputs = (self.walk.fit, self.template, self.anatomy, self.motion)
@@ -338,7 +343,7 @@ class ClipCapture:
         self.walk.summary.add_tracker(estimate.times)
         return estimate
 
-    def _performance(self, rows: Rows) -> Performance:
+    def _performance(self, rows: Rows, at_fit: _core.FrameEstimate) -> Performance:
         self.walk.check_any_done(rows)
         fit = self.walk.fit
         num_muscles = len(self.anatomy.muscle_names)
@@ -350,7 +355,7 @@ class ClipCapture:
         pose_cov = rows.pose_covariances()
         pose_cov[:, :3, :3] += _of_the_turn(poses, fit.head_pose)
         fps = float(self.walk.footage.fps)
-        gaze = ClipGaze(fit, self.template, rows, poses, rows.pose_covariances(), fps)
+        gaze = ClipGaze(fit, self.template, rows, at_fit, fps)
         of_values = gaze.fields(
             list(self.anatomy.articulator_names),
             values[:, num_muscles:],

@@ -20,13 +20,14 @@ from mimetic.performance.rows import Rows
 from mimetic.solve.features import EYE_FACES
 from mimetic.template.face_template import FaceTemplate
 
+LONGEST_GAP = 2.0  # s without an iris, after which the eyes may look anywhere
 FACING = np.array([[EYE_FACES, 0.0, 1.0], [-EYE_FACES, 0.0, 1.0]])
 
 
 class ClipGaze:
     """Fields of the performance for eyes that turn; made from what was followed of a clip.
 
-    poses: N x 4 x 4, camera from head; pose_covariances: N x 6 x 6.
+    at_fit: of the fitted frame, which need not be among the rows.
     """
 
     def __init__(
@@ -34,22 +35,24 @@ class ClipGaze:
         fit: FaceFit,
         template: FaceTemplate,
         rows: Rows,
-        poses: NDArray[np.float64],
-        pose_covariances: NDArray[np.float64],
+        at_fit: _core.FrameEstimate,
         fps: float,
     ) -> None:
         neutral = fit.neutral_vertices(template)
         self.eyes = eye_geometry(neutral, template)
-        self.track = _core.follow_gaze(
+        seen, is_clip = _with_fitted_frame(rows, fit.frame, at_fit, fps)
+        track = _core.follow_gaze(
             fit.camera,
             _core.Eyeballs(self.eyes.centers, self.eyes.radii, FACING),
-            np.ascontiguousarray(poses),
-            np.ascontiguousarray(pose_covariances),
-            np.array(rows.irises),
+            seen.rigid_poses(),
+            seen.pose_covariances(),
+            np.array(seen.irises),
             fps,
         )
+        self.angles, self.std = track.angles[is_clip], track.std[is_clip]
+        self.rest_std = track.rest_std
         # At gaze 0 an eye stands as this person's does
-        rest = np.array(self.track.rest)
+        rest = np.array(track.rest)
         self.neutral, self.iris_centers = (
             _core.turned_eyeballs(points, of_eye, self.eyes.centers, rest)
             for points, of_eye in (
@@ -58,8 +61,7 @@ class ClipGaze:
             )
         )
         # The fitted head has its lids as they are at the gaze of the fitted frame
-        fitted_row = int(np.argmin(np.abs(np.array(rows.frame) - fit.frame)))
-        pitches = self.track.angles[fitted_row, 1::2].tolist()
+        pitches = track.angles[seen.frame.index(fit.frame), 1::2].tolist()
         self.following = [
             _core.LidFollowing(per_degree, pitch)
             for per_degree, pitch in zip(self.eyes.lid_per_degree, pitches, strict=True)
@@ -75,20 +77,42 @@ class ClipGaze:
         """Keys of the performance. names: A articulators; values, std: N x A; modes: A x V x 3."""
         own, own_std = values.copy(), std.copy()
         # How the eyes rest is the same in the fitted frame, and so no error of a lid
-        of_frame = np.sqrt(np.maximum(self.track.std**2 - np.square(self.track.rest_std), 0))
+        of_frame = np.sqrt(np.maximum(self.std**2 - np.square(self.rest_std), 0))
         for eye, (side, follow) in enumerate(zip(SIDES, self.following, strict=True)):
             lid, pitch = names.index(f"lid_upper.{side}"), 2 * eye + 1
-            own[:, lid] = follow.own(values[:, lid], self.track.angles[:, pitch])
+            own[:, lid] = follow.own(values[:, lid], self.angles[:, pitch])
             own_std[:, lid] = np.hypot(std[:, lid], follow.per_degree * of_frame[:, pitch])
         return {
             "articulators": [*names, *GAZE],
-            "articulator_values": np.hstack([own, self.track.angles]),
-            "articulator_values_std": np.hstack([own_std, self.track.std]),
+            "articulator_values": np.hstack([own, self.angles]),
+            "articulator_values_std": np.hstack([own_std, self.std]),
             "articulator_modes": modes_with_gaze(modes),
             "neutral_vertices": self.neutral,
             **self.eyes.fields((f.per_degree, f.rest_pitch) for f in self.following),
             "iris_centers": self.iris_centers,
         }
+
+
+def _with_fitted_frame(
+    rows: Rows, fitted: int, at_fit: _core.FrameEstimate, fps: float
+) -> tuple[Rows, NDArray[np.bool_]]:
+    """What gaze is followed by in the rows and, if it is not among them, in the fitted frame, with
+    frames between in which no iris is seen; and which of all these are the clip's."""
+    clip = Rows(frame=rows.frame, pose=rows.pose, pose_cov=rows.pose_cov, irises=rows.irises)
+    if fitted in clip.frame:
+        return clip, np.ones(len(clip.frame), bool)
+    is_before = fitted < clip.frame[0]
+    apart = clip.frame[0] - fitted if is_before else fitted - clip.frame[-1]
+    num_silent = min(apart - 1, round(LONGEST_GAP * fps))
+    irises = np.array(at_fit.irises)
+    beyond = Rows(
+        frame=[0] * num_silent + [fitted],
+        pose=[np.array(at_fit.camera_from_head)] * (num_silent + 1),
+        pose_cov=[np.array(at_fit.pose_cov)] * (num_silent + 1),
+        irises=[np.zeros_like(irises)] * num_silent + [irises],
+    )
+    found = beyond.reversed() + clip if is_before else clip + beyond
+    return found, np.isin(found.frame, clip.frame)
 
 
 def gaze_in(

@@ -77,6 +77,10 @@ class ClipWalk:
             1 + frame for frame in self.mixed_frames if 1 + frame not in self.mixed_frames
         }
 
+    def is_cut_between(self, frame: int, neighbour: int) -> bool:
+        """Whether another scene starts with the later of two frames beside each other."""
+        return max(frame, neighbour) in self._cuts
+
     def images(self, end: int) -> Iterator[tuple[int, Image]]:
         """From the fit's frame, which is left out, to `end`; fewer when the user stops."""
         start = time.perf_counter()
@@ -103,10 +107,12 @@ class ClipWalk:
         self,
         end: int,
         advance: Advance[Estimate],
+        reference: Image,
         across_scenes: bool = False,
         forget: Forget | None = None,
     ) -> Iterator[tuple[int, Estimate | None]]:
-        """Estimates frame by frame to `end`; advance: of a frame, and where a lost head may be.
+        """Estimates frame by frame to `end`; advance: of a frame, and where a lost head may be;
+        reference: the fit's frame, which comes before them.
 
         After a cut nothing is read into another scene, and its frames are None, until the detector
         sees a head; across_scenes: whoever advances recognises by itself what it sees there. Frames
@@ -114,7 +120,7 @@ class ClipWalk:
         back that began, as soon as it is known.
         """
         waiting: deque[tuple[int, Estimate | None]] = deque()
-        for pair in self._advance_through(end, advance, across_scenes, forget):
+        for pair in self._advance_through(end, advance, reference, across_scenes, forget):
             waiting.append(pair)
             if len(waiting) > _core.DissolveWatch.longest:
                 yield self._unless_mixed(*waiting.popleft())
@@ -125,10 +131,16 @@ class ClipWalk:
         return frame, None if frame in self.mixed_frames else estimate
 
     def _advance_through(
-        self, end: int, advance: Advance[Estimate], across_scenes: bool, forget: Forget | None
+        self,
+        end: int,
+        advance: Advance[Estimate],
+        reference: Image,
+        across_scenes: bool,
+        forget: Forget | None,
     ) -> Iterator[tuple[int, Estimate | None]]:
-        num_lost = num_away = last = 0
-        cuts, dissolves = CutWatch(), _core.DissolveWatch()
+        num_lost = num_away = 0
+        last = self.fit.frame
+        cuts, dissolves = CutWatch(reference), _core.DissolveWatch()
         frames: list[int] = []
         for frame, image in self.images(end):
             frames.append(frame)
