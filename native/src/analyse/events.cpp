@@ -3,16 +3,18 @@
 
 #include <algorithm>
 
+#include "shared/robust.hpp"
+
 namespace mimetic {
 namespace {
 
-constexpr int kRestAround = 8;          // rows of rest that an event keeps on each side
-constexpr double kAtRest = .1;          // of the height above the valley
-constexpr double kCut = .3;             // of the height: an end of the clip above it cuts the event
-constexpr double kHeld = .6;            // of the height, in a hold
-constexpr int kLongHold = 12;           // rows
-constexpr int kLongestEvent = 900;      // rows
-constexpr double kOneFrameApart = 1.5;  // frames
+constexpr int kRestAround = 8;      // rows of rest that an event keeps on each side
+constexpr double kAtRest = .1;      // of the height above the valley
+constexpr double kCut = .3;         // of the height: an end of the clip above it cuts the event
+constexpr double kHeld = .6;        // of the height, in a hold
+constexpr int kLongHold = 12;       // rows
+constexpr int kLongestEvent = 900;  // rows
+constexpr double kOneApart = 1.5;   // of the usual step from row to row
 
 int lowest(VectorIn values, int first, int last) {
     int row = first;
@@ -63,15 +65,21 @@ EventRows around(const Peak& peak, VectorIn values, int first_row, int last_row)
         ++end;
     }
     event.first = std::max({first_row, peak.valley_before, begin - kRestAround});
-    event.last = std::min({last_row, peak.valley_after, end + kRestAround, event.first + kLongestEvent});
+    event.last = std::min({last_row, peak.valley_after, end + kRestAround});
+    const int first = event.first, last = event.last;
+    if (last - first > kLongestEvent) {  // of a longer one what is about its peak
+        event.first = std::max(first, std::min(peak.row - kLongestEvent / 2, last - kLongestEvent));
+        event.last = event.first + kLongestEvent;
+    }
     int held = 0;
     for (int row = event.first; row <= event.last; ++row) {
         held += values[row] - values[peak.valley_before] > kHeld * (top - values[peak.valley_before]);
     }
     event.is_long = held >= kLongHold;
     const double base = std::min(values[peak.valley_before], values[peak.valley_after]);
-    event.begins_before = event.first == first_row && values[first_row] - base > kCut * (top - base);
-    event.ends_after = event.last == last_row && values[last_row] - base > kCut * (top - base);
+    const auto is_high = [&](int row) { return values[row] - base > kCut * (top - base); };
+    event.begins_before = (event.first == first_row || event.first > first) && is_high(event.first);
+    event.ends_after = (event.last == last_row || event.last < last) && is_high(event.last);
     return event;
 }
 
@@ -119,9 +127,14 @@ void find_in(VectorIn values, int first, int last, const PhaseOptions& options,
 std::vector<EventRows> find_events(VectorIn frames, VectorIn values, const PhaseOptions& options) {
     std::vector<EventRows> events;
     const int count = static_cast<int>(frames.size());
+    std::vector<double> steps;
+    for (int row = 1; row < count; ++row) {
+        steps.push_back(frames[row] - frames[row - 1]);
+    }
+    const double apart = kOneApart * median(std::move(steps));  // a scene may have several frames a row
     for (int first = 0; first < count;) {
         int last = first;
-        while (last + 1 < count && frames[last + 1] - frames[last] < kOneFrameApart) {
+        while (last + 1 < count && frames[last + 1] - frames[last] < apart) {
             ++last;
         }
         find_in(values, first, last, options, events);

@@ -211,6 +211,25 @@ TEST(Phases, WhatTheClipCutsIsMarked) {
     EXPECT_NEAR(late.onset.value, 74, 1);
 }
 
+TEST(Phases, OfAnEventThatLastsAMinuteWhatIsAboutItsPeakIsFitted) {
+    const int count = 1500;
+    const Eigen::VectorXd rows = Eigen::VectorXd::LinSpaced(count, 1, count);
+    PhaseShape held;
+    held.amplitude = .4;
+    held.onset = 50;
+    held.rise = 15;
+    held.hold = 1300;
+    held.release_time = 10;
+    Eigen::VectorXd curve = rows.unaryExpr([&](double frame) { return held.value(frame); });
+    curve += .05 * (-((rows.array() - 1165) / 40).square()).exp().matrix();
+    const auto fits = fit_phases(rows, curve, Eigen::VectorXd::Constant(count, .05),
+                                 std::vector<bool>(static_cast<std::size_t>(count), true));
+    ASSERT_EQ(fits.size(), 1U);
+    EXPECT_LT(rows[fits[0].first], 1165);
+    EXPECT_GT(rows[fits[0].last], 1165);
+    EXPECT_TRUE(fits[0].begins_before);
+}
+
 TEST(Phases, HeldFramesSayNothing) {
     Eigen::VectorXd curve = captured(smile(20), .001, 9);
     std::vector<bool> usable = all;

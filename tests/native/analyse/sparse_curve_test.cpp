@@ -84,6 +84,23 @@ TEST(SparseCurve, PhasesKeepTheirKeys) {
     }
 }
 
+TEST(SparseCurve, PhasesKeepTheirKeysWhereTheSceneHasSeveralFramesARow) {
+    PhaseShape shape;
+    shape.amplitude = .8;
+    shape.onset = 50;
+    shape.rise = 30;
+    shape.hold = 45;
+    shape.exponent = 2;
+    shape.release_time = 10;
+    const Eigen::VectorXd frames = Eigen::VectorXd::LinSpaced(90, 1, 1 + 89 * 2.5);  // 24 of 60 a second
+    const Eigen::VectorXd values = frames.unaryExpr([&](double frame) { return shape.value(frame); });
+    const PhaseKeys keys = reduce_by_phases(frames, values, Eigen::VectorXd::Constant(90, .05), kTolerance);
+    ASSERT_EQ(keys.keys_of_event.size(), 1U);
+    for (const double phase : {shape.onset, shape.apex(), shape.release()}) {
+        EXPECT_LE((keys.curve.frames.array() - phase).abs().minCoeff(), 5) << phase;
+    }
+}
+
 TEST(SparseCurve, AStillCurveHasOneKey) {
     const Eigen::VectorXd frames = frames_to(50);
     EXPECT_EQ(reduce_curve(frames, Eigen::VectorXd::Constant(50, .3), kTolerance).frames.size(), 1);

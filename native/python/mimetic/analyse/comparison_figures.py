@@ -72,7 +72,7 @@ def difference_figure(comparison: Comparison, template: FaceTemplate) -> Figure:
     """How far skin moves by the unit and in the video, and the difference (Fig. 9)."""
     neutral = comparison.performance.neutral_vertices
     by_unit, in_video, excess = motion_lengths(comparison)
-    is_certain = 1000 * comparison.stds * SIGNIFICANT < np.maximum(in_video, by_unit)
+    is_certain = np.abs(excess) > 1000 * comparison.stds * SIGNIFICANT
     top = max(float(in_video.max()), float(by_unit.max()), 0.5)
     widest = max(float(np.abs(excess[is_certain]).max(initial=0.0)), 0.5)
     figure, axes = new_figure(1, 3, (7.2, 4.0), sharex=False)

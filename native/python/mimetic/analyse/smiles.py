@@ -88,10 +88,10 @@ def smiles_of(timing: Timing) -> list[Smile]:
 
 def _smile(event: Event, timing: Timing, fps: float) -> Smile:
     fit = event.fit
+    eyes = _overlapping(event, timing)
     delay = next(
-        (pair for pair in timing.delays if pair.leader is event and _is_eyes(pair.follower)), None
+        (pair for pair in timing.delays if pair.leader is event and pair.follower is eyes), None
     )
-    eyes = delay.follower if delay else _overlapping(event, timing)
     rise, rise_spread = fit.apex.value - fit.onset.value, _gap(fit.onset, fit.apex)
     blank = Estimate(math.nan, math.nan, math.nan)
     begins = not fit.begins_before
@@ -106,12 +106,8 @@ def _smile(event: Event, timing: Timing, fps: float) -> Smile:
         _quotient(amplitude, onset) if begins else blank,
         _asymmetry(event, timing),
         _quotient(_about(eyes.fit.amplitude), amplitude) if eyes else blank,
-        delay if delay and delay.follower is eyes else None,
+        delay,
     )
-
-
-def _is_eyes(event: Event) -> bool:
-    return event.curve.group == EYES
 
 
 def _overlapping(event: Event, timing: Timing) -> Event | None:
@@ -119,11 +115,15 @@ def _overlapping(event: Event, timing: Timing) -> Event | None:
     fits = [
         eyes
         for eyes in timing.of_group(EYES)
-        if eyes.fit.is_certain
-        and eyes.fit.onset.value < event.fit.release.value
-        and eyes.fit.release.value > event.fit.onset.value
+        if eyes.fit.is_certain and _overlap(eyes, event) > 0
     ]
     return max(fits, key=lambda eyes: eyes.fit.amplitude.value, default=None)
+
+
+def _overlap(one: Event, other: Event) -> float:
+    """Frames from the later onset to the earlier release, negative if they are apart."""
+    first = max(one.fit.onset.value, other.fit.onset.value)
+    return min(one.fit.release.value, other.fit.release.value) - first
 
 
 def _asymmetry(event: Event, timing: Timing) -> Estimate:
@@ -135,12 +135,11 @@ def _asymmetry(event: Event, timing: Timing) -> Estimate:
             for other in timing.of_kind("side")
             if other.curve.group == MOUTH
             and other.curve.name.endswith(side)
-            and other.fit.first <= event.fit.last
-            and other.fit.last >= event.fit.first
+            and _overlap(other, event) > 0
         ]
         if not same:
             return Estimate(math.nan, math.nan, math.nan)
-        sides.append(max(same, key=lambda other: other.fit.amplitude.value).fit.amplitude)
+        sides.append(max(same, key=lambda other: _overlap(other, event)).fit.amplitude)
     left, right = (_about(side) for side in sides)
     whole = left.value + right.value
     value = (left.value - right.value) / whole

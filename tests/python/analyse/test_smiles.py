@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which events a smile is compared with."""
+
+from types import SimpleNamespace
+
+import pytest
+from mimetic.analyse.smiles import EYES, MOUTH, smiles_of
+
+
+def event(group, onset, release, amplitude, name=""):
+    """An event as it is fitted, without errors."""
+
+    def at(value):
+        return SimpleNamespace(value=value, lower=value, upper=value)
+
+    fit = SimpleNamespace(
+        onset=at(onset),
+        apex=at(onset + 3),
+        release=at(release),
+        length=at(release + 10 - onset),
+        amplitude=at(amplitude),
+        first=onset - 8,
+        last=release + 18,
+        is_certain=True,
+        begins_before=False,
+        ends_after=False,
+    )
+    return SimpleNamespace(curve=SimpleNamespace(group=group, name=name), fit=fit)
+
+
+def smile_among(groups, sides=(), delays=()):
+    timing = SimpleNamespace(
+        performance=SimpleNamespace(fps=25.0),
+        of_group=lambda group: [one for one in groups if one.curve.group == group],
+        of_kind=lambda kind: [*sides],
+        delays=[*delays],
+    )
+    (smile,) = smiles_of(timing)
+    return smile
+
+
+def test_a_blink_before_a_smile_is_not_its_eyes():
+    mouth, blink = event(MOUTH, 100, 130, 0.7), event(EYES, 89, 95, 0.35)
+    eyes = event(EYES, 105, 128, 0.6)
+    pairs = [SimpleNamespace(leader=mouth, follower=one) for one in (blink, eyes)]
+    smile = smile_among([mouth, blink, eyes], delays=pairs)
+    assert smile.eye_event is eyes and smile.eye_delay is pairs[1]
+    assert smile.eye_ratio.value == pytest.approx(0.6 / 0.7)
+    assert smile_among([mouth, blink], delays=pairs[:1]).eye_event is None
+
+
+def test_sides_of_a_smile_are_those_of_its_time():
+    """A stronger one that ends as the smile begins is another smile's."""
+    left, right = (event(MOUTH, 100, 130, a, f"{MOUTH}{s}") for a, s in ((0.3, ".L"), (0.5, ".R")))
+    earlier = [event(MOUTH, 46, 95, 0.6, f"{MOUTH}{side}") for side in (".L", ".R")]
+    smile = smile_among([event(MOUTH, 101, 131, 0.4)], sides=[*earlier, left, right])
+    assert smile.asymmetry.value == pytest.approx((0.3 - 0.5) / 0.8)
