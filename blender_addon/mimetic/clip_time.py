@@ -40,7 +40,7 @@ def is_known(clip: bpy.types.MovieClip | None) -> bool:
 
 
 def has_rate(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> bool:
-    return scene_rate(scene) == native.timing().exact_rate(clip.fps)
+    return native.timing().is_same_rate(clip.fps, float(scene_rate(scene)))
 
 
 def has_range(scene: bpy.types.Scene, clip: bpy.types.MovieClip) -> bool:

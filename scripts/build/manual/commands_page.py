@@ -44,7 +44,7 @@ An activation lies between 0 (at rest) and 1 (all that the muscle can do).
 | 2 | what was given is wrong; one line says what, where, what to do ([messages](messages.md)) |
 | 130, 143 | ended by Ctrl-C, by SIGTERM; the finished part is kept |
 
-What footage can be: one video file of 1 to 1000 frames a second with pictures of 16 to 16384
+What footage can be: one video file with pictures of 16 to 16384
 pixels a side, in any format that ffmpeg reads, with one face seen from the front to about three
 quarters, at least an eighth of the picture high ([filming.md](filming.md)).
 """
@@ -88,8 +88,9 @@ def subparsers(parser: argparse.ArgumentParser) -> dict[str, argparse.ArgumentPa
 
 
 def is_own(action: argparse.Action) -> bool:
-    """What argparse needs for itself."""
-    return isinstance(action, (argparse._SubParsersAction, argparse._HelpAction))
+    """What argparse needs for itself, or programs call and nobody types."""
+    is_hidden = action.help == argparse.SUPPRESS
+    return is_hidden or isinstance(action, (argparse._SubParsersAction, argparse._HelpAction))
 
 
 def table(actions: list[argparse.Action]) -> str:
@@ -105,7 +106,9 @@ def table(actions: list[argparse.Action]) -> str:
 
 def called(action: argparse.Action) -> str:
     choices = action.choices and ", ".join(map(str, action.choices))
-    name = action.option_strings[-1] if action.option_strings else ""
+    # The first in full: what follows are older names
+    full = [name for name in action.option_strings if name.startswith("--")]
+    name = next(iter(full or action.option_strings), "")
     value = "" if action.nargs == 0 else value_of(action)
     text = " ".join(part for part in (name, value) if part)
     return f"`{text}`" + (f": {choices}" if choices and not action.option_strings else "")

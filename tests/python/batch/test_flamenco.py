@@ -112,7 +112,7 @@ def test_a_clip_is_a_task_and_its_bake_one_that_depends_on_it(batch):
     assert len(tasks) == 4 and tasks[1]["dependencies"] == ["capture one"]
     (command,) = tasks[2]["commands"]
     name = batch.tasks[1].name
-    words = ["batch", "--task", name, "--out", str(batch.out), "--steps", "capture"]
+    words = ["batch", f"--task={name}", "--out", str(batch.out), "--steps", "capture"]
     assert command == {"name": "exec", "parameters": {"exe": "/opt/mimetic", "args": words}}
 
 

@@ -299,3 +299,15 @@ def test_leaving_the_loop_ends_the_process(tmp_path):
     frames.close()
     assert children.read_text().split() == before
     assert not footage.warnings
+
+
+def test_a_clip_that_was_trimmed_without_copying_pictures_has_those_it_shows(tmp_path):
+    """It begins at a key frame before the cut, and states from where on it is shown."""
+    whole = make_numbered_clip(tmp_path / "whole.mp4")
+    trimmed = tmp_path / "trimmed.mp4"
+    ffmpeg("-ss", "0.72", "-i", whole, "-c", "copy", trimmed)
+    footage = Footage(trimmed)
+    numbers = [round(image.mean() / 5) for _, image in footage.frames(1)]
+    assert numbers[-1] == 40 and len(numbers) == footage.num_frames < 28
+    assert not footage.warnings
+    assert footage.times[0] == 0 and len(footage.times) == footage.num_frames

@@ -48,6 +48,16 @@ def test_equal_rates_need_no_steps():
     assert frame_steps(np.arange(1, 50), NTSC_FILM, float(np.float32(24 / 1.001))) is None
 
 
+@pytest.mark.parametrize("rate", [29.83, 625 / 29, 14.985, 119.5])
+def test_a_rate_that_a_scene_rounds_to_single_precision_is_the_same(rate):
+    own = scene_rate(rate)
+    rounded = own.fps / float(np.float32(own.fps_base))
+    frames = np.arange(1, 100_000, 101)
+    assert frame_steps(frames, rate, rounded) is None
+    np.testing.assert_array_equal(scene_frames(frames, rate, rounded), frames)
+    assert frame_steps(frames, rate, rate * 1.00005) is not None
+
+
 @pytest.mark.parametrize(("clip", "scene"), [(25, 24), (24, 25), (NTSC, 24), (60, 24), (12, 30)])
 def test_steps_show_the_last_frame_that_has_begun(clip, scene):
     frames = np.arange(5, 120)

@@ -53,3 +53,8 @@ def test_a_capture_far_from_its_reference_frame_says_so_from_its_first_line(rend
 def test_a_range_that_ends_before_it_begins_says_so(rendered_clip):
     with pytest.raises(InvalidInput, match=r"frames 50:40 of .*: the first is after the last"):
         clip_capture.find_face(rendered_clip.footage, frames=(50, 40))
+
+
+def test_a_face_beside_the_picture_is_not_looked_for(rendered_clip):
+    with pytest.raises(InvalidInput, match=r"at \(400, 100\): the picture has 320 x 240 pixels"):
+        clip_capture.find_face(rendered_clip.footage, frame=3, near=(400.0, 100.0))

@@ -113,9 +113,7 @@ def _smile(event: Event, timing: Timing, fps: float) -> Smile:
 def _overlapping(event: Event, timing: Timing) -> Event | None:
     """The strongest certain event of the eyes that overlaps."""
     fits = [
-        eyes
-        for eyes in timing.of_group(EYES)
-        if eyes.fit.is_certain and _overlap(eyes, event) > 0
+        eyes for eyes in timing.of_group(EYES) if eyes.fit.is_certain and _overlap(eyes, event) > 0
     ]
     return max(fits, key=lambda eyes: eyes.fit.amplitude.value, default=None)
 

@@ -59,6 +59,6 @@ function compileJob(job) {
 }
 
 function runTask(settings, clip, steps) {
-    const args = ["batch", "--task", clip, "--out", settings.batch].concat(steps);
+    const args = ["batch", `--task=${clip}`, "--out", settings.batch].concat(steps);
     return author.Command("exec", { exe: settings.mimetic, args: args });
 }

@@ -80,7 +80,7 @@ def run_one(out: str, name: str) -> tuple[int, str]:
 
     Raises TryAgain for what is no bad input: the scheduler then tries again.
     """
-    words = ["batch", "--task", name, "--out", out, "--end-with-parent"]
+    words = ["batch", f"--task={name}", "--out", out, "--end-with-parent"]
     ran = subprocess.Popen(
         [sys.executable, "-m", "mimetic", *words],
         stdin=subprocess.PIPE,  # closes when the worker ends, however it does

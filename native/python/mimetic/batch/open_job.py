@@ -53,7 +53,7 @@ def template(batch: Batch, program: str) -> dict:
 
 
 def _step(name: str, clips: list[str]) -> dict:
-    arguments = ["batch", "--task", "{{Task.Param.Clip}}", "--out", "{{Param.Batch}}"]
+    arguments = ["batch", "--task={{Task.Param.Clip}}", "--out", "{{Param.Batch}}"]
     return {
         "name": name,
         "parameterSpace": {

@@ -255,8 +255,8 @@ def run(batch: Batch, arguments: argparse.Namespace) -> int:
         else:
             pool = Pool(arguments.processes, arguments.retries, interrupt, note_end)
             command = [sys.executable, "-m", "mimetic", "batch", "--end-with-parent"]
-            command += ["--out", str(batch.out), "--task"]
-            pool.run({name: [*command, name] for name in weights}, weights, show)
+            command += ["--out", str(batch.out)]
+            pool.run({name: [*command, f"--task={name}"] for name in weights}, weights, show)
     _refresh(batch, failures, lambda text: print(cli.line(text)))
     return interrupt.status or tell_outcome(batch, failures, num_before)
 

@@ -89,8 +89,9 @@ def add_lens_arguments(parser: argparse.ArgumentParser, of: str = "") -> None:
         "--sensor",
         type=float,
         metavar="MM",
-        help=f"{of}width of the camera's sensor, of --focal (default: {FULL_FRAME_MM:g}, full "
-        "frame)",
+        help=f"{of}length of the camera's sensor along the picture's width, of --focal (default: "
+        f"{FULL_FRAME_MM:g}, full frame; upright pictures of a phone whose lens is stated for full "
+        "frame: 20.25)",
     )
 
 

@@ -36,6 +36,7 @@ FRAME_RATE = re.compile(rb"config in time_base: (\d+)/(\d+), frame_rate: (\d+)/(
 FIRST_FRAME = re.compile(rb" n: +0 .* sar:(\d+)/(\d+) s:(\d+)x(\d+) ")
 TURNED = re.compile(rb"Display Matrix: rotation of (-?\d+)")
 DAMAGED = "is damaged: all frames could be read, but not without errors"
+LEFT_OUT = 4  # ffmpeg's AV_PKT_FLAG_DISCARD
 NO_TIME = -(1 << 63)  # ffmpeg's, of a packet that carries none
 # ffmpeg's words -> ours
 REASONS = (
@@ -116,9 +117,12 @@ class Footage:
         if failure and frame < first:
             raise failure
         self.failure = failure or self.failure
-        if process.returncode != 0 or frame < min(last or self.num_frames, self.num_frames):
+        is_short = frame < min(last or self.num_frames, self.num_frames)
+        # Beyond a gap in its numbers ffmpeg looks for a picture of a sequence that never was
+        is_file = isinstance(self.path, Path)
+        if is_short or (is_file and process.returncode != 0):
             self._warn_of_early_end(frame, failure, errors)
-        elif errors:
+        elif errors and is_file:
             self._warn_of_damage(errors)
 
     def read(self, frame: int) -> NDArray[np.uint8]:
@@ -183,7 +187,7 @@ class Footage:
             for line in output:
                 if line.startswith(b"#tb 0:"):
                     tick = Fraction(line.split(b":", 1)[1].decode().strip())
-                elif not line.startswith(b"#"):
+                elif not line.startswith(b"#") and not _is_left_out(line):
                     rows.append([int(word) for word in line.split(b",")[1:3]])
             process.wait()
         if failure := failure_of(process.returncode, report, self.path):
@@ -266,8 +270,15 @@ class Footage:
             self.warnings.append(
                 f"{self.path.name} has a variable rate ({1000 * steps.min():.0f} to "
                 f"{1000 * steps.max():.0f} ms a frame, {float(nominal):.4g} frames/s on average): "
-                "frames are counted as stored; convert it to a constant rate for exact timing"
+                "frames are counted as stored; convert it to a constant rate first: timing is "
+                "inexact, and Blender shows frames by their times, others behind the face"
             )
+
+
+def _is_left_out(packet: bytes) -> bool:
+    """Whether a line of framecrc is of a picture before the beginning that a file states."""
+    flags = (word.strip() for word in packet.split(b",")[5:])
+    return any(int(word[2:], 16) & LEFT_OUT for word in flags if word.startswith(b"F="))
 
 
 def _rate_of(seconds: float) -> Fraction:

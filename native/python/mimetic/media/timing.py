@@ -14,6 +14,7 @@ from mimetic import InvalidInput
 # Rates arrive in single precision (24 / 1.001 as 23.976023); broadcast rates are exact fractions
 RATE_TOLERANCE = 1e-5
 SLOWEST, FASTEST = 1e-5, 1e6  # frames a second: one a day, a million a second
+SINGLE_PRECISION = 5e-7  # of a rate: a scene's base is rounded
 LAST_FRAME = 2**31 - 1  # of footage: a year at 60 a second
 LAST_SCENE_FRAME = 1_048_574  # on Blender's timeline
 HIGHEST_SCENE_RATE = 32767  # whole frames a second that a scene can have before its base
@@ -50,6 +51,17 @@ def exact_rate(frames_a_second: float) -> Fraction:
     return Fraction(frames_a_second).limit_denominator(1_000_000)
 
 
+def _footage_step(clip_rate: float, scene_rate: float) -> Fraction:
+    """Footage frames a scene frame; 1 where the rates differ by the rounding of a scene's alone."""
+    step = exact_rate(clip_rate) / exact_rate(scene_rate)
+    return Fraction(1) if abs(float(step) - 1) < SINGLE_PRECISION else step
+
+
+def is_same_rate(clip_rate: float, scene_rate: float) -> bool:
+    """Whether a scene shows footage frame by frame. Raises InvalidInput as `exact_rate`."""
+    return _footage_step(clip_rate, scene_rate) == 1
+
+
 def scene_frames(
     frames: ArrayLike,
     clip_rate: float,
@@ -65,7 +77,7 @@ def scene_frames(
     returns: N scene frames, fractional where the rates differ. Raises InvalidInput where they fall
     off the end of a timeline.
     """
-    step = float(exact_rate(scene_rate) / exact_rate(clip_rate))
+    step = float(1 / _footage_step(clip_rate, scene_rate))
     elapsed_frames = np.asarray(frames, dtype=np.float64) - 1 - frame_offset
     exact = frame_start + elapsed_frames * step
     if exact.size and np.abs(exact).max() > LAST_SCENE_FRAME:
@@ -85,7 +97,7 @@ def footage_frames(
     frame_offset: int = 0,
 ) -> NDArray[np.float64]:
     """The inverse of `scene_frames`: footage frames, fractional, at scene frames."""
-    step = float(exact_rate(clip_rate) / exact_rate(scene_rate))
+    step = float(_footage_step(clip_rate, scene_rate))
     elapsed_frames = np.asarray(scene, dtype=np.float64) - frame_start
     return 1 + frame_offset + elapsed_frames * step
 
@@ -102,7 +114,7 @@ def frame_steps(
     Counting shows footage frame 1 at `frame_start`. Arguments as of `scene_frames`.
     returns: None where counting is right: at equal rates.
     """
-    if exact_rate(clip_rate) == exact_rate(scene_rate):
+    if is_same_rate(clip_rate, scene_rate):
         return None
     scene_numbers = scene_frames(frames, clip_rate, scene_rate, frame_start, frame_offset)
     shown_at = np.arange(np.floor(scene_numbers[0]), np.ceil(scene_numbers[-1]) + 1).astype(

@@ -82,6 +82,12 @@ def find_face(
     """
     footage = path if isinstance(path, Footage) else Footage(path)
     if near is not None:
+        if not all(0 <= at < side for at, side in zip(near, footage.stored_size, strict=True)):
+            width, height = footage.stored_size
+            raise InvalidInput(
+                f"no face is looked for at ({near[0]:g}, {near[1]:g}): the picture has "
+                f"{width} x {height} pixels"
+            )
         x, y = rescaled(near, footage.stored_size, footage.size)[0]
         near = float(x), float(y)
     first, last = check_range(frames, footage)
