@@ -24,6 +24,18 @@ def _edit(self, context) -> None:
         changed(self.id_data)
 
 
+def _edit_lowest(self, context) -> None:
+    if self.lowest > self.highest:
+        self.highest = self.lowest  # the other end moves along: nothing lies in a range turned over
+    _edit(self, context)
+
+
+def _edit_highest(self, context) -> None:
+    if self.highest < self.lowest:
+        self.lowest = self.highest
+    _edit(self, context)
+
+
 class MimeticControl(bpy.types.PropertyGroup):
     """How a control is driven, by its name."""
 
@@ -60,7 +72,7 @@ class MimeticControl(bpy.types.PropertyGroup):
         name="Lowest",
         min=-1000.0,
         max=1000.0,
-        update=_edit,
+        update=_edit_lowest,
         override=KEPT,
         description="Values are cut here, in the control's own units",
     )
@@ -69,7 +81,7 @@ class MimeticControl(bpy.types.PropertyGroup):
         default=1.0,
         min=-1000.0,
         max=1000.0,
-        update=_edit,
+        update=_edit_highest,
         override=KEPT,
         description="Values are cut here, in the control's own units",
     )

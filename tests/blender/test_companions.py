@@ -68,6 +68,25 @@ def test_their_keys_get_the_heads_curves(extension, loaded):
     assert "Blink" in bpy.data.actions
 
 
+def test_they_are_exported_with_the_head(extension, loaded, scene):
+    """On an empty that carries them as it carries the head, or on an armature farther above."""
+    head, teeth, eye = (loaded[name] for name in ("head", "teeth", "eye"))
+    rig = head.modifiers[0].object
+    carrier = bpy.data.objects.new("Carrier", None)
+    scene.collection.objects.link(carrier)
+    for obj in (head, teeth):
+        obj.modifiers.clear()
+        obj.parent = carrier
+    teeth.scale = head.scale
+    bpy.context.view_layer.update()
+    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
+    selection = extension("scene_out.selection")
+    assert set(selection.character_objects(scene, head)) == {head, teeth, eye}
+    carrier.parent = rig
+    expected = {head, teeth, eye, carrier, rig}
+    assert set(selection.character_objects(scene, head)) == expected
+
+
 def test_takes_play_and_go_with_them(extension, loaded):
     blocks = [loaded[name].data.shape_keys for name in ("head", "teeth", "eye")]
 

@@ -9,6 +9,7 @@ import pytest
 from last_result import result
 from panel_texts import drawn
 from test_control_object import baked
+from test_gaze import looking  # noqa: F401
 
 RATES = ((24, 1.0), (25, 1.0), (30, 1.001), (60, 1.0))
 LEFT, RIGHT = "muscle_00.L", "muscle_00.R"
@@ -188,6 +189,26 @@ def test_the_sides_do_what_the_mirror_says(extension, face, how, of_left, of_rig
     np.testing.assert_allclose(after[0], blended(left, of_left), atol=1e-5)
     np.testing.assert_allclose(after[1], blended(right, of_right), atol=1e-5)
     np.testing.assert_allclose(after[2], side * (1 - share + share * turn), atol=1e-5)
+
+
+@pytest.mark.parametrize("use_controls", [False, True])
+@pytest.mark.parametrize("how", ["LEFT", "RIGHT", "BOTH"])
+def test_eyes_look_one_way_whoever_is_followed(
+    extension,
+    scene,
+    looking,  # noqa: F811
+    how,
+    use_controls,
+):
+    face = baked(extension, scene, looking, use_controls=use_controls)
+    bpy.context.view_layer.objects.active = face
+    frames = np.arange(1, 41)
+    gaze = [shape for shape, row in rows(extension, face).items() if row.group == "Gaze"]
+    before = [values(extension, face, shape, frames) for shape in gaze]
+    assert len(gaze) > 1 and np.ptp(before) > 0
+    assert bpy.ops.mimetic.mirror_curves(how=how) == {"FINISHED"}
+    after = [values(extension, face, shape, frames) for shape in gaze]
+    np.testing.assert_array_equal(after, before)
 
 
 def test_few_keys_are_mixed_exactly(extension, face):

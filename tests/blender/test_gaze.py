@@ -158,3 +158,27 @@ def test_eyes_that_are_nodes_turn_as_the_shapes_do(extension, scene, looking, tm
             yaw, pitch = np.radians(short.articulator_values[frame - 1, -4:][2 * number :][:2])
             ahead = [np.sin(yaw) * np.cos(pitch), -np.cos(yaw) * np.cos(pitch), np.sin(pitch)]
             np.testing.assert_allclose(looks, ahead, atol=1e-3)
+
+
+@pytest.mark.parametrize("has_gaze", [True, False])
+def test_another_performance_brings_its_own_gaze(extension, scene, looking, performance, has_gaze):
+    scene_out = extension("scene_out")
+    scene.render.fps, scene.render.fps_base = 25, 1.0
+    scene_out.bake(scene, looking, "first")
+    face = scene.mimetic.face
+    other = performance
+    if has_gaze:
+        values = looking.articulator_values.copy()
+        values[:, -4:] *= -0.5
+        other = dataclasses.replace(looking, articulator_values=values)
+    summary = scene_out.bound.bake(scene, other, "second", face)
+    assert not any("no slider" in remark for remark in summary.left_out)
+    assert any("gaze on" in remark for remark in summary.left_out) != has_gaze
+    curves = {row.shape: row.curve for row in scene_out.face_curves.of(face)}
+    if not has_gaze:
+        assert not any(shape.startswith("eye_") for shape in curves)
+    for eye, side in enumerate("LR" if has_gaze else ""):
+        yaw, pitch = other.articulator_values[:, -4:].T[2 * eye : 2 * eye + 2]
+        weights = extension("native").gaze_shapes().turn_weights(yaw, pitch)[:, 1]
+        played = [curves[f"eye_left.{side}"].evaluate(frame) for frame in other.frame]
+        np.testing.assert_allclose(played, weights, atol=1e-5)

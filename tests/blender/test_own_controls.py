@@ -122,10 +122,37 @@ def test_a_preset_is_heeded_by_the_command(extension, scene, character, played, 
     curves = key_curves(extension, bpy.data.objects["Hero"])
     assert curves["jawOpen"].max() == pytest.approx(0.3)
     assert set(curves) == set(UNITS)
-    (tmp_path / "hero.json").write_text("{}")
-    ran = run_bake(played, "--out", out, *given)
-    assert ran.returncode == 2
-    assert "not a preset of controls" in ran.stderr
+    for wrong, said in (
+        ({}, "not a preset of controls"),
+        (preset | {"controls": [{"control": "jawopen"}]}, "Hero has none of the preset's controls"),
+    ):
+        (tmp_path / "hero.json").write_text(json.dumps(wrong))
+        ran = run_bake(played, "--out", out, *given)
+        assert ran.returncode == 2
+        assert said in ran.stderr
+
+
+def test_a_presets_strangers_are_said_and_it_is_refused_where_muscles_play(
+    extension, scene, character, acted, tmp_path
+):
+    preset = {"format": "mimetic controls 1", "controls": [{"control": "jawOpen"}]}
+    preset["controls"] += [{"control": "jawopen"}]
+    path = tmp_path / "hero.json"
+    path.write_text(json.dumps(preset))
+    own_controls = extension("scene_out.own_controls")
+    played = own_controls.play(acted[0], character, str(path))
+    assert "of the preset alone: jawopen" in played.summary()
+    with pytest.raises(ValueError, match="no controls that a preset is for"):
+        own_controls.check_no_preset(character, str(path))
+    bpy.ops.mimetic.add_face()
+    rig, name = tmp_path / "rig.blend", bpy.context.active_object.name
+    save(rig, scene)
+    settings = {"bone": "", "neck": "", "neck_share": 0.3, "smoothing": 1.0, "preset": str(path)}
+    write = extension("scene_out.rig_file").write
+    for out in ("out.blend", "out.npz"):
+        with pytest.raises(ValueError, match="played by its muscles, which no preset is for"):
+            write(acted[1], str(tmp_path / out), str(rig), name, settings)
+        assert not (tmp_path / out).exists()
 
 
 @pytest.mark.oldest_and_newest
@@ -292,6 +319,20 @@ def test_a_key_that_is_switched_off_keeps_nothing_of_the_bake_before(extension, 
     bpy.ops.mimetic.bake_controls(use_head_motion=False)
     assert set(key_curves(extension, loaded)) == set(UNITS) - {"eyeBlinkLeft"}
     assert loaded.data.shape_keys.key_blocks["eyeBlinkLeft"].value == 0
+
+
+def test_an_end_of_a_range_takes_the_other_along(loaded, tmp_path):
+    bpy.ops.mimetic.fit_controls()
+    jaw, path = row(loaded, "jawOpen"), tmp_path / "hero.json"
+    jaw.highest = 0.2
+    jaw.lowest = 0.8
+    assert jaw.highest == jaw.lowest == pytest.approx(0.8)
+    jaw.highest = -0.5
+    assert jaw.highest == jaw.lowest == -0.5
+    assert jaw.is_edited
+    assert bpy.ops.mimetic.save_controls(filepath=str(path)) == {"FINISHED"}
+    assert bpy.ops.mimetic.load_controls(filepath=str(path)) == {"FINISHED"}
+    assert row(loaded, "jawOpen").lowest == -0.5
 
 
 def test_rows_are_mirrored_and_kept_as_a_preset(loaded, tmp_path):

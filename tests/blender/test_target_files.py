@@ -263,3 +263,21 @@ def test_what_a_target_lacks_is_said(scene, gazing, tmp_path, options, said):
     assert ran.returncode == 2
     assert said in ran.stderr
     assert not (tmp_path / "a.glb").exists()
+
+
+@pytest.mark.newest
+def test_a_face_with_a_control_object_is_exported_by_its_shapes(extension, scene, gazing, tmp_path):
+    from mimetic.character import gltf
+
+    _, file = gazing
+    bpy.ops.mimetic.add_face()
+    face = bpy.context.active_object
+    assert bpy.ops.mimetic.add_control_object() == {"FINISHED"}
+    with pytest.raises(ValueError, match="is driven by"):
+        extension("scene_out.gltf").export(scene, tmp_path / "refused.glb", face)
+    baked(file, tmp_path / "a.glb", f"{saved(scene, tmp_path)}:{face.name}")
+    _, weights, names = gltf.read_weights((tmp_path / "a.glb").read_bytes())
+    rise = weights[:, names.index("frontalis_medial.R")]
+    np.testing.assert_allclose(rise, np.linspace(0, 1, 8), atol=2e-3)
+    objects = read_glb(tmp_path / "a.glb")
+    assert not [obj for obj in objects.values() if obj.type == "ARMATURE"]

@@ -331,17 +331,13 @@ class MIMETIC_OT_load_controls(Preset, Operator):
     def execute(self, context):
         character = context.active_object
         package = native.controls()
+        before, ranges = control_rows.rows_of(character), ranges_of(character)
         try:
             preset = package.load_preset(bpy.path.abspath(self.filepath))
+            first = package.refitted(before, ranges)
+            rows, strangers = own_controls.with_preset(character, first, preset)
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        before, ranges = control_rows.rows_of(character), ranges_of(character)
-        rows, strangers = package.with_preset(package.refitted(before, ranges), preset)
-        if len(strangers) == len(preset):
-            message = rpt_("{character} has none of the preset's controls").format(
-                character=character.name
-            )
-            return outcome.cancelled(self, context, message)
         _write_rows(character, [*rows, *package.waiting(before, ranges)])
         message = rpt_("{count} rows from {file}").format(
             count=len(preset) - len(strangers), file=Path(self.filepath).name

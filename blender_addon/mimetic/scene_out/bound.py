@@ -15,7 +15,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Matrix
 
 from .. import heads, native, scene_in, world, writable
-from . import actions, by_hand, head, own_keys, standing
+from . import actions, by_hand, gaze, head, own_keys, standing
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def bake(
     """
     writable.check(writable.no_sliders(head_object))
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
-    shapes = native.shapes().slider_shapes_of(performance)
+    shapes = shapes_for(performance, head_object)
     keys = head_object.data.shape_keys
     sliders = sliders_of(head_object, shapes)
     driven_keys = own_keys.driven_keys(keys)
@@ -65,7 +65,7 @@ def bake(
         remarks.append(remark)
     channels = motion(scene, performance, head_object) if use_head_motion else None
     holder = actions.continued_take(keys, f"{take} muscles")
-    if stale := _silence(head_object, holder):
+    if stale := _silence(head_object, holder, shapes):
         remarks.append(
             rpt_("an earlier take's {names} on {head} is at 0 now").format(
                 names=", ".join(stale), head=head_object.name
@@ -154,6 +154,11 @@ def rotation_of(obj: bpy.types.Object) -> Matrix:
     return obj.rotation_euler.to_matrix()
 
 
+def shapes_for(performance, head: bpy.types.Object) -> list:
+    """What a head's sliders play of a performance, `mimetic.character.shape.Shape`."""
+    return native.shapes().slider_shapes_of(performance, by_hand.keys_now(head))
+
+
 def sliders_of(head: bpy.types.Object, shapes: Sequence) -> dict[str, bpy.types.ShapeKey]:
     """The head's key for each shape that it has one for."""
     blocks = head.data.shape_keys.key_blocks
@@ -199,16 +204,22 @@ def _is_of_a_take(entry) -> bool:
     return entry.group in (parts.DETAIL, parts.CONTACT)
 
 
-def _silence(head: bpy.types.Object, holder) -> list[str]:
-    """Puts to 0 what a take before gave a face of ours beyond sliders; the groups of it."""
-    keys = head.data.shape_keys.key_blocks
-    groups = []
-    for entry in head.mimetic.shapes:
-        if _is_of_a_take(entry) and entry.name in keys:
-            actions.clear(holder, keys[entry.name].path_from_id("value"))
-            keys[entry.name].value = 0.0
+def _silence(head: bpy.types.Object, holder, shapes: Sequence) -> list[str]:
+    """Puts to 0 what a take before gave a face of ours beyond what `shapes` play; its groups."""
+    keys, played = head.data.shape_keys.key_blocks, {shape.name for shape in shapes}
+    names, groups = by_hand.keys_now(head), []
+    for shape, entry in by_hand.entries_of(head).items():
+        is_stale = _is_of_a_take(entry) or (_turns_an_eye(shape) and shape not in played)
+        if is_stale and (key := keys.get(names.get(shape, entry.name))):
+            actions.clear(holder, key.path_from_id("value"))
+            key.value = 0.0
             groups.append(entry.group.lower())
     return sorted(set(groups))
+
+
+def _turns_an_eye(shape: str) -> bool:
+    """Whether it is one of five that turn an eye together, each of no use by itself."""
+    return shape[:-2] in gaze.TURNS
 
 
 TOLERANCE = 1e-3  # of a slider

@@ -21,7 +21,7 @@ def bake(
 ) -> bound.BakeSummary:
     """As `bound.bake`, with the curves on a control object, which is made if there is none."""
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
-    shapes = native.shapes().slider_shapes_of(performance)
+    shapes = bound.shapes_for(performance, head_object)
     sliders = bound.sliders_of(head_object, shapes)
     writable.check(control_object.no_controls(head_object))
     keys = head_object.data.shape_keys

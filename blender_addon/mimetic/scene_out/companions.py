@@ -14,7 +14,7 @@ def of(head: bpy.types.Object) -> list[bpy.types.Object]:
     what it hangs on, lie inside of its box; not those whose keys could not be written."""
     if head.type != "MESH":
         return []
-    rigs = _armatures(head)
+    rigs = armatures(head)
     others = {obj for scene in head.users_scene for obj in scene.objects if _has_keys(obj, head)}
     carried = [obj for obj in others if _is_carried(obj, head, rigs)]
     return sorted(carried, key=lambda obj: obj.name)
@@ -51,7 +51,7 @@ def _has_keys(obj: bpy.types.Object, head: bpy.types.Object) -> bool:
 
 
 def _is_carried(obj, head, rigs: set[bpy.types.Object]) -> bool:
-    if rigs & _armatures(obj):
+    if rigs & armatures(obj):
         return True
     above = obj.parent
     while above is not None:
@@ -61,7 +61,7 @@ def _is_carried(obj, head, rigs: set[bpy.types.Object]) -> bool:
     return head.parent is not None and obj.parent == head.parent and _lies_in(obj, head)
 
 
-def _armatures(obj: bpy.types.Object) -> set[bpy.types.Object]:
+def armatures(obj: bpy.types.Object) -> set[bpy.types.Object]:
     """Those that deform or carry an object."""
     rigs = {m.object for m in obj.modifiers if m.type == "ARMATURE"}
     above = obj.parent

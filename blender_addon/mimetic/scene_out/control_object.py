@@ -163,7 +163,7 @@ def channels_of(face: bpy.types.Object) -> tuple[list, str]:
     names = by_hand.keys_now(face)
     sliders = [_slider(entry) for entry in face.mimetic.shapes if entry.shape in names]
     groups = [_slider(entry) for entry in face.mimetic.groups if entry.shape in names]
-    kind = parts.gaze_kind([slider.shape for slider in sliders])
+    kind = native.gaze_shapes().gaze_kind([slider.shape for slider in sliders])
     return parts.channels_of(sliders, groups), kind
 
 

@@ -31,6 +31,7 @@ def write(
         played = own_controls.play(performance, obj, settings.get("preset"))
         names, values, text = played.names, played.values, played.summary()
     elif scene_in.is_face(obj):
+        own_controls.check_no_preset(obj, settings.get("preset"))
         names, values, text = _muscles(performance, obj)
     else:
         raise native.invalid_input(
@@ -68,7 +69,7 @@ def _known_units(obj: bpy.types.Object) -> dict[str, str]:
 
 def _muscles(performance, obj: bpy.types.Object) -> tuple[list[str], np.ndarray, str]:
     """The sliders that a bake would key."""
-    shapes = native.shapes().slider_shapes_of(performance)
+    shapes = bound.shapes_for(performance, obj)
     sliders = bound.sliders_of(obj, shapes)
     driven = own_keys.driven_keys(obj.data.shape_keys)
     playable = [

@@ -102,9 +102,10 @@ def mirror(chosen: Sequence[Chosen], curves: Sequence[FaceCurve], how: str, shar
     how many have changed.
 
     curves: all of the face. how: SWAP, each side the other's; LEFT, the left's on both; RIGHT;
-    BOTH, the mean of the two. What lies in the middle is turned by SWAP, half by BOTH.
+    BOTH, the mean of the two. What lies in the middle is turned by SWAP, half by BOTH. What turns
+    the eyes, which look one way together, is changed by SWAP alone.
     """
-    twin_of = native.curve_keys().twin_of
+    twin_of, share_of = native.curve_keys().twin_of, native.curve_settings().mirrored_share
     by_shape = {row.shape: row for row in curves}
     names = {one.of.shape for one in chosen}
     names |= {twin_of(name)[0] for name in names}
@@ -114,12 +115,10 @@ def mirror(chosen: Sequence[Chosen], curves: Sequence[FaceCurve], how: str, shar
         row, twin = by_shape[name], by_shape.get(twin_name)
         if twin is None or row.curve.lock:
             continue
-        weight = {"SWAP": 1.0, "BOTH": 0.5}.get(how, 0.0)
-        if not weight and row.side and row.side[1] != how[0]:
-            weight = 1.0
-        if weight and share:
+        weight = share * share_of(name, how.lower())
+        if weight:
             factor = sign * row.unit / twin.unit
-            changes.append((row, _mixed(row, twin, weight * share, factor)))
+            changes.append((row, _mixed(row, twin, weight, factor)))
     for row, table in changes:  # only now: all were read before any was written
         key_table.write(row.curve, table)
     return len(changes)

@@ -115,8 +115,7 @@ def play(
     given; raises InvalidInput."""
     writable.check(no_face(scene, armature))
     options, own = native.bone_channels().nearest_surface(), surface(scene, armature)
-    rows = own_controls.preset_rows(own, preset)
-    return native.playing().play(performance, own, rows, options)
+    return own_controls.play_surface(performance, armature, own, preset, options)
 
 
 def bake(

@@ -11,7 +11,7 @@ from pathlib import Path
 import bpy
 
 from .. import compat, native, scene_in
-from . import contact_curves, part_curves, selection, strip_curves
+from . import contact_curves, control_object, part_curves, selection, strip_curves
 
 
 def export(
@@ -21,19 +21,22 @@ def export(
     is_animated: bool = True,
 ) -> None:
     """Writes a face, the scene's baked one if None, with its rig and what hangs on that; whole, or
-    raises OSError and writes nothing.
+    raises OSError, or InvalidInput where a control object moves its shapes, and writes nothing.
 
     is_animated: with its curves; without, the mesh and its morph targets alone.
     """
     path = Path(path)
     face = face or scene.mimetic.face
     objects = selection.character_objects(scene, face)
+    shaped = selection.with_shape_keys(objects)
+    for obj in shaped:
+        if reason := control_object.no_values(obj):
+            raise native.invalid_input(reason)
     with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
         aside = Path(folder, "face.glb")
         with ExitStack() as stack:
             stack.enter_context(selection.selected_alone(objects, face))
             stack.enter_context(strip_curves.with_curves(scene, objects))
-            shaped = selection.with_shape_keys(objects)
             for obj in shaped:
                 # Contact's keys come behind the groups', whose number must not change then
                 if not stack.enter_context(contact_curves.with_keys(scene, obj)):

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
@@ -98,15 +98,47 @@ def play(performance, character: bpy.types.Object, preset: str | None = None):
     """
     writable.check(own_keys.no_own_keys(character))
     surface = own_keys.surface(character)
-    return native.playing().play(performance, surface, preset_rows(surface, preset))
+    return play_surface(performance, character, surface, preset)
 
 
-def preset_rows(surface, preset: str | None):
-    """A preset's table for a `mimetic.retarget.ControlSurface`; None without one."""
+def play_surface(
+    performance, character: bpy.types.Object, surface, preset: str | None = None, options=None
+):
+    """`mimetic.retarget.PlayedControls` of a `mimetic.retarget.ControlSurface` of a character's, by
+    a preset's table if one is given. options: of the fit. Raises InvalidInput."""
+    rows, strangers = None, []
+    if preset is not None:
+        package = native.controls()
+        first = package.refitted([], surface.ranges)
+        rows, strangers = with_preset(character, first, package.load_preset(preset))
+    played = native.playing().play(performance, surface, rows, options)
+    return replace(played, strangers=strangers)
+
+
+def with_preset(character: bpy.types.Object, rows, preset) -> tuple[list, list[str]]:
+    """Rows as a preset has them, and what of it the character lacks; raises InvalidInput where
+    that is all of it."""
+    rows, strangers = native.controls().with_preset(rows, preset)
+    if len(strangers) == len(preset):
+        raise native.invalid_input(
+            rpt_("{character} has none of the preset's controls").format(character=character.name)
+        )
+    return rows, strangers
+
+
+def check_no_preset(obj: bpy.types.Object, preset: str | None) -> None:
+    """Raises InvalidInput for a preset of an object of which no own control plays."""
     if preset is None:
-        return None
-    package = native.controls()
-    return package.with_preset(package.refitted([], surface.ranges), package.load_preset(preset))[0]
+        return
+    reason = (
+        rpt_(
+            "{name} is played by its muscles, which no preset is for: leave --preset out, or give "
+            "--controls own"
+        )
+        if scene_in.is_face(obj)
+        else rpt_("{name} has no controls that a preset is for: leave --preset out")
+    )
+    raise native.invalid_input(reason.format(name=obj.name))
 
 
 def _pivot(scene: bpy.types.Scene, character: bpy.types.Object) -> tuple[float, float, float]:

@@ -18,6 +18,7 @@ from . import (
     clip,
     contact_curves,
     control_object,
+    control_removal,
     control_values_file,
     exports,
     face_bones,
@@ -49,8 +50,9 @@ def write(
     `actions.key_shapes` has them, and `MotionKeys` of bones and objects; as_arkit, ARKit's 52
     shapes for the file, and with_eye_nodes, eyeballs as objects that turn, both for other programs.
     curves: `takes.load_edited`'s. The file keeps its own rate, range and everything else; its
-    scripts do not run. Other files than .blend have the object, its rig and what hangs on them; an
-    .npz has the values of its controls alone (`control_values_file`).
+    scripts do not run. Other files than .blend have the object, its rig and what hangs on them, a
+    control object's sliders by themselves; an .npz has the values of its controls alone
+    (`control_values_file`).
     Returns what was written.
     """
     performance = takes.load_edited(performance_path, curves)
@@ -62,6 +64,9 @@ def write(
         return control_values_file.write(scene, performance, obj, settings, is_own, out)
     footage = clip.load(scene, footage_path) if footage_path else None
     take = takes.take_name(footage_path or performance_path)
+    is_exported = Path(out).suffix != ".blend"
+    if is_exported and control_object.of(obj) is not None:  # which no other format has
+        control_removal.remove(scene, obj, use_curves=False)
     before = take_list.now(obj)
     few_keys = settings.get("tolerance", 0.0), settings.get("by_phases", False)
     eyes = None
@@ -72,11 +77,8 @@ def write(
     text = _bake(scene, performance, take, obj, where, settings, footage, few_keys)
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
     file_name = Path(performance_path).name
-    like = "by mimetic bake"
-    if few_keys[0]:
-        like += f", few keys within {few_keys[0]:.3g}" + (", at phases" if few_keys[1] else "")
-    take_list.note(obj, performance, take, file_name, frames, like, before)
-    if Path(out).suffix == ".blend":
+    take_list.note(obj, performance, take, file_name, frames, _settings_text(*few_keys), before)
+    if not is_exported:
         save(Path(out).absolute())
         return text
     with ExitStack() as stack:
@@ -111,12 +113,21 @@ def _bake(
         played = own_controls.play(performance, obj, settings.get("preset"))
         summary = own_controls.bake(scene, performance, take, obj, played, footage, True, *few_keys)
         return f"{summary.num_curves} curves on {obj.name}, {_frames(summary)}; {summary.text}"
+    own_controls.check_no_preset(obj, settings.get("preset"))
     if scene_in.is_face(obj):
         return _play(scene, performance, take, obj, footage, settings, few_keys)
     target = _target(obj, where, settings)
     summary = _turn(scene, performance, take, target, settings, footage, keys)
     text = f"{summary.num_curves} curves on {summary.where}, {_frames(summary)}"
     return "; ".join(filter(None, (text, keys.text())))
+
+
+def _settings_text(tolerance: float, by_phases: bool) -> str:
+    """What the list of takes says of one that was baked here."""
+    text = "by mimetic bake"
+    if tolerance:
+        text += f", few keys within {tolerance:.3g}" + (", at phases" if by_phases else "")
+    return text
 
 
 def open_file(path: str, where: str) -> bpy.types.Scene:

@@ -8,18 +8,19 @@ from contextlib import contextmanager
 
 import bpy
 
+from . import companions
+
 EXPORTED = {"MESH", "ARMATURE", "EMPTY"}
 
 
 def character_objects(scene: bpy.types.Scene, obj: bpy.types.Object) -> list[bpy.types.Object]:
-    """A face or rig with what moves it and hangs on it (armature, eyes, teeth), as far as seen."""
-    rigs = {modifier.object for modifier in obj.modifiers if modifier.type == "ARMATURE"}
-    if obj.parent is not None and obj.parent.type == "ARMATURE":
-        rigs.add(obj.parent)
-    roots = {obj, *rigs} - {None}
+    """A face or rig with what moves it, hangs on it and plays along with it (armatures, eyes,
+    teeth), as far as seen."""
+    roots = {obj, *companions.armatures(obj)}
     members = roots | {child for root in roots for child in root.children_recursive}
     # Eyeballs and teeth may hang on what carries the head, an empty for instance
-    members |= {entry.part for entry in obj.mimetic.parts} - {None}
+    members |= {entry.part for entry in (*obj.mimetic.parts, *obj.mimetic.companions)} - {None}
+    members |= set(companions.of(obj))
     for other in scene.objects:
         if any(m.type == "ARMATURE" and m.object in roots for m in other.modifiers):
             members.add(other)

@@ -16,12 +16,11 @@ from mimetic.character.control_object import (
     Slider,
     channels_of,
     gaze_expressions,
-    gaze_kind,
     lid_expression,
     parents_of,
     places_of,
 )
-from mimetic.character.gaze_shapes import look_values, turn_weights
+from mimetic.character.gaze_shapes import gaze_kind, look_values, turn_weights
 from mimetic.character.placement import to_object
 from mimetic.character.shapes import GROUPS, JAW_AND_LIDS
 

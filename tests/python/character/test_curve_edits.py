@@ -141,7 +141,8 @@ def test_a_mirrored_performance_does_on_a_side_what_the_other_did(how, left, rig
     activations[:, :3] = 0.1, 0.2, 0.7
     given = {"muscles": names, "activations": activations}
     for bones, row, expected in (
-        (["gaze_yaw.L", "gaze_yaw.R"], (0.1, -0.2), (0.1 * left, -0.1 * right)),
+        # Eyes that look aside are exchanged, or stay: else one would turn away from the other
+        (["gaze_yaw.L", "gaze_yaw.R"], (14, 19), (-19, -14) if how == "swap" else (14, 19)),
         (["jaw_side", "jaw_open"], (0.3, 0.4), (0.1 * middle, 0.4)),
     ):
         values = np.tile(row, (performance.num_frames, 1))

@@ -75,6 +75,14 @@ def test_heads_with_sliders_look_by_them(looking):
     np.testing.assert_allclose(shapes["lid_upper.L"] - 0.02 * pitch, seen, atol=1e-12)
 
 
+def test_faces_that_five_shapes_an_eye_turn_look_by_those(looking):
+    of_its_own = shapes_of(looking)
+    played = slider_shapes_of(looking, [shape.name for shape in of_its_own])
+    assert [shape.name for shape in played] == [shape.name for shape in of_its_own]
+    for shape, own in zip(played, of_its_own, strict=True):
+        np.testing.assert_array_equal(shape.values, own.values)
+
+
 def test_sliders_in_degrees_are_what_the_keys_turn():
     yaw, pitch = np.radians([-23.0, 14.0])
     assert angles_of_keys("L", turned_keys("L", yaw, pitch)) == pytest.approx((yaw, pitch))

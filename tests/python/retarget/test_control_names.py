@@ -1,9 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Names that characters' controls are known by."""
 
+import re
+
 import numpy as np
 import pytest
-from mimetic.retarget.control_names import conventions, known_names, mirrored_name, unit_shares
+from mimetic.retarget.control_names import (
+    conventions,
+    known_names,
+    mirrored_name,
+    side_of,
+    unit_shares,
+)
 from mimetic.template.face_template import load_template
 
 
@@ -93,6 +101,14 @@ def test_strange_names_are_unknown():
         ("c_lips_smile.l turn x", "c_lips_smile.r turn x"),
         ("mouthCornerPullL", "mouthCornerPullR"),
         ("LeftBlink", "RightBlink"),
+        ("CTRL_expressions_mouthFunnelUL", "CTRL_expressions_mouthFunnelUR"),
+        ("CTRL_expressions_mouthLipsTogetherDL", "CTRL_expressions_mouthLipsTogetherDR"),
+        ("CTRL_expressions_jawChinRaiseUL", "CTRL_expressions_jawChinRaiseUR"),
+        ("CTRL_expressions_eyeLookLeftL", "CTRL_expressions_eyeLookRightR"),
+        ("CTRL_expressions_eyeLookRightL", "CTRL_expressions_eyeLookLeftR"),
+        ("eye_look_left_L", "eye_look_right_R"),
+        ("eyeLookUpL", "eyeLookUpR"),
+        ("eyeLookLeft", "eyeLookRight"),
         ("jawOpen", "jawOpen"),
         ("ALL", "ALL"),
         ("L", "L"),
@@ -101,6 +117,22 @@ def test_strange_names_are_unknown():
 def test_mirrored_names(name, twin):
     assert mirrored_name(name) == twin
     assert mirrored_name(twin) == name
+
+
+@pytest.mark.parametrize("side", ["L", "R"])
+def test_a_mirrored_name_means_the_mirror_image(side):
+    sides = {"Left": "Right", "Right": "Left"}
+    names = [f"CTRL_expressions_eyeLook{way}{side}" for way in ("Left", "Right", "Up", "Down")]
+    names += [f"CTRL_expressions_mouthFunnel{lip}{side}" for lip in "UD"]
+    for name in names:
+        twin = mirrored_name(name)
+        assert side_of(name) == side != side_of(twin)
+        meaning = known_names([name, twin])
+        expected = {
+            re.sub("Left|Right", lambda word: sides[word.group()], unit): share
+            for unit, share in meaning[name].units.items()
+        }
+        assert meaning[twin].units == expected
 
 
 def test_arkits_shapes_are_found_in_any_spelling_and_shares_are_none():

@@ -17,6 +17,7 @@ from mimetic.retarget.controls import (
 )
 
 EDITED = ControlRow("eyeBlinkLeft", True, 1.3, -0.1, 0.0, 0.9, is_edited=True)
+RISE = np.linspace(0, 1, 5)
 ROWS = [EDITED, ControlRow("eyeBlinkRight"), ControlRow("jawOpen")]
 
 
@@ -37,6 +38,14 @@ def test_a_curve_of_a_preset_has_limits(tmp_path):
     path.write_text(path.read_text().replace("2.5", "0.0"))
     with pytest.raises(InvalidInput, match=r"eyeBlinkRight\): its curve is 0; it lies from 0.1"):
         load_preset(path)
+
+
+def test_a_range_turned_over_is_refused_by_its_name(tmp_path):
+    wrong = dataclasses.replace(ROWS[1], lowest=0.8, highest=0.2)
+    for refused in (lambda: wrong.played(RISE), lambda: save_preset([wrong], tmp_path / "a.json")):
+        with pytest.raises(InvalidInput, match=r"eyeBlinkRight\): its range is from 0.8 to 0.2"):
+            refused()
+    assert not list(tmp_path.iterdir())
 
 
 def test_edited_rows_survive_a_refit_and_others_follow_the_character():
@@ -64,6 +73,22 @@ def test_edits_of_one_side_are_given_to_the_other():
     assert mirrored(ROWS, "R") == ROWS  # nothing of that side was edited
     with pytest.raises(InvalidInput, match="side 'X'"):
         mirrored(ROWS, "X")
+
+
+@pytest.mark.parametrize(
+    ("channel", "is_turned_over"),
+    [
+        *(("along x", True), ("along y", False), ("along z", False)),
+        *(("turn x", False), ("turn y", True), ("turn z", True)),
+    ],
+)
+def test_a_bones_channel_does_the_mirror_image_on_the_other_side(channel, is_turned_over):
+    row = ControlRow(f"lip.T.L.001 {channel}", offset=0.5, highest=2.0, is_edited=True)
+    twin = ControlRow(f"lip.T.R.001 {channel}", lowest=-3.0, highest=3.0)
+    expected = (-0.5, -2.0, 0.0) if is_turned_over else (0.5, 0.0, 2.0)
+    _, given = mirrored([row, twin])
+    assert (given.offset, given.lowest, given.highest) == expected
+    assert mirrored([twin, given], "R")[1] == given
 
 
 def test_a_preset_is_read_as_it_was_written(tmp_path):

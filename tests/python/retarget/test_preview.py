@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a table of controls makes of a performance at one frame: what a bake of it would show."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 from acting import make_acting
@@ -42,6 +44,17 @@ def test_it_shows_what_a_bake_keys(acting, preview, table):
         assert shown.keys() == set(baked.names)
         expected = dict(zip(baked.names, baked.values[number], strict=True))
         assert shown == pytest.approx(expected, abs=1e-12)
+
+
+def test_what_a_gain_brings_within_the_range_is_not_cut_before(acting):
+    """By its name a key goes beyond its end: cut before it is halved, it would stop half-way."""
+    surface = make_surface(has_muscles=False)
+    table = [ControlRow(name, gain=0.5, highest=0.3) for name in surface.control_names]
+    surface = dataclasses.replace(surface, control_range=0.3 * np.asarray(surface.control_range))
+    baked = play(acting, surface, table)
+    shown = ControlPreview(acting, surface, FRAMES).values(FRAMES[-1], table)
+    assert shown["jawOpen"] > 0.2
+    assert shown == pytest.approx(dict(zip(baked.names, baked.values[-1], strict=True)), abs=1e-12)
 
 
 def test_between_keys_it_lies_on_their_line_and_beyond_them_it_stays(preview):

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
-from mimetic.character.gaze_shapes import GAZE_GROUP, TURNS, gaze_sliders
+from mimetic.character.gaze_shapes import GAZE_GROUP, LOOKS, TURNS, gaze_sliders
 from mimetic.character.shapes import (
     ACTION_UNITS,
     CONTACT,
@@ -41,7 +41,6 @@ APART = 0.006  # of bones seen from the front: muscles of a mouth's corner have 
 COLUMN = 0.115  # of the groups' bones from the middle of the face
 COLUMN_STEP = 0.02
 NOT_BY_BONES = (DETAIL, CONTACT, ACTION_UNITS, GAZE_GROUP)
-LOOKS = ("look_up", "look_down", "look_in", "look_out")
 
 
 @dataclass(frozen=True)
@@ -165,15 +164,6 @@ def _columns(channels: Sequence[Channel], places: Mapping) -> dict[str, NDArray[
         for row, name in enumerate(names):
             columns[name] = np.array([x, -0.05, top - COLUMN_STEP * row])
     return columns
-
-
-def gaze_kind(names: Sequence[str]) -> str:
-    """What turns a face's eyes: "turns" (the shapes TURNS), "looks" (LOOKS), or "" for nothing."""
-    known = set(names)
-    for kind, stems in (("turns", TURNS), ("looks", LOOKS)):
-        if known.issuperset(f"{stem}.{side}" for stem in stems for side in "LR"):
-            return kind
-    return ""
 
 
 def gaze_expressions(kind: str, side: str) -> dict[str, str]:

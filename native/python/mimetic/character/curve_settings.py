@@ -15,7 +15,7 @@ from mimetic.character.curve_keys import check_factor, check_width
 from mimetic.character.shapes import GROUPS, listed
 from mimetic.muscles.articulators import ARTICULATORS
 from mimetic.muscles.extras import lip_rows
-from mimetic.muscles.sides import LEFT, RIGHT, mirrored_name, mirrored_sign
+from mimetic.muscles.sides import EYE_TURNS, LEFT, RIGHT, mirrored_name, mirrored_sign
 from mimetic.performance.document import Performance
 from mimetic.performance.gaze import GAZE
 
@@ -23,7 +23,8 @@ Floats = NDArray[np.float64]
 Row = tuple[str, str, float, float]
 ALL_GROUPS = ""
 LIDS = ("lid_upper", "lid_lower")
-# Each side does what the other did; both do what the subject's left, or right, did; or the mean
+# Each side does what the other did; both do what the subject's left, or right, did; or the mean.
+# Eyes look one way together, so that they are exchanged with the rest and else stay
 MIRRORS = ("swap", "left", "right", "both")
 FOLLOWING = {"swap": "", "left": RIGHT, "right": LEFT}  # by how names end that do what others did
 
@@ -31,7 +32,7 @@ FOLLOWING = {"swap": "", "left": RIGHT, "right": LEFT}  # by how names end that 
 @dataclass(frozen=True)
 class CurveSettings:
     """Edits of the curves of muscles, jaw, lids and lips; the head and detail stay, and the gaze
-    unless it is mirrored."""
+    unless the sides are exchanged."""
 
     # Seconds, of `_core.smooth_curve`; 0 leaves curves as captured
     smoothing: float = 0.0
@@ -142,13 +143,20 @@ def _edited(
     return result
 
 
+def mirrored_share(name: str, how: str) -> float:
+    """How much of a muscle, articulator or shape comes from its twin, by one of MIRRORS."""
+    if name.startswith(EYE_TURNS) and how != "swap":
+        return 0.0
+    return 0.5 if how == "both" else float(name.endswith(FOLLOWING[how]))
+
+
 def _mirrored(names: Sequence[str], values: Floats, how: str) -> Floats:
     """N x C values with a name for each column; what has no twin among them stays."""
     columns = {name: i for i, name in enumerate(names)}
     result = values.copy()
     for name, i in columns.items():
         twin = columns.get(mirrored_name(name))
-        share = 0.5 if how == "both" else float(name.endswith(FOLLOWING[how]))
+        share = mirrored_share(name, how)
         if twin is not None and share:
             other = mirrored_sign(name) * values[:, twin]
             result[:, i] = (1 - share) * values[:, i] + share * other

@@ -8,7 +8,7 @@ face's own mesh, without nodes or bones that an exchange may lose.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,6 +23,17 @@ from mimetic.performance.gaze import SIDES, gaze_of, has_gaze, seen_articulators
 GAZE_GROUP = "Gaze"
 # Of `_core.eye_turn_modes`: sines of the turn down and to the left, then their products
 TURNS = ("eye_down", "eye_left", "eye_down_down", "eye_down_left", "eye_left_left")
+# Sliders of the anatomy's extras, which heads have
+LOOKS = ("look_up", "look_down", "look_in", "look_out")
+
+
+def gaze_kind(names: Iterable[str]) -> str:
+    """What turns a face's eyes: "turns" (the shapes TURNS), "looks" (LOOKS), or "" for nothing."""
+    known = set(names)
+    for kind, stems in (("turns", TURNS), ("looks", LOOKS)):
+        if known.issuperset(f"{stem}.{side}" for stem in stems for side in "LR"):
+            return kind
+    return ""
 
 
 def gaze_shapes(performance: Performance) -> list[Shape]:

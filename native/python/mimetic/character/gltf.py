@@ -131,9 +131,10 @@ def read_weights(glb: bytes) -> tuple[np.ndarray, np.ndarray, list[str]]:
 
 
 def retime(glb: bytes, rate: float) -> bytes:
-    """The file with its animation's keys at 0, 1 / rate, 2 / rate, ... seconds.
+    """The file with its animations' keys at whole frames, 1 / rate seconds each.
 
-    For files whose keys are evenly spaced, as a sampling exporter writes them; raises InvalidInput
+    Motions that begin some frames after the first go on doing so. For files whose keys are a frame
+    apart, as a sampling exporter writes them, whatever it takes a frame for; raises InvalidInput
     for others.
     """
     chunks = Chunks(glb)
@@ -142,12 +143,15 @@ def retime(glb: bytes, rate: float) -> bytes:
         for animation in chunks.document.get("animations", [])
         for sampler in animation["samplers"]
     }
-    for accessor in sorted(inputs):
-        seconds = chunks.accessor(accessor)[:, 0]
-        steps = np.diff(seconds)
-        if len(steps) and np.ptp(steps) > 0.5 * steps.mean():
-            raise InvalidInput("the animation's keys are not evenly spaced")
-        seconds[:] = np.arange(len(seconds)) / rate
+    times = {accessor: chunks.accessor(accessor)[:, 0] for accessor in sorted(inputs)}
+    steps = np.concatenate([np.empty(0), *(np.diff(seconds) for seconds in times.values())])
+    if len(steps) and np.ptp(steps) > 0.5 * steps.mean():
+        raise InvalidInput("the animation's keys are not evenly spaced")
+    # A pose of one key has no step: it is where it is among the others, or at the start
+    step = float(steps.mean()) if len(steps) else 1.0
+    for accessor, seconds in times.items():
+        first = round(float(seconds[0]) / step)
+        seconds[:] = (first + np.arange(len(seconds))) / rate
         entry = chunks.document["accessors"][accessor]
         entry["min"], entry["max"] = [float(seconds[0])], [float(seconds[-1])]
     return chunks.to_bytes()

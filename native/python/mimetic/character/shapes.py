@@ -3,12 +3,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from mimetic.character.gaze_shapes import gaze_shapes, gaze_sliders
+from mimetic.character.gaze_shapes import gaze_kind, gaze_shapes, gaze_sliders
 from mimetic.character.shape import Shape, shape_of_values
 from mimetic.muscles.action_units import HIGHEST, unit_sides
 from mimetic.muscles.anatomy import Anatomy
@@ -85,12 +85,15 @@ def listed(articulator: str) -> tuple[str, str, float, float]:
     return articulator, JAW_AND_LIDS, *ARTICULATORS.get(articulator, (-1.0, 1.0))
 
 
-def slider_shapes_of(performance: Performance) -> list[Shape]:
+def slider_shapes_of(performance: Performance, sliders: Iterable[str] = ()) -> list[Shape]:
     """The same for a head with the muscles' sliders (`shapes_of_anatomy`, `shapes_of_extras`).
 
-    Its eyes turn by the gaze's sliders, which move the lids, too.
+    Its eyes turn by the gaze's sliders, which move the lids, too; or by the shapes of
+    `gaze_shapes` where they are among the head's, as of a face that was itself captured.
     """
     shapes = shapes_of(performance.without_detail())
+    if gaze_kind(sliders) == "turns":
+        return shapes
     names = [shape.name for shape in gaze_shapes(performance)]
     remaining_shapes = [shape for shape in shapes if shape.name not in names]
     return gaze_sliders(performance, remaining_shapes)

@@ -14,7 +14,7 @@ from mimetic import InvalidInput
 from mimetic.media.timing import check_rate
 from mimetic.muscles.articulators import ARTICULATORS
 from mimetic.muscles.extras import extra_limits
-from mimetic.muscles.sides import mirrored_name, mirrored_sign
+from mimetic.muscles.sides import EYE_TURNS, mirrored_name, mirrored_sign
 from mimetic.shared.array_document import ArrayDocument
 from mimetic.shared.array_file import check_names, is_bounded, open_arrays
 from mimetic.shared.array_writer import write_arrays
@@ -46,7 +46,6 @@ DOCUMENT = ArrayDocument(
     advice="keep the expression again",
 )
 LARGEST_VALUE = 180.0  # degrees of a gaze; activations end at 1
-EYE_TURNS = ("gaze_", "eye_", "look_")  # how names of what turns an eye begin
 UNKNOWN = (-90.0, 90.0)  # range of what is in no table: degrees of a gaze
 
 

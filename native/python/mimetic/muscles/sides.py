@@ -6,6 +6,7 @@ from __future__ import annotations
 LEFT, RIGHT = ".L", ".R"
 # Positive to the subject's left: the mirror turns the sign
 TURNED = ("jaw_side", "gaze_yaw", "eye_left", "eye_down_left")
+EYE_TURNS = ("gaze_", "eye_", "look_")  # how names of what turns an eye begin
 
 
 def mirrored_name(name: str) -> str:

@@ -23,7 +23,17 @@ CHANNEL = re.compile(r"(.+) (?:along|turn) [xyz]")  # of a bone, as `bone_channe
 SEPARATORS = str.maketrans("", "", " _-.:|")
 UNIT_SIDES = ("Left", "Right")
 MARKED_SIDE = re.compile(r"(?<=[._ -])[LRlr](?=[._ -]|$)")
-SIDE_TWINS = {"L": "R", "R": "L", "l": "r", "r": "l"}
+# MetaHuman's: of the upper or the lower lip too
+LAST_SIDE = re.compile(r"(?<=[a-z])(?P<lip>[UD]?)(?P<side>[LR])$")
+# An eye that looks aside has a direction beside its own side
+LOOKS_ASIDE = re.compile(
+    r"(?P<look>look[._ -]?)(?P<side>left|right)(?=[._ -]?(?:[lr]|left|right)$)", re.IGNORECASE
+)
+PAIRS = (("L", "R"), ("l", "r"), ("Left", "Right"), ("left", "right"), ("LEFT", "RIGHT"))
+SIDE_TWINS = dict(PAIRS) | {right: left for left, right in PAIRS}
+# Of bones that Blender mirrors: axes x of the two sides are each other's mirror image turned over,
+# and what turns about an axis of the mirror turns the other way
+TURNED_OVER = re.compile(r".+ (?:along x|turn [yz])")
 
 
 @dataclass(frozen=True)
@@ -116,17 +126,38 @@ def units_of(names: Iterable[str]) -> dict[str, str]:
 
 def mirrored_name(name: str) -> str:
     """The same control of the other side; the name itself if it says no side."""
-    for left, right in (("Left", "Right"), ("left", "right"), ("LEFT", "RIGHT")):
-        for side, other in ((left, right), (right, left)):
-            if name.endswith(side) or name.startswith(side):
-                return other.join(
-                    name.rsplit(side, 1) if name.endswith(side) else ("", name[len(side) :])
-                )
-    if MARKED_SIDE.search(name):
-        return MARKED_SIDE.sub(lambda side: SIDE_TWINS[side.group()], name, count=1)
-    if len(name) > 1 and name[-1] in "LR" and name[-2].islower():
-        return name[:-1] + ("R" if name[-1] == "L" else "L")
-    return name
+    first, last = _side_span(name)
+    twin = name[:first] + SIDE_TWINS.get(name[first:last], "") + name[last:]
+    return LOOKS_ASIDE.sub(_turned_look, twin) if first < last else name
+
+
+def side_of(name: str) -> str:
+    """L or R; nothing if a control's name says no side."""
+    first, last = _side_span(name)
+    return name[first:last][:1].upper()
+
+
+def is_turned_over(name: str) -> bool:
+    """Whether a bone's channel does on the other side with -1 what it does here with 1."""
+    return TURNED_OVER.fullmatch(name) is not None
+
+
+def _side_span(name: str) -> tuple[int, int]:
+    """Where a name says its side, from and to."""
+    for side in (word for pair in PAIRS for word in pair if len(word) > 1):
+        if name.endswith(side):
+            return len(name) - len(side), len(name)
+        if name.startswith(side):
+            return 0, len(side)
+    if marked := MARKED_SIDE.search(name):
+        return marked.span()
+    if last := LAST_SIDE.search(name):
+        return last.span("side")
+    return 0, 0
+
+
+def _turned_look(look: re.Match[str]) -> str:
+    return look["look"] + SIDE_TWINS.get(look["side"], look["side"])
 
 
 @cache

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
 from mimetic.retarget import gaze_controls
-from mimetic.retarget.control_names import mirrored_name
+from mimetic.retarget.control_names import is_turned_over, mirrored_name, side_of
 from mimetic.shared.json_file import read_json, write_json
 from mimetic.shared.shown_text import shortened
 
@@ -40,10 +40,23 @@ class ControlRow:
     curve: float = 1.0
 
     def played(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values as fitted (N) to values as played."""
+        """Values as fitted (N) to values as played; raises InvalidInput, naming the control."""
+        self.check()
         return _core.played_values(
             values, self.gain, self.offset, self.lowest, self.highest, self.curve
         )
+
+    def check(self, where: str = "control") -> None:
+        """Raises InvalidInput for bounds that nothing lies between. where: before its name."""
+        if not CURVES[0] <= self.curve <= CURVES[1]:
+            raise InvalidInput(
+                f"{where} ({self.control}): its curve is {self.curve:g}; it lies from "
+                f"{CURVES[0]:g} to {CURVES[1]:g}"
+            )
+        if self.lowest > self.highest:
+            raise InvalidInput(
+                f"{where} ({self.control}): its range is from {self.lowest:g} to {self.highest:g}"
+            )
 
 
 @dataclass(frozen=True)
@@ -123,7 +136,10 @@ def with_preset(
 
 
 def mirrored(rows: Sequence[ControlRow], from_side: str = "L") -> list[ControlRow]:
-    """Edited rows of one side (L or R) given to the controls of the other, where there are such."""
+    """Edited rows of one side (L or R) given to the controls of the other, where there are such.
+
+    Of a bone's channel that the mirror turns over, offset and range are turned over too.
+    """
     if from_side not in ("L", "R"):
         raise InvalidInput(f"side {from_side!r}: rows are mirrored from L or R")
     by_name = {row.control: row for row in rows}
@@ -134,20 +150,22 @@ def mirrored(rows: Sequence[ControlRow], from_side: str = "L") -> list[ControlRo
             row.is_edited
             and twin != row.control
             and twin in by_name
-            and _side(row.control) == from_side
+            and side_of(row.control) == from_side
         ):
-            twins[twin] = replace(row, control=twin)
+            own = replace(row, control=twin)
+            twins[twin] = _turned_over(own) if is_turned_over(twin) else own
     return [twins.get(row.control, row) for row in rows]
 
 
-def _side(name: str) -> str:
-    other = mirrored_name(name)
-    differing = next((a for a, b in zip(name, other, strict=False) if a != b), "")
-    return differing.upper()
+def _turned_over(row: ControlRow) -> ControlRow:
+    return replace(row, offset=0 - row.offset, lowest=0 - row.highest, highest=0 - row.lowest)
 
 
 def save_preset(rows: Sequence[ControlRow], path: str | os.PathLike[str]) -> None:
-    """Writes a table as JSON, whole or not at all."""
+    """Writes a table as JSON, whole or not at all; raises InvalidInput for what could not be read
+    again."""
+    for row in rows:
+        row.check()
     write_json(Path(path), {"format": FORMAT, "controls": [asdict(row) for row in rows]})
 
 
@@ -181,13 +199,5 @@ def _row(path: str | os.PathLike[str], number: int, entry: object) -> ControlRow
         if not is_truth and not (isinstance(value, int | float) and abs(value) <= MOST):
             raise InvalidInput(shortened(f"{where}: {name} is {value!r}; it lies within {MOST:g}"))
     row = ControlRow(**entry)
-    if not CURVES[0] <= row.curve <= CURVES[1]:
-        raise InvalidInput(
-            f"{where} ({row.control}): its curve is {row.curve:g}; it lies from {CURVES[0]:g} to "
-            f"{CURVES[1]:g}"
-        )
-    if row.lowest > row.highest:
-        raise InvalidInput(
-            f"{where} ({row.control}): its range is from {row.lowest} to {row.highest}"
-        )
+    row.check(where)
     return row

@@ -53,7 +53,8 @@ class PlayedControls:
     do not move what a face moves and their names are unknown; resting: controls that this
     performance leaves at rest; unplayed: muscles, jaw, lids and gaze that move in it and of which
     the controls make nearly nothing; explained: share of the motion of the surface over all
-    frames that the controls make, None where names alone decide.
+    frames that the controls make, None where names alone decide; strangers: what a preset has rows
+    of and the character has not.
     """
 
     names: list[str]
@@ -63,6 +64,7 @@ class PlayedControls:
     resting: list[str]
     unplayed: list[str]
     explained: float | None
+    strangers: Sequence[str] = ()
 
     def summary(self) -> str:
         """What was driven and what was not, for people: parts between semicolons."""
@@ -76,6 +78,7 @@ class PlayedControls:
             ("at rest", self.resting),
             ("unmatched", self.unmatched),
             ("without a control", self.unplayed),
+            ("of the preset alone", self.strangers),
         ):
             if names:
                 parts.append(f"{text}: {_listed(names, MOST_NAMED)}")
@@ -116,18 +119,39 @@ def play(
     ranges. Raises InvalidInput if there is nothing to go by: no muscles and no known name.
     """
     table = table_of(surface, rows)
+    fitted = _fitted_controls(performance, surface, table, options)
+    curves = {
+        name: table[name].played(np.ascontiguousarray(column))
+        for name, column in zip(fitted.names, fitted.values.T, strict=True)
+    }
+    return replace(
+        fitted,
+        values=_columns(performance, curves.values()),
+        resting=[name for name, curve in curves.items() if not _is_driven(curve, table[name])],
+    )
+
+
+def _fitted_controls(
+    performance: Performance,
+    surface: ControlSurface,
+    table: Mapping[str, ControlRow],
+    options: _core.ControlFitOptions | None,
+) -> PlayedControls:
+    """Values as they are before a table's rows scale, bend and cut them."""
     used = surface.without(name for name in surface.ranges if name not in table)
     names = list(used.control_names)
     known = known_names(names)
     expected = _by_names(performance, names, known)
-    gaze = _gaze(performance, used, table)
+    gaze = _gaze(performance, used)
     has_muscles = bool(len(used.source_names))
     if expected is None and not has_muscles and unit_shares(names, known).any():
         raise InvalidInput(NOT_CANONICAL)
     moves = moving(used)
     is_named = unit_shares(names, known).any(axis=1) & (expected is not None)
     if has_muscles:
-        fit, values, explained, source_values = _fit(performance, used, expected, options, gaze)
+        # What the eyes' controls take along is as they play
+        turning = {name: table[name].played(column) for name, column in gaze.items()}
+        fit, values, explained, source_values = _fit(performance, used, expected, options, turning)
         is_matched = moves & (fit.readable > READABLE)
         only_named = is_named & ~moves
         unplayed = _unplayed(fit, used.source_names, source_values, gaze)
@@ -140,38 +164,36 @@ def play(
     if expected is not None:
         values[:, only_named] = expected[:, only_named]
     kept = np.flatnonzero(is_matched | only_named)
-    curves = {names[k]: table[names[k]].played(values[:, k]) for k in kept} | gaze
+    curves = {names[k]: values[:, k] for k in kept} | gaze
     return PlayedControls(
         names=list(curves),
-        values=np.stack([*curves.values(), *[np.zeros(0)] * (not curves)], axis=-1).reshape(
-            performance.num_frames, len(curves)
-        ),
+        values=_columns(performance, curves.values()),
         by_name=[names[k] for k in np.flatnonzero(only_named)],
         unmatched=[name for k, name in enumerate(names) if k not in kept],
-        resting=[name for name, curve in curves.items() if not _is_driven(curve, table[name])],
+        resting=[],
         unplayed=unplayed,
         explained=explained,
     )
+
+
+def _columns(performance: Performance, curves: Iterable[Floats]) -> Floats:
+    """N x K of K curves, of which there may be none."""
+    return np.array([*curves]).reshape(-1, performance.num_frames).T
 
 
 def _is_driven(curve: Floats, row: ControlRow) -> bool:
     return bool(np.abs(curve).max(initial=0) > DRIVEN * (row.highest - row.lowest))
 
 
-def _gaze(
-    performance: Performance, surface: ControlSurface, table: Mapping[str, ControlRow]
-) -> dict[str, Floats]:
-    """N values of each control that turns an eye, as they are played."""
+def _gaze(performance: Performance, surface: ControlSurface) -> dict[str, Floats]:
+    """N values of each control that turns an eye."""
     if surface.gaze is None or not surface.gaze.channels:
         return {}
     angles = (
         gaze_of(performance) if has_gaze(performance) else np.zeros((performance.num_frames, 4))
     )
     columns = surface.gaze.values(angles).T
-    return {
-        name: table[name].played(np.ascontiguousarray(column))
-        for name, column in zip(surface.gaze.names, columns, strict=True)
-    }
+    return dict(zip(surface.gaze.names, map(np.ascontiguousarray, columns), strict=True))
 
 
 def _still_eyes(performance: Performance, surface: ControlSurface) -> list[str]:
@@ -246,8 +268,10 @@ class ControlPreview:
         if names not in self._fits:
             if len(self._fits) >= MOST_FITS:
                 self._fits.pop(next(iter(self._fits)))
-            rows = [replace(row, is_on=row.control in names) for row in self._plain.values()]
-            self._fits[names] = play(self._performance, self._surface, rows, self._options)
+            table = {name: row for name, row in self._plain.items() if name in names}
+            self._fits[names] = _fitted_controls(
+                self._performance, self._surface, table, self._options
+            )
         return self._fits[names]
 
 
