@@ -238,6 +238,7 @@ def library(part: str) -> ModuleType:
         composing,
         cutting,
         expression,
+        face_sliders,
         folder,
         preview,
         units,

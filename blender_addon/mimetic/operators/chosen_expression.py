@@ -8,6 +8,10 @@ from bpy.props import StringProperty
 from .. import native, scene_out, targets
 from ..greyed import Greyed
 
+# Of an action that was appended: the path of the other file with its name there. By the name alone
+# an expression of this file, or of another library, would be taken for it
+ORIGIN = "mimetic_origin"
+
 
 class OfExpression(Greyed):
     """Mixin of operators on an expression."""
@@ -43,11 +47,12 @@ def chosen(context, name: str) -> bpy.types.Action:
 
 
 def _appended(asset) -> bpy.types.Action | None:
-    """The asset of another file; what was appended before is used again."""
+    """The asset of another file; what was appended from there before is used again."""
     if asset.id_type != "ACTION":
         return None
-    if (action := bpy.data.actions.get(asset.name)) and scene_out.expressions.is_expression(action):
-        return action
+    for action in bpy.data.actions:
+        if action.get(ORIGIN) == asset.full_path:
+            return action
     try:
         with bpy.data.libraries.load(asset.full_library_path, link=False) as (there, here):
             here.actions = [name for name in there.actions if name == asset.name]
@@ -55,4 +60,7 @@ def _appended(asset) -> bpy.types.Action | None:
         raise native.invalid_input(
             rpt_("{name} cannot be read: {error}").format(name=asset.name, error=error)
         ) from None
-    return here.actions[0] if here.actions else None
+    if not here.actions:
+        return None
+    here.actions[0][ORIGIN] = asset.full_path
+    return here.actions[0]

@@ -42,6 +42,7 @@ class MIMETIC_OT_sequence_expression(OnFace, Operator):
         )
         if sequence.pushed_down:
             text += rpt_("; {name} is a strip under it now").format(name=sequence.pushed_down)
+        text += scene_out.expressions.missing_text(face, sequence.missing)
         facts = {"action": action.name, "object": face.name}
         facts["scene_frames"] = [sequence.first, sequence.last]
         return outcome.finished(self, context, text, **facts)

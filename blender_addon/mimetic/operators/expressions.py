@@ -155,15 +155,15 @@ class MIMETIC_OT_apply_expression(OnFace, Operator):
         expressions = scene_out.expressions
         face = bpy.data.objects[self._face_name]
         values = expressions.peak_values(bpy.data.actions[self.action], self.is_mirrored)
-        self._target = expressions.sliders_for(face, values)
+        self._target, self._missing, self._start = {}, [], {}
+        try:
+            self._target, self._missing = expressions.sliders_for(face, values, self.action)
+        except native.known_errors() as error:
+            outcome.cancelled(self, context, str(error))
+            return False
         blocks = face.data.shape_keys.key_blocks
         self._start = {name: blocks[name].value for name in self._target}
-        if not self._target:
-            message = rpt_("{name} has none of the muscles that {expression} moves").format(
-                name=face.name, expression=self.action
-            )
-            outcome.cancelled(self, context, message)
-        return bool(self._target)
+        return True
 
     def _blend(self) -> None:
         values = scene_out.expressions.blended(self._start, self._target, self.share)
@@ -181,6 +181,7 @@ class MIMETIC_OT_apply_expression(OnFace, Operator):
             action=self.action, share=self.share, face=face.name
         )
         text += rpt_(", keyed") if has_keys else rpt_("; auto keying is off")
+        text += scene_out.expressions.missing_text(face, self._missing)
         facts = {"action": self.action, "object": face.name, "is_keyed": has_keys}
         return outcome.finished(self, context, text, **facts)
 

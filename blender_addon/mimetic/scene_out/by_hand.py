@@ -41,10 +41,7 @@ class HandChanges:
     def text(self) -> str:
         if not self.things:
             return ""
-        more = len(self.things) - MOST_TOLD
-        text = ", ".join(self.things[:MOST_TOLD])
-        text += iface_(" and {count} more").format(count=more) if more > 0 else ""
-        return iface_("kept as changed by hand: {what}").format(what=text)
+        return iface_("kept as changed by hand: {what}").format(what=told(self.things))
 
     def add(self, shape: str, state: KeyState) -> None:
         if state.is_renamed:
@@ -55,6 +52,13 @@ class HandChanges:
             self.things.append(iface_("the shape of {shape}").format(shape=shape))
         if state.has_own_limits:
             self.things.append(iface_("the limits of {shape}").format(shape=shape))
+
+
+def told(things: list[str]) -> str:
+    """The first of these things, and how many more there are."""
+    more = len(things) - MOST_TOLD
+    text = ", ".join(things[:MOST_TOLD])
+    return text + (iface_(" and {count} more").format(count=more) if more > 0 else "")
 
 
 def look(face) -> dict[str, KeyState]:

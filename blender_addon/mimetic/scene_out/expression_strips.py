@@ -3,10 +3,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import bpy
-from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import compat, native
 from . import actions, by_hand, expressions
@@ -20,6 +19,7 @@ class Sequenced:
     first: float  # scene frames
     last: float
     pushed_down: str = ""  # the take that became a strip under the expressions
+    missing: list[str] = field(default_factory=list)  # channels that move nothing of the face
 
 
 def sequence(
@@ -35,7 +35,7 @@ def sequence(
     Curves of the face's own become a strip under it, as Push Down does, or they would hide it.
     Raises InvalidInput where no key of the face is moved.
     """
-    strip_action = _action_for(obj, action, rate, is_mirrored)
+    strip_action, missing = _action_for(obj, action, rate, is_mirrored)
     animation = obj.data.shape_keys.animation_data or obj.data.shape_keys.animation_data_create()
     pushed_down = _push_down(animation)
     _rest_under(animation, strip_action)
@@ -49,7 +49,7 @@ def sequence(
     if strength != 1:
         strip.use_animated_influence = True  # makes the curve that is keyed here
         strip.fcurves.find("influence").keyframe_points.insert(start, strength)
-    return Sequenced(strip.frame_start, strip.frame_end, pushed_down)
+    return Sequenced(strip.frame_start, strip.frame_end, pushed_down, missing)
 
 
 def strips_of(obj: bpy.types.Object) -> list[bpy.types.NlaStrip]:
@@ -75,7 +75,7 @@ def compose(obj: bpy.types.Object, name: str, rate: float) -> Sequenced:
     first = strips[0].frame_start
     composing, pairs = native.library("composing"), []
     for strip in strips:
-        document = _own_names(obj, expressions.document_of(strip.action))
+        document = expressions.own_channels(obj, expressions.document_of(strip.action))
         onset = (strip.frame_start - first) / rate + document.onset_seconds * strip.scale * (
             float(strip.action[expressions.RATE]) / rate
         )
@@ -92,33 +92,23 @@ def compose(obj: bpy.types.Object, name: str, rate: float) -> Sequenced:
     return sequence(obj, action, first, rate)
 
 
-def _own_names(obj: bpy.types.Object, document):
-    """A strip's document by the names of shapes, of keys that were renamed on the face."""
-    shape_of = {key: shape for shape, key in by_hand.keys_now(obj).items()}
-    document.channels = [shape_of.get(name, name) for name in document.channels]
-    return document
-
-
 def _action_for(
     obj: bpy.types.Object, action: bpy.types.Action, rate: float, is_mirrored: bool
-) -> bpy.types.Action:
-    """The asset itself where it fits the face, else an action of the face's own."""
+) -> tuple[bpy.types.Action, list[str]]:
+    """The asset itself where it fits the face, else an action of the face's own; and channels that
+    move nothing of the face."""
     names = by_hand.keys_now(obj)
-    document = expressions.document_of(action)
-    if is_mirrored:
-        document = document.mirrored()
-    if not any(name in names for name in document.channels):
-        raise native.invalid_input(
-            rpt_("{name} has none of the muscles that {expression} moves").format(
-                name=obj.name, expression=action.name
-            )
-        )
-    is_renamed = any(names.get(name, name) != name for name in document.channels)
-    if not (is_mirrored or is_renamed or document.is_still):
-        return action
+    asset = expressions.document_of(action)
+    document = asset.mirrored() if is_mirrored else asset
     if document.is_still:
         document = native.library("composing").motion_of_still(document, rate)
-    return expressions.new_action(f"{action.name} on {obj.name}", document, rate, names)
+    document, missing = expressions.on_face(obj, document, action.name)
+    is_renamed = any(names.get(name, name) != name for name in document.channels)
+    is_changed = is_mirrored or asset.is_still or document.channels != asset.channels
+    if not (is_changed or is_renamed):
+        return action, missing
+    title = f"{action.name} on {obj.name}"
+    return expressions.new_action(title, document, rate, names), missing
 
 
 def _strength(strip: bpy.types.NlaStrip) -> float:

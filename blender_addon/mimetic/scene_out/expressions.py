@@ -7,6 +7,8 @@ face, so that it serves every face. Frame 0 is the expression's first row.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
@@ -103,11 +105,64 @@ def blended(start: dict[str, float], target: dict[str, float], share: float) -> 
     return {name: value + share * (target[name] - value) for name, value in start.items()}
 
 
-def sliders_for(obj: bpy.types.Object, values: dict[str, float]) -> dict[str, float]:
-    """The values by the names of the face's own keys; those that it lacks are left out."""
+def sliders_for(
+    obj: bpy.types.Object, values: dict[str, float], title: str
+) -> tuple[dict[str, float], list[str]]:
+    """Channels' values by the names of the face's own keys, and channels that move none of them.
+
+    title: the expression's. Raises InvalidInput if all do so.
+    """
+    row = np.array([list(values.values())])
+    shapes, fitted, missing = _fitted(obj, list(values), row, title)
     names = by_hand.keys_now(obj)
-    keys = obj.data.shape_keys.key_blocks
-    return {names[n]: value for n, value in values.items() if n in names and names[n] in keys}
+    pairs = zip(shapes, fitted[0].tolist(), strict=True)
+    return {names[n]: value for n, value in pairs if n in names}, missing
+
+
+def on_face(obj: bpy.types.Object, document, title: str):
+    """The same of a document: by the names of shapes, the document itself where it fits."""
+    shapes, values, missing = _fitted(obj, document.channels, document.values, title)
+    if shapes == document.channels:
+        return document, missing
+    fitting = replace(document, channels=shapes, values=values, stds=np.zeros_like(values))
+    return fitting, missing
+
+
+def own_channels(obj: bpy.types.Object, document):
+    """A document of what keys of the face do, by the names of shapes and with its gaze: what
+    `on_face` and `new_action` made of it."""
+    shape_of = {key: shape for shape, key in by_hand.keys_now(obj).items()}
+    channels, values = native.library("face_sliders").with_gaze(
+        [shape_of.get(name, name) for name in document.channels],
+        *(document.values, _lids_per_degree(obj)),
+    )
+    return replace(document, channels=channels, values=values, stds=np.zeros_like(values))
+
+
+def _fitted(
+    obj: bpy.types.Object, channels: list[str], values: np.ndarray, title: str
+) -> tuple[list[str], np.ndarray, list[str]]:
+    private, shapes = _private_shapes(obj), by_hand.keys_now(obj)
+    kept = [i for i, name in enumerate(channels) if name not in private]
+    names, fitted = native.library("face_sliders").without_gaze(
+        *([channels[i] for i in kept], values[:, kept]), *(shapes, _lids_per_degree(obj))
+    )
+    if not any(name in shapes for name in names):
+        raise native.invalid_input(
+            rpt_("{name} has none of the muscles that {expression} moves").format(
+                name=obj.name, expression=title
+            )
+        )
+    missing = [name for name in channels if name in private]
+    return names, fitted, missing + [name for name in names if name not in shapes]
+
+
+def missing_text(obj: bpy.types.Object, missing: list[str]) -> str:
+    """The end of a message on what of an expression the face cannot do, "" for nothing."""
+    if not missing:
+        return ""
+    text = rpt_("; {name} has no {what}")
+    return text.format(name=obj.name, what=by_hand.told(missing))
 
 
 def key_sliders(obj: bpy.types.Object, names, frame: float) -> None:
@@ -118,21 +173,20 @@ def key_sliders(obj: bpy.types.Object, names, frame: float) -> None:
 
 
 def shape_values(obj: bpy.types.Object) -> dict[str, float]:
-    """What the face's muscles, articulators and extras are set to, by their shapes' names."""
+    """What the muscles, articulators, eyes and extras are set to, as an expression has it."""
     blocks = obj.data.shape_keys.key_blocks
-    groups = {entry.shape for entry in obj.mimetic.groups}
-    return {
-        shape: 0.0 if blocks[name].mute else blocks[name].value
-        for shape, name in by_hand.keys_now(obj).items()
-        if shape not in groups and name != contact.KEY
-    }
+    names = _own_keys(obj)
+    row = [0.0 if blocks[name].mute else blocks[name].value for name in names.values()]
+    channels, values = _as_channels(obj, list(names), np.array([row]))
+    values = np.clip(values, *_limits(obj, channels))
+    return dict(zip(channels, values[0].tolist(), strict=True))
 
 
 def keep_still(obj: bpy.types.Object, rate: float):
     """The document of what the face's sliders are now; raises InvalidInput if all are at rest."""
     values = shape_values(obj)
     rows = np.array([list(values.values())])
-    return native.library("cutting").from_curves(list(values), rows, rate, _muscles(obj))
+    return _kept(obj, list(values), rows, rate)
 
 
 def keep_motion(obj: bpy.types.Object, first: int, last: int, rate: float):
@@ -144,20 +198,72 @@ def keep_motion(obj: bpy.types.Object, first: int, last: int, rate: float):
         )
     if last - first < 2:
         raise native.invalid_input("A motion needs three frames or more")
-    shape_of = {name: shape for shape, name in by_hand.keys_now(obj).items()}
-    curves = {
-        shape_of[name]: curve
-        for curve in holder.fcurves
-        if curve.data_path.endswith(".value") and (name := _name_in(curve.data_path)) in shape_of
+    by_path = {curve.data_path: curve for curve in holder.fcurves}
+    names, blocks = _own_keys(obj), obj.data.shape_keys.key_blocks
+    frames = np.arange(first, last + 1)
+    columns = []
+    for name in names.values():
+        curve = by_path.get(_path(name))
+        # An eye turns by several shapes: one without a curve counts as it stands
+        columns.append(
+            np.full(len(frames), blocks[name].value)
+            if curve is None
+            else np.array([curve.evaluate(frame) for frame in frames])
+        )
+    channels, rows = _as_channels(obj, list(names), np.array(columns).T)
+    return _kept(obj, channels, rows, rate)
+
+
+def _kept(obj: bpy.types.Object, channels: list[str], rows: np.ndarray, rate: float):
+    cutting = native.library("cutting")
+    return cutting.from_curves(channels, rows, rate, _limits(obj, channels))
+
+
+def _own_keys(obj: bpy.types.Object) -> dict[str, str]:
+    """Name of the key that is each shape now, of those that other faces may have, too."""
+    private, keys = _private_shapes(obj), obj.data.shape_keys.key_blocks
+    return {
+        shape: name
+        for shape, name in by_hand.keys_now(obj).items()
+        if shape not in private and name in keys and name != contact.KEY
     }
-    frames = range(first, last + 1)
-    rows = np.array([[curve.evaluate(frame) for curve in curves.values()] for frame in frames])
-    return native.library("cutting").from_curves(list(curves), rows, rate, _muscles(obj))
 
 
-def _muscles(obj: bpy.types.Object) -> list[str]:
-    """Names of the shapes whose sliders go from 0 to 1, as muscles' do."""
-    return [entry.shape for entry in obj.mimetic.shapes if entry.lowest >= 0]
+def _private_shapes(obj: bpy.types.Object) -> set[str]:
+    """Those that correct one performance's skin: other faces' of these names do something else."""
+    parts, entries = native.shapes(), by_hand.entries_of(obj)
+    return {n for n, entry in entries.items() if entry.group in (parts.CONTACT, parts.DETAIL)}
+
+
+def _as_channels(
+    obj: bpy.types.Object, names: list[str], rows: np.ndarray
+) -> tuple[list[str], np.ndarray]:
+    """Values of the face's sliders (N x S) as channels of an expression."""
+    sliders = native.library("face_sliders")
+    members = {
+        entry.shape: [
+            one.shape
+            for one in obj.mimetic.shapes
+            if one.group == entry.group
+            and one.shape.endswith(entry.shape.removeprefix(entry.group))
+        ]
+        for entry in obj.mimetic.groups
+    }
+    return sliders.with_gaze(*sliders.with_groups(names, rows, members), _lids_per_degree(obj))
+
+
+def _lids_per_degree(obj: bpy.types.Object) -> tuple[float, ...]:
+    return tuple(obj.mimetic.lid_following)[::2]
+
+
+def _limits(obj: bpy.types.Object, channels: list[str]) -> np.ndarray:
+    """Least and greatest values, 2 x C, as the face's sliders reach."""
+    keys = obj.data.shape_keys.key_blocks
+    reach = {
+        shape: (keys[name].slider_min, keys[name].slider_max)
+        for shape, name in _own_keys(obj).items()
+    }
+    return native.library("face_sliders").limits_on(channels, reach)
 
 
 def _path(name: str) -> str:

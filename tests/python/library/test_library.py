@@ -111,9 +111,10 @@ def test_the_gaze_is_kept_whole_or_not_at_all():
     channels = ["zygomaticus_major.L", *GAZE]
     values = np.zeros((9, 5))
     values[4] = [0.8, 0.5, 1.0, 0.5, 1.0]  # degrees
-    assert from_curves(channels, values, 30.0, channels[:1]).channels == channels[:1]
+    limits = limits_of(channels, channels[:1])
+    assert from_curves(channels, values, 30.0, limits).channels == channels[:1]
     values[4, 1] = 8
-    assert from_curves(channels, values, 30.0, channels[:1]).channels == channels
+    assert from_curves(channels, values, 30.0, limits).channels == channels
 
 
 def test_lips_and_air_have_the_ranges_of_their_sliders():

@@ -141,3 +141,12 @@ def look_values(
     outwards = yaw if side == "L" else -yaw
     ways = {"look_up": pitch, "look_down": -pitch, "look_in": -outwards, "look_out": outwards}
     return {f"{look}.{side}": np.maximum(way, 0) / degrees[look] for look, way in ways.items()}
+
+
+def angles_of_looks(
+    side: str, values: Mapping[str, NDArray[np.float64]]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Yaw and pitch, N degrees each, of an eye whose sliders have these values: the inverse."""
+    turned = {row["name"]: row["degrees"] * values[f"{row['name']}.{side}"] for row in gaze_rows()}
+    outwards = turned["look_out"] - turned["look_in"]
+    return outwards if side == "L" else -outwards, turned["look_up"] - turned["look_down"]

@@ -49,7 +49,8 @@ def cut_motion(
             "is missing"
         )
     channels, values, stds = _channels(performance, slice(first, last + 1), only)
-    moving_channels, moving = _moving(channels, values, performance.muscles, is_from_rest)
+    limits = limits_of(channels, performance.muscles)
+    moving_channels, moving = _moving(channels, values, limits, is_from_rest)
     if not moving_channels:
         raise InvalidInput(f"nothing moves from frame {numbers[0]} to {numbers[-1]}")
     names, events = _phases(timing, first, last, only)
@@ -61,12 +62,15 @@ def cut_motion(
 
 
 def from_curves(
-    channels: list[str], values: NDArray[np.float64], fps: float, muscles: list[str]
+    channels: list[str], values: NDArray[np.float64], fps: float, limits: NDArray[np.float64]
 ) -> Expression:
-    """A motion (N x C) or a still (1 x C) of what sliders do; raises InvalidInput if none moves."""
+    """A motion (N x C) or a still (1 x C) of what sliders do; raises InvalidInput if none moves.
+
+    limits: 2 x C, least and greatest values.
+    """
     is_motion = len(values) > 1
     moving_channels, moving = _moving(
-        channels, np.asarray(values, dtype=np.float64), muscles, is_motion
+        channels, np.asarray(values, dtype=np.float64), limits, is_motion
     )
     if not moving_channels:
         raise InvalidInput("no slider is moved: there is no expression to keep")
@@ -74,12 +78,15 @@ def from_curves(
 
 
 def _moving(
-    channels: list[str], values: NDArray[np.float64], muscles: list[str], is_from_rest: bool
+    channels: list[str],
+    values: NDArray[np.float64],
+    limits: NDArray[np.float64],
+    is_from_rest: bool,
 ) -> tuple[list[str], NDArray[np.float64]]:
     """The channels that leave rest, and their values."""
     if is_from_rest:
         values = _core.from_rest(values)
-    values = np.clip(values, *limits_of(channels, muscles))
+    values = np.clip(values, *limits)
     is_gaze = np.isin(channels, GAZE)
     most = np.abs(values).max(axis=0)
     moves = most >= LEAST_VALUE
