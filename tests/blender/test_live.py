@@ -12,7 +12,7 @@ import pytest
 from last_result import result
 from live_clip import ffmpeg, play_unpaced
 
-SMILE, RATE = "zygomaticus_major.L", 30
+SMILE, BROW, RATE = "zygomaticus_major.L", "frontalis_medial.L", 30
 CHANNELS = {"HEAD_POSITION", "HEAD_ROTATION", "EYES", "MOUTH", "BROWS"}
 
 
@@ -99,14 +99,14 @@ def test_a_clip_is_recorded_whole(scene, face, clip, extension):
 
 def test_channels_that_are_not_chosen_keep_their_curves(scene, face, extension):
     keys = face.data.shape_keys
-    for name in (SMILE, "frontalis_medial.L"):
+    for name in (SMILE, BROW):
         keys.key_blocks[name].value = 0.7
         keys.key_blocks[name].keyframe_insert("value", frame=1)
     scene.mimetic.live.channels = {"MOUTH"}
     before = keys.animation_data.action.name
     assert bpy.ops.mimetic.live() == {"FINISHED"}
     muscles = curves_of(extension, keys)
-    assert values_of(muscles[slider("frontalis_medial.L")]) == pytest.approx([0.7])
+    assert values_of(muscles[slider(BROW)]) == pytest.approx([0.7])
     assert len(muscles[slider(SMILE)].keyframe_points) == NUM_FRAMES
     assert slider("lid_upper.L") not in muscles
     assert curves_of(extension, face) == {}  # the head
@@ -161,16 +161,18 @@ class Session:
 
 def test_the_face_follows_and_is_put_back(scene, face, extension, monkeypatch):
     play_unpaced(extension, monkeypatch, scene.mimetic.live.clip_path, is_looped=False)
+    scene.mimetic.live.channels = CHANNELS - {"BROWS"}
     keys = face.data.shape_keys.key_blocks
-    keys[SMILE].value = 0.25
+    keys[SMILE].value, keys[BROW].value = 0.25, 0.7
     place = face.matrix_basis.copy()
     driven = Session(extension)
     seen = []
-    driven.run(120, lambda: seen.append((keys[SMILE].value, face.location[0])))
+    driven.run(120, lambda: seen.append((keys[SMILE].value, face.location[0], keys[BROW].value)))
     driven.stop()
     assert driven.session.thread.error is None
-    smile, aside = np.array(seen).T
+    smile, aside, brow = np.array(seen).T
     assert smile.max() > 0.4 and smile.min() < 0.2 and np.ptp(aside) > 1e-4
+    assert brow == pytest.approx(0.7)  # left out since before the first picture
     contact = extension("scene_out.contact")
     assert face.name in contact.still_faces
     assert not face.modifiers["Subdivision"].show_viewport
@@ -208,6 +210,32 @@ def test_an_error_in_a_tick_leaves_nothing_behind(face, extension, monkeypatch):
     assert live.active is None and not jobs.busy()
     assert bpy.context.preferences.system.viewport_aa != "OFF"
     assert face.name not in extension("scene_out.contact").still_faces
+
+
+def test_what_the_end_of_a_take_tells_is_reported(scene, extension, monkeypatch):
+    operators, live, jobs = extension("operators.live"), extension("live"), extension("jobs")
+    pressed, reports = operators.MIMETIC_OT_live, []
+
+    class Pressed(jobs.Modal):
+        bl_idname, leave = pressed.bl_idname, jobs.Modal.leave
+        _end, _report_lines = pressed._end, pressed._report_lines
+
+        def report(self, levels, line):
+            reports.append((*levels, line))
+
+    def end_take(_context, session):
+        session.thread.told.append("microphone headset: there is no such microphone")
+        return "takes recorded"
+
+    monkeypatch.setattr(live, "end_take", end_take)
+    thread = SimpleNamespace(stop=lambda: None, error=None, told=["the head is known"])
+    puppet = SimpleNamespace(name="Face")
+    session = live.Session(jobs.Run("Live"), thread, puppet, takes=["a.npz"])
+    assert Pressed()._end(bpy.context, session) == {"FINISHED"}
+    assert [line for _, line in reports] == [
+        *("the head is known", "microphone headset: there is no such microphone"),
+        "takes recorded",
+    ]
 
 
 def test_digits_freeze_channels_and_let_them_go(scene, extension, monkeypatch):

@@ -73,7 +73,6 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
         session = None
         try:
             session = _session(context, is_blocking=True)
-            session.thread.set_frozen(live.frozen(settings))
             session.start = context.scene.frame_current_final
             session.thread.start()
             if session.thread.error:
@@ -126,8 +125,7 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
         if session.due is not None and time.monotonic() >= session.due:
             live.begin_take(context, session)
         show(session)
-        for line in session.new_lines():
-            self.report({"INFO"}, line)
+        self._report_lines(session)
         if session.view is not None and session.view.has_news(settings):
             session_view.redraw()
         # What is shown is drawn by itself; lines of text cost as much, and are read more slowly
@@ -141,6 +139,10 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
         if not session.thread.is_running:
             return self._end(context, session)
         return {"RUNNING_MODAL"}
+
+    def _report_lines(self, session) -> None:
+        for line in session.new_lines():
+            self.report({"INFO"}, line)
 
     def _obey(self, context, session, command: str) -> bool:
         """Whether the session is to end."""
@@ -163,6 +165,7 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
     def _end(self, context, session):
         session.thread.stop()
         message = live.end_take(context, session)
+        self._report_lines(session)  # of the take's end too: no tick comes after this one
         error = session.thread.error
         self.leave(context)
         if not session.takes:
@@ -227,6 +230,7 @@ def _session(context, is_blocking: bool = False):
         *(live.taught_of(settings), settings.set_use.lower()),
         *(live.lens_of(context, person), person, live_looks.keeper_of(settings)),
     )
+    thread.set_frozen(live.frozen(settings))  # before the first picture
     run.thread = thread.thread
     if settings.driven == "CONTROLS":
         shown = context.active_object

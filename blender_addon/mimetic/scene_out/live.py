@@ -83,6 +83,8 @@ class Puppet:
             for shape, key in by_hand.keys_now(face).items()
             if key not in driven
         }
+        channel_of = native.puppet("driven_face").channel_of_slider
+        self._channels = {shape: channel_of(shape) for shape in self._numbers}
         self._values = np.empty(len(keys.key_blocks), dtype=np.float32)
         keys.key_blocks.foreach_get("value", self._values)
         self._values_before = self._values.copy()
@@ -107,7 +109,9 @@ class Puppet:
         parts = native.puppet("driven_face")
         values = parts.slider_values(names, state.values, live_face.lids, self._numbers)
         for shape, value in values.items():
-            self._values[self._numbers[shape]] = value
+            # What is frozen stays as it was before the session, or as it was shown last
+            if self._channels[shape] not in state.frozen:
+                self._values[self._numbers[shape]] = value
         write_values(face, self._values)
         self.head.show(face, state.head_pose)
 

@@ -90,6 +90,10 @@ def test_variable_rate_passes_every_frame_once_and_says_so(tmp_path):
     assert list(frames) == list(range(1, len(footage.times) + 1)) == list(range(1, 27))
     assert np.all(np.diff([image.mean() for image in frames.values()]) > 2)
     assert footage.times[2] == pytest.approx(3 / 25, abs=2e-3)
+    numbers = np.array([1, 2, 3, 26, 30])  # the last is not listed
+    times = np.array([footage.time_of(number) for number in numbers.tolist()])
+    np.testing.assert_allclose(times[:4], footage.times[numbers[:4] - 1])
+    np.testing.assert_allclose(footage.counted(times) * float(footage.fps), numbers - 1)
 
 
 @pytest.mark.parametrize(

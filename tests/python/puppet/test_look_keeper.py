@@ -2,9 +2,12 @@
 """Looks kept one by one while a rendered clip stands in for a camera."""
 
 import pytest
+from clips import make_clip
 from mimetic import InvalidInput
 from mimetic.media.footage import Footage
+from mimetic.puppet.clip_source import ClipSource
 from mimetic.puppet.live_filter import LiveFilter
+from mimetic.puppet.live_thread import LiveThread
 from mimetic.puppet.look_keeper import LookKeeper
 from mimetic.puppet.pictures import Picture
 from mimetic.puppet.taught_look import Look
@@ -13,6 +16,10 @@ from mimetic.score.truth import Truth
 
 FPS, SETTLED = 25, 110  # pictures until the person's head is known
 ORDER = [*range(50), *range(48, 0, -1)]
+
+
+def even(frame):
+    return (frame - 1) / FPS
 
 
 class Sitting:
@@ -26,7 +33,7 @@ class Sitting:
         for _ in range(num_pictures):
             image, time = self.images[ORDER[self.number % len(ORDER)]], self.number / FPS
             state = self.live.advance(image, time)
-            self.keeper.see(Picture(image, time, 0.0), state if is_seen else None, FPS)
+            self.keeper.see(Picture(image, time, 0.0), state if is_seen else None, even)
             self.number += 1
 
 
@@ -93,6 +100,34 @@ def test_a_look_is_waited_for_while_the_face_is_not_seen(rendered_clip):
     sitting.show(2 * FPS + 2, is_seen=False)
     assert keeper.keeping == "" and keeper.kept == ["neutral"]
     assert "not seen well" in sitting.lines[-1]
+    keeper.ask(Look("last", 0))
+    sitting.show(5)
+    assert keeper.keeping == "last"
+    keeper.end()  # with half of its pictures
+    assert keeper.kept == ["neutral", "last"] and keeper.keeping == ""
+    keeper.ask(Look("waiting", 0))
+    keeper.end()
+    assert sitting.lines[-1] == "waiting: the session ended before it was kept"
+
+
+def test_a_frame_is_waited_for_until_the_clip_shows_it():
+    lines, keeper = [], LookKeeper()
+    keeper.begin(LiveFilter(in_background=False), lines.append)
+    keeper.ask(Look("late", 3))
+    keeper.see(Picture(None, 1.0, 0.0), None, lambda frame: 3.0 * frame)
+    assert lines == []
+    keeper.see(Picture(None, 9.0, 0.0), None, lambda frame: 3.0 * frame)
+    assert len(lines) == 1 and "not known yet" in lines[0]
+
+
+def test_a_look_beyond_the_clips_end_is_told(tmp_path):
+    source = ClipSource(make_clip(tmp_path / "no_face.mp4", size="320x240"), is_paced=False)
+    keeper = LookKeeper()
+    keeper.ask(Look("wink", 99))
+    thread = LiveThread(source, 0.5, is_blocking=True, keeper=keeper)
+    thread.start()
+    assert thread.error is None
+    assert thread.told[-1] == "wink: the session ended before frame 99 was kept"
 
 
 def test_a_set_of_a_clip_is_not_taught_again_by_a_camera():

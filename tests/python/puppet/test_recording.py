@@ -4,10 +4,11 @@
 import json
 import socket
 import wave
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from clips import ffmpeg, make_clip
+from clips import ffmpeg, make_clip, make_numbered_clip
 from mimetic.commands.cli import main
 from mimetic.fit.face_fit import FaceFit
 from mimetic.fit.fitting import find_face
@@ -223,8 +224,30 @@ def test_dropped_pictures_are_bridged_and_long_gaps_held(recorded_states):
     assert performance.num_frames == len(states)
     assert (performance.quality[[5, 6]] >= HELD_QUALITY).all()
     assert (performance.quality[20:32] < HELD_QUALITY).all()
+    num_muscles, held = performance.activations.shape[1], states[19]
+    for row in range(20, 32):
+        shown = np.clip(held.values[:num_muscles], 0, 1)
+        np.testing.assert_allclose(performance.activations[row], shown, atol=1e-9)
+        np.testing.assert_allclose(performance.head_pose[row], held.head_pose, atol=1e-6)
     first, last = (np.array(states[n].values[0]) for n in (4, 7))
     assert performance.activations[5, 0] == pytest.approx(first + (last - first) / 3, abs=1e-9)
+
+
+def test_states_of_a_variable_rate_lie_on_the_frames_as_stored(recorded_states, tmp_path):
+    states, face = recorded_states
+    path, every_third = tmp_path / "a.mkv", ("-vf", "select=mod(n\\,3)", "-fps_mode", "passthrough")
+    footage = Footage(make_numbered_clip(path, *every_third, "-c:v", "ffv1"))
+    assert footage.variable_rate
+    take = Take(float(footage.fps))
+    for state, time in zip(states, footage.times, strict=False):
+        take.add(replace(state, time=float(time)), face)
+    performance = take.performance(footage)
+    assert performance.frame.tolist() == list(range(1, footage.num_frames + 1))
+    jaw = performance.articulators.index("jaw_open")
+    values = [state.values[performance.activations.shape[1] + jaw] for state in states]
+    stored = values[: footage.num_frames]
+    np.testing.assert_allclose(performance.articulator_values[:, jaw], stored, atol=1e-9)
+    assert (performance.quality >= HELD_QUALITY).all()
 
 
 @pytest.fixture(scope="module")

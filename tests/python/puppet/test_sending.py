@@ -200,6 +200,32 @@ def test_a_host_that_is_not_known_is_said(names):
         Receiver("osc://no-such-host.invalid:39539", names, 30)
 
 
+@pytest.mark.parametrize("has_both", [True, False])
+def test_a_host_of_two_addresses_is_reached_on_its_old_one(names, monkeypatch, has_both):
+    kind = (socket.SOCK_DGRAM, 0, "")
+    new = (socket.AF_INET6, *kind, ("::1", 39539, 0, 0))
+    old = (socket.AF_INET, *kind, ("127.0.0.1", 39539))
+    found = [new, old] if has_both else [new]
+    monkeypatch.setattr(socket, "getaddrinfo", lambda *_, **__: found)
+    monkeypatch.setattr(socket, "socket", FakeSocket)
+    receiver = Receiver("osc://localhost:39539", names, 30)
+    receiver.send(state_of(names))
+    receiver.close()
+    assert set(receiver._socket.sent) == {(found[-1][0], found[-1][-1])}
+
+
+class FakeSocket:
+    def __init__(self, family, *_):
+        self.family, self.sent = family, []
+
+    def setblocking(self, _): ...
+
+    def sendto(self, _, target):
+        self.sent.append((self.family, target))
+
+    def close(self): ...
+
+
 def test_nobody_who_listens_is_no_failure(names):
     receiver = Receiver("osc://127.0.0.1:9", names, 30)
     for _ in range(5):

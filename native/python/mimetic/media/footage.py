@@ -57,7 +57,8 @@ class Footage:
     too; it differs where pixels are stored wider or narrower. `rotation` is by how many degrees,
     anticlockwise, the file says that its pictures are to be turned, as phones do. `fps` is an
     exact fraction; `num_frames` what the file lists, which a damaged file may not hold; `times` the
-    seconds of each listed frame since the first; `identity` the file's name and its fingerprint
+    seconds of each listed frame since the first; `start` when that is, seconds from the file's
+    beginning, which may be its sound's; `identity` the file's name and its fingerprint
     (`clip_fingerprint`), as a performance keeps them. Frame numbers start at 1. `warnings` says
     what the user should know and grows while frames are read; `failure` is why ffmpeg gave up on
     them, if it did. Raises UnreadableMedia, and OSError where ffmpeg ran out of memory or was
@@ -75,11 +76,12 @@ class Footage:
             self.warnings += self.path.warnings()
         name = os.fsencode(self.path.name).decode(errors="replace")
         self.identity = [name, fingerprint(self.path)]
-        report, times, ticks = self._probe()
+        report, times, tick = self._probe()
         self._read_report(report)
         self.num_frames = max(1, len(times))
-        self.times = times
-        self._set_rate(report, ticks)
+        self.start = float(times[0]) if len(times) else 0.0
+        self.times = times - self.start
+        self._set_rate(report, tick)
 
     def __iter__(self) -> Iterator[tuple[int, NDArray[np.uint8]]]:
         return self.frames()
@@ -124,6 +126,20 @@ class Footage:
             self._warn_of_early_end(frame, failure, errors)
         elif errors and is_file:
             self._warn_of_damage(errors)
+
+    def time_of(self, frame: int) -> float:
+        """Seconds from the first frame to another; past the listed ones it goes on at `fps`."""
+        last = min(frame, len(self.times))
+        listed = float(self.times[last - 1]) if last else 0.0
+        return listed + (frame - max(last, 1)) / float(self.fps)
+
+    def counted(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Seconds since the first frame as its frames' numbers and `fps` have them: (number - 1) /
+        fps, of a variable rate too. The inverse of `time_of`."""
+        if not len(self.times):
+            return times
+        steps = np.arange(len(self.times)) / float(self.fps)
+        return np.interp(times, self.times, steps) + np.maximum(0, times - self.times[-1])
 
     def read(self, frame: int) -> NDArray[np.uint8]:
         """One frame by its number, H x W x 3 uint8.
@@ -173,7 +189,7 @@ class Footage:
         ]
 
     def _probe(self) -> tuple[bytes, NDArray[np.float64], Fraction]:
-        """ffmpeg's report on the first frame; each packet's time and the clock's tick, seconds."""
+        """ffmpeg's report on the first frame; each picture's time and the clock's tick, seconds."""
         packets = ("-map", "0:V:0", "-c", "copy", "-f", "framecrc", "pipe:1")
         is_file = isinstance(self.path, Path)
         command = [
@@ -199,7 +215,7 @@ class Footage:
         decode_times, shown_times = np.array(rows, dtype=np.int64).reshape(-1, 2).T
         # Raw streams and AVI say when frames are decoded, not when they are shown
         stamps = np.sort(decode_times if (shown_times == NO_TIME).any() else shown_times)
-        return b"\n".join(report), (stamps - stamps[:1]) * float(tick), tick
+        return b"\n".join(report), stamps * float(tick), tick
 
     def _read_report(self, report: bytes) -> None:
         match = FIRST_FRAME.search(report)

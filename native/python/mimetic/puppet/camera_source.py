@@ -64,6 +64,9 @@ class CameraSource:
         self._shown: tuple[int, int] | None = None  # what the camera itself gives
         self._is_changed = False
 
+    def time_of(self, frame: int) -> float:
+        return (frame - 1) / self.fps
+
     def feed(self, pictures: NewestPicture, events: Events) -> None:
         """Raises UnreadableMedia where it cannot be opened, or went away and did not come back."""
         self._start = None

@@ -27,6 +27,9 @@ class ClipSource:
         self.size, self.fps = self.footage.size, float(self.footage.fps)
         self.is_paced, self.is_looped = is_paced, is_looped
 
+    def time_of(self, frame: int) -> float:
+        return self.footage.time_of(frame)
+
     def feed(self, pictures: NewestPicture, events: Events) -> None:
         self._start, self._played = monotonic(), 0.0  # seconds of the rounds before
         while self._play(pictures, events):
@@ -39,10 +42,7 @@ class ClipSource:
         """Once; false where it is to stop."""
         time = self._played
         for frame, image in self.footage.frames():
-            times = self.footage.times
-            time = self._played + (
-                float(times[frame - 1]) if frame <= len(times) else (frame - 1) / self.fps
-            )
+            time = self._played + self.time_of(frame)
             left = self._start + time - monotonic()
             if events.is_stopped or (self.is_paced and events.wait(left)):
                 return False

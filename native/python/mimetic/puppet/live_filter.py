@@ -43,7 +43,7 @@ class LiveState:
     the state is the last one's; is_proved: enough pictures on end showed it to be a face, and no
     chance likeness; milliseconds: that it took; pose_cov: 6 x 6, of the measured pose;
     search_milliseconds: of those, for finding the face and the person's head, which a session looks
-    for in a thread.
+    for in a thread; frozen: channels that a `Freezer` held, and that are not of this picture.
     """
 
     time: float
@@ -56,6 +56,7 @@ class LiveState:
     milliseconds: float
     pose_cov: NDArray[np.float64]
     search_milliseconds: float = 0.0
+    frozen: tuple[str, ...] = ()
 
 
 class LiveFilter:

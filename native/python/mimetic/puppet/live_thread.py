@@ -134,7 +134,8 @@ class LiveThread:
         offset = None
         if microphone is not None:
             microphone.stop()
-            self.line = microphone.failure or self.line
+            if microphone.failure:
+                self._tell(microphone.failure)
             if microphone.is_recorded and take and take.states:
                 offset = microphone.first_sample - (self._time_zero + take.states[0].time)
         return take if take and take.states else None, offset
@@ -160,6 +161,8 @@ class LiveThread:
             self.session = LiveSession(self.source, self._filter, self._see, self._tell)
             self.line = "looking for a face"
             self.session.run(self._stop.is_set)
+            if self.keeper is not None:
+                self.keeper.end()
         except BaseException as error:
             self.error = error
         finally:
@@ -174,12 +177,12 @@ class LiveThread:
             self._is_neutral_due = False
             live.set_neutral()
         if self.keeper is not None:
-            self.keeper.see(picture, state, self.source.fps)
+            self.keeper.see(picture, state, self.source.time_of)
         if state is None or live.face is None:
             return True
         freezer.frozen = self._frozen
         pose, values = freezer.apply(state.head_pose, state.values)
-        state = replace(state, head_pose=pose, values=values)
+        state = replace(state, head_pose=pose, values=values, frozen=tuple(freezer.frozen))
         with self._lock:
             self._newest = state, live.face
             if self.trace is not None:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import threading
+from collections.abc import Callable
 from dataclasses import replace
 
 from mimetic import InvalidInput
@@ -11,13 +12,13 @@ from mimetic.puppet.lesson import Pair, check_teachable
 from mimetic.puppet.live_filter import LiveFilter, LiveState
 from mimetic.puppet.live_session import Tell
 from mimetic.puppet.pictures import Picture
-from mimetic.puppet.shown_looks import HELD_FOR, MOST_HELD, ShownLooks, is_over
+from mimetic.puppet.shown_looks import HELD_FOR, LEAST_HELD, MOST_HELD, ShownLooks, is_over
 from mimetic.puppet.taught_look import Look
 from mimetic.puppet.templates import TaughtSet
 
 
 class LookKeeper:
-    """Asked from any thread; `begin` and `see` are the session's.
+    """Asked from any thread; `begin`, `see` and `end` are the session's.
 
     old: a set of the same person that a camera taught, whose other looks stay.
     """
@@ -65,15 +66,17 @@ class LookKeeper:
         look = self._look
         return look.name if look else ""
 
-    def see(self, picture: Picture, state: LiveState | None, fps: float) -> None:
-        """A picture, what the filter says of it, and the source's rate."""
+    def see(
+        self, picture: Picture, state: LiveState | None, time_of: Callable[[int], float]
+    ) -> None:
+        """A picture, what the filter says of it, and when the source shows a frame."""
         shown = self._shown
         assert shown is not None
         with self._lock:
             sample = shown.see(picture, state)
             if shown.num_heads != self._num_heads:  # what is held is of another one
                 self._num_heads, self._look = shown.num_heads, None
-            self._take_next(picture.time, fps, shown)
+            self._take_next(picture.time, time_of, shown)
             if self._look is None:
                 return
             if sample is not None and len(self._held) < MOST_HELD:
@@ -82,6 +85,20 @@ class LookKeeper:
                 look, self._look = self._look, None
                 shown.keep(look, self._held)
 
+    def end(self) -> None:
+        """No picture comes any more: what is held is kept if it suffices, all else is told."""
+        with self._lock:
+            look, self._look = self._look, None
+            left = [*self._asked, *self._due]
+            self._asked, self._due = [], []
+            if look is not None and self._shown is not None and len(self._held) >= LEAST_HELD:
+                self._shown.keep(look, self._held)
+            elif look is not None:
+                left.insert(0, look)
+        for one in left:
+            what = f"frame {one.frame}" if one.frame else "it"
+            self._tell(f"{one.name}: the session ended before {what} was kept")
+
     def taught(self) -> TaughtSet:
         """Of the looks that were kept so far; raises InvalidInput if there are too few."""
         if self._shown is None:
@@ -89,10 +106,11 @@ class LookKeeper:
         with self._lock:
             return self._shown.taught()
 
-    def _take_next(self, time: float, fps: float, shown: ShownLooks) -> None:
-        if self._due and time >= _begins(self._due[0], fps):
+    def _take_next(self, time: float, time_of: Callable[[int], float], shown: ShownLooks) -> None:
+        # A look of a frame is held from before it on: the frame is in the middle
+        if self._due and time >= time_of(self._due[0].frame) - HELD_FOR / 2:
             look = self._due.pop(0)
-            if time > _begins(look, fps) + HELD_FOR:
+            if time > time_of(look.frame) + HELD_FOR / 2:
                 self._tell(f"{look.name}: frame {look.frame} is past; play the clip from before it")
             else:
                 self._asked.append(replace(look, frame=0))
@@ -103,8 +121,3 @@ class LookKeeper:
             self._tell(f"{look.name}: not kept, as the person's head is not known yet: wait for it")
             return
         self._look, self._held, self._since = look, [], time
-
-
-def _begins(look: Look, fps: float) -> float:
-    """Seconds of the clip at which a look is held from: its frame is in the middle."""
-    return (look.frame - 1) / fps - HELD_FOR / 2

@@ -70,6 +70,9 @@ class Source(Protocol):
     size: tuple[int, int]  # width, height, pixels
     fps: float  # nominal
 
+    def time_of(self, frame: int) -> float:
+        """Seconds from the first picture to another, by its number from 1."""
+
     def feed(self, pictures: NewestPicture, events: Events) -> None:
         """Puts pictures until there are no more or `events.is_stopped`; raises UnreadableMedia."""
 

@@ -34,11 +34,11 @@ class Receiver:
         else:
             self._pack = LiveLinkPackets(names, fps).pack
         try:
-            family, kind, protocol, _, target = socket.getaddrinfo(
-                host, port, type=socket.SOCK_DGRAM
-            )[0]
+            found = socket.getaddrinfo(host, port, type=socket.SOCK_DGRAM)
         except OSError as error:
             raise UnreadableMedia(f"{address}: {host} is not known ({error.strerror})") from None
+        # localhost is often ::1 first, and most receivers listen on IPv4 alone
+        family, kind, protocol, _, target = min(found, key=lambda one: one[0] != socket.AF_INET)
         self._socket = socket.socket(family, kind, protocol)
         self._socket.setblocking(False)
         self._target = target

@@ -99,8 +99,10 @@ class Recording:
     def _keep_sound(self, microphone: Microphone | None) -> None:
         """audio.wav, and in take.json where its first sample is in the performance."""
         first, path = self._take.states[0].time, self._folder / AUDIO
-        offset = 0.0
+        offset: float | None = 0.0
         if isinstance(self._source, ClipSource):
+            if self._source.footage.variable_rate:
+                offset = None  # frames are counted as stored, and go apart from the sound
             has_sound = clip_sound(self._source.footage, first, self._take.seconds, path)
         else:
             has_sound = bool(microphone and microphone.is_recorded)
@@ -108,8 +110,6 @@ class Recording:
                 self._tell(microphone.failure)
             if microphone and has_sound:
                 offset = microphone.first_sample - (self._time_zero + first)
-            elif microphone:
-                path.unlink(missing_ok=True)
         figures = self.session.figures
         facts = {
             "source": self._source.name,

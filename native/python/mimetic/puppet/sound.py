@@ -27,16 +27,18 @@ FINER = 10  # times the rate at which it is: ffmpeg knows whole rates alone
 def clip_sound(footage: Footage, start: float, seconds: float, path: Path) -> bool:
     """Writes the sound of a part of a clip, from `start`; false where the clip has none.
 
-    start, seconds: of the clip. Sample 0 belongs to `start`.
+    start, seconds: of the clip's pictures, from the first. Sample 0 belongs to `start`.
     """
     if not isinstance(footage.path, Path):  # numbered pictures
         return False
+    begin = max(0.0, footage.start + start)  # times of decoding can begin below 0
     command = [
         *(ffmpeg_program(), "-nostdin", "-hide_banner", "-v", "error", "-y"),
         *("-protocol_whitelist", "file", "-format_whitelist", CONTAINERS),
         *("-i", f"file:{footage.path.absolute()}", "-map", "0:a:0"),
-        # Sound that begins after the pictures is preceded by silence, so that time 0 is theirs
-        *("-af", "aresample=async=1:first_pts=0", "-ss", f"{start:.6f}", "-t", f"{seconds:.6f}"),
+        # Sound that begins late is preceded by silence, so that time 0 is the file's. Of MPEG
+        # streams ffmpeg counts it from what is asked for: sound begins with the pictures there
+        *("-af", "aresample=async=1:first_pts=0", "-ss", f"{begin:.6f}", "-t", f"{seconds:.6f}"),
         *("-ac", "1", "-ar", str(RATE), "-f", "s16le", "pipe:1"),
     ]
     with running(command) as ffmpeg, _WavFile(path) as wav:
@@ -70,11 +72,17 @@ class Microphone:
         self._thread.start()
 
     def stop(self) -> None:
-        """Ends the recording; the file is whole then, and keeps time with `monotonic`'s clock."""
+        """Ends the recording; the file is whole then, and keeps time with `monotonic`'s clock.
+
+        Where nothing was heard there is no file, and `failure` says why.
+        """
         self._stop.set()
         self._thread.join()
         if self.is_recorded:
             self._take_out_drift()
+        else:
+            self._path.unlink(missing_ok=True)
+            self.failure = self.failure or f"microphone {self._name}: it gave no sound"
 
     @property
     def is_recorded(self) -> bool:

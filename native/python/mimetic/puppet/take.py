@@ -63,6 +63,8 @@ class Take:
         if face is None or not self.states:
             raise UnreadableMedia("no face was seen, so that nothing was recorded")
         times = np.array([state.time for state in self.states])
+        if footage:
+            times = footage.counted(times)
         first = round(times[0] * self.fps) if footage else 0
         origin = first / self.fps if footage else times[0]
         num_frames = 1 + max(0, round((times[-1] - origin) * self.fps))
@@ -111,9 +113,7 @@ class Take:
         self, grid: NDArray[np.float64], times: NDArray[np.float64], nearest: NDArray[np.intp]
     ) -> NDArray[np.float64]:
         quality = np.array([state.quality for state in self.states])[nearest]
-        after = np.clip(np.searchsorted(times, grid - 1e-6), 0, len(times) - 1)
-        before = np.clip(np.searchsorted(times, grid + 1e-6, side="right") - 1, 0, None)
-        quality[times[after] - times[before] > LONGEST_BRIDGE] = 0.0
+        quality[_before(grid, times)[1]] = 0.0
         return np.clip(quality, 0, 1)
 
     def _notes(self, num_skipped: int) -> list[str]:
@@ -137,12 +137,27 @@ def _footage_fields(footage: Footage | None) -> dict[str, Any]:
 def _at(
     grid: NDArray[np.float64], times: NDArray[np.float64], rows: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Rows (T x K) at other times (N): N x K, on the lines between them."""
-    return np.column_stack([np.interp(grid, times, column) for column in rows.T])
+    """Rows (T x K) at other times (N): N x K, on the lines between them; in long gaps as before."""
+    result = np.column_stack([np.interp(grid, times, column) for column in rows.T])
+    before, is_held = _before(grid, times)
+    result[is_held] = rows[before[is_held]]
+    return result
 
 
 def _nearest(grid: NDArray[np.float64], times: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Of the times, by number: the one before in long gaps."""
     after = np.clip(np.searchsorted(times, grid), 1, max(1, len(times) - 1))
     if len(times) == 1:
         return np.zeros(len(grid), dtype=np.intp)
-    return after - (grid - times[after - 1] < times[after] - grid)
+    before, is_held = _before(grid, times)
+    return np.where(is_held, before, after - (grid - times[after - 1] < times[after] - grid))
+
+
+def _before(
+    grid: NDArray[np.float64], times: NDArray[np.float64]
+) -> tuple[NDArray[np.intp], NDArray[np.bool_]]:
+    """Number of the last time that is not after each of the grid's; whether the next is so far from
+    it that it is held."""
+    after = np.clip(np.searchsorted(times, grid - 1e-6), 0, len(times) - 1)
+    before = np.clip(np.searchsorted(times, grid + 1e-6, side="right") - 1, 0, None)
+    return before, times[after] - times[before] > LONGEST_BRIDGE
