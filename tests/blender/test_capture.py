@@ -223,10 +223,11 @@ def test_a_capture_stopped_early_keeps_its_frames(extension, scene, with_face, t
 
     operator = extension("operators.capture").MIMETIC_OT_capture
     path = str(tmp_path / "part.npz")
+    new = extension("takes").new_take("clip.mp4", path)
     footage = extension("scene_in").footage(bpy.context)
     what = {"frames": (1, 30), "fit": fit, "lens": None}
     summary = CaptureSummary()
-    inputs = (footage, what, (path, path), ((), None, summary), "")  # no corrections, nobody looks
+    inputs = (footage, what, new, ((), None, summary), "")  # no corrections, nobody looks
     made, of_take, _, _, learned_fit = operator.work(operator, inputs, progress)
     assert [of_take.first, of_take.last] == made["footage_frames"]
     assert learned_fit is summary.fit
@@ -248,10 +249,12 @@ def test_esc_before_the_first_result_changes_nothing(extension, scene, with_face
     module, operator = name.split(".")
     pressed = getattr(extension(f"operators.{module}"), operator)
     path = str(tmp_path / "part.npz")
+    new = extension("takes").new_take("clip.mp4", path)
     footage = extension("scene_in").footage(bpy.context)
     what = {"frames": (1, 30), "fit": fit, "lens": None}
     option = "surface" if "track_head" in operator else ((), None, CaptureSummary())
-    inputs = (footage, what, (path, path), option, "")  # no corrections, nobody looks
+    new = extension("takes").new_take("clip.mp4", path)
+    inputs = (footage, what, new, option, "")  # no corrections, nobody looks
     output = []
 
     class Pressed:
