@@ -175,16 +175,14 @@ def record(
     """
     face = scene.objects[puppet.name]
     parts = native.puppet("driven_face")
-    shapes_of = native.shapes().shapes_of
-    if parts.EYE_TURN not in puppet.sliders:
-        shapes_of = native.shapes().slider_shapes_of
     numbers = performance.frame - performance.frame[0] + 1
     rate = scene_in.timing(scene, None).scene_rate
     first = int(np.floor(start))
     frames = native.timing().scene_frames(numbers, performance.fps, rate, first) + (start - first)
     keys = face.data.shape_keys
     names, driven = by_hand.keys_now(face), own_keys.driven_keys(keys)
-    shapes = [s for s in shapes_of(performance) if parts.channel_of_slider(s.name) in channels]
+    shapes = native.shapes().slider_shapes_of(performance, puppet.sliders)
+    shapes = [s for s in shapes if parts.channel_of_slider(s.name) in channels]
     playable = [s for s in shapes if names.get(s.name) in keys.key_blocks]
     playable = [s for s in playable if names[s.name] not in driven]
     remarks = [puppet.head.remark] if puppet.head.remark else []

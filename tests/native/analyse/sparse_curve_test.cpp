@@ -65,17 +65,29 @@ TEST(SparseCurve, WhatIsAtRestStaysAtRestBetweenEvents) {
     }
 }
 
-TEST(SparseCurve, PhasesKeepTheirKeys) {
+/// One event in 90 rows, whose frames are `step` apart; the times of its phases with it.
+struct HeldEvent {
     PhaseShape shape;
-    shape.amplitude = .8;
-    shape.onset = 20;
-    shape.rise = 12;
-    shape.hold = 18;
-    shape.exponent = 2;
-    shape.release_time = 4;
-    const Eigen::VectorXd frames = frames_to(90);
-    const Eigen::VectorXd values = frames.unaryExpr([&](double frame) { return shape.value(frame); });
-    const PhaseKeys keys = reduce_by_phases(frames, values, Eigen::VectorXd::Constant(90, .05), kTolerance);
+    Eigen::VectorXd frames, values;
+
+    explicit HeldEvent(double step) : frames(Eigen::VectorXd::LinSpaced(90, 1, 1 + 89 * step)) {
+        shape.amplitude = .8;
+        shape.onset = 20 * step;
+        shape.rise = 12 * step;
+        shape.hold = 18 * step;
+        shape.exponent = 2;
+        shape.release_time = 4 * step;
+        values = frames.unaryExpr([&](double frame) { return shape.value(frame); });
+    }
+    PhaseKeys reduced() const {
+        return reduce_by_phases(frames, values, Eigen::VectorXd::Constant(90, .05), kTolerance);
+    }
+};
+
+TEST(SparseCurve, PhasesKeepTheirKeys) {
+    const HeldEvent event(1);
+    const PhaseShape& shape = event.shape;
+    const PhaseKeys keys = event.reduced();
     ASSERT_EQ(keys.keys_of_event.size(), 1U);
     EXPECT_LE(keys.keys_of_event[0], 7);  // its corners take two each, as handles are straight
     EXPECT_LE(keys.curve.error, kTolerance);
@@ -85,16 +97,9 @@ TEST(SparseCurve, PhasesKeepTheirKeys) {
 }
 
 TEST(SparseCurve, PhasesKeepTheirKeysWhereTheSceneHasSeveralFramesARow) {
-    PhaseShape shape;
-    shape.amplitude = .8;
-    shape.onset = 50;
-    shape.rise = 30;
-    shape.hold = 45;
-    shape.exponent = 2;
-    shape.release_time = 10;
-    const Eigen::VectorXd frames = Eigen::VectorXd::LinSpaced(90, 1, 1 + 89 * 2.5);  // 24 of 60 a second
-    const Eigen::VectorXd values = frames.unaryExpr([&](double frame) { return shape.value(frame); });
-    const PhaseKeys keys = reduce_by_phases(frames, values, Eigen::VectorXd::Constant(90, .05), kTolerance);
+    const HeldEvent event(2.5);  // 24 of 60 a second
+    const PhaseShape& shape = event.shape;
+    const PhaseKeys keys = event.reduced();
     ASSERT_EQ(keys.keys_of_event.size(), 1U);
     for (const double phase : {shape.onset, shape.apex(), shape.release()}) {
         EXPECT_LE((keys.curve.frames.array() - phase).abs().minCoeff(), 5) << phase;
