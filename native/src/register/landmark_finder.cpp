@@ -23,6 +23,8 @@ constexpr double kUnlike = .12;      // of how far a landmark lies from where th
 constexpr double kUnseenCorner =
     .05;  // the same, of a corner where the mesh has no opening, as eyes that skin covers
 constexpr double kSeenCorner = .012;   // the same, of a corner that the mesh's own opening gives
+constexpr double kMoved = .25;         // of how far the laid template moves a landmark
+constexpr double kLeastShare = .05;    // of a face that was laid on a mesh, in its doubt
 constexpr double kDisagreement = .15;  // interpupillary distances, median over the landmarks
 constexpr double kNoseShare = .4;      // of the template's height, of what is a nose
 constexpr double kSearchShare = .3;    // of the time, for the direction
@@ -143,9 +145,12 @@ Points places_of(PointsIn vertices, const std::vector<std::string>& names, const
 }  // namespace
 
 LandmarkFinder::LandmarkFinder(PointsIn vertices, TrianglesIn triangles, std::vector<std::string> names,
-                               const std::vector<int>& landmarks, const FeatureNetworks& networks)
+                               std::vector<int> landmarks, DeformableTemplate people,
+                               const FeatureNetworks& networks)
     : names_(std::move(names)),
-      landmarks_(places_of(vertices, names_, landmarks)),
+      rows_(std::move(landmarks)),
+      landmarks_(places_of(vertices, names_, rows_)),
+      people_(std::move(people)),
       networks_(networks),
       directions_(view_directions()),
       template_(shown_head(vertices, triangles)),
@@ -203,8 +208,28 @@ std::optional<PlacedLandmarks> LandmarkFinder::place(PointsIn vertices, Triangle
     // What is unlike the template, its networks' faces and ours alike, is placed less surely
     const Eigen::VectorXd unlike = (placed.places - landmarks_).rowwise().norm() / kPupilDistance;
     placed.sigma = (placed.sigma.array().square() + (kUnlike * unlike.array()).square()).sqrt();
+    lay_template(head, views.front().places, placed);
     placed.places = placed.mesh_from_template.apply(on_shown_surface(head, placed.places));
     return placed;
+}
+
+void LandmarkFinder::lay_template(const ShownHead& head, const Points& face, PlacedLandmarks& placed) const {
+    const int skin = skin_part(head, face);
+    std::vector<Eigen::Index> kept;
+    for (Eigen::Index t = 0; t < head.mesh.triangles.rows(); ++t) {
+        if (head.part[static_cast<std::size_t>(t)] == skin) {
+            kept.push_back(t);
+        }
+    }
+    const LaidVertices laid =
+        people_.lay(rows_, placed.places, placed.sigma * kPupilDistance, head.mesh.vertices,
+                    head.mesh.normals, head.mesh.triangles(kept, Eigen::all));
+    // Where little of the face lies on the mesh, little of what its surface seemed to tell can be believed
+    const double share = std::max(1 - laid.misfit, kLeastShare);
+    const Eigen::ArrayXd moved = (laid.places - placed.places).rowwise().norm();
+    placed.sigma =
+        ((laid.sigma.array() / share).square() + (kMoved * moved).square()).sqrt() / kPupilDistance;
+    placed.places = laid.places;
 }
 
 void LandmarkFinder::follow_details(const ShownHead& head, const Points& face,

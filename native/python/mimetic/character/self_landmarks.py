@@ -14,9 +14,11 @@ from mimetic import _core
 from mimetic.character.foreign_face import Polygons, guess_landmarks
 from mimetic.character.foreign_mesh import MAX_VERTICES, REQUIRED
 from mimetic.locate.feature_networks import installed_networks
+from mimetic.muscles.action_units import OFF_THE_FACE
 from mimetic.shared.progress import Progress
-from mimetic.template.face_template import load_template
+from mimetic.template.face_template import FaceTemplate, load_template
 
+SPREAD = 0.5  # of the identity modes' ranges, a standard deviation of people's
 DOUBTFUL = 0.05  # interpupillary distances; landmarks less certain are named
 
 
@@ -100,4 +102,21 @@ def _finder() -> _core.LandmarkFinder | None:
     template = load_template()
     triangles, _ = _core.cut_faces(template.vertices, template.faces.astype(np.int64))
     landmarks = [int(template.landmark(name)) for name in REQUIRED]
-    return _core.LandmarkFinder(template.vertices, triangles, list(REQUIRED), landmarks, networks)
+    return _core.LandmarkFinder(
+        template.vertices, triangles, list(REQUIRED), landmarks, _people(template), networks
+    )
+
+
+def _people(template: FaceTemplate) -> _core.DeformableTemplate:
+    modes = np.asarray(template.identity_modes, np.float64)
+    limits = np.asarray(template.identity_limits, np.float64)
+    quads = template.skin_faces
+    is_face = np.zeros(len(template.vertices), bool)
+    is_face[: int(template.num_skin_vertices)] = ~template.in_region(*OFF_THE_FACE)
+    return _core.DeformableTemplate(
+        template.vertices,
+        np.ascontiguousarray(np.concatenate([quads[:, :3], quads[:, [0, 2, 3]]]), np.int32),
+        modes.reshape(len(modes), -1),
+        SPREAD * (limits[:, 1] - limits[:, 0]) / 2,
+        is_face.tolist(),
+    )
