@@ -6,6 +6,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from mimetic import _core
@@ -15,9 +16,10 @@ from numpy.typing import NDArray
 
 from evaluation.runs.stills import PARTS, Stills
 
+DEBIANS = Path("/usr/share/opencv4")  # of the package opencv-data
 CASCADES = {
-    "Haar cascade": "haarcascade_frontalface_alt2.xml",
-    "LBP cascade": "lbpcascade_frontalface_improved.xml",
+    "Haar cascade": DEBIANS / "haarcascades" / "haarcascade_frontalface_alt2.xml",
+    "LBP cascade": DEBIANS / "lbpcascades" / "lbpcascade_frontalface_improved.xml",
 }
 SMALLEST_FACE = 0.1  # of the shorter side: two interpupillary distances, as capture searches
 LEAST_PROBABILITY = 0.001
@@ -62,13 +64,13 @@ def run_eigenspaces(spaces: _core.FaceSpaces, stills: Stills) -> Run:
     )
 
 
-def run_cascade(file: str, stills: Stills) -> Run:
+def run_cascade(file: Path, stills: Stills) -> Run:
     """A cascade, its votes as scores.
 
     A cascade gives a box alone; the parts are taken at fixed shares of it, the medians over this
     very set: an upper limit for a box, known only in hindsight.
     """
-    detector = _core.CascadeDetector(str(data_folder() / file))
+    detector = _core.CascadeDetector(str(file))
     answers, seconds = _timed(detector.detect, stills)
     boxes = [[hit.box for hit in hits] for hits in answers]
     shares = part_shares(boxes, stills)

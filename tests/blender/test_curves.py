@@ -100,14 +100,36 @@ def test_smoothing_is_the_same_at_every_scene_rate(extension, scene, performance
     assert np.abs(values(extension, face, LEFT, at) - expected)[5:-5].max() < 0.003
 
 
-def test_few_keys_are_smoothed_with_their_handles(extension, face):
+def test_few_keys_are_smoothed_as_dense_ones_are_between_them_too(extension, scene, performance):
+    events = np.interp(np.arange(40), [0, 12, 16, 36, 39], [0, 0, 0.4, 0.5, 0.5])
+    moved = dataclasses.replace(performance, activations=np.repeat(events[:, None], 36, axis=1))
+    face = baked_at(extension, scene, moved, (25, 1.0))
     assert bpy.ops.mimetic.reduce_keys(tolerance=0.02) == {"FINISHED"}
     before = keyed(extension, face, LEFT)
-    frames = np.arange(5, 36)
-    raw = values(extension, face, LEFT, frames)
-    assert bpy.ops.mimetic.smooth_curves(seconds=0.04) == {"FINISHED"}
-    assert len(keyed(extension, face, LEFT)) == len(before) < 40
-    assert np.abs(values(extension, face, LEFT, frames) - raw).max() < 0.08
+    assert bpy.ops.mimetic.smooth_curves(seconds=0.08) == {"FINISHED"}
+    np.testing.assert_array_equal(keyed(extension, face, LEFT)[:, 0], before[:, 0])
+    assert len(before) < 10
+    parts = extension("native").curve_settings()
+    expected = parts.edited(moved, parts.CurveSettings(smoothing=0.08)).activations[:, 0]
+    smooth = values(extension, face, LEFT, np.arange(1, 41))
+    assert np.abs(smooth - expected).max() < 0.03
+
+
+def test_how_far_contact_was_smoothed_is_not_told_as_an_activation(extension, face):
+    key = face.shape_key_add(name="contact.000", from_mix=False)
+    entry = face.mimetic.shapes.add()
+    entry.name = entry.shape = key.name
+    entry.group = extension("native").shapes().CONTACT
+    for frame in range(1, 41):
+        key.value = frame % 2
+        key.keyframe_insert("value", frame=frame)
+    assert bpy.ops.mimetic.smooth_curves(seconds=0.1) == {"FINISHED"}
+    assert abs(values(extension, face, key.name, [20])[0] - 0.5) < 0.1
+    assert result()["error"] < 0.3
+    select(extension, face, {key.name})
+    assert bpy.ops.mimetic.smooth_curves(seconds=0.1, on="CURVES") == {"FINISHED"}
+    assert result()["error"] is None
+    assert result()["message"] == "1 curve smoothed"
 
 
 def test_few_keys_of_selected_keys_leave_the_others(extension, face):

@@ -6,6 +6,7 @@ import dataclasses
 import bpy
 import numpy as np
 import pytest
+from last_result import result
 
 TOLERANCE = 0.02
 RATES = ((24000, 1001), (25, 1), (30000, 1001), (30, 1), (60, 1))
@@ -91,6 +92,7 @@ def test_the_button_makes_few_keys_of_a_dense_take_and_leaves_few_alone(extensio
     assert worst(curves, smiling, 30) <= TOLERANCE + 1e-4
     assert bpy.ops.mimetic.reduce_keys(tolerance=0.3) == {"FINISHED"}
     assert [len(curve.keyframe_points) for curve in muscle_curves(extension, scene).values()] == few
+    assert "few keys already" in result()["message"]
     assert scene.mimetic.face.data.shape_keys.animation_data.action == action
 
 

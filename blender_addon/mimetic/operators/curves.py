@@ -79,6 +79,8 @@ class MIMETIC_OT_reduce_keys(FewKeysOptions, OnCurves, Operator):
         message = rpt_("{after} keys instead of {before}, within {error:.3f}").format(
             after=summary.keys_after, before=summary.keys_before, error=summary.error
         )
+        if not summary.keys_before:
+            message = rpt_("These curves have few keys already: none is one a frame")
         facts = {"num_keys": summary.keys_after, "num_keys_before": summary.keys_before}
         return message, {**facts, "error": float(summary.error)}
 
@@ -114,9 +116,10 @@ class MIMETIC_OT_smooth_curves(OnCurves, Operator):
             chosen = [c for c in chosen if c.of.group != gaze and not is_lid(c.of.shape)]
         rate = scene_in.timing(context.scene, None).scene_rate
         farthest = scene_out.curve_edits.smooth(chosen, self.seconds * rate)
-        message = rpt_("{curves} smoothed; keys moved by up to {farthest:.3f}").format(
-            curves=_count(chosen), farthest=farthest
-        )
+        text = rpt_("{curves} smoothed; keys moved by up to {farthest:.3f}")
+        if farthest is None:
+            text = rpt_("{curves} smoothed")
+        message = text.format(curves=_count(chosen), farthest=farthest)
         return message, {"error": farthest, "num_curves": len(chosen)}
 
 

@@ -14,22 +14,24 @@ from .face_curves import Chosen, FaceCurve, head_curves
 from .key_table import KeyTable
 
 
-def smooth(chosen: Sequence[Chosen], frames: float) -> float:
+def smooth(chosen: Sequence[Chosen], frames: float) -> float | None:
     """Takes off what changes faster than a width in scene frames; returns the farthest that a key
-    has moved, of a full activation. Keys stay where they are in time."""
-    parts, farthest = native.curve_keys(), 0.0
+    has moved, of a full activation: contact and detail, which have none, are not told, and None
+    where there is nothing else. Keys stay where they are in time."""
+    parts, moves = native.curve_keys(), []
     for one in chosen:
         table = key_table.read(one.of.curve)
         at = parts.sample_frames(table.keys.points[:, 0])
         values = key_table.values_at(one.of.curve, at)
         keys = table.keys.smoothed(at, values, frames, one.is_chosen)
-        moves = np.abs(keys.points[:, 1] - table.keys.points[:, 1]).max() / abs(one.of.unit)
-        farthest = max(farthest, float(moves))
+        if not one.of.is_rest:
+            move = np.abs(keys.points[:, 1] - table.keys.points[:, 1]).max()
+            moves.append(float(move) / abs(one.of.unit))
         is_curved = one.is_chosen & (table.columns["interpolation"] == actions.BEZIER)
         for name in ("handle_left_type", "handle_right_type"):
             table.columns[name][is_curved] = actions.ALIGNED
         key_table.write(one.of.curve, table.with_keys(keys))
-    return farthest
+    return max(moves, default=None)
 
 
 def exaggerate(chosen: Sequence[Chosen], factor: float, at: float | None, has_limits: bool) -> int:

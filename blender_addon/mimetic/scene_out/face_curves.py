@@ -32,6 +32,12 @@ class FaceCurve:
         return self.shape[-2:] if self.shape.endswith(SIDES) else ""
 
     @property
+    def is_rest(self) -> bool:
+        """Of contact or detail, which no group has and whose values are no activations."""
+        parts = native.shapes()
+        return self.group in (parts.DETAIL, parts.CONTACT)
+
+    @property
     def limits(self) -> tuple[float, float]:
         """Of the curve's own values."""
         low, high = self.lowest * self.unit, self.highest * self.unit
@@ -81,9 +87,7 @@ def head_curves(face: bpy.types.Object) -> list[bpy.types.FCurve]:
 def choose(face: bpy.types.Object, choice: Choice) -> list[Chosen]:
     """The curves that are meant; raises InvalidInput where there are none. Locked ones are not."""
     curves = of(face)
-    parts = native.shapes()
-    rest = (parts.DETAIL, parts.CONTACT)
-    groups = list(dict.fromkeys(row.group for row in curves if row.group not in rest))
+    groups = list(dict.fromkeys(row.group for row in curves if not row.is_rest))
     if choice.group and choice.group not in groups:
         raise native.invalid_input(
             rpt_("{face} has no curves of a group {group}: it has {groups}").format(
@@ -93,9 +97,9 @@ def choose(face: bpy.types.Object, choice: Choice) -> list[Chosen]:
     side = {"LEFT": ".L", "RIGHT": ".R"}.get(choice.side, "")
     chosen = []
     for row in curves:
-        is_of_group = row.group == choice.group if choice.group else row.group not in rest
-        is_rest = row.group in rest and choice.with_rest and not choice.group
-        if not (is_of_group or is_rest) or (side and row.side != side) or row.curve.lock:
+        is_of_group = row.group == choice.group if choice.group else not row.is_rest
+        is_meant_too = row.is_rest and choice.with_rest and not choice.group
+        if not (is_of_group or is_meant_too) or (side and row.side != side) or row.curve.lock:
             continue
         flags = _flags(row.curve, choice.on)
         if flags.any():

@@ -32,7 +32,7 @@ def reduce(chosen: Sequence[Chosen], tolerance: float, by_phases: bool = False) 
     error = 0.0
     for one in chosen:
         table = key_table.read(one.of.curve)
-        is_dense = one.is_chosen & (table.columns["interpolation"] == actions.LINEAR)
+        is_dense = one.is_chosen & _is_dense(table)
         parts = []
         for run in _runs(one.is_chosen):
             part = table.rows(run)
@@ -47,6 +47,13 @@ def reduce(chosen: Sequence[Chosen], tolerance: float, by_phases: bool = False) 
         if len(few.keys.points) < len(table.keys.points):
             key_table.write(one.of.curve, few)
     return Reduction(before, after, error)
+
+
+def _is_dense(table: KeyTable) -> np.ndarray:
+    """Keys from which it goes straight to the next; the last, which has none, as that before it."""
+    flags = table.columns["interpolation"] == actions.LINEAR
+    flags[-1] = len(flags) > 1 and flags[-2]
+    return flags
 
 
 def _runs(is_chosen: np.ndarray) -> list[slice]:

@@ -163,6 +163,16 @@ void bind_curve_edits(py::module_& m) {
         "frames"_a, "values"_a, "at"_a, "width"_a, py::call_guard<py::gil_scoped_release>(),
         "Values and slopes (M,) at frames `at` (M,) of a curve (N,) smoothed by a width in frames; see "
         "curve_edits.hpp.\nRaises InvalidInput.");
+    m.def(
+        "smooth_keys",
+        [](const Eigen::VectorXd& frames, const Eigen::VectorXd& values, const Eigen::VectorXd& keys,
+           double width) {
+            SmoothedCurve curve = smooth_keys(frames, values, keys, width);
+            return std::pair{std::move(curve.values), std::move(curve.slopes)};
+        },
+        "frames"_a, "values"_a, "keys"_a, "width"_a, py::call_guard<py::gil_scoped_release>(),
+        "Values at keys (K,), and the slopes whose cubics lie nearest to the smoothed curve between them. "
+        "Raises InvalidInput.");
     m.def("retimed_frames", &retimed_frames, "frames"_a, "first"_a, "last"_a, "factor"_a,
           "Frames (N,) of which those from `first` to `last` take `factor` times as long. Raises "
           "InvalidInput.");

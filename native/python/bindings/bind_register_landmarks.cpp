@@ -20,21 +20,7 @@ void bind_register_landmarks(py::module_& m) {
              py::arg("sigma").noconvert(), "is_face"_a, py::call_guard<py::gil_scoped_release>(),
              "vertices: (V, 3), metres, head frame; triangles: (T, 3), of its skin; modes: (K, 3V), metres; "
              "sigma: (K,), their\nstandard deviations; is_face: (V,), the face without sockets and mouth. "
-             "Raises InvalidInput.")
-        .def(
-            "lay",
-            [](const DeformableTemplate& people, const std::vector<int>& rows, PointsIn targets,
-               VectorIn sigma, PointsIn vertices, PointsIn normals, TrianglesIn triangles) {
-                const py::gil_scoped_release release;
-                LaidVertices laid = people.lay(rows, targets, sigma, vertices, normals, triangles);
-                return std::make_tuple(std::move(laid.places), std::move(laid.sigma), laid.misfit);
-            },
-            "rows"_a, py::arg("targets").noconvert(), py::arg("sigma").noconvert(),
-            py::arg("vertices").noconvert(), py::arg("normals").noconvert(), py::arg("triangles").noconvert(),
-            "(L, 3) places, metres, of vertices `rows` of the face laid on a mesh, about in its frame and of "
-            "its size,\n(L,) standard deviations, and the share of the face that does not lie on the "
-            "mesh.\n\ntargets: (L, 3), sigma: (L,), metres; vertices, "
-            "normals: (N, 3), triangles: (T, 3) of the mesh. Raises InvalidInput.");
+             "Raises InvalidInput.");
     py::class_<LandmarkFinder>(m, "LandmarkFinder",
                                "Places a template's landmarks on heads of any make, by pictures of both.")
         .def(py::init<PointsIn, TrianglesIn, std::vector<std::string>, std::vector<int>, DeformableTemplate,

@@ -51,6 +51,8 @@ void bind_options(py::module_& m) {
         .def_readwrite("flow_method", &TrackerOptions::flow_method);
     py::class_<SmootherOptions>(m, "SmootherOptions", "How smooth a clip's states are, standard deviations.")
         .def(py::init<>())
+        .def_readwrite("frame_rate", &SmootherOptions::frame_rate,
+                       "of the clip; accelerations are those of clips of 24 to 30 frames a second")
         .def_readwrite("value_acceleration", &SmootherOptions::value_acceleration, "1 a frame squared")
         .def_readwrite("rotation_acceleration", &SmootherOptions::rotation_acceleration,
                        "rad a frame squared")
@@ -59,6 +61,8 @@ void bind_options(py::module_& m) {
         .def_readwrite("max_iterations", &SmootherOptions::max_iterations)
         .def_readwrite("muscle_headroom", &SmootherOptions::muscle_headroom,
                        "times their upper bounds that muscles may reach which stand at them")
+        .def_readwrite("first_muscle_bound", &SmootherOptions::first_muscle_bound,
+                       "upper bound of muscles whose own is higher, until they stand at it")
         .def_readwrite("fixed_first", &SmootherOptions::fixed_first,
                        "frames at the start whose states stay as they are")
         .def_readwrite("fixed_last", &SmootherOptions::fixed_last, "the same at the end");

@@ -30,6 +30,30 @@ Window window_at(VectorIn frames, double frame, double width) {
     return {low - begin, high - low, high - low <= 3 ? std::max(width, farthest / kReach) : width};
 }
 
+constexpr Eigen::Index kInner = 4;  // places between two keys, to which slopes are fitted
+
+/// Their shares of a span.
+Eigen::ArrayXd inner_shares() {
+    return (Eigen::ArrayXd::LinSpaced(kInner, 0, kInner - 1) + .5) / static_cast<double>(kInner);
+}
+
+/// K numbers of a symmetric system in which each meets its two neighbours alone; 0 where nothing tells one,
+/// of a single key and of keys at one frame.
+Eigen::VectorXd solved_by_neighbours(Eigen::VectorXd diagonal, const Eigen::VectorXd& beside,
+                                     Eigen::VectorXd right) {
+    const auto over = [](double value, double pivot) { return pivot > 0 ? value / pivot : 0; };
+    for (Eigen::Index i = 0; i + 1 < diagonal.size(); ++i) {
+        const double factor = over(beside[i], diagonal[i]);
+        diagonal[i + 1] -= factor * beside[i];
+        right[i + 1] -= factor * right[i];
+    }
+    for (Eigen::Index i = diagonal.size() - 1; i >= 0; --i) {
+        const double after = i + 1 < diagonal.size() ? beside[i] * right[i + 1] : 0;
+        right[i] = over(right[i] - after, diagonal[i]);
+    }
+    return right;
+}
+
 }  // namespace
 
 SmoothedCurve smooth_curve(VectorIn frames, VectorIn values, VectorIn at, double width) {
@@ -64,6 +88,29 @@ SmoothedCurve smooth_curve(VectorIn frames, VectorIn values, VectorIn at, double
         curve.values[i] = parabola[0];
         curve.slopes[i] = parabola[1] / window.width;
     }
+    return curve;
+}
+
+SmoothedCurve smooth_keys(VectorIn frames, VectorIn values, VectorIn keys, double width) {
+    SmoothedCurve curve = smooth_curve(frames, values, keys, width);
+    const Eigen::Index num_spans = std::max<Eigen::Index>(keys.size() - 1, 0);
+    const Eigen::ArrayXd share = inner_shares();
+    const Eigen::ArrayXd rise = share.square() * (3 - 2 * share);
+    // What a slope at either end adds to the cubic, in spans
+    const Eigen::VectorXd leaving = share * (1 - share).square(), arriving = share.square() * (share - 1);
+    Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(keys.size()), right = diagonal, beside(num_spans);
+    for (Eigen::Index i = 0; i < num_spans; ++i) {
+        const double span = keys[i + 1] - keys[i], cubed = std::pow(span, 3);
+        const Eigen::VectorXd at = keys[i] + span * share;
+        const Eigen::VectorXd rest = smooth_curve(frames, values, at, width).values.array() -
+                                     (curve.values[i] + (curve.values[i + 1] - curve.values[i]) * rise);
+        diagonal[i] += cubed * leaving.squaredNorm();
+        diagonal[i + 1] += cubed * arriving.squaredNorm();
+        beside[i] = cubed * leaving.dot(arriving);
+        right[i] += span * span * rest.dot(leaving);
+        right[i + 1] += span * span * rest.dot(arriving);
+    }
+    curve.slopes = solved_by_neighbours(std::move(diagonal), beside, std::move(right));
     return curve;
 }
 

@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
 #include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 
@@ -12,6 +14,14 @@ namespace mimetic {
 namespace {
 
 using Blocks = std::vector<Eigen::VectorXd>;
+
+/// Frames of a clip in the time of one of 24 to 30 a second, for which what counts frames was chosen.
+double frames_a_frame(const SmootherOptions& options) {
+    return options.frame_rate / std::clamp(options.frame_rate, 24., 30.);
+}
+
+/// What standard deviations of second differences are multiplied by: variance a time of a random force.
+double acceleration_factor(const SmootherOptions& options) { return std::pow(frames_a_frame(options), -1.5); }
 
 FaceState state_of(const FrameEstimate& estimate) { return {estimate.camera_from_head, estimate.values}; }
 
@@ -40,8 +50,9 @@ void add_acceleration(const std::vector<FrameEstimate>& estimates, const Eigen::
 /// What is moved in a frame or soon before or after it, M a frame: a movement rises and falls over several
 /// frames, and one that was pulled to rest until it is large would seem to begin late.
 Blocks shown_around(const std::vector<FrameEstimate>& estimates, const Blocks& steps,
-                    const RestPull& rest_pull) {
-    constexpr int kAround = 5;  // frames
+                    const RestPull& rest_pull, double frames) {
+    constexpr double kAround = 5;  // frames
+    const int reach = std::max(1, static_cast<int>(std::lround(kAround * frames)));
     const int count = static_cast<int>(estimates.size());
     Blocks shown;
     for (int t = 0; t < count; ++t) {
@@ -50,15 +61,20 @@ Blocks shown_around(const std::vector<FrameEstimate>& estimates, const Blocks& s
     }
     Blocks around = shown;
     for (int t = 0; t < count; ++t) {
-        for (int other = std::max(0, t - kAround); other <= std::min(count - 1, t + kAround); ++other) {
+        for (int other = std::max(0, t - reach); other <= std::min(count - 1, t + reach); ++other) {
             around[t] = around[t].cwiseMax(shown[other]);
         }
     }
     return around;
 }
 
+/// State of the alternating directions (ADMM); a similar problem starts from the last one's.
+struct BoundedSteps {
+    Blocks within, dual;
+};
+
 /// Frames that keep their states: their neighbours' accelerations know them, nothing moves them.
-void fix_ends(const SmootherOptions& options, SequenceProblem& problem) {
+void fix_ends(const SmootherOptions& options, SequenceProblem& problem, BoundedSteps& start) {
     const auto count = static_cast<int>(problem.pull.size());
     const auto is_fixed = [&](int t) {
         return t < options.fixed_first || (t < count && t >= count - options.fixed_last);
@@ -67,6 +83,8 @@ void fix_ends(const SmootherOptions& options, SequenceProblem& problem) {
         const auto at = static_cast<std::size_t>(t);
         if (is_fixed(t)) {
             problem.pull[at].setZero();
+            start.within[at].setZero();
+            start.dual[at].setZero();
         }
         if (is_fixed(t) || is_fixed(t + 1)) {
             problem.matrix.first[at].setZero();
@@ -88,17 +106,19 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
     // A state lasts for several frames and each must not count the prior in full; but most of a measurement's
     // error is the model's, the same in all of them, so they must not add up against it either.
     constexpr double kFramesPerState = 6;
-    rest.bottomRightCorner(num_values, num_values) = rest_covariance(motion).inverse() / kFramesPerState;
+    const double frames = frames_a_frame(options), factor = acceleration_factor(options);
+    rest.bottomRightCorner(num_values, num_values) =
+        rest_covariance(motion).inverse() / (kFramesPerState * frames);
     Eigen::VectorXd weights(size);
-    weights.head<3>().setConstant(std::pow(options.rotation_acceleration, -2));
-    weights.segment<3>(3).setConstant(std::pow(options.translation_acceleration, -2));
+    weights.head<3>().setConstant(std::pow(factor * options.rotation_acceleration, -2));
+    weights.segment<3>(3).setConstant(std::pow(factor * options.translation_acceleration, -2));
     weights.tail(num_values) =
-        (options.value_acceleration / .3 * motion.prior_std).cwiseAbs2().cwiseInverse();
+        (factor * options.value_acceleration / .3 * motion.prior_std).cwiseAbs2().cwiseInverse();
     if (motion.quickness.size() > 0) {
         weights.tail(num_values).array() /= motion.quickness.array().square();
     }
 
-    const Blocks shown = rest_pull ? shown_around(estimates, steps, *rest_pull) : Blocks();
+    const Blocks shown = rest_pull ? shown_around(estimates, steps, *rest_pull, frames) : Blocks();
     SequenceProblem problem;
     for (std::size_t t = 0; t < estimates.size(); ++t) {
         const FrameEstimate& estimate = estimates[t];
@@ -118,14 +138,8 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
         problem.upper.push_back(upper - estimate.values);
     }
     add_acceleration(estimates, weights, problem);
-    fix_ends(options, problem);
     return problem;
 }
-
-/// State of the alternating directions (ADMM); a similar problem starts from the last one's.
-struct BoundedSteps {
-    Blocks within, dual;
-};
 
 /// ADMM: a smooth solve, then the bounds, until both agree [Boyd et al. 2011, over-relaxed as in 3.4.3]. Slow
 /// movements are nearly free of the measurements, at a clip's ends above all: what is left of those after too
@@ -180,15 +194,23 @@ struct Solution {
     Eigen::VectorXd upper;  ///< M: of the values
 };
 
-/// Upper bounds with headroom for each muscle that stands at its own in a frame that was measured.
+/// Upper bounds, none of a muscle above the first that it is to have.
+Eigen::VectorXd first_bounds(const FaceMotion& motion, const SmootherOptions& options) {
+    Eigen::VectorXd upper = motion.upper;
+    upper.head(motion.num_muscles) =
+        motion.upper.head(motion.num_muscles).cwiseMin(options.first_muscle_bound);
+    return upper;
+}
+
+/// Upper bounds with headroom for each muscle that stands at its first in a frame that was measured.
 Eigen::VectorXd with_headroom(const std::vector<FrameEstimate>& estimates, const Solution& solution,
-                              const FaceMotion& motion, double headroom) {
+                              const Eigen::VectorXd& first, const FaceMotion& motion, double headroom) {
     constexpr double kAtBound = 1e-6;
     Eigen::VectorXd upper = solution.upper;
     for (std::size_t t = 0; t < estimates.size(); ++t) {
         for (Eigen::Index i = 0; i < (estimates[t].held ? 0 : motion.num_muscles); ++i) {
             const double value = estimates[t].values[i] + solution.bounded.within[t][6 + i];
-            if (value > motion.upper[i] - kAtBound) {
+            if (value > first[i] - kAtBound) {
                 upper[i] = headroom * motion.upper[i];
             }
         }
@@ -197,20 +219,23 @@ Eigen::VectorXd with_headroom(const std::vector<FrameEstimate>& estimates, const
 }
 
 /// Which values are active, and so not pulled to rest, is known once the sequence has been solved without
-/// that pull; which muscles need headroom, once it has been solved within the bounds. What is active stays so
-/// as bounds are raised: no work moves to other muscles, or to other frames.
+/// that pull (which is in the states of frames that are fixed, so that they move along there); which muscles
+/// need headroom, once it has been solved within the bounds. What is active stays so as bounds are raised: no
+/// work moves to other muscles, or to other frames.
 Solution solve_sequence(const std::vector<FrameEstimate>& estimates, const FaceMotion& motion,
                         const SmootherOptions& options, const Progress& progress) {
     const Blocks none(estimates.size(), Eigen::VectorXd::Zero(6 + motion.lower.size()));
-    Solution solution{{none, none}, {}, motion.upper};
+    const Eigen::VectorXd first = first_bounds(motion, options);
+    Solution solution{{none, none}, {}, first};
     const RestPull rest_pull(motion);
     Blocks unpulled = none;
     constexpr int kBounded = 2, kMostRaises = 3;  // a muscle that goes further may take others along
-    const int num_passes = options.muscle_headroom > 1 ? kBounded + kMostRaises : kBounded;
+    const bool may_raise = options.muscle_headroom > 1 || first != motion.upper;
+    const int num_passes = may_raise ? kBounded + kMostRaises : kBounded;
     for (int pass = 0; pass < num_passes; ++pass) {
         if (pass >= kBounded) {
             const Eigen::VectorXd raised =
-                with_headroom(estimates, solution, motion, options.muscle_headroom);
+                with_headroom(estimates, solution, first, motion, options.muscle_headroom);
             if (raised == solution.upper) {
                 break;
             }
@@ -218,6 +243,9 @@ Solution solve_sequence(const std::vector<FrameEstimate>& estimates, const FaceM
         }
         solution.problem = make_problem(estimates, unpulled, motion, solution.upper,
                                         pass > 0 ? &rest_pull : nullptr, options);
+        if (pass > 0) {
+            fix_ends(options, solution.problem, solution.bounded);
+        }
         const Progress part = [&](double fraction) {
             return !progress || progress((pass + fraction) / num_passes);
         };
@@ -271,8 +299,13 @@ void SmootherOptions::check() const {
                                "; it must be above 0 and finite");
         }
     }
+    check_range("SmootherOptions.frame_rate", frame_rate, 1., 1000.);
     check_range("SmootherOptions.max_iterations", max_iterations, 1, 100000);
     check_range("SmootherOptions.muscle_headroom", muscle_headroom, 1., 10.);
+    if (!(first_muscle_bound > 0)) {
+        throw InvalidInput("SmootherOptions.first_muscle_bound is " + std::to_string(first_muscle_bound) +
+                           "; it must be above 0");
+    }
     check_range("SmootherOptions.fixed_first", fixed_first, 0, 100000);
     check_range("SmootherOptions.fixed_last", fixed_last, 0, 100000);
 }
@@ -292,8 +325,8 @@ std::vector<FrameEstimate> smooth(const std::vector<FrameEstimate>& estimates, c
         any_held ? BlockBandedFactor(solution.problem.matrix).inverse_diagonal()
                  : std::vector<Eigen::MatrixXd>();
     std::vector<FrameEstimate> smoothed = estimates;
-    const std::vector<DetailEstimate> details =
-        smooth_detail(estimates, steps, motion, options.value_acceleration / .3);
+    const std::vector<DetailEstimate> details = smooth_detail(
+        estimates, steps, motion, acceleration_factor(options) * options.value_acceleration / .3);
     for (std::size_t t = 0; t < estimates.size(); ++t) {
         FaceState state = state_of(estimates[t]);
         state.apply(FaceStep(steps[t]));

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <mimetic/analyse/curve_edits.hpp>
 #include <mimetic/shared/error.hpp>
@@ -58,6 +59,45 @@ TEST(SmoothCurve, OneAndTwoFramesAreLeftAsTheyAre) {
     EXPECT_EQ(smooth_curve(one, one, one, 3).values[0], 5);
     const Eigen::VectorXd two = Eigen::Vector2d(1, 3);
     EXPECT_NEAR(smooth_curve(two, two, two, 3).slopes[0], 1, 1e-9);
+}
+
+/// A cubic between two keys, a share of the way.
+double cubic_at(const SmoothedCurve& curve, const Eigen::VectorXd& keys, Eigen::Index i, double share) {
+    const double span = keys[i + 1] - keys[i], rest = 1 - share;
+    return curve.values[i] * rest * rest * (1 + 2 * share) +
+           curve.values[i + 1] * share * share * (3 - 2 * share) +
+           span * share * rest * (curve.slopes[i] * rest - curve.slopes[i + 1] * share);
+}
+
+double worst_between(const SmoothedCurve& curve, const Eigen::VectorXd& keys, const Eigen::VectorXd& frames,
+                     const Eigen::VectorXd& values, double width) {
+    double worst = 0;
+    for (Eigen::Index i = 0; i + 1 < keys.size(); ++i) {
+        for (const double share : {.1, .3, .5, .7, .9}) {
+            const Eigen::VectorXd at =
+                Eigen::VectorXd::Constant(1, keys[i] + share * (keys[i + 1] - keys[i]));
+            const double wanted = smooth_curve(frames, values, at, width).values[0];
+            worst = std::max(worst, std::abs(cubic_at(curve, keys, i, share) - wanted));
+        }
+    }
+    return worst;
+}
+
+TEST(SmoothKeys, TheCubicsBetweenFewKeysFollowTheSmoothedCurve) {
+    const Eigen::VectorXd frames = Eigen::VectorXd::LinSpaced(241, 0, 60);
+    const Eigen::VectorXd values = (.06 * frames.array()).min(.54 + .006 * frames.array());
+    const Eigen::VectorXd keys = Eigen::Vector3d(0, 10, 60);
+    const SmoothedCurve curve = smooth_keys(frames, values, keys, 2);
+    EXPECT_LT((curve.values - smooth_curve(frames, values, keys, 2).values).norm(), 1e-12);
+    EXPECT_LT(worst_between(curve, keys, frames, values, 2), .04);
+    EXPECT_GT(worst_between(smooth_curve(frames, values, keys, 2), keys, frames, values, 2), .1);
+}
+
+TEST(SmoothKeys, OneKeyAndKeysAtOneFrameHaveNoSlope) {
+    const Eigen::VectorXd frames = Eigen::VectorXd::LinSpaced(9, 0, 8);
+    const Eigen::VectorXd values = .1 * frames.array();
+    EXPECT_EQ(smooth_keys(frames, values, Eigen::VectorXd::Constant(1, 4.), 1).slopes[0], 0);
+    EXPECT_TRUE(smooth_keys(frames, values, Eigen::Vector2d(4, 4), 1).slopes.isZero());
 }
 
 TEST(SmoothCurve, RefusesWhatIsNoCurve) {

@@ -2,6 +2,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <cmath>
+#include <mimetic/shared/error.hpp>
 #include <mimetic/solve/solve.hpp>
 #include <random>
 
@@ -221,8 +223,79 @@ TEST(Smooth, GivesNoHeadroomForFramesThatWereNotMeasured) {
     EXPECT_LE(peaks_of(smooth(estimates, two_muscles(), with_headroom(1.6)))[0], 1);
 }
 
-TEST(Smooth, RejectsHeadroomThatIsNone) {
+TEST(Smooth, GivesBoundsThatAreKnownToThoseMusclesAloneThatStandAtTheFirst) {
+    const FaceMotion usual = two_muscles();
+    FaceMotion known = usual;
+    known.upper << 1.6, 1.3;
+    SmootherOptions options;
+    options.first_muscle_bound = 1;
+    for (const double peak : {.9, 1.4}) {
+        const std::vector<FrameEstimate> estimates = rise_to({peak, .7});
+        const std::vector<FrameEstimate> captured = smooth(estimates, usual, with_headroom(1.6));
+        const std::vector<FrameEstimate> refined = smooth(estimates, known, options);
+        for (std::size_t t = 0; t < estimates.size(); ++t) {
+            EXPECT_EQ(refined[t].values, captured[t].values);
+        }
+    }
+}
+
+/// Two muscles whose sum is measured well and whose difference hardly: the pull to rest decides of it.
+TEST(Smooth, SolvesAPartAgainAsItWasBesideFramesThatStay) {
+    const FaceMotion motion = two_muscles();
+    Eigen::Matrix2d information;
+    information << 200.5, 199.5, 199.5, 200.5;
+    std::vector<FrameEstimate> estimates(60, measured({.6, .5}, {.6, .5}, .05));
+    for (FrameEstimate& estimate : estimates) {
+        estimate.information.bottomRightCorner<2, 2>() = information;
+        estimate.covariance = estimate.information.inverse();
+    }
+    const std::vector<FrameEstimate> all = smooth(estimates, motion);
+    EXPECT_GT(std::abs(all[20].values[1] - .5), .1);
+    const std::vector<FrameEstimate> part(all.begin(), all.begin() + 40);
+    SmootherOptions options;
+    options.fixed_last = 12;
+    const std::vector<FrameEstimate> again = smooth(part, motion, options);
+    for (std::size_t t = 0; t < part.size(); ++t) {
+        EXPECT_NEAR(again[t].values[1], part[t].values[1], .01) << "frame " << t;
+    }
+}
+
+/// How high a short movement is after smoothing, of a clip of so many frames a second, in which the same is
+/// known in a second.
+double smoothed_peak(double rate, double told) {
+    constexpr double kSeconds = 4, kPeak = .8, kWidth = .07;
+    std::vector<FrameEstimate> estimates;
+    for (int t = 0; t <= kSeconds * rate; ++t) {
+        const double time = t / rate - kSeconds / 2;
+        const double value = kPeak * std::exp(-.5 * std::pow(time / kWidth, 2));
+        estimates.push_back(measured({0, 0}, {value, 0}, .1 * std::sqrt(rate / 25)));
+    }
+    SmootherOptions options;
+    options.frame_rate = told;
+    double peak = 0;
+    for (const FrameEstimate& estimate : smooth(estimates, two_muscles(), options)) {
+        peak = std::max(peak, estimate.values[0]);
+    }
+    return peak;
+}
+
+TEST(Smooth, LeavesAsMuchOfAShortMovementAtAnyFrameRate) {
+    const double usual = smoothed_peak(25, 25);
+    EXPECT_NEAR(smoothed_peak(24, 24), smoothed_peak(24, 30), 1e-12);
+    for (const double rate : {15., 50., 100.}) {
+        EXPECT_NEAR(smoothed_peak(rate, rate), usual, .03) << rate;
+        EXPECT_GT(std::abs(smoothed_peak(rate, 30) - usual), .05) << rate;
+    }
+    SmootherOptions none;
+    none.frame_rate = 0;
+    EXPECT_THROW(none.check(), InvalidInput);
+}
+
+TEST(Smooth, RejectsHeadroomThatIsNoneAndABoundThatLeavesNoRoom) {
     EXPECT_THROW(smooth(rise_to({1, 1}), two_muscles(), with_headroom(.9)), std::invalid_argument);
+    SmootherOptions options;
+    options.first_muscle_bound = 0;
+    EXPECT_THROW(smooth(rise_to({1, 1}), two_muscles(), options), std::invalid_argument);
 }
 
 TEST(Smooth, RejectsEstimatesOfAnotherFace) {

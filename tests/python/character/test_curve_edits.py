@@ -5,7 +5,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from mimetic import InvalidInput
+from mimetic import InvalidInput, _core
 from mimetic.character.curve_keys import (
     CurveKeys,
     cubic_keys,
@@ -23,6 +23,7 @@ from mimetic.character.curve_settings import (
     parse_factors,
     settings_of,
 )
+from mimetic.character.sparse_curves import sparse_keys
 from sample_performance import make_performance
 
 FRAMES = np.array([1.0, 4, 9, 20, 22.5])
@@ -82,6 +83,27 @@ def test_smoothing_leaves_a_slow_curve_and_its_handles(keys):
     smooth = keys.smoothed(at, parabola(at), 2.0, np.ones(5, dtype=bool))
     inner = np.linspace(1, 22.5, 80)
     np.testing.assert_allclose(played(smooth, inner), parabola(inner), atol=1e-9)
+
+
+@pytest.mark.parametrize("width", [2.0, 7.0])
+def test_few_keys_are_smoothed_as_the_dense_curve_between_them_too(width):
+    frames = np.arange(1.0, 101)
+    dense = np.interp(frames, [1, 20, 30, 90, 100], [0, 0, 0.4, 0.5, 0.5])  # long spans, corners
+    few = sparse_keys(frames, dense, 0.02)
+    at = sample_frames(few.points[:, 0])
+    smooth = few.smoothed(at, played(few, at), width, np.ones(len(few.points), dtype=bool))
+    np.testing.assert_array_equal(smooth.points[:, 0], few.points[:, 0])
+    expected, _ = _core.smooth_curve(frames, dense, at, width)
+    assert np.abs(played(smooth, at) - expected).max() < 0.03
+
+
+def test_keys_at_one_frame_and_a_single_key_are_smoothed():
+    for frames in (np.array([3.0]), np.array([1.0, 4, 4, 4, 9])):
+        keys = cubic_keys(frames, *np.zeros((3, len(frames))))
+        at = sample_frames(frames)
+        smooth = keys.smoothed(at, np.ones(len(at)), 2.0, np.ones(len(frames), dtype=bool))
+        np.testing.assert_allclose(smooth.points[:, 1], 1)
+        np.testing.assert_allclose(smooth.left[:, 1], 1)
 
 
 def test_a_mean_of_cubics_is_exact():
@@ -191,6 +213,13 @@ def test_smoothing_is_the_same_at_any_rate_and_leaves_the_gaze():
     left = np.abs(few.activations[10:-10, 0] - motion[10:-10]).max()
     assert left < 0.02  # of .05
     np.testing.assert_array_equal(few.articulator_values, slow.articulator_values)
+
+
+def test_curves_are_not_smoothed_over_a_cut():
+    steps = np.repeat([0.2, 0.8], 10)[:, None] * np.ones(36)
+    performance = make_performance(20, activations=steps, scene_starts=np.array([11]))
+    result = edited(performance, CurveSettings(smoothing=0.1))
+    np.testing.assert_allclose(result.activations, steps, atol=1e-9)
 
 
 def test_blinks_stay_as_the_rest_is_smoothed():

@@ -3,9 +3,11 @@
 
 import numpy as np
 import pytest
+from mimetic.performance.corrections import FrameCorrection, Pinned
 from mimetic.solve.capture_summary import CaptureSummary
 from mimetic.solve.clip_capture import capture
 from mimetic.solve.full_range import HEADROOM
+from mimetic.solve.refining import refined
 
 from evaluation.runs.real_events import eyes_shut, runs, saturation
 
@@ -52,6 +54,14 @@ def test_a_real_smile_is_not_cut_off_where_muscles_are_assumed_to_end(smile):
     apex = performance.activations[:, list(performance.muscles).index("zygomaticus_major.R")]
     assert 0.85 < apex.max() < 1
     assert (apex > 0.995 * apex.max()).sum() < 10
+
+
+@pytest.mark.parametrize("frame", [20, 35])
+def test_a_correction_that_says_nothing_leaves_muscles_that_go_further_as_they_were(smile, frame):
+    performance, _ = smile
+    vague = FrameCorrection(frame, values={"lid_upper.L": Pinned(0.0, 1e4)})
+    after = refined(performance, (vague,))
+    assert np.abs(after.activations - performance.activations).max() < 0.01
 
 
 def test_a_real_person_is_read_the_same_with_the_extents_that_a_clip_of_theirs_showed(

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A person's head, known from other footage, is put where the face is, and keeps its shape."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from mimetic import InvalidInput, _core
@@ -69,6 +71,17 @@ def test_the_head_keeps_the_persons_shape_and_stands_where_the_face_is(shapes):
     assert shared.error < 0.01 < 2 * with_person(fit, fit, template).error
     assert np.array_equal(shared.views[0].head_pose, shared.head_pose)
     assert np.array_equal(fit.head_pose, wrong_pose)  # what was given stays
+
+
+def test_a_frame_may_be_a_number_of_numpys(tmp_path, shapes):
+    own, _ = shapes
+    fit = replace(fit_of(own, turned(0.0, 0.5), own, turned(0.0, 0.5)), frame=np.int64(3))
+    fit.views = [replace(fit.views[0], frame=np.int32(3))]
+    fit.save(tmp_path / "fit.json")
+    assert FaceFit.load(tmp_path / "fit.json").frame == 3
+    for wrong in (np.float64(3), np.int64(0), True, "3"):
+        with pytest.raises(InvalidInput, match="face fit's frame is"):
+            replace(fit, frame=wrong)
 
 
 def test_the_core_keeps_proportions_that_are_known(shapes):

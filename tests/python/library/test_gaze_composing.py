@@ -8,6 +8,7 @@ from looking_performance import make_looking
 from mimetic.library.composing import Placing, canonical_person, compose
 from mimetic.library.expression import Expression
 from mimetic.library.preview import expression_picture
+from mimetic.muscles.extras import LIP_SHAPES
 from mimetic.performance.gaze import gaze_of
 
 
@@ -38,6 +39,17 @@ def test_the_picture_of_a_glance_shows_where_it_looks():
     ahead = replace(glance(), values=0 * glance().values)
     eyes = [expression_picture(one, person)[..., :3].astype(float) for one in (ahead, glance())]
     assert (np.abs(eyes[1] - eyes[0]).max(axis=2) > 60).sum() > 20
+
+
+def test_our_own_head_has_the_lips_of_a_capture():
+    rows = np.sin(np.linspace(0, np.pi, 31))[:, None] * np.full((1, 4), 0.5)
+    channels = list(LIP_SHAPES)
+    kept = Expression(channels=channels, values=rows, stds=0 * rows, fps=30.0)
+    composed = compose([Placing("pout")], lambda _: kept, fps=30)
+    assert [note for note in composed.notes if "has no" in note] == []
+    closing = composed.articulators.index("oris_close_upper")
+    assert composed.articulator_values[:, closing].max() > 0.4
+    assert np.abs(composed.surface(15) - composed.neutral_vertices).max() > 0.001
 
 
 def test_our_own_head_has_eyes_that_turn():

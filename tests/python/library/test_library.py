@@ -222,6 +222,11 @@ def test_the_commands_keep_list_mirror_and_compose(tmp_path, capsys):
     compose_it = ["library", "compose", str(library), "smile@0.2", "other smile@0.6*0.5", "--out"]
     assert main([*compose_it, str(out), "--person", str(take), "--seconds", "2"]) == 0
     assert Performance.load(out).num_frames == 61
+    lacking = replace(Performance.load(take), articulators=["jaw_open", "chin"])
+    lacking.save(tmp_path / "lacking.npz")
+    capsys.readouterr()
+    assert main([*compose_it, str(out), "--person", str(tmp_path / "lacking.npz")]) == 0
+    assert "note: smile: this head has no jaw_side" in capsys.readouterr().out.splitlines()
 
 
 @pytest.mark.parametrize(

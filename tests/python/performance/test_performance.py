@@ -65,6 +65,12 @@ def test_details_move_the_surface():
     assert np.abs(np.delete(moved, 40, axis=0)).max() < 1e-7
 
 
+def test_the_schema_has_the_shape_of_the_page(saved):
+    with np.load(saved) as file:
+        assert file["schema"].shape == (1,)
+        assert file["schema"].dtype == np.int64
+
+
 @pytest.mark.parametrize("key", REQUIRED)
 def test_a_missing_key_is_named(saved, key):
     rewrite(saved, **{key: None})
@@ -103,6 +109,7 @@ def test_nan_is_named_with_its_key(saved, key):
         ({"muscles": np.full(36, "frontalis")}, "distinct names"),
         ({"detail_modes": np.zeros((1, 81, 3))}, "both or none"),
         ({"frame": np.full(12, None)}, "Python objects"),
+        ({"scene_starts": np.array([9, 5])}, "scene_starts must ascend"),
     ],
 )
 def test_bad_content_is_refused_with_the_reason(saved, changes, message):
@@ -159,6 +166,15 @@ def test_a_failed_save_leaves_the_old_file_and_no_litter(saved, monkeypatch):
         make_performance().save(saved)
     assert saved.read_bytes() == before
     assert [path.name for path in saved.parent.iterdir()] == [saved.name]
+
+
+def test_scenes_are_runs_of_rows_and_one_where_no_cut_is_known(tmp_path):
+    frame = np.delete(np.arange(13) + 101, 4)
+    cut = make_performance(frame=frame, scene_starts=np.array([90, 101, 105, 110, 400]))
+    cut.save(tmp_path / "cut.npz")
+    scenes = Performance.load(tmp_path / "cut.npz").scenes
+    assert scenes == [slice(0, 4), slice(4, 8), slice(8, 12)]
+    assert make_performance().scenes == [slice(0, 12)]
 
 
 def test_frames_are_found_by_number():

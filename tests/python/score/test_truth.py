@@ -21,6 +21,17 @@ def test_truth_comes_back_as_saved(tmp_path, truth):
     assert [path.name for path in tmp_path.iterdir()] == ["truth.npz"]
 
 
+def test_numbers_by_themselves_are_read(tmp_path, truth):
+    path = tmp_path / "truth.npz"
+    truth.save(path)
+    alone = {"fps": np.float64(24), "schema": np.int64(1)}
+    np.savez(path, **(dict(np.load(path)) | alone))
+    assert Truth.load(path).fps == 24
+    np.savez(path, **(dict(np.load(path)) | {"frame": np.int64(1)}))
+    with pytest.raises(InvalidInput, match="frame has the shape"):
+        Truth.load(path)
+
+
 @pytest.mark.parametrize(
     ("key", "value", "said"),
     [

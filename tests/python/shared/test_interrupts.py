@@ -140,7 +140,10 @@ out = os.path.join(folder, ".mimetic-x.blend")
 open(out, "w").close()
 os.mkdir(os.path.join(folder, "..mimetic-x.blend.y"))
 os.mkdir(os.path.join(folder, "answers"))
-headless_bake.end_with_parent({"out": out, "answer": os.path.join(folder, "answers", "a.json")})
+os.mkdir(os.path.join(folder, "its"))
+answer = os.path.join(folder, "answers", "a.json")
+request = {"out": out, "its_folder": os.path.join(folder, "its"), "answer": answer}
+headless_bake.end_with_parent(request)
 print("ready", flush=True)
 time.sleep(60)
 """

@@ -7,8 +7,6 @@ import numpy as np
 import pytest
 from mimetic import InvalidInput
 from mimetic.library.composing import canonical_person
-from mimetic.muscles.anatomy import attach_skin, modes_of
-from mimetic.muscles.extras import LIP_SHAPES, with_lip_shapes
 from mimetic.muscles.feature_lines import feature_lines
 from mimetic.performance.corrections import FrameCorrection, SkinPin
 from mimetic.solve import correcting
@@ -21,22 +19,12 @@ LID, MUSCLE = "lid_upper.L", "zygomaticus_major.L"
 
 @pytest.fixture(scope="module")
 def person():
-    """The canonical head with a smile and an open mouth, with the shapes of lips."""
+    """The canonical head with a smile and an open mouth."""
     rest = canonical_person()
     activations, values = rest.activations.copy(), rest.articulator_values.copy()
     activations[0, rest.muscles.index(MUSCLE)] = 0.7
     values[0, rest.articulators.index("jaw_open")] = 0.5
-    skin = attach_skin(load_template().vertices, load_template())
-    anatomy = with_lip_shapes(modes_of(skin), skin)
-    lips = [anatomy.articulator_names.index(name) for name in LIP_SHAPES]
-    modes = [rest.articulator_modes, anatomy.articulator_modes[lips]]
-    return replace(
-        rest,
-        activations=activations,
-        articulators=[*rest.articulators, *LIP_SHAPES],
-        articulator_values=np.hstack([values, np.zeros((1, len(lips)))]),
-        articulator_modes=np.concatenate(modes).astype(np.float32),
-    )
+    return replace(rest, activations=activations, articulator_values=values)
 
 
 def pins(count: int) -> tuple[SkinPin, ...]:

@@ -255,6 +255,7 @@ def test_nothing_is_smoothed_across_a_cut(rendered_clip, tmp_path):
     np.testing.assert_allclose(cut.activations[:10], alone.activations, atol=1e-6)
     assert (cut.quality[-3:] > 0.3).all()
     assert cut.head_pose[-1, 2, 3] < 0.9 * alone.head_pose[-1, 2, 3]
+    assert cut.scene_starts.tolist() == [11] and alone.scene_starts is None
 
 
 def test_of_two_faces_the_larger_is_taken_and_told(rendered_clip, tmp_path):

@@ -201,9 +201,56 @@ def test_a_direction_and_a_range_leave_other_frames_alone(spoilt, places):
         after = refined(performance, corrections, direction=direction)
         np.testing.assert_array_equal(after.activations[kept], performance.activations[kept])
         assert np.abs(after.activations - performance.activations).max() > 0.05
-    after = refined(performance, corrections, frames=(40, 46))
+    after = refined(performance, corrections, frames=(38, 46))
     changed = np.flatnonzero(np.abs(after.activations - performance.activations).max(axis=1) > 1e-9)
-    assert changed.min() >= 39 and changed.max() <= 45
+    assert changed.min() >= 37 and changed.max() <= 45
+
+
+def test_a_correction_of_a_frame_that_may_not_change_is_refused(spoilt, places):
+    performance, corrections = spoilt[2], corrections_of(places)
+    with pytest.raises(InvalidInput, match=r"frame 38 is corrected, but frames 40 to 50 alone"):
+        refined(performance, corrections, frames=(40, None))
+    # One that is honoured and reaches none of them stays
+    early = FrameCorrection(15, 6.0, values={"jaw_open": Pinned(0.3, 0.02)})
+    before = refined(performance, (early,))
+    after = refined(before, (early, *corrections), frames=(31, None))
+    np.testing.assert_array_equal(after.activations[:30], before.activations[:30])
+    assert corrected_frames(after) == [15, *CORRECTED]
+    changed = replace(early, reach=7.0)
+    with pytest.raises(InvalidInput, match="frame 15 is corrected"):
+        refined(before, (changed, *corrections), frames=(31, None))
+
+
+def test_what_limits_kept_of_a_withdrawn_correction_is_taken_back_later(spoilt, places):
+    performance = spoilt[2]
+    half = refined(refined(performance, corrections_of(places)), (), frames=(1, 40))
+    assert half.corrections is None
+    assert np.abs(half.activations[40:] - performance.activations[40:]).max() > 0.05
+    again = refined(half, ())
+    assert again.uncorrected is None
+    np.testing.assert_allclose(again.activations, performance.activations, atol=1e-9)
+
+
+@pytest.mark.parametrize("frame", [37, 38])
+def test_nothing_is_solved_over_a_cut(spoilt, places, frame):
+    performance = spoilt[2]
+    near = replace(performance, scene_starts=np.array([38]))
+    poses = performance.head_pose.copy()
+    poses[37:, 2, 3] += 0.1  # the evidence is of steps from wherever the head is
+    cut = replace(near, head_pose=poses)
+    value = FrameCorrection(frame, REACH, values={"jaw_open": Pinned(0.3, 0.02)})
+    gaze = FrameCorrection(frame, REACH, values={"gaze_yaw.L": Pinned(20.0, 0.5)})
+    other = slice(37, None) if frame == 37 else slice(0, 37)
+    for entry in (value, gaze):
+        after = refined(cut, (entry,))
+        moved = refined(near, (entry,)).head_pose - near.head_pose
+        np.testing.assert_allclose(after.head_pose - poses, moved, atol=1e-6)
+        for key in ("activations", "articulator_values", "head_pose"):
+            np.testing.assert_array_equal(getattr(after, key)[other], getattr(cut, key)[other])
+        assert after.scene_starts.tolist() == [38]
+        again = refined(after, ())
+        assert again.uncorrected is None
+        np.testing.assert_allclose(again.head_pose, poses, atol=1e-9)
 
 
 def test_a_stopped_refinement_changes_nothing(spoilt, places):

@@ -17,6 +17,11 @@ struct SmoothedCurve {
 /// frames the nearest three are taken, which keeps the values. width: from 0 on. Throws InvalidInput.
 SmoothedCurve smooth_curve(VectorIn frames, VectorIn values, VectorIn at, double width);
 
+/// The smoothed curve at K keys (frames, rising), with the slopes whose cubics between the keys lie nearest
+/// to it, by least squares over time: the slope of one moment, beside a corner, would be stretched over a
+/// third of a span, and the cubic would swing out. The rest as for `smooth_curve`.
+SmoothedCurve smooth_keys(VectorIn frames, VectorIn values, VectorIn keys, double width);
+
 /// Frames (N) in another time: what lies from `first` to `last` takes `factor` times as long, what comes
 /// before stays, and what comes after is moved by as much. factor: above 0. Throws InvalidInput.
 Eigen::VectorXd retimed_frames(VectorIn frames, double first, double last, double factor);

@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Geometry>
 #include <array>
+#include <limits>
 #include <memory>
 #include <mimetic/flow/flow.hpp>
 #include <mimetic/shared/camera.hpp>
@@ -143,12 +144,18 @@ private:
 };
 
 struct SmootherOptions {
+    /// Of the clip, 1 to 1000 a second. Accelerations are those of clips of 24 to 30; in others forces are as
+    /// random in the same time, so that a second difference goes with the power 1.5 of a frame's duration
+    double frame_rate = 30;
     double value_acceleration = 0.08;        ///< s.d. of a value's second difference, 1 a frame squared
     double rotation_acceleration = 0.01;     ///< rad a frame squared
     double translation_acceleration = 2e-3;  ///< metres a frame squared
     int max_iterations = 2000;               ///< of the bounds: some 200 are usual
     /// Times their upper bounds that muscles may reach which stand at them, 1 to 10: then all is solved again
     double muscle_headroom = 1;
+    /// Upper bound of muscles whose own is higher: those that stand at it get their own, and all is solved
+    /// again
+    double first_muscle_bound = std::numeric_limits<double>::infinity();
     int fixed_first = 0;  ///< frames at the start whose states stay as they are
     int fixed_last = 0;   ///< the same at the end
     void check() const;   ///< throws InvalidInput: field, value, limit

@@ -54,13 +54,13 @@ class CurveKeys:
     def smoothed(self, frames: Floats, values: Floats, width: float, is_chosen: Flags) -> CurveKeys:
         """Chosen keys where the curve lies without what changes faster than `width` frames.
 
-        Their handles lie along its slope. frames, values: N samples of the curve, at
-        `sample_frames`. Raises InvalidInput.
+        Their handles are those with which the cubics between keys lie nearest to it. frames,
+        values: N samples of the curve, at `sample_frames`. Raises InvalidInput.
         """
         if width == 0:
             return self
         at = np.ascontiguousarray(self.points[:, 0])
-        smooth_values, slopes = _core.smooth_curve(frames, values, at, width)
+        smooth_values, slopes = _core.smooth_keys(frames, values, at, width)
         keys = cubic_keys(at, smooth_values, slopes, slopes)
         return self._changed(is_chosen, keys.points, keys.left, keys.right)
 

@@ -99,9 +99,9 @@ def _plain(group: str) -> str:
 def edited(performance: Performance, settings: CurveSettings) -> Performance:
     """The performance with its curves edited.
 
-    They are smoothed over seconds, whatever the rate; then what they are in the neutral frame is
-    taken off; then they are multiplied by their group's factor, within what each can do; then
-    sides are mirrored. Raises InvalidInput.
+    They are smoothed over seconds, whatever the rate, but not over cuts; then what they are in the
+    neutral frame is taken off; then they are multiplied by their group's factor, within what each
+    can do; then sides are mirrored. Raises InvalidInput.
     """
     check_width(settings.smoothing)
     if settings.mirror not in ("", *MIRRORS):
@@ -127,7 +127,6 @@ def _edited(
     performance: Performance, values: Floats, rows: Sequence[Row], settings: CurveSettings
 ) -> Floats:
     """N x C values with a row for each column: name, group, lowest, highest."""
-    frames = performance.frame.astype(np.float64)
     width = settings.smoothing * performance.fps
     neutral = _index(performance, settings.neutral_frame)
     result = values.copy()
@@ -136,11 +135,18 @@ def _edited(
             continue
         column = np.ascontiguousarray(values[:, i])
         if width > 0 and (settings.smooths_lids or not is_lid(name)):
-            column, _ = _core.smooth_curve(frames, column, frames, width)
+            column = _smoothed(performance, column, width)
         rest = 0.0 if neutral is None else column[neutral]
         factor = settings.factors.get(group, settings.factors.get(ALL_GROUPS, 1.0))
         result[:, i] = np.clip((column - rest) * factor, lowest, highest)
     return result
+
+
+def _smoothed(performance: Performance, column: Floats, width: float) -> Floats:
+    """N values over so many frames, each scene for itself."""
+    frames = performance.frame.astype(np.float64)
+    parts = [(frames[scene], column[scene]) for scene in performance.scenes]
+    return np.concatenate([_core.smooth_curve(at, part, at, width)[0] for at, part in parts])
 
 
 def mirrored_share(name: str, how: str) -> float:

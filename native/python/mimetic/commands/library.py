@@ -190,6 +190,8 @@ def _compose(arguments: argparse.Namespace) -> int:
         *(arguments.fps, arguments.seconds, options),
     )
     performance.save(arguments.out)
+    for note in performance.notes or ():
+        print(f"note: {note}")
     seconds = (performance.num_frames - 1) / performance.fps
     print(
         f"{shown(arguments.out)}: {len(placings)} expressions, {performance.num_frames} "

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from numbers import Integral
 
 import numpy as np
 from numpy.typing import NDArray
@@ -100,9 +101,11 @@ class FittedView:
 
 def checked_frame(value: object) -> int:
     """The number of a frame; raises InvalidInput."""
-    if isinstance(value, bool) or not isinstance(value, int) or not 1 <= value <= LAST_FRAME:
+    # numpy's whole numbers too, as a performance's frames are
+    number = int(value) if isinstance(value, Integral) and not isinstance(value, bool) else 0
+    if not 1 <= number <= LAST_FRAME:
         raise InvalidInput(f"face fit's frame is {value!r}; it is a number from 1 to {LAST_FRAME}")
-    return value
+    return number
 
 
 def _count(name: str, rows: object) -> int:

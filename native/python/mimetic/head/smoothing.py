@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import replace
 
 import numpy as np
@@ -23,37 +22,18 @@ def check_strength(strength: float) -> None:
 
 
 def smoothed(performance: Performance, strength: float = USUAL_STRENGTH) -> Performance:
-    """The performance with its head motion smoothed; all else is shared.
+    """The performance with its head motion smoothed, each scene for itself; all else is shared.
 
     strength: what the poses' standard deviations are multiplied by; 1 takes them as they are,
     more smooths more, 0 leaves the motion alone. Raises InvalidInput below 0.
     """
-    poses, covariances = smooth_poses(
-        performance.head_pose,
-        performance.head_pose_cov,
-        performance.frame / performance.fps,
-        (performance.quality >= HELD_QUALITY).tolist(),
-        strength,
-    )
+    poses, covariances = performance.head_pose.copy(), performance.head_pose_cov.copy()
+    for scene in performance.scenes:
+        poses[scene], covariances[scene] = smooth_poses(
+            poses[scene],
+            covariances[scene],
+            performance.frame[scene] / performance.fps,
+            (performance.quality[scene] >= HELD_QUALITY).tolist(),
+            strength,
+        )
     return replace(performance, head_pose=poses, head_pose_cov=covariances)
-
-
-def smoothed_scenes(
-    performance: Performance, starts: Collection[int], strength: float
-) -> Performance:
-    """As `smoothed`, each scene of a clip for itself, with the covariances of single frames.
-
-    starts: the frames with which another scene starts.
-    """
-    bounds = np.searchsorted(performance.frame, sorted(starts))
-    poses = performance.head_pose.copy()
-    for part in np.split(np.arange(len(poses)), bounds):
-        if len(part):
-            poses[part], _ = smooth_poses(
-                poses[part],
-                performance.head_pose_cov[part],
-                performance.frame[part] / performance.fps,
-                (performance.quality[part] >= HELD_QUALITY).tolist(),
-                strength,
-            )
-    return replace(performance, head_pose=poses)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core
 from mimetic.fit.fitting import FaceFit
 from mimetic.fit.known_lens import KnownLens
-from mimetic.head.smoothing import check_strength, smoothed_scenes
+from mimetic.head.smoothing import check_strength, smoothed
 from mimetic.media.footage import Footage
 from mimetic.muscles.anatomy import attach
 from mimetic.performance.document import Performance
@@ -113,8 +113,8 @@ def track_head(
     )
     fit = fit_for(footage, (first, last), fit, finding, summary, lens)
     options = follow_options(fast, flow_alone)
-    motion = _HeadMotion(footage, fit, model, (first, last), following, summary, options)
-    return smoothed_scenes(motion.run(), motion.walk.scene_starts, smoothing)
+    motion = _HeadMotion(footage, fit, model, (first, last), following, summary, options).run()
+    return replace(motion, head_pose=smoothed(motion, smoothing).head_pose)
 
 
 def follow_options(fast: bool = False, flow_alone: bool = False) -> _core.HeadOptions:
@@ -198,6 +198,7 @@ class _HeadMotion:
         shape = (len(rows.frame), len(anatomy.muscle_names))
         return clip_performance(
             *(rows, self.walk.footage, self.walk.fit, self.template, anatomy),
+            scene_starts=self.walk.scene_starts,
             activations=np.zeros(shape),
             activations_std=np.full(shape, ACTIVATION_STD),
             articulator_values=np.zeros((shape[0], len(anatomy.articulator_names))),

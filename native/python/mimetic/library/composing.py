@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from mimetic import InvalidInput, _core
 from mimetic.library.expression import Expression, columns_in, limits_of
 from mimetic.muscles.anatomy import attach_skin, modes_of
+from mimetic.muscles.extras import with_lip_shapes
 from mimetic.muscles.eyeballs import eye_geometry
 from mimetic.performance.document import Performance
 from mimetic.performance.gaze import EYE_KEYS, GAZE, modes_with_gaze
@@ -209,7 +210,8 @@ def _head_of(person: Performance) -> dict[str, Any]:
 def canonical_person() -> Performance:
     """Our own head as a performance of one frame at rest; made once."""
     template = load_template()
-    anatomy = modes_of(attach_skin(template.vertices, template))
+    skin = attach_skin(template.vertices, template)
+    anatomy = with_lip_shapes(modes_of(skin), skin)  # all that a capture estimates
     width, height = PICTURE
     middle = [(width - 1) / 2, (height - 1) / 2]
     num_muscles = len(anatomy.muscle_names)

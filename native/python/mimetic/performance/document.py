@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import itertools
 import os
 import re
 from dataclasses import dataclass, replace
@@ -24,7 +25,7 @@ SCHEMA = 1
 CHECKED_AT_ONCE = 4096  # frames, for the memory's sake
 HELD_QUALITY = 0.2  # frames under it are held, not invented
 LARGEST = {"N": 10_000_000, "V": 2_000_000, "F": 4_000_000} | dict.fromkeys("PAMK", 1000)
-LARGEST |= {"E": 600_000, "C": 100_000, "R": 4_000}
+LARGEST |= {"E": 600_000, "C": 100_000, "R": 4_000, "S": 10_000_000}
 
 # key: (kind of number, shape); letters are lengths that must agree between the keys
 REQUIRED: dict[str, tuple[str, tuple[int | str, ...]]] = {
@@ -63,6 +64,7 @@ OPTIONAL: dict[str, tuple[str, tuple[int | str, ...]]] = {
     "uncorrected": ("f", ("N", "R")),
     "muscle_extent": ("f", ("P",)),
     "confounded_with": ("i", ("N", "P")),
+    "scene_starts": ("i", ("S",)),
 }
 # Modes are kept in single precision: 1e-7 of a displacement of centimetres, at half the memory.
 DTYPES = {"f": np.float64, "m": np.float32, "i": np.int64}
@@ -130,6 +132,8 @@ class Performance:
     muscle_extent: NDArray[np.float64] | None = None
     # N x P: what pictures cannot tell a muscle from, by its index among muscles, then articulators
     confounded_with: NDArray[np.int64] | None = None
+    # S, frames with which another scene starts: nothing is smoothed over these cuts
+    scene_starts: NDArray[np.int64] | None = None
 
     def __post_init__(self) -> None:
         for key, (kind, shape) in (REQUIRED | OPTIONAL).items():
@@ -164,6 +168,13 @@ class Performance:
             return 1.0
         width, height = self.image_size / self.stored_size
         return float(width / height)
+
+    @property
+    def scenes(self) -> list[slice]:
+        """Rows of each scene, in order; one of all where no cut is known."""
+        starts = () if self.scene_starts is None else self.scene_starts
+        bounds = np.unique([0, *np.searchsorted(self.frame, starts), self.num_frames]).tolist()
+        return [slice(begin, after) for begin, after in itertools.pairwise(bounds)]
 
     def index_of(self, frame: int) -> int:
         """The index of a frame number; raises InvalidInput if the performance lacks it."""
@@ -262,6 +273,8 @@ class Performance:
         std = self.detail_coefficients_std
         if std is not None and (std < 0).any():
             raise InvalidInput("performance detail_coefficients_std must not be negative")
+        if self.scene_starts is not None and (np.diff(self.scene_starts) < 1).any():
+            raise InvalidInput("performance scene_starts must ascend")
         self._check_poses()
         self._check_footage()
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from mimetic.performance.corrections import corrected_frames
 from mimetic.performance.document import HELD_QUALITY, Performance
@@ -35,18 +36,23 @@ class FrameQuality(NamedTuple):
 
 def facts_of(performance: Performance) -> TakeFacts:
     is_held = performance.quality < HELD_QUALITY
-    ends = np.flatnonzero(np.diff(np.concatenate([[False], is_held, [False]])))
     return TakeFacts(
         int(performance.frame[0]),
         int(performance.frame[-1]),
         float(np.median(performance.quality)),
         int(is_held.sum()),
-        [(int(first), int(after) - 1) for first, after in ends.reshape(-1, 2)],
+        runs(is_held),
         float(FULL_FRAME_MM * performance.intrinsics[0, 0] / performance.image_size[0]),
         _has_note(performance, CALIBRATED),
         _has_note(performance, HEAD_ALONE),
         len(performance.corrections or ()),
     )
+
+
+def runs(flags: ArrayLike) -> list[tuple[int, int]]:
+    """First and last index of each run of true ones among N."""
+    ends = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]])))
+    return [(int(first), int(after) - 1) for first, after in ends.reshape(-1, 2)]
 
 
 def quality_of(performance: Performance, frame: int) -> FrameQuality | None:

@@ -49,13 +49,15 @@ class ArrayDocument:
                 raise InvalidInput(f"{self.what} lacks the key {key}; {self.advice}")
             if header.dtype.kind not in self.accepted[kind]:
                 raise InvalidInput(f"{self.what} {key} has the type {header.dtype}")
-            check_shape(f"{self.what} {key}", header.shape, shape, lengths, dict(self.largest))
+            # numpy writes a number by itself without a shape
+            actual = header.shape or ((1,) if shape == (1,) else ())
+            check_shape(f"{self.what} {key}", actual, shape, lengths, dict(self.largest))
             dtypes[key] = self.dtypes.get(kind)
-        return archive.read(dtypes)
+        return {key: np.atleast_1d(array) for key, array in archive.read(dtypes).items()}
 
     def arrays_of(self, document: object) -> dict[str, np.ndarray]:
         """What an archive of a document holds: its fields that are not None, and the schema."""
-        arrays = {"schema": np.array(self.schema, np.int64)}
+        arrays = {"schema": np.array([self.schema], np.int64)}
         for key, (kind, _) in {**self.required, **self.optional}.items():
             value = getattr(document, key)
             if value is not None:

@@ -13,6 +13,8 @@ from typing import BinaryIO
 from mimetic.shared.regular_file import check_replaceable
 
 HIDDEN = ".mimetic-"  # how the names of files begin that are not done yet
+# Ends the name of the folder with the pictures that a file refers to: the file's own name and this
+TEXTURES = ".textures"
 
 
 @contextlib.contextmanager
@@ -53,3 +55,37 @@ def file_beside(path: str | os.PathLike[str], suffix: str) -> Iterator[Path]:
         if name:
             with contextlib.suppress(OSError):
                 os.unlink(name)
+
+
+@contextlib.contextmanager
+def file_with_textures(path: str | os.PathLike[str]) -> Iterator[Path]:
+    """As `file_beside`, for a file that may refer to pictures: there is none yet, it has the name
+    of `path` in a folder of its own, and a folder of its textures there takes its place with it.
+
+    Textures of what was at `path` before go, and nothing else in that folder is kept.
+    """
+    target = Path(os.path.realpath(path))
+    check_replaceable(target, str(path))
+    begin = str(target.parent / HIDDEN)  # of what is made here
+    try:
+        with tempfile.TemporaryDirectory(
+            prefix=HIDDEN, dir=target.parent, ignore_cleanup_errors=True
+        ) as folder:
+            aside = Path(folder, target.name)
+            yield aside
+            if aside.exists():
+                aside.chmod(0o644)
+                _replace_textures(aside, target)
+                os.replace(aside, target)
+    except OSError as error:
+        if error.errno is not None and str(error.filename or begin).startswith(begin):
+            raise OSError(error.errno, error.strerror, str(path)) from error
+        raise
+
+
+def _replace_textures(aside: Path, target: Path) -> None:
+    new, old = (path.with_name(path.name + TEXTURES) for path in (aside, target))
+    if os.path.lexists(old):
+        os.replace(old, aside.with_name("textures before"))
+    if new.is_dir():
+        os.replace(new, old)

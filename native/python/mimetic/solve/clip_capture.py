@@ -326,7 +326,7 @@ class ClipCapture:
         def count(seconds: float) -> None:
             self.walk.summary.add("smooth", seconds)
 
-        options = full_range.smoother_options()
+        options = full_range.smoother_options(float(self.walk.footage.fps))
         return smoothing.smooth_in_windows(
             estimates, before, self.motion, count, options, self.walk.is_cut_between
         )
@@ -370,6 +370,7 @@ class ClipCapture:
         ) | full_range.stated(*(fit, self.anatomy, *of_muscles), np.array(rows.evidence))
         performance = clip_performance(
             *(rows, self.walk.footage, fit, self.template, self.anatomy),
+            scene_starts=self.walk.scene_starts,
             head_pose=poses,
             head_pose_cov=pose_cov,
             **of_values,

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
@@ -21,13 +22,15 @@ def clip_performance(
     fit: FaceFit,
     template: FaceTemplate,
     anatomy: Anatomy,
+    scene_starts: Collection[int] = (),
     **further_fields: Any,
 ) -> Performance:
     """Frames, head motion and quality as the rows have them, on the fitted person.
 
-    further_fields: of the `Performance`, such as its activations, and those that are to be
-    otherwise than in the rows.
+    scene_starts: frames after a cut, of the rows or not. further_fields: of the `Performance`,
+    such as its activations, and those that are to be otherwise than in the rows.
     """
+    starts = sorted(start for start in scene_starts if rows.frame[0] < start <= rows.frame[-1])
     fields: dict[str, Any] = {
         "frame": np.array(rows.frame),
         "fps": float(footage.fps),
@@ -45,5 +48,6 @@ def clip_performance(
         "faces": template.faces,
         "quality": np.clip(rows.quality, 0, 1),
         "footage": footage.identity,
+        "scene_starts": np.array(starts) if starts else None,
     }
     return Performance(**(fields | further_fields))

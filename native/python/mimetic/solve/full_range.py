@@ -16,9 +16,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from mimetic import _core
+from mimetic import InvalidInput, _core
 from mimetic.fit.face_fit import FaceFit
 from mimetic.muscles.anatomy import Anatomy
+from mimetic.muscles.extras import articulator_limits
 from mimetic.performance.document import Performance
 
 # Times the assumed displacement: two standard deviations above the mean, 30 % of it each, as people
@@ -28,10 +29,22 @@ from mimetic.performance.document import Performance
 HEADROOM = 1.6
 
 
-def smoother_options() -> _core.SmootherOptions:
-    """Of a whole clip."""
+def smoother_options(fps: float) -> _core.SmootherOptions:
+    """Of a whole clip, of so many frames a second."""
     options = _core.SmootherOptions()
+    options.frame_rate = fps
     options.muscle_headroom = HEADROOM
+    return options
+
+
+def refining_options(fps: float) -> _core.SmootherOptions:
+    """Of frames that are solved again, whose bounds are the extents.
+
+    The capture knew none before it had solved all within 1: what is at work is told as it did.
+    """
+    options = _core.SmootherOptions()
+    options.frame_rate = fps
+    options.first_muscle_bound = 1.0
     return options
 
 
@@ -94,3 +107,20 @@ def assumed_modes(performance: Performance) -> NDArray[np.float32]:
         return performance.muscle_modes
     factors = performance.muscle_extent.astype(np.float32)
     return performance.muscle_modes / factors[:, None, None]
+
+
+def assumed_anatomy(performance: Performance, names: list[str], columns: list[int]) -> Anatomy:
+    """Its muscles as strong as is assumed, and articulators by their names and columns."""
+    limits = articulator_limits()
+    if unknown := [name for name in names if name not in limits]:
+        raise InvalidInput(f"this version knows no articulator {unknown[0]}: update Mimetic")
+    assert performance.articulator_modes is not None
+    return Anatomy(
+        tuple(performance.muscles),
+        performance.groups.astype(np.int32),
+        assumed_modes(performance),
+        np.zeros(len(performance.muscles)),
+        tuple(names),
+        performance.articulator_modes[columns],
+        np.array([limits[name] for name in names], dtype=np.float64).reshape(-1, 2),
+    )

@@ -4,10 +4,12 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from mimetic import InvalidInput
-from mimetic.performance.corrections import Corrections
+from mimetic.performance.corrections import Corrections, texts_of
 from mimetic.performance.document import Performance
+from mimetic.solve.walk import runs_of
 
 DIRECTIONS = ("both", "forward", "backward")
 FIXED = 12  # frames beside those that are solved, which they join without a jump
@@ -40,23 +42,58 @@ def limits_of_change(
     return low, high
 
 
-def spans_of(
-    performance: Performance, corrections: Corrections, limits: tuple[int, int]
-) -> list[FrameSpan]:
-    """Rows that corrections reach, in runs, both ends included."""
+def check_measured_within(
+    performance: Performance,
+    limits: tuple[int, int],
+    before: Corrections,
+    corrections: Corrections,
+) -> None:
+    """Raises InvalidInput for what would be left out: a correction is measured in its own frame.
+
+    before: what is honoured already, and stays so where nothing that it reaches may change.
+    """
     low, high = limits
-    spans: list[FrameSpan] = []
-    for entry in sorted(corrections, key=lambda entry: entry.frame - entry.reach):
-        begin = max(low, entry.frame - int(entry.reach))
-        end = min(high, entry.frame + int(entry.reach))
-        if begin > end:
-            continue
-        begin, end = (
-            int(np.searchsorted(performance.frame, begin)),
-            int(np.searchsorted(performance.frame, end, side="right")) - 1,
-        )
-        if spans and begin <= spans[-1][1] + FIXED:
-            spans[-1] = spans[-1][0], max(end, spans[-1][1])
-        elif begin <= end:
-            spans.append((begin, end))
-    return spans
+    honoured = texts_of(before)
+    for entry, text in zip(corrections, texts_of(corrections), strict=True):
+        is_kept = text in honoured and not spans_of(performance, (entry,), limits)
+        if not (low <= entry.frame <= high or is_kept):
+            raise InvalidInput(
+                f"frame {entry.frame} is corrected, but frames {low} to {high} alone may change: "
+                f"let frame {entry.frame} change too, or leave its correction out"
+            )
+
+
+def spans_of(
+    performance: Performance,
+    corrections: Corrections,
+    limits: tuple[int, int],
+    others: NDArray[np.bool_] | None = None,
+) -> list[FrameSpan]:
+    """Rows that corrections reach in their own scenes, in runs of one scene, both ends included.
+
+    others: N, rows beside them.
+    """
+    low, high = limits
+    frame = performance.frame
+    is_reached = np.zeros(len(frame), dtype=bool) if others is None else others.copy()
+    for entry in corrections:
+        row = int(np.searchsorted(frame, entry.frame, side="right")) - 1
+        scene = scene_of(performance, max(0, row))
+        is_reached[scene] |= np.abs(frame[scene] - entry.frame) <= int(entry.reach)
+    rows = np.flatnonzero(is_reached & (low <= frame) & (frame <= high))
+    return [
+        run
+        for scene in performance.scenes
+        for run in runs_of(rows[(scene.start <= rows) & (rows < scene.stop)].tolist(), FIXED)
+    ]
+
+
+def scene_of(performance: Performance, row: int) -> slice:
+    return next(scene for scene in performance.scenes if scene.start <= row < scene.stop)
+
+
+def with_neighbours(performance: Performance, span: FrameSpan) -> tuple[int, int]:
+    """Of a span and what it joins in its scene: the first row, and the one after the last."""
+    begin, end = span
+    scene = scene_of(performance, begin)
+    return max(scene.start, begin - FIXED), min(scene.stop, end + 1 + FIXED)

@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import InvalidInput, _core
-from mimetic.muscles.anatomy import Anatomy, muscle_names
+from mimetic.muscles.anatomy import muscle_names
 from mimetic.muscles.articulators import ARTICULATORS
-from mimetic.muscles.extras import LIP_SHAPES, articulator_limits
+from mimetic.muscles.extras import LIP_SHAPES
 from mimetic.performance.confounding import with_confounding
 from mimetic.performance.corrections import (
     Corrections,
@@ -31,8 +31,19 @@ from mimetic.performance.gaze import GAZE, has_gaze, own_articulators, seen_arti
 from mimetic.performance.pinned_places import PinnedPlaces
 from mimetic.shared.pinhole import camera_of
 from mimetic.shared.progress import Progress
-from mimetic.solve.full_range import assumed_modes, evidence_factors
-from mimetic.solve.refined_spans import FIXED, FrameSpan, limits_of_change, spans_of
+from mimetic.solve.full_range import (
+    assumed_anatomy,
+    assumed_modes,
+    evidence_factors,
+    refining_options,
+)
+from mimetic.solve.refined_spans import (
+    FrameSpan,
+    check_measured_within,
+    limits_of_change,
+    spans_of,
+    with_neighbours,
+)
 from mimetic.solve.stated import gap_places
 from mimetic.solve.tracking import face_motion
 from mimetic.template.face_template import load_template
@@ -50,8 +61,9 @@ def refined(
     """The performance with all `corrections` and no others, as measurements beside the pictures'.
 
     frames: those that may change, the last included; without them all that corrections reach, old
-    and new ones: `forward` none before the first of them, `backward` none after the last. progress
-    may stop it: the performance is given back as it was. Raises InvalidInput.
+    and new ones, and whatever an earlier refinement had to leave: `forward` none before the first
+    of them, `backward` none after the last. Nothing goes over a cut. progress may stop it: the
+    performance is given back as it was. Raises InvalidInput.
     """
     check_refinable(performance)
     template = load_template()
@@ -63,8 +75,9 @@ def refined(
     before = from_texts(performance.corrections or [])
     all_corrections = (*before, *corrections)
     limits = limits_of_change(performance, all_corrections, frames, direction)
-    spans = spans_of(performance, all_corrections, limits)
+    check_measured_within(performance, limits, before, corrections)
     refinement = Refinement(performance, spans_of(performance, corrections, limits))
+    spans = spans_of(performance, all_corrections, limits, refinement.corrected_rows())
     for number, span in enumerate(spans):
 
         def show(fraction: float, number: int = number, span: FrameSpan = span) -> bool:
@@ -119,7 +132,7 @@ class Refinement:
         self.extent = np.ones(len(performance.muscles)) if extent is None else extent
         self.scale = np.append(self.extent, np.ones(len(self.names)))  # of all values
         self.factors = evidence_factors(self.scale)
-        anatomy = anatomy_of(performance, self.names, self.columns)
+        anatomy = assumed_anatomy(performance, self.names, self.columns)
         neutral = performance.neutral_vertices
         self.motion = face_motion(neutral, self.template, anatomy, extent=self.extent)
         self.poses = performance.head_pose.copy()
@@ -233,26 +246,27 @@ class Refinement:
 
     def _joins_corrected(self, span: FrameSpan) -> bool:
         """Whether a frame that it must join without a jump is corrected and stays so."""
-        begin, end = span
-        of_skin = slice(0, -self.gaze.shape[1] or None)
-        return not (
-            self._are_uncorrected(slice(max(0, begin - FIXED), begin), of_skin)
-            and self._are_uncorrected(slice(end + 1, end + 1 + FIXED), of_skin)
-        )
+        first, after = with_neighbours(self.performance, span)
+        is_corrected = self.corrected_rows(slice(0, -self.gaze.shape[1] or None))
+        return bool(is_corrected[first : span[0]].any() or is_corrected[span[1] + 1 : after].any())
 
-    def _are_uncorrected(self, rows: slice, columns: slice) -> bool:
-        """But for rounding: articulators are stored without what gaze does to lids."""
-        return self.uncorrected is not None and np.allclose(
-            self._rows()[rows, columns], self.uncorrected[rows, columns], rtol=1e-9, atol=1e-9
-        )
+    def corrected_rows(self, columns: slice = slice(None)) -> NDArray[np.bool_]:
+        """N: which are not as they were without corrections; none where that is not known.
+
+        But for rounding: articulators are stored without what gaze does to lids.
+        """
+        if self.uncorrected is None:
+            return np.zeros(self.performance.num_frames, dtype=bool)
+        rows, without = self._rows()[:, columns], self.uncorrected[:, columns]
+        is_same: NDArray[np.bool_] = np.isclose(rows, without, rtol=1e-9, atol=1e-9).all(axis=1)
+        return ~is_same
 
     def _solve(
         self, span: FrameSpan, corrections: Corrections, show: Callable[[float], bool]
     ) -> bool:
         begin, end = span
-        first = max(0, begin - FIXED)
-        after = min(self.performance.num_frames, end + 1 + FIXED)
-        options = _core.SmootherOptions()
+        first, after = with_neighbours(self.performance, span)
+        options = refining_options(self.performance.fps)
         options.fixed_first, options.fixed_last = begin - first, after - 1 - end
         measured = [
             self._measured(entry, self.performance.index_of(entry.frame) - first)
@@ -366,9 +380,7 @@ class Refinement:
             articulator_values_std=std,
             evidence=self.evidence,
             corrections=texts_of(corrections) or None,
-            uncorrected=None
-            if self._are_uncorrected(slice(None), slice(None))
-            else self.uncorrected,
+            uncorrected=self.uncorrected if self.corrected_rows().any() else None,
         )
         return with_confounding(refined)
 
@@ -377,20 +389,3 @@ def _is_of_skin(entry: FrameCorrection) -> bool:
     """Whether it says more of its frame than where the eyes look."""
     is_more = entry.pins or entry.pose is not None or entry.lip_gap is not None
     return bool(is_more or any(name not in GAZE for name in entry.values))
-
-
-def anatomy_of(performance: Performance, names: list[str], columns: list[int]) -> Anatomy:
-    """The performance's modes as assumed, with the articulators' limits by their names."""
-    limits = articulator_limits()
-    if unknown := [name for name in names if name not in limits]:
-        raise InvalidInput(f"this version knows no articulator {unknown[0]}: update Mimetic")
-    assert performance.articulator_modes is not None
-    return Anatomy(
-        tuple(performance.muscles),
-        performance.groups.astype(np.int32),
-        assumed_modes(performance),
-        np.zeros(len(performance.muscles)),
-        tuple(names),
-        performance.articulator_modes[columns],
-        np.array([limits[name] for name in names], dtype=np.float64).reshape(-1, 2),
-    )

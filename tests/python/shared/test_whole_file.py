@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+import pytest
+from mimetic.shared.whole_file import TEXTURES, file_with_textures
+
+
+def put(path, *pictures):
+    with file_with_textures(path) as aside:
+        assert aside.name == path.name and not aside.exists()
+        aside.write_text("file")
+        folder = aside.with_name(aside.name + TEXTURES)
+        for picture in pictures:
+            folder.mkdir(exist_ok=True)
+            (folder / picture).write_text("picture")
+        aside.with_name("rest").write_text("of no use later")
+
+
+def found(folder):
+    return sorted(str(path.relative_to(folder)) for path in folder.rglob("*"))
+
+
+def test_a_file_takes_its_textures_along_and_an_earlier_ones_go(tmp_path):
+    path = tmp_path / "hero.usdc"
+    put(path, "a.png", "b.png")
+    put(tmp_path / "other.usdc", "c.png")
+    other = ["other.usdc", "other.usdc.textures", "other.usdc.textures/c.png"]
+    put(path, "b.png")
+    hero = ["hero.usdc", "hero.usdc.textures", "hero.usdc.textures/b.png"]
+    assert found(tmp_path) == [*hero, *other]
+    put(path)
+    assert found(tmp_path) == ["hero.usdc", *other]
+
+
+def test_a_file_that_fails_leaves_all_as_it_was(tmp_path):
+    path = tmp_path / "hero.usdc"
+    put(path, "a.png")
+    before = found(tmp_path)
+    with pytest.raises(ValueError, match="stop"), file_with_textures(path) as aside:
+        aside.write_text("half")
+        raise ValueError("stop")
+    assert found(tmp_path) == before and path.read_text() == "file"
+    with pytest.raises(OSError, match=r"nowhere/hero\.usdc"):
+        put(tmp_path / "nowhere" / "hero.usdc")
