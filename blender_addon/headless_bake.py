@@ -52,7 +52,10 @@ def end_with_parent(request: dict) -> None:
             # Not by sys.stdin, whose lock a thread must not hold when the interpreter ends
             os.read(0, 1)
         out = Path(request["out"])
-        for left in (out, *out.parent.glob(f".{out.stem}.*"), Path(request["answer"]).parent):
+        folders = [Path(request["answer"]).parent]
+        if request.get("its_folder"):
+            folders.append(Path(request["its_folder"]))
+        for left in (out, *out.parent.glob(f".{out.stem}.*"), *folders):
             if left.is_dir():
                 shutil.rmtree(left, ignore_errors=True)
             else:

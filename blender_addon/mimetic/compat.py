@@ -216,3 +216,10 @@ def alpha_over(node: bpy.types.Node):
     if COMPOSITOR_IS_A_GROUP:
         return node.inputs["Background"], node.inputs["Foreground"]
     return node.inputs[1], node.inputs[2]
+
+
+def usd_textures_stay() -> dict[str, object]:
+    """Options of the USD exporter with which pictures are referred to where they are."""
+    if "export_textures_mode" in bpy.ops.wm.usd_export.get_rna_type().properties:  # from 4.4 on
+        return {"export_textures_mode": "KEEP"}
+    return {"export_textures": False}

@@ -273,6 +273,12 @@ def live_contact() -> ModuleType:
     return live_contact
 
 
+def mesh_frame() -> ModuleType:
+    from mimetic.character import mesh_frame
+
+    return mesh_frame
+
+
 def live_face() -> ModuleType:
     from mimetic.character import live_face
 
@@ -367,6 +373,12 @@ def unit_fit() -> ModuleType:
     from mimetic.retarget import unit_fit
 
     return unit_fit
+
+
+def whole_file() -> ModuleType:
+    from mimetic.shared import whole_file
+
+    return whole_file
 
 
 def array(matrix):

@@ -215,10 +215,14 @@ def no_face(context) -> str:
 def no_visible_face(context) -> str:
     if reason := no_face(context):
         return reason
-    face = face_of(context)
-    if face.visible_get():
+    return no_sight(face_of(context))
+
+
+def no_sight(obj: bpy.types.Object) -> str:
+    """Why an object cannot be exported, if that is because it is hidden."""
+    if obj.visible_get():
         return ""
-    return iface_("{face} is hidden; show it to export it").format(face=face.name)
+    return iface_("{face} is hidden; show it to export it").format(face=obj.name)
 
 
 def _face_in_edit_mode(face: bpy.types.Object | None) -> str:

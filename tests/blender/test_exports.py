@@ -95,6 +95,20 @@ def test_a_face_that_is_read_back_moves_the_same(extension, scene, face, tmp_pat
         assert np.abs(actual - points).max() < NEAR[suffix], frame
 
 
+def test_a_usd_file_says_that_the_face_is_subdivided(extension, scene, face, tmp_path):
+    assert [m.type for m in face.modifiers if m.show_viewport][-1] == "SUBSURF"
+    count = len(face.data.vertices)
+    extension("scene_out.exports").export(scene, tmp_path / "face.usdc", face)
+    assert face.modifiers[-1].show_viewport
+    if "import_subdivision" not in bpy.ops.wm.usd_import.get_rna_type().properties:
+        pytest.skip("this Blender does not read it")
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.usd_import(filepath=str(tmp_path / "face.usdc"), import_subdivision=True)
+    mesh = mesh_of(bpy.context.scene.objects)
+    assert "SUBSURF" in [m.type for m in mesh.modifiers]
+    assert len(mesh.data.vertices) == count
+
+
 @pytest.mark.parametrize("suffix", (".fbx", ".usdc"))
 def test_weights_are_read_back_and_none_is_below_0(extension, scene, face, short, tmp_path, suffix):
     path = tmp_path / f"face{suffix}"

@@ -104,6 +104,9 @@ def test_times_and_weights_are_the_performances(exported, scene, performance):
     np.testing.assert_allclose(seconds, np.arange(len(seconds)) / rate, atol=1e-5)
     assert weights.min() >= 0
     captured = (performance.frame - 1) / performance.fps
+    ends = [document["accessors"][s["input"]]["max"][0] for s in animation["samplers"]]
+    # The last key may lie between two whole frames: what moves goes on to the second
+    assert captured[-1] - 1e-5 < min(ends) and max(ends) < captured[-1] + 1 / rate
     shapes = [*performance.muscles, *performance.articulators]
     values = np.hstack([performance.activations, performance.articulator_values])
     assert names[: len(shapes)] == shapes
@@ -117,6 +120,7 @@ def test_times_and_weights_are_the_performances(exported, scene, performance):
 
 def test_selection_and_scene_stay(extension, scene, performance, tmp_path):
     extension("scene_out").bake(scene, performance, "take")
+    ranges = [(a.use_frame_range, a.frame_start, a.frame_end) for a in bpy.data.actions]
     camera = scene.mimetic.camera
     camera.select_set(True)
     bpy.context.view_layer.objects.active = camera
@@ -124,6 +128,7 @@ def test_selection_and_scene_stay(extension, scene, performance, tmp_path):
     assert bpy.context.view_layer.objects.active == camera
     assert [o.name for o in scene.objects if o.select_get()] == [camera.name]
     assert [path.name for path in tmp_path.iterdir()] == ["face.glb"]
+    assert [(a.use_frame_range, a.frame_start, a.frame_end) for a in bpy.data.actions] == ranges
 
 
 def test_a_folder_that_is_missing_is_an_os_error(extension, scene, performance, tmp_path):

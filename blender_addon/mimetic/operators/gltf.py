@@ -23,7 +23,9 @@ class MIMETIC_OT_export_gltf(Greyed, Operator, ExportHelper):
     def execute(self, context):
         path = bpy.path.ensure_ext(bpy.path.abspath(self.filepath), ".glb")
         try:
-            scene_out.gltf.export(context.scene, path, scene_in.face_of(context))
+            left_out = scene_out.gltf.export(context.scene, path, scene_in.face_of(context))
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
-        return outcome.finished(self, context, rpt_("Wrote {path}").format(path=path), file=path)
+        text = rpt_("Wrote {path}").format(path=path)
+        text = "; ".join(filter(None, (text, left_out)))
+        return outcome.finished(self, context, text, file=path)

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import math
 import os
-import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
@@ -16,7 +15,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import compat, native
-from . import contact_curves, gltf, negative_keys, part_curves, selection, strip_curves
+from . import contact_curves, gltf, negative_keys, part_curves, pictures, selection, strip_curves
 
 
 @dataclass(frozen=True)
@@ -25,6 +24,8 @@ class Format:
     is_built: Callable[[], bool]  # whether this Blender has its exporter
     write: Callable[[str, int, int], None]  # the selected objects; first and last frame
     loses: str  # for the user
+    pictures: str = ""  # "inside" the file, "beside" it in a folder, or none
+    subdivides: bool = False  # whether it says itself that a mesh is to be subdivided
 
 
 def _fbx(path: str, first: int, last: int) -> None:
@@ -33,6 +34,8 @@ def _fbx(path: str, first: int, last: int) -> None:
         check_existing=False,
         use_selection=True,
         object_types={"MESH", "ARMATURE", "EMPTY"},
+        path_mode="COPY",
+        embed_textures=True,
         use_mesh_modifiers=False,
         mesh_smooth_type="FACE",
         add_leaf_bones=False,
@@ -57,6 +60,9 @@ def _usd(path: str, first: int, last: int) -> None:
         only_deform_bones=True,
         export_subdivision="BEST_MATCH",
         evaluation_mode="VIEWPORT",
+        convert_world_material=False,
+        relative_paths=True,
+        **compat.usd_textures_stay(),
     )
 
 
@@ -79,12 +85,15 @@ FORMATS = {
         _fbx,
         "weights are keyed every frame as percent, turns as Euler angles; limits of sliders and "
         "subdivision are lost",
+        "inside",
     ),
     ".usdc": Format(
         "USD",
         lambda: bpy.app.build_options.usd,
         _usd,
         "blend shapes' names have _ for every dot and space; limits of sliders are lost",
+        "beside",
+        subdivides=True,
     ),
     ".abc": Format(
         "Alembic",
@@ -110,29 +119,31 @@ def no_format(suffix: str) -> str:
 
 
 def write(scene: bpy.types.Scene, path: str | os.PathLike[str], character) -> str:
-    """The same as `export`, and glTF too, which loses nothing that is said."""
+    """The same as `export`, and glTF too."""
     if Path(path).suffix != ".glb":
         return export(scene, path, character)
-    gltf.export(scene, path, character)
-    return ""
+    return gltf.export(scene, path, character)
 
 
 def export(
     scene: bpy.types.Scene, path: str | os.PathLike[str], character: bpy.types.Object
 ) -> str:
-    """Writes a face, or a character with its rig, whole or not at all; says what the format loses.
+    """Writes a face, or a character with its rig, whole or not at all; says what the format loses,
+    and what is hidden.
 
     The file has the frames of the character's curves, the scene's range where it has none; the
-    scene stays as it is. Raises what bad input raises where this Blender cannot write it, and
-    OSError.
+    scene stays as it is. Raises what bad input raises where this Blender cannot write it or the
+    character is hidden, and OSError.
     """
     path = Path(path)
     if reason := no_format(path.suffix):
         raise native.invalid_input(reason)
     kind = FORMATS[path.suffix]
     objects = selection.character_objects(scene, character)
-    with tempfile.TemporaryDirectory(dir=path.parent, prefix=f".{path.name}.") as folder:
-        aside = Path(folder, path.name)
+    files = native.whole_file()
+    with files.file_with_textures(path) as aside:
+        # What is not named after the file goes with the folder
+        folder = aside.name + files.TEXTURES if kind.pictures == "beside" else "embedded"
         shaped = selection.with_shape_keys(objects)
         with ExitStack() as stack:
             stack.enter_context(selection.selected_alone(objects, character))
@@ -141,7 +152,9 @@ def export(
                 stack.enter_context(contact_curves.with_keys(scene, obj))
             stack.enter_context(part_curves.with_curves(shaped))
             stack.enter_context(negative_keys.split(shaped))
-            stack.enter_context(_unsubdivided(objects))
+            stack.enter_context(_unsubdivided(objects, kind.subdivides))
+            if kind.pictures:
+                stack.enter_context(pictures.as_files(objects, aside.with_name(folder)))
             first, last = stack.enter_context(_whole_range(scene, objects))
             try:
                 kind.write(str(aside), first, last)
@@ -153,19 +166,22 @@ def export(
                     path=path, format=kind.name
                 )
             )
-        os.replace(aside, path)
-    return f"{kind.name}: {rpt_(kind.loses)}"
+    loses = f"{kind.name}: {rpt_(kind.loses)}"
+    return "; ".join(filter(None, (loses, selection.left_out(scene, character))))
 
 
 @contextmanager
-def _unsubdivided(objects: list[bpy.types.Object]) -> Iterator[None]:
-    """Shape keys move control vertices: subdivision is for the program that opens the file."""
-    hidden = [
-        modifier
-        for obj in objects
-        for modifier in obj.modifiers
-        if modifier.type in ("SUBSURF", "MULTIRES") and modifier.show_viewport
-    ]
+def _unsubdivided(objects: list[bpy.types.Object], but_for_said: bool) -> Iterator[None]:
+    """Shape keys move control vertices: subdivision is for the program that opens the file.
+
+    but_for_said: leaves on what the exporter itself leaves out and has the file say instead.
+    """
+    hidden = []
+    for obj in objects:
+        shown = [modifier for modifier in obj.modifiers if modifier.show_viewport]
+        if but_for_said and shown and _is_said(shown[-1]):
+            shown.pop()
+        hidden += [modifier for modifier in shown if modifier.type in ("SUBSURF", "MULTIRES")]
     for modifier in hidden:
         modifier.show_viewport = False
     try:
@@ -173,6 +189,10 @@ def _unsubdivided(objects: list[bpy.types.Object]) -> Iterator[None]:
     finally:
         for modifier in hidden:
             modifier.show_viewport = True
+
+
+def _is_said(last: bpy.types.Modifier) -> bool:
+    return last.type == "SUBSURF" and last.subdivision_type == "CATMULL_CLARK"
 
 
 @contextmanager

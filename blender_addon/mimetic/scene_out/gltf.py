@@ -3,8 +3,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import tempfile
+from collections.abc import Iterable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
@@ -19,11 +21,13 @@ def export(
     path: str | os.PathLike[str],
     face: bpy.types.Object | None = None,
     is_animated: bool = True,
-) -> None:
-    """Writes a face, the scene's baked one if None, with its rig and what hangs on that; whole, or
-    raises OSError, or InvalidInput where a control object moves its shapes, and writes nothing.
+) -> str:
+    """Writes a face, the scene's baked one if None, with its rig and what depends on that; whole,
+    or raises OSError, or InvalidInput where it is hidden or a control object moves its shapes, and
+    writes nothing.
 
     is_animated: with its curves; without, the mesh and its morph targets alone.
+    Returns what is hidden, which the file does not have, or nothing.
     """
     path = Path(path)
     face = face or scene.mimetic.face
@@ -42,6 +46,7 @@ def export(
                 if not stack.enter_context(contact_curves.with_keys(scene, obj)):
                     stack.enter_context(_without_idle_groups(obj))
             stack.enter_context(part_curves.with_curves(shaped))
+            stack.enter_context(_whole_ranges(objects))
             bpy.ops.export_scene.gltf(
                 filepath=str(aside),
                 export_format="GLB",
@@ -69,6 +74,26 @@ def export(
             files = native.gltf()
             aside.write_bytes(files.split_negative(files.retime(aside.read_bytes(), rate)))
         os.replace(aside, path)
+    return selection.left_out(scene, face)
+
+
+@contextmanager
+def _whole_ranges(objects: Iterable[bpy.types.Object]) -> Iterator[None]:
+    """While it lasts, the objects' actions end at whole frames: the exporter writes the whole
+    frames of an action's range, so that what comes after the last of them would be lost."""
+    blocks = (block for obj in objects for block in (obj, getattr(obj.data, "shape_keys", None)))
+    animated = [block.animation_data for block in blocks if block and block.animation_data]
+    before = []
+    try:
+        for action in {animation.action: None for animation in animated if animation.action}:
+            first, last = action.frame_range
+            before.append((action, action.use_frame_range, action.frame_start, action.frame_end))
+            action.use_frame_range = True
+            action.frame_start, action.frame_end = math.floor(first), math.ceil(last)
+        yield
+    finally:
+        for action, is_used, first, last in before:
+            action.use_frame_range, action.frame_start, action.frame_end = is_used, first, last
 
 
 @contextmanager

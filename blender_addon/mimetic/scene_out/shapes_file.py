@@ -30,8 +30,9 @@ def write(out: str, file: str, name: str, landmarks_path: str | None) -> str:
     shapes, of_parts = part_keys.split(own, shapes)
     written = arkit.write(head, shapes)
     moved, part_notes = part_keys.add(head, own, of_parts, written.names)
+    left_out = ""
     if Path(out).suffix == ".glb":
-        gltf.export(scene, out, head, is_animated=False)
+        left_out = gltf.export(scene, out, head, is_animated=False)
     else:
         rig_file.save(Path(out).absolute())
     text = f"{len(written.names)} of ARKit's shapes on {name}"
@@ -43,7 +44,7 @@ def write(out: str, file: str, name: str, landmarks_path: str | None) -> str:
         text += f"; {len(written.kept)} keys of such names stay as they were"
     if changes := written.hand_changes.text():
         text += f"; {changes}"
-    return "; ".join(filter(None, (text, remark, *face.notes, *notes, *part_notes)))
+    return "; ".join(filter(None, (text, left_out, remark, *face.notes, *notes, *part_notes)))
 
 
 def _marked(scene, head, landmarks_path: str | None) -> tuple[heads.ForeignHead, str]:

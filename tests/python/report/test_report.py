@@ -61,6 +61,16 @@ def test_every_group_has_its_panel(footage):
     assert drawn == 36 + len(GROUPS) + 8  # a line at 1 in each panel
 
 
+def test_every_held_frame_is_shaded_also_a_single_one():
+    from mimetic.report.plots import _head_figure
+
+    quality = np.ones(12)
+    quality[[2, 6, 7, 8]] = 0.1
+    turn = _head_figure(make_performance(quality=quality)).axes[1]
+    bounds = [(patch.get_x(), patch.get_x() + patch.get_width()) for patch in turn.patches]
+    assert bounds == [(2.5, 3.5), (6.5, 9.5)]
+
+
 def test_head_angles_are_the_turns_that_were_made():
     pose = np.tile(np.diag([1.0, -1, -1, 1]), (12, 1, 1))
     pose[:, 2, 3] = 0.7
@@ -141,7 +151,9 @@ def test_muscles_that_are_not_told_apart_are_hatched_and_named(tmp_path, footage
         for part in axes.collections
         if part.get_hatch() and len(part.get_paths())
     ]
-    assert len(hatched) == 2
+    assert [part.get_datalim(part.axes.transData).intervalx.tolist() for part in hatched] == [
+        [3.5, 9.5]
+    ] * 2
     write_report(performance, footage, tmp_path / "report.html")
     text = (tmp_path / "report.html").read_text()
     assert "Not told apart: muscle_02.L and muscle_03.R (6 frames)." in text

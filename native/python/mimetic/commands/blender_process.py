@@ -12,10 +12,11 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
 from pathlib import Path
 
 from mimetic import InvalidInput, UnreadableMedia
-from mimetic.shared.whole_file import file_beside
+from mimetic.shared.whole_file import file_beside, file_with_textures
 
 SCRIPT = "headless_bake.py"
 
@@ -41,17 +42,15 @@ def write_by_blender(request: dict, out: Path, blender_python: os.PathLike[str] 
     python = blender_python or python_with_blender()
     with (
         tempfile.TemporaryDirectory(prefix="mimetic-bake-") as folder,
-        file_beside(out, out.suffix) as aside,
+        _file_for_blender(out) as (aside, its_folder),
     ):
         whole = request | {
             "out": str(aside),
+            "its_folder": its_folder,
             "package_folder": str(Path(__file__).absolute().parents[2]),
             "answer": str(Path(folder, "answer.json")),
         }
-        try:
-            answer = _ask(python, whole, Path(folder))
-        finally:
-            _remove_left_beside(aside)
+        answer = _ask(python, whole, Path(folder))
         if "error" in answer:
             raise InvalidInput(answer["error"].replace(str(aside), str(out)))
     return answer["text"]
@@ -74,6 +73,21 @@ def extension_folder() -> Path:
         if (folder / SCRIPT).is_file():
             return folder
     raise UnreadableMedia(f"{here.parent}: the Blender extension is missing; install Mimetic again")
+
+
+@contextlib.contextmanager
+def _file_for_blender(out: Path) -> Iterator[tuple[Path, str]]:
+    """The file that Blender writes, and the folder that it alone is in, if it is."""
+    if out.suffix != ".blend":
+        with file_with_textures(out) as aside:
+            yield aside, str(aside.parent)
+        return
+    # Beside `out`, where the relative paths in it hold
+    with file_beside(out, out.suffix) as aside:
+        try:
+            yield aside, ""
+        finally:
+            _remove_left_beside(aside)
 
 
 def _remove_left_beside(aside: Path) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from mimetic import _core
-from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.performance.document import Performance
 from mimetic.report.overlay import make_painter
 from mimetic.shared.whole_file import whole_file
 from mimetic.template.face_template import load_template
@@ -47,7 +47,7 @@ def write_motion_plot(performance: Performance, path: str | os.PathLike[str]) ->
     """
     from matplotlib.figure import Figure
 
-    from mimetic.report.plots import head_angles
+    from mimetic.report.plots import head_angles, shade_held
 
     path = Path(path)
     std = np.sqrt(np.clip(np.diagonal(performance.head_pose_cov, axis1=1, axis2=2), 0, None))
@@ -58,7 +58,6 @@ def write_motion_plot(performance: Performance, path: str | os.PathLike[str]) ->
         *("x, right, mm", "y, down, mm", "z, away, mm"),
     )
     figure = Figure(figsize=(11, 5.5), layout="constrained")
-    is_held = performance.quality < HELD_QUALITY
     panels = figure.subplots(2, 3, sharex=True)
     for k, (panel, name) in enumerate(zip(panels.flat, names, strict=True)):
         value, spread = values[:, k], spreads[:, k]
@@ -66,10 +65,7 @@ def write_motion_plot(performance: Performance, path: str | os.PathLike[str]) ->
         panel.fill_between(
             performance.frame, value - spread, value + spread, color="#1b7f79", alpha=0.15, lw=0
         )
-        panel.fill_between(
-            performance.frame, 0, 1, where=is_held, step="mid", color="#8a8f93", alpha=0.25, lw=0,
-            transform=panel.get_xaxis_transform(),
-        )  # fmt: skip
+        shade_held(panel, performance)
         panel.set_title(name, fontsize=10)
         panel.spines[["top", "right"]].set_visible(False)
         panel.set(xmargin=0.01)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from mimetic.performance.corrections import corrected_frames
 from mimetic.performance.document import HELD_QUALITY, Performance
+from mimetic.performance.take_facts import facts_of, runs
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -64,7 +65,7 @@ def _muscle_figure(performance: Performance) -> Figure:
             _draw(panel, performance.frame, curve, std, colour, label, "-" if side == "L" else "--")
             _hatch_confounded(panel, performance, i, colour)
         _set_activation_axes(panel, f"{group}  {GROUPS[group]}")
-        _shade_held(panel, performance)
+        shade_held(panel, performance)
         _mark_corrected(panel, performance)
     mean = [
         performance.activations[:, performance.groups == group].mean(axis=1) for group in GROUPS
@@ -85,15 +86,18 @@ def _hatch_confounded(axes: Axes, performance: Performance, i: int, colour: str)
         return
     from matplotlib.colors import to_rgb
 
+    frame = performance.frame
     values, std = performance.activations[:, i], performance.activations_std[:, i]
-    axes.fill_between(
-        *(performance.frame, values - std, values + std),
-        where=performance.confounded_with[:, i] >= 0,
-        facecolor="none",
-        edgecolor=(*to_rgb(colour), 0.45),
-        hatch="////",
-        linewidth=0,
-    )
+    for first, last in runs(performance.confounded_with[:, i] >= 0):
+        # To half a frame beside, so that a single frame is seen, too
+        x = np.array([frame[first] - 0.5, *frame[first : last + 1], frame[last] + 0.5])
+        axes.fill_between(
+            *(x, np.interp(x, frame, values - std), np.interp(x, frame, values + std)),
+            facecolor="none",
+            edgecolor=(*to_rgb(colour), 0.45),
+            hatch="////",
+            linewidth=0,
+        )
 
 
 def _set_activation_axes(axes: Axes, title: str, room: float = 0.3) -> None:
@@ -124,7 +128,7 @@ def _articulator_figure(performance: Performance) -> Figure:
         panel.set(xmargin=0.01)
         if len(members) > 1:
             panel.legend(loc="upper right", fontsize=7.5, frameon=False)
-        _shade_held(panel, performance)
+        shade_held(panel, performance)
         _mark_corrected(panel, performance)
     for panel in list(axes.flat)[len(pairs) :]:
         panel.remove()
@@ -154,7 +158,7 @@ def _head_figure(performance: Performance) -> Figure:
         bottom, top = panel.get_ylim()
         panel.set_ylim(bottom, top + 0.15 * (top - bottom))  # room for the names
         panel.legend(loc="upper right", fontsize=7.5, frameon=False, ncols=3)
-        _shade_held(panel, performance)
+        shade_held(panel, performance)
         _mark_corrected(panel, performance)
     return figure
 
@@ -205,19 +209,11 @@ def _draw(
         axes.fill_between(frame, values - std, values + std, color=colour, alpha=0.13, linewidth=0)
 
 
-def _shade_held(axes: Axes, performance: Performance) -> None:
-    is_held = performance.quality < HELD_QUALITY
-    if is_held.any():
-        axes.fill_between(
-            performance.frame,
-            *(0, 1),
-            where=is_held,
-            step="mid",
-            transform=axes.get_xaxis_transform(),
-            color="#8a8f93",
-            alpha=0.25,
-            linewidth=0,
-        )
+def shade_held(axes: Axes, performance: Performance) -> None:
+    """Held frames, each from half a frame before it to half a frame after it."""
+    for first, last in facts_of(performance).held:
+        begin, end = performance.frame[first] - 0.5, performance.frame[last] + 0.5
+        axes.axvspan(begin, end, color="#8a8f93", alpha=0.25, linewidth=0)
 
 
 def _mark_corrected(axes: Axes, performance: Performance) -> None:
