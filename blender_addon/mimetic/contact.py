@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
@@ -26,6 +26,7 @@ class Known:
     """One face; `problem` says why its contact is not known."""
 
     rest: np.ndarray  # V x 3 float32, object frame
+    attachment: tuple  # heads.attachment
     make: Callable  # without Blender
     live: object = None  # mimetic.live_contact.LiveContact
     problem: str = ""
@@ -33,6 +34,7 @@ class Known:
     thread: threading.Thread | None = None
     values: dict[str, float] | None = None  # that the key was made for
     is_parted: bool = True  # whether the key may hold anything: it does in an opened file
+    weights: sliders.Weights = field(default_factory=dict)  # painted in modes without contact
 
     def start(self) -> None:
         # A daemon: Blender must be able to quit meanwhile
@@ -41,6 +43,10 @@ class Known:
 
     def look_again(self) -> None:
         self.values, self.is_parted = None, True
+        self.weights.clear()
+
+    def is_of(self, rest: np.ndarray, attachment: tuple) -> bool:
+        return self.attachment == attachment and np.array_equal(self.rest, rest)
 
     def _make(self) -> None:
         try:
@@ -114,8 +120,9 @@ def _follow_face(scene, face: bpy.types.Object, depsgraph) -> None:
     if state is None and not values:
         return
     rest = contact_key.points_of(keys.reference_key)
-    if state is None or not np.array_equal(state.rest, rest):
-        state = _states[face.name] = Known(rest, _maker(scene, face, rest))
+    attachment = heads.attachment(face)
+    if state is None or not state.is_of(rest, attachment):
+        state = _states[face.name] = Known(rest, attachment, _maker(scene, face, rest))
         state.start()
     if face.name in contact_key.resting_faces:
         state.look_again()
@@ -127,7 +134,7 @@ def _follow_face(scene, face: bpy.types.Object, depsgraph) -> None:
         return
     state.values = values
     contact_key.resting_faces.discard(face.name)
-    correction = state.live.correction(sliders.moves(keys, values, rest))
+    correction = state.live.correction(sliders.moves(face, values, rest, state.weights))
     if correction is not None or state.is_parted:
         sliders.take_levels(keys, evaluated_keys)
         contact_key.place(face, state.live.moved, correction)

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
-from . import native, world, writable
+from . import mesh_frame, native, world, writable
 
 MOST_VERTICES = 50_000  # of one part: what is finer is hair or cloth
 CHOICES = (
@@ -50,11 +50,18 @@ def found(scene: bpy.types.Scene, head: bpy.types.Object, points) -> tuple[HeadP
 
 def remembered(head: bpy.types.Object) -> tuple[HeadPart, ...]:
     """Those that the head's muscles were attached with, as far as they are there."""
+    head_now = mesh_frame.now_from_noted(head.mimetic.mesh_frame, head)
     return tuple(
-        _part(entry.part, native.array(entry.head_from_part).reshape(4, 4))
+        _part(entry.part, head_now @ _head_from_part(entry))
         for entry in head.mimetic.parts
         if entry.part is not None and entry.part.type == "MESH"
     )
+
+
+def _head_from_part(entry) -> np.ndarray:
+    """4 x 4: where the head's mesh was when the part was remembered, from the part's of now."""
+    noted = native.array(entry.head_from_part).reshape(4, 4)
+    return noted @ mesh_frame.noted_from_now(entry.mesh_frame, entry.part)
 
 
 def remember(head: bpy.types.Object, parts: tuple[HeadPart, ...]) -> None:
@@ -65,6 +72,7 @@ def remember(head: bpy.types.Object, parts: tuple[HeadPart, ...]) -> None:
             entry = entries.add()
             entry.name, entry.part = part.name, obj
             entry.head_from_part = part.mesh.head_from_part.ravel().tolist()
+            mesh_frame.note(entry.mesh_frame, part.mesh.points)
 
 
 def forgotten(head: bpy.types.Object, parts: tuple[HeadPart, ...]) -> list[bpy.types.Object]:

@@ -11,7 +11,7 @@ import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Matrix, Vector
 
-from . import head_parts, native, scene_in, world, writable
+from . import head_parts, mesh_frame, native, scene_in, world, writable
 from .head_parts import HeadPart
 
 DRAGGED = 1e-4  # metres by which a landmark lies elsewhere
@@ -95,17 +95,39 @@ def _read(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHead:
 
 
 def remembered_head(scene: bpy.types.Scene, head: bpy.types.Object) -> ForeignHead | None:
-    """What a face's muscles were attached by; None for a face of our own mesh."""
+    """What a face's muscles were attached by, in the mesh's frame of now; None for a face of our
+    own mesh."""
     if not len(head.mimetic.landmarks):
         return None
     marks = {
-        mark.name: mark.vertex if mark.vertex >= 0 else np.array(mark.place)
+        mark.name: mark.vertex if _is_vertex(head, mark) else np.array(mark.place)
         for mark in head.mimetic.landmarks
     }
-    matrix = np.array(head.mimetic.metres_from_object, dtype=np.float64).reshape(4, 4)
     own = _read(scene, head)
     parts = head_parts.remembered(head)
-    return replace(own, landmarks=marks, matrix=matrix, parts=parts)
+    return replace(own, landmarks=marks, matrix=_metres_from_object(head), parts=parts)
+
+
+def _is_vertex(head: bpy.types.Object, mark) -> bool:
+    """Whether a remembered landmark is its vertex: a mesh that was cut counts others."""
+    return mark.vertex >= 0 and not mesh_frame.is_cut(head.mimetic.mesh_frame, head)
+
+
+def _metres_from_object(head: bpy.types.Object) -> np.ndarray:
+    """4 x 4: the metres in which landmarks are remembered, from the mesh's frame of now."""
+    own = head.mimetic
+    noted = native.array(own.metres_from_object).reshape(4, 4)
+    return noted @ mesh_frame.noted_from_now(own.mesh_frame, head)
+
+
+def attachment(head: bpy.types.Object) -> tuple:
+    """What `remembered_head` reads beside the meshes, to be compared."""
+    own = head.mimetic
+    return (
+        tuple(own.metres_from_object),
+        tuple((mark.name, mark.vertex, *mark.place) for mark in own.landmarks),
+        tuple((entry.name, *entry.head_from_part) for entry in own.parts),
+    )
 
 
 def no_bound_head(context) -> str:
@@ -148,7 +170,7 @@ def moved_landmarks(scene: bpy.types.Scene, head: bpy.types.Object | None) -> li
     attached_by = head.mimetic.landmarks
     if not len(attached_by):
         return []
-    metres = Matrix(native.array(head.mimetic.metres_from_object).reshape(4, 4).tolist())
+    metres = Matrix(_metres_from_object(head).tolist())
     size = metres.median_scale
     rest, from_metres = head.data.shape_keys.reference_key.points, metres.inverted_safe()
     from_world = world.matrix(head).inverted_safe()
@@ -156,7 +178,8 @@ def moved_landmarks(scene: bpy.types.Scene, head: bpy.types.Object | None) -> li
     for name, empty in landmark_empties(scene, head).items():
         mark = attached_by.get(name)
         if mark is not None and mark.vertex < len(rest):
-            before = rest[mark.vertex].co if mark.vertex >= 0 else from_metres @ Vector(mark.place)
+            is_vertex = _is_vertex(head, mark)
+            before = rest[mark.vertex].co if is_vertex else from_metres @ Vector(mark.place)
             now = from_world @ world.matrix(empty).translation
             if (now - before).length * size < DRAGGED:
                 continue

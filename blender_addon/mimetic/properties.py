@@ -22,6 +22,7 @@ from . import (
     control_rows,
     correction_settings,
     head_parts,
+    mesh_frame,
     take_rows,
     writable,
 )
@@ -152,7 +153,7 @@ class MimeticLandmark(bpy.types.PropertyGroup):
     """A landmark that muscles were attached by, by its name."""
 
     vertex: IntProperty(default=-1, description="Vertex that it is, or -1")
-    place: FloatVectorProperty(size=3, precision=6, description="Where it is in metres, else")
+    place: FloatVectorProperty(size=3, precision=6, description="Where it was in metres")
 
 
 YAWS, PITCHES = (-0.873, 0.873), (-0.873, 0.698)  # radians: 50 and 40 degrees
@@ -188,6 +189,9 @@ class MimeticPart(bpy.types.PropertyGroup):
     part: PointerProperty(type=bpy.types.Object, description="The eyeball, teeth or tongue")
     head_from_part: FloatVectorProperty(
         size=16, precision=6, description="Where it was in the head's frame, row by row"
+    )
+    mesh_frame: PointerProperty(
+        type=mesh_frame.MimeticMeshFrame, description="The part's own frame then"
     )
 
 
@@ -230,6 +234,10 @@ class MimeticFace(take_rows.HasTakes, control_rows.HasControls, bpy.types.Proper
     )
     metres_from_object: FloatVectorProperty(
         size=16, description="The object's matrix when its muscles were attached, row by row"
+    )
+    mesh_frame: PointerProperty(
+        type=mesh_frame.MimeticMeshFrame,
+        description="The frame in which landmarks, parts and the points of shape keys are noted",
     )
     parts: CollectionProperty(
         type=MimeticPart, description="Objects that the muscles were attached with"
@@ -351,6 +359,7 @@ class MimeticScene(
 
 
 CLASSES = (
+    *mesh_frame.CLASSES,
     MimeticHead,
     MimeticLook,
     MimeticLive,

@@ -11,6 +11,16 @@ import bpy
 from mathutils import Matrix
 
 
+def own_rotation(obj: bpy.types.Object) -> Matrix:
+    """The object's own rotation; a decomposed matrix gives another where the scale mirrors."""
+    if obj.rotation_mode == "QUATERNION":
+        return obj.rotation_quaternion.to_matrix()
+    if obj.rotation_mode == "AXIS_ANGLE":
+        angle, *axis = obj.rotation_axis_angle
+        return Matrix.Rotation(angle, 3, axis)
+    return obj.rotation_euler.to_matrix()
+
+
 def matrix(obj: bpy.types.Object) -> Matrix:
     """World from object, as of now; evaluates what is shown if need be."""
     evaluated_object = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())

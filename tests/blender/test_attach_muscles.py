@@ -4,6 +4,7 @@
 import json
 import re
 
+import bmesh
 import bpy
 import numpy as np
 import pytest
@@ -39,13 +40,14 @@ def new_head(points, faces) -> bpy.types.Object:
     head.location = (0.3, -0.2, 1.5)
     head.rotation_euler = (0, 0, 0.7)
     bpy.context.view_layer.objects.active = head
+    head.select_set(True)
     bpy.context.view_layer.update()
     return head
 
 
 def put_landmarks(head, parts) -> None:
     assert bpy.ops.mimetic.add_landmarks() == {"FINISHED"}
-    for mark in head.children:
+    for mark in filter(lambda child: child.mimetic.landmark, head.children):
         mark.location = parts[0][parts[2][mark.mimetic.landmark]]
     bpy.context.view_layer.update()
 
@@ -142,6 +144,130 @@ def test_a_dragged_landmark_asks_for_the_muscles_to_be_attached_again(extension,
     assert np.abs(offsets_of(head, "mentalis.L") - before).max() > 1e-3
     for panel in panels:
         assert "mimetic.attach_muscles" not in lit_buttons(panel)
+
+
+def attached(head, parts, kind: str) -> None:
+    """With ARKit's shapes; by empties, or by vertex groups."""
+    if kind == "empties":
+        put_landmarks(head, parts)
+    else:
+        for name, vertex in parts[2].items():
+            head.vertex_groups.new(name=name).add([vertex], 1.0, "REPLACE")
+    assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+    assert bpy.ops.mimetic.add_arkit_shapes() == {"FINISHED"}
+
+
+def character_in_world(extension, head) -> np.ndarray:
+    """4 x 4, in metres, of which the head's motion is made."""
+    scene = bpy.context.scene
+    frame = extension("scene_out.bound").object_from_character(scene, head)
+    bpy.context.view_layer.update()
+    return np.array(head.matrix_world) @ frame
+
+
+def cut(head) -> None:
+    """The top of the head goes, with vertices of low numbers."""
+    mesh = bmesh.new()
+    mesh.from_mesh(head.data)
+    gone = [vertex for vertex in mesh.verts if vertex.co.z > 9]
+    assert min(vertex.index for vertex in gone) < 2000
+    bmesh.ops.delete(mesh, geom=gone, context="VERTS")
+    mesh.to_mesh(head.data)
+    mesh.free()
+    head.data.update()
+
+
+@pytest.mark.parametrize("kind", ["empties", "groups"])
+def test_the_heads_place_stays_where_transforms_are_applied(extension, parts, head, kind):
+    attached(head, parts, kind)
+    before = character_in_world(extension, head)
+    size = extension("heads").remembered_head(bpy.context.scene, head).matrix
+    for what in ("location", "rotation", "scale"):
+        only = {"location": False, "rotation": False, "scale": False, what: True}
+        bpy.ops.object.transform_apply(**only)
+        now = character_in_world(extension, head)
+        np.testing.assert_allclose(now, before, atol=1e-5)
+        assert extension("heads").moved_landmarks(bpy.context.scene, head) == []
+    assert head.scale[0] == pytest.approx(1)
+    applied = extension("heads").remembered_head(bpy.context.scene, head).matrix
+    assert np.linalg.det(applied) == pytest.approx(np.linalg.det(size) / UNIT**3, rel=1e-4)
+
+
+@pytest.mark.parametrize("kind", ["empties", "groups"])
+def test_the_heads_place_stays_where_its_mesh_is_cut(extension, parts, head, kind):
+    attached(head, parts, kind)
+    before = character_in_world(extension, head)
+    cut(head)
+    np.testing.assert_allclose(character_in_world(extension, head), before, atol=1e-5)
+    assert extension("heads").moved_landmarks(bpy.context.scene, head) == []
+
+
+def test_parts_stay_where_transforms_are_applied(extension, parts, head):
+    bpy.ops.mesh.primitive_uv_sphere_add(radius=1.2)
+    eye = bpy.context.active_object
+    eye.parent, eye.location = head, (3.2, -7.0, 3.0)
+    bpy.context.view_layer.objects.active = head
+    attached(head, parts, "empties")
+
+    def places() -> np.ndarray:
+        own = extension("heads").remembered_head(bpy.context.scene, head)
+        points = np.vstack([own.points, *(part.mesh.in_head() for part in own.parts)])
+        assert len(points) > len(head.data.vertices)
+        return points @ own.matrix[:3, :3].T + own.matrix[:3, 3]
+
+    before = places()
+    head.select_set(True)
+    eye.select_set(True)
+    bpy.ops.object.transform_apply()
+    np.testing.assert_allclose(places(), before, atol=1e-5)
+
+
+@pytest.mark.parametrize("how", ["applied", "cut"])
+def test_muscles_follow_landmarks_after_the_mesh_was_changed(extension, parts, head, how):
+    attached(head, parts, "empties")
+    sculpted = head.data.shape_keys.key_blocks["frontalis_medial.L"]
+    for i in range(0, len(sculpted.points), 9):
+        sculpted.points[i].co.y -= 0.5
+    if how == "cut":
+        cut(head)
+    else:
+        bpy.ops.object.transform_apply()
+    muscle, unit = offsets_of(head, "mentalis.L"), offsets_of(head, "mouthShrugLower")
+    bpy.context.view_layer.update()
+    chin = next(mark for mark in head.children if mark.mimetic.landmark == "chin")
+    placed = chin.matrix_world.copy()
+    placed.translation.z -= 0.006
+    chin.matrix_world = placed
+    bpy.context.view_layer.update()
+    assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+    for name, before in (("mentalis.L", muscle), ("mouthShrugLower", unit)):
+        after = offsets_of(head, name)
+        assert np.abs(after - before).max() > 0.01 * np.abs(before).max(), name
+    kept = "" if how == "cut" else "kept as changed by hand: the shape of frontalis_medial.L"
+    for _ in range(2):
+        message = result()["message"]
+        assert kept in message and ("kept" in message) == bool(kept)
+        assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+
+
+def test_contact_is_of_the_muscles_attached_last(extension, parts, head):
+    def pressed() -> np.ndarray:
+        blocks = head.data.shape_keys.key_blocks
+        blocks["oris_close_upper"].value = blocks["oris_close_lower"].value = 1.0
+        evaluated(head)
+        return offsets_of(head, "contact")
+
+    put_landmarks(head, parts)
+    assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+    pressed()
+    for mark in head.children:
+        if mark.mimetic.landmark.startswith(("lip", "mouth")):
+            mark.location[2] -= 0.4
+    bpy.context.view_layer.update()
+    assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
+    after = pressed()
+    extension("contact").forget_all()
+    np.testing.assert_allclose(after, pressed(), atol=1e-4)
 
 
 def test_landmarks_by_a_file_are_those_of_the_empties(extension, scene, parts, head, tmp_path):

@@ -182,6 +182,34 @@ def test_an_empty_moves_on_from_where_it_is(extension, performance, empty, scene
     np.testing.assert_allclose(world_at(empty, 26), expected, atol=1e-5)
 
 
+def test_a_mirrored_object_stands_at_rest_as_it_did_and_looks_as_it_is_seen_to(
+    extension, performance, empty
+):
+    empty.rotation_euler = (0, 0, 0.5)
+    empty.scale = (-0.5, 0.5, 0.5)
+    bpy.context.view_layer.update()
+    start = world_at(empty, 1)
+    bake(extension, performance, empty, rest_frame=1)
+    np.testing.assert_allclose(world_at(empty, 1), start, atol=1e-5)
+    axes = np.array(Euler((0, 0, 0.5)).to_matrix())
+    turned = world_at(empty, 26)[:3, :3] @ np.linalg.inv(start[:3, :3])
+    assert angle(turned, axes @ turns(performance, 1)[25] @ axes.T) < DEGREES
+
+
+@pytest.mark.parametrize("bone", ["", "head"])
+def test_a_scene_of_centimetres_moves_it_a_hundred_units_a_metre(
+    extension, performance, rig, empty, scene, bone
+):
+    ways = []
+    for scale in (1.0, 0.01):
+        scene.unit_settings.scale_length = scale
+        target = rig if bone else empty
+        bake(extension, performance, target, bone=bone, rest_frame=1)
+        ways.append(world_at(target, 31, bone)[:3, 3] - world_at(target, 1, bone)[:3, 3])
+    np.testing.assert_allclose(0.01 * ways[1], ways[0], atol=1e-5)
+    assert np.linalg.norm(ways[0]) > 0.005
+
+
 def test_as_filmed_an_object_is_where_the_baked_face_is(extension, performance, empty, scene):
     extension("scene_out").bake(scene, performance, "take")
     bake(extension, performance, empty, is_absolute=True)

@@ -63,6 +63,23 @@ def test_sliders_do_not_drive_lips_or_lids_through_each_other(contact, added, va
     assert depth(contact, evaluated(added)) < 0.05 * MILLIMETRE
 
 
+def test_a_key_presses_only_where_its_vertex_group_moves_it(contact, added):
+    rest = evaluated(added)
+    lids = [f"lid_{lid}.R" for lid in ("upper", "lower")]
+    left = added.vertex_groups.new(name="Left")
+    left.add([int(i) for i in np.flatnonzero(rest[:, 0] > 0)], 1.0, "REPLACE")
+    for name in lids:
+        added.data.shape_keys.key_blocks[name].vertex_group = "Left"
+    put(added, dict.fromkeys(lids, 1.0))
+    np.testing.assert_array_equal(evaluated(added), rest)
+    bpy.ops.object.mode_set(mode="WEIGHT_PAINT")
+    left.add(range(len(rest)), 1.0, "REPLACE")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert depth(contact, evaluated(added)) < 0.05 * MILLIMETRE
+    added.mimetic.use_contact = False
+    assert depth(contact, evaluated(added)) > MILLIMETRE
+
+
 def test_contact_leaves_nothing_behind(added):
     rest = evaluated(added)
     put(added, PRESSED)

@@ -135,7 +135,7 @@ class MIMETIC_OT_bake_head(Job, Operator):
         arguments.set_given(self, HEAD_SETTINGS, settings)
         if reason := targets.no_head_target(context):
             raise native.invalid_input(reason)
-        return scene_in.take(context), settings.smoothing, _target(settings)
+        return scene_in.take(context), settings.smoothing, _target(context.scene)
 
     def work(self, inputs, progress):
         take, smoothing, target = inputs
@@ -166,7 +166,8 @@ def _named(scene: bpy.types.Scene, name: str) -> bpy.types.Object:
     return scene.objects[name]
 
 
-def _target(settings) -> scene_out.head.Target:
+def _target(scene: bpy.types.Scene) -> scene_out.head.Target:
+    settings, metre = scene.mimetic.head, scene.unit_settings.scale_length or 1.0
     is_armature = settings.target.type == "ARMATURE"
     return scene_out.head.Target(
         name=settings.target.name,
@@ -177,7 +178,7 @@ def _target(settings) -> scene_out.head.Target:
         rest_frame=settings.rest_frame,
         facing=settings.facing,
         translation_scale=settings.translation_scale if settings.use_translation else 0.0,
-        pivot=tuple(settings.pivot),
+        pivot=tuple(metre * part for part in settings.pivot),
     )
 
 

@@ -64,7 +64,7 @@ def look(face: bpy.types.Object) -> Seen:
     values = _values(face)
     if view.pose is None or values != view.values:
         view.values = values
-        view.pose = view.face.pose(sliders.moves(keys, values, rest), values)
+        view.pose = view.face.pose(sliders.moves(face, values, rest), values)
         view.drawings.clear()
     return view
 

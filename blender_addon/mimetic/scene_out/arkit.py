@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import bpy
@@ -34,20 +34,23 @@ def give(obj: bpy.types.Object, head, shapes: Sequence) -> Written:
     return replace(written, parts=parts, notes=notes)
 
 
-def write(obj: bpy.types.Object, shapes: Sequence, adds: bool = True) -> Written:
+def write(
+    obj: bpy.types.Object, shapes: Sequence, known: Mapping[str, KeyState] | None = None
+) -> Written:
     """Gives a head a shape key for each `mimetic.shapes.Shape`.
 
-    One that it was given before is written again, but for what was changed by hand. adds: others
-    are made, too.
+    One that it was given before is written again, but for what was changed by hand. known: those
+    alone are written, as `by_hand.look_units` saw them.
     """
     writable.check(writable.no_shapes(obj))
     if obj.data.shape_keys is None:
         obj.shape_key_add(name=face.BASIS, from_mix=False)
     blocks = obj.data.shape_keys.key_blocks
     active = obj.active_shape_key_index
-    states, kept, added = by_hand.look_units(obj), [], []
+    states = dict(by_hand.look_units(obj) if known is None else known)
+    kept, added = [], []
     for shape in shapes:
-        if shape.name in states or not adds:
+        if shape.name in states or known is not None:
             continue
         if shape.name in blocks:
             kept.append(shape.name)

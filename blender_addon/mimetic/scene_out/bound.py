@@ -15,7 +15,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Matrix
 
 from .. import heads, native, scene_in, world, writable
-from . import actions, by_hand, gaze, head, own_keys, standing
+from . import actions, baked_curves, by_hand, companions, gaze, head, own_keys, standing
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,8 @@ def bake(
 
     use_head_motion: whether the object moves as the actor's head does, from where it stands; it
     never does where a parent, an armature or a constraint moves it. tolerance, by_phases: of few
-    keys, as `actions.key_shapes` has them. The scene's rate and range stay. Raises InvalidInput,
+    keys, as `actions.key_shapes` has them. Own controls that a bake before drove are at rest then.
+    The scene's rate and range stay. Raises InvalidInput,
     and changes nothing then, if nothing of it can be played.
     """
     writable.check(writable.no_sliders(head_object))
@@ -73,6 +74,7 @@ def bake(
         )
     for key, shape in playable:
         actions.key_slider(holder, key, shape.group, frames, shape.values, tolerance, by_phases)
+    remarks += _rest_own_controls(head_object, take, [key for key, _ in playable])
     num_curves = len(playable)
     if channels is not None:
         num_curves += head.key_object(
@@ -86,6 +88,18 @@ def bake(
         tuple(remarks),
         tuple(untouched_by(head_object, {shape.name for shape in shapes})),
     )
+
+
+def _rest_own_controls(head: bpy.types.Object, take: str, muscles: Sequence) -> list[str]:
+    """Puts to rest what a bake before drove beyond the muscles' keys, of the head and of what its
+    own controls moved along; what to say of it."""
+    paths = {(key.path_from_id("value"), 0) for key in muscles}
+    num_rested = baked_curves.replace(head.data.shape_keys, paths)
+    for name, keys in companions.remembered(head).items():
+        if baked_curves.play(keys):
+            actions.continued_take(keys, f"{take} {name}")
+            num_rested += baked_curves.replace(keys, ())
+    return list(filter(None, [baked_curves.at_rest(num_rested, head.name)]))
 
 
 def no_motion(head: bpy.types.Object) -> str:
@@ -127,7 +141,7 @@ def motion(scene: bpy.types.Scene, performance, head: bpy.types.Object):
             performance,
             native.array(world.matrix(head)) @ object_from_character(scene, head),
             native.array(head.location),
-            native.array(rotation_of(head)),
+            native.array(world.own_rotation(head)),
             head.rotation_mode,
             1.0 / (scene.unit_settings.scale_length or 1.0),
         )
@@ -142,16 +156,6 @@ def object_from_character(scene: bpy.types.Scene, head: bpy.types.Object):
     return parts.object_from_character(
         head_landmarks.points, head_landmarks.landmarks, head_landmarks.matrix
     )
-
-
-def rotation_of(obj: bpy.types.Object) -> Matrix:
-    """The object's own rotation; a decomposed matrix gives another where the scale mirrors."""
-    if obj.rotation_mode == "QUATERNION":
-        return obj.rotation_quaternion.to_matrix()
-    if obj.rotation_mode == "AXIS_ANGLE":
-        angle, *axis = obj.rotation_axis_angle
-        return Matrix.Rotation(angle, 3, axis)
-    return obj.rotation_euler.to_matrix()
 
 
 def shapes_for(performance, head: bpy.types.Object) -> list:

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
-from .. import native
+from .. import mesh_frame, native
 from .contact import KEY, points_of
 
 NEAR = 1e-6  # of limits, which are single precision
@@ -89,10 +89,11 @@ def units_of(face) -> dict:
 
 def remember(entry, key, basis, offsets: np.ndarray, lowest: float, highest: float) -> None:
     """Stores with an entry what we wrote to its key, even where the key keeps a change by hand."""
-    fingerprint = native.fingerprint().fingerprint
+    fingerprint, face = native.fingerprint().fingerprint, entry.id_data
+    noted = mesh_frame.noted_from_now(face.mimetic.mesh_frame, face)
     entry.name, entry.lowest, entry.highest = key.name, lowest, highest
-    entry.offsets = fingerprint(offsets)
-    entry.points = fingerprint((basis + offsets).astype(np.float32))
+    entry.offsets = fingerprint(_turned(offsets, noted))
+    entry.points = fingerprint(_placed((basis + offsets).astype(np.float32), noted))
     entry.place = 0  # until all keys have theirs
 
 
@@ -130,16 +131,37 @@ def _compare(face, entry, name: str) -> KeyState:
         return KeyState(name, is_renamed)
     limits = np.subtract((key.slider_min, key.slider_max), (entry.lowest, entry.highest))
     has_own_limits = bool(np.abs(limits).max() > NEAR)
-    return KeyState(name, is_renamed, not _is_as_given(entry, key, basis), has_own_limits)
+    # With other vertices nothing can be compared, and a key kept then is one without its muscle
+    is_cut = mesh_frame.is_cut(face.mimetic.mesh_frame, face)
+    is_sculpted = not is_cut and not _is_as_given(entry, key, basis)
+    return KeyState(name, is_renamed, is_sculpted, has_own_limits)
 
 
 def _is_as_given(entry, key, basis) -> bool:
-    """Unchanged, or moved with a basis that was sculpted."""
+    """Unchanged, or moved with a basis that was sculpted, or with the whole mesh by Apply."""
+    points, face = points_of(key), entry.id_data
+    if _is_same(entry, points, points - basis, _largest(basis)):
+        return True
+    noted = mesh_frame.noted_from_now(face.mimetic.mesh_frame, face)
+    if np.array_equal(noted, np.eye(4)):
+        return False
+    largest = float(np.abs(noted[:3, :3]).sum(axis=1).max()) * _largest(basis)
+    return _is_same(entry, _placed(points, noted), _turned(points - basis, noted), largest)
+
+
+def _is_same(entry, points: np.ndarray, offsets: np.ndarray, largest: float) -> bool:
     parts = native.fingerprint()
-    points, largest = points_of(key), _largest(basis)
     return parts.is_same(parts.fingerprint(points), entry.points, largest) or parts.is_same(
-        parts.fingerprint(points - basis), entry.offsets, largest
+        parts.fingerprint(offsets), entry.offsets, largest
     )
+
+
+def _placed(points: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    return _turned(points, matrix) + matrix[:3, 3]
+
+
+def _turned(offsets: np.ndarray, matrix: np.ndarray) -> np.ndarray:
+    return offsets @ matrix[:3, :3].T
 
 
 def _largest(basis: np.ndarray) -> float:

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
-from .. import native, writable
+from .. import mesh_frame, native, writable
 from . import actions, by_hand, contact, gaze
 from .by_hand import HandChanges, KeyState
 
@@ -152,14 +152,15 @@ def _set_rest(face, neutral_vertices, is_reset: bool, hand_changes: HandChanges)
     basis = face.data.shape_keys.reference_key
     shift = neutral - contact.points_of(basis)
     is_sculpted = not is_reset and by_hand.is_rest_sculpted(face)
-    zero = np.zeros_like(neutral)
-    by_hand.remember(face.mimetic.rest, basis, neutral, zero, 0.0, 0.0)
     if is_sculpted and shift.any():
         hand_changes.things.append(iface_("the face at rest"))
-        return zero
-    place_key(basis, neutral)
-    # The mesh's own vertices follow its first key; foreach_set on keys alone leaves them behind
-    face.data.vertices.foreach_set("co", neutral.reshape(-1))
+        shift = np.zeros_like(neutral)
+    else:
+        place_key(basis, neutral)
+        # The mesh's own vertices follow its first key; foreach_set on keys alone leaves them behind
+        face.data.vertices.foreach_set("co", neutral.reshape(-1))
+    mesh_frame.note(face.mimetic.mesh_frame, contact.points_of(basis))
+    by_hand.remember(face.mimetic.rest, basis, neutral, np.zeros_like(neutral), 0.0, 0.0)
     return shift
 
 

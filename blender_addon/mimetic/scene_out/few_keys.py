@@ -19,7 +19,7 @@ from .key_table import KeyTable
 class Reduction:
     keys_before: int
     keys_after: int
-    error: float  # the farthest that a curve has moved at one of its keys, of a full activation
+    error: float  # farthest that a curve moved at its keys or a whole frame, of a full activation
 
 
 def reduce(chosen: Sequence[Chosen], tolerance: float, by_phases: bool = False) -> Reduction:

@@ -53,8 +53,9 @@ def attach(
     own = [*muscles.shapes, *muscles.groups]
     shapes, of_parts = part_keys.split(head, [*own, *units])
     sliders, groups = shapes[: len(muscles.shapes)], shapes[len(muscles.shapes) : len(own)]
+    states = by_hand.look_units(obj)  # before the mesh's frame is noted anew
     hand_changes = face.set_shapes(obj, to_head(head.points), sliders, groups)
-    written = arkit.write(obj, shapes[len(own) :], adds=False)
+    written = arkit.write(obj, shapes[len(own) :], states)
     hand_changes.things += written.hand_changes.things
     part_keys.remove(obj, head_parts.forgotten(obj, head.parts))
     head_parts.remember(obj, head.parts)
@@ -67,9 +68,10 @@ def attach(
     for name, place in landmarks.items():
         mark = stored_landmarks.add()
         mark.name = name
-        mark.vertex = int(place) if np.ndim(place) == 0 else -1
-        if mark.vertex < 0:
-            mark.place = [float(x) for x in place]
+        if np.ndim(place) == 0:
+            mark.vertex = int(place)
+            place = head.matrix[:3, :3] @ head.points[mark.vertex] + head.matrix[:3, 3]
+        mark.place = [float(x) for x in place]
     return Attached(hand_changes.text(), moved, notes)
 
 

@@ -26,7 +26,7 @@ class Target:
     rest_frame: int = 0  # of the footage; 0: where the head is best seen at rest
     facing: str = "-Y"
     translation_scale: float = 1.0  # 0 leaves locations alone
-    pivot: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    pivot: tuple[float, float, float] = (0.0, 0.0, 0.0)  # metres
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,7 @@ def bake(
         channels = _object_channels(scene, obj, performance, target)
         num_curves = key_object(obj, performance, take, frames, channels, target, keys)
         return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, obj.name)
-    new_channels = bone_carrier(obj, target)(_motion(performance, target))
+    new_channels = bone_carrier(scene, obj, target)(_motion(performance, target))
     holder = actions.continued_take(obj, f"{take} head")
     metres = metres_of(scene, obj)
     num_curves = key_bones(holder, frames, new_channels, keys, metres)
@@ -111,7 +111,7 @@ def _motion(performance, target: Target):
     )
 
 
-def bone_carrier(armature, target: Target) -> Callable:
+def bone_carrier(scene: bpy.types.Scene, armature, target: Target) -> Callable:
     """What gives channels of the target's bones, by name, for a `mimetic.rig_motion.Motion`.
 
     How the head follows its neck is measured here, once.
@@ -122,7 +122,7 @@ def bone_carrier(armature, target: Target) -> Callable:
         share, neck = target.neck_share, rigs.as_bone(armature, target.neck)
         inherited_share = rigs.followed_share(armature, target.bone, target.neck)
     head = rigs.as_bone(armature, target.bone)
-    scale = target.translation_scale / world.matrix(armature).median_scale
+    scale = target.translation_scale / metres_of(scene, armature)
 
     def carry(motion) -> dict:
         of_head, of_neck = native.rig_motion().bone_channels(
@@ -135,8 +135,9 @@ def bone_carrier(armature, target: Target) -> Callable:
 
 
 def _object_channels(scene, obj, performance, target: Target):
+    parts = native.rig_motion()
     if target.is_absolute:
-        channels = native.rig_motion().placed_channels(
+        channels = parts.placed_channels(
             performance,
             _world_from_parent(obj),
             obj.rotation_mode,
@@ -146,13 +147,15 @@ def _object_channels(scene, obj, performance, target: Target):
         )
     else:
         with standing.at_rest(scene, obj):
-            channels = native.rig_motion().object_channels(
+            axes = parts.axes_of(native.array(world.matrix(obj)), target.facing)
+            channels = parts.carried_channels(
                 _motion(performance, target),
-                native.array(obj.matrix_basis),
+                native.array(obj.location),
+                native.array(world.own_rotation(obj)),
                 _world_from_parent(obj),
+                axes,
                 obj.rotation_mode,
-                target.facing,
-                target.translation_scale,
+                target.translation_scale / metres_of(scene, None),
             )
     return channels if target.translation_scale else _without_location(channels)
 

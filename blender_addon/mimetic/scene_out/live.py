@@ -154,7 +154,7 @@ def stand_of(scene: bpy.types.Scene, face: bpy.types.Object):
         return native.puppet("driven_face").Stand(
             native.array(world.matrix(face)) @ bound.object_from_character(scene, face),
             native.array(face.location),
-            native.array(bound.rotation_of(face)),
+            native.array(world.own_rotation(face)),
             face.rotation_mode,
             1.0 / (scene.unit_settings.scale_length or 1.0),
         )

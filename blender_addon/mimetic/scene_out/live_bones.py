@@ -13,7 +13,7 @@ class LiveHeadBones:
     """The bones of a target while a live session turns them, as a bake would."""
 
     def __init__(self, armature: bpy.types.Object, target: head.Target) -> None:
-        self._carry = head.bone_carrier(armature, target)
+        self._carry = head.bone_carrier(bpy.context.scene, armature, target)
         self.names = [name for name in (target.bone, target.neck) if name]
         self.rest = None  # head pose from which the head turns
 

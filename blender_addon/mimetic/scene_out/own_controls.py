@@ -3,13 +3,14 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from .. import native, scene_in, world, writable
-from . import actions, baked_curves, bound, companions, head, own_keys
+from .. import heads, native, scene_in, world, writable
+from . import actions, baked_curves, bound, companions, head, own_keys, standing
 
 GROUP = "Face"  # what the curves are listed under
 
@@ -38,6 +39,7 @@ def bake(
     What else the character's action holds goes on in a copy. use_head_motion: whether the object
     moves as the actor's head; it never does where a parent, an armature or a constraint moves it.
     Keys of the same names on the character's other meshes, teeth and eyes, get the same curves.
+    What a bake before drove and this one does not, muscles too, is at rest then.
     tolerance, by_phases: of few keys, as `actions.key_shapes` has them.
     Raises InvalidInput, and changes nothing then, where keys were removed meanwhile.
     """
@@ -51,14 +53,12 @@ def bake(
             )
         )
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
-    remark = ""
-    if use_head_motion and (mover := bound.moved_by(character)):
-        use_head_motion = False
-        remark = rpt_("; {character} is moved by {mover}: bake the head's motion on that").format(
-            character=character.name, mover=mover
-        )
+    remark = _moved_by_another(character) if use_head_motion else ""
+    use_head_motion = use_head_motion and not remark
+    if use_head_motion:
+        writable.check(writable.no_motion(character))
     curves = dict(zip(played.names, played.values.T, strict=True))
-    num_curves, others = 0, []
+    num_curves, num_rested, others = 0, 0, []
     for obj, keys in holders:
         own = {name: key for name, key in keys.items() if name in curves}
         if not own and obj != character:
@@ -67,28 +67,65 @@ def bake(
         holder = actions.continued_take(obj.data.shape_keys, name)
         for name, key in own.items():
             actions.key_slider(holder, key, GROUP, frames, curves[name], tolerance, by_phases)
-        baked_curves.replace(
+        num_rested += baked_curves.replace(
             obj.data.shape_keys, {(key.path_from_id("value"), 0) for key in own.values()}
         )
         num_curves += len(own)
         others += [] if obj == character else [obj]
+    if rested := baked_curves.at_rest(num_rested, character.name):
+        remark += f"; {rested}"
     companions.remember(character, others)
     if others:
         names = ", ".join(obj.name for obj in others)
         remark += rpt_("; {names} moved along").format(names=names)
     if use_head_motion:
-        num_curves += _key_head(scene, performance, take, character, footage, frames)
+        num_curves += _key_head(scene, performance, take, character, frames)
     return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, played.summary() + remark)
 
 
-def _key_head(scene, performance, take: str, character, footage, frames) -> int:
+def _moved_by_another(character: bpy.types.Object) -> str:
+    """What to say of a head whose motion is left to what moves it, or the empty string."""
+    mover = bound.moved_by(character)
+    text = rpt_("; {character} is moved by {mover}: bake the head's motion on that")
+    return text.format(character=character.name, mover=mover) if mover else ""
+
+
+def _key_head(scene, performance, take: str, character, frames) -> int:
     """Keys the motion of a head that nothing else moves; returns the number of curves."""
     if scene_in.is_face(character):
         channels = bound.motion(scene, performance, character)
-        target = head.Target(character.name)
-        return head.key_object(character, performance, take, frames, channels, target)
-    target = head.Target(character.name, pivot=_pivot(scene, character))
-    return head.bake(scene, performance, take, target, footage).num_curves
+    else:
+        channels = _motion(scene, performance, character)
+    target = head.Target(character.name)
+    return head.key_object(character, performance, take, frames, channels, target)
+
+
+def _motion(scene: bpy.types.Scene, performance, character: bpy.types.Object):
+    """`mimetic.rig_motion.Channels` of a character without muscles."""
+    units = 1.0 / (scene.unit_settings.scale_length or 1.0)
+    with standing.at_rest(scene, character):
+        return native.bound_head().head_channels(
+            performance,
+            _world_from_character(scene, character, units),
+            native.array(character.location),
+            native.array(world.own_rotation(character)),
+            character.rotation_mode,
+            units,
+        )
+
+
+def _world_from_character(scene: bpy.types.Scene, character: bpy.types.Object, units: float):
+    """4 x 4: by landmarks if there are some, else by what the own controls move."""
+    parts, own = native.bound_head(), heads.bound_head(scene, character, "NONE")
+    stands = native.array(world.matrix(character))
+    if set(native.self_landmarks().REQUIRED) <= own.landmarks.keys():
+        with suppress(*native.known_errors()):  # of a face's mirror image, or of no face
+            place = parts.object_from_character(own.points, own.landmarks, own.matrix)
+            return stands @ place
+    surface = own_keys.surface(character)
+    moved = (surface.controls**2).sum(axis=(0, 2))
+    mesh = parts.MovedMesh(surface.points, surface.starts, surface.corners, moved)
+    return parts.world_from_motion(mesh, stands, units)
 
 
 def play(performance, character: bpy.types.Object, preset: str | None = None):
@@ -139,10 +176,3 @@ def check_no_preset(obj: bpy.types.Object, preset: str | None) -> None:
         else rpt_("{name} has no controls that a preset is for: leave --preset out")
     )
     raise native.invalid_input(reason.format(name=obj.name))
-
-
-def _pivot(scene: bpy.types.Scene, character: bpy.types.Object) -> tuple[float, float, float]:
-    """Where the object's origin is, from midway between the ears of the head that it holds."""
-    metre = (scene.unit_settings.scale_length or 1.0) * world.matrix(character).median_scale
-    centre = native.playing().face_centre(own_keys.surface(character))
-    return tuple(native.playing().origin_from_ears(centre * metre))

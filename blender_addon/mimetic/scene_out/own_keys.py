@@ -9,7 +9,7 @@ import numpy as np
 from bpy.app.translations import pgettext_iface as iface_
 
 from .. import native
-from . import actions, by_hand, companions
+from . import actions, by_hand, companions, sliders
 from .contact import KEY
 
 
@@ -137,14 +137,8 @@ def _ranges(keys) -> np.ndarray:
 def offsets_of(head: bpy.types.Object, key: bpy.types.ShapeKey) -> np.ndarray:
     """V x 3: what a key adds at value 1, to the key that it is relative to."""
     offsets = _points(key) - _points(key.relative_key)
-    if key.vertex_group and (group := head.vertex_groups.get(key.vertex_group)):
-        weights = np.zeros(len(offsets))
-        for vertex in head.data.vertices:
-            for member in vertex.groups:
-                if member.group == group.index:
-                    weights[vertex.index] = member.weight
-        offsets *= weights[:, None]
-    return offsets
+    weights = sliders.group_weights(head, key.vertex_group)
+    return offsets if weights is None else offsets * weights[:, None]
 
 
 def rest_points(head: bpy.types.Object) -> np.ndarray:

@@ -46,16 +46,52 @@ def take_levels(keys: bpy.types.Key, evaluated_face: bpy.types.Key) -> None:
         keys.key_blocks.foreach_set("value", levels)
 
 
+Weights = dict[str, np.ndarray | None]  # of vertices in vertex groups, by the group's name
+
+
 def moves(
-    keys: bpy.types.Key, values: Mapping[str, float], rest: np.ndarray
+    face: bpy.types.Object,
+    values: Mapping[str, float],
+    rest: np.ndarray,
+    weights: Weights | None = None,
 ) -> Iterator[tuple[float, np.ndarray, np.ndarray]]:
-    """Value, points and points at 0 of every shape that is not at 0; rest: the basis' points."""
-    basis = keys.reference_key
+    """Value, points and points at 0 of every shape that is not at 0; rest: the basis' points.
+
+    A key that a vertex group limits has points where it takes them. weights: of groups that were
+    read before, as that takes long; those that are read here are added.
+    """
+    keys = face.data.shape_keys
+    basis, weights = keys.reference_key, {} if weights is None else weights
     for name, value in values.items():
         key = keys.key_blocks[name]
         if value != 0.0 and key != basis:
-            start = key.relative_key
-            yield value, points_of(key), rest if start == basis else points_of(start)
+            start = rest if key.relative_key == basis else points_of(key.relative_key)
+            yield value, _limited(face, key, start, weights), start
+
+
+def _limited(
+    face: bpy.types.Object, key: bpy.types.ShapeKey, start: np.ndarray, weights: Weights
+) -> np.ndarray:
+    points, group = points_of(key), key.vertex_group
+    if not group:
+        return points
+    if group not in weights:
+        weights[group] = group_weights(face, group)
+    share = weights[group]
+    return points if share is None else start + share[:, None] * (points - start)
+
+
+def group_weights(face: bpy.types.Object, name: str) -> np.ndarray | None:
+    """V float32 of a vertex group; None if there is none, and a key of it moves all vertices."""
+    group = face.vertex_groups.get(name)
+    if group is None:
+        return None
+    weights, number = np.zeros(len(face.data.vertices), dtype=np.float32), group.index
+    for vertex in face.data.vertices:
+        for member in vertex.groups:
+            if member.group == number:
+                weights[vertex.index] = member.weight
+    return weights
 
 
 def set_values(face: bpy.types.Object, values: Mapping[str, float]) -> None:

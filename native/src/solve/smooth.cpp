@@ -17,7 +17,9 @@ using Blocks = std::vector<Eigen::VectorXd>;
 
 /// Frames of a clip in the time of one of 24 to 30 a second, for which what counts frames was chosen.
 double frames_a_frame(const SmootherOptions& options) {
-    return options.frame_rate / std::clamp(options.frame_rate, 24., 30.);
+    // Beyond these, of pictures that an hour lies between, one tells nothing of the next
+    const double rate = std::clamp(options.frame_rate, 1., 1000.);
+    return rate / std::clamp(rate, 24., 30.);
 }
 
 /// What standard deviations of second differences are multiplied by: variance a time of a random force.
@@ -108,7 +110,7 @@ SequenceProblem make_problem(const std::vector<FrameEstimate>& estimates, const 
     constexpr double kFramesPerState = 6;
     const double frames = frames_a_frame(options), factor = acceleration_factor(options);
     rest.bottomRightCorner(num_values, num_values) =
-        rest_covariance(motion).inverse() / (kFramesPerState * frames);
+        rest_covariance(motion).inverse() / std::max(1., kFramesPerState * frames);
     Eigen::VectorXd weights(size);
     weights.head<3>().setConstant(std::pow(factor * options.rotation_acceleration, -2));
     weights.segment<3>(3).setConstant(std::pow(factor * options.translation_acceleration, -2));
@@ -293,13 +295,13 @@ void check_estimates(const std::vector<FrameEstimate>& estimates, const FaceMoti
 void SmootherOptions::check() const {
     for (const auto& [name, value] : {std::pair{"value_acceleration", value_acceleration},
                                       std::pair{"rotation_acceleration", rotation_acceleration},
-                                      std::pair{"translation_acceleration", translation_acceleration}}) {
+                                      std::pair{"translation_acceleration", translation_acceleration},
+                                      std::pair{"frame_rate", frame_rate}}) {
         if (!(value > 1e-9 && value < 1e9)) {
             throw InvalidInput(std::string("SmootherOptions.") + name + " is " + std::to_string(value) +
                                "; it must be above 0 and finite");
         }
     }
-    check_range("SmootherOptions.frame_rate", frame_rate, 1., 1000.);
     check_range("SmootherOptions.max_iterations", max_iterations, 1, 100000);
     check_range("SmootherOptions.muscle_headroom", muscle_headroom, 1., 10.);
     if (!(first_muscle_bound > 0)) {

@@ -74,7 +74,7 @@ def main() -> None:
 
     def follow_contact(press: float) -> None:
         values = {"oris_close_upper": press, "oris_close_lower": press, "jaw_open": 1 - press}
-        correction = live_contact.correction(sliders.moves(face.data.shape_keys, values, rest))
+        correction = live_contact.correction(sliders.moves(face, values, rest))
         contact.place(face, live_contact.moved, correction)
 
     face.mimetic.use_contact = False

@@ -9,11 +9,11 @@ from mimetic.character.placement import world_from_object
 from mimetic.character.rig_motion import (
     Bone,
     Motion,
+    axes_of,
     bone_channels,
     facing,
     followed,
     motion,
-    object_channels,
     rotation_channels,
 )
 from sample_performance import make_performance
@@ -120,10 +120,24 @@ def test_the_part_that_follows_is_found():
     assert followed(before, before, 0.5) == pytest.approx(0)
 
 
-def test_a_flat_object_is_refused():
-    turns = some_rotations(3, 0.1)
+@pytest.mark.parametrize("flat", [np.diag([1.0, 0, 1, 1]), np.diag([0.0, 0, 0, 1])])
+def test_a_flat_object_is_refused(flat):
     with pytest.raises(InvalidInput, match="scale"):
-        object_channels(Motion(turns, np.zeros((3, 3))), np.diag([1.0, 0, 1, 1]), np.eye(4), "XYZ")
+        axes_of(flat)
+
+
+@pytest.mark.parametrize("direction", ["-Y", "+X"])
+@pytest.mark.parametrize("axis", range(3))
+def test_a_mirrored_objects_face_looks_as_it_is_seen_to(axis, direction):
+    turn = some_rotations()[20]
+    signs = np.ones(3)
+    signs[axis] = -1
+    world = np.eye(4)
+    world[:3, :3] = turn @ np.diag(0.01 * signs)
+    axes = axes_of(world, direction)
+    plain = turn @ np.diag(signs) @ facing(direction)
+    np.testing.assert_allclose(axes[:, 1:], plain[:, 1:], atol=1e-12)  # what is back, and up
+    assert np.linalg.det(axes) == pytest.approx(1)
 
 
 def test_a_head_is_found_in_an_object_by_its_landmarks():

@@ -43,6 +43,24 @@ def test_few_keys_stay_within_the_error_that_is_stated(tolerance):
     assert len(keys.points) < 30
 
 
+@pytest.mark.parametrize("rate", [24, 60])
+@pytest.mark.parametrize("by_phases", [False, True])
+def test_few_keys_keep_to_straight_lines_at_the_frames_of_another_rate(rate, by_phases):
+    """Of blinks filmed at 30 frames a second."""
+    frames = 1 + (FRAMES - 1) * rate / 30
+    values = sum(
+        np.interp(FRAMES, start + np.array([0, 2, 3, 6]), (0, 1, 1, 0)) for start in (9, 40)
+    )
+    keys = sparse_keys(frames, values, 0.02, by_phases)
+    together = sparse_together(frames, np.column_stack([values, np.roll(values, 1)]), 0.02)[0]
+    whole = np.arange(1, int(frames[-1]) + 1)
+    for few in (keys, together):
+        for at in (frames, whole):
+            missed = np.abs(played(few, at) - np.interp(at, frames, values)).max()
+            assert missed <= few.error + 1e-9 <= 0.02 + 2e-9
+        assert len(few.points) < len(whole)
+
+
 def test_what_rests_rests_and_a_still_curve_is_one_key():
     keys = sparse_keys(FRAMES, event(30))
     assert np.abs(played(keys)[:28]).max() < 1e-4

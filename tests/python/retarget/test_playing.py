@@ -9,7 +9,7 @@ from acting import make_acting
 from mimetic import InvalidInput
 from mimetic.retarget.bone_channels import nearest_surface
 from mimetic.retarget.controls import ControlRow
-from mimetic.retarget.playing import face_centre, origin_from_ears, play
+from mimetic.retarget.playing import play
 from mimetic.retarget.unit_fit import unit_order, unit_values
 from mimetic.template.face_template import load_template
 from surfaces import make_surface, renamed
@@ -123,15 +123,3 @@ def test_face_units_of_a_performance(acting):
     values = unit_values(acting)
     assert values.shape == (6, 52)
     np.testing.assert_allclose(values[:, unit_order().index("jawOpen")], RISE, atol=0.12)
-
-
-def test_where_a_head_turns_about_is_near_its_ears():
-    template = load_template()
-    surface = make_surface(has_muscles=False)
-    # The head frame's y is up, z forward; an object's face looks along -y, with z up
-    x, y, z = face_centre(surface)
-    ears = -origin_from_ears(np.array([x, -z, y]))
-    tragus = template.vertices[template.landmark("tragus.L")]
-    assert abs(ears[0]) < 0.003
-    assert abs(ears[1] + tragus[2]) < 0.02
-    assert abs(ears[2] - tragus[1]) < 0.06

@@ -144,7 +144,7 @@ private:
 };
 
 struct SmootherOptions {
-    /// Of the clip, 1 to 1000 a second. Accelerations are those of clips of 24 to 30; in others forces are as
+    /// Of the clip, a second. Accelerations are those of clips of 24 to 30; in others forces are as
     /// random in the same time, so that a second difference goes with the power 1.5 of a frame's duration
     double frame_rate = 30;
     double value_acceleration = 0.08;        ///< s.d. of a value's second difference, 1 a frame squared

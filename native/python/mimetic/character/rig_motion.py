@@ -119,23 +119,21 @@ def bone_channels(
     return of_head, None if neck is None else _channels(of_neck, None, neck.rotation_mode)
 
 
-def object_channels(
-    head_motion: Motion,
-    basis: ArrayLike,
-    world_from_parent: ArrayLike,
-    rotation_mode: str,
-    direction: str = "-Y",
-    scale: float = 1.0,
-) -> Channels:
-    """Curves of an object that starts from where it is and moves as the head does.
+def axes_of(world_from_object: ArrayLike, direction: str = "-Y") -> Floats:
+    """3 x 3, world from the character frame, of an object whose face looks along `direction`.
 
-    basis: 4 x 4, what the object's own channels are now; world_from_parent: 4 x 4, what comes
-    before them; direction: where its face looks; scale: of shifts.
+    world_from_object: 4 x 4. A mirrored object holds a face still, whose left is where its right
+    was. Raises InvalidInput for one that is scaled to nothing.
     """
-    basis, parent = np.asarray(basis, dtype=np.float64), np.asarray(world_from_parent, dtype=float)
-    own = rotation_of(basis[:3, :3], "object")
-    axes = rotation_of(parent[:3, :3], "parent") @ own @ facing(direction)
-    return carried_channels(head_motion, basis[:3, 3], own, parent, axes, rotation_mode, scale)
+    linear = np.asarray(world_from_object, dtype=np.float64)[:3, :3]
+    axes = linear @ facing(direction) / (np.abs(linear).max() or 1.0)
+    return rotation_of(axes @ mirror(axes), "object")
+
+
+def mirror(linear: Floats) -> Floats:
+    """3 x 3, with which a mirroring matrix mirrors no more: it turns over x, from side to side."""
+    x, y, z = linear.T
+    return np.diag([-1.0 if np.cross(x, y) @ z < 0 else 1.0, 1, 1])
 
 
 def carried_channels(
@@ -147,7 +145,7 @@ def carried_channels(
     rotation_mode: str,
     scale: float = 1.0,
 ) -> Channels:
-    """Curves of an object that is carried from where it is.
+    """Curves of an object that starts from where it is and moves as the head does.
 
     location: 3, rotation: 3 x 3, its own channels now; world_from_parent: 4 x 4; axes: 3 x 3, world
     from the character frame; scale: of shifts.

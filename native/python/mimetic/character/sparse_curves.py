@@ -18,13 +18,14 @@ CURVE_STD = 0.05  # of an activation, about what captures say of theirs; phases 
 # The error of a rotation, radians, over that of the worst of its parts: at most so much
 TURN_ERRORS = {"rotation_quaternion": 4.0, "rotation_euler": 3.0, "rotation_axis_angle": 8.0}
 LEAST_TOLERANCE, MOST_TOLERANCE = 1e-4, 0.5
+SAME_FRAME = 0.05  # of a frame: a curve hardly bends on so short a way
 
 
 @dataclass(frozen=True)
 class SparseKeys(CurveKeys):
     """Few keys that stand for a dense curve."""
 
-    error: float  # farthest from the dense curve at its frames
+    error: float  # farthest from the dense curve at its frames and at whole ones
     keys_of_event: list[int]  # by phases: how many each event has, from onset to end
 
     def scaled(self, unit: float) -> SparseKeys:
@@ -40,15 +41,16 @@ def sparse_keys(
     tolerance: float = USUAL_TOLERANCE,
     by_phases: bool = False,
 ) -> SparseKeys:
-    """Few keys within `tolerance` of a dense curve (N frames, rising; N values).
+    """Few keys within `tolerance` of a dense curve (N frames, rising; N values), at its frames and,
+    as straight lines lie between them, at whole frames, which a scene at another rate shows.
 
     by_phases: keys first at onset, apex, release and end of each event, as its phases are fitted.
     Handles end a third of the way to the neighbouring key, so that the curve is a cubic in time.
     Raises InvalidInput.
     """
     check_tolerance(tolerance)
-    frames = np.ascontiguousarray(frames, dtype=np.float64)
-    values = np.ascontiguousarray(values, dtype=np.float64)
+    frames, rows = _with_whole_frames(frames, np.asarray(values)[:, None])
+    values = np.ascontiguousarray(rows[:, 0])
     if by_phases:
         stds = np.full(len(values), CURVE_STD)
         curve, keys_of_event = _core.reduce_by_phases(frames, values, stds, tolerance)
@@ -75,17 +77,31 @@ def sparse_rotation(
 def sparse_together(
     frames: NDArray[np.float64], rows: NDArray[np.float64], tolerance: float
 ) -> list[SparseKeys]:
-    """Few keys of curves (N x C) within `tolerance` of each, all at the same frames."""
-    curves = _core.reduce_together(
-        np.ascontiguousarray(frames, dtype=np.float64),
-        np.asfortranarray(rows, dtype=np.float64),
-        tolerance,
-    )
+    """Few keys of curves (N x C) within `tolerance` of each, as `sparse_keys`, all at the same
+    frames."""
+    frames, rows = _with_whole_frames(frames, rows)
+    curves = _core.reduce_together(frames, np.asfortranarray(rows), tolerance)
     keys = [cubic_keys(one.frames, one.values, one.slopes, one.slopes) for one in curves]
     return [
         SparseKeys(key.points, key.left, key.right, float(one.error), [])
         for key, one in zip(keys, curves, strict=True)
     ]
+
+
+def _with_whole_frames(
+    frames: NDArray[np.float64], rows: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Frames (N, rising) with the whole ones among them, and what straight lines between rows
+    (N x C) are there."""
+    frames = np.ascontiguousarray(frames, dtype=np.float64)
+    rows = np.asarray(rows, dtype=np.float64)
+    if len(frames) < 2 or not np.isfinite(frames).all() or (np.diff(frames) <= 0).any():
+        return frames, rows
+    whole = np.arange(np.ceil(frames[0]), frames[-1])
+    after = np.clip(np.searchsorted(frames, whole), 1, len(frames) - 1)
+    gap = np.minimum(np.abs(whole - frames[after - 1]), np.abs(frames[after] - whole))
+    at = np.union1d(frames, whole[gap > SAME_FRAME])
+    return at, np.column_stack([np.interp(at, frames, column) for column in rows.T])
 
 
 def check_tolerance(tolerance: float) -> None:

@@ -21,7 +21,8 @@ from mimetic.puppet.live_filter import LiveState
 from mimetic.puppet.live_units import live_units
 from mimetic.retarget.control_names import known_names, unit_shares
 from mimetic.retarget.controls import ControlRow, ControlSurface
-from mimetic.retarget.playing import READABLE, by_shares, fit_of, moving, refuse_unknown, table_of
+from mimetic.retarget.name_shares import by_shares, shares_once
+from mimetic.retarget.playing import READABLE, fit_of, moving, refuse_unknown, table_of
 from mimetic.solve.gaze import SIDES
 
 Floats = NDArray[np.float64]
@@ -123,14 +124,14 @@ class DrivenControls:
         used = surface.without(name for name in surface.ranges if name not in table)
         self._gaze = used.gaze
         names = list(used.control_names)
-        self._shares = unit_shares(names, known_names(names))
-        is_named = self._shares.any(axis=1)
+        known, moves = known_names(names), moving(used)
+        self._shares = shares_once(names, known, moves)
+        is_named = unit_shares(names, known).any(axis=1)
         self._fit: _core.ControlFit | None = None
         is_matched = np.zeros(len(names), dtype=bool)
         self._only_named = is_named
         if len(used.source_names):
             self._fit = fit_of(used, options)
-            moves = moving(used)
             is_matched = moves & (self._fit.readable > READABLE)
             self._only_named = is_named & ~moves
         elif not is_named.any():

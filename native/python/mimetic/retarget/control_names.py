@@ -41,7 +41,13 @@ class KnownName:
     """What a control's name says."""
 
     convention: str  # that has it
+    plain: str  # the control's plain name there
     units: Mapping[str, float]  # share of each face unit; none for a state, or a bone
+
+    @property
+    def place(self) -> tuple[str, str]:
+        """The same for all spellings of one control."""
+        return self.convention, self.plain
 
 
 @dataclass(frozen=True)
@@ -175,7 +181,8 @@ def _convention(entry: Mapping) -> Convention:
     for name, units in rows.items():
         for side, unit_side in zip(entry["sides"], UNIT_SIDES, strict=True):
             own = {unit.replace("*", unit_side): float(share) for unit, share in units.items()}
-            controls[_plain(name.replace("*", side))] = KnownName(entry["name"], own)
+            plain = _plain(name.replace("*", side))
+            controls[plain] = KnownName(entry["name"], plain, own)
     return Convention(entry["name"], controls, bool(entry.get("is_bones")))
 
 

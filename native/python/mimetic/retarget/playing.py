@@ -20,18 +20,17 @@ from mimetic.character.shapes import slider_shapes_of
 from mimetic.performance.document import Performance
 from mimetic.performance.gaze import SIDES, gaze_of, has_gaze
 from mimetic.retarget.control_names import (
-    KnownName,
     is_bone_channel,
     known_names,
     unit_shares,
 )
 from mimetic.retarget.controls import ControlRow, ControlSurface, refitted
+from mimetic.retarget.name_shares import by_shares, shares_once
 from mimetic.retarget.unit_fit import NOT_CANONICAL, unit_order, unit_values
 from mimetic.template.face_template import load_template
 
 MOVES = 1e-6  # of the mesh's extent: a control that displaces less on this mesh moves nothing of it
 DRIVEN = 5e-3  # of a control's range: a curve that stays below is none
-EARS_BEHIND = 0.08  # metres, of the middle of a face
 MOST_NAMED = 24  # in one list of a message
 MOST_FITS = 8  # that a preview keeps: one for each choice of controls that are on
 SHUTTING, PARTING = ("lid_upper.L", "lid_upper.R"), "jaw_open"  # sources that move rims
@@ -54,7 +53,7 @@ class PlayedControls:
     performance leaves at rest; unplayed: muscles, jaw, lids and gaze that move in it and of which
     the controls make nearly nothing; explained: share of the motion of the surface over all
     frames that the controls make, None where names alone decide; strangers: what a preset has rows
-    of and the character has not.
+    of and the character has not; doubles: those of by_name that mean what others play, and rest.
     """
 
     names: list[str]
@@ -65,6 +64,7 @@ class PlayedControls:
     unplayed: list[str]
     explained: float | None
     strangers: Sequence[str] = ()
+    doubles: Sequence[str] = ()
 
     def summary(self) -> str:
         """What was driven and what was not, for people: parts between semicolons."""
@@ -99,6 +99,7 @@ def remarks(rows: Sequence[ControlRow], played: PlayedControls | None) -> dict[s
                 top = float(np.abs(played.values[:, played.names.index(name)]).max(initial=0))
                 parts.append("at rest" if name in played.resting else f"up to {top:.2f}")
                 parts += ["by its name"] if name in played.by_name else []
+                parts += ["others play what it means"] if name in played.doubles else []
         if name in known:
             units = " + ".join(f"{share:g} {unit}" for unit, share in known[name].units.items())
             meaning = units if is_bone_channel(name) else units or "no motion"
@@ -141,12 +142,13 @@ def _fitted_controls(
     used = surface.without(name for name in surface.ranges if name not in table)
     names = list(used.control_names)
     known = known_names(names)
-    expected = _by_names(performance, names, known)
+    moves = moving(used)
+    shares = shares_once(names, known, moves)
+    expected = _by_names(performance, shares)
     gaze = _gaze(performance, used)
     has_muscles = bool(len(used.source_names))
-    if expected is None and not has_muscles and unit_shares(names, known).any():
+    if expected is None and not has_muscles and shares.any():
         raise InvalidInput(NOT_CANONICAL)
-    moves = moving(used)
     is_named = unit_shares(names, known).any(axis=1) & (expected is not None)
     if has_muscles:
         # What the eyes' controls take along is as they play
@@ -169,6 +171,7 @@ def _fitted_controls(
         names=list(curves),
         values=_columns(performance, curves.values()),
         by_name=[names[k] for k in np.flatnonzero(only_named)],
+        doubles=[names[k] for k in np.flatnonzero(only_named & ~shares.any(axis=1))],
         unmatched=[name for k, name in enumerate(names) if k not in kept],
         resting=[],
         unplayed=unplayed,
@@ -275,38 +278,12 @@ class ControlPreview:
         return self._fits[names]
 
 
-def face_centre(surface: ControlSurface) -> Floats:
-    """3: the middle of what a character's controls move, by area and motion; the points' frame."""
-    areas = _core.polygon_areas(surface.points, *_polygons(surface))
-    weights = areas * (surface.controls**2).sum(axis=(0, 2))
-    total = float(weights.sum())
-    return weights @ surface.points / total if total > 0 else surface.points.mean(axis=0)
-
-
-def origin_from_ears(centre: Floats) -> Floats:
-    """3, metres: an object's origin seen from midway between the ears, in the character frame.
-
-    centre: 3, metres, of the face in the object, which looks along -y.
-    """
-    return -np.asarray(centre, dtype=np.float64) - np.array([0.0, EARS_BEHIND, 0.0])
-
-
-def _by_names(
-    performance: Performance, names: Sequence[str], known: Mapping[str, KnownName]
-) -> Floats | None:
+def _by_names(performance: Performance, shares: Floats) -> Floats | None:
     """N x K: what names say; None where they say nothing of this performance's mesh."""
-    shares = unit_shares(names, known)
     is_canonical = performance.neutral_vertices.shape == load_template().vertices.shape
     if not shares.any() or not is_canonical:
         return None
     return by_shares(unit_values(performance), shares)
-
-
-def by_shares(units: Floats, shares: Floats) -> Floats:
-    """T x K of controls whose names have shares (K x 52, as `unit_shares`) of the units (T x 52, in
-    the order of `unit_order`)."""
-    columns = [unit_order().index(name) for name in load_template().unit_names]
-    return units[:, columns] @ shares.T
 
 
 def fit_of(
