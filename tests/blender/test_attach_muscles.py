@@ -177,6 +177,7 @@ def cut(head) -> None:
     head.data.update()
 
 
+@pytest.mark.oldest_and_newest
 @pytest.mark.parametrize("kind", ["empties", "groups"])
 def test_the_heads_place_stays_where_transforms_are_applied(extension, parts, head, kind):
     attached(head, parts, kind)
@@ -193,6 +194,7 @@ def test_the_heads_place_stays_where_transforms_are_applied(extension, parts, he
     assert np.linalg.det(applied) == pytest.approx(np.linalg.det(size) / UNIT**3, rel=1e-4)
 
 
+@pytest.mark.oldest_and_newest
 @pytest.mark.parametrize("kind", ["empties", "groups"])
 def test_the_heads_place_stays_where_its_mesh_is_cut(extension, parts, head, kind):
     attached(head, parts, kind)
@@ -202,6 +204,7 @@ def test_the_heads_place_stays_where_its_mesh_is_cut(extension, parts, head, kin
     assert extension("heads").moved_landmarks(bpy.context.scene, head) == []
 
 
+@pytest.mark.oldest_and_newest
 def test_parts_stay_where_transforms_are_applied(extension, parts, head):
     bpy.ops.mesh.primitive_uv_sphere_add(radius=1.2)
     eye = bpy.context.active_object
@@ -222,6 +225,7 @@ def test_parts_stay_where_transforms_are_applied(extension, parts, head):
     np.testing.assert_allclose(places(), before, atol=1e-5)
 
 
+@pytest.mark.oldest_and_newest
 @pytest.mark.parametrize("how", ["applied", "cut"])
 def test_muscles_follow_landmarks_after_the_mesh_was_changed(extension, parts, head, how):
     attached(head, parts, "empties")
@@ -250,6 +254,7 @@ def test_muscles_follow_landmarks_after_the_mesh_was_changed(extension, parts, h
         assert bpy.ops.mimetic.attach_muscles() == {"FINISHED"}
 
 
+@pytest.mark.newest
 def test_contact_is_of_the_muscles_attached_last(extension, parts, head):
     def pressed() -> np.ndarray:
         blocks = head.data.shape_keys.key_blocks
@@ -280,7 +285,7 @@ def test_landmarks_by_a_file_are_those_of_the_empties(extension, scene, parts, h
     np.testing.assert_array_equal(offsets_of(head, "mentalis.L"), by_empties)
 
 
-@pytest.mark.oldest_and_newest
+@pytest.mark.newest
 @pytest.mark.parametrize("turn", [(0, 0, 0.7), (1.57, 0, 0), (0, 0, 3.14)])
 def test_landmarks_find_their_places_whichever_way_a_head_looks(parts, head, turn):
     head.rotation_euler = turn
@@ -295,7 +300,7 @@ def test_landmarks_find_their_places_whichever_way_a_head_looks(parts, head, tur
         bpy.ops.mimetic.add_landmarks()
 
 
-@pytest.mark.oldest_and_newest
+@pytest.mark.newest
 def test_landmarks_of_what_is_no_face_are_marked_as_guesses():
     bpy.ops.mesh.primitive_uv_sphere_add(radius=0.1)
     ball = bpy.context.active_object

@@ -8,6 +8,8 @@ from last_result import result
 from test_bake_bound import evaluated
 from test_own_controls import UNITS, character, key_curves, loaded, played  # noqa: F401
 
+pytestmark = pytest.mark.oldest_and_newest
+
 FRAME = 20
 
 

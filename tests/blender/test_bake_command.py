@@ -105,7 +105,7 @@ def test_a_glb_is_written(performance_file, tmp_path):
 
 
 @pytest.mark.parametrize("suffix", [b".glb", b".blend"])
-@pytest.mark.oldest_and_newest
+@pytest.mark.newest
 def test_names_that_are_no_text_are_baked(performance_file, footage, tmp_path, suffix):
     folder = os.fsencode(tmp_path)
     arguments = [folder + b"/p\xe9.npz", folder + b"/clip\xe9.mp4"]

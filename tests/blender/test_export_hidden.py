@@ -5,6 +5,8 @@ import bpy
 import pytest
 from test_exports import SUFFIXES, read
 
+pytestmark = pytest.mark.oldest_and_newest
+
 EVERY = (".glb", *SUFFIXES)
 
 

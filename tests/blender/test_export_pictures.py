@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 from test_exports import FPS, mesh_of, read
 
+pytestmark = pytest.mark.oldest_and_newest
+
 COLOURS = {"Painted": (1, 0, 0), "Packed": (0, 1, 0), "Skin": (0, 0, 1), "Other": (1, 1, 0)}
 
 

@@ -7,6 +7,8 @@ import pytest
 from mathutils import Matrix
 from test_head import world_at
 
+pytestmark = pytest.mark.oldest_and_newest
+
 UNITS = ("jawOpen", "browInnerUp")
 FRAMES = (1, 9, 24, 40)
 
