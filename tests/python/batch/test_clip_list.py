@@ -30,6 +30,25 @@ def test_folders_give_the_clips_in_them_and_below(clips):
     assert names(rows_of([clips])) == ["one.mp4", "three.mkv", "two.MOV"]
 
 
+def test_clips_in_linked_folders_are_found_once(clips, tmp_path):
+    store = tmp_path / "store"
+    store.mkdir()
+    (store / "four.mp4").write_bytes(b"four")
+    (clips / "a link").symlink_to(store)
+    (clips / "another link").symlink_to(store)
+    (clips / "a loop").symlink_to(clips)
+    assert names(rows_of([clips])) == ["four.mp4", "one.mp4", "three.mkv", "two.MOV"]
+
+
+def test_a_dead_link_in_a_folder_is_a_clip_that_is_gone(clips, tmp_path):
+    (clips / "gone.mp4").symlink_to(tmp_path / "unmounted" / "gone.mp4")
+    (clips / "itself.mov").symlink_to("itself.mov")
+    (clips / "gone.txt").symlink_to(tmp_path / "gone.txt")
+    problems = {os.path.basename(row.clip): row.problem for row in rows_of([clips])}
+    assert [name for name, problem in problems.items() if problem] == ["gone.mp4", "itself.mov"]
+    assert "there is no such file" in problems["gone.mp4"]
+
+
 def test_results_of_a_batch_in_the_folder_are_no_clips(clips):
     results = clips / "out" / "one"
     results.mkdir(parents=True)

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Clips of one person share that person's fit, with a stand-in for the commands."""
 
+import shutil
 import threading
+from dataclasses import replace
 
 import pytest
 from clips import make_clip
@@ -120,6 +122,46 @@ def test_a_fit_in_the_table_is_the_persons(clips, out, commands, tmp_path):
     assert fit_option(commands.words[0]) == ("--fit", fit)
     assert fit_option(commands.words[1]) == ("--person", fit)
     assert fit_option(commands.words[3])[1] == str(out / "people" / "ben" / "fit.json")
+
+
+def test_a_fit_that_a_later_line_names_is_the_persons(clips, out, commands, tmp_path):
+    (tmp_path / "anna.json").write_text("calibrated")
+    fit = str(tmp_path / "anna.json")
+    rows = [Row(str(clip), person="anna") for clip in clips]
+    rows[1] = replace(rows[1], fit=fit)
+    for folder in folders(out, *rows):
+        assert run_task(folder, commands) == (0, "")
+    assert [fit_option(words) for words in commands.words] == [
+        ("--person", fit),
+        ("--fit", fit),
+        ("--person", fit),
+    ]
+
+
+def test_what_is_asked_while_a_fit_is_looked_for_is_another_fit(clips, out, commands):
+    (folder,) = folders(out, Row(str(clips[0]), person="anna"))
+
+    def run_command(words):
+        if words[0] == "fit":
+            folders(out, Row(str(clips[0]), person="anna", focal="28"))
+        return commands(words)
+
+    assert run_task(folder, run_command) == (0, "")
+    assert run_task(folder, commands) == (0, "")
+    fits = [words for words in commands.words if words[0] == "fit"]
+    assert len(fits) == 2 and fits[1][-1] == "--focal=28"
+
+
+def test_clips_of_a_person_that_were_moved_are_done(clips, out, commands, tmp_path):
+    rows = [Row(shutil.copy(clip, tmp_path), person="anna") for clip in clips]
+    before = folders(out, *rows)
+    for folder in before:
+        run_task(folder, commands)
+    moved = tmp_path / "moved"
+    moved.mkdir()
+    rows = [replace(row, clip=shutil.move(row.clip, moved)) for row in rows]
+    assert folders(out, *rows) == before
+    assert all(Task.load(folder).is_all_done() for folder in before)
 
 
 def test_another_first_clip_is_another_fit_and_other_captures(clips, out, commands):

@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
+import os
 import shutil
+from dataclasses import replace
 
 import pytest
 from mimetic import InvalidInput, UnreadableMedia
@@ -103,6 +105,60 @@ def test_a_folder_that_vanishes_while_the_batch_runs_is_its_clips_failure(rows, 
     assert "no such file" in (out / "index.html").read_text()
 
 
+def test_clips_for_which_another_batch_asks_otherwise_are_not_ours(rows, out):
+    batch = plan.prepare(out, rows, Settings())
+    assert plan.reload(batch) == {}
+    plan.prepare(out, [replace(rows[0], focal="28"), *rows[1:]], Settings())
+    failures = plan.reload(batch)
+    assert list(failures) == ["shot"] and "another batch in this folder" in failures["shot"]
+
+
+def test_what_is_asked_anew_leaves_what_is_done(rows, out):
+    (task,) = plan.prepare(out, rows[:1], Settings()).tasks
+    task.done["capture"] = {"key": "k", "files": {}, "seconds": 1.0}
+    task.save()
+    (again,) = plan.prepare(out, [replace(rows[0], focal="28")], Settings()).tasks
+    assert again.done == task.done
+    task.save()
+    assert Task.load(task.folder).row.focal == "28"
+
+
+def capture(batch):
+    """Notes the clips as captured, as far as plans look."""
+    for task in batch.tasks:
+        task.done["capture"] = {"key": task.steps()[0].key(), "files": {}, "seconds": 1.0}
+        task.save()
+
+
+def test_clips_that_were_moved_and_renamed_keep_their_folders(rows, out, tmp_path):
+    batch = plan.prepare(out, rows, Settings())
+    capture(batch)
+    moved = []
+    for i, row in enumerate(rows[::-1]):
+        path = tmp_path / f"moved {i}.mp4"
+        os.rename(row.clip, path)
+        moved.append(Row(str(path)))
+    new = tmp_path / "new.mp4"
+    new.write_bytes(b"new")
+    after = plan.prepare(out, [*moved, Row(str(new))], Settings())
+    assert [task.name for task in after.tasks] == ["SHOT-3", "shot-2", "shot", "new"]
+    assert [task.row.clip for task in plan.load(out).tasks] == [row.clip for row in moved] + [
+        str(new)
+    ]
+
+
+def test_a_copy_of_a_clip_and_another_content_have_folders_of_their_own(rows, out, tmp_path):
+    capture(plan.prepare(out, rows, Settings()))
+    copy, other = tmp_path / "copy.mp4", tmp_path / "other.mp4"
+    shutil.copy(rows[0].clip, copy)
+    os.unlink(rows[1].clip)
+    other.write_bytes(b"other")
+    names = [
+        task.name for task in plan.prepare(out, [Row(str(copy)), Row(str(other))], Settings()).tasks
+    ]
+    assert names == ["copy", "other"]
+
+
 def test_files_that_are_no_batch_are_refused(rows, out):
     with pytest.raises(UnreadableMedia, match="no such file"):
         plan.load(out)
@@ -119,6 +175,8 @@ def test_files_that_are_no_batch_are_refused(rows, out):
         {"clip": {"nonsense": "x"}},
         {"settings": {}},
         {"done": {"capture": {"key": 1, "files": {}}}},
+        {"written": ["face.blend"]},
+        {"written": {"face.blend": 3}},
         {"take": []},
         {"take": {"frames": "x"}},
         {"notes": [3]},

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What a task does and leaves, with a stand-in for the commands that it runs."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -124,6 +125,98 @@ def test_results_of_the_settings_before_outlive_a_bake_that_fails(prepare, comma
     assert (folder / "face.glb").exists()
     assert run_task(prepare(), commands) == (0, "")
     assert commands.names == ["capture", "face.glb", "face.glb"]
+
+
+@pytest.mark.parametrize("status", [1, 130])
+def test_what_was_polished_after_a_bake_failed_is_kept_by_the_next(prepare, commands, status):
+    folder = prepare()
+    run_task(folder, commands)
+    commands.answers["face.glb"] = (status, "no end")
+    other = Settings(("glb",), tolerance=0.05)
+    assert run_task(prepare(other), commands)[0] == status
+    (folder / "face.glb").write_text("polished for hours")
+    commands.answers.clear()
+    assert run_task(prepare(other), commands) == (0, "")
+    assert (folder / "face.kept.glb").read_text() == "polished for hours"
+    assert "--few-keys" in (folder / "face.glb").read_text()
+
+
+def killed(commands, name):
+    """As a task's process ends in `kill -9`, when a command has written its files."""
+
+    def run_command(words):
+        outcome = commands(words)
+        if commands.names[-1] == name:
+            raise KeyboardInterrupt
+        return outcome
+
+    return run_command
+
+
+def test_what_was_polished_after_a_kill_is_kept_by_the_next(prepare, commands):
+    folder = prepare()
+    run_task(folder, commands)
+    with pytest.raises(KeyboardInterrupt):
+        run_task(prepare(Settings(("glb",), with_detail=True)), killed(commands, "face.glb"))
+    assert Task.load(folder).begun == "glb"
+    (folder / "face.glb").write_text("polished for hours")
+    assert run_task(folder, commands) == (0, "")
+    assert (folder / "face.kept.glb").read_text() == "polished for hours"
+
+
+def test_what_a_killed_process_had_written_alike_is_not_kept(prepare, commands):
+    folder = prepare()
+    for _ in range(2):
+        with pytest.raises(KeyboardInterrupt):
+            run_task(folder, killed(commands, "capture"))
+    assert (folder / "fit.kept.json").exists()  # whoever wrote it
+    assert run_task(folder, commands) == (0, "")
+    assert list(folder.glob("*.kept*")) == [] and Task.load(folder).notes == []
+
+
+def test_the_part_of_a_capture_that_was_stopped_is_not_kept(prepare, commands):
+    folder = prepare()
+
+    def run_command(words):
+        (folder / "performance.npz").write_text("a part")
+        return 143, "stopped"
+
+    assert run_task(folder, run_command)[0] == 143
+    assert run_task(folder, commands) == (0, "")
+    assert list(folder.glob("*.kept*")) == [] and Task.load(folder).notes == []
+
+
+def test_a_task_that_was_written_before_marks_were_keeps_what_was_polished(prepare, commands):
+    folder = prepare()
+    run_task(folder, commands)
+    document = json.loads((folder / "task.json").read_text())
+    del document["written"]
+    (folder / "task.json").write_text(json.dumps(document))
+    (folder / "face.glb").write_text("polished for hours")
+    run_task(prepare(Settings(("glb",), with_detail=True)), commands)
+    assert [path.name for path in folder.glob("*.kept*")] == ["face.kept.glb"]
+
+
+def test_what_is_asked_while_a_task_is_at_work_is_done_by_the_next(prepare, commands):
+    folder = prepare()
+
+    def run_command(words):
+        if words[0] == "capture":
+            prepare(GLB, focal="28")
+        return commands(words)
+
+    assert run_task(folder, run_command) == (0, "")
+    assert Task.load(folder).row.focal == "28" and not Task.load(folder).is_all_done()
+    assert run_task(folder, commands) == (0, "")
+    assert "--focal=28" in commands.words[2] and Task.load(folder).is_all_done()
+
+
+def test_a_task_whose_results_were_removed_is_not_done(prepare, commands):
+    folder = prepare()
+    run_task(folder, commands)
+    assert Task.load(folder).has_all()
+    (folder / "performance.npz").unlink()
+    assert not Task.load(folder).has_all()
 
 
 def test_one_step_alone_can_be_run(prepare, commands):

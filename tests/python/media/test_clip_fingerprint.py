@@ -56,6 +56,20 @@ def test_a_file_is_found_by_its_content(tmp_path):
     assert list(files_in(tmp_path / "nothing", 2)) == []
 
 
+def test_linked_folders_are_looked_through_once_and_after_the_others(tmp_path):
+    folder = tmp_path / "folder"
+    (folder / "b").mkdir(parents=True)
+    (tmp_path / "other").mkdir()
+    for path in (folder / "b" / "one.mp4", tmp_path / "other" / "two.mp4"):
+        path.write_bytes(b"x")
+    for name, target in (("a", "b"), ("loop", "."), ("other", "../other"), ("dead.mp4", "none")):
+        (folder / name).symlink_to(target)
+    found = [folder / "b" / "one.mp4", folder / "other" / "two.mp4"]
+    assert list(files_in(folder, 9)) == found
+    assert list(files_in(folder, 9, with_dead_links=True)) == [folder / "dead.mp4", *found]
+    assert list(files_in(folder)) == []
+
+
 def test_a_performance_keeps_what_it_is_of(tmp_path):
     mark = "12-" + "a" * 64
     make_performance(footage=["clip.mp4", mark]).save(tmp_path / "take.npz")

@@ -86,11 +86,12 @@ def _without_later_pictures(paths: Iterable[Path]) -> list[Path]:
 def _in_folder(folder: Path, usual: Row) -> Iterator[Row]:
     files = [
         path
-        for path in files_in(folder, MOST_DEPTH)
+        for path in files_in(folder, MOST_DEPTH, with_dead_links=True)
         if not path.name.startswith(".") and not _is_result(path, folder)
     ]
-    videos = [path for path in files if path.suffix.lower() in SUFFIXES]
-    clips = sorted([*videos, *sequences_in(files, FEWEST_PICTURES)])
+    videos = [path for path in files if path.suffix.lower() in SUFFIXES]  # or dead links to such
+    pictures = [path for path in files if path.exists()]
+    clips = sorted([*videos, *sequences_in(pictures, FEWEST_PICTURES)])
     if not clips:
         kinds = f"{', '.join(SUFFIXES)}, or {FEWEST_PICTURES} numbered pictures"
         yield Row(_absolute(folder), problem=f"no clips in this folder ({kinds})")

@@ -104,7 +104,7 @@ def _card(task: Task, why: str | None) -> str:
     links = [
         f"<a href='{_html(quote(f'{task.name}/{name}'))}'>{_html(name)}</a>"
         for step in task.steps()
-        if step.name in task.done
+        if task.has_results(step)
         for name in step.outputs
     ]
     parts.append(f"<p>{' '.join(links)}</p><p class='caption'>{_html(_source(task))}</p>")

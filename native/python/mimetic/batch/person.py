@@ -1,12 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A person's fit, which all clips of that person share.
 
-It comes from the first of the person's lines in which a fit is named or a face is found. Whichever
-of their tasks comes first finds it, the others wait; it is the same whoever that is.
+It is the first that one of the person's lines names, otherwise the one found in the first of their
+clips that shows the face. Whichever of their tasks comes first finds it, the others wait; it is the
+same whoever that is.
+
+Two write person.json: who prepares the batch the clips that may give the fit, and who finds it the
+fit. Each leaves the other's part as it is.
 """
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import itertools
 import json
@@ -42,11 +47,28 @@ class Person:
     fit: str = ""  # the file
     footage: str = ""  # fingerprint of the clip that the fit is of
 
+    def ask(self) -> None:
+        """Writes where to look for the fit; what was found stays known. Raises OSError."""
+        self.folder.mkdir(parents=True, exist_ok=True)
+        with alone_with(self.folder):
+            with contextlib.suppress(InvalidInput, UnreadableMedia):  # none, or none of use
+                before = Person.load(self.folder)
+                self.key, self.fit, self.footage = before.key, before.fit, before.footage
+            self._write(self.sources)
+        (self.folder / LOCK).touch()
+
     def save(self) -> None:
-        """Writes person.json whole; raises OSError."""
+        """Writes what was found; where to look stays as it was asked last. Raises OSError."""
+        with alone_with(self.folder):
+            sources = self.sources
+            with contextlib.suppress(InvalidInput, UnreadableMedia):
+                sources = Person.load(self.folder).sources
+            self._write(sources)
+
+    def _write(self, sources: Sequence[Source]) -> None:
         document = {
             "schema": SCHEMA,
-            "sources": self.sources,
+            "sources": sources,
             "key": self.key,
             "fit": self.fit,
             "footage": self.footage,
@@ -126,14 +148,8 @@ def prepare_people(out: Path, rows: Iterable[Row]) -> None:
             source = (row.clip, row.frames, row.fit, row.focal, row.sensor)
             sources.setdefault(folder, []).append(source)
     for folder, clips in sources.items():
-        folder.mkdir(parents=True, exist_ok=True)
-        try:
-            person = Person.load(folder)
-        except (InvalidInput, UnreadableMedia):  # none yet, or nothing that can be used
-            person = Person(folder)
-        person.sources = clips
-        person.save()
-        (folder / LOCK).touch()
+        named_first = sorted(clips, key=lambda source: not source[2])
+        Person(folder, named_first).ask()
 
 
 def folder_of(out: Path, person: str) -> Path:

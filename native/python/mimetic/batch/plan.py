@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import itertools
+import os
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -13,8 +14,8 @@ from mimetic import InvalidInput, UnreadableMedia
 from mimetic.batch.clip_list import MARK, Row
 from mimetic.batch.person import FOLDER, prepare_people
 from mimetic.batch.steps import Settings
-from mimetic.batch.task import LOCK, Task
-from mimetic.media.image_sequence import is_sequence
+from mimetic.batch.task import Task
+from mimetic.media.image_sequence import is_sequence, opened
 from mimetic.shared.json_file import read_json, write_json
 from mimetic.shared.shown_text import UNSAFE
 
@@ -48,20 +49,24 @@ class Batch:
 def prepare(out: Path, rows: Sequence[Row], settings: Settings) -> Batch:
     """Makes a folder and task.json for each clip in `out`, which must be there; saves the batch.
 
-    What a clip's task has done already stays known. Raises OSError where `out` cannot be written.
+    What a clip's task has done already stays known, also of a clip that was moved or renamed since.
+    Raises OSError where `out` cannot be written.
     """
     batch = Batch(out, [], [])
     names = {PLAN, PAGE, FOLDER, TEMPLATE}
     prepare_people(out, rows)
-    folders = _known_folders(out)
+    folders, left = _known_folders(out)
     for row in rows:
         if row.problem and not Path(row.clip).is_file():
             batch.problems.append(row)
             continue
         before = folders.get(row.identity)  # of rows that differ by their fit alone there are more
-        name = before.pop(0) if before else _free_name(out, row, names)
+        name = before.pop(0) if before else _left_name(out, row, settings, left)
+        name = name or _free_name(out, row, names)
         names.add(name.lower())
-        batch.tasks.append(_prepared(out / name, row, settings))
+        task = Task(out / name, row, settings)
+        task.ask()
+        batch.tasks.append(task)
     batch.save()
     return batch
 
@@ -86,39 +91,68 @@ def load(out: Path) -> Batch:
     return batch
 
 
-def _prepared(folder: Path, row: Row, settings: Settings) -> Task:
-    task = Task(folder, row, settings)
-    try:
-        before = Task.load(folder)
-        task.done, task.begun, task.take = before.done, before.begun, before.take
-        task.notes = before.notes
-    except (InvalidInput, UnreadableMedia):  # none yet, or nothing that can be used
-        folder.mkdir(exist_ok=True)
-    task.save()
-    (folder / LOCK).touch()
-    return task
-
-
 def reload(batch: Batch) -> dict[str, str]:
-    """Reads again what the tasks have done; returns, by name, why one cannot be read."""
+    """Reads again what the tasks have done; returns, by name, why one is not this batch's."""
     failures = {}
     for i, task in enumerate(batch.tasks):
         try:
             batch.tasks[i] = Task.load(task.folder)
+            _check_asked(batch.tasks[i], task)
         except (InvalidInput, UnreadableMedia) as error:
             failures[task.name] = str(error)
     return failures
 
 
-def _known_folders(out: Path) -> dict[tuple[str, str, str], list[str]]:
-    """Names of the folders of results by what they are of, in the order of their numbers."""
+def _check_asked(task: Task, before: Task) -> None:
+    """Raises InvalidInput unless the same is asked of a task as before."""
+    if (task.row, task.settings) != (before.row, before.settings):
+        raise InvalidInput(
+            "another batch in this folder has asked for other settings of this clip since: start "
+            "this one again, or leave it to the other"
+        )
+
+
+def _known_folders(out: Path) -> tuple[dict[tuple[str, str, str], list[str]], list[Task]]:
+    """Names of the folders of results by what they are of, in the order of their numbers; and
+    tasks whose clips are gone."""
     folders: dict[tuple[str, str, str], list[str]] = {}
+    left = []
     for path in sorted(out.glob(f"*/{MARK}"), key=lambda path: (len(path.parent.name), path)):
         try:
-            folders.setdefault(Task.load(path.parent).row.identity, []).append(path.parent.name)
+            task = Task.load(path.parent)
         except (InvalidInput, UnreadableMedia):
             continue
-    return folders
+        folders.setdefault(task.row.identity, []).append(task.name)
+        if "capture" in task.done and not _is_there(task.row.clip):
+            left.append(task)
+    return folders, left
+
+
+def _left_name(out: Path, row: Row, settings: Settings, left: list[Task]) -> str:
+    """Takes the folder in which a clip of this content, which is gone, was captured alike.
+
+    Returns its name; the empty string if there is none.
+    """
+    alike = [task for task in left if task.row.identity[1:] == row.identity[1:]]
+    if row.problem or not alike:
+        return ""
+    try:
+        task = Task(out / alike[0].name, row, settings)
+        key = task.steps(task.person)[0].key()
+    except (InvalidInput, OSError, UnreadableMedia):
+        return ""
+    found = next((task for task in alike if task.done["capture"]["key"] == key), None)
+    if found is None:
+        return ""
+    left.remove(found)
+    return found.name
+
+
+def _is_there(clip: str) -> bool:
+    try:
+        return os.path.exists(opened(clip))
+    except UnreadableMedia:
+        return False
 
 
 def _own_name(clip: str) -> str:

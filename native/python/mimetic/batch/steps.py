@@ -39,6 +39,7 @@ class Step:
     inputs: tuple[Path, ...]
     outputs: tuple[str, ...]
     choices: Mapping[str, object] = field(default_factory=dict)  # what changes the outputs
+    leaves_parts: bool = False  # of its outputs, when it is stopped or fails
 
     def key(self) -> str:
         """Equal for equal content of the inputs, choices and version, wherever the files are.
@@ -73,7 +74,7 @@ def _capture(row: Row, folder: Path, person: Person | None) -> Step:
         choices |= {"lens": of_lens} if of_lens else {}
     if row.fps:
         choices["fps"] = row.fps
-    return Step("capture", tuple(words), inputs, CAPTURED, choices)
+    return Step("capture", tuple(words), inputs, CAPTURED, choices, leaves_parts=True)
 
 
 def rate_words(clip: str, fps: str) -> list[str]:
@@ -86,11 +87,10 @@ def _bakes(row: Row, settings: Settings, folder: Path) -> Iterable[Step]:
     words = ["bake", str(performance), "--footage", row.clip]
     if settings.blender_python:
         words += ["--blender-python", settings.blender_python]
-    face_words = [
-        *(("--detail",) if settings.with_detail else ()),
-        *((f"--few-keys={settings.tolerance:g}",) if settings.tolerance is not None else ()),
-    ]
-    choices = {"detail": settings.with_detail, "tolerance": settings.tolerance}
+    if settings.tolerance is not None:
+        words.append(f"--few-keys={settings.tolerance:g}")
+    face_words = ["--detail"] if settings.with_detail else []
+    choices: dict[str, object] = {"detail": settings.with_detail, "tolerance": settings.tolerance}
     for kind in settings.bakes:
         out = f"face.{kind}"
         face = (*words, *face_words, "--out", str(folder / out))
@@ -100,4 +100,7 @@ def _bakes(row: Row, settings: Settings, folder: Path) -> Iterable[Step]:
         out = "character.blend"
         target = (*words, "--target", row.character, "--out", str(folder / out))
         inputs = (performance, clip, Path(rig))
-        yield Step("character", target, inputs, (out,), {"object": name})
+        choices = {"object": name}
+        if settings.tolerance is not None:
+            choices["tolerance"] = settings.tolerance
+        yield Step("character", target, inputs, (out,), choices)

@@ -1,15 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A task: one clip, its folder of results, and `task.json` there, which says what is to be done
-and what is done. Whoever runs it, and however often, gets the same files."""
+and what is done. Whoever runs it, and however often, gets the same files.
+
+Two write that file: who prepares the batch what is asked (`ask`), also while a process is at work,
+and that process what is done (`save`). Each leaves the other's part as it is.
+"""
 
 from __future__ import annotations
 
 import contextlib
+import filecmp
 import itertools
 import os
 import shutil
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -41,7 +46,9 @@ class Task:
     settings: Settings
     # By step: {"key": ..., "files": {name: fingerprint}, "seconds": ...}
     done: dict[str, dict[str, Any]] = field(default_factory=dict)
-    begun: str = ""  # the step at work when it was last written
+    # Fingerprints of results as we left them, by name: one that differs was changed by hand
+    written: dict[str, str] = field(default_factory=dict)
+    begun: str = ""  # the step at work
     error: str = ""  # why it ended last time
     take: dict[str, Any] = field(default_factory=dict)  # `take_summary.summarise`
     notes: list[str] = field(default_factory=list)
@@ -61,16 +68,41 @@ class Task:
         return steps_of(self.row, self.settings, self.folder, person)
 
     def has_all(self) -> bool:
-        """Whether every step was done, whatever has become of its input since."""
-        return all(step.name in self.done for step in self.steps())
+        """Whether every step was done and left its files, whatever became of its input since."""
+        return all(map(self.has_results, self.steps()))
+
+    def has_results(self, step: Step) -> bool:
+        """Whether the step was done, and its files are there."""
+        return step.name in self.done and all(
+            (self.folder / name).is_file() for name in step.outputs
+        )
+
+    def ask(self) -> None:
+        """Writes what is asked; what is done stays as it is known. Raises OSError."""
+        self.folder.mkdir(exist_ok=True)
+        with alone_with(self.folder):
+            with contextlib.suppress(InvalidInput, UnreadableMedia):  # none, or none of use
+                before = Task.load(self.folder)
+                self.done, self.written, self.begun = before.done, before.written, before.begun
+                self.take, self.notes = before.take, before.notes
+            self._write(self)
+        (self.folder / LOCK).touch()
 
     def save(self) -> None:
-        """Writes task.json whole; raises OSError."""
+        """Writes what is done; what is asked stays as it was asked last. Raises OSError."""
+        with alone_with(self.folder):
+            asked = self
+            with contextlib.suppress(InvalidInput, UnreadableMedia):
+                asked = Task.load(self.folder)
+            self._write(asked)
+
+    def _write(self, asked: Task) -> None:
         document = {
             "schema": SCHEMA,
-            "clip": asdict(self.row),
-            "settings": asdict(self.settings),
+            "clip": asdict(asked.row),
+            "settings": asdict(asked.settings),
             "done": self.done,
+            "written": self.written,
             "begun": self.begun,
             "error": self.error,
             "take": self.take,
@@ -93,11 +125,10 @@ class Task:
 
     def is_done(self, step: Step) -> bool:
         """Whether the step was done with the same input, and its files are there."""
-        record = self.done.get(step.name)
-        if record is None or not all((self.folder / name).is_file() for name in step.outputs):
+        if not self.has_results(step):
             return False
         try:
-            return record["key"] == step.key()
+            return self.done[step.name]["key"] == step.key()
         except (OSError, UnreadableMedia):  # an input is gone
             return False
 
@@ -127,11 +158,17 @@ def _checked_fields(document: Any) -> dict[str, Any]:
     for record in document["done"].values():
         if not isinstance(record["key"], str) or not isinstance(record["files"], dict):
             raise TypeError("done holds what is no step")
+    written = document.get("written")
+    if written is None:  # by a Mimetic that kept them of steps that were done alone
+        written = {n: f for record in document["done"].values() for n, f in record["files"].items()}
+    if not all(isinstance(mark, str) for mark in written.values()):
+        raise TypeError("written holds what is no fingerprint")
     texts = [document["error"], document["begun"], *document["notes"]]
     if not all(isinstance(text, str) for text in texts) or not is_summary(document["take"]):
         raise TypeError("error, begun, notes or take of another type")
     names = ("done", "begun", "error", "take", "notes")
-    return {"row": row, "settings": Settings(**settings)} | {n: document[n] for n in names}
+    rest = {name: document[name] for name in names}
+    return {"row": row, "settings": Settings(**settings), "written": written, **rest}
 
 
 def run_task(folder: Path, run_command: RunCommand, only: Sequence[str] = ()) -> tuple[int, str]:
@@ -153,7 +190,7 @@ def run_task(folder: Path, run_command: RunCommand, only: Sequence[str] = ()) ->
         except OSError as error:
             name = f"{error.filename}: " if error.filename else ""
             status, message = FAILED, f"{name}{error.strerror or error}"
-        task.error = "" if status > STOPPED else message
+        task.begun, task.error = "", "" if status > STOPPED else message
         with contextlib.suppress(OSError):  # on a full disk whoever waits for us says why
             task.save()
     return status, message
@@ -176,20 +213,27 @@ def _run_steps(task: Task, run_command: RunCommand, only: Sequence[str]) -> tupl
 
 def _run_step(task: Task, step: Step, run_command: RunCommand) -> tuple[int, str]:
     key = step.key()
-    if task.begun != step.name:
-        task.notes += _put_aside(task, step)
+    task.notes += _put_aside(task, step)
     task.begun, task.error = step.name, ""
     record = task.done.pop(step.name, None)
     task.save()
     start = time.monotonic()
     status, message = run_command(step.words)
     if status:
-        if record is not None and all(_is_of(task.folder, record, n) for n in step.outputs):
+        if record is not None and _are_of(task.folder, record["files"], step.outputs):
             task.done[step.name] = record  # the results of the settings before are there still
+        elif step.leaves_parts:
+            task.written |= {
+                name: fingerprint(task.folder / name)
+                for name in step.outputs
+                if (task.folder / name).is_file()
+            }
         return status, message
     files = {name: fingerprint(task.folder / name) for name in step.outputs}
     seconds = round(time.monotonic() - start, 3)
     task.done[step.name] = {"key": key, "files": files, "seconds": seconds}
+    task.written |= files
+    _remove_equal_copies(task, step)
     if step.name == "capture":
         task.take = summarise(task.folder, Path(task.row.clip))
     task.begun = ""
@@ -198,30 +242,46 @@ def _run_step(task: Task, step: Step, run_command: RunCommand) -> tuple[int, str
 
 
 def _put_aside(task: Task, step: Step) -> list[str]:
-    """Renames results that were changed since they were written; returns notes on them."""
+    """Renames results that are not as we left them; returns notes on them.
+
+    A process that was killed may have written them, or a person: nothing tells which.
+    """
     notes = []
-    record = task.done.get(step.name, {"files": {}})
     for name in step.outputs:
         path = task.folder / name
-        if path.is_file() and not _is_of(task.folder, record, name):
-            new_path = _free_name(path)
+        if path.is_file() and not _are_of(task.folder, task.written, [name]):
+            new_path = next(copy for copy in _copies(path) if not copy.exists())
             os.rename(path, new_path)
-            notes.append(f"{name} was changed by hand and is kept as {new_path.name}")
+            notes.append(_note(name, new_path))
     return notes
 
 
-def _is_of(folder: Path, record: dict[str, Any], name: str) -> bool:
-    """Whether a file is as a step left it."""
-    path = folder / name
-    return path.is_file() and record["files"].get(name) == fingerprint(path)
+def _remove_equal_copies(task: Task, step: Step) -> None:
+    """Removes what was put aside and is as the new results: a killed process had written it."""
+    for name in step.outputs:
+        path = task.folder / name
+        for copy in itertools.takewhile(Path.exists, _copies(path)):
+            if (note := _note(name, copy)) in task.notes and filecmp.cmp(path, copy, shallow=False):
+                copy.unlink()
+                task.notes.remove(note)
 
 
-def _free_name(path: Path) -> Path:
-    candidates = (
-        path.with_name(f"{path.stem}.kept{number or ''}{path.suffix}")
-        for number in itertools.count()
+def _note(name: str, copy: Path) -> str:
+    return f"{name} was changed by hand and is kept as {copy.name}"
+
+
+def _copies(path: Path) -> Iterator[Path]:
+    """Names for a result that is put aside."""
+    for number in itertools.count():
+        yield path.with_name(f"{path.stem}.kept{number or ''}{path.suffix}")
+
+
+def _are_of(folder: Path, files: Mapping[str, str], names: Iterable[str]) -> bool:
+    """Whether results are there with the fingerprints that `files` gives them."""
+    return all(
+        (folder / name).is_file() and files.get(name) == fingerprint(folder / name)
+        for name in names
     )
-    return next(candidate for candidate in candidates if not candidate.exists())
 
 
 def _remove_left_over(folder: Path) -> None:

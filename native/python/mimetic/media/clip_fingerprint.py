@@ -62,13 +62,23 @@ def find_content(mark: str, files: Iterator[Path]) -> Path | None:
     return None
 
 
-def files_in(folder: str | os.PathLike[str], depth: int = 0) -> Iterator[Path]:
-    """Regular files in a folder and in `depth` levels of folders under it, at most 200,000."""
+def files_in(
+    folder: str | os.PathLike[str], depth: int = 0, with_dead_links: bool = False
+) -> Iterator[Path]:
+    """Regular files in a folder and in `depth` levels of folders under it, at most 200,000.
+
+    Links are followed, to a folder once. with_dead_links: those to nothing count as files.
+    """
     num_entries = 0
     waiting = [(Path(folder), min(depth, MOST_DEPTH))]
+    seen = set()
     while waiting:
         current, levels = waiting.pop()
         try:
+            status = os.stat(current)
+            if (place := (status.st_dev, status.st_ino)) in seen:
+                continue
+            seen.add(place)
             entries = sorted(os.scandir(current), key=lambda entry: entry.name)
         except OSError:  # not ours to read
             continue
@@ -77,11 +87,13 @@ def files_in(folder: str | os.PathLike[str], depth: int = 0) -> Iterator[Path]:
             if num_entries > MOST_FILES:
                 return
             try:
-                if entry.is_dir(follow_symlinks=False):
-                    if levels:
-                        waiting.append((Path(entry.path), levels - 1))
-                elif entry.is_file():
+                is_dead = entry.is_symlink() and not os.path.exists(entry.path)
+                if (with_dead_links and is_dead) or (not is_dead and entry.is_file()):
                     yield Path(entry.path)
+                elif not is_dead and entry.is_dir() and levels:
+                    # Links last: a folder that is reached without one too keeps its own path
+                    turn = 0 if entry.is_symlink() else len(waiting)
+                    waiting.insert(turn, (Path(entry.path), levels - 1))
             except OSError:
                 continue
 
