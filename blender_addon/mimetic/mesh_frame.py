@@ -11,7 +11,7 @@ from mathutils import Matrix
 
 from . import native
 
-NUM_MARKS = 8  # mimetic.character.mesh_frame.NUM_MARKS, which a property has to know before
+NUM_MARKS = 8  # four would do; more of them average what rounding adds
 
 
 class MimeticMeshFrame(bpy.types.PropertyGroup):
@@ -28,8 +28,8 @@ def note(frame: MimeticMeshFrame, points: np.ndarray) -> None:
     """From here on what is noted is in the frame of these points, V x 3, the mesh at rest."""
     frame.num_vertices = len(points)
     if len(points):
-        marks = native.mesh_frame().marks_of(points)
-        frame.marks = marks.tolist()
+        marks = native.core().marks_of(points, NUM_MARKS)
+        frame.marks = marks
         frame.places = np.asarray(points)[marks].ravel().tolist()
 
 
@@ -46,7 +46,7 @@ def now_from_noted(frame: MimeticMeshFrame, obj: bpy.types.Object) -> np.ndarray
     vertices = mesh.shape_keys.reference_key.points if mesh.shape_keys else mesh.vertices
     now = np.array([vertices[mark].co for mark in frame.marks], dtype=np.float64)
     noted = np.array(frame.places, dtype=np.float64).reshape(-1, 3)
-    return native.mesh_frame().now_from_noted(noted, now)
+    return native.core().now_from_noted(noted, now)
 
 
 def noted_from_now(frame: MimeticMeshFrame, obj: bpy.types.Object) -> np.ndarray:

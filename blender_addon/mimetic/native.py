@@ -262,9 +262,7 @@ def live_source(is_camera: bool) -> ModuleType:
 @lru_cache(maxsize=64)
 def stillness_figures(stillness: float, fps: float):
     """What a stillness costs and gives: `lag_frames`, `jitter_share`."""
-    from mimetic import _core
-
-    return _core.stillness_figures(stillness, fps)
+    return core().stillness_figures(stillness, fps)
 
 
 def live_contact() -> ModuleType:
@@ -273,10 +271,10 @@ def live_contact() -> ModuleType:
     return live_contact
 
 
-def mesh_frame() -> ModuleType:
-    from mimetic.character import mesh_frame
+def core() -> ModuleType:
+    from mimetic import _core
 
-    return mesh_frame
+    return _core
 
 
 def live_face() -> ModuleType:

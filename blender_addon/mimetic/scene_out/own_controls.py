@@ -124,8 +124,9 @@ def _world_from_character(scene: bpy.types.Scene, character: bpy.types.Object, u
             return stands @ place
     surface = own_keys.surface(character)
     moved = (surface.controls**2).sum(axis=(0, 2))
-    mesh = parts.MovedMesh(surface.points, surface.starts, surface.corners, moved)
-    return parts.world_from_motion(mesh, stands, units)
+    return native.core().world_from_moved_head(
+        surface.points, surface.starts.tolist(), surface.corners.tolist(), moved, stands, units
+    )
 
 
 def play(performance, character: bpy.types.Object, preset: str | None = None):

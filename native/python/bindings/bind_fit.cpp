@@ -45,7 +45,7 @@ void bind_fit(py::module_& m) {
             "identity"_a, "(L, 3) metres, head frame. Raises InvalidInput.");
     py::class_<FaceView>(m, "FaceView", "What is known of one picture of the person.")
         .def(py::init([](FaceFeatures features, std::vector<Feature> pins, const MatrixRows& motion) {
-                 if (motion.size() > 0 && motion.cols() != 4)
+                 if (motion.rows() > 0 && motion.cols() != 4)
                      throw InvalidInput("motion must have the shape (points, 4)");
                  FaceView view{std::move(features), std::move(pins), {}};
                  for (Eigen::Index i = 0; i < motion.rows(); ++i) {

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <limits>
+#include <mimetic/head/mesh_frame.hpp>
 #include <mimetic/head/model_mesh.hpp>
+#include <mimetic/head/resting_head.hpp>
 #include <mimetic/head/rig_motion.hpp>
 
 #include "arrays.hpp"
@@ -85,6 +87,21 @@ void bind_head_rig_motion(py::module_& m) {
     m.def("object_from_character", &object_from_character, "usual"_a, "places"_a, "metres_from_object"_a,
           "(4, 4): where a head is in an object, by landmarks (K, 3) of the template's and of this one's, "
           "metres.");
+    m.def(
+        "world_from_moved_head", &world_from_moved_head, "points"_a, "starts"_a, "corners"_a, "moved"_a,
+        "world_from_object"_a, "units"_a = 1,
+        "(4, 4): where a head without landmarks rests in the world, and where it faces.\n\n"
+        "points: (V, 3), the object's frame; starts: of each polygon among corners (vertices); moved: (V,), "
+        "how much the head's own controls move of each; world_from_object: (4, 4); units: of the world, per "
+        "metre. Raises InvalidInput for a flat object and polygons that are none.");
+    m.def(
+        "marks_of", &marks_of, "points"_a, "count"_a,
+        "(count,) vertices of a mesh that lie far from each other, by which now_from_noted tells a motion of "
+        "the whole; points: (V, 3), at least one.");
+    m.def(
+        "now_from_noted", &now_from_noted, "noted"_a, "now"_a,
+        "(4, 4) by which marks (K, 3) went from where they were noted to where they are now; the identity if "
+        "they stayed, did not go all together, or lie in a plane.");
     m.def(
         "still_points",
         [](const DoubleArray& poses, const Eigen::Matrix3d& intrinsics, double height) {

@@ -186,6 +186,7 @@ TemporalComparison compare_courses(MatrixIn displacements, VectorIn areas, int b
 }
 
 FacesInView faces_in_view(PointsIn vertices, QuadsIn faces) {
+    check_corners(faces, vertices.rows());
     std::vector<int> seen;
     std::vector<double> depth(static_cast<std::size_t>(faces.rows())), shade(depth.size());
     const Eigen::Vector3d light = Eigen::Vector3d(.35, .45, .82).normalized();

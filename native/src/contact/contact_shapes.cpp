@@ -22,7 +22,7 @@ ContactShapes shapes_of_corrections(const MatrixRows& corrections, const std::ve
         std::any_of(frames.begin(), frames.end(), [&](auto i) { return i < 0 || i >= num_frames; })) {
         throw InvalidInput("each correction must be of one of " + std::to_string(num_frames) + " frames");
     }
-    if (corrections.rows() == 0) {
+    if (corrections.size() == 0) {
         return {MatrixRows(num_frames, 0), MatrixRows(0, corrections.cols())};
     }
     const Eigen::MatrixXd products = corrections * corrections.transpose();

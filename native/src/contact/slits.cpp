@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mimetic/contact/slits.hpp>
+#include <mimetic/shared/checks.hpp>
 
 namespace mimetic {
 namespace {
@@ -19,6 +20,12 @@ std::vector<int> kept_rim(const std::vector<int>& rim, const std::vector<bool>& 
     return result;
 }
 
+void check_slit(const Slit& slit, Eigen::Index num_vertices) {
+    check_vertices(slit.upper, num_vertices);
+    check_vertices(slit.lower, num_vertices);
+    check_corners(slit.triangles, num_vertices);
+}
+
 Triangles triangles_of(const std::vector<Eigen::RowVector3i>& rows) {
     Triangles triangles(rows.size(), 3);
     for (std::size_t i = 0; i < rows.size(); ++i) {
@@ -31,6 +38,9 @@ Triangles triangles_of(const std::vector<Eigen::RowVector3i>& rows) {
 
 Slit lip_slit(PointsIn vertices, TrianglesIn triangles, const MuscleSurface& surface, PointsIn margin,
               PointsIn inner, double size) {
+    check_corners(triangles, vertices.rows());
+    require(surface.vertices().rows() == vertices.rows() && inner.rows() == 2,
+            "a slit of the lips needs the surface of its vertices, and the middles of both lips");
     const Eigen::VectorXd depth = surface.distances(margin, kLipDepth * size);
     const Eigen::VectorXd to_upper = surface.distances(inner.row(0), kHalfLip * size);
     const Eigen::VectorXd to_lower = surface.distances(inner.row(1), kHalfLip * size);
@@ -63,6 +73,8 @@ Slit lip_slit(PointsIn vertices, TrianglesIn triangles, const MuscleSurface& sur
 }
 
 Slit lid_slit(PointsIn vertices, const std::vector<int>& margin, PointsIn corners, double size) {
+    check_vertices(margin, vertices.rows());
+    require(corners.rows() == 2, "a slit of the lids has two corners");
     const double inner = std::abs(corners(0, 0)), outer = std::abs(corners(1, 0));
     Slit slit{{}, {}, Triangles(0, 3)};
     for (const int vertex : margin) {
@@ -78,6 +90,9 @@ Slit lid_slit(PointsIn vertices, const std::vector<int>& margin, PointsIn corner
 
 std::pair<std::vector<int>, std::vector<Slit>> number_slits(const std::vector<Slit>& slits,
                                                             const std::vector<bool>& kept) {
+    for (const Slit& slit : slits) {
+        check_slit(slit, static_cast<Eigen::Index>(kept.size()));
+    }
     std::vector<int> vertices, number(kept.size(), -1);
     std::vector<Slit> own;
     for (const Slit& slit : slits) {

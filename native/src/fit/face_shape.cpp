@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <mimetic/fit/face_shape.hpp>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <string>
 
@@ -14,12 +15,9 @@ namespace {
 
 /// Columns x, y and z of some vertices.
 MatrixRows at_vertices(MatrixIn deformations, const std::vector<int>& vertices) {
+    check_vertices(vertices, deformations.cols() / 3);
     std::vector<int> columns;
     for (const int vertex : vertices) {
-        if (vertex < 0 || 3 * vertex >= deformations.cols()) {
-            throw InvalidInput("vertex " + std::to_string(vertex) + " is none of " +
-                               std::to_string(deformations.cols() / 3));
-        }
         columns.insert(columns.end(), {3 * vertex, 3 * vertex + 1, 3 * vertex + 2});
     }
     return deformations(Eigen::all, columns);
@@ -28,6 +26,8 @@ MatrixRows at_vertices(MatrixIn deformations, const std::vector<int>& vertices) 
 }  // namespace
 
 PrincipalShapes principal_shapes(MatrixIn deformations, const std::vector<int>& seen, int most) {
+    require(deformations.rows() > 0 && !seen.empty() && most >= 0,
+            "principal shapes need deformations, vertices that are seen, and a number of shapes");
     const MatrixRows on_seen = at_vertices(deformations, seen);
     Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(on_seen.rows(), on_seen.rows());
     gram.selfadjointView<Eigen::Lower>().rankUpdate(on_seen);
@@ -155,8 +155,9 @@ MatrixRows sliding_on_eyeball(MatrixIn modes, PointsIn skin, const std::vector<i
 }
 
 Eigen::VectorXd nearest_coefficients(MatrixIn matrix, VectorIn values) {
-    if (values.size() != matrix.rows()) {
-        throw InvalidInput("there must be a value a row");
+    require(values.size() == matrix.rows(), "there must be a value a row");
+    if (matrix.size() == 0) {
+        return Eigen::VectorXd::Zero(matrix.cols());
     }
     Eigen::BDCSVD<Eigen::MatrixXd> svd(matrix, Eigen::ComputeThinU | Eigen::ComputeThinV);
     svd.setThreshold(1e-12);

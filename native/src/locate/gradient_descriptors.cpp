@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <mimetic/locate/landmarks.hpp>
+#include <mimetic/shared/checks.hpp>
 #include <numbers>
 #include <opencv2/imgproc.hpp>
 
@@ -126,7 +127,13 @@ Eigen::Matrix<double, 2, 3> similarity(Points2In from, Points2In to) {
 }
 
 MatrixRows landmark_descriptors(ColorView image, Points2In places, Points2In reference, double cell) {
+    require(
+        places.rows() > 0 && places.rows() == reference.rows() && places.allFinite() && reference.allFinite(),
+        "each landmark needs a place and one of reference, both finite");
+    check_range("cell", cell, 0, 10);
     const auto image_from_reference = similarity(reference, places);
+    require(std::abs(image_from_reference.leftCols<2>().determinant()) > 0,
+            "the landmarks are all in one place");
     const Eigen::Matrix2d back = image_from_reference.leftCols<2>().inverse();
     const LevelPicture picture = level(image, image_from_reference, reference);
     const cv::Mat cells = oriented(picture.luminance, kBlurPerCell * cell * kPxPerIpd);

@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <mimetic/muscles/skin_mesh.hpp>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/skin/unfold.hpp>
 
@@ -45,6 +46,7 @@ Points checked(Points neutral, const TemplateMesh& head) {
 }  // namespace
 
 Triangles split_quads(PointsIn vertices, QuadsIn quads) {
+    check_corners(quads, vertices.rows());
     Triangles triangles(2 * quads.rows(), 3);
     for (Eigen::Index f = 0; f < quads.rows(); ++f) {
         const Eigen::RowVector4i q = quads.row(f);
@@ -60,9 +62,7 @@ Triangles split_quads(PointsIn vertices, QuadsIn quads) {
 }
 
 Points quad_normals(PointsIn vertices, QuadsIn quads) {
-    if (quads.size() > 0 && (quads.minCoeff() < 0 || quads.maxCoeff() >= vertices.rows())) {
-        throw InvalidInput("a face names a vertex that the mesh does not have");
-    }
+    check_corners(quads, vertices.rows());
     Points normals = Points::Zero(vertices.rows(), 3);
     for (Eigen::Index f = 0; f < quads.rows(); ++f) {
         const Eigen::RowVector3d across = crossed_diagonals(vertices, quads.row(f));

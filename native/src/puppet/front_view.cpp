@@ -102,6 +102,7 @@ Eigen::Vector2d FrontView::pixel_of(double x, double y) const {
 GrayPicture FrontView::picture(const ColorView& image, const Eigen::Isometry3d& camera_from_head) const {
     require(image.rows == camera_.height && image.cols == camera_.width,
             "the image has another size than the camera's");
+    require(camera_from_head.matrix().allFinite(), "the head's pose must be finite");
     cv::Mat1b gray = to_gray(image);
     // Finer pixels than the picture's are averaged first
     double shrunk = 1;

@@ -199,6 +199,7 @@ bool are_joined(const MuscleSurface& surface, PointsIn top, PointsIn bottom) {
 double largest_depth(const MuscleSurface& surface, PointsIn displacement, const SlitPlaces& rims,
                      const EyeSurface& eye, double reach) {
     const Points& vertices = surface.vertices();
+    require(displacement.rows() == vertices.rows(), "each vertex of the surface needs a displacement");
     Points margin(rims.upper.corners.rows() + rims.lower.corners.rows(), 3);
     margin << rims.upper.values(vertices), rims.lower.values(vertices);
     if (!eye.is_there() || margin.rows() == 0) {

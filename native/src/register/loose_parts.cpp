@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <mimetic/register/loose_parts.hpp>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/surface/nearest.hpp>
 #include <optional>
@@ -219,6 +220,8 @@ Points guess_places(PointsIn points, PointsIn usual_skin, PointsIn usual_places,
     if (points.rows() == 0 || !points.allFinite()) {
         throw InvalidInput("the mesh has no vertices, or one that is not finite");
     }
+    require(usual_skin.rows() > 0, "the usual head has no skin");
+    check_vertices({nose}, usual_places.rows(), "usual head's places");
     const Eigen::Vector2d own = breadth_at_top(points), usual = breadth_at_top(usual_skin);
     const double scale = std::clamp((own[1] - own[0]) / (usual[1] - usual[0]), .5, 2.);
     Eigen::RowVector3d shift(own.mean(), 0, points.col(2).maxCoeff() - scale * usual_skin.col(2).maxCoeff());

@@ -249,6 +249,8 @@ Points close_slit(const MuscleSurface& surface, PointsIn displacement, const Sli
 }
 
 Eigen::VectorXd rim_gaps(PointsIn vertices, PointsIn displacement, const SlitPlaces& slit) {
+    require(displacement.rows() == vertices.rows() && slit.upper.corners.rows() == slit.lower.corners.rows(),
+            "each vertex needs a displacement, and each place of one rim one of the other");
     const Points moved = vertices + displacement;
     return (slit.upper.values(moved) - slit.lower.values(moved)).rowwise().norm();
 }

@@ -46,9 +46,7 @@ bool is_round(PointsIn points, double head_extent) {
 
 HeadViews::HeadViews(PointsIn points, TrianglesIn triangles, const Eigen::Matrix4d& metres_from_points) {
     require(points.allFinite(), "the points of a head must be finite");
-    if (triangles.size() > 0 && (triangles.minCoeff() < 0 || triangles.maxCoeff() >= points.rows())) {
-        throw InvalidInput("a triangle of the head has a corner that is no vertex");
-    }
+    check_corners(triangles, points.rows(), "head");
     const double volume = std::abs(metres_from_points.topLeftCorner<3, 3>().determinant());
     require(std::isfinite(volume) && volume > 0, "the head is scaled to nothing");
     near_ = kNear / std::cbrt(volume);

@@ -3,6 +3,7 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/skin/skin_check.hpp>
 #include <string>
@@ -21,14 +22,8 @@ void check_triangles(PointsIn vertices, TrianglesIn triangles) {
             throw InvalidInput("vertex " + std::to_string(v) + " is not finite");
         }
     }
+    check_corners(triangles, vertices.rows(), "skin");
     for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
-        for (int k = 0; k < 3; ++k) {
-            if (triangles(f, k) < 0 || triangles(f, k) >= vertices.rows()) {
-                throw InvalidInput("face " + std::to_string(f) + " names vertex " +
-                                   std::to_string(triangles(f, k)) + ", the skin has " +
-                                   std::to_string(vertices.rows()) + " vertices");
-            }
-        }
         const Eigen::RowVector3d a = vertices.row(triangles(f, 0));
         const Eigen::RowVector3d ab = vertices.row(triangles(f, 1)) - a;
         const Eigen::RowVector3d ac = vertices.row(triangles(f, 2)) - a;

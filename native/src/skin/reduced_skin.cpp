@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/Eigenvalues>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/skin/skin_dynamics.hpp>
 #include <numbers>
@@ -27,6 +28,7 @@ ReducedSkin::ReducedSkin(const Eigen::SparseMatrix<double>& stiffness,
                            std::to_string(loads.cols()) + " for " + std::to_string(stiffness.rows()) +
                            " unknowns and " + std::to_string(mass.rows()) + " rows of mass");
     }
+    check_range("num_modes", num_modes, 0, static_cast<double>(stiffness.rows() - 1));
     Cholesky factor;
     factor.compute(stiffness);
     if (factor.info() != Eigen::Success) {

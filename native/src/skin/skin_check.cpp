@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/skin/skin_check.hpp>
 #include <string>
@@ -12,6 +13,7 @@ namespace mimetic {
 
 std::vector<int> inverted_faces(PointsIn vertices, TrianglesIn triangles) {
     constexpr double kAgainst = -0.9;  // cosine to the mean of the faces around
+    check_corners(triangles, vertices.rows(), "skin");
     Points normals(triangles.rows(), 3);
     Points around = Points::Zero(vertices.rows(), 3);
     for (Eigen::Index f = 0; f < triangles.rows(); ++f) {
@@ -40,6 +42,7 @@ void check_openings(TrianglesIn triangles, int num_openings, int triangles_per_f
         throw InvalidInput("num_openings is " + std::to_string(num_openings) + " and triangles_per_face " +
                            std::to_string(triangles_per_face) + ", needed are at least 0 and 1");
     }
+    require(triangles.size() == 0 || triangles.minCoeff() >= 0, "a face of the skin names a vertex below 0");
     const std::vector<Edge> boundary = boundary_edges(triangles);
     Components loops(triangles.size() == 0 ? 0 : triangles.maxCoeff() + 1);
     for (const Edge& edge : boundary) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/skin/skin_check.hpp>
 #include <mimetic/skin/unfold.hpp>
@@ -71,6 +72,7 @@ Unfolded unfold(PointsIn vertices, const std::function<Triangles(PointsIn)>& spl
 
 void check_areas(PointsIn vertices, TrianglesIn triangles, const Eigen::Ref<const Eigen::VectorXi>& face) {
     check_faces(triangles, face);
+    check_corners(triangles, vertices.rows(), "head");
     for (Eigen::Index t = 0; t < triangles.rows(); ++t) {
         const Eigen::RowVector3d a = vertices.row(triangles(t, 0));
         const Eigen::RowVector3d ab = vertices.row(triangles(t, 1)) - a;

@@ -5,6 +5,7 @@
 
 #include <Eigen/Geometry>
 #include <memory>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/surface/surface.hpp>
 #include <string>
@@ -100,13 +101,10 @@ void check_faces(QuadsIn faces, int num_vertices) {
     if (faces.rows() == 0) {
         throw InvalidInput("the mesh has no faces");
     }
+    check_corners(faces, num_vertices);
     for (Eigen::Index f = 0; f < faces.rows(); ++f) {
         for (int k = 0; k < 4; ++k) {
             const int vertex = faces(f, k);
-            if (vertex < 0 || vertex >= num_vertices) {
-                throw InvalidInput("face " + std::to_string(f) + " names vertex " + std::to_string(vertex) +
-                                   ", the mesh has " + std::to_string(num_vertices) + " vertices");
-            }
             for (int other = 0; other < k; ++other) {
                 if (faces(f, other) == vertex) {
                     throw InvalidInput("face " + std::to_string(f) + " has vertex " + std::to_string(vertex) +

@@ -2,6 +2,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
+#include <mimetic/shared/checks.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/surface/nearest.hpp>
 #include <mimetic/surface/skin_places.hpp>
@@ -29,10 +30,8 @@ Eigen::Matrix3d corners_of(PointsIn vertices, const Eigen::RowVector3i& triangle
 }  // namespace
 
 MatrixRows SkinPlaces::values(MatrixIn at_vertices) const {
-    if (corners.size() > 0 && corners.maxCoeff() >= at_vertices.rows()) {
-        throw InvalidInput("got values of " + std::to_string(at_vertices.rows()) +
-                           " vertices, places are on " + "vertex " + std::to_string(corners.maxCoeff()));
-    }
+    check_corners(corners, at_vertices.rows(), "surface with values");
+    require(weights.rows() == corners.rows(), "each place needs weights of its corners");
     MatrixRows result(corners.rows(), at_vertices.cols());
     for (Eigen::Index i = 0; i < corners.rows(); ++i) {
         result.row(i) = weights(i, 0) * at_vertices.row(corners(i, 0)) +

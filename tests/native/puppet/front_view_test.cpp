@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <mimetic/puppet/front_view.hpp>
 #include <mimetic/shared/error.hpp>
 #include <mimetic/shared/rotations.hpp>
@@ -53,6 +54,10 @@ TEST(FrontView, NamesThePixelOfAPlaceAndRefusesWhatShowsNothing) {
     EXPECT_THROW(FrontView(scene.camera, scene.vertices, scene.faces, aside), InvalidInput);
     aside.pixel = 1;
     EXPECT_THROW(FrontView(scene.camera, scene.vertices, scene.faces, aside), InvalidInput);
+    Eigen::Isometry3d unknown = test::HeadScene::motion(0);
+    unknown.translation().x() = std::numeric_limits<double>::quiet_NaN();
+    const auto image = scene.render(test::HeadScene::motion(0));
+    EXPECT_THROW(view.picture(scene.view(image), unknown), InvalidInput);
 }
 
 }  // namespace

@@ -229,6 +229,8 @@ TEST(BadDynamics, IsNamed) {
     EXPECT_THROW(vibration_modes(chain(3, 1), unit(3), 3), InvalidInput);
     EXPECT_THROW(ReducedSkin(chain(3, 1), unit(3), Eigen::MatrixXd::Zero(3, 1), 0), InvalidInput);
     EXPECT_THROW(ReducedSkin(chain(3, 1), unit(3), Eigen::MatrixXd::Ones(2, 1), 0), InvalidInput);
+    EXPECT_THROW(ReducedSkin(chain(3, 1), unit(3), Eigen::MatrixXd::Ones(3, 1), -1), InvalidInput);
+    EXPECT_THROW(ReducedSkin(chain(3, 1), unit(3), Eigen::MatrixXd::Ones(3, 1), 3), InvalidInput);
     EXPECT_THROW(ReducedSurface(SparseRows(2, 4), Eigen::MatrixXd::Ones(11, 2)), InvalidInput);
 }
 

@@ -3,8 +3,7 @@
 
 import numpy as np
 import pytest
-from mimetic._core import from_rotation_vectors
-from mimetic.character.bound_head import MovedMesh, world_from_motion
+from mimetic._core import from_rotation_vectors, world_from_moved_head
 from mimetic.character.placement import to_object
 from mimetic.template.face_template import load_template
 
@@ -26,12 +25,12 @@ def made(unit: str, mesh_turn, world_turn, scale=(1.0, 1.0, 1.0)):
     matrix = np.eye(4)
     matrix[:3, :3] = world_turn @ np.diag(np.array(scale) / 100)
     matrix[:3, 3] = [1.0, -2.0, 0.5]
-    return MovedMesh(points, np.arange(0, faces.size, 4), faces.reshape(-1), moved), matrix
+    return (points, np.arange(0, faces.size, 4), faces.reshape(-1), moved), matrix
 
 
 def places(mesh, matrix) -> np.ndarray:
     """3 x 3 and 3: of the character in the world."""
-    world = world_from_motion(mesh, matrix)
+    world = world_from_moved_head(*mesh, matrix)
     return world[:3, :3], world[:3, 3]
 
 
@@ -70,5 +69,5 @@ def test_a_mirrored_head_looks_as_it_is_seen_to(axis):
 
 
 def test_points_alone_stand_as_their_object():
-    mesh = MovedMesh(np.zeros((1, 3)), np.zeros(0, int), np.zeros(0, int), np.zeros(1))
+    mesh = (np.zeros((1, 3)), [], [], np.zeros(1))
     np.testing.assert_allclose(places(mesh, np.eye(4))[0], np.eye(3), atol=1e-9)
