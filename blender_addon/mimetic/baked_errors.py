@@ -43,7 +43,7 @@ def of_selected(context) -> BakedErrors | str:
     row = scene_out.take_list.playing(face)
     if row is None:
         return iface_("{name} plays no baked take").format(name=face.name)
-    take = takes.named(row.performance, row.footage)
+    take = takes.of_baked(row)
     if take is None:
         return iface_("{file}, which {take} was baked from, is missing").format(
             file=row.performance, take=row.name
@@ -52,7 +52,8 @@ def of_selected(context) -> BakedErrors | str:
         performance = shown_take.of(take)
     except native.known_errors() as error:
         return str(error)
-    if (performance.frame[0], performance.frame[-1]) != (row.first, row.last):
+    is_same_part = (performance.frame[0], performance.frame[-1]) == (row.first, row.last)
+    if not is_same_part or not takes.holds(take.path, row):
         return iface_("{file} holds another capture than {take} was baked from").format(
             file=row.performance, take=row.name
         )

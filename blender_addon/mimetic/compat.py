@@ -21,10 +21,30 @@ def use_nodes(owner: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree
     return owner.node_tree
 
 
+def leave_tweak_mode(id_block: bpy.types.ID) -> None:
+    """Closes a strip of `id_block` that is open in the NLA (Tab): as long as one is, Blender
+    refuses other actions, and crashes once the strip is gone. Edits are its action's, and stay."""
+    animation = id_block.animation_data
+    if animation is not None and animation.use_tweak_mode:
+        animation.use_tweak_mode = False
+
+
+def animation_of(id_block: bpy.types.ID) -> bpy.types.AnimData:
+    """Animation data that takes another action; made if there is none."""
+    leave_tweak_mode(id_block)
+    return id_block.animation_data or id_block.animation_data_create()
+
+
+def unassign(id_block: bpy.types.ID) -> None:
+    """Has no action move `id_block` but those of strips."""
+    if id_block.animation_data is not None:
+        animation_of(id_block).action = None
+
+
 def new_action(name: str, id_block: bpy.types.ID) -> bpy.types.Action:
     """An empty action, assigned to `id_block`."""
     action = bpy.data.actions.new(name)
-    animation = id_block.animation_data or id_block.animation_data_create()
+    animation = animation_of(id_block)
     animation.action = action
     if ACTIONS_HAVE_SLOTS:
         slot = action.slots.new(id_block.id_type, id_block.name)
@@ -36,7 +56,7 @@ def new_action(name: str, id_block: bpy.types.ID) -> bpy.types.Action:
 
 def assign_action(id_block: bpy.types.ID, action: bpy.types.Action, name: str) -> None:
     """Gives `id_block` a copy of its action, named anew, with the curves it read before."""
-    animation = id_block.animation_data
+    animation = animation_of(id_block)
     slot = (
         animation.action_slot.identifier if ACTIONS_HAVE_SLOTS and animation.action_slot else None
     )
@@ -55,7 +75,7 @@ def join_action(action: bpy.types.Action, id_block: bpy.types.ID) -> bool:
     """Has an action move `id_block` too, by a slot of its own; whether actions can do that."""
     if not ACTIONS_HAVE_SLOTS:
         return False
-    animation = id_block.animation_data or id_block.animation_data_create()
+    animation = animation_of(id_block)
     slot = action.slots.new(id_block.id_type, id_block.name)
     animation.action = action
     animation.action_slot = slot
@@ -109,9 +129,33 @@ def slot_of(user: bpy.types.AnimData | bpy.types.NlaStrip) -> str:
     return slot.identifier if slot else ""
 
 
+def handle_of(action: bpy.types.Action, slot: str) -> int:
+    """By which a slot that `slot_of` named is known again after it was renamed; 0 without one."""
+    found = action.slots.get(slot) if ACTIONS_HAVE_SLOTS else None
+    return found.handle if found else 0
+
+
+def slot_now(action: bpy.types.Action, slot: str, handle: int = 0) -> str | None:
+    """Identifier that a slot has now, which had another before it was renamed; "" before Blender
+    4.4, and None where the action no longer has it.
+
+    handle: what `handle_of` gave, 0 where that is not known. An identifier begins with the kind of
+    data that it moves, and is "" of actions that were made before there were slots.
+    """
+    if not ACTIONS_HAVE_SLOTS:
+        return ""
+    fitting = [one for one in action.slots if not slot or one.identifier[:2] == slot[:2]]
+    for one in fitting:
+        if handle and one.handle == handle:
+            return one.identifier
+    if any(one.identifier == slot for one in fitting):
+        return slot
+    return fitting[0].identifier if len(fitting) == 1 else None
+
+
 def assign(id_block: bpy.types.ID, action: bpy.types.Action, slot: str) -> None:
     """Has an action move `id_block`, by a slot that `slot_of` named."""
-    animation = id_block.animation_data or id_block.animation_data_create()
+    animation = animation_of(id_block)
     animation.action = action
     if ACTIONS_HAVE_SLOTS:
         animation.action_slot = action.slots.get(slot)
@@ -124,6 +168,11 @@ def curves_of(action: bpy.types.Action, slot: str) -> list[bpy.types.FCurve]:
     strips = (strip for layer in action.layers for strip in layer.strips)
     bags = (bag for strip in strips for bag in strip.channelbags)
     return [curve for bag in bags if bag.slot.identifier == slot for curve in bag.fcurves]
+
+
+def paths_of(action: bpy.types.Action, slot: str) -> set[str]:
+    """Data paths of the curves of one slot of an action."""
+    return {curve.data_path for curve in curves_of(action, slot)}
 
 
 def add_strip(

@@ -140,10 +140,4 @@ def _no_keys(obj: bpy.types.Object) -> str:
         return iface_(
             "{name}'s shape keys are absolute: only relative ones can be combined"
         ).format(name=obj.name)
-    sharing = obj.data.users - obj.data.use_fake_user
-    if sharing > 1:
-        return iface_(
-            "{name} shares its mesh with {count} more: make it its own (Object "
-            "> Relations > Make Single User > Object & Data)"
-        ).format(name=obj.name, count=sharing - 1)
-    return ""
+    return writable.no_own_mesh(obj)

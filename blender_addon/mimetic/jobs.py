@@ -9,14 +9,16 @@ stays free meanwhile: a job knows what it writes to by name, and looks when it d
 from __future__ import annotations
 
 import contextlib
+import functools
 import threading
 from collections.abc import Iterator
+from types import SimpleNamespace
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from . import editors, native, outcome
+from . import carrying, editors, native, outcome
 from .greyed import Greyed
 from .job_run import Run
 from .pace import Pace
@@ -48,6 +50,13 @@ def stop_running() -> None:
         if running.thread:
             running.thread.join()
         running = None
+
+
+def discard_running() -> None:
+    """What Esc asks of the job at work."""
+    if running.is_done():  # it waits for the scene to be ready
+        running.result = None
+    running.stop.set()
 
 
 @contextlib.contextmanager
@@ -90,7 +99,8 @@ def _have_blender_ask() -> None:
 
 
 class Modal(Greyed):
-    """Mixin of operators that run on beside the window until they `leave`.
+    """Mixin of operators that run on beside the window until they `leave`; beside another one if
+    theirs is closed: `invoke` asks `take_over` first.
 
     Subclasses give `handle(context, event)`, which returns what `modal` does. Where it raises,
     nothing of the operator stays behind either: no timer, no text, no run that blocks the next.
@@ -99,13 +109,22 @@ class Modal(Greyed):
     tick_seconds = 0.05
     _timer = None
     _run: Run | None = None
+    _window = 0
+
+    @classmethod
+    def poll(cls, context):
+        return carrying.is_handed_to(cls) or super().poll(context)
+
+    def take_over(self, context) -> set[str]:
+        """What `invoke` returns if it is to go on with what another operator was at, or nothing."""
+        return self.enter(context, self._run) if carrying.take_over(self) else set()
 
     def enter(self, context, run: Run) -> set[str]:
         """With a run that has begun, or that waits."""
         global running
         if run not in waiting:
             running = run
-        self._run = run
+        self._run, self._window = run, context.window.as_pointer()
         manager = context.window_manager
         self._timer = manager.event_timer_add(self.tick_seconds, window=context.window)
         manager.modal_handler_add(self)
@@ -119,35 +138,61 @@ class Modal(Greyed):
         try:
             return self.handle(context, event)
         except BaseException:
-            self.cancel(context)
+            self._give_up(context)
             raise
 
     def cancel(self, context):
-        """Blender ends the operator, as on loading a file."""
+        """Blender ends the operator: its window was closed, or a file is loaded."""
+        run = self._run
+        if run and (run is running or run in waiting) and carrying.is_closed(self._window):
+            self._remove_timer(context)
+            go_on = functools.partial(_go_on, run, carrying.carried(self, run.subject))
+            bpy.app.timers.register(go_on, first_interval=0.0, persistent=True)
+        else:
+            self._give_up(context)
+
+    def _give_up(self, context) -> None:
         if self._run:
-            self._run.stop.set()
-            _ending[:] = [thread for thread in _ending if thread.is_alive()]
-            if self._run.thread:
-                _ending.append(self._run.thread)
+            _stop(self._run)
         self.leave(context)
 
     def leave(self, context) -> None:
         if self._run:
             _take_turns(self._run)
-        if self._timer is not None:
-            context.window_manager.event_timer_remove(self._timer)
-            self._timer = None
+        self._remove_timer(context)
         for workspace in bpy.data.workspaces:  # another one may be on show by now
             workspace.status_text_set(None)
         _redraw()
+
+    def _remove_timer(self, context) -> None:
+        if self._timer is not None:
+            context.window_manager.event_timer_remove(self._timer)
+            self._timer = None
+
+
+def _stop(run: Run) -> None:
+    """Of an operator that is no more; what it has is kept."""
+    run.stop.set()
+    _ending[:] = [thread for thread in (*_ending, run.thread) if thread and thread.is_alive()]
+
+
+def _go_on(run: Run, carried: carrying.Carried) -> None:
+    """Beside another window, once its own is gone, if it was not ended meanwhile."""
+    if run is not running and run not in waiting:
+        return
+    if not carrying.begin(carried):
+        _stop(run)
+        ended = SimpleNamespace(_run=run, _remove_timer=lambda _: None)
+        carried.kind.leave(ended, bpy.context)
 
 
 class Job(Modal):
     """Mixin of operators. Subclasses give read, work and write.
 
     `read(context)` and `write(context, result)` run on the main thread; `work(inputs, progress)`
-    anywhere, without bpy, and returns what it has when `progress` returns False. `write` returns
-    the message for the user. No reference to Blender's data may pass from read to write.
+    anywhere, without bpy, and returns what it has when `progress` returns False; its `self` may be
+    the class alone. `write` returns the message for the user. No reference to Blender's data may
+    pass from read to write.
     """
 
     keeps_part = False  # what a stopped job has done so far
@@ -200,6 +245,9 @@ class Job(Modal):
     def invoke(self, context, event):
         if context.window is None:
             return self.execute(context)
+        if begun := self.take_over(context):
+            self._shown = ""  # in the status bar of the window before
+            return begun
         if reason := self._cannot_wait(context):
             return outcome.cancelled(self, context, reason)
         run = Run(self._label(), self.subject(context), keeps_part=self.keeps_part)
@@ -209,7 +257,7 @@ class Job(Modal):
             except native.known_errors() as error:
                 return outcome.cancelled(self, context, str(error))
             run.so_far = self.so_far
-            run.begin = lambda: run.start(self.work, inputs)
+            run.begin = functools.partial(run.start, self._worker(), inputs)
         self._scene_name = context.scene.name
         self._pace = Pace(self.tick_seconds)
         if running:
@@ -217,6 +265,11 @@ class Job(Modal):
         else:
             run.begin()
         return self.enter(context, run)
+
+    @classmethod
+    def _worker(cls):
+        """For the thread, which goes on when Blender ends the operator with its window."""
+        return functools.partial(cls.work, cls)
 
     def _begin(self, context):
         """Its turn has come, behind another job on its clip, which has made what it reads."""
@@ -240,7 +293,7 @@ class Job(Modal):
             level = "WARNING" if run.stop.is_set() else "ERROR"
             return outcome.cancelled(self, context, str(error), level)
         run.so_far = self.so_far
-        run.start(self.work, inputs)
+        run.start(self._worker(), inputs)
         return {"PASS_THROUGH"}
 
     def handle(self, context, event):
@@ -258,9 +311,7 @@ class Job(Modal):
             self._pace.has_input()
         # Esc that ends the playback is not meant for us
         if event.type == "ESC" and event.value == "PRESS" and not is_playing():
-            if running.is_done():  # it waits for the scene to be ready
-                running.result = None
-            running.stop.set()
+            discard_running()
             return {"RUNNING_MODAL"}
         return {"PASS_THROUGH"}
 

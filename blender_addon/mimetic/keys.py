@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Keys that the extension brings; Preferences > Keymap changes them. None is one of Blender's own
-in these modes, and where a button is grey its key goes on to whoever else has it."""
+in these modes, and where a button is grey its key goes on to whoever else has it. Esc reaches the
+window's keymap where no editor has a use for it."""
 
 import bpy
 
@@ -8,6 +9,7 @@ import bpy
 KEYS = (
     ("Object Mode", "EMPTY", "mimetic.face_as_lines", "Y"),
     ("Pose", "EMPTY", "mimetic.face_as_lines", "Y"),
+    ("Window", "EMPTY", "mimetic.stop", "ESC"),  # its own window's a job hears by itself
 )
 _items = []  # (keymap, item) that are registered
 

@@ -273,7 +273,10 @@ def scene_frame(clip: bpy.types.MovieClip, frame: int) -> int:
 
 def no_picture(context) -> str:
     """Why no place in the footage can be clicked on."""
-    space = context.space_data
+    return _no_picture_in(context.space_data)
+
+
+def _no_picture_in(space) -> str:
     if space is None or space.type != "CLIP_EDITOR" or space.clip is None:
         return "Faces are picked in the clip editor, with the footage on show"
     if space.show_stable and space.clip.tracking.stabilization.use_2d_stabilization:
@@ -290,12 +293,24 @@ def is_undistorted(space) -> bool:
     return is_clip and space.clip.use_proxy and space.clip_user.use_render_undistorted
 
 
-def footage_pixel(context, x: int, y: int, size) -> tuple[float, float] | None:
-    """The pixel of the footage under a place of the window, None beside it; from a clip editor.
+def footage_area(
+    context, x: int, y: int, clip: bpy.types.MovieClip | None = None
+) -> bpy.types.Area | None:
+    """The clip editor with this clip, or any, under a place of the window, whose picture's places
+    Blender gives. Not of `context.area`: an operator that waits may have lost its own."""
+    for area in context.window.screen.areas if context.window else ():
+        is_under = 0 <= x - area.x < area.width and 0 <= y - area.y < area.height
+        if is_under and not _no_picture_in(area.spaces.active):
+            return area if clip in (None, area.spaces.active.clip) else None
+    return None
+
+
+def footage_pixel(area: bpy.types.Area, x: int, y: int, size) -> tuple[float, float] | None:
+    """The pixel of the footage under a place of the window, None beside it; of a clip editor.
 
     size: width and height of the file's pictures; a clip's are rounded while Blender shows a proxy.
     """
-    under = [r for r in context.area.regions if 0 <= x - r.x < r.width and 0 <= y - r.y < r.height]
+    under = [r for r in area.regions if 0 <= x - r.x < r.width and 0 <= y - r.y < r.height]
     if [region.type for region in under] != ["WINDOW"]:  # a sidebar may lie over the footage
         return None
     place = under[0].view2d.region_to_view(x - under[0].x, y - under[0].y)

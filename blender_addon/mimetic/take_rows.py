@@ -17,6 +17,7 @@ from bpy.props import (
     StringProperty,
 )
 
+from . import compat
 from .writable import KEPT, KEPT_ROWS
 
 
@@ -26,6 +27,12 @@ class MimeticTakePart(bpy.types.PropertyGroup):
 
     action: PointerProperty(type=bpy.types.Action)
     slot: StringProperty(description="Identifier of the action's slot; empty before Blender 4.4")
+    handle: IntProperty(description="Of that slot, which may be renamed; 0 if it is not known")
+
+    @property
+    def slot_now(self) -> str | None:
+        """Identifier of the action's slot as it is called now; None where it is gone."""
+        return compat.slot_now(self.action, self.slot, self.handle) if self.action else None
 
 
 class MimeticLostRange(bpy.types.PropertyGroup):
@@ -40,6 +47,12 @@ class MimeticTake(bpy.types.PropertyGroup):
 
     clip: StringProperty(name="Clip", description="The footage that it was captured from")
     performance: StringProperty(name="Performance", description="Name of the file")
+    performance_path: StringProperty(
+        subtype="FILE_PATH",
+        options={"ANIMATABLE", *compat.RELATIVE_PATH},
+        description="That file (.npz) as it was baked",
+    )
+    capture: StringProperty(description="Digest of what was measured, as that file had it then")
     footage: StringProperty(description="Fingerprint of that footage, if it is known")
     first: IntProperty(name="First", description="Footage frame")
     last: IntProperty(name="Last", description="Footage frame")

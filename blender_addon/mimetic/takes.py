@@ -8,15 +8,27 @@ saved elsewhere. A file that is not where it was is looked for beside the .blend
 
 from __future__ import annotations
 
+import hashlib
 import os
 from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
+import numpy as np
 from bpy.app.handlers import persistent
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from . import clips, handlers, native
+
+MEASURED = (
+    "frame",
+    "activations",
+    "activations_std",
+    "articulator_values",
+    "articulator_values_std",
+    "confounded_with",
+    "quality",
+)
 
 
 @dataclass(frozen=True)
@@ -93,7 +105,7 @@ def _new_file(folder: Path, stem: str, kind: str) -> str:
 
 def load(take: Take):
     """The take's Performance; raises what it raises, and InvalidInput if it is another clip's."""
-    performance = native.performances().Performance.load(take.path)
+    performance = _read(take.path)
     if not performance.is_of(take.fingerprint):
         raise native.invalid_input(
             rpt_(
@@ -106,7 +118,7 @@ def load(take: Take):
 
 def load_edited(path: str, curves: dict | None):
     """A Performance with its curves edited by the fields of a CurveSettings, if there are any."""
-    performance = native.performances().Performance.load(path)
+    performance = _read(path)
     parts = native.curve_settings()
     return parts.edited(performance, parts.CurveSettings(**(curves or {})))
 
@@ -150,43 +162,113 @@ def find(holder) -> str:
     return beside if os.path.isfile(beside) and _is_of(beside, _footage_of(holder)) else ""
 
 
-_seen: dict[str, tuple] = {}  # file: its state when read, and its footage's fingerprint, or None
+@dataclass(frozen=True)
+class _Content:
+    """What is remembered of a file that was read."""
+
+    footage: str  # fingerprint of its footage, "" if it is not known
+    capture: str  # `capture_of`
+
+
+_seen: dict[str, tuple] = {}  # file: its state when read, and its content, None if it has none
+
+
+def _state(path: str) -> tuple[int, int] | None:
+    try:
+        facts = os.stat(path)
+    except OSError:  # reading it says why
+        return None
+    return facts.st_mtime_ns, facts.st_size
+
+
+def _read(path: str):
+    state = _state(path)
+    performance = native.performances().Performance.load(path)
+    footage = performance.footage[1] if performance.footage else ""
+    _seen[path] = state, _Content(footage, capture_of(performance))
+    return performance
+
+
+def _content(path: str) -> _Content | None:
+    """Of a file that may have been read before; None of one that cannot be."""
+    state = _state(path)
+    if path not in _seen or _seen[path][0] != state:  # panels ask at every drawing
+        try:
+            _read(path)
+        except native.known_errors():
+            _seen[path] = state, None
+    return _seen[path][1]
 
 
 def _is_of(path: str, fingerprint: str) -> bool:
     """Whether a file is a take of the footage with a fingerprint, as far as either is known."""
     if not fingerprint:
         return True
-    facts = os.stat(path)
-    state = facts.st_mtime_ns, facts.st_size
-    if path not in _seen or _seen[path][0] != state:  # panels ask at every drawing
-        try:
-            footage = native.performances().Performance.load(path).footage
-            _seen[path] = state, footage[1] if footage else ""
-        except native.known_errors():
-            _seen[path] = state, None
-    return _seen[path][1] in ("", fingerprint)
+    content = _content(path)
+    return content is not None and content.footage in ("", fingerprint)
 
 
-def named(name: str, fingerprint: str = "") -> Take | None:
-    """The captured take in a file of this name: one that the .blend uses or lists, else one
-    beside it or beside those; None if there is none.
+def capture_of(performance) -> str:
+    """Digest of what a `mimetic.performance.Performance` has measured: the values of each frame,
+    how far these may be off, and where the face was lost."""
+    digest = hashlib.sha256()
+    for name in MEASURED:
+        values = getattr(performance, name)
+        digest.update(name.encode())
+        if values is not None:
+            digest.update(np.ascontiguousarray(values).tobytes())
+    return digest.hexdigest()
 
-    fingerprint: of its footage, where that is known: each clip may have a file of this name.
-    """
+
+def holds(path: str, row) -> bool:
+    """Whether a file has what a baked take (`take_rows.MimeticTake`) was made from, as far as that
+    is known."""
+    content = _content(path)
+    return not row.capture or (content is not None and content.capture == row.capture)
+
+
+def note_baked(row, path: str) -> None:
+    """Has a baked take remember the file that it is made from."""
+    path = os.path.abspath(path)
+    content = _content(path)
+    row.performance = native.shown_text().shown(Path(path).name)
+    row.performance_path = _relative(path, bpy.data.filepath)
+    row.capture = content.capture if content else ""
+
+
+def of_baked(row) -> Take | None:
+    """The captured take that a baked one was made from: in the file that it remembers, or in one of
+    that name that the .blend uses or lists, or beside it or beside those. Where none `holds` it,
+    the first of them; None if there is none."""
+    found = _named_as(row)
+    if len(found) > 1:
+        found.sort(key=lambda take: not holds(take.path, row))
+    return next(iter(found), None)
+
+
+def _named_as(row) -> list[Take]:
+    """Those that may be what a baked take was made from, the likeliest first. Each clip may have a
+    file of that name, and each folder."""
+    name = row.performance
     holders = [holder for holder in _holders() if holder.performance_path]
     same = [h for h in holders if name_of(h) == name and find(h)]
-    same.sort(key=lambda h: bool(fingerprint) and _footage_of(h) != fingerprint)
-    found = next(iter(same), None)
-    if found is None:
-        own = [bpy.path.abspath("//")] if bpy.data.filepath else []
-        folders = [*own, *(os.path.dirname(path_of(holder)) for holder in holders)]
-        beside = (os.path.join(folder, name) for folder in folders)
-        path = next(filter(os.path.isfile, beside), "")
-        return Take(path) if path else None
-    if isinstance(found.id_data, bpy.types.Scene):
-        return Take(find(found))
-    return Take(find(found), found.id_data.name, _footage_of(found))
+    same.sort(key=lambda h: bool(row.footage) and _footage_of(h) != row.footage)
+    known = {}
+    for holder in same:
+        is_of_scene, path = isinstance(holder.id_data, bpy.types.Scene), find(holder)
+        owner = () if is_of_scene else (holder.id_data.name, _footage_of(holder))
+        known.setdefault(os.path.normpath(path), Take(path, *owner))
+    folders = [bpy.path.abspath("//")] if bpy.data.filepath else []
+    folders += [os.path.dirname(path_of(holder)) for holder in holders]
+    own = [path_of(row)] if row.performance_path else []
+    beside = [os.path.normpath(os.path.join(folder, name)) for folder in folders]
+    paths = dict.fromkeys([*own, *known, *beside])
+    return [known.get(path) or Take(path) for path in paths if os.path.isfile(path)]
+
+
+def _baked_rows() -> list:
+    """Every baked take in the .blend itself, which remembers its file."""
+    return [row for obj in bpy.data.objects if not obj.library for row in obj.mimetic.takes]
 
 
 def missing() -> list:
@@ -249,6 +331,7 @@ def name_from_new_place(blend: str, *_) -> None:
     for clip in bpy.data.movieclips:
         clips.settle(clip)
     _references[:] = [(h, find(h) or path_of(h)) for h in _holders() if h.performance_path]
+    _references.extend((row, path_of(row)) for row in _baked_rows() if row.performance_path)
     _name(blend)
 
 

@@ -93,6 +93,8 @@ def no_curves(context) -> str:
     if reason := writable.no_sliders(face):
         return reason
     if not (curves := face_curves.of(face)):
+        if face_curves.are_in_strips(face):
+            return "The face's curves lie in strips: open one in the NLA first (Tab)"
         return "The face has no curves yet: press Bake first"
     libraries = {row.curve.id_data.library for row in curves} - {None}
     return "The face's action is another file's" if libraries else ""

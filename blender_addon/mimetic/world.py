@@ -29,3 +29,8 @@ def matrix(obj: bpy.types.Object) -> Matrix:
     # Switched off in the view layer, where nothing is evaluated: as it stands by itself
     in_parent = obj.matrix_parent_inverse @ obj.matrix_basis
     return matrix(obj.parent) @ in_parent if obj.parent else in_parent
+
+
+def space(obj: bpy.types.Object) -> Matrix:
+    """World from the space of the object's own curves, its parent's, as of now."""
+    return matrix(obj) @ obj.matrix_basis.inverted_safe()

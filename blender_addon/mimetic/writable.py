@@ -66,6 +66,17 @@ def no_shapes(face: bpy.types.Object) -> str:
     return ""
 
 
+def no_own_mesh(obj: bpy.types.Object) -> str:
+    """Why what is done to a mesh would be done to other objects too."""
+    sharing = obj.data.users - obj.data.use_fake_user
+    if sharing <= 1:
+        return ""
+    return iface_(
+        "{name} shares its mesh with {count} more: make it its own (Object "
+        "> Relations > Make Single User > Object & Data)"
+    ).format(name=obj.name, count=sharing - 1)
+
+
 def no_lens(camera: bpy.types.Object) -> str:
     """Why a camera's lens and background would be lost."""
     for block in (camera, camera.data):

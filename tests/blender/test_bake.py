@@ -141,6 +141,85 @@ def test_a_moved_camera_takes_the_face_along(baked, extension, scene, performanc
     assert np.abs(evaluated_vertices(baked, 8) - expected).max() < 2 * METRES
 
 
+@pytest.fixture
+def moved():
+    """An empty that turns, enlarges and moves what hangs on it."""
+    empty = bpy.data.objects.new("Set", None)
+    bpy.context.scene.collection.objects.link(empty)
+    empty.location, empty.rotation_euler, empty.scale = (3, 1, 0.5), (0.2, 0.1, 0.5), (2, 2, 2)
+    return empty
+
+
+def points_in_camera(face, frame: int) -> np.ndarray:
+    """As `evaluated_vertices`, but in the frame of the footage's camera; its scale counts."""
+    points = evaluated_vertices(face, frame)
+    camera = np.array(bpy.context.scene.mimetic.camera.matrix_world.inverted())
+    return points @ camera[:3, :3].T + camera[:3, 3]
+
+
+@pytest.mark.parametrize("use_controls", [False, True])
+@pytest.mark.parametrize("is_parent", [False, True])
+def test_a_face_stays_before_its_camera_when_both_were_moved(
+    extension, scene, performance, moved, use_controls, is_parent
+):
+    extension("scene_out").bake(scene, performance, "take", use_controls=use_controls)
+    face, camera = scene.mimetic.face, scene.mimetic.camera
+    head = face.mimetic.control_object or face
+    expected = {frame: points_in_camera(face, frame) for frame in (1, 20, 40)}
+    if is_parent:
+        head.parent = camera.parent = moved
+    else:
+        bpy.context.view_layer.update()
+        matrix = moved.matrix_world.normalized()
+        for obj in {head, camera} - {face}:
+            obj.matrix_world = matrix @ obj.matrix_world
+    bpy.context.view_layer.update()
+    summary = extension("scene_out").bake(scene, performance, "again", use_controls=use_controls)
+    for frame, points in expected.items():
+        np.testing.assert_allclose(points_in_camera(face, frame), points, atol=4 * METRES)
+    assert not summary.remark
+
+
+def test_a_control_object_is_made_before_the_camera_whatever_frame_is_shown(
+    extension, scene, baked, performance
+):
+    expected = evaluated_vertices(baked, 8)
+    scene.frame_set(20)
+    extension("scene_out").bake(scene, performance, "again", use_controls=True)
+    np.testing.assert_allclose(evaluated_vertices(baked, 8), expected, atol=4 * METRES)
+
+
+@pytest.mark.parametrize("to", ["KEYS", "CONTROLS"])
+@pytest.mark.parametrize("with_camera", [False, True])
+def test_a_parent_that_is_animated_is_told_unless_the_camera_goes_along(
+    bake, scene, performance, moved, to, with_camera
+):
+    face = bake(performance, to=to)
+    expected = {frame: points_in_camera(face, frame) for frame in (9, 30)}
+    for obj in (face.mimetic.control_object or face, *[scene.mimetic.camera] * with_camera):
+        obj.parent = moved
+    moved.scale = (1, 1, 1)
+    moved.keyframe_insert("location", frame=1)
+    moved.location.x += 1
+    moved.keyframe_insert("location", frame=40)
+    scene.frame_set(9)
+    bake(performance, "again", to=to)
+    told = f"Set is animated and moves {face.name}, which is before its footage in frame 9 alone"
+    assert (told in result()["message"]) != with_camera
+    for frame in (9, 30) if with_camera else (9,):
+        np.testing.assert_allclose(points_in_camera(face, frame), expected[frame], atol=8 * METRES)
+
+
+def test_a_parent_that_is_flat_changes_nothing(extension, scene, baked, performance, moved):
+    baked.parent = moved
+    moved.scale = (0, 1, 1)
+    action = baked.animation_data.action
+    with pytest.raises(Exception, match="flat"):
+        extension("scene_out").bake(scene, performance, "again")
+    assert baked.animation_data.action == action
+    assert "again head" not in bpy.data.actions
+
+
 def test_detail_is_baked_when_asked_for(extension, scene, performance):
     modes = 1e-3 * np.cos(np.arange(3 * performance.neutral_vertices.size)).reshape(3, -1, 3)
     rates = np.linspace(-1.5, 2.5, performance.num_frames)

@@ -156,6 +156,46 @@ def test_removing_it_keeps_the_motion(extension, scene, face):
     assert "take" in bpy.data.actions
 
 
+@pytest.fixture
+def duplicate(face):
+    """Of the face alone, as Shift D makes it."""
+    bpy.context.view_layer.objects.active = face
+    for obj in bpy.context.view_layer.objects:
+        obj.select_set(obj == face)
+    assert bpy.ops.object.duplicate() == {"FINISHED"}
+    return bpy.context.view_layer.objects.active
+
+
+@pytest.mark.parametrize("use_curves", [True, False])
+def test_a_duplicate_is_released_and_the_original_goes_on(scene, face, duplicate, use_curves):
+    control, expected = control_of(face), shown(face)
+    assert control_of(duplicate) == control
+    scene.frame_set(20)
+    now = evaluated_vertices(duplicate, 20)
+    assert bpy.ops.mimetic.remove_control_object(use_curves=use_curves) == {"FINISHED"}
+    assert f"{control.name} stays: it drives {face.name}" in result()["message"]
+    assert control_of(face) == control and control.animation_data.action.name == "take"
+    assert control_of(duplicate) is None and duplicate.parent is None
+    for frame, one, points in zip(FRAMES, shown(face), expected, strict=True):
+        assert np.abs(one - points).max() < CLOSE
+        stays = points if use_curves else now
+        assert np.abs(evaluated_vertices(duplicate, frame) - stays).max() < CLOSE
+    bpy.context.view_layer.objects.active = face
+    assert bpy.ops.mimetic.remove_control_object() == {"FINISHED"}
+    assert "stays" not in result()["message"]
+    assert not [obj for obj in bpy.data.objects if obj.type == "ARMATURE"]
+
+
+def test_a_duplicate_of_the_same_mesh_is_not_released(face):
+    twin = face.copy()
+    bpy.context.scene.collection.objects.link(twin)
+    bpy.context.view_layer.objects.active = twin
+    with pytest.raises(RuntimeError, match="shares its mesh with 1 more"):
+        bpy.ops.mimetic.remove_control_object()
+    assert control_of(face) == control_of(twin) is not None
+    assert face.data.shape_keys.animation_data.drivers
+
+
 def test_a_deleted_one_is_told_and_the_face_bakes_again(scene, face, performance_file, capfd):
     bpy.data.objects.remove(control_of(face))
     bpy.ops.mimetic.load_performance(filepath=str(performance_file))

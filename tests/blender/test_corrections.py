@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Frames of a take corrected in the clip editor, and refined."""
 
+import contextlib
 import json
 from pathlib import Path
 from types import SimpleNamespace
@@ -220,14 +221,16 @@ class Waiting:
             cursor_modal_restore=lambda: None,
             status_text_set=lambda _: None,
             modal_handler_add=lambda _: None,
+            screen=SimpleNamespace(areas=[]),
         )
         self.context = SimpleNamespace(
             window=quiet, workspace=quiet, window_manager=quiet, scene=scene, edit_movieclip=None
         )
+        self.context.temp_override = lambda **_: contextlib.nullcontext()
         assert self.drag.invoke(self.context, None) == {"RUNNING_MODAL"}
 
-    def press(self, kind: str):
-        event = SimpleNamespace(type=kind, value="PRESS", mouse_x=0, mouse_y=0)
+    def press(self, kind: str, value: str = "PRESS"):
+        event = SimpleNamespace(type=kind, value=value, mouse_x=0, mouse_y=0)
         return self.drag.modal(self.context, event)
 
 
@@ -245,3 +248,81 @@ def test_a_drag_that_waits_leaves_what_is_corrected_meanwhile(
     first, second = Waiting(kind, scene), Waiting(kind, scene)
     assert "CANCELLED" in first.press("LEFTMOUSE")  # the other was begun instead
     assert second.press("LEFTMOUSE") == {"PASS_THROUGH"}
+
+
+def editor(clip, x: int, kind: str = "CLIP_EDITOR", **settings):
+    """An area 100 pixels wide and high, as far as the mouse over it is concerned."""
+    of_space = {"show_stable": False, "type": kind, "clip": clip} | settings
+    space = SimpleNamespace(**of_space)
+    return SimpleNamespace(x=x, y=0, width=100, height=100, spaces=SimpleNamespace(active=space))
+
+
+def test_the_editor_under_the_mouse_is_looked_for_at_each_click(extension, captured):
+    part, other = extension("scene_in"), captured.copy()
+    stable = SimpleNamespace(
+        use_proxy=False,
+        tracking=SimpleNamespace(stabilization=SimpleNamespace(use_2d_stabilization=True)),
+    )
+    areas = [
+        *(editor(captured, 0), editor(other, 100), editor(None, 200, "VIEW_3D")),
+        editor(stable, 300, show_stable=True),
+    ]
+    context = SimpleNamespace(window=SimpleNamespace(screen=SimpleNamespace(areas=areas)))
+    assert part.footage_area(context, 50, 50) is areas[0]
+    assert part.footage_area(context, 50, 50, captured) is areas[0]
+    assert part.footage_area(context, 150, 50) is areas[1]
+    assert part.footage_area(context, 150, 50, captured) is None  # another clip is seen there
+    assert part.footage_area(context, 250, 50) is part.footage_area(context, 350, 50) is None
+    assert part.footage_area(context, 450, 50) is None
+    areas.pop(0)  # as full screen does
+    assert part.footage_area(context, 50, 50, captured) is None
+    context.window = None
+    assert part.footage_area(context, 150, 50) is None
+    with bpy.context.temp_override(edit_movieclip=other):  # in the middle of a drag
+        assert part.clip_of(bpy.context) == other
+
+
+class Opened:
+    """Drags a value up; `fails`: in the middle."""
+
+    fails = False
+
+    def grab_at(self, pixel):
+        self.value = 0.1
+
+    def drag_to(self, pixel):
+        if self.fails:
+            raise RuntimeError("the editor is gone")
+        self.value += 0.1
+
+    def change(self, context, earlier, frame):
+        from mimetic.solve import correcting
+
+        return correcting.with_value(earlier, frame, "jaw_open", self.value, 0.03, 8.0)
+
+
+@pytest.mark.parametrize("end", ["RELEASE", "ESC", "ERROR"])
+def test_a_drag_leaves_nothing_half_made(extension, captured, scene, monkeypatch, end):
+    part, restored = extension("scene_in"), []
+    monkeypatch.setattr(part, "no_picture", lambda context: "")
+    monkeypatch.setattr(part, "footage_area", lambda *arguments: editor(captured, 0))
+    monkeypatch.setattr(part, "footage_pixel", lambda *arguments: (200.0, 150.0))
+    names = {"bl_label": "Drag", "bl_idname": "MIMETIC_OT_drag"}
+    kind = type("Drags", (Opened, extension("operators.dragging").Dragging), names)
+    drag = Waiting(kind, scene)
+    drag.context.window.cursor_modal_restore = lambda: restored.append(True)
+    assert drag.press("LEFTMOUSE") == {"RUNNING_MODAL"}
+    assert drag.press("MOUSEMOVE", "NOTHING") == {"RUNNING_MODAL"}
+    ((entry,)) = kept(extension, captured)
+    assert entry.values["jaw_open"].value == pytest.approx(0.2)
+    if end == "ERROR":
+        drag.drag.fails = True
+        with pytest.raises(RuntimeError, match="the editor is gone"):
+            drag.press("MOUSEMOVE", "NOTHING")
+        assert "CANCELLED" in drag.press("MOUSEMOVE", "NOTHING")  # which ends it for Blender
+    elif end == "ESC":
+        assert drag.press("ESC") == {"CANCELLED"}
+    else:
+        assert drag.press("LEFTMOUSE", "RELEASE") == {"FINISHED"}
+    assert restored == [True]
+    assert len(kept(extension, captured)) == (end == "RELEASE")

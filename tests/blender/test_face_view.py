@@ -113,11 +113,11 @@ def keys_of_ours() -> list:
 
 
 def test_the_key_comes_and_goes_with_the_extension():
-    assert keys_of_ours() == [("Object Mode", "Y"), ("Pose", "Y")]
+    assert keys_of_ours() == [("Object Mode", "Y"), ("Pose", "Y"), ("Window", "ESC")]
     bpy.ops.preferences.addon_disable(module=MODULE)
     assert keys_of_ours() == []
     bpy.ops.preferences.addon_enable(module=MODULE)
-    assert len(keys_of_ours()) == 2
+    assert len(keys_of_ours()) == 3
 
 
 def test_blender_has_no_such_key_of_its_own(extension):

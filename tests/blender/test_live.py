@@ -238,32 +238,6 @@ def test_what_the_end_of_a_take_tells_is_reported(scene, extension, monkeypatch)
     ]
 
 
-def test_digits_freeze_channels_and_let_them_go(scene, extension, monkeypatch):
-    operators, live, jobs = extension("operators.live"), extension("live"), extension("jobs")
-    settings = scene.mimetic.live
-
-    class Pressed(jobs.Modal):
-        handle, _told = operators.MIMETIC_OT_live.handle, 1.0
-
-    def press(key, value="PRESS", is_repeat=False):
-        event = SimpleNamespace(type=key, value=value, is_repeat=is_repeat)
-        assert pressed.modal(bpy.context, event) == {"RUNNING_MODAL"}
-
-    pressed, session = Pressed(), SimpleNamespace(commands=[], is_recording=False)
-    monkeypatch.setattr(live, "active", session)
-    monkeypatch.setattr(jobs, "running", jobs.Run("Live"))
-    pressed._run = jobs.running
-    assert len(operators.DIGITS) == len(CHANNELS)
-    press("TWO")
-    press("TWO", "RELEASE")
-    press("TWO", is_repeat=True)  # a key that is held freezes once
-    press("FIVE")
-    assert live.frozen(settings) == {"head_rotation", "brows"}
-    assert operators._hints(session, settings).endswith("frozen: rotation, brows")
-    press("TWO")
-    assert settings.channels == CHANNELS - {"BROWS"} and session.commands == []
-
-
 def test_a_take_can_be_punched_in(scene, face, extension, monkeypatch):
     play_unpaced(extension, monkeypatch, scene.mimetic.live.clip_path, is_looped=True)
     driven = Session(extension)

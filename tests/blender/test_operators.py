@@ -203,7 +203,11 @@ def pressed(extension, scene):
         mimetic_result="",
     )
     context = SimpleNamespace(
-        window=object(), scene=scene, mode="OBJECT", window_manager=manager, workspace=None
+        window=SimpleNamespace(as_pointer=lambda: 1),
+        scene=scene,
+        mode="OBJECT",
+        window_manager=manager,
+        workspace=None,
     )
     context.workspace = SimpleNamespace(status_text_set=lambda _text: None)
 

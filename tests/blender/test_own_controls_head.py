@@ -78,3 +78,17 @@ def test_a_scene_of_centimetres_moves_it_as_far(extension, scene, parts, acted):
     head.location *= 100
     bpy.context.view_layer.update()
     np.testing.assert_allclose(moved(extension, acted[0], head), expected, atol=1e-4)
+
+
+@pytest.mark.parametrize("has_landmarks", [False, True], ids=["by keys", "by landmarks"])
+def test_a_bake_over_strips_starts_where_theirs_did(scene, parts, acted, has_landmarks):
+    head = make_character(parts, has_landmarks=has_landmarks)
+    scene.render.fps = 25
+    assert bpy.ops.mimetic.load_performance(filepath=acted[1]) == {"FINISHED"}
+    bpy.context.view_layer.objects.active = head
+    assert bpy.ops.mimetic.bake_controls(use_strips=True) == {"FINISHED"}
+    expected = [world_at(head, frame) for frame in FRAMES]
+    scene.frame_set(25)
+    assert bpy.ops.mimetic.bake_controls() == {"FINISHED"}
+    assert not head.animation_data.nla_tracks
+    np.testing.assert_allclose([world_at(head, frame) for frame in FRAMES], expected, atol=1e-5)

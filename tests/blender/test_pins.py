@@ -2,6 +2,7 @@
 """Landmarks in the clip editor: dragged, pinned, let go of; the fit follows."""
 
 import time
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -158,3 +159,80 @@ def test_the_buttons_say_why_they_are_grey(extension, found):
     assert why(bpy.context, True) == ""
     scene.frame_set(FRAME + 5)
     assert "Landmarks Here" in why(bpy.context, True)
+
+
+@pytest.fixture
+def hand(extension, monkeypatch):
+    """Begins and ends drags as Blender's modal operators do, which only a window has; each `look`
+    is a call of the timer's."""
+    pins, at_work = extension("pins"), []
+    monkeypatch.setattr(pins, "_at_work", lambda: at_work)
+    pins._forget()
+    pins.watch()
+    yield SimpleNamespace(
+        begin=lambda name="CLIP_OT_slide_marker": at_work.append(name),
+        end=at_work.clear,
+        look=pins.watch,
+    )
+    pins._forget()
+
+
+def all_markers(extension, clip) -> np.ndarray:
+    return np.frombuffer(extension("scene_out").landmarks.state(clip), np.float32)
+
+
+@pytest.mark.parametrize("is_pinned", [False, True])
+def test_a_drag_that_is_cancelled_pins_nothing_and_fits_nothing(extension, found, hand, is_pinned):
+    content = extension("scene_out").face_fit.content
+    if is_pinned:
+        bpy.context.scene.frame_set(OTHER)
+        bpy.ops.mimetic.show_landmarks()  # which move along in that frame
+        bpy.context.scene.frame_set(FRAME)
+        drag(found, NAME, 4)
+        bpy.ops.mimetic.follow_pins()
+        hand.look()
+    before, markers = content(found), all_markers(extension, found).copy()
+    marker = tracks(found)[NAME].markers.find_frame(FRAME, exact=True)
+    begun_at = tuple(marker.co)
+    hand.begin()
+    drag(found, NAME, 6, -3)  # on before the timer looks for the first time
+    hand.look()
+    assert content(found) != before
+    drag(found, NAME, 6)
+    hand.look()
+    assert np.abs(all_markers(extension, found) - markers).max() > 0.01
+    marker.co = begun_at  # as Esc has it, for what was dragged alone
+    hand.end()
+    hand.look()
+    assert content(found) == before
+    np.testing.assert_allclose(all_markers(extension, found), markers, atol=1e-6)
+    assert tracks(found)[NAME].use_custom_color == is_pinned
+    assert extension("pins").follow(found) == []
+    hand.look()
+    assert content(found) == before
+
+
+def test_a_drag_that_ends_elsewhere_pins(extension, found, hand):
+    hand.begin("TRANSFORM_OT_translate")
+    hand.look()
+    drag(found, NAME, 6, -3)
+    hand.look()
+    drag(found, NAME, 1)
+    hand.end()
+    dragged = place(found, NAME)
+    hand.look()
+    pins = extension("scene_out").face_fit.of_clip(found).pins
+    np.testing.assert_allclose(pins[FRAME][NAME], dragged, atol=1e-3)
+
+
+def test_a_drag_in_any_window_counts(extension, monkeypatch):
+    pins = extension("pins")
+    windows = [
+        SimpleNamespace(modal_operators=[SimpleNamespace(bl_idname=name)])
+        for name in ("MIMETIC_OT_drag_pose", "CLIP_OT_slide_marker")
+    ]
+    context = SimpleNamespace(window_manager=SimpleNamespace(windows=windows))
+    monkeypatch.setattr(pins, "bpy", SimpleNamespace(context=context))
+    assert pins._is_dragging() and pins._is_busy()
+    windows.pop()
+    assert pins._is_busy() and not pins._is_dragging()

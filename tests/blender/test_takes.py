@@ -203,6 +203,24 @@ def test_two_takes_stand_side_by_side_at_the_same_time(
 
 
 @pytest.mark.parametrize("to", KINDS)
+@pytest.mark.parametrize("scale", [1, 0.01])
+def test_a_copy_stands_beside_under_a_parent_that_turns(
+    extension, scene, bake, performance, to, scale
+):
+    face = bake(performance, to=to)
+    parent = bpy.data.objects.new("Root", None)
+    scene.collection.objects.link(parent)
+    parent.rotation_euler, parent.scale = (0, 0.3, 1.5), (scale,) * 3
+    mover = face.mimetic.control_object or face
+    mover.parent = parent
+    mover.scale = (1 / scale,) * 3
+    expected = evaluated_vertices(face, 3)
+    assert bpy.ops.mimetic.compare_take(take="hero") == {"FINISHED"}
+    apart = evaluated_vertices(bpy.data.objects[result()["copy"]], 3) - expected
+    np.testing.assert_allclose(apart, np.tile([0.25, 0, 0], (len(apart), 1)), atol=1e-4)
+
+
+@pytest.mark.parametrize("to", KINDS)
 @pytest.mark.parametrize("share", [0.0, 0.3, 1.0])
 def test_a_take_is_blended_over_another(extension, scene, bake, performance, other, to, share):
     face = bake(performance, to=to)
@@ -346,3 +364,26 @@ def test_a_character_of_ones_own_has_takes(extension, scene, acted, bake):
     )
     bpy.ops.mimetic.play_take(take="hero")
     assert value(scene, head, 12, name) == pytest.approx(acted[0].activations[11, 0], abs=1e-5)
+
+
+@pytest.mark.parametrize("to", KINDS)
+def test_lost_ranges_go_along_with_a_take_that_is_retimed(extension, scene, bake, other, to):
+    def marked() -> list[int]:
+        return sorted(marker.frame for marker in scene.timeline_markers)
+
+    face = bake(other, to=to)
+    bpy.context.view_layer.objects.active = face
+    assert marked() == [5, 8, 31, 32]
+    assert bpy.ops.mimetic.retime_curves(side="LEFT", factor=2.0) == {"FINISHED"}
+    assert marked() == [5, 8, 31, 32]
+    bpy.ops.mimetic.retime_curves(side="LEFT", factor=0.5)
+    assert bpy.ops.mimetic.retime_curves(factor=2.0, frames_later=100.0) == {"FINISHED"}
+    assert marked() == [109, 114, 161, 162]
+    (row,) = face.mimetic.takes
+    assert (row.scene_first, row.scene_last) == (101, 179)
+    assert [(lost.first, lost.last) for lost in row.lost] == [(109, 113), (161, 161)]
+    bpy.ops.mimetic.unmark_lost()
+    bpy.ops.mimetic.retime_curves(frames_later=-100.0)
+    assert marked() == []
+    bpy.ops.mimetic.mark_lost()
+    assert marked() == [9, 14, 61, 62]

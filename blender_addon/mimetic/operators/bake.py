@@ -143,13 +143,13 @@ class MIMETIC_OT_bake(KeyOptions, CurveOptions, TakeOptions, InSections, Job, Op
         clip = bpy.data.movieclips.get(take.clip_name)
         if bound_name:
             head = writable.own_object(context.scene, bound_name)
-            before = scene_out.take_list.now(head)
+            before = scene_out.take_list.before_bake(head)
             message = self.write_bound(context.scene, performance, name, head, clip)
             like = performance, name, take, clip, self.settings(), before
             return message + self.note_take(context, head, *like)
         appearance, contact = dress
         face = scene_out.face.find(context.scene, performance)
-        before = scene_out.take_list.now(face)
+        before = scene_out.take_list.before_bake(face)
         use_controls = self.uses_controls(face)
         summary = scene_out.bake(
             context.scene,
@@ -174,6 +174,7 @@ class MIMETIC_OT_bake(KeyOptions, CurveOptions, TakeOptions, InSections, Job, Op
         message += self.note_take(context, face, *like)
         if summary.kept:
             message += rpt_("; {kept} (Reset Hand Changes undoes that)").format(kept=summary.kept)
+        message += f"; {summary.remark}" if summary.remark else ""
         if clip and clips.is_missing(clip):
             message += rpt_("; {clip} is missing: the camera shows it once it is found").format(
                 clip=clip.name

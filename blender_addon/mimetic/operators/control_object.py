@@ -64,6 +64,8 @@ class MIMETIC_OT_remove_control_object(Greyed, Operator):
             return outcome.cancelled(
                 self, context, rpt_("{face} has no control object").format(face=face.name)
             )
+        control = scene_out.control_object.of(face)
+        other = scene_out.control_object.other_face(face)
         try:
             num_curves = scene_out.control_removal.remove(context.scene, face, self.use_curves)
         except native.known_errors() as error:
@@ -73,6 +75,10 @@ class MIMETIC_OT_remove_control_object(Greyed, Operator):
         if num_curves:
             message += rpt_(", whose motion is {num_curves} curves of its own now").format(
                 num_curves=num_curves
+            )
+        if other is not None:
+            message += rpt_("; {control} stays: it drives {other}").format(
+                control=control.name, other=other.name
             )
         return outcome.finished(self, context, message, object=face.name, num_curves=num_curves)
 

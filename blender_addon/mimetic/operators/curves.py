@@ -286,11 +286,23 @@ class MIMETIC_OT_retime_curves(OnCurves, Operator):
         with_head = self.use_head and not self.group and self.side == "BOTH"
         curves = edits.curves_to_retime(face, chosen, with_head)
         edits.retime(curves, first, last, self.factor, self.frames_later)
+        self._take_along(context.scene, face, curves, first, last)
         ends = edits.ends(curves)
         message = rpt_("{num_curves} curves from frame {first:.6g} to {last:.6g}").format(
             num_curves=len(curves), first=ends[0], last=ends[1]
         )
         return message, {"num_curves": len(curves), "scene_frames": list(ends)}
+
+    def _take_along(self, scene, face, curves, first: float, last: float) -> None:
+        """Lost ranges and error bars of the take that plays, where the whole face is retimed."""
+        takes, edits, markers = scene_out.take_list, scene_out.curve_edits, scene_out.lost_markers
+        row = takes.playing(face)
+        if row is None or not scene_out.face_curves.are_all(face, curves):
+            return
+        like = first, last, self.factor, self.frames_later
+        takes.retime(row, lambda frames: edits.retimed_frames(frames, *like))
+        if markers.ours(scene):
+            markers.show(scene, row)
 
 
 CLASSES = (

@@ -40,6 +40,13 @@ class Dragging(Correcting):
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
+        try:
+            return self._handle(context, event)
+        except BaseException:
+            self.cancel(context)  # nothing half made stays, and no cursor
+            raise
+
+    def _handle(self, context, event):
         if self._number != Dragging.num_begun and not self._is_dragging:
             return {"CANCELLED", "PASS_THROUGH"}  # another was begun instead
         if event.type in {"ESC", "RIGHTMOUSE"}:
@@ -49,20 +56,37 @@ class Dragging(Correcting):
             if self._is_dragging:
                 self._show(context)
             return {"RUNNING_MODAL"}
-        pixel = scene_in.footage_pixel(context, event.mouse_x, event.mouse_y, self._size)
-        if event.type == "LEFTMOUSE" and event.value == "PRESS" and pixel is not None:
-            self._is_dragging = self._grab(context, pixel)
-            return {"RUNNING_MODAL"} if self._is_dragging else self._leave(context, False)
-        if self._is_dragging and event.type == "MOUSEMOVE" and pixel is not None:
-            self.drag_to(pixel)
-            self._show(context)
-        if self._is_dragging and event.type == "LEFTMOUSE" and event.value == "RELEASE":
+        if not self._is_dragging:
+            return self._wait(context, event)
+        if event.type == "MOUSEMOVE":
+            pixel = self._pixel(context, event, self._clip)
+            if pixel is not None:
+                self.drag_to(pixel)
+                self._show(context)
+        if event.type == "LEFTMOUSE" and event.value == "RELEASE":
             return self._leave(context, True)
-        return {"RUNNING_MODAL"} if self._is_dragging else {"PASS_THROUGH"}
+        return {"RUNNING_MODAL"}
 
-    def _grab(self, context, pixel) -> bool:
+    def _wait(self, context, event):
+        """For the click; editors may have come and gone since the button was pressed."""
+        if event.type != "LEFTMOUSE" or event.value != "PRESS":
+            return {"PASS_THROUGH"}
+        area = scene_in.footage_area(context, event.mouse_x, event.mouse_y)
+        pixel = self._pixel(context, event)
+        if area is None or pixel is None:
+            return {"PASS_THROUGH"}
+        clip = area.spaces.active.clip
+        with context.temp_override(edit_movieclip=clip):
+            self._is_dragging = self._grab(context, event, clip)
+        return {"RUNNING_MODAL"} if self._is_dragging else self._leave(context, False)
+
+    def _pixel(self, context, event, clip=None):
+        place = event.mouse_x, event.mouse_y
+        area = scene_in.footage_area(context, *place, clip)
+        return scene_in.footage_pixel(area, *place, self._size) if area is not None else None
+
+    def _grab(self, context, event, clip) -> bool:
         """Begins the drag: clip, frame and corrections may be others than at the button."""
-        clip = scene_in.clip_of(context)
         self._frame = self.frame or scene_in.shown_frame(context)
         try:
             writable.check(self.obstacle(context))
@@ -73,13 +97,15 @@ class Dragging(Correcting):
             self.report({"WARNING"}, str(error))
             return False
         self._clip = clip
-        self.grab_at(pixel)
+        self.grab_at(self._pixel(context, event, clip))
         return self._show(context)
 
     def _show(self, context) -> bool:
         """What is stated as it would be now; says whether it can be."""
         try:
-            corrections.keep(self._clip, self.change(context, self._before, self._frame))
+            with context.temp_override(edit_movieclip=self._clip):
+                now = self.change(context, self._before, self._frame)
+            corrections.keep(self._clip, now)
         except native.known_errors() as error:
             self.report({"WARNING"}, str(error))
             return False
@@ -87,12 +113,19 @@ class Dragging(Correcting):
         return True
 
     def _leave(self, context, is_kept: bool):
-        context.window.cursor_modal_restore()
+        self._is_dragging, self._number = False, 0  # an exception ends no operator by itself
+        if context.window is not None:
+            context.window.cursor_modal_restore()
         context.workspace.status_text_set(None)
-        if self._clip is not None:
-            corrections.keep(self._clip, self._before)
+        clip, self._clip = self._clip, None
         editors.redraw("CLIP_EDITOR")
-        return self.execute(context) if is_kept else {"CANCELLED"}
+        if clip is None:
+            return {"CANCELLED"}
+        corrections.keep(clip, self._before)
+        if not is_kept:
+            return {"CANCELLED"}
+        with context.temp_override(edit_movieclip=clip):
+            return self.execute(context)
 
     def cancel(self, context):
         self._leave(context, False)

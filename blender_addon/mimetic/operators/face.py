@@ -5,7 +5,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, FloatVectorProperty, IntProperty
 from bpy.types import Operator
 
-from .. import clip_lens, clips, native, outcome, scene_in, scene_out, workspace
+from .. import carrying, clip_lens, clips, native, outcome, scene_in, scene_out, workspace
 from ..greyed import Greyed
 from ..jobs import Job, is_playing
 from . import arguments
@@ -48,8 +48,9 @@ class MIMETIC_OT_find_face(Job, Operator):
         return clips.name_of(scene_in.clip_of(context))
 
     def invoke(self, context, event):
+        is_anew = not carrying.is_handed_to(type(self))
         result = super().invoke(context, event)
-        if "RUNNING_MODAL" in result:
+        if is_anew and "RUNNING_MODAL" in result:
             workspace.show_footage(context)
         return result
 
@@ -99,6 +100,7 @@ class MIMETIC_OT_pick_face(Greyed, Operator):
         try:  # as the file has it
             source = scene_in.footage(context).path
             self._size = native.footage().Footage(source).stored_size
+            self._clip_name = clips.name_of(scene_in.clip_of(context))
         except native.known_errors() as error:
             return outcome.cancelled(self, context, str(error))
         context.window.cursor_modal_set("EYEDROPPER")
@@ -115,15 +117,21 @@ class MIMETIC_OT_pick_face(Greyed, Operator):
         if event.value != "PRESS":
             return {"RUNNING_MODAL"}
         self.cancel(context)
-        near = scene_in.footage_pixel(context, event.mouse_x, event.mouse_y, self._size)
+        place, clip = (event.mouse_x, event.mouse_y), bpy.data.movieclips.get(self._clip_name)
+        area = scene_in.footage_area(context, *place, clip) if clip else None
+        near = scene_in.footage_pixel(area, *place, self._size) if area else None
         if near is None:
             self.report({"WARNING"}, "That was beside the footage; nothing was changed")
             return {"CANCELLED"}
-        bpy.ops.mimetic.find_face("INVOKE_DEFAULT", near=near)
+        region = next(region for region in area.regions if region.type == "WINDOW")
+        # Its own editor may be gone, and the clip of another one would be looked at
+        with context.temp_override(area=area, region=region):
+            bpy.ops.mimetic.find_face("INVOKE_DEFAULT", near=near)
         return {"FINISHED"}
 
     def cancel(self, context):
-        context.window.cursor_modal_restore()
+        if context.window is not None:
+            context.window.cursor_modal_restore()
         context.workspace.status_text_set(None)
 
 

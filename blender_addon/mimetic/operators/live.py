@@ -91,6 +91,8 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
     def invoke(self, context, event):
         if context.window is None:
             return self.execute(context)
+        if begun := self.take_over(context):
+            return begun
         arguments.set_given(self, LIVE_SETTINGS, context.scene.mimetic.live)
         try:
             live.active = _session(context)
@@ -102,10 +104,11 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
 
     def handle(self, context, event):
         session = live.active
-        if event.type in KEYS and event.value == "PRESS":
+        is_pressed = event.value == "PRESS" and not event.is_repeat and not _has_modifier(event)
+        if event.type in KEYS and is_pressed:
             session.commands.append(KEYS[event.type])
             return {"RUNNING_MODAL"}
-        if event.type in DIGITS and event.value == "PRESS" and not event.is_repeat:
+        if event.type in DIGITS and is_pressed:
             channel = CHANNELS[DIGITS.index(event.type)][0]
             context.scene.mimetic.live.channels ^= {channel}
             self._told = 0.0  # the status bar says so at once
@@ -131,11 +134,13 @@ class MIMETIC_OT_live(jobs.Modal, Operator):
         # What is shown is drawn by itself; lines of text cost as much, and are read more slowly
         if time.monotonic() - self._told >= TOLD_EVERY:
             self._told = time.monotonic()
-            session.run.what = session.line()
+            before, session.run.what = session.run.what, session.line()
             context.workspace.status_text_set(
                 f"{session.run.text()}   |   {_hints(session, settings)}"
             )
             editors.redraw("VIEW_3D")
+            if session.run.what != before:
+                editors.redraw_parts("UI", "CLIP_EDITOR")
         if not session.thread.is_running:
             return self._end(context, session)
         return {"RUNNING_MODAL"}
@@ -210,6 +215,11 @@ class MIMETIC_OT_live_command(Greyed, Operator):
     def execute(self, context):
         live.active.commands.append(self.command)
         return {"FINISHED"}
+
+
+def _has_modifier(event) -> bool:
+    """Whether the key is another one, such as Ctrl R, which means something else."""
+    return event.ctrl or event.alt or event.shift or event.oskey
 
 
 def show(session) -> None:

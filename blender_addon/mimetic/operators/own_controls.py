@@ -162,7 +162,7 @@ class MIMETIC_OT_bake_controls(
         character = writable.own_object(context.scene, name)
         clip = bpy.data.movieclips.get(take.clip_name)
         action_name = takes.action_name(take, performance)
-        before = scene_out.take_list.now(character)
+        before = scene_out.take_list.before_bake(character)
         control_preview.end()
         place = context.scene, performance, action_name, character, played, clip
         keys = self.key_remarks()

@@ -20,7 +20,16 @@ class MIMETIC_OT_stop(Greyed, Operator):
 
     @classmethod
     def obstacle(cls, context):
-        return "" if jobs.running and not jobs.running.is_endless else "No job is at work"
+        return "" if jobs.running else "No job is at work"
+
+    def invoke(self, context, event):
+        """By the button; or by Esc in a window that is not the job's own, which hears it itself."""
+        if event.type != "ESC":
+            return self.execute(context)
+        if jobs.is_playing() or context.window.screen.is_temporary:
+            return {"PASS_THROUGH"}  # it means the playback, or nothing
+        jobs.discard_running()
+        return outcome.finished(self, context, "")
 
     def execute(self, context):
         if self.index == 0:

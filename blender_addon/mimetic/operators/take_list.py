@@ -83,6 +83,7 @@ class MIMETIC_OT_compare_take(OnTake, Operator):
 
     def use(self, context, obj, row):
         name = row.name
+        scene_out.take_list.leave_tweak_mode(obj)  # or the copy would be in it, too
         twin = scene_out.take_comparison.stand_beside(context.scene, obj, row)
         message = rpt_("{copy} plays {take} beside {original}").format(
             copy=twin.name, take=name, original=obj.name

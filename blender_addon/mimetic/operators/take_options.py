@@ -3,8 +3,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, EnumProperty
 
@@ -43,15 +41,14 @@ class TakeOptions:
     )
 
     def note_take(self, context, obj, performance, name, take, clip, settings, before) -> str:
-        """Lists what was baked on `obj`; take: `takes.Take`; before: `take_list.now` before the
-        bake. Returns what the message adds."""
+        """Lists what was baked on `obj`; take: `takes.Take`; before: of
+        `take_list.before_bake`. Returns what the message adds."""
         takes = scene_out.take_list
         earlier = next((r for r in reversed(obj.mimetic.takes) if takes.plays(r, before)), None)
         earlier_name = earlier.name if earlier else ""
         is_edited = earlier is not None and takes.is_edited(earlier)
         frames = scene_in.scene_frames(performance, scene_in.timing(context.scene, clip))
-        file_name = Path(take.path).name
-        row = takes.note(obj, performance, name, file_name, frames, settings, before)
+        row = takes.note(obj, performance, name, take.path, frames, settings, before)
         new = row.name
         is_replaced = self.edited == "REPLACE" if is_edited else self.replace_take
         is_kept = is_edited and self.edited == "KEEP"

@@ -19,12 +19,14 @@ class MIMETIC_PT_curves(Muscles, Panel):
 
     def draw(self, context):
         layout = self.layout
-        curves = [row.curve for row in scene_out.face_curves.of(scene_in.shown_face(context))]
+        face, parts = scene_in.shown_face(context), scene_out.face_curves
+        curves = [row.curve for row in parts.of(face)]
         count = sum(len(curve.keyframe_points) for curve in curves)
+        none = "Curves lie in NLA strips" if parts.are_in_strips(face) else "No curves yet"
         layout.label(
             text=iface_("{curves} curves, {keys} keys").format(curves=len(curves), keys=count)
             if curves
-            else "No curves yet"
+            else none
         )
         column = layout.column(align=True)
         row = column.row(align=True)

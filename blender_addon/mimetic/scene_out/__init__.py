@@ -7,6 +7,8 @@ from dataclasses import dataclass
 
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
+from bpy.app.translations import pgettext_rpt as rpt_
+from mathutils import Matrix
 
 from .. import clip_lens, native, scene_in, targets, writable
 from . import (
@@ -38,6 +40,7 @@ from . import (
     live_controls,
     lost_markers,
     materials,
+    movers,
     over_footage,
     part_keys,
     rigs,
@@ -91,6 +94,7 @@ class BakeSummary:
     last: float
     num_curves: int
     kept: str = ""  # what was changed by hand and stays, a line for the user
+    remark: str = ""  # why the face does not stay before its footage, another
 
 
 def bake(
@@ -112,27 +116,26 @@ def bake(
     """Puts the face, its curves, its camera and the footage behind it into the scene.
 
     performance: mimetic.performance.Performance; take: names the new actions; appearance: of
-    mimetic.appearance, colours of the face, or None to leave materials alone;
-    footage: what the performance was captured from; with_groups: whether the face gets sliders of
-    its groups of muscles too; contact_shapes: of mimetic.contact_shapes; given, even if empty, lips
-    and lids are kept apart when sliders are moved afterwards too, and no longer if not given;
+    mimetic.appearance, colours of the face, or None to leave materials alone; footage: what it was
+    captured from; with_groups: whether the face gets sliders of its groups of muscles too;
+    contact_shapes: of mimetic.contact_shapes; given, even if empty, lips and lids are kept apart
+    when sliders are moved afterwards too, and no longer if not given;
     is_reset: what was changed by hand on a face that was there is undone instead of kept;
-    tolerance, by_phases: of few keys, as `actions.key_shapes` has them;
-    with_units: sliders of FACS's action units, and an action asset each, beside the muscles;
-    use_controls: curves lie on a control object that drives the shape keys, not on these;
-    as_arkit: the face has ARKit's 52 shapes instead of muscles, whose groups it cannot have.
+    tolerance, by_phases: of few keys, as `actions.key_shapes` has them; with_units: sliders of
+    FACS's action units, and an action asset each, beside the muscles; use_controls: curves lie on a
+    control object that drives the shape keys; as_arkit: the face has ARKit's 52 shapes instead of
+    muscles, whose groups it cannot have.
     The scene's rate, frame range and resolution stay as they are. Raises InvalidInput, and changes
-    nothing then, where face or camera are linked from another file.
+    nothing then, where face or camera are linked from another file or what moves the face is flat.
     """
     writable.check(targets.no_update(scene))
-    writable.check(control_object.no_bake(face.find(scene, performance), use_controls))
-    placement = native.placement()
+    known_face = face.find(scene, performance)
+    writable.check(control_object.no_bake(known_face, use_controls))
     if tolerance > 0:
         native.sparse_curves().check_tolerance(tolerance)
-    # First: to know where the camera stands evaluates curves of before
-    world_from_camera = scene_in.camera_matrix(scene)
-    if world_from_camera is None:
-        world_from_camera = placement.WORLD_FROM_SCENE_CAMERA
+    # First: to know where camera and parent stand evaluates curves of before
+    world_from_camera = _world_from_camera(scene)
+    motion = _motion(performance, known_face, world_from_camera)
     timing = scene_in.timing(scene, footage)
     frames = scene_in.scene_frames(performance, timing)
     shapes = _shapes(performance, with_units, as_arkit) + (contact_shapes or [])
@@ -145,14 +148,34 @@ def bake(
         hand_changes.things += [text.format(name=name) for name in has_paint]
     if with_units:
         expressions.ensure_units(timing.scene_rate)
-    motion = placement.head_motion(performance, world_from_camera)
-    like = take, frames, motion, shapes, tolerance, by_phases
-    if use_controls:
-        num_curves = control_take.key_face(scene, obj, performance, *like)
-    else:
-        num_curves = _key_face(obj, *like)
+    if use_controls and control_take.prepare(scene, obj, performance):
+        motion = _motion(performance, obj, world_from_camera)
+    key_face = control_take.key_face if use_controls else _key_face
+    num_curves = key_face(obj, performance, take, frames, motion, shapes, tolerance, by_phases)
     _show_camera(scene, performance, world_from_camera, footage, timing, take)
-    return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, hand_changes.text())
+    first, last = float(frames[0]), float(frames[-1])
+    return BakeSummary(first, last, num_curves, hand_changes.text(), _remark(scene, obj))
+
+
+def _world_from_camera(scene: bpy.types.Scene):
+    found = scene_in.camera_matrix(scene)
+    return native.placement().WORLD_FROM_SCENE_CAMERA if found is None else found
+
+
+def _motion(performance, obj: bpy.types.Object | None, world_from_camera):
+    """`mimetic.rig_motion.Channels` of a face that is there, or of one that will be made."""
+    space = Matrix() if obj is None else control_object.head_space(obj)
+    return head.placed(performance, space, world_from_camera)
+
+
+def _remark(scene: bpy.types.Scene, obj: bpy.types.Object) -> str:
+    mover = control_object.head_mover(obj)
+    if not mover or movers.animated_mover(scene.mimetic.camera) == mover:  # they go together
+        return ""
+    return rpt_(
+        "{mover} is animated and moves {face}, which is before its footage in frame {frame:.6g} "
+        "alone"
+    ).format(mover=mover, face=obj.name, frame=scene.frame_current_final)
 
 
 def _shapes(performance, with_units: bool, as_arkit: bool) -> list:
@@ -163,7 +186,9 @@ def _shapes(performance, with_units: bool, as_arkit: bool) -> list:
     return [*parts.shapes_of(performance), *units]
 
 
-def _key_face(obj: bpy.types.Object, take: str, frames, motion, shapes, *keys_like) -> int:
+def _key_face(
+    obj: bpy.types.Object, performance, take: str, frames, motion, shapes, *keys_like
+) -> int:
     names = face.key_names(obj)
     num_curves = actions.key_shapes(obj, take, frames, shapes, names, *keys_like)
     return num_curves + actions.key_motion(obj, take, frames, motion)

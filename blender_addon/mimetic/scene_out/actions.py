@@ -7,6 +7,7 @@ import bpy
 import numpy as np
 
 from .. import compat, native
+from . import standing
 
 LINEAR = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["LINEAR"].value
 BEZIER = bpy.types.Keyframe.bl_rna.properties["interpolation"].enum_items["BEZIER"].value
@@ -55,15 +56,16 @@ def fill_values(
     return 0.0
 
 
-def key_motion(face, take: str, frames, motion) -> int:
-    """Keys the head's motion on the object; returns the number of curves."""
+def key_motion(face, take: str, frames, channels) -> int:
+    """Keys the head's motion on the object, `mimetic.rig_motion.Channels` of quaternions; returns
+    the number of curves."""
     face.rotation_mode = "QUATERNION"
     holder = new_take(face, f"{take} head")
     return sum(
         key_columns(holder, path, "Head", frames, rows)
         for path, rows in (
-            ("location", motion.locations),
-            ("rotation_quaternion", motion.quaternions),
+            ("location", channels.locations),
+            (channels.rotation_path, channels.rotations),
         )
     )
 
@@ -119,15 +121,21 @@ def driver_paths(id_block: bpy.types.ID) -> set[str]:
 
 
 def put_away(id_block: bpy.types.ID) -> None:
-    """Takes what moves data off it; the action stays in the file."""
+    """Takes what moves data off it; the action stays in the file. An object goes to where it stood
+    before its take."""
+    compat.leave_tweak_mode(id_block)
     animation = id_block.animation_data
     if animation is not None and animation.action is not None:
-        animation.action.use_fake_user = True
+        action, slot = animation.action, compat.slot_of(animation)
+        action.use_fake_user = True
         animation.action = None
+        if isinstance(id_block, bpy.types.Object):
+            standing.put_back(id_block, action, compat.paths_of(action, slot))
 
 
 def new_take(id_block: bpy.types.ID, name: str):
     """Assigns a new action and returns the holder of its curves."""
+    compat.leave_tweak_mode(id_block)  # what it leads to is not the action that was assigned
     animation = id_block.animation_data
     if animation is not None and animation.action is not None:
         animation.action.use_fake_user = True  # the take before, or the user's own work
@@ -137,6 +145,7 @@ def new_take(id_block: bpy.types.ID, name: str):
 
 def continued_take(id_block: bpy.types.ID, name: str):
     """As `new_take`, but with a copy of all curves that were there, so that other motion stays."""
+    compat.leave_tweak_mode(id_block)
     animation = id_block.animation_data
     if animation is None or animation.action is None:
         return new_take(id_block, name)

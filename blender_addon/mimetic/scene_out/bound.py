@@ -77,9 +77,7 @@ def bake(
     remarks += _rest_own_controls(head_object, take, [key for key, _ in playable])
     num_curves = len(playable)
     if channels is not None:
-        num_curves += head.key_object(
-            head_object, performance, take, frames, channels, head.Target(head_object.name)
-        )
+        num_curves += head.key_object(head_object, take, frames, channels)
     return BakeSummary(
         float(frames[0]),
         float(frames[-1]),

@@ -39,8 +39,7 @@ def bake(
     control = control_object.ensure(scene, head_object)
     num_curves = control_take.key(head_object, performance, take, frames, tolerance, by_phases)
     if channels is not None:
-        target = head.Target(head_object.name)
-        num_curves += head.key_object(head_object, performance, take, frames, channels, target)
+        num_curves += head.key_object(head_object, take, frames, channels)
         control_take.join(control, head_object)
     elif use_head_motion:
         num_curves += control_take.key_head_bone(scene, performance, take, control, footage)

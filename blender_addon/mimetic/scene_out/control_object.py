@@ -16,7 +16,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from mathutils import Matrix, Vector
 
 from .. import native, world, writable
-from . import bound, by_hand, contact, control_bones, control_drivers, own_keys
+from . import bound, by_hand, contact, control_bones, control_drivers, movers, own_keys
 
 
 @dataclass(frozen=True)
@@ -37,6 +37,20 @@ def of(face: bpy.types.Object | None) -> bpy.types.Object | None:
     """The control object of a face, None where it has none or where it is gone."""
     control = face.mimetic.control_object if face is not None else None
     return control if control is not None and control.users_scene else None
+
+
+def other_face(face: bpy.types.Object) -> bpy.types.Object | None:
+    """Another face that hangs on the same control object, as a duplicate of the mesh alone does."""
+    if (control := of(face)) is None:
+        return None
+    return next(
+        (
+            obj
+            for obj in bpy.data.objects
+            if obj != face and obj.users_scene and obj.mimetic.control_object == control
+        ),
+        None,
+    )
 
 
 def is_lost(face: bpy.types.Object) -> bool:
@@ -122,7 +136,8 @@ def ensure(scene: bpy.types.Scene, face: bpy.types.Object) -> bpy.types.Object:
 
 
 def remove(face: bpy.types.Object) -> None:
-    """Takes the control object away; the face stays as it looks, and where it stands."""
+    """Takes the control object away; the face stays as it looks, and where it stands. A control
+    object that another face has too goes on driving that."""
     control_drivers.release(face)
     control = of(face)
     if control is not None:
@@ -130,11 +145,16 @@ def remove(face: bpy.types.Object) -> None:
             stands = world.matrix(face)
             face.parent = None
             face.matrix_world = stands
-        armature = control.data
-        bpy.data.objects.remove(control)
-        if not armature.users:
-            bpy.data.armatures.remove(armature)
+        if other_face(face) is None:
+            _delete(control)
     face.mimetic.control_object, face.mimetic.has_controls = None, False
+
+
+def _delete(control: bpy.types.Object) -> None:
+    armature = control.data
+    bpy.data.objects.remove(control)
+    if not armature.users:
+        bpy.data.armatures.remove(armature)
 
 
 def layout_of(scene: bpy.types.Scene, face: bpy.types.Object) -> Layout:
@@ -171,6 +191,20 @@ def carries(face: bpy.types.Object) -> bool:
     """Whether the face hangs on its control object, and moves with its bone `head`."""
     control = of(face)
     return control is not None and face.parent == control
+
+
+def head_space(face: bpy.types.Object) -> Matrix:
+    """World from the space of the curves that move the face's head: of its control object's bone
+    `head`, which lies in that as the armature does, or of the object."""
+    return world.matrix(of(face)) if carries(face) else world.space(face)
+
+
+def head_mover(face: bpy.types.Object) -> str:
+    """Name of what is animated and moves that space, or the empty string."""
+    control = of(face)
+    if not carries(face):
+        return movers.animated_mover(face)
+    return control.name if movers.is_animated(control) else movers.animated_mover(control)
 
 
 def _slider(entry):

@@ -25,10 +25,12 @@ class Sampled:
 def remove(scene: bpy.types.Scene, face: bpy.types.Object, use_curves: bool) -> int:
     """Takes the control object away; returns the number of curves that keep what it did."""
     writable.check(writable.no_shapes(face))
-    control = control_object.of(face)
+    control, other = control_object.of(face), control_object.other_face(face)
+    if other is not None and other.data == face.data:  # drivers are the mesh's
+        writable.check(writable.no_own_mesh(face))
     sampled = sample(scene, face) if use_curves and control is not None else None
     take = control.animation_data.action.name if sampled else ""
-    if control is not None and control.animation_data is not None:
+    if control is not None and control.animation_data is not None and other is None:
         actions.put_away(control)
     control_object.remove(face)
     if sampled is None:

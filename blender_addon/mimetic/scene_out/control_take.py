@@ -12,29 +12,37 @@ GAZE_GROUP, HEAD_GROUP = "Gaze", "Head"
 
 
 def key_face(
-    scene, obj: bpy.types.Object, performance, take: str, frames, motion, shapes, *keys_like
+    obj: bpy.types.Object, performance, take: str, frames, motion, shapes, *keys_like
 ) -> int:
-    """A performance on the control object of its own face, which is made if there is none.
+    """A performance on the control object of its own face, which `prepare` has made sure of.
 
-    motion: `mimetic.placement.HeadMotion`, of the bone `head`; shapes: `mimetic.shapes.Shape`, of
-    which those that no bone drives (detail, contact) are keyed on the shape keys themselves, in
-    Blender 4.4 and later in the same action. keys_like: tolerance of few keys and whether they
-    lie at phases. Returns the number of curves.
+    motion: `mimetic.rig_motion.Channels` of quaternions, of the bone `head` or the object; shapes:
+    `mimetic.shapes.Shape`, of which those that no bone drives (detail, contact) are keyed on the
+    shape keys themselves, in Blender 4.4 and later in the same action. keys_like: tolerance of few
+    keys and whether they lie at phases. Returns the number of curves.
     """
-    put_keys_away(obj, performance)
-    control = control_object.ensure(scene, obj)
+    control = control_object.of(obj)
     num_curves = key(obj, performance, take, frames, *keys_like)
     if control_object.carries(obj):
         holder = compat.curves(control)
         prefix = f'pose.bones["{native.control_object().HEAD}"].'
         for path, rows in (
             ("location", motion.locations),
-            ("rotation_quaternion", motion.quaternions),
+            (motion.rotation_path, motion.rotations),
         ):
             num_curves += actions.key_columns(holder, prefix + path, HEAD_GROUP, frames, rows)
     else:
         num_curves += actions.key_motion(obj, take, frames, motion)
     return num_curves + _key_rest(obj, control, take, frames, shapes)
+
+
+def prepare(scene: bpy.types.Scene, obj: bpy.types.Object, performance) -> bool:
+    """Before a performance is keyed on the control object of its own face: one that is there is
+    brought up to date, else one is made. Says whether it was made."""
+    is_new = control_object.of(obj) is None
+    put_keys_away(obj, performance)
+    control_object.ensure(scene, obj)
+    return is_new
 
 
 def key(

@@ -86,6 +86,15 @@ def retime(
         key_table.write(curve, table.with_keys(table.keys.retimed(first, last, factor, later)))
 
 
+def retimed_frames(
+    frames: Sequence[float], first: float, last: float, factor: float, later: float
+) -> list[float]:
+    """Where `retime` moves what lies at scene frames."""
+    points = np.column_stack([frames, np.zeros(len(frames))])
+    keys = native.curve_keys().CurveKeys(points, points, points)
+    return keys.retimed(first, last, factor, later).points[:, 0].tolist()
+
+
 def ends(curves: Sequence[bpy.types.FCurve]) -> tuple[float, float]:
     """Scene frames of the first and the last key of curves."""
     ranges = [curve.range() for curve in curves]

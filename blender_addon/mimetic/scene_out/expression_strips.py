@@ -36,7 +36,7 @@ def sequence(
     Raises InvalidInput where no key of the face is moved.
     """
     strip_action, missing = _action_for(obj, action, rate, is_mirrored)
-    animation = obj.data.shape_keys.animation_data or obj.data.shape_keys.animation_data_create()
+    animation = compat.animation_of(obj.data.shape_keys)
     pushed_down = _push_down(animation)
     _rest_under(animation, strip_action)
     stretch = rate / float(strip_action[expressions.RATE])

@@ -4,6 +4,7 @@ is meant for."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import bpy
@@ -68,6 +69,20 @@ def of(face: bpy.types.Object) -> list[FaceCurve]:
     if control_object.of(face) is not None:
         rows += _of_controls(face)
     return rows
+
+
+def are_in_strips(face: bpy.types.Object) -> bool:
+    """Whether strips of the NLA play the face, whose curves are reached where one is open (Tab)."""
+    blocks = face.data.shape_keys, control_object.of(face)
+    animations = [block.animation_data for block in blocks if block is not None]
+    tracks = [track for one in animations if one is not None for track in one.nla_tracks]
+    return any(strip.action is not None for track in tracks for strip in track.strips)
+
+
+def are_all(face: bpy.types.Object, curves: Iterable[bpy.types.FCurve]) -> bool:
+    """Whether every curve of a face is among these."""
+    given = {curve.as_pointer() for curve in curves}
+    return all(row.curve.as_pointer() in given for row in of(face))
 
 
 def head_curves(face: bpy.types.Object) -> list[bpy.types.FCurve]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
+from mathutils import Matrix
 
 from .. import native, scene_in, world, writable
 from . import actions, rigs, standing
@@ -60,7 +61,9 @@ def bake(
     frames = scene_in.scene_frames(performance, timing)
     if not target.bone:
         channels = _object_channels(scene, obj, performance, target)
-        num_curves = key_object(obj, performance, take, frames, channels, target, keys)
+        num_curves = key_object(obj, take, frames, channels, keys)
+        if target.is_absolute:
+            standing.forget(obj)
         return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, obj.name)
     new_channels = bone_carrier(scene, obj, target)(_motion(performance, target))
     holder = actions.continued_take(obj, f"{take} head")
@@ -70,18 +73,25 @@ def bake(
     return BakeSummary(float(frames[0]), float(frames[-1]), num_curves, where)
 
 
-def key_object(
-    obj, performance, take: str, frames, channels, target: Target, keys: MotionKeys | None = None
-) -> int:
+def placed(performance, world_from_space: Matrix, world_from_camera):
+    """`mimetic.rig_motion.Channels`, of quaternions, of the performer's own head before its camera;
+    world_from_space: of what the curves are in, whose scale takes the head off along with it."""
+    return native.rig_motion().placed_channels(
+        performance,
+        native.array(world_from_space),
+        "QUATERNION",
+        world_from_camera,
+        scale=world_from_space.median_scale,
+    )
+
+
+def key_object(obj, take: str, frames, channels, keys: MotionKeys | None = None) -> int:
     """Keys an object's own `mimetic.rig_motion.Channels`; returns the number of curves."""
+    stood = standing.of(obj)
     holder = actions.continued_take(obj, f"{take} head")
     metres = metres_of(bpy.context.scene, obj.parent)
     num_curves = _key(holder, "", "Head", frames, channels, keys, metres)
-    if target.is_absolute:
-        standing.forget(obj)
-    else:
-        rest_index = native.rig_motion().rest_index
-        standing.note(obj, frames[rest_index(performance, target.rest_frame or None)])
+    standing.note(obj, stood)
     return num_curves
 
 
@@ -139,7 +149,7 @@ def _object_channels(scene, obj, performance, target: Target):
     if target.is_absolute:
         channels = parts.placed_channels(
             performance,
-            _world_from_parent(obj),
+            native.array(world.space(obj)),
             obj.rotation_mode,
             scene_in.camera_matrix(scene),
             target.facing,
@@ -152,16 +162,12 @@ def _object_channels(scene, obj, performance, target: Target):
                 _motion(performance, target),
                 native.array(obj.location),
                 native.array(world.own_rotation(obj)),
-                _world_from_parent(obj),
+                native.array(world.space(obj)),
                 axes,
                 obj.rotation_mode,
                 target.translation_scale / metres_of(scene, None),
             )
     return channels if target.translation_scale else _without_location(channels)
-
-
-def _world_from_parent(obj):
-    return native.array(world.matrix(obj) @ obj.matrix_basis.inverted())
 
 
 def _without_location(channels):

@@ -61,8 +61,8 @@ def write(
         as_arkit=as_arkit,
     )
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
-    face, file_name = scene.mimetic.face, Path(performance_path).name
-    row = take_list.note(face, performance, take, file_name, frames, "by mimetic bake", {})
+    face, how = scene.mimetic.face, "by mimetic bake"
+    row = take_list.note(face, performance, take, performance_path, frames, how, {})
     captured_takes.keep_read(scene, footage, performance_path, performance)
     scene.frame_set(scene.frame_start)
     if is_blend:

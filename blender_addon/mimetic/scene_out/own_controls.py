@@ -96,8 +96,7 @@ def _key_head(scene, performance, take: str, character, frames) -> int:
         channels = bound.motion(scene, performance, character)
     else:
         channels = _motion(scene, performance, character)
-    target = head.Target(character.name)
-    return head.key_object(character, performance, take, frames, channels, target)
+    return head.key_object(character, take, frames, channels)
 
 
 def _motion(scene: bpy.types.Scene, performance, character: bpy.types.Object):

@@ -76,8 +76,8 @@ def write(
         eyes = bound_eyes.BoundEyes(scene, obj)
     text = _bake(scene, performance, take, obj, where, settings, footage, few_keys)
     frames = scene_in.scene_frames(performance, scene_in.timing(scene, footage))
-    file_name = Path(performance_path).name
-    take_list.note(obj, performance, take, file_name, frames, _settings_text(*few_keys), before)
+    how = _settings_text(*few_keys)
+    take_list.note(obj, performance, take, performance_path, frames, how, before)
     if not is_exported:
         save(Path(out).absolute())
         return text

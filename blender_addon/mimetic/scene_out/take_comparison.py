@@ -44,7 +44,8 @@ def stand_beside(scene: bpy.types.Scene, face: bpy.types.Object, row) -> bpy.typ
             if new.name not in collection.objects:
                 collection.objects.link(new)
     for new in (mover, *(part for part in parts if part.parent not in (twin, *parts))):
-        new.delta_location = Vector(new.delta_location) + _aside(scene)
+        parent_from_world = world.space(new).to_3x3().inverted_safe()
+        new.delta_location = Vector(new.delta_location) + parent_from_world @ _aside(scene)
     take_list.play(twin, twin.mimetic.takes[row.name])
     framed.frame(_camera(scene), [face, twin])
     return twin

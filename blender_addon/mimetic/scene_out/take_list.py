@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import datetime
 import hashlib
+from collections.abc import Callable
 
 import bpy
 import numpy as np
@@ -12,7 +13,8 @@ from bpy.app.translations import pgettext_iface as iface_
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from .. import compat, native
-from . import companions, control_object, key_table, rest_pose, take_strips
+from ..takes import note_baked
+from . import companions, control_object, key_table, rest_pose, standing, take_strips
 
 KEYS, OBJECT, CONTROL = "KEYS", "OBJECT", "CONTROL"
 
@@ -39,10 +41,23 @@ def now(obj: bpy.types.Object | None) -> dict[str, tuple]:
     return current
 
 
+def leave_tweak_mode(obj: bpy.types.Object | None) -> None:
+    """Closes strips of a face or character that are open in the NLA (Tab)."""
+    for block in owners(obj).values():
+        compat.leave_tweak_mode(block)
+
+
+def before_bake(obj: bpy.types.Object | None) -> dict[str, tuple]:
+    """As `now`, once strips that are open are closed: a bake goes on from what they lead to."""
+    leave_tweak_mode(obj)
+    return now(obj)
+
+
 def note(obj, performance, name: str, path: str, frames, settings: str, before: dict):
     """Adds the take that was just baked to the list, and returns its row.
 
-    frames: N, of the scene; before: what `now` was before the bake, whose actions are not its.
+    path: of the performance's file; frames: N, of the scene; before: of `before_bake`, whose
+    actions are not its.
     """
     facts = native.take_facts().facts_of(performance)
     for block in owners(obj).values():
@@ -54,7 +69,7 @@ def note(obj, performance, name: str, path: str, frames, settings: str, before: 
             native.shown_text().shown(performance.footage[0]),
             performance.footage[1],
         )
-    row.performance = native.shown_text().shown(path)
+    note_baked(row, path)
     row.first, row.last, row.quality = facts.first, facts.last, facts.quality
     row.scene_first, row.scene_last = float(frames[0]), float(frames[-1])
     row.num_lost = facts.num_held
@@ -67,6 +82,7 @@ def note(obj, performance, name: str, path: str, frames, settings: str, before: 
         if (action, slot) != before.get(owner):
             part = row.parts.add()
             part.name, part.action, part.slot = owner, action, slot
+            part.handle = compat.handle_of(action, slot)
     _rest_of_what_left(obj, [(owner, *played) for owner, played in before.items()], [row])
     row.mark, row.surface = mark_of(row), _surface_of(obj)
     obj.mimetic.active_take = len(obj.mimetic.takes) - 1
@@ -84,7 +100,7 @@ def playing(obj: bpy.types.Object | None):
 def plays(row, current: dict) -> bool:
     """Whether a take's actions are all among `now`'s; a companion may be gone."""
     parts = {
-        part.name: (part.action, part.slot)
+        part.name: (part.action, part.slot_now)
         for part in row.parts
         if part.name in current or part.name in (KEYS, OBJECT, CONTROL)
     }
@@ -124,7 +140,7 @@ def mark_of(row) -> str:
     """Of all keys of a take's curves."""
     digest = hashlib.sha256()
     for part in row.parts:
-        curves = compat.curves_of(part.action, part.slot) if part.action else ()
+        curves = compat.curves_of(part.action, part.slot_now) if part.action else ()
         for curve in sorted(curves, key=lambda curve: (curve.data_path, curve.array_index)):
             digest.update(f"{part.name} {curve.data_path} {curve.array_index}".encode())
             digest.update(key_table.mark(curve))
@@ -136,6 +152,11 @@ def no_play(obj: bpy.types.Object, row) -> str:
     names = {part.name for part in row.parts}
     if not names or any(part.action is None for part in row.parts):
         return iface_("the actions of {take} were removed: bake it again").format(take=row.name)
+    if gone := next((part for part in row.parts if part.slot_now is None), None):
+        return iface_(
+            "{action} no longer has the slot {slot}, by which {take} plays: give its slot that "
+            "name again, or bake it again"
+        ).format(action=gone.action.name, slot=gone.slot[2:], take=row.name)
     if CONTROL in names and control_object.of(obj) is None:
         return iface_(
             "{take} is of a control object, which {name} no longer has: add it again"
@@ -170,7 +191,7 @@ def _suit(obj: bpy.types.Object, row) -> bool:
     blocks = [keys.key_blocks[entry.name] for entry in rest if entry.name in keys.key_blocks]
     paths = {block.path_from_id("value") for block in blocks}
     part = row.parts[KEYS]
-    for curve in compat.curves_of(part.action, part.slot):
+    for curve in compat.curves_of(part.action, part.slot_now):
         if curve.data_path in paths:
             curve.mute = not is_own
     if not is_own:
@@ -184,15 +205,16 @@ def play(obj: bpy.types.Object, row) -> bool:
     InvalidInput, and changes nothing then."""
     if reason := no_play(obj, row):
         raise native.invalid_input(reason)
+    leave_tweak_mode(obj)
     leaving, of_takes = _all_now(obj), actions_of_takes(obj)
     for block in owners(obj).values():
         take_strips.clear(block)
     parts = {part.name: part for part in row.parts}
     for owner, block in owners(obj).items():
         if owner in parts:
-            compat.assign(block, parts[owner].action, parts[owner].slot)
+            compat.assign(block, parts[owner].action, parts[owner].slot_now)
         elif block.animation_data is not None and block.animation_data.action in of_takes:
-            block.animation_data.action = None
+            compat.unassign(block)
     _rest_of_what_left(obj, leaving, [row])
     obj.mimetic.active_take = obj.mimetic.takes.find(row.name)
     return _suit(obj, row)
@@ -214,7 +236,7 @@ def _all_now(obj: bpy.types.Object) -> list[tuple]:
 
 def _rest_of_what_left(obj: bpy.types.Object, leaving: list[tuple], rows: list) -> None:
     """Puts to rest what actions that play no longer (of `_all_now`) have moved, and the takes that
-    play do not: it would stay as the frame at hand had it.
+    play do not: it would stay as the frame at hand had it. The object goes to where it stood.
 
     Of an action of the user's own, such as of Bake Action, only what these takes move too.
     """
@@ -223,7 +245,7 @@ def _rest_of_what_left(obj: bpy.types.Object, leaving: list[tuple], rows: list) 
         if owner not in blocks or current.get(owner) == (action, slot):
             continue
         parts = [row.parts[owner] for row in rows if owner in row.parts]
-        own = [curve for part in parts for curve in compat.curves_of(part.action, part.slot)]
+        own = [curve for part in parts for curve in compat.curves_of(part.action, part.slot_now)]
         played = {(curve.data_path, curve.array_index) for curve in own}
         moved = {rest_pose.moved_by(path) for path, _ in played}
         for curve in compat.curves_of(action, slot):
@@ -231,6 +253,8 @@ def _rest_of_what_left(obj: bpy.types.Object, leaving: list[tuple], rows: list) 
             is_ours = action in of_takes or rest_pose.moved_by(path) in moved
             if is_ours and (path, index) not in played:
                 rest_pose.put_to_rest(blocks[owner], path, index)
+                if owner == OBJECT:
+                    standing.put_back(obj, action, {path})
 
 
 def blend(obj: bpy.types.Object, under, over, influence: float) -> None:
@@ -242,6 +266,7 @@ def blend(obj: bpy.types.Object, under, over, influence: float) -> None:
         raise native.invalid_input(
             rpt_("{take} plays already: choose another take to blend in").format(take=over.name)
         )
+    leave_tweak_mode(obj)
     leaving = _all_now(obj)
     take_strips.play(owners(obj), [(under, 1.0), (over, influence)])
     _rest_of_what_left(obj, leaving, [under, over])
@@ -265,14 +290,18 @@ def remove(obj: bpy.types.Object, row) -> list[str]:
         )
     index = obj.mimetic.takes.find(row.name)
     parts = [part.action for part in row.parts if part.action is not None]
-    is_playing = plays(row, now(obj))
+    leave_tweak_mode(obj)
+    is_playing, leaving = plays(row, now(obj)), _all_now(obj)
     obj.mimetic.takes.remove(index)
     kept = {part.action for other in obj.mimetic.takes for part in other.parts}
     gone = [action for action in dict.fromkeys(parts) if action not in kept]
     for block in owners(obj).values():
         take_strips.clear(block, gone)
         if is_playing and block.animation_data and block.animation_data.action in gone:
-            block.animation_data.action = None
+            compat.unassign(block)
+    if OBJECT not in now(obj):
+        for action, slot in [playing[1:] for playing in leaving if playing[0] == OBJECT]:
+            standing.put_back(obj, action, compat.paths_of(action, slot))
     names = []
     for action in gone:
         action.use_fake_user = False
@@ -281,6 +310,14 @@ def remove(obj: bpy.types.Object, row) -> list[str]:
             bpy.data.actions.remove(action)
     obj.mimetic.active_take = min(max(index - 1, 0), max(len(obj.mimetic.takes) - 1, 0))
     return names
+
+
+def retime(row, moved: Callable[[list[float]], list[float]]) -> None:
+    """Has what a take notes of the scene's time go along with its curves; moved: scene frames to
+    where they are now."""
+    row.scene_first, row.scene_last = moved([row.scene_first, row.scene_last])
+    for lost in row.lost:
+        lost.first, lost.last = moved([lost.first, lost.last])
 
 
 def _free_name(obj: bpy.types.Object, name: str) -> str:

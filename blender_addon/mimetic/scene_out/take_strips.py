@@ -15,6 +15,7 @@ TRACK = "Mimetic: "
 
 def clear(block: bpy.types.ID, of_actions: Collection | None = None) -> None:
     """Removes our tracks; of_actions: those alone that play one of these."""
+    compat.leave_tweak_mode(block)
     for track in _ours(block):
         used = {strip.action for strip in track.strips}
         if of_actions is not None and not used.intersection(of_actions):
@@ -31,7 +32,7 @@ def add(block: bpy.types.ID, take: str, part, influence: float) -> bpy.types.Nla
     track = animation.nla_tracks.new()
     track.name = f"{TRACK}{take}"
     start = float(part.action.frame_range[0])
-    strip = compat.add_strip(track, take, start, part.action, part.slot)
+    strip = compat.add_strip(track, take, start, part.action, part.slot_now)
     strip.extrapolation = "HOLD"
     strip.blend_type = "REPLACE"
     if influence != 1:
@@ -59,8 +60,7 @@ def play(blocks: dict[str, bpy.types.ID], layers: list[tuple]) -> None:
         parts = [(row, row.parts[owner], share) for row, share in layers if owner in row.parts]
         if not parts:
             continue
-        if block.animation_data is not None:
-            block.animation_data.action = None
+        compat.unassign(block)
         for row, part, share in parts:
             add(block, row.name, part, share)
 

@@ -48,9 +48,11 @@ finds it by its name; scripts call it by the name in the last column ([scripting
 Long ones show their progress and the time left in the status bar, and leave the window free
 meanwhile: scrub, play, undo, load the next clip. *Capture*, *Head Only*, *Find Face*, *Calibrate*,
 *Refine* and *Bake* wait their turn behind one that is at work; on the same clip they begin with
-what that one made, and not at all if it made nothing. Esc ends the one at work (while the animation
-plays Esc ends that alone), and so does the cross beside it in the panel. What a job writes into
-objects waits until you are in Object Mode and in its scene again; the status bar says so.
+what that one made, and not at all if it made nothing. Esc ends the one at work, in any of Blender's
+windows (while the animation plays Esc ends that alone), and so does the cross beside it in the
+panel. A window may be closed: what was begun in it goes on beside one that is left. What a job
+writes into objects waits until you are in Object Mode and in its scene again; the status bar says
+so.
 
 While *Capture* works, the clip editor draws the face on each frame as it is followed, with the
 strip of quality, and the playhead goes along. Scrub or play, and it leaves you there: frames that
